@@ -1,0 +1,74 @@
+//! What can go wrong: a description that makes no sense, a run that was stopped, a job too big.
+
+/// The result of a fallible operation of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// An error, with the numbers that a person needs to mend it.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A value that a description cannot have.
+    #[error("{key}: expected {expected}, got {found}")]
+    Invalid {
+        /// Path of the offending key, relative to the object that refuses it (`std`, `thresholds.gaussian.std`).
+        key: String,
+        /// What would have been accepted.
+        expected: String,
+        /// What came.
+        found: String,
+    },
+    /// The job would not fit in memory.
+    #[error("{what} would need {needed} bytes, more than the {allowed} allowed")]
+    TooLarge {
+        /// What was asked for.
+        what: String,
+        /// Bytes it would need.
+        needed: u64,
+        /// Bytes that are allowed.
+        allowed: u64,
+    },
+    /// The accuracy asked for was not reached.
+    #[error("{what}: reached an accuracy of {reached:e}, short of the {wanted:e} asked for")]
+    Accuracy {
+        /// The computation.
+        what: String,
+        /// Estimated error of the best result.
+        reached: Float,
+        /// Tolerance asked for.
+        wanted: Float,
+    },
+    /// The monitor told the computation to stop.
+    #[error("stopped before the end")]
+    Stopped,
+}
+
+/// A finite `f64` that can stand in a comparable error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Float(pub f64);
+
+impl Eq for Float {}
+
+impl std::fmt::LowerExp for Float {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::LowerExp::fmt(&self.0, f)
+    }
+}
+
+impl Error {
+    /// An [`Error::Invalid`] about `key`.
+    pub fn invalid(key: impl Into<String>, expected: impl Into<String>, found: impl ToString) -> Self {
+        Self::Invalid { key: key.into(), expected: expected.into(), found: found.to_string() }
+    }
+
+    /// The same error, its key prefixed by the table it stands in.
+    #[must_use]
+    pub fn under(self, table: &str) -> Self {
+        match self {
+            Self::Invalid { key, expected, found } => {
+                let key = if key.is_empty() { table.to_owned() } else { format!("{table}.{key}") };
+                Self::Invalid { key, expected, found }
+            }
+            other => other,
+        }
+    }
+}

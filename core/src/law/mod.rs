@@ -1,0 +1,115 @@
+//! Probability laws on x ≥ 0: of thresholds, of re-formed stretches, of initial stretches.
+//!
+//! Every law is a sum of point masses ([`Atom`]) and a density that is smooth between [`Break`]s.
+//! A law whose parent has mass below 0 is that parent conditioned on x ≥ 0: its documented
+//! parameters are the parent's, [`Law::mean`] and [`Law::std`] those of the conditioned law.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use crate::Result;
+use crate::random::Stream;
+
+/// A law, shared.
+pub type SharedLaw = Arc<dyn Law>;
+
+/// A point mass: `weight` at `position`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Atom {
+    /// Where the mass sits.
+    pub position: f64,
+    /// How much there is.
+    pub weight: f64,
+}
+
+/// A point where a density is not smooth: near it the density is a smooth function plus
+/// `amplitude` (x − position)₊^`exponent` / Γ(`exponent` + 1).
+///
+/// A jump has exponent 0 and its height as amplitude; a kink exponent 1 and its change of slope;
+/// √x has exponent ½; a point mass would have exponent −1 and its weight. In this normalisation the
+/// convolution of two breaks is a break at the sum of positions, exponents add plus one, and
+/// amplitudes multiply.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Break {
+    /// Where it is.
+    pub position: f64,
+    /// Its order, above −1.
+    pub exponent: f64,
+    /// Its strength.
+    pub amplitude: f64,
+}
+
+/// A named parameter of a law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameter {
+    /// Its name, as in a scenario.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+}
+
+/// A probability law on x ≥ 0. Lengths are in the unit of the stretch.
+pub trait Law: Debug + Send + Sync {
+    /// The law's name, as in a scenario.
+    fn name(&self) -> &'static str;
+
+    /// The parameters, in the order of the documentation; empty for laws given by a table.
+    fn parameters(&self) -> Vec<Parameter>;
+
+    /// The same law with one parameter replaced.
+    ///
+    /// # Errors
+    /// An unknown name, or a value that the law cannot have.
+    fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw>;
+
+    /// Density p(x) of the part without point masses, per unit length; 0 for x < 0.
+    fn density(&self, x: f64) -> f64;
+
+    /// Survival S(x) = P(ξ > x): 1 for x < 0, continuous from the right.
+    fn survival(&self, x: f64) -> f64;
+
+    /// ln S(x), right far into the tail; −∞ where S = 0.
+    fn ln_survival(&self, x: f64) -> f64;
+
+    /// Hazard p(x)/S(x) of the part without point masses, right far into the tail.
+    fn hazard(&self, x: f64) -> f64;
+
+    /// The smallest x with P(ξ ≤ x) ≥ p, for p in `[0, 1]`; `quantile(1)` may be infinite.
+    fn quantile(&self, p: f64) -> f64;
+
+    /// The smallest x with S(x) ≤ q: accurate for tiny q, where `quantile(1 - q)` is not.
+    fn upper_quantile(&self, q: f64) -> f64;
+
+    /// ∫_{(x, ∞)} ξⁿ dP(ξ); the moment of order n for x < 0.
+    fn upper_moment(&self, order: u32, x: f64) -> f64;
+
+    /// The mean.
+    fn mean(&self) -> f64 {
+        self.upper_moment(1, -1.0)
+    }
+
+    /// The standard deviation.
+    fn std(&self) -> f64;
+
+    /// The point masses, by rising position.
+    fn atoms(&self) -> Vec<Atom> {
+        Vec::new()
+    }
+
+    /// Where the density is not smooth on x ≥ 0, by rising position; includes the ends of a compact support and x = 0
+    /// where p(0⁺) or a low derivative there is not 0.
+    fn breaks(&self) -> Vec<Break>;
+
+    /// A length over which the density varies little between breaks (a Gaussian's std, the least of a mixture's).
+    fn resolution(&self) -> f64 {
+        self.std()
+    }
+
+    /// Laplace transform E[e^{−sξ}], continued analytically to Re s < 0 as far as it goes.
+    fn laplace(&self, s: Complex64) -> Complex64;
+
+    /// Fills `out` with independent draws.
+    fn fill(&self, stream: &mut Stream, out: &mut [f64]);
+}

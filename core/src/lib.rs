@@ -1,0 +1,18 @@
+//! Friction at the mesoscale: many elastic contacts that stretch, break and re-form.
+//!
+//! What contacts *are* ends in one object, the [`life`] of a contact; what friction *does*
+//! starts from it. Two independent solvers answer every question: the [`master`] equation for the
+//! distribution of stretches and the [`ensemble`] of single contacts.
+
+#![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+
+pub mod contacts;
+mod error;
+pub mod law;
+pub mod master;
+pub mod monitor;
+pub mod numerics;
+pub mod random;
+pub mod record;
+
+pub use error::{Error, Result};

@@ -1,0 +1,25 @@
+//! The watcher of a long computation: it hears how far the work is and may stop it.
+
+use std::ops::ControlFlow;
+
+/// Hears the fraction done, answers whether to go on.
+///
+/// Progress bars, Ctrl-C, time limits and checkpoints are monitors; `()` watches nothing.
+pub trait Monitor: Send {
+    /// Called now and then with the fraction of the work done, in `[0, 1]`, never decreasing.
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()>;
+}
+
+impl Monitor for () {
+    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Asks `monitor` whether to go on, as a `Result` for use with `?`.
+pub(crate) fn report(monitor: &mut dyn Monitor, fraction: f64) -> crate::Result<()> {
+    match monitor.progress(fraction) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(crate::Error::Stopped),
+    }
+}

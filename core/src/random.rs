@@ -1,0 +1,5 @@
+//! Counter-based random streams.
+
+/// A stream.
+#[derive(Debug, Clone)]
+pub struct Stream;
