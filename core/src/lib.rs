@@ -15,4 +15,4 @@ pub mod numerics;
 pub mod random;
 pub mod record;
 
-pub use error::{Error, Result};
+pub use error::{Error, Float, Result};

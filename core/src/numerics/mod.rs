@@ -1,1 +1,6 @@
 //! Numerical methods that know no physics.
+
+pub mod breaks;
+pub mod legendre;
+pub mod piecewise;
+pub mod volterra;
