@@ -3,4 +3,5 @@
 pub mod breaks;
 pub mod legendre;
 pub mod piecewise;
+pub mod roots;
 pub mod volterra;
