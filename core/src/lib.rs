@@ -9,6 +9,7 @@
 pub mod contacts;
 mod error;
 pub mod law;
+pub mod life;
 pub mod master;
 pub mod monitor;
 pub mod numerics;
