@@ -8,6 +8,7 @@
 
 pub mod contacts;
 mod error;
+pub mod exact;
 pub mod law;
 pub mod master;
 pub mod monitor;
