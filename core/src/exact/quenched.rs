@@ -19,17 +19,20 @@ impl Quenched {
         let law = &self.thresholds;
         let mean = law.mean();
         let below = |x: f64| mean - law.upper_moment(1, x);
-        // The first terms one by one, down to thresholds over which P_c no longer varies, the rest by
-        // the midpoint rule, whose integral is known: ∫_N^∞ M(X/ν)dν = X[P(ξ ≤ c) − M(c)/c], c = X/N.
+        // The first terms one by one, down to thresholds over which P_c no longer varies or vanishes.
         let terms = (position / (0.02 * law.resolution().min(mean))).ceil().max(50.0);
-        let end = position / (terms + 0.5);
-        let summed: f64 = (1..=terms as u64).map(|n| below(position / n as f64)).sum();
-        if end <= 0.0 {
-            return position - summed;
+        let mut force = position;
+        for n in 1..=terms as u64 {
+            let x = position / n as f64;
+            if law.survival(x) == 1.0 {
+                return force;
+            }
+            force -= below(x);
         }
+        // The rest by the midpoint rule: ∫_N^∞ M(X/ν)dν = X[P(ξ ≤ c) − M(c)/c], c = X/N.
+        let end = position / (terms + 0.5);
         let rest = position * ((1.0 - law.survival(end)) - below(end) / end);
-        let correction = end.powi(3) * law.density(end) / (24.0 * position);
-        position - summed - rest + correction
+        force - rest + end.powi(3) * law.density(end) / (24.0 * position)
     }
 
     /// F_k/(N_c⟨k⟩) = x̄/2, to which F tends if P_c has no point masses.
