@@ -149,14 +149,13 @@ impl Pull {
             }
         }
         let (position, value, cell) = best;
-        let falls = |later: usize| self.force.coefficients[later][0] < value - slack || self.low(later) < value - slack;
-        let fallen = cells.skip(cell).any(|later| falls(later));
+        let ends = |later: usize| {
+            let edges = &self.force.boundaries;
+            let from = if later == cell { position } else { edges[later] };
+            [from, edges[later + 1].min(self.distance)].map(|x| self.force.value_in(later, x))
+        };
+        let fallen = cells.skip(cell).any(|later| ends(later).into_iter().any(|force| force < value - slack));
         (fallen && position < self.distance).then_some(Extremum { position, value: self.stiffness * value })
-    }
-
-    /// F at the lower end of a cell beyond the maximum.
-    fn low(&self, cell: usize) -> f64 {
-        self.force.value_in(cell, self.force.boundaries[cell + 1].min(self.distance))
     }
 
     fn last_cell(&self) -> usize {
