@@ -4,9 +4,9 @@ use common::*;
 use std::time::Instant;
 fn main() {
     for (l, r, i, d, tol) in [
-        (gaussian(1.0, 0.001), point(0.0), point(0.0), 1.5, 1e-12),
-        (gaussian(1.0, 0.001), point(0.0), point(0.0), 1.5, 1e-10),
-        (weibull(0.7, 1.0), point(0.0), point(0.0), 50.0, 1e-10),
+        
+        
+        
         (weibull(0.5, 1.0), point(0.0), point(0.0), 50.0, 1e-10),
         (weibull(1.5, 1.0), point(0.0), point(0.0), 50.0, 1e-10),
         (weibull(12.153, 1.0), point(0.0), point(0.0), 50.0, 1e-10),

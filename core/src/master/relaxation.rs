@@ -112,6 +112,9 @@ struct Transform<'a> {
     mean: f64,
     /// The law itself and the stretch r < all thresholds at which contacts re-form: φ̂ = e^{sr} P̂_c.
     law: Option<(&'a SharedLaw, f64)>,
+    /// Whether the transform exists for Re s < 0 only by continuation: then only the pole nearest to that of the Gaussian
+    /// of equal mean and variance is looked for.
+    continued: bool,
     /// Re s below which the transform is not to be trusted (or does not exist).
     leftmost: f64,
 }
@@ -125,9 +128,10 @@ impl<'a> Transform<'a> {
         let rate = law.decay_rate();
         // Lives are known to where S = 1e-18: of that, e^{8} times more is still 1e-14.
         let numeric = if compact { -40.0 } else { -8.0 } / reborn.breaking().curve().end();
-        let analytic = if rate > 0.0 { -rate } else { f64::NEG_INFINITY };
-        let leftmost = if single.is_some() { analytic } else { numeric.max(-rate.max(f64::MIN_POSITIVE)) };
-        Self { reborn, mean: reborn.mean(), law: single.map(|a| (law, a.position)), leftmost }
+        let continued = rate == 0.0;
+        let analytic = if continued { f64::NEG_INFINITY } else { -rate };
+        let leftmost = if single.is_some() { analytic } else { numeric.max(analytic) };
+        Self { continued, reborn, mean: reborn.mean(), law: single.map(|a| (law, a.position)), leftmost }
     }
 
     /// φ̂(s).
@@ -174,6 +178,9 @@ impl<'a> Transform<'a> {
     /// The roots with 0 < Im s ≤ Ω, slowest first: Newton from the dips of |1 − φ̂| on the imaginary axis and from the
     /// roots of the Gaussian of equal mean and variance, until the argument principle finds none to their right.
     fn roots(&self) -> Vec<Complex64> {
+        if self.continued {
+            return self.harmonics(3).filter_map(|guess| self.polish(guess)).take(1).collect();
+        }
         let mut found: Vec<Complex64> = Vec::new();
         for density in [1_u32, 4] {
             for guess in self.guesses(density) {
@@ -200,19 +207,21 @@ impl<'a> Transform<'a> {
             .collect();
         let dips = (1..axis.len().saturating_sub(1)).filter(|&k| axis[k] <= axis[k - 1] && axis[k] < axis[k + 1]);
         let mut guesses: Vec<_> = dips.map(|k| Complex64::new(-1e-3 / self.mean, (k + 1) as f64 * step)).collect();
-        let variance = self.variance();
-        for j in 1..=HARMONICS as usize {
-            let root = (self.mean * self.mean
-                - Complex64::i() * (2.0 * std::f64::consts::TAU * j as f64 * variance))
-                .sqrt();
-            guesses.push(((self.mean - root) / variance.max(1e-30)).conj());
-            guesses.push((self.mean - root) / variance.max(1e-30));
-        }
+        guesses.extend(self.harmonics(HARMONICS as u32));
         if density > 1 {
             let grid = (1..60).flat_map(|k| [0.5, 1.0, 2.0, 4.0].map(|re| (re, f64::from(k) * 0.25)));
             guesses.extend(grid.map(|(re, im)| Complex64::new(-re, im) / self.mean));
         }
         guesses
+    }
+
+    /// The first roots of the Gaussian of equal mean and variance, [x̄ − √(x̄² − 4πijσ²)]/σ².
+    fn harmonics(&self, count: u32) -> impl Iterator<Item = Complex64> {
+        let (mean, variance) = (self.mean, self.variance());
+        (1..=count).map(move |j| {
+            let turn = Complex64::new(0.0, 2.0 * std::f64::consts::TAU * f64::from(j) * variance);
+            (mean - (mean * mean - turn).sqrt()) / variance
+        })
     }
 
     /// Variance of the advance survived.

@@ -88,6 +88,11 @@ impl Kernel {
         })
     }
 
+    /// The mass of the density.
+    fn mass(&self) -> f64 {
+        self.curve.integral()
+    }
+
     /// The width below which the cells hold the fraction `light` of the mass.
     fn narrow(&self, light: f64) -> f64 {
         let width = |cell: usize| 2.0 * self.curve.cell(cell).1;
@@ -132,51 +137,140 @@ impl Mesh {
     }
 }
 
-/// The blocks of one kernel on one mesh, each computed once per run.
+/// Part of the past of a run, as wide as its cells and in step with them.
+struct Past {
+    /// Gauss values of the least-squares fit to the density there: all that a kernel smooth over it can see.
+    values: Nodal,
+    /// The cells it is made of, cut at its ends: middle, half width, Gauss values. Empty if the fit is the density.
+    parts: Vec<(f64, f64, Nodal)>,
+}
+
+/// Runs longer than this have their past made ready in their own step.
+const SHORT_RUN: usize = 3;
+
+/// Pasts of more cells than this are not made.
+const LONGEST_PAST: usize = 16_384;
+
+impl Past {
+    /// The past of a run back to 0 or `reach`, latest first; `None` where it would be too long.
+    fn of(run: Run, density: &Piecewise, reach: f64) -> Option<Vec<Self>> {
+        let count = (run.start.min(reach) / run.width - 1e-9).ceil();
+        let back = |k: usize| run.start - k as f64 * run.width;
+        (count <= LONGEST_PAST as f64).then(|| (0..count as usize).map(|k| Self::new(density, back(k + 1), back(k))).collect())
+    }
+
+    fn new(density: &Piecewise, low: f64, high: f64) -> Self {
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let edges = &density.boundaries;
+        // Cells that reach in by rounding alone are none of its own.
+        let sliver = 1e-9 * half;
+        let first = edges.partition_point(|&b| b <= low + sliver).saturating_sub(1);
+        let mut parts = Vec::new();
+        for cell in first..density.coefficients.len() {
+            let (a, b) = (edges[cell].max(low), edges[cell + 1].min(high));
+            if edges[cell] >= high - sliver {
+                break;
+            }
+            let (m, h) = (0.5 * (a + b), 0.5 * (b - a));
+            parts.push((m, h, RULE.nodes.map(|t| density.value_in(cell, m + h * t))));
+        }
+        if parts.len() == 1 && parts[0].1 > half * (1.0 - 1e-6) {
+            return Self { values: parts[0].2, parts: Vec::new() };
+        }
+        let mut values = [0.0; NODES];
+        for (m, h, part) in &parts {
+            for i in 0..NODES {
+                let cardinals = RULE.cardinals((m + h * RULE.nodes[i] - middle) / half);
+                let weight = h / half * RULE.weights[i] * part[i];
+                (0..NODES).for_each(|j| values[j] += weight * cardinals[j]);
+            }
+        }
+        (0..NODES).for_each(|j| values[j] /= RULE.weights[j]);
+        Self { values, parts }
+    }
+}
+
+/// A block between cells a given number of widths apart.
+struct Lagged {
+    /// `None` where the kernel vanishes.
+    block: Option<Box<Block>>,
+    /// Whether the kernel is smooth over the block, so that it sees of a source no more than a polynomial.
+    smooth: bool,
+}
+
+/// The blocks of one kernel on the latest run of a mesh, each computed once.
 struct Blocks<'a> {
     kernel: &'a Kernel,
-    /// By lag within the latest run; `None` where the kernel vanishes.
-    cached: Vec<Option<Box<Block>>>,
+    /// By lag.
+    cached: Vec<Lagged>,
     run: u32,
+    past: Option<Vec<Past>>,
 }
 
 impl<'a> Blocks<'a> {
     fn new(kernel: &'a Kernel) -> Self {
-        Self { kernel, cached: Vec::new(), run: u32::MAX }
+        Self { kernel, cached: Vec::new(), run: u32::MAX, past: None }
     }
 
-    /// Adds ∫ over cells first..cell (and none later) of k(X_i − Y) g(Y) dY to the values at the points of `cell`.
-    fn add_history(&mut self, mesh: &Mesh, cell: usize, values: &[Nodal], out: &mut Nodal) {
-        let run = mesh.run_of[cell];
-        if run != self.run {
-            self.run = run;
-            self.cached.clear();
+    fn reset(&mut self, run: u32) {
+        self.run = run;
+        self.cached.clear();
+        self.past = None;
+    }
+
+    /// Adds ∫ over the cells that have values of k(X_i − Y) g(Y) dY to the values at the points of `cell`, one of
+    /// them or the next. `density` holds the same cells as series.
+    fn add_history(&mut self, mesh: &Mesh, cell: usize, values: &[Nodal], density: &Piecewise, out: &mut Nodal) {
+        if mesh.run_of[cell] != self.run {
+            self.reset(mesh.run_of[cell]);
         }
-        let first = mesh.runs[run as usize].first;
-        let start = mesh.boundaries[cell];
-        for source in (0..values.len()).rev() {
-            if start - mesh.boundaries[source + 1] >= self.kernel.curve.end() {
-                break;
+        let run = mesh.runs[self.run as usize];
+        let (end, ahead) = (self.kernel.curve.end(), cell - run.first);
+        let near = |lag: usize| (lag as f64 - 1.0) * run.width < end;
+        for source in (run.first..values.len()).rev().take_while(|source| near(cell - source)) {
+            if let Some(block) = &self.within_run(run.width, cell - source).block {
+                apply(block, &values[source], out);
             }
-            if source >= first {
-                let block = self.within_run(mesh, cell - source);
-                if let Some(block) = block {
-                    apply(block, &values[source], out);
-                }
-            } else if let Some(block) = block(self.kernel, mesh.cell(cell), mesh.cell(source)) {
+        }
+        if self.past.is_none() && ahead >= SHORT_RUN && run.first > 0 {
+            self.past = Past::of(run, density, end);
+        }
+        let Some(past) = self.past.take() else {
+            return self.add_cells(mesh, cell, &values[..run.first.min(values.len())], out);
+        };
+        for (k, source) in past.iter().enumerate().take_while(|(k, _)| near(ahead + 1 + k)) {
+            let lagged = self.within_run(run.width, ahead + 1 + k);
+            match &lagged.block {
+                Some(block) if lagged.smooth || source.parts.is_empty() => apply(block, &source.values, out),
+                _ if lagged.smooth => {}
+                _ => source.parts.iter().for_each(|(middle, half, values)| {
+                    if let Some(block) = block(self.kernel, mesh.cell(cell), (*middle, *half)).block {
+                        apply(&block, values, out);
+                    }
+                }),
+            }
+        }
+        self.past = Some(past);
+    }
+
+    /// The contributions of cells of other runs, one by one.
+    fn add_cells(&self, mesh: &Mesh, cell: usize, values: &[Nodal], out: &mut Nodal) {
+        let (start, end) = (mesh.boundaries[cell], self.kernel.curve.end());
+        let near = |source: &usize| start - mesh.boundaries[source + 1] < end;
+        for source in (0..values.len()).rev().take_while(near) {
+            if let Some(block) = block(self.kernel, mesh.cell(cell), mesh.cell(source)).block {
                 apply(&block, &values[source], out);
             }
         }
     }
 
     /// The block between cells `lag` apart in the current run.
-    fn within_run(&mut self, mesh: &Mesh, lag: usize) -> Option<&Block> {
-        let width = mesh.runs[self.run as usize].width;
+    fn within_run(&mut self, width: f64, lag: usize) -> &Lagged {
         while self.cached.len() <= lag {
             let gap = self.cached.len() as f64 * width;
             self.cached.push(block(self.kernel, (gap, 0.5 * width), (0.0, 0.5 * width)));
         }
-        self.cached[lag].as_deref()
+        &self.cached[lag]
     }
 }
 
@@ -193,16 +287,16 @@ fn apply(block: &Block, values: &Nodal, out: &mut Nodal) {
 /// Entries of a block below this are left out: a thousand such blocks would add 1e-16 of the solution.
 const NEGLIGIBLE: f64 = 1e-20;
 
-/// The block ∫_source ℓ_j(Y) k(X_i − Y) dY for the Gauss points X_i of the cell `target`; `None` where it vanishes.
-fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> Option<Box<Block>> {
+/// The block ∫_source ℓ_j(Y) k(X_i − Y) dY for the Gauss points X_i of the cell `target`.
+fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> Lagged {
     let gap = target.0 - source.0;
-    let mut out = Box::new([[0.0; NODES]; NODES]);
-    let mut largest = 0.0_f64;
-    let mut cuts = Vec::new();
     let reach = target.1 + source.1;
     if 2.0 * source.1 * kernel.bound(gap - reach, gap + reach) < NEGLIGIBLE {
-        return None;
+        return Lagged { block: None, smooth: true };
     }
+    let mut out = Box::new([[0.0; NODES]; NODES]);
+    let (mut largest, mut smooth) = (0.0_f64, true);
+    let mut cuts = Vec::new();
     for i in 0..NODES {
         let offset = gap + target.1 * RULE.nodes[i];
         let (low, high) = ((offset - source.1).max(0.0), offset + source.1);
@@ -213,13 +307,13 @@ fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> Option<Box<
         cuts.push(low);
         kernel.splits(low, high, 2.0 * source.1, &mut cuts);
         cuts.push(high);
-        let plain = cuts.len() == 2 && offset >= source.1;
         let mut row = [0.0; NODES];
-        if plain {
+        if cuts.len() == 2 && offset >= source.1 {
             for j in 0..NODES {
                 row[j] = source.1 * RULE.weights[j] * kernel.curve.value(offset - source.1 * RULE.nodes[j]);
             }
         } else {
+            smooth = false;
             split_row(kernel, offset, source.1, &cuts, &mut row);
         }
         for j in 0..NODES {
@@ -227,7 +321,7 @@ fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> Option<Box<
             largest = largest.max(row[j].abs());
         }
     }
-    (largest > NEGLIGIBLE).then_some(out)
+    Lagged { block: (largest > NEGLIGIBLE).then_some(out), smooth }
 }
 
 /// One row of a block whose integrand is smooth only between `cuts` in u.
@@ -235,16 +329,14 @@ fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64], row: &mut No
     for pair in cuts.windows(2) {
         let (middle, part) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
         let Some(cell) = kernel.curve.find(middle) else { continue };
-        let end = kernel.curve.end();
+        let edges = &kernel.curve.boundaries;
         for q in 0..NODES {
             let u = middle + part * RULE.nodes[q];
-            let value = match kernel.curve.boundaries[cell + 1] {
-                top if u < top => kernel.curve.value_in(cell, u),
-                _ if u < end => kernel.curve.value(u),
-                _ => 0.0,
-            };
+            // One lookup serves the whole part where it lies in one cell.
+            let inside = edges[cell] <= pair[0] && pair[1] <= edges[cell + 1];
+            let value = if inside { kernel.curve.value_in(cell, u) } else { kernel.curve.value(u) };
             let weight = part * RULE.weights[q] * value;
-            let cardinals = RULE.cardinals((offset - u) / half);
+            let cardinals = RULE.cardinals(((offset - u) / half).clamp(-1.0, 1.0));
             for (sum, cardinal) in row.iter_mut().zip(&cardinals) {
                 *sum += weight * cardinal;
             }
@@ -309,7 +401,10 @@ pub fn solve(
     accuracy: Accuracy,
     monitor: &mut dyn Monitor,
 ) -> Result<Solution> {
-    let width = (accuracy.widening * source.narrow(accuracy.light).min(kernel.narrow(accuracy.light))).min(end);
+    // Convolution only smooths: what follows a source with a density is no narrower than that.
+    let own = source.narrow(accuracy.light);
+    let narrow = if source.mass() > 1e-3 { own } else { own.min(kernel.narrow(accuracy.light)) };
+    let width = (accuracy.widening * narrow).min(end);
     let spacing = width / (2 * NODES) as f64;
     let matters = |b: &Break| b.weight(spacing) > 10.0 * accuracy.density;
     let breaks = renewed(&source.breaks, &kernel.breaks, end, matters)?;
@@ -396,7 +491,7 @@ impl March<'_> {
             && patience == 0
             && missing < 0.05 * limit.max(self.accuracy.mass / width);
         let settled =
-            self.accuracy.may_grow && done >= 256 && missing < 1e-5 * limit && left > 2048.0 * width;
+            self.accuracy.may_grow && done >= 256 && missing < 1e-5 * limit && left > 512.0 * width;
         recovering || settled
     }
 
@@ -420,7 +515,7 @@ impl March<'_> {
         }
         self.mesh.runs.push(Run { first: self.values.len(), start, width });
         self.inverse = None;
-        self.blocks.run = u32::MAX;
+        self.blocks.reset(u32::MAX);
     }
 
     /// Solves the next cell of the run, up to `stop`; the size of its tail, or `None` where it is not resolved.
@@ -433,7 +528,7 @@ impl March<'_> {
         self.mesh.boundaries.push(stop);
         let (middle, half) = self.mesh.cell(cell);
         let mut known = self.known(middle, half);
-        self.blocks.add_history(&self.mesh, cell, &self.values, &mut known);
+        self.blocks.add_history(&self.mesh, cell, &self.values, &self.density, &mut known);
         let mut values = [0.0; NODES];
         apply(self.inverse(half), &known, &mut values);
         let coefficients = RULE.coefficients(&values);
@@ -445,13 +540,11 @@ impl March<'_> {
             self.mesh.boundaries.pop();
             return None;
         }
-        if missing * half > self.accuracy.mass * 1e-3 {
-            self.tail = self.tail.max(missing);
-        }
+        self.tail = self.tail.max(missing.min(missing * half / self.accuracy.mass * self.accuracy.density));
         self.values.push(values);
         self.density.boundaries.push(stop);
         self.density.coefficients.push(coefficients);
-        Some(missing)
+        Some(if missing < rounding { 0.0 } else { missing })
     }
 
     /// Source and atoms at the Gauss points of a cell.
@@ -469,7 +562,7 @@ impl March<'_> {
         let run = self.mesh.runs.len() as u32;
         if self.inverse.as_ref().is_none_or(|(made_for, _)| *made_for != run) {
             let mut matrix =
-                block(self.kernel, (0.0, half), (0.0, half)).map_or([[0.0; NODES]; NODES], |b| *b);
+                block(self.kernel, (0.0, half), (0.0, half)).block.map_or([[0.0; NODES]; NODES], |b| *b);
             for atom in &self.kernel_atoms {
                 for i in 0..NODES {
                     let t = RULE.nodes[i] - atom.position / half;
@@ -543,7 +636,7 @@ impl Solution {
                 let x = middle + half * t;
                 source.value(x) + struck(&kernel.curve, &self.atoms, x)
             });
-            blocks.add_history(&self.mesh, cell, &self.values[..=cell], &mut values);
+            blocks.add_history(&self.mesh, cell, &self.values[..=cell], &self.density, &mut values);
             coefficients.push(RULE.coefficients(&values));
             if cell % 1024 == 1023 {
                 report(monitor, (cell + 1) as f64 / self.mesh.cells() as f64)?;
@@ -567,6 +660,11 @@ impl Solution {
         let mut cuts = vec![low];
         kernel.splits(low, high, 2.0 * half, &mut cuts);
         cuts.push(high);
+        if cuts.len() == 2 && low > 0.0 {
+            // Far from a tiny cell, x − u would lose the place in it.
+            let at = |i: usize| self.values[cell][i] * kernel.curve.value(x - middle - half * RULE.nodes[i]);
+            return half * (0..NODES).map(|i| RULE.weights[i] * at(i)).sum::<f64>();
+        }
         let integrand = |u: f64| self.density.value_in(cell, x - u) * kernel.curve.value(u);
         cuts.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum()
     }
