@@ -57,7 +57,9 @@ impl Root {
             return 0.0;
         }
         let x = x.max(1e-150 * self.factor);
-        self.slope(x) * value(self.area(x))
+        let value = value(self.area(x));
+        // Far out 0 meets a slope that overflows.
+        if value == 0.0 { 0.0 } else { self.slope(x) * value }
     }
 
     fn beyond(&self, x: f64, value: impl Fn(f64) -> f64) -> f64 {
@@ -141,7 +143,7 @@ impl Law for Root {
 
     /// cⁿ times the moment n/2 of A above x²/c²; by quadrature for odd n.
     fn upper_moment(&self, order: u32, x: f64) -> f64 {
-        if order % 2 == 0 {
+        if order.is_multiple_of(2) {
             return self.factor.powi(order as i32)
                 * self.beyond(x, |area| self.areas.upper_moment(order / 2, area));
         }

@@ -114,10 +114,10 @@ impl Law for Weibull {
         onset(self.shape - 1.0, libm::tgamma(self.shape + 1.0) / self.scale.powf(self.shape))
     }
 
-    /// ∫ e^{−sx} dP over u = ln(x/λ); entire for k > 1, 1/(1 + sλ) for k = 1. For k < 1 and Re s < 0 it
-    /// diverges (and is infinite on the real axis); its analytic continuation is the integral along
-    /// x = t e^{∓iθ}, turned until e^{−sx} no longer grows. Right to 1e-13 absolute where Re s ≥ 0, and to
-    /// 1e-13 of the transform at Re s where not.
+    /// ∫ e^{−sx} dP over u = ln(x/λ); entire for k > 1, 1/(1 + sλ) for k = 1. For Re s < 0 along
+    /// x = t e^{∓iθ}, turned until e^{−sx} no longer grows, but kθ ≤ 1.2 for k > 1; for k < 1 that is the analytic
+    /// continuation, infinite on the negative real axis like the transform itself. Right to 1e-14 absolute for
+    /// Re s ≥ 0; to the left, for k > 1, of ∫|e^{−sx} dP| on the contour.
     fn laplace(&self, s: Complex64) -> Complex64 {
         let s = s * self.scale;
         if self.shape == 1.0 {
@@ -126,7 +126,8 @@ impl Law for Weibull {
         if self.shape < 1.0 && s.im == 0.0 && s.re < 0.0 {
             return Complex64::from(f64::INFINITY);
         }
-        let turn = if self.shape < 1.0 { (s.arg().abs() - FRAC_PI_2).max(0.0).copysign(s.im) } else { 0.0 };
+        let most = if self.shape < 1.0 { FRAC_PI_2 } else { 1.2 / self.shape };
+        let turn = (s.arg().abs() - FRAC_PI_2).clamp(0.0, most).copysign(s.im);
         let turned = s * Complex64::cis(-turn);
         let top = top(self.shape, (-turned.re).max(0.0), (self.shape * turn).cos());
         trapezoid(-45.0 / self.shape, top, |u| {
