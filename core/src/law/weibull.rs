@@ -114,6 +114,14 @@ impl Law for Weibull {
         onset(self.shape - 1.0, libm::tgamma(self.shape + 1.0) / self.scale.powf(self.shape))
     }
 
+    fn decay_rate(&self) -> f64 {
+        match self.shape {
+            shape if shape > 1.0 => f64::INFINITY,
+            shape if shape < 1.0 => 0.0,
+            _ => 1.0 / self.scale,
+        }
+    }
+
     /// ∫ e^{−sx} dP over u = ln(x/λ); entire for k > 1, 1/(1 + sλ) for k = 1. For Re s < 0 along
     /// x = t e^{∓iθ}, turned until e^{−sx} no longer grows, but kθ ≤ 1.2 for k > 1; for k < 1 that is the analytic
     /// continuation, infinite on the negative real axis like the transform itself. Right to 1e-14 absolute for

@@ -25,12 +25,7 @@ const NEGLIGIBLE: f64 = 1e-18;
 ///
 /// # Errors
 /// Starts where no threshold is left (S = 0), if `conditional`.
-pub fn athermal(
-    thresholds: &SharedLaw,
-    stiffness: Stiffness,
-    starts: &SharedLaw,
-    conditional: bool,
-) -> Result<Life> {
+pub fn athermal(thresholds: &SharedLaw, stiffness: Stiffness, starts: &SharedLaw, conditional: bool) -> Result<Life> {
     let births = Births::new(thresholds, starts, conditional)?;
     let breaks = births.breaks();
     let end = births.end();
@@ -48,15 +43,7 @@ pub fn athermal(
     let [breaking, ..] = moments;
     let breaking = Kernel::new(breaking, breaks);
     let Births { density, atoms, .. } = births;
-    Ok(Life {
-        survival,
-        breaking,
-        force,
-        square,
-        births: density,
-        birth_atoms: atoms,
-        thresholds: thresholds.clone(),
-    })
+    Ok(Life { survival, breaking, force, square, births: density, birth_atoms: atoms, thresholds: thresholds.clone() })
 }
 
 /// Moments of the breaking stretches are kept up to the fourth.
@@ -126,8 +113,7 @@ impl<'a> Births<'a> {
             return Err(Error::invalid("", expected, format!("stretches up to {top}")));
         }
         let over = |r: f64| if conditional { thresholds.survival(r) } else { 1.0 };
-        let atoms =
-            starts.atoms().into_iter().map(|a| Atom { weight: a.weight / over(a.position), ..a }).collect();
+        let atoms = starts.atoms().into_iter().map(|a| Atom { weight: a.weight / over(a.position), ..a }).collect();
         let hazards = with_atoms(thresholds);
         let (density, struck, points) = (Piecewise::default(), Vec::new(), Vec::new());
         let mut births = Self { thresholds, starts, conditional, density, atoms, hazards, struck, points };
@@ -209,16 +195,20 @@ impl<'a> Births<'a> {
         last - self.starts.quantile(0.0)
     }
 
-    /// Cell boundaries to begin with: the breaks, and between them cells as wide as a Gaussian of that resolution
-    /// allows, wider in far tails.
+    /// Cell boundaries to begin with: the breaks, and where contacts break, cells as wide as a Gaussian of that
+    /// resolution allows, wider in far tails.
     fn edges(&self, breaks: &[Break], end: f64) -> Vec<f64> {
-        let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).filter(|&u| u > 0.0 && u < end).collect();
-        stops.push(end);
+        let top = self.starts.upper_quantile(NEGLIGIBLE);
+        let quiet = self.thresholds.quantile(NEGLIGIBLE) - top;
         let bulk = self.thresholds.mean() + 10.0 * self.thresholds.std();
+        let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).chain([quiet]).collect();
+        stops.retain(|&u| u > 0.0 && u < end);
+        stops.push(end);
+        stops.sort_by(f64::total_cmp);
         let mut edges = vec![0.0];
         for stop in stops {
             let mut at = edges[edges.len() - 1];
-            let even = (stop.min(bulk) - at).max(0.0);
+            let even = if at < quiet { 0.0 } else { (stop.min(bulk) - at).max(0.0) };
             let step = even / (even / self.widest()).ceil().max(1.0);
             while at + 1.5 * step < stop && step > 0.0 {
                 at += if at > bulk { at } else { step };
@@ -243,8 +233,7 @@ impl<'a> Births<'a> {
         };
         self.atoms.iter().for_each(|a| add(a.position, a.weight));
         let end = self.density.end();
-        let mut cuts: Vec<f64> =
-            self.hazards.iter().map(|b| b.position - u).filter(|&r| r > 0.0 && r < end).collect();
+        let mut cuts: Vec<f64> = self.hazards.iter().map(|b| b.position - u).filter(|&r| r > 0.0 && r < end).collect();
         if cuts.is_empty() {
             self.points.iter().for_each(|&(r, weight)| add(r, weight));
             return sums;
