@@ -1,6 +1,6 @@
 //! The Weibull law: the weakest of many links.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use num_complex::Complex64;
 use rand_distr::{Distribution, Exp1};
@@ -122,10 +122,11 @@ impl Law for Weibull {
         }
     }
 
-    /// ∫ e^{−sx} dP over u = ln(x/λ); entire for k > 1, 1/(1 + sλ) for k = 1. For Re s < 0 along
-    /// x = t e^{∓iθ}, turned until e^{−sx} no longer grows, but kθ ≤ 1.2 for k > 1; for k < 1 that is the analytic
-    /// continuation, infinite on the negative real axis like the transform itself. Right to 1e-14 absolute for
-    /// Re s ≥ 0; to the left, for k > 1, of ∫|e^{−sx} dP| on the contour.
+    /// ∫ e^{−sx} dP over u = ln(x/λ); entire for k > 1, 1/(1 + sλ) for k = 1. Along x = t e^{∓iθ}, turned until
+    /// e^{−sx} falls without much oscillation, so far as e^{−y} allows; for k < 1 and Re s < 0, where the integral
+    /// diverges, that is its analytic continuation, infinite on the negative real axis like the integral.
+    ///
+    /// Right to 1e-14 absolute, but for k > 1 and |arg s| > π/2 + 1.2/k to 1e-14 of the largest e^{−sx} p.
     fn laplace(&self, s: Complex64) -> Complex64 {
         let s = s * self.scale;
         if self.shape == 1.0 {
@@ -134,8 +135,11 @@ impl Law for Weibull {
         if self.shape < 1.0 && s.im == 0.0 && s.re < 0.0 {
             return Complex64::from(f64::INFINITY);
         }
-        let most = if self.shape < 1.0 { FRAC_PI_2 } else { 1.2 / self.shape };
-        let turn = (s.arg().abs() - FRAC_PI_2).clamp(0.0, most).copysign(s.im);
+        let angle = s.arg().abs();
+        // For k < 1 at least until e^{−sx} does not grow: kθ < π/2 all the same.
+        let least = if self.shape < 1.0 { angle - FRAC_PI_2 } else { 0.0 };
+        let turn = (angle - FRAC_PI_4).min(1.2 / self.shape).max(least).max(0.0).copysign(s.im);
+        let turn = if s.im == 0.0 { 0.0 } else { turn };
         let turned = s * Complex64::cis(-turn);
         let top = top(self.shape, (-turned.re).max(0.0), (self.shape * turn).cos());
         trapezoid(-45.0 / self.shape, top, |u| {
