@@ -3,7 +3,6 @@
 use std::f64::consts::SQRT_2;
 
 use num_complex::Complex64;
-use puruspe::faddeeva;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::{
@@ -44,8 +43,13 @@ impl Gaussian {
         (x - self.mean) / self.std
     }
 
-    /// P(ξ ≤ x) for 0 ≤ x ≤ μ. Near 0 the difference of two Φ would cancel: there the density varies
-    /// by less than a factor e, and Gauss points are exact.
+    /// Below it P(ξ ≤ x) is the better known of the two tails.
+    fn bulk(&self) -> f64 {
+        self.mean.max(self.std)
+    }
+
+    /// P(ξ ≤ x) for 0 ≤ x ≤ max(μ, σ). Near 0 the difference of two Φ would cancel: there the density varies
+    /// by a factor of order e, and Gauss points are exact.
     fn below(&self, x: f64) -> f64 {
         if x * self.alpha.max(1.0) < self.std {
             return RULE.integrate(0.0, x, |t| self.density(t));
@@ -82,14 +86,14 @@ impl Law for Gaussian {
         if x <= 0.0 {
             return 1.0;
         }
-        if x < self.mean { 1.0 - self.below(x) } else { normal::survival(self.standard(x)) / self.above }
+        if x < self.bulk() { 1.0 - self.below(x) } else { normal::survival(self.standard(x)) / self.above }
     }
 
     fn ln_survival(&self, x: f64) -> f64 {
         if x <= 0.0 {
             return 0.0;
         }
-        if x < self.mean {
+        if x < self.bulk() {
             return (-self.below(x)).ln_1p();
         }
         normal::ln_survival(self.standard(x)) - self.ln_above
@@ -130,15 +134,12 @@ impl Law for Gaussian {
         onset(0.0, self.density(0.0))
     }
 
-    /// [exp(−sμ + s²σ²/2) − ½ exp(−α²/2) w(−iζ)]/Φ(α) with ζ = (sσ − α)/√2 and w the Faddeeva function;
-    /// where Re ζ > 0 the two would cancel, and ½ exp(−α²/2) w(iζ)/Φ(α) is the same. Entire.
+    /// [exp(−sμ + s²σ²/2) − ½ exp(−α²/2) erfcx(−ζ)]/Φ(α) with ζ = (sσ − α)/√2 and erfcx(z) = exp(z²) erfc(z);
+    /// where Re ζ > 0 the two would cancel, and ½ exp(−α²/2) erfcx(ζ)/Φ(α) is the same. Entire.
     fn laplace(&self, s: Complex64) -> Complex64 {
         let zeta = (s * self.std - self.alpha) / SQRT_2;
         let boundary = 0.5 * (-0.5 * self.alpha * self.alpha).exp();
-        let tail = |zeta: Complex64| {
-            let (re, im) = faddeeva(-zeta.im, zeta.re);
-            boundary * Complex64::new(re, im)
-        };
+        let tail = |zeta| boundary * normal::complex_erfcx(zeta);
         if zeta.re > 0.0 {
             return tail(zeta) / self.above;
         }

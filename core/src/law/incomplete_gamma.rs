@@ -30,6 +30,9 @@ enum Tail {
 impl IncompleteGamma {
     /// At shape a > 0 and x ≥ 0; `excess` is x/a − 1, which the caller may know better than from a and x.
     pub(super) fn new(a: f64, x: f64, excess: f64) -> Self {
+        // As good as infinite, and nothing overflows.
+        const FAR: f64 = 1e200;
+        let (x, excess) = (x.min(FAR), excess.min(FAR));
         let (kernel, ln_kernel) = kernel(a, x, excess);
         let tail = if a >= LARGE && (-0.5..1.0).contains(&excess) {
             uniform(a, excess)
@@ -77,8 +80,12 @@ fn kernel(a: f64, x: f64, excess: f64) -> (f64, f64) {
         let ln = 0.5 * (a / TAU).ln() + a * ln_1p_minus(excess) - stirling(a);
         return ((a / TAU).sqrt() * (a * ln_1p_minus(excess) - stirling(a)).exp(), ln);
     }
+    let ln = a * x.ln() - x - libm::lgamma(a);
+    if x > 700.0 {
+        return (ln.exp(), ln);
+    }
     let kernel = x.powf(a) * (-x).exp() / libm::tgamma(a);
-    let ln = if kernel.is_normal() { kernel.ln() } else { a * x.ln() - x - libm::lgamma(a) };
+    let ln = if kernel.is_normal() { kernel.ln() } else { ln };
     (kernel, ln)
 }
 

@@ -84,7 +84,7 @@ impl Law for Lognormal {
         crossing(|x| self.ln_survival(x), q.ln())
     }
 
-    /// E[ξⁿ] P(Z > z − ns) with E[ξⁿ] = mⁿ (1 + σ²/m²)^{n(n−1)/2}.
+    /// ⟨ξⁿ⟩ P(Z > z − ns) with ⟨ξⁿ⟩ = mⁿ (1 + σ²/m²)^{n(n−1)/2}.
     fn upper_moment(&self, order: u32, x: f64) -> f64 {
         let n = f64::from(order);
         let whole = self.mean.powi(order as i32) * (0.5 * n * (n - 1.0) * self.spread * self.spread).exp();

@@ -28,7 +28,10 @@ impl Mixture {
         if (sum - 1.0).abs() > 1e-9 {
             return Err(Error::invalid("weight", "weights that sum to 1", format!("a sum of {sum}")));
         }
-        components.iter_mut().for_each(|(weight, _)| *weight /= sum);
+        // Weights that are right to rounding stay as they were given.
+        if (sum - 1.0).abs() > 1e-15 {
+            components.iter_mut().for_each(|(weight, _)| *weight /= sum);
+        }
         Ok(Self { components })
     }
 
@@ -44,7 +47,7 @@ impl Mixture {
         }
         let mut components = self.components.clone();
         for (i, (weight, _)) in components.iter_mut().enumerate() {
-            *weight = if i == place { value } else { *weight * (1.0 - value) / rest };
+            *weight = if i == place { value } else { *weight * ((1.0 - value) / rest) };
         }
         Self::new(components)
     }

@@ -206,12 +206,13 @@ impl Law for Tabulated {
     }
 
     fn quantile(&self, p: f64) -> f64 {
-        let i = self.nodes.partition_point(|node| node.below < p).min(self.nodes.len() - 1);
+        let last = self.nodes.len() - 1;
+        let i = if p < 1.0 { self.nodes.partition_point(|node| node.below < p).min(last) } else { last };
         let Some(node) = i.checked_sub(1).map(|i| self.nodes[i]) else {
             return self.nodes[0].position;
         };
         let (width, mass) = (self.nodes[i].position - node.position, p - node.below);
-        if mass >= node.mass(width) {
+        if p >= 1.0 || mass >= node.mass(width) {
             return self.nodes[i].position;
         }
         node.position + advance(node.start, node.end, width, mass)

@@ -1,6 +1,6 @@
 //! The Weibull law: the weakest of many links.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use num_complex::Complex64;
 use rand_distr::{Distribution, Exp1};
@@ -122,10 +122,11 @@ impl Law for Weibull {
         }
     }
 
-    /// ∫ e^{−sx} dP over u = ln(x/λ); entire for k > 1, 1/(1 + sλ) for k = 1. For k < 1 and Re s < 0 it
-    /// diverges (and is infinite on the real axis); its analytic continuation is the integral along
-    /// x = t e^{∓iθ}, turned until e^{−sx} no longer grows. Right to 1e-13 absolute where Re s ≥ 0, and to
-    /// 1e-13 of the transform at Re s where not.
+    /// ∫ e^{−sx} dP over u = ln(x/λ); entire for k > 1, 1/(1 + sλ) for k = 1. For Re s < 0 along x = t e^{∓iθ},
+    /// turned until e^{−sx} no longer grows, so far as e^{−y} allows; for k < 1, where the integral diverges, that
+    /// is its analytic continuation, infinite on the negative real axis like the integral.
+    ///
+    /// Right to 1e-14 absolute, but for k > 1 and |arg s| > π/2 + 1.2/k to 1e-14 of the largest e^{−sx} p.
     fn laplace(&self, s: Complex64) -> Complex64 {
         let s = s * self.scale;
         if self.shape == 1.0 {
@@ -134,7 +135,7 @@ impl Law for Weibull {
         if self.shape < 1.0 && s.im == 0.0 && s.re < 0.0 {
             return Complex64::from(f64::INFINITY);
         }
-        let turn = if self.shape < 1.0 { (s.arg().abs() - FRAC_PI_2).max(0.0).copysign(s.im) } else { 0.0 };
+        let turn = if s.im == 0.0 { 0.0 } else { turn(self.shape, s.arg().abs()).copysign(s.im) };
         let turned = s * Complex64::cis(-turn);
         let top = top(self.shape, (-turned.re).max(0.0), (self.shape * turn).cos());
         trapezoid(-45.0 / self.shape, top, |u| {
@@ -148,6 +149,16 @@ impl Law for Weibull {
             *x = self.scale * unit.powf(1.0 / self.shape);
         }
     }
+}
+
+/// The angle by which the contour is turned for |arg s| = `angle`.
+fn turn(shape: f64, angle: f64) -> f64 {
+    let (needed, most) = ((angle - FRAC_PI_2).max(0.0), 1.2 / shape);
+    if shape > 1.0 {
+        return needed.min(most);
+    }
+    // A heavy tail reaches far into the oscillation of e^{−sx}: let it decay there.
+    (angle - FRAC_PI_4).max(0.0).min(most).max(needed)
 }
 
 /// A u above which c y outweighs growth · eᵘ by 45 e-folds.

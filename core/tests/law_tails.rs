@@ -1,0 +1,85 @@
+//! The laws against reference values in 40-digit arithmetic (`tables/make_laws.py`), from S ≈ 1 to S = 1e-299.
+
+use std::sync::Arc;
+
+use asperity::law::{Gamma, Gaussian, Lognormal, SharedLaw, Weibull};
+use num_complex::Complex64;
+
+/// A row of a table: the law, and the numbers after its parameters; an empty cell is not a number.
+struct Row {
+    law: SharedLaw,
+    numbers: Vec<f64>,
+}
+
+fn rows(table: &str) -> Vec<Row> {
+    let rows: Vec<_> = table.lines().skip(1).map(row).collect();
+    assert!(rows.len() > 100, "a table cut short: {} rows", rows.len());
+    rows
+}
+
+fn row(line: &str) -> Row {
+    let (name, rest) = line.split_once(',').unwrap();
+    let numbers: Vec<f64> = rest.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+    let (a, b) = (numbers[0], numbers[1]);
+    let law: SharedLaw = match name {
+        "gaussian" => Arc::new(Gaussian::new(a, b).unwrap()),
+        "gamma" => Arc::new(Gamma::new(a, b).unwrap()),
+        "weibull" => Arc::new(Weibull::new(a, b).unwrap()),
+        "lognormal" => Arc::new(Lognormal::new(a, b).unwrap()),
+        _ => panic!("no such law: {name}"),
+    };
+    Row { law, numbers: numbers[2..].to_vec() }
+}
+
+/// `value` is `expected` to a relative `tolerance`.
+fn assert_close(what: &str, row: &Row, value: f64, expected: f64, tolerance: f64) {
+    let error = (value / expected - 1.0).abs();
+    let (law, at) = (&row.law, row.numbers[0]);
+    assert!(
+        error <= tolerance,
+        "{what} of {law:?} at {at:e}: {value:e}, expected {expected:e}, off by {error:e}"
+    );
+}
+
+#[test]
+fn tails_are_right_to_rounding() {
+    for row in rows(include_str!("tables/law_points.csv")) {
+        let &[x, density, survival, minus_ln, hazard, first, third] = &row.numbers[..] else {
+            panic!("a row of seven numbers");
+        };
+        let law = &row.law;
+        // exp(−L) magnifies the rounding of L = −ln S; of the exponent of p below the mean, at most 12.
+        let exponential = 1e-15 * (1.0 + minus_ln);
+        assert_close("density", &row, law.density(x), density, 5e-15 + exponential);
+        assert_close("S", &row, law.survival(x), survival, exponential);
+        assert_close("moment 1", &row, law.upper_moment(1, x), first, 2.0 * exponential);
+        assert_close("moment 3", &row, law.upper_moment(3, x), third, 2.0 * exponential);
+        // Free of exponentials above the mean; below it −ln S ≈ 1 − S and the hazard ≈ p.
+        assert_close("ln S", &row, -law.ln_survival(x), minus_ln, 5e-15);
+        assert_close("hazard", &row, law.hazard(x), hazard, 5e-15);
+    }
+}
+
+#[test]
+fn quantiles_are_right_to_rounding() {
+    for row in rows(include_str!("tables/law_quantiles.csv")) {
+        let &[q, upper, lower] = &row.numbers[..] else { panic!("a row of three numbers") };
+        // Some ulps of ln S; a lognormal quantile exp(s z) magnifies those of z, up to s z = 31.
+        assert_close("upper quantile", &row, row.law.upper_quantile(q), upper, 6e-15);
+        if !lower.is_nan() {
+            assert_close("quantile", &row, row.law.quantile(q), lower, 2e-15);
+        }
+    }
+}
+
+#[test]
+fn transforms_are_right_to_rounding() {
+    for row in rows(include_str!("tables/law_transforms.csv")) {
+        let &[re, im, expected_re, expected_im] = &row.numbers[..] else { panic!("a row of four numbers") };
+        let expected = Complex64::new(expected_re, expected_im);
+        let error = (row.law.laplace(Complex64::new(re, im)) - expected).norm();
+        // Rounding of |s x̄| ≤ 60 phases, and of quadrature against ∫|e^{−sx}| dP, which the contour keeps near 1.
+        let tolerance = 1e-14 * expected.norm().max(1.0);
+        assert!(error <= tolerance, "{:?} at {re} + {im}i: off by {error:e} from {expected}", row.law);
+    }
+}
