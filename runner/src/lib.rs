@@ -1,1 +1,3 @@
 //! Scenario files in, results out: what every front end of asperity shares.
+
+pub mod input;

@@ -1,13 +1,10 @@
 //! `[contacts]`: how many contacts there are, how stiff, when they break, how they re-form.
 
-use std::sync::Arc;
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Law, exactly_one, positive};
+use super::{Law, positive};
 use crate::contacts::Stiffness;
-use crate::law::Root;
 use crate::{Error, Result, contacts};
 
 /// The contacts of the interface: either `thresholds`, or `areas` from which thresholds and stiffnesses follow.
@@ -69,15 +66,23 @@ impl Contacts {
     pub(super) fn build(&self) -> Result<contacts::Contacts> {
         let count = positive("count", self.count)?;
         self.normal_load.map(|load| positive("normal_load", load)).transpose()?;
-        let given = [("thresholds", self.thresholds.is_some()), ("areas", self.areas.is_some())];
-        exactly_one("", "one of thresholds and areas", &given)?;
         let reforming = self.reforming.build().map_err(|e| e.under("reforming"))?;
-        let (stiffness, thresholds) = if let Some(areas) = &self.areas {
-            self.refuse_stiffness()?;
-            areas.build().map_err(|e| e.under("areas"))?
-        } else {
-            let thresholds = self.thresholds.iter().map(|law| law.build().map_err(|e| e.under("thresholds")));
-            (self.stiffness()?, thresholds.last().expect("one was given")?)
+        let (stiffness, thresholds) = match (&self.thresholds, &self.areas) {
+            (Some(thresholds), None) => {
+                (self.stiffness()?, thresholds.build().map_err(|e| e.under("thresholds"))?)
+            }
+            (None, Some(areas)) => {
+                self.refuse_stiffness()?;
+                areas.build().map_err(|e| e.under("areas"))?
+            }
+            (Some(_), Some(_)) => {
+                return Err(Error::invalid("areas", "either thresholds or areas", "both"));
+            }
+            (None, None) => {
+                let expected =
+                    "a law at which contacts break, such as thresholds.gaussian = { mean = 1, std = 0.1 }";
+                return Err(Error::invalid("thresholds", expected, "none"));
+            }
         };
         Ok(contacts::Contacts { count, stiffness, thresholds, reforming })
     }
@@ -95,7 +100,8 @@ impl Contacts {
     }
 
     fn refuse_stiffness(&self) -> Result<()> {
-        let given = [("stiffness", self.stiffness), ("stiffness_per_threshold", self.stiffness_per_threshold)];
+        let given =
+            [("stiffness", self.stiffness), ("stiffness_per_threshold", self.stiffness_per_threshold)];
         match given.iter().find_map(|&(key, value)| Some((key, value?))) {
             Some((key, value)) => {
                 Err(Error::invalid(key, "no stiffness beside areas, which give one to each contact", value))
@@ -110,7 +116,7 @@ impl Areas {
         let modulus = positive("modulus", self.modulus)?;
         let strength = positive("strength", self.strength)?;
         let areas = self.law.build().map_err(|e| e.under("law"))?;
-        let thresholds = Root::new(areas, strength / modulus)?;
-        Ok((Stiffness::PerThreshold(modulus * modulus / strength), Arc::new(thresholds)))
+        let thresholds = areas; // Root
+        Ok((Stiffness::PerThreshold(modulus * modulus / strength), thresholds))
     }
 }

@@ -95,7 +95,11 @@ impl Scenario {
 
 /// `value` if it is finite and above 0.
 fn positive(key: &str, value: f64) -> Result<f64> {
-    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(Error::invalid(key, "a number above 0", value)) }
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(Error::invalid(key, "a number above 0", value))
+    }
 }
 
 /// Checks that exactly one of the given ways to describe `key` was used.

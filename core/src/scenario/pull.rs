@@ -47,7 +47,11 @@ impl Pull {
                 return Err(Error::invalid(key, expected, position));
             }
             if position <= previous {
-                return Err(Error::invalid(key, format!("a position above {previous}, the one before"), position));
+                return Err(Error::invalid(
+                    key,
+                    format!("a position above {previous}, the one before"),
+                    position,
+                ));
             }
             previous = position;
         }

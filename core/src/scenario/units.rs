@@ -3,24 +3,46 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Names of the units in which the scenario is written; numbers are never converted.
+use crate::record::Quantity;
+
+/// Names of the units in which the scenario is written, empty where dimensionless; numbers are never converted.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Units {
-    /// Unit of length, such as `µm`; dimensionless by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub length: Option<String>,
-    /// Unit of force, such as `mN`; dimensionless by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub force: Option<String>,
-    /// Unit of time, such as `s`; dimensionless by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time: Option<String>,
+    /// Unit of length, such as `µm`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub length: String,
+    /// Unit of force, such as `mN`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub force: String,
+    /// Unit of time, such as `s`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub time: String,
 }
 
 impl Units {
     /// Whether no unit is named.
     pub fn is_dimensionless(&self) -> bool {
         *self == Self::default()
+    }
+
+    /// The label of `quantity`, `1` for a pure number.
+    pub fn label(&self, quantity: Quantity) -> String {
+        match quantity {
+            Quantity::Length => over(&self.length, ""),
+            Quantity::Force => over(&self.force, ""),
+            Quantity::PerLength => over("", &self.length),
+            Quantity::Stiffness => over(&self.force, &self.length),
+            Quantity::Number => over("", ""),
+        }
+    }
+}
+
+fn over(numerator: &str, denominator: &str) -> String {
+    let numerator = if numerator.is_empty() { "1" } else { numerator };
+    match denominator {
+        "" => numerator.to_owned(),
+        compound if compound.contains([' ', '/', '*', '·']) => format!("{numerator}/({compound})"),
+        simple => format!("{numerator}/{simple}"),
     }
 }

@@ -239,13 +239,12 @@ impl<'a, 'de> EnumAccess<'de> for Choice<'a> {
 
 impl Choice<'_> {
     /// Reads what stands under the chosen name, of which `shape` says what it should be.
-    fn read<T>(
-        self,
-        shape: &str,
-        read: impl FnOnce(Reader<'_>) -> Result<T, Fault>,
-    ) -> Result<T, Fault> {
+    fn read<T>(self, shape: &str, read: impl FnOnce(Reader<'_>) -> Result<T, Fault>) -> Result<T, Fault> {
         let Some(content) = self.content else {
-            return Err(Fault::new(&format!("{} = {shape}", self.name), &format!("only the name \"{}\"", self.name)));
+            return Err(Fault::new(
+                &format!("{} = {shape}", self.name),
+                &format!("only the name \"{}\"", self.name),
+            ));
         };
         read(Reader(content)).map_err(|fault| fault.under(self.name))
     }

@@ -64,7 +64,7 @@ impl Document {
     pub fn syntax(&self, source: usize, error: &toml::de::Error) -> Box<Diagnostic> {
         let message = error.message().trim().replace('\n', ", ");
         let span = error.span().unwrap_or(0..0);
-        self.diagnostic(&Fault::new("valid TOML", &message), Place { source, span }, &[])
+        self.diagnose(&Fault::new("valid TOML", &message), Place { source, span }, &[])
     }
 
     /// Brings a fault to the place where it was written.
@@ -84,13 +84,15 @@ impl Document {
         let place = if on_key { node.key.clone() } else { node.value.clone() };
         let others: Vec<_> =
             fault.among.iter().filter_map(|key| whole.then(|| node.child(key)).flatten()).collect();
-        self.diagnostic(&fault, place, &others)
+        self.diagnose(&fault, place, &others)
     }
 
-    fn diagnostic(&self, fault: &Fault, place: Place, among: &[&Node]) -> Box<Diagnostic> {
+    /// The fault, drawn at `place` or at the keys among which there is one too many.
+    pub fn diagnose(&self, fault: &Fault, place: Place, among: &[&Node]) -> Box<Diagnostic> {
         let (name, text) = &self.sources[place.source];
         let overrides: Vec<_> = self.sources[1..].iter().map(|(_, text)| format!("--set {text}")).collect();
-        let with = (place.source == 0 && !overrides.is_empty()).then(|| format!("with {}", overrides.join(" ")));
+        let with =
+            (place.source == 0 && !overrides.is_empty()).then(|| format!("with {}", overrides.join(" ")));
         let mut marks = Vec::new();
         for node in among.iter().filter(|node| node.key.source == place.source) {
             marks.push(Mark { span: node.key.span.clone(), label: "one of them".into() });
@@ -119,7 +121,11 @@ impl Place {
 impl Node {
     pub fn read(key: Place, value: Spanned<DeValue<'_>>) -> Self {
         let source = key.source;
-        Self { key, value: Place { source, span: value.span() }, kind: Kind::read(value.into_inner(), source) }
+        Self {
+            key,
+            value: Place { source, span: value.span() },
+            kind: Kind::read(value.into_inner(), source),
+        }
     }
 
     /// The entry of a table, or the item of a list.

@@ -47,11 +47,11 @@ pub fn parse(
     for argument in overrides {
         overrides::apply(&mut document, argument)?;
     }
-    let scenario = Scenario::deserialize(Reader(&document.root)).map_err(|fault| document.draw(task(fault)))?;
+    let scenario =
+        Scenario::deserialize(Reader(&document.root)).map_err(|fault| document.draw(task(fault)))?;
     let mut input = Input { scenario, document };
     tables::inline(&mut input.scenario, directory).map_err(|fault| input.document.draw(fault))?;
-    let built = input.scenario.build();
-    match built.and_then(|(contacts, initial)| asperity::master::MasterEquation::new(contacts, initial)) {
+    match input.scenario.build() {
         Ok(_) => Ok(input),
         Err(error) => Err(input.diagnose(&error)),
     }
@@ -64,7 +64,8 @@ impl Input {
             asperity::Error::Invalid { key, expected, found } => Fault::new(expected, found).under(key),
             asperity::Error::TooLarge { needed, allowed, what } => {
                 let expected = format!("a task within {allowed} bytes of memory");
-                Fault::new(&expected, &format!("{what}, which would need {needed} bytes")).under("pull.distance")
+                Fault::new(&expected, &format!("{what}, which would need {needed} bytes"))
+                    .under("pull.distance")
             }
             other => Fault::new("a scenario that can be computed", &other.to_string()),
         })

@@ -12,7 +12,7 @@ pub fn apply(document: &mut Document, argument: &str) -> Result<(), Box<Diagnost
     let source = document.add_source("--set", argument);
     let wrong = |found: String| {
         let fault = Fault::new("KEY=VALUE, such as contacts.count=100", &found);
-        document.diagnose(&fault, Place { source, span: 0..argument.len() })
+        document.diagnose(&fault, Place { source, span: 0..argument.len() }, &[])
     };
     let Some((key, value)) = argument.split_once('=') else {
         return Err(wrong(format!("no = in \"{argument}\"")));

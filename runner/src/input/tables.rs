@@ -56,7 +56,9 @@ fn read(path: &Path, layouts: &[&[&str]]) -> Result<Vec<Vec<f64>>, Fault> {
         let numbers: Option<Vec<f64>> = record.iter().map(|cell| cell.parse().ok()).collect();
         let layout = layouts.iter().find(|layout| layout.len() == record.len());
         match (row, layout, numbers) {
-            (0, Some([_]), Some(numbers)) => columns = numbers.into_iter().map(|number| vec![number]).collect(),
+            (0, Some([_]), Some(numbers)) => {
+                columns = numbers.into_iter().map(|number| vec![number]).collect()
+            }
             (0, Some([_]), None) => columns = vec![Vec::new()],
             (0, Some(layout), _) if record.iter().eq(layout.iter().copied()) => {
                 columns = vec![Vec::new(); layout.len()];
