@@ -18,6 +18,8 @@ pub use gaussian::Gaussian;
 pub use point::Point;
 pub use rectangular::Rectangular;
 
+pub use crate::numerics::breaks::{Atom, Break};
+
 use std::borrow::Cow;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -29,32 +31,6 @@ use crate::{Error, Result};
 
 /// A law, shared.
 pub type SharedLaw = Arc<dyn Law>;
-
-/// A point mass: `weight` at `position`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Atom {
-    /// Where the mass sits.
-    pub position: f64,
-    /// How much there is.
-    pub weight: f64,
-}
-
-/// A point where a density is not smooth: near it the density is a smooth function plus
-/// `amplitude` (x − position)₊^`exponent` / Γ(`exponent` + 1) plus weaker breaks there.
-///
-/// A jump has exponent 0 and its height as amplitude; a kink exponent 1 and its change of slope;
-/// √x has exponent ½; a point mass would have exponent −1 and its weight. In this normalisation the
-/// convolution of two breaks is a break at the sum of positions, exponents add plus one, and
-/// amplitudes multiply.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Break {
-    /// Where it is.
-    pub position: f64,
-    /// Its order, above −1.
-    pub exponent: f64,
-    /// Its strength.
-    pub amplitude: f64,
-}
 
 /// A named parameter of a law.
 #[derive(Debug, Clone, PartialEq)]
