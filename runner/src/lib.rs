@@ -1,1 +1,4 @@
 //! Scenario files in, results out: what every front end of asperity shares.
+
+pub mod output;
+pub mod summary;
