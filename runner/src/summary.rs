@@ -79,32 +79,31 @@ pub struct Comparison {
     pub residual_rms: Option<f64>,
 }
 
-/// Labels of units, never converted; empty where dimensionless.
+/// Labels of units, never converted; absent where dimensionless.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Units {
     /// Of lengths.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub length: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length: Option<String>,
     /// Of forces.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub force: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<String>,
     /// Of times.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub time: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<String>,
 }
 
-impl Units {
-    /// The label of `quantity`, `1` for a pure number.
-    pub fn label(&self, quantity: Quantity) -> String {
-        let (length, force) = (self.length.as_str(), self.force.as_str());
-        match quantity {
-            Quantity::Length => over(length, ""),
-            Quantity::Force => over(force, ""),
-            Quantity::PerLength => over("", length),
-            Quantity::Stiffness => over(force, length),
-            _ => "1".to_owned(),
-        }
+/// The label of what `quantity` is measured in, `1` for a pure number.
+pub fn unit_label(units: &Units, quantity: Quantity) -> String {
+    let (length, force) =
+        (units.length.as_deref().unwrap_or_default(), units.force.as_deref().unwrap_or_default());
+    match quantity {
+        Quantity::Length => over(length, ""),
+        Quantity::Force => over(force, ""),
+        Quantity::PerLength => over("", length),
+        Quantity::Stiffness => over(force, length),
+        _ => "1".to_owned(),
     }
 }
 
@@ -201,9 +200,9 @@ mod tests {
 
     #[test]
     fn units_of_quotients_keep_compound_denominators_together() {
-        let units = Units { length: "m/s".into(), force: "N".into(), time: String::new() };
-        assert_eq!(units.label(Quantity::Stiffness), "N/(m/s)");
-        assert_eq!(units.label(Quantity::PerLength), "1/(m/s)");
-        assert_eq!(Units::default().label(Quantity::Force), "1");
+        let units = Units { length: Some("m/s".into()), force: Some("N".into()), time: None };
+        assert_eq!(unit_label(&units, Quantity::Stiffness), "N/(m/s)");
+        assert_eq!(unit_label(&units, Quantity::PerLength), "1/(m/s)");
+        assert_eq!(unit_label(&Units::default(), Quantity::Force), "1");
     }
 }

@@ -30,7 +30,7 @@ fn outcome(seed: u64) -> Outcome {
         summary: Summary {
             title: "τ, the title".into(),
             version: "0.1.0".into(),
-            units: Units { length: "µm".into(), force: "MPa".into(), time: String::new() },
+            units: Units { length: Some("µm".into()), force: Some("MPa".into()), time: None },
             static_friction: StaticFriction::Reached { force: 0.1 + 0.2, position: 1.0 / 3.0 },
             kinetic_friction: 0.50125,
             relaxation_length: Extended(20.270_485_418_3),
