@@ -1,0 +1,111 @@
+//! `evolution`: the distribution of stretches at the snapshots, one panel each.
+
+use asperity::record::Record;
+use asperity_runner::output::Outcome;
+use kuva::plot::{LegendEntry, MarkerShape};
+use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::layout::Layout;
+use kuva::render::render::Scene;
+
+use super::curve::{curve, line, steps};
+use super::distribution::stem;
+use super::style::{self, BLUE, ORANGE, Plots};
+
+/// Panels that a picture has at most; of more snapshots some are left out.
+const PANELS: usize = 24;
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let snapshots = record.values("snapshot")?;
+    let shown = chosen(snapshots.len());
+    let (columns, rows) = grid(shown.len());
+    let panels: Option<Vec<_>> = shown.iter().map(|&s| panel(outcome, s)).collect();
+    let (plots, layouts): (Vec<_>, Vec<_>) = panels?.into_iter().unzip();
+    let layouts = labelled(outcome, layouts, columns)?;
+    let title = match snapshots.len() - shown.len() {
+        0 => outcome.summary.title.clone(),
+        more => format!("{} ({} of {} snapshots)", outcome.summary.title, shown.len(), more + shown.len()),
+    };
+    let figure = Figure::new(rows, columns)
+        .with_title(title)
+        .with_title_size(15)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(style::WIDTH / columns as f64, 190.0)
+        .with_spacing(6.0)
+        .with_shared_legend_entries(legend(record))
+        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
+    Some(figure.render())
+}
+
+/// The snapshots drawn: all, or so many evenly chosen, first and last among them.
+fn chosen(count: usize) -> Vec<usize> {
+    if count <= PANELS {
+        return (0..count).collect();
+    }
+    (0..PANELS).map(|i| i * (count - 1) / (PANELS - 1)).collect()
+}
+
+fn grid(panels: usize) -> (usize, usize) {
+    let columns = match panels {
+        0..4 => 1,
+        4..13 => 2,
+        _ => 3,
+    };
+    (columns, panels.div_ceil(columns).max(1))
+}
+
+fn panel(outcome: &Outcome, snapshot: usize) -> Option<(Plots, Layout)> {
+    let record = &outcome.record;
+    let stretch = record.values("stretch")?;
+    let density = record.row("stretch_density", snapshot)?;
+    let histogram = record.row("ensemble_stretch_density", snapshot);
+    let end = *stretch.last()?;
+    let top = style::headroom(style::range([density, histogram.unwrap_or(&[])]).1);
+    let mut plots = Plots::new();
+    if let (Some(bin), Some(histogram)) = (record.values("bin"), histogram) {
+        plots.push(line(steps(bin, histogram), ORANGE, 1.6, None));
+    }
+    plots.push(line(curve(stretch, density), BLUE, 1.6, None));
+    let position = record.values("snapshot")?[snapshot];
+    plots.extend(atoms(record, position).into_iter().flat_map(|(x, weight)| stem((x, weight * top), BLUE)));
+    let layout = style::layout((0.0, end), (0.0, top))
+        .with_title(format!("X = {}", style::digits(position)))
+        .with_ticks(4)
+        .with_title_size(12)
+        .with_tick_size(11)
+        .with_label_size(13);
+    Some((plots, layout))
+}
+
+/// Stretches and weights of the point masses at `position`.
+fn atoms(record: &Record, position: f64) -> Vec<(f64, f64)> {
+    let column = |name| record.values(name).unwrap_or(&[]);
+    let stretches = column("stretch_atom_stretch").iter().zip(column("stretch_atom_weight"));
+    let placed = column("stretch_atom_position").iter().zip(stretches);
+    placed.filter(|(at, _)| **at == position).map(|(_, (&x, &weight))| (x, weight)).collect()
+}
+
+/// Axis labels on the left and at the bottom of the figure only.
+fn labelled(outcome: &Outcome, layouts: Vec<Layout>, columns: usize) -> Option<Vec<Layout>> {
+    let record = &outcome.record;
+    let x = style::axis(outcome, "Stretch x", record.get("stretch")?);
+    let y = style::axis(outcome, "Q(x; X)", record.get("stretch_density")?);
+    let count = layouts.len();
+    let label = |(i, layout): (usize, Layout)| {
+        let layout = if i + columns >= count { layout.with_x_label(&x) } else { layout };
+        if i % columns == 0 { layout.with_y_label(&y) } else { layout }
+    };
+    Some(layouts.into_iter().enumerate().map(label).collect())
+}
+
+fn legend(record: &Record) -> Vec<LegendEntry> {
+    let mut entries = vec![style::line("master equation", BLUE, None)];
+    if record.get("ensemble_stretch_density").is_some() {
+        entries.push(style::line("ensemble", ORANGE, None));
+    }
+    if record.get("stretch_atom_weight").is_some() {
+        entries.push(style::marker("point mass, 1 = full height", BLUE, MarkerShape::Circle));
+    }
+    entries
+}
