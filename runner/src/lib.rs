@@ -1,4 +1,5 @@
 //! Scenario files in, results out: what every front end of asperity shares.
 
+pub mod input;
 pub mod output;
 pub mod summary;

@@ -1,6 +1,7 @@
 //! What an interface is: how many contacts, how stiff, when they break, how they re-form.
 
-use crate::law::SharedLaw;
+use crate::law::{Law, SharedLaw};
+use crate::{Error, Result};
 
 /// How stiff a contact is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,4 +42,36 @@ pub struct Initial {
     pub law: SharedLaw,
     /// How it is read.
     pub start: Start,
+}
+
+impl Contacts {
+    /// Checks that contacts survive where they start and where they re-form: that S > 0 there.
+    ///
+    /// A share below the rounding of 1 is let pass: no result could show it.
+    ///
+    /// # Errors
+    /// Thresholds at 0; stretches at or above every threshold. Keys are those of a scenario.
+    pub fn check(&self, initial: &Initial) -> Result<()> {
+        let at_once = 1.0 - self.thresholds.survival(0.0);
+        if at_once > f64::EPSILON {
+            let found = format!("{at_once} of the contacts with threshold 0");
+            return Err(Error::invalid("contacts.thresholds", "thresholds above 0", found));
+        }
+        self.survives("contacts.reforming", self.reforming.as_ref())?;
+        match initial.start {
+            Start::Conditional => self.survives("initial", initial.law.as_ref()),
+            Start::Relaxed => Ok(()),
+        }
+    }
+
+    fn survives(&self, key: &str, stretches: &dyn Law) -> Result<()> {
+        let top = self.thresholds.quantile(1.0);
+        let at_top: f64 = stretches.atoms().iter().filter(|a| a.position == top).map(|a| a.weight).sum();
+        let share = stretches.survival(top) + at_top;
+        if share <= f64::EPSILON {
+            return Ok(());
+        }
+        let expected = format!("stretches below the highest threshold {top}, where contacts still hold");
+        Err(Error::invalid(key, expected, format!("a share {share} of the contacts at or above it")))
+    }
 }

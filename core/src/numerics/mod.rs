@@ -1,1 +1,3 @@
 //! Numerical methods that know no physics.
+
+pub mod roots;

@@ -1,0 +1,128 @@
+//! The uniform law on an interval.
+
+use num_complex::Complex64;
+
+use super::{Break, Law, Parameter, SharedLaw, not_negative, shared, unknown};
+use crate::random::Stream;
+use crate::{Error, Result};
+
+/// Uniform on [a, b], 0 ≤ a < b: p(x) = 1/(b − a) for a ≤ x < b.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rectangular {
+    min: f64,
+    max: f64,
+}
+
+impl Rectangular {
+    /// The law.
+    ///
+    /// # Errors
+    /// A `min` below 0, a `max` not above it, or one of them not finite.
+    pub fn new(min: f64, max: f64) -> Result<Self> {
+        not_negative("min", min)?;
+        if !(max.is_finite() && max > min) {
+            return Err(Error::invalid("max", format!("a finite number above min = {min}"), max));
+        }
+        Ok(Self { min, max })
+    }
+
+    fn width(&self) -> f64 {
+        self.max - self.min
+    }
+}
+
+impl Law for Rectangular {
+    fn name(&self) -> &'static str {
+        "rectangular"
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        vec![Parameter::new("min", self.min), Parameter::new("max", self.max)]
+    }
+
+    fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw> {
+        match name {
+            "min" => shared(Self::new(value, self.max)),
+            "max" => shared(Self::new(self.min, value)),
+            _ => Err(unknown(self, name)),
+        }
+    }
+
+    fn density(&self, x: f64) -> f64 {
+        if x >= self.min && x < self.max { 1.0 / self.width() } else { 0.0 }
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        ((self.max - x.max(self.min)) / self.width()).max(0.0)
+    }
+
+    fn ln_survival(&self, x: f64) -> f64 {
+        let below = (x.max(self.min) - self.min) / self.width();
+        if below < 0.5 { (-below).ln_1p() } else { self.survival(x).ln() }
+    }
+
+    fn hazard(&self, x: f64) -> f64 {
+        if x < self.min { 0.0 } else { 1.0 / (self.max - x).max(0.0) }
+    }
+
+    fn quantile(&self, p: f64) -> f64 {
+        if p < 0.5 { self.min + p * self.width() } else { self.upper_quantile(1.0 - p) }
+    }
+
+    fn upper_quantile(&self, q: f64) -> f64 {
+        self.max - q * self.width()
+    }
+
+    /// (bⁿ⁺¹ − yⁿ⁺¹)/((n+1)(b − a)) with y = max(x, a), as S(y)/(n+1) Σ_j b^j y^{n−j}: nothing cancels.
+    fn upper_moment(&self, order: u32, x: f64) -> f64 {
+        let y = x.max(self.min);
+        let sum = (0..=order).fold((0.0, 1.0), |(sum, power), _| (sum * y + power, power * self.max)).0;
+        self.survival(x) * sum / f64::from(order + 1)
+    }
+
+    fn std(&self) -> f64 {
+        self.width() / 12.0_f64.sqrt()
+    }
+
+    fn breaks(&self) -> Vec<Break> {
+        let amplitude = 1.0 / self.width();
+        vec![
+            Break { position: self.min, exponent: 0.0, amplitude },
+            Break { position: self.max, exponent: 0.0, amplitude: -amplitude },
+        ]
+    }
+
+    /// exp(−s(a+b)/2) sinh(h)/h with h = s(b − a)/2. Entire.
+    fn laplace(&self, s: Complex64) -> Complex64 {
+        let half = 0.5 * s * self.width();
+        // Below this sinh(h)/h is 1 to the last bit, and 0/0 is near.
+        let shape = if half.norm() < 1e-9 { Complex64::from(1.0) } else { half.sinh() / half };
+        (-0.5 * s * (self.min + self.max)).exp() * shape
+    }
+
+    fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
+        out.fill_with(|| self.min + self.width() * stream.uniform());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_belong_to_the_right() {
+        let law = Rectangular::new(0.5, 1.0).unwrap();
+        assert_eq!((law.density(0.5), law.density(1.0)), (2.0, 0.0));
+        assert_eq!((law.survival(0.5), law.survival(1.0)), (1.0, 0.0));
+        assert_eq!(law.hazard(1.0), f64::INFINITY);
+        assert_eq!((law.quantile(0.0), law.quantile(1.0)), (0.5, 1.0));
+        assert_eq!(law.upper_moment(2, -1.0), 7.0 / 12.0);
+    }
+
+    #[test]
+    fn refuses_an_empty_interval() {
+        for (min, max) in [(1.0, 1.0), (-0.1, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0)] {
+            assert!(Rectangular::new(min, max).is_err());
+        }
+    }
+}
