@@ -1,6 +1,6 @@
 //! The few numbers of a run that people quote: `summary.json`.
 
-use asperity::record::Quantity;
+use asperity::scenario::Units;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The numbers of a run.
@@ -77,43 +77,6 @@ pub struct Comparison {
     /// Root mean square of measured minus computed force there; absent where no point lies within.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual_rms: Option<f64>,
-}
-
-/// Labels of units, never converted; absent where dimensionless.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Units {
-    /// Of lengths.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub length: Option<String>,
-    /// Of forces.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub force: Option<String>,
-    /// Of times.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub time: Option<String>,
-}
-
-/// The label of what `quantity` is measured in, `1` for a pure number.
-pub fn unit_label(units: &Units, quantity: Quantity) -> String {
-    let (length, force) =
-        (units.length.as_deref().unwrap_or_default(), units.force.as_deref().unwrap_or_default());
-    match quantity {
-        Quantity::Length => over(length, ""),
-        Quantity::Force => over(force, ""),
-        Quantity::PerLength => over("", length),
-        Quantity::Stiffness => over(force, length),
-        _ => "1".to_owned(),
-    }
-}
-
-fn over(numerator: &str, denominator: &str) -> String {
-    let numerator = if numerator.is_empty() { "1" } else { numerator };
-    match denominator {
-        "" => numerator.to_owned(),
-        compound if compound.contains([' ', '/', '*', '·']) => format!("{numerator}/({compound})"),
-        simple => format!("{numerator}/{simple}"),
-    }
 }
 
 const NOT_REACHED: &str = "not reached";
@@ -196,13 +159,5 @@ mod tests {
     fn other_words_are_refused() {
         let error = serde_json::from_str::<Extended>(r#""many""#).unwrap_err().to_string();
         assert!(error.contains("infinite") && error.contains("many"), "{error}");
-    }
-
-    #[test]
-    fn units_of_quotients_keep_compound_denominators_together() {
-        let units = Units { length: Some("m/s".into()), force: Some("N".into()), time: None };
-        assert_eq!(unit_label(&units, Quantity::Stiffness), "N/(m/s)");
-        assert_eq!(unit_label(&units, Quantity::PerLength), "1/(m/s)");
-        assert_eq!(unit_label(&Units::default(), Quantity::Force), "1");
     }
 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use asperity::record::{Quantity, Record};
 use asperity_runner::output::{self, Attachment, Error, Outcome};
-use asperity_runner::summary::{Extended, StaticFriction, Summary, Units};
+use asperity::scenario::Units;
+use asperity_runner::summary::{Extended, StaticFriction, Summary};
 
 fn record(seed: u64) -> Record {
     let mut record = Record::default();
@@ -30,7 +31,7 @@ fn outcome(seed: u64) -> Outcome {
         summary: Summary {
             title: "τ, the title".into(),
             version: "0.1.0".into(),
-            units: Units { length: Some("µm".into()), force: Some("MPa".into()), time: None },
+            units: Units { length: "µm".into(), force: "MPa".into(), time: String::new() },
             static_friction: StaticFriction::Reached { force: 0.1 + 0.2, position: 1.0 / 3.0 },
             kinetic_friction: 0.50125,
             relaxation_length: Extended(20.270_485_418_3),

@@ -1,7 +1,7 @@
 //! `force`: the friction force along the pull.
 
 use asperity_runner::output::Outcome;
-use asperity_runner::summary::{StaticFriction, unit_label};
+use asperity_runner::summary::StaticFriction;
 use kuva::plot::{BandPlot, LegendEntry, MarkerShape, ScatterPlot};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
@@ -117,7 +117,7 @@ fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut
 
 fn frictions(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
     let summary = &outcome.summary;
-    let unit = |name| outcome.record.get(name).map(|v| unit_label(&summary.units, v.quantity)).unwrap_or_default();
+    let unit = |name| outcome.record.get(name).map(|v| summary.units.label(v.quantity)).unwrap_or_default();
     let (force_unit, length_unit) = (unit("force"), unit("position"));
     let ends = [position[0], position[position.len() - 1]];
     let kinetic = ends.map(|x| (x, summary.kinetic_friction)).to_vec();

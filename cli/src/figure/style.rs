@@ -2,7 +2,6 @@
 
 use asperity::record::Variable;
 use asperity_runner::output::Outcome;
-use asperity_runner::summary::unit_label;
 use kuva::plot::{LegendEntry, LegendPosition, LegendShape, MarkerShape};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
@@ -74,7 +73,7 @@ pub fn area(label: impl Into<String>, color: &str) -> LegendEntry {
 
 /// `what symbol (unit)`, without the unit where there is none.
 pub fn axis(outcome: &Outcome, words: &str, variable: &Variable) -> String {
-    match unit_label(&outcome.summary.units, variable.quantity).as_str() {
+    match outcome.summary.units.label(variable.quantity).as_str() {
         "1" => words.to_owned(),
         unit => format!("{words} ({unit})"),
     }

@@ -1,10 +1,10 @@
 //! `result.nc`: the record as NetCDF-4, with labels, units and what it takes to run it again.
 
 use asperity::record::{Record, Variable};
+use asperity::scenario::Units;
 use netcdf_writer::{NcAttrValue, NcFileBuilder, NcWriteFormat, NcWriteOptions};
 
 use super::{Error, Outcome, Result};
-use crate::summary::{Units, unit_label};
 
 /// The largest result file, in bytes: it is built in memory before it is written.
 pub const LARGEST: u64 = 500_000_000;
@@ -66,7 +66,7 @@ fn add(
     let id = file.add_variable::<f64>(&variable.name, along)?;
     file.write_variable(id, &variable.values)?;
     file.add_variable_attribute(id, "long_name", text(&variable.long_name))?;
-    file.add_variable_attribute(id, "units", text(&unit_label(units, variable.quantity)))?;
+    file.add_variable_attribute(id, "units", text(&units.label(variable.quantity)))?;
     file.add_variable_attribute(id, "quantity", text(variable.quantity.name()))?;
     Ok(())
 }
