@@ -42,7 +42,7 @@ pub fn draw(diagnostic: Diagnostic) -> String {
     struct Report(Drawn);
     impl fmt::Display for Report {
         fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-            MietteHandlerOpts::new().build().debug(&self.0, f)
+            MietteHandlerOpts::new().wrap_lines(false).build().debug(&self.0, f)
         }
     }
     let source = diagnostic.source.as_ref().map(|s| NamedSource::new(&s.name, s.text.clone()));
