@@ -98,16 +98,26 @@ impl Ord for Queued {
 ///
 /// # Errors
 /// [`Error::TooLarge`] where more than a million would have to be kept.
-pub fn renewed(source: &[Break], kernel: &[Break], end: f64, matters: impl Fn(&Break) -> bool) -> Result<Vec<Break>> {
+pub fn renewed(
+    source: &[Break],
+    kernel: &[Break],
+    end: f64,
+    matters: impl Fn(&Break) -> bool,
+) -> Result<Vec<Break>> {
     let wanted = |b: &Break| b.position <= end && (b.is_atom() || matters(b));
-    let mut queue: BinaryHeap<_> = source.iter().copied().filter(wanted).map(|b| Reverse(Queued(b))).collect();
+    let mut queue: BinaryHeap<_> =
+        source.iter().copied().filter(wanted).map(|b| Reverse(Queued(b))).collect();
     let mut found: Vec<Break> = Vec::new();
     while let Some(Reverse(Queued(mut next))) = queue.pop() {
         // Equal exponents at one position may be queued with others between them: gather all of the position.
         let mut aside = Vec::new();
         while queue.peek().is_some_and(|Reverse(Queued(b))| same_position(b.position, next.position)) {
             if let Some(Reverse(Queued(b))) = queue.pop() {
-                if (b.exponent - next.exponent).abs() < 1e-9 { next.amplitude += b.amplitude } else { aside.push(b) }
+                if (b.exponent - next.exponent).abs() < 1e-9 {
+                    next.amplitude += b.amplitude
+                } else {
+                    aside.push(b)
+                }
             }
         }
         queue.extend(aside.into_iter().map(|b| Reverse(Queued(Break { position: next.position, ..b }))));

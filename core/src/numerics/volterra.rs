@@ -66,7 +66,8 @@ impl Kernel {
 
     /// Width of the narrowest cell that holds more than 1e-4 of the mass.
     fn narrowest(&self) -> f64 {
-        let heavy = |cell: &usize| 2.0 * self.curve.cell(*cell).1 * self.curve.coefficients[*cell][0].abs() > 1e-4;
+        let heavy =
+            |cell: &usize| 2.0 * self.curve.cell(*cell).1 * self.curve.coefficients[*cell][0].abs() > 1e-4;
         let cells = (0..self.curve.coefficients.len()).filter(heavy);
         cells.map(|cell| 2.0 * self.curve.cell(cell).1).fold(f64::INFINITY, f64::min)
     }
@@ -271,7 +272,8 @@ pub fn solve(
     let spacing = width / (2 * NODES) as f64;
     let matters = |b: &Break| b.weight(spacing) > 10.0 * accuracy.density;
     let breaks = renewed(&source.breaks, &kernel.breaks, end, matters)?;
-    let atoms = breaks.iter().filter(|b| b.is_atom()).map(|b| Atom { position: b.position, weight: b.amplitude });
+    let atoms =
+        breaks.iter().filter(|b| b.is_atom()).map(|b| Atom { position: b.position, weight: b.amplitude });
     let mut march = March {
         source,
         kernel,
@@ -314,11 +316,16 @@ impl March<'_> {
             let mut change = false;
             let mut done = 0;
             while done < count as usize && !change {
-                let missing = self.cell(if done + 1 == count as usize { stop } else { here + (done + 1) as f64 * width });
+                let missing = self.cell(if done + 1 == count as usize {
+                    stop
+                } else {
+                    here + (done + 1) as f64 * width
+                });
                 if let Some(missing) = missing {
                     done += 1;
                     patience = patience.saturating_sub(1);
-                    change = done < count as usize && self.grows(missing, done, patience, end - here, width, pace);
+                    change =
+                        done < count as usize && self.grows(missing, done, patience, end - here, width, pace);
                     if change {
                         pace.width = 2.0 * width;
                     }
@@ -344,8 +351,11 @@ impl March<'_> {
     /// change of width costs new blocks.
     fn grows(&self, missing: f64, done: usize, patience: usize, left: f64, width: f64, pace: &Pace) -> bool {
         let limit = self.accuracy.density;
-        let recovering = width < 0.3 * pace.base && patience == 0 && missing < 0.05 * limit.max(self.accuracy.mass / width);
-        let settled = self.accuracy.may_grow && done >= 256 && missing < 1e-5 * limit && left > 2048.0 * width;
+        let recovering = width < 0.3 * pace.base
+            && patience == 0
+            && missing < 0.05 * limit.max(self.accuracy.mass / width);
+        let settled =
+            self.accuracy.may_grow && done >= 256 && missing < 1e-5 * limit && left > 2048.0 * width;
         recovering || settled
     }
 
@@ -406,7 +416,8 @@ impl March<'_> {
     fn inverse(&mut self, half: f64) -> &Block {
         let run = self.mesh.runs.len() as u32;
         if self.inverse.as_ref().is_none_or(|(made_for, _)| *made_for != run) {
-            let mut matrix = block(self.kernel, (0.0, half), (0.0, half)).map_or([[0.0; NODES]; NODES], |b| *b);
+            let mut matrix =
+                block(self.kernel, (0.0, half), (0.0, half)).map_or([[0.0; NODES]; NODES], |b| *b);
             for atom in &self.kernel_atoms {
                 for i in 0..NODES {
                     let t = RULE.nodes[i] - atom.position / half;
@@ -443,7 +454,8 @@ fn inverted(mut a: Block) -> Block {
     (0..NODES).for_each(|i| out[i][i] = 1.0);
     // Columns are stored together, so this eliminates on the transpose, whose inverse is the transpose of the inverse.
     for pivot in 0..NODES {
-        let best = (pivot..NODES).max_by(|&p, &q| a[p][pivot].abs().total_cmp(&a[q][pivot].abs())).unwrap_or(pivot);
+        let best =
+            (pivot..NODES).max_by(|&p, &q| a[p][pivot].abs().total_cmp(&a[q][pivot].abs())).unwrap_or(pivot);
         a.swap(pivot, best);
         out.swap(pivot, best);
         let scale = 1.0 / a[pivot][pivot];
@@ -465,7 +477,12 @@ impl Solution {
     ///
     /// # Errors
     /// [`Error::Stopped`] by the monitor.
-    pub fn convolve(&self, source: &Piecewise, kernel: &Kernel, monitor: &mut dyn Monitor) -> Result<Piecewise> {
+    pub fn convolve(
+        &self,
+        source: &Piecewise,
+        kernel: &Kernel,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Piecewise> {
         let mut blocks = Blocks::new(kernel);
         let mut coefficients = Vec::with_capacity(self.values.len());
         for cell in 0..self.values.len() {
