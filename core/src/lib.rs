@@ -18,4 +18,4 @@ pub mod random;
 pub mod record;
 pub mod scenario;
 
-pub use error::{Error, Result};
+pub use error::{Error, Float, Result};

@@ -54,7 +54,7 @@ impl Contacts {
     pub fn check(&self, initial: &Initial) -> Result<()> {
         let at_once = 1.0 - self.thresholds.survival(0.0);
         if at_once > f64::EPSILON {
-            let found = format!("{at_once} of the contacts with threshold 0");
+            let found = format!("a share {at_once} of the contacts with threshold 0");
             return Err(Error::invalid("contacts.thresholds", "thresholds above 0", found));
         }
         self.survives("contacts.reforming", self.reforming.as_ref())?;

@@ -70,20 +70,14 @@ impl Document {
     /// Brings a fault to the place where it was written.
     pub fn draw(&self, fault: Fault) -> Box<Diagnostic> {
         let mut node = &self.root;
-        let mut whole = true;
-        for key in &fault.path {
-            match node.child(key) {
-                Some(child) => node = child,
-                None => {
-                    whole = false;
-                    break;
-                }
-            }
+        let mut path = fault.path.iter();
+        // What was read from a file is at fault where the file is named.
+        while let Some(child) = path.next().and_then(|key| node.child(key).or_else(|| node.child("file"))) {
+            node = child;
         }
         let on_key = fault.on_key || matches!(node.kind, Kind::Table(_));
         let place = if on_key { node.key.clone() } else { node.value.clone() };
-        let others: Vec<_> =
-            fault.among.iter().filter_map(|key| whole.then(|| node.child(key)).flatten()).collect();
+        let others: Vec<_> = fault.among.iter().filter_map(|key| node.child(key)).collect();
         self.diagnose(&fault, place, &others)
     }
 
@@ -98,7 +92,8 @@ impl Document {
             marks.push(Mark { span: node.key.span.clone(), label: "one of them".into() });
         }
         if marks.is_empty() {
-            marks.push(Mark { span: place.span, label: format!("expected {}", fault.expected) });
+            let label = if fault.on_key { "unknown".into() } else { format!("expected {}", fault.expected) };
+            marks.push(Mark { span: place.span, label });
         }
         Box::new(Diagnostic {
             key: fault.path.join("."),
