@@ -7,7 +7,9 @@
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 pub mod contacts;
+pub mod ensemble;
 mod error;
+pub mod exact;
 pub mod law;
 pub mod master;
 pub mod monitor;

@@ -65,8 +65,14 @@ pub fn line(points: Vec<Point>, color: &str, width: f64, dashes: Option<&str>) -
     })
 }
 
+/// A filled histogram with bins of equal width around `centres`.
+pub fn histogram(centres: &[f64], heights: &[f64], color: &str) -> Plot {
+    let plot = LinePlot::new().with_data(steps(centres, heights)).with_color(color);
+    Plot::Line(plot.with_stroke_width(0.8).with_fill().with_fill_opacity(0.45))
+}
+
 /// The outline of a histogram with bins of equal width around `centres`.
-pub fn steps(centres: &[f64], heights: &[f64]) -> Vec<Point> {
+fn steps(centres: &[f64], heights: &[f64]) -> Vec<Point> {
     let half = if centres.len() > 1 { 0.5 * (centres[1] - centres[0]) } else { centres[0].max(0.5) };
     let bars = centres.iter().zip(heights);
     let tops = bars.flat_map(|(&c, &h)| [(c - half, h), (c + half, h)]);

@@ -9,7 +9,7 @@ use kuva::render::render::{Scene, render_twin_y};
 use super::curve::{Point, below, curve, line};
 use super::style::{self, BLACK, BLUE, ORANGE, Plots, RED};
 
-const DOTS: &str = "2 3";
+const DOTS: &str = "3 3";
 const DASHES: &str = "8 4";
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
@@ -21,12 +21,12 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let (mut plots, mut second, mut legend) = (Plots::new(), Plots::new(), Vec::new());
     crosses(outcome, &mut plots, &mut legend);
     plots.push(line(curve(stretch, steady), BLACK, 2.0, None));
-    legend.insert(0, style::line("Q_s(x), steady sliding".replace("Q_s", "$Q_s$"), BLACK, None));
+    legend.insert(0, style::line("stretches in steady sliding, Q(x)", BLACK, None));
     second.push(line(curve(stretch, thresholds), RED, 1.8, Some(DOTS)));
-    legend.push(style::line("$P_c$(x), thresholds (right axis)", RED, Some(DOTS)));
+    legend.push(style::line("thresholds (right axis)", RED, Some(DOTS)));
     let hazard = below(&curve(stretch, record.values("hazard")?), right);
     second.extend(hazard.into_iter().map(|piece| line(piece, BLUE, 1.8, Some(DASHES))));
-    legend.push(style::line("P(x), hazard (right axis)", BLUE, Some(DASHES)));
+    legend.push(style::line("hazard P(x) (right axis)", BLUE, Some(DASHES)));
     plots.extend(stems(record, "steady_atom", left, BLACK));
     second.extend(stems(record, "threshold_atom", right, RED));
     if record.length("steady_atom").or(record.length("threshold_atom")).is_some() {
@@ -39,8 +39,8 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         .with_y2_axis_max(right)
         .with_title(&outcome.summary.title)
         .with_x_label(style::axis(outcome, "Stretch x", record.get("stretch")?))
-        .with_y_label(style::axis(outcome, "$Q_s$(x)", density))
-        .with_y2_label(style::axis(outcome, "$P_c$(x) and P(x)", density));
+        .with_y_label(style::axis(outcome, "Stretch density Q(x)", density))
+        .with_y2_label(style::axis(outcome, "Threshold density, hazard P(x)", density));
     Some(render_twin_y(plots, second, style::legend_below(layout, legend)))
 }
 
@@ -62,7 +62,7 @@ fn crosses(outcome: &Outcome, plots: &mut Plots, legend: &mut Vec<LegendEntry>) 
             .with_size(3.2),
     ));
     let size = style::digits(outcome.summary.sample.unwrap_or(f64::NAN));
-    legend.push(style::marker(format!("ensemble of {size} contacts, averaged"), ORANGE, MarkerShape::Cross));
+    legend.push(style::marker(format!("ensemble, N = {size}, averaged"), ORANGE, MarkerShape::Cross));
 }
 
 /// Point masses as stems, `top` high where all contacts are there.

@@ -7,12 +7,15 @@ use kuva::render::figure::{Figure, FigureLegendPosition};
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
 
-use super::curve::{curve, line, steps};
+use super::curve::{curve, histogram, line};
 use super::distribution::stem;
 use super::style::{self, BLUE, ORANGE, Plots};
 
 /// Panels that a picture has at most; of more snapshots some are left out.
 const PANELS: usize = 24;
+/// Height that the label of the lowest axes takes.
+const LABEL: f64 = 26.0;
+const MARGINS: (f64, f64) = (30.0, 24.0);
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let record = &outcome.record;
@@ -22,6 +25,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let panels: Option<Vec<_>> = shown.iter().map(|&s| panel(outcome, s)).collect();
     let (plots, layouts): (Vec<_>, Vec<_>) = panels?.into_iter().unzip();
     let layouts = labelled(outcome, layouts, columns)?;
+    let height = if columns < 3 { 190.0 } else { 150.0 };
     let title = match snapshots.len() - shown.len() {
         0 => outcome.summary.title.clone(),
         more => format!("{} ({} of {} snapshots)", outcome.summary.title, shown.len(), more + shown.len()),
@@ -31,7 +35,8 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         .with_title_size(15)
         .with_plots(plots)
         .with_layouts(layouts)
-        .with_cell_size(style::WIDTH / columns as f64, 190.0)
+        .with_cell_size(style::WIDTH / columns as f64, height)
+        .with_row_height(rows - 1, height + LABEL)
         .with_spacing(6.0)
         .with_shared_legend_entries(legend(record))
         .with_shared_legend_position(FigureLegendPosition::BottomCenter);
@@ -59,12 +64,12 @@ fn panel(outcome: &Outcome, snapshot: usize) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
     let stretch = record.values("stretch")?;
     let density = record.row("stretch_density", snapshot)?;
-    let histogram = record.row("ensemble_stretch_density", snapshot);
+    let heights = record.row("ensemble_stretch_density", snapshot);
     let end = *stretch.last()?;
-    let top = style::headroom(style::range([density, histogram.unwrap_or(&[])]).1);
+    let top = style::headroom(style::range([density, heights.unwrap_or(&[])]).1);
     let mut plots = Plots::new();
-    if let (Some(bin), Some(histogram)) = (record.values("bin"), histogram) {
-        plots.push(line(steps(bin, histogram), ORANGE, 1.6, None));
+    if let (Some(bin), Some(heights)) = (record.values("bin"), heights) {
+        plots.push(histogram(bin, heights, ORANGE));
     }
     plots.push(line(curve(stretch, density), BLUE, 1.6, None));
     let position = record.values("snapshot")?[snapshot];
@@ -72,6 +77,7 @@ fn panel(outcome: &Outcome, snapshot: usize) -> Option<(Plots, Layout)> {
     let layout = style::layout((0.0, end), (0.0, top))
         .with_title(format!("X = {}", style::digits(position)))
         .with_ticks(4)
+        .with_force_margins_y(MARGINS.0, MARGINS.1)
         .with_title_size(12)
         .with_tick_size(11)
         .with_label_size(13);
@@ -91,9 +97,13 @@ fn labelled(outcome: &Outcome, layouts: Vec<Layout>, columns: usize) -> Option<V
     let record = &outcome.record;
     let x = style::axis(outcome, "Stretch x", record.get("stretch")?);
     let y = style::axis(outcome, "Q(x; X)", record.get("stretch_density")?);
-    let count = layouts.len();
+    let lowest = (layouts.len() - 1) / columns * columns;
     let label = |(i, layout): (usize, Layout)| {
-        let layout = if i + columns >= count { layout.with_x_label(&x) } else { layout };
+        let layout = if i >= lowest {
+            layout.with_x_label(&x).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)
+        } else {
+            layout
+        };
         if i % columns == 0 { layout.with_y_label(&y) } else { layout }
     };
     Some(layouts.into_iter().enumerate().map(label).collect())
@@ -102,7 +112,7 @@ fn labelled(outcome: &Outcome, layouts: Vec<Layout>, columns: usize) -> Option<V
 fn legend(record: &Record) -> Vec<LegendEntry> {
     let mut entries = vec![style::line("master equation", BLUE, None)];
     if record.get("ensemble_stretch_density").is_some() {
-        entries.push(style::line("ensemble", ORANGE, None));
+        entries.push(style::area("ensemble", "#F5D58C"));
     }
     if record.get("stretch_atom_weight").is_some() {
         entries.push(style::marker("point mass, 1 = full height", BLUE, MarkerShape::Circle));

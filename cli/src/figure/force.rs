@@ -1,5 +1,6 @@
 //! `force`: the friction force along the pull.
 
+use asperity::record::Quantity;
 use asperity_runner::output::Outcome;
 use asperity_runner::summary::StaticFriction;
 use kuva::plot::{BandPlot, LegendEntry, MarkerShape, ScatterPlot};
@@ -13,6 +14,7 @@ use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots};
 /// Markers that the force of the ensemble is shown by, at most.
 const MARKERS: usize = 80;
 const DASHES: &str = "8 5";
+const DOTS: &str = "3 3";
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let record = &outcome.record;
@@ -65,7 +67,7 @@ fn band(outcome: &Outcome, x: &[f64], force: &[f64], plots: &mut Plots, legend: 
     let x: Vec<f64> = merged(&lower, &upper);
     let (lower, upper) = (along(&x, &lower), along(&x, &upper));
     plots.push(Plot::Band(BandPlot::new(x, lower, upper).with_color(BLUE).with_opacity(0.22)));
-    legend.push(style::area(format!("±2 standard deviations, N = {}", style::digits(sample)), "#C7DFEE"));
+    legend.push(style::area(format!("±2 std of {} contacts", style::digits(sample)), "#C7DFEE"));
 }
 
 fn merged(a: &[Point], b: &[Point]) -> Vec<f64> {
@@ -91,8 +93,8 @@ fn along(x: &[f64], points: &[Point]) -> Vec<f64> {
 fn compared(outcome: &Outcome, plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
     let record = &outcome.record;
     if let (Some(x), Some(y)) = (record.values("compared_position"), record.values("compared_force")) {
-        plots.push(line(curve(x, y), GREEN, 1.6, Some("2 3")));
-        legend.push(style::line("compared curve", GREEN, Some("2 3")));
+        plots.push(line(curve(x, y), GREEN, 1.8, Some(DOTS)));
+        legend.push(style::line("compared curve", GREEN, Some(DOTS)));
     }
 }
 
@@ -101,33 +103,28 @@ fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut
     let (Some(force), Some(error)) = (record.values("ensemble_force"), record.values("ensemble_error")) else {
         return;
     };
-    let every = position.len().div_ceil(MARKERS);
-    let shown: Vec<usize> = (0..position.len()).step_by(every).collect();
-    plots.push(Plot::Scatter(
-        ScatterPlot::new()
-            .with_data(shown.iter().map(|&i| (position[i], force[i])))
-            .with_y_err(shown.iter().map(|&i| error[i]))
-            .with_color(ORANGE)
-            .with_size(2.6),
-    ));
-    let size = outcome.summary.sample.unwrap_or(f64::NAN);
-    let label = format!("ensemble of {} contacts, ± std error", style::digits(size));
-    legend.push(style::marker(label, ORANGE, MarkerShape::Circle));
+    let shown = (0..position.len()).step_by(position.len().div_ceil(MARKERS));
+    for i in shown.clone() {
+        let (x, f, e) = (position[i], force[i], error[i]);
+        plots.push(line(vec![(x, f - e), (x, f + e)], ORANGE, 1.4, None));
+    }
+    let markers = ScatterPlot::new().with_data(shown.map(|i| (position[i], force[i])));
+    plots.push(Plot::Scatter(markers.with_color(ORANGE).with_size(2.6)));
+    let size = style::digits(outcome.summary.sample.unwrap_or(f64::NAN));
+    legend.push(style::marker(format!("ensemble, N = {size}"), ORANGE, MarkerShape::Circle));
 }
 
 fn frictions(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
     let summary = &outcome.summary;
-    let unit = |name| outcome.record.get(name).map(|v| summary.units.label(v.quantity)).unwrap_or_default();
-    let (force_unit, length_unit) = (unit("force"), unit("position"));
+    let unit = summary.units.label(Quantity::Force);
     let ends = [position[0], position[position.len() - 1]];
     let kinetic = ends.map(|x| (x, summary.kinetic_friction)).to_vec();
     plots.push(line(kinetic, GREY, 1.4, Some(DASHES)));
-    let label = format!("$F_k$ = {}", style::with_unit(summary.kinetic_friction, &force_unit));
+    let label = format!("kinetic {}", style::with_unit(summary.kinetic_friction, &unit));
     legend.push(style::line(label, GREY, Some(DASHES)));
     if let StaticFriction::Reached { force, position } = summary.static_friction {
-        let (f, x) = (style::with_unit(force, &force_unit), style::with_unit(position, &length_unit));
         let point = ScatterPlot::new().with_data([(position, force)]).with_color(BLACK).with_size(5.0);
         plots.push(Plot::Scatter(point.with_marker(MarkerShape::TriangleDown)));
-        legend.push(style::marker(format!("$F_s$ = {f} at X = {x}"), BLACK, MarkerShape::TriangleDown));
+        legend.push(style::marker(format!("static {}", style::with_unit(force, &unit)), BLACK, MarkerShape::TriangleDown));
     }
 }

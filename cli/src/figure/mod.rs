@@ -1,6 +1,7 @@
 //! The pictures of a run, as SVG and PNG.
 
 mod curve;
+mod dashes;
 mod distribution;
 mod evolution;
 mod force;
@@ -9,7 +10,6 @@ mod style;
 use asperity_runner::output::{Attachment, Outcome};
 use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
-use kuva::render::render::Scene;
 
 /// Dots per point of the canvas in PNG files: a picture is about 2000 dots wide.
 const DENSITY: f32 = 3.0;
@@ -26,8 +26,9 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
     ];
     let mut pictures = Vec::new();
     for (name, scene) in scenes {
-        let Some(scene) = scene else { continue };
+        let Some(mut scene) = scene else { continue };
         let svg = renumbered(&SvgBackend::new().render_scene(&scene));
+        dashes::cut(&mut scene);
         let png = PngBackend::new().with_scale(DENSITY).render_scene(&scene);
         let png = png.map_err(|error| format!("{name}.png: {error}"))?;
         pictures.push(Attachment { name: format!("{name}.svg"), bytes: svg.into_bytes() });

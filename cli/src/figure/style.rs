@@ -18,7 +18,7 @@ pub const GREY: &str = "#767676";
 /// Width of a picture, in points of the canvas; letters are sized for 8.6 cm columns.
 pub const WIDTH: f64 = 660.0;
 /// Height of a picture of one panel.
-pub const HEIGHT: f64 = 460.0;
+pub const HEIGHT: f64 = 480.0;
 
 /// Axes that just hold `x` and `y`, with the common letters and lines.
 pub fn layout(x: (f64, f64), y: (f64, f64)) -> Layout {
@@ -71,7 +71,7 @@ pub fn area(label: impl Into<String>, color: &str) -> LegendEntry {
     LegendEntry { label: label.into(), color: color.into(), shape: LegendShape::Rect, dasharray: None }
 }
 
-/// `what symbol (unit)`, without the unit where there is none.
+/// `words (unit)`, without the unit where there is none.
 pub fn axis(outcome: &Outcome, words: &str, variable: &Variable) -> String {
     match outcome.summary.units.label(variable.quantity).as_str() {
         "1" => words.to_owned(),
@@ -79,9 +79,9 @@ pub fn axis(outcome: &Outcome, words: &str, variable: &Variable) -> String {
     }
 }
 
-/// `value` in four digits, for reading.
+/// `value` in five digits, for reading.
 pub fn digits(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     asperity_runner::output::shortest(rounded)
 }
 

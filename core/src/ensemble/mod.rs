@@ -1,0 +1,93 @@
+//! The earthquake-like model: contacts one by one, each breaking at its own threshold.
+//!
+//! The answer of this module and that of the master equation share the description of the contacts and
+//! nothing else. The pull goes from break to break, so that no step of X limits its accuracy.
+
+mod lives;
+mod pull;
+mod tally;
+
+pub use pull::{EnsemblePull, Snapshots};
+
+use crate::contacts::{Contacts, Initial, Start};
+use crate::law::Law;
+use crate::{Error, Result};
+
+/// Mass that no double-precision uniform number ever draws.
+const NEGLIGIBLE: f64 = 1e-15;
+
+/// What becomes of the threshold of a contact that breaks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Disorder {
+    /// Drawn anew from P_c at each re-formation, as the master equation has it.
+    #[default]
+    Annealed,
+    /// Kept for ever.
+    Quenched,
+}
+
+/// Independent contacts under a rigid slider.
+///
+/// A contact of stretch x breaks at x ≥ x_s and re-forms at r ~ R with x_s conditional on x_s > r
+/// (annealed), or at r ~ R conditional on r < x_s (quenched). Contacts are simulated one after another,
+/// each on random streams of its own: results depend on the description and the seed, not on threads.
+#[derive(Debug, Clone)]
+pub struct Ensemble {
+    contacts: Contacts,
+    initial: Initial,
+    size: usize,
+    seed: u64,
+    disorder: Disorder,
+}
+
+impl Ensemble {
+    /// An ensemble of `size` contacts drawn at random, which stand for the `contacts.count` real ones.
+    ///
+    /// # Errors
+    /// No contacts; or laws that leave a contact nowhere to be: R (and, for a conditional start, Q_ini)
+    /// with mass where no contact survives; quenched thresholds where no contact can re-form.
+    pub fn new(
+        contacts: Contacts,
+        initial: Initial,
+        size: usize,
+        seed: u64,
+        disorder: Disorder,
+    ) -> Result<Self> {
+        if size == 0 {
+            return Err(Error::invalid("size", "at least one contact", size));
+        }
+        let (thresholds, reforming) = (contacts.thresholds.as_ref(), contacts.reforming.as_ref());
+        match disorder {
+            Disorder::Annealed => {
+                survives(reforming, thresholds).map_err(|e| e.under("contacts.reforming"))?
+            }
+            Disorder::Quenched => reforms(reforming, thresholds).map_err(|e| e.under("contacts"))?,
+        }
+        if initial.start == Start::Conditional {
+            survives(initial.law.as_ref(), thresholds).map_err(|e| e.under("initial"))?;
+        }
+        Ok(Self { contacts, initial, size, seed, disorder })
+    }
+}
+
+/// Whether contacts placed by `stretches` can have thresholds above.
+fn survives(stretches: &dyn Law, thresholds: &dyn Law) -> Result<()> {
+    let highest = thresholds.quantile(1.0);
+    let beyond = stretches.survival(highest.next_down());
+    if beyond > NEGLIGIBLE {
+        let expected = format!("stretches below the highest threshold {highest}");
+        return Err(Error::invalid("", expected, format!("{beyond:e} of them at or above it")));
+    }
+    Ok(())
+}
+
+/// Whether a contact of any threshold can re-form below it.
+fn reforms(stretches: &dyn Law, thresholds: &dyn Law) -> Result<()> {
+    let lowest = stretches.quantile(0.0);
+    let below = 1.0 - thresholds.survival(lowest);
+    if below > NEGLIGIBLE {
+        let expected = format!("quenched thresholds above the lowest re-formed stretch {lowest}");
+        return Err(Error::invalid("thresholds", expected, format!("{below:e} of them not above it")));
+    }
+    Ok(())
+}

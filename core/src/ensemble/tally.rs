@@ -1,0 +1,145 @@
+//! Sums over contacts at given positions, from what changes at each break.
+//!
+//! Between breaks a contact of stiffness k carries kx with dx/dX = 1. Sums of kx and (kx)² at successive
+//! positions thus follow from each other and from the jumps at the breaks in between, *both sides of
+//! which are taken at the later position*: nothing grows with X, so nothing cancels.
+
+/// What is remembered between two positions: jumps, summed over breaks.
+pub(super) trait Cell: Copy + Send + Sync {
+    const ZERO: Self;
+    /// Adds a contact of stretch `x` and stiffness `k`.
+    fn add(&mut self, x: f64, k: f64);
+    /// Replaces the stretch and stiffness of a contact.
+    fn replace(&mut self, before: (f64, f64), after: (f64, f64));
+    fn merge(&mut self, other: &Self);
+    /// Sums of k, kx, k², k²x, (kx)².
+    fn sums(&self) -> [f64; 5];
+    /// The part of these sums, of `size` contacts, that is not remembered.
+    fn constant(size: f64) -> [f64; 5];
+}
+
+/// Contacts of equal stiffness 1: Σx and Σx².
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Equal([f64; 2]);
+
+impl Cell for Equal {
+    const ZERO: Self = Self([0.0; 2]);
+
+    fn add(&mut self, x: f64, _k: f64) {
+        self.0[0] += x;
+        self.0[1] += x * x;
+    }
+
+    #[inline]
+    fn replace(&mut self, (before, _): (f64, f64), (after, _): (f64, f64)) {
+        let jump = after - before;
+        self.0[0] += jump;
+        self.0[1] += jump * (after + before);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.0[0] += other.0[0];
+        self.0[1] += other.0[1];
+    }
+
+    fn sums(&self) -> [f64; 5] {
+        [0.0, self.0[0], 0.0, self.0[0], self.0[1]]
+    }
+
+    fn constant(size: f64) -> [f64; 5] {
+        [size, 0.0, size, 0.0, 0.0]
+    }
+}
+
+/// Contacts of different stiffnesses: all five sums.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Different([f64; 5]);
+
+impl Different {
+    fn weigh(&mut self, sign: f64, x: f64, k: f64) {
+        let terms = [k, k * x, k * k, k * k * x, k * x * k * x];
+        self.0.iter_mut().zip(terms).for_each(|(sum, term)| *sum += sign * term);
+    }
+}
+
+impl Cell for Different {
+    const ZERO: Self = Self([0.0; 5]);
+
+    fn add(&mut self, x: f64, k: f64) {
+        self.weigh(1.0, x, k);
+    }
+
+    fn replace(&mut self, before: (f64, f64), after: (f64, f64)) {
+        self.weigh(-1.0, before.0, before.1);
+        self.weigh(1.0, after.0, after.1);
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.0.iter_mut().zip(other.0).for_each(|(sum, term)| *sum += term);
+    }
+
+    fn sums(&self) -> [f64; 5] {
+        self.0
+    }
+
+    fn constant(_size: f64) -> [f64; 5] {
+        [0.0; 5]
+    }
+}
+
+/// Rising values, and the first of them that is not below a given one.
+pub(super) struct Grid<'a> {
+    values: &'a [f64],
+    /// Steps per length, if the values are evenly spaced within half a step.
+    density: Option<f64>,
+}
+
+impl<'a> Grid<'a> {
+    pub(super) fn new(values: &'a [f64]) -> Self {
+        let (first, last) = (values[0], values[values.len() - 1]);
+        let step = (last - first) / (values.len() - 1).max(1) as f64;
+        let off = |(i, x): (usize, &f64)| (x - (first + i as f64 * step)).abs() > 0.5 * step;
+        let even = step > 0.0 && !values.iter().enumerate().any(off);
+        Self { values, density: even.then_some(1.0 / step) }
+    }
+
+    /// The index of the first value ≥ `x`, and that value; `x` is not above the last value.
+    #[inline]
+    pub(super) fn at_or_above(&self, x: f64) -> (usize, f64) {
+        let values = self.values;
+        let Some(density) = self.density else {
+            let index = values.partition_point(|&v| v < x).min(values.len() - 1);
+            return (index, values[index]);
+        };
+        // The guess is right to one step either way, whatever the rounding.
+        let mut index = (((x - values[0]) * density) as usize).min(values.len() - 1);
+        while index + 1 < values.len() && values[index] < x {
+            index += 1;
+        }
+        while index > 0 && values[index - 1] >= x {
+            index -= 1;
+        }
+        (index, values[index])
+    }
+}
+
+/// The mean force of `size` contacts at each position, and its standard error.
+///
+/// `cells[g]` holds what changed after position g − 1 and not after position g.
+pub(super) fn forces<C: Cell>(cells: &[C], positions: &[f64], size: usize) -> (Vec<f64>, Vec<f64>) {
+    let n = size as f64;
+    let [mut k, mut f, mut kk, mut kf, mut ff] = C::constant(n);
+    let mut before = positions[0];
+    let point = |(cell, &position): (&C, &f64)| {
+        let step = position - before;
+        before = position;
+        ff += step * (2.0 * kf + step * kk);
+        f += step * k;
+        kf += step * kk;
+        let [dk, df, dkk, dkf, dff] = cell.sums();
+        (k, f, kk, kf, ff) = (k + dk, f + df, kk + dkk, kf + dkf, ff + dff);
+        let mean = f / n;
+        (mean, ((ff / n - mean * mean).max(0.0) / (n - 1.0)).sqrt())
+    };
+    cells.iter().zip(positions).map(point).unzip()
+}
