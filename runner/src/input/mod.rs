@@ -8,6 +8,7 @@ mod tables;
 
 use std::path::Path;
 
+use asperity::master::MasterEquation;
 use asperity::scenario::Scenario;
 use serde::Deserialize as _;
 
@@ -51,7 +52,8 @@ pub fn parse(
         Scenario::deserialize(Reader(&document.root)).map_err(|fault| document.draw(task(fault)))?;
     let mut input = Input { scenario, document };
     tables::inline(&mut input.scenario, directory).map_err(|fault| input.document.draw(fault))?;
-    match input.scenario.build() {
+    let built = input.scenario.build();
+    match built.and_then(|(contacts, initial)| MasterEquation::new(contacts, &initial)) {
         Ok(_) => Ok(input),
         Err(error) => Err(input.diagnose(&error)),
     }
