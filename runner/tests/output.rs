@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use asperity::record::{Quantity, Record};
-use asperity_runner::output::{self, Attachment, Error, Outcome};
 use asperity::scenario::Units;
+use asperity_runner::output::{self, Attachment, Error, Outcome};
 use asperity_runner::summary::{Extended, StaticFriction, Summary};
 
 fn record(seed: u64) -> Record {
@@ -41,6 +41,7 @@ fn outcome(seed: u64) -> Outcome {
             contacts: 1.0,
             sample: None,
             seed: Some(u64::MAX - seed),
+            disorder: None,
             friction_coefficients: None,
             compare: None,
         },

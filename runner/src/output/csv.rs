@@ -10,11 +10,7 @@ pub fn shortest(value: f64) -> String {
 
 /// The tables of a record: name and text of each that has any rows.
 pub(super) fn tables(record: &Record) -> impl Iterator<Item = (&'static str, String)> {
-    let force = table(
-        record,
-        &["position", "force", "breaking_rate"],
-        &["ensemble_force", "ensemble_error"],
-    );
+    let force = table(record, &["position", "force", "breaking_rate"], &["ensemble_force", "ensemble_error"]);
     [("force.csv", force), ("atoms.csv", atoms(record))]
         .into_iter()
         .filter_map(|(name, text)| text.map(|text| (name, text)))

@@ -28,7 +28,9 @@ pub enum Error {
         source: std::io::Error,
     },
     /// The results do not fit in one result file.
-    #[error("result.nc would need {needed} bytes, more than the {allowed} allowed; ask for fewer points or snapshots")]
+    #[error(
+        "result.nc would need {needed} bytes, more than the {allowed} allowed; ask for fewer points or snapshots"
+    )]
     TooLarge {
         /// Bytes it would need.
         needed: u64,
