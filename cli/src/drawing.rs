@@ -31,9 +31,11 @@ impl miette::Diagnostic for Drawn {
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let marks = &self.diagnostic.source.as_ref()?.marks;
-        Some(Box::new(marks.iter().map(|mark| {
-            LabeledSpan::new(Some(mark.label.clone()), mark.span.start, mark.span.len())
-        })))
+        Some(Box::new(
+            marks
+                .iter()
+                .map(|mark| LabeledSpan::new(Some(mark.label.clone()), mark.span.start, mark.span.len())),
+        ))
     }
 }
 

@@ -61,7 +61,10 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Example { name: None } => print(&examples::list()),
         Command::Example { name: Some(name) } => match examples::find(&name) {
             Some(text) => print(text),
-            None => Err(Failure::Input(format!("error: no example is called {name}; there are\n{}", examples::list()))),
+            None => Err(Failure::Input(format!(
+                "error: no example is called {name}; there are\n{}",
+                examples::list()
+            ))),
         },
         Command::Completions { shell } => {
             let mut script = Vec::new();

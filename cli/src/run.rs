@@ -5,6 +5,12 @@ use super::progress::{self, Progress};
 pub fn run(arguments: &Run) -> Result<(), Failure> {
     progress::catch_interrupts();
     let input = asperity_runner::input::read(&arguments.scenario.path, &arguments.scenario.overrides)?;
-    let _ = (Progress::new(arguments.quiet), arguments.directory(), arguments.json, arguments.threads, progress::interrupted());
+    let _ = (
+        Progress::new(arguments.quiet),
+        arguments.directory(),
+        arguments.json,
+        arguments.threads,
+        progress::interrupted(),
+    );
     super::print(&asperity_runner::input::to_text(&input.scenario))
 }

@@ -12,12 +12,19 @@ pub fn readable(summary: &Summary) -> String {
         if unit == "1" { digits(number) } else { format!("{} {unit}", digits(number)) }
     };
     let mut lines: Vec<(&str, String)> = Vec::new();
-    lines.push(("static friction", match summary.static_friction {
-        StaticFriction::Reached { force, position } => {
-            format!("F_s = {} at X_s = {}", value(force, Quantity::Force), value(position, Quantity::Length))
-        }
-        StaticFriction::NotReached => "not reached: the force still rises at the end".into(),
-    }));
+    lines.push((
+        "static friction",
+        match summary.static_friction {
+            StaticFriction::Reached { force, position } => {
+                format!(
+                    "F_s = {} at X_s = {}",
+                    value(force, Quantity::Force),
+                    value(position, Quantity::Length)
+                )
+            }
+            StaticFriction::NotReached => "not reached: the force still rises at the end".into(),
+        },
+    ));
     lines.push(("kinetic friction", format!("F_k = {}", value(summary.kinetic_friction, Quantity::Force))));
     let (length, paper) = (summary.relaxation_length.0, summary.relaxation_length_paper.0);
     let estimate = format!("(the paper's estimate {})", value(paper, Quantity::Length));
@@ -31,7 +38,10 @@ pub fn readable(summary: &Summary) -> String {
         lines.push(("friction coefficients", both));
     }
     if let Some(seed) = summary.seed {
-        lines.push(("ensemble", format!("{} contacts, seed {seed}", summary.sample.map_or(String::new(), digits))));
+        lines.push((
+            "ensemble",
+            format!("{} contacts, seed {seed}", summary.sample.map_or(String::new(), digits)),
+        ));
     }
     if let Some(compared) = summary.compare {
         let rms = compared.residual_rms.map_or("no point within the pull".into(), |rms| {

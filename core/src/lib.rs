@@ -11,6 +11,7 @@ pub mod ensemble;
 mod error;
 pub mod exact;
 pub mod law;
+pub mod life;
 pub mod master;
 pub mod monitor;
 pub mod numerics;

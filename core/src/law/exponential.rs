@@ -81,6 +81,10 @@ impl Law for Exponential {
         onset(0.0, 1.0 / self.mean)
     }
 
+    fn decay_rate(&self) -> f64 {
+        1.0 / self.mean
+    }
+
     /// 1/(1 + sm), a pole at s = −1/m.
     fn laplace(&self, s: Complex64) -> Complex64 {
         (1.0 + s * self.mean).inv()

@@ -122,6 +122,11 @@ pub trait Law: Debug + Send + Sync {
     /// Laplace transform E[e^{−sξ}], continued analytically to Re s < 0 as far as it goes.
     fn laplace(&self, s: Complex64) -> Complex64;
 
+    /// The rate λ of an exponential tail, S(x) ~ exp(−λx): infinite where S falls faster, 0 where it falls slower.
+    fn decay_rate(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// Fills `out` with independent draws.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]);
 }

@@ -236,6 +236,8 @@ pub struct Accuracy {
     pub density: f64,
     /// … or this large times the cell's width.
     pub mass: f64,
+    /// Width of cells to begin with, in units of the narrowest cell of source and kernel that matters.
+    pub widening: f64,
     /// Whether cells may outgrow the kernel's own.
     pub may_grow: bool,
 }
@@ -268,7 +270,7 @@ pub fn solve(
     accuracy: Accuracy,
     monitor: &mut dyn Monitor,
 ) -> Result<Solution> {
-    let width = source.narrowest().min(kernel.narrowest()).min(end);
+    let width = (accuracy.widening * source.narrowest().min(kernel.narrowest())).min(end);
     let spacing = width / (2 * NODES) as f64;
     let matters = |b: &Break| b.weight(spacing) > 10.0 * accuracy.density;
     let breaks = renewed(&source.breaks, &kernel.breaks, end, matters)?;
@@ -368,6 +370,12 @@ impl March<'_> {
     }
 
     fn start_run(&mut self, start: f64, width: f64) {
+        if let Some(run) = self.mesh.runs.last() {
+            let there = run.start + (self.values.len() - run.first) as f64 * run.width;
+            if (run.width - width).abs() <= 1e-13 * width && (there - start).abs() <= 1e-11 * width {
+                return;
+            }
+        }
         if self.mesh.runs.last().is_some_and(|run| run.first == self.values.len()) {
             self.mesh.runs.pop();
         }
@@ -500,15 +508,22 @@ impl Solution {
         Ok(Piecewise { boundaries: self.mesh.boundaries.clone(), coefficients })
     }
 
-    /// (source + kernel ∗ g)(x) at one x by quadrature over the density itself, not by blocks.
+    /// (source + kernel ∗ g)(x) at one x by quadrature over the density, not by blocks.
     pub fn convolve_at(&self, source: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
-        let low = (x - kernel.curve.end()).max(0.0);
-        let mut cuts: Vec<f64> = vec![low, x];
-        cuts.extend(self.mesh.boundaries.iter().filter(|&&b| b > low && b < x));
-        cuts.extend(kernel.curve.boundaries.iter().map(|b| x - b).filter(|&b| b > low && b < x));
-        cuts.sort_by(f64::total_cmp);
-        let integrand = |y: f64| self.density.value(y) * kernel.curve.value(x - y);
-        let integral: f64 = cuts.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum();
+        let low = x - kernel.curve.end();
+        let first = self.mesh.boundaries.partition_point(|&b| b <= low).saturating_sub(1);
+        let cells = (first..self.values.len()).take_while(|&cell| self.mesh.boundaries[cell] < x);
+        let integral: f64 = cells.map(|cell| self.convolve_cell(cell, kernel, x)).sum();
         source.value(x) + struck(&kernel.curve, &self.atoms, x) + integral
+    }
+
+    fn convolve_cell(&self, cell: usize, kernel: &Kernel, x: f64) -> f64 {
+        let (middle, half) = self.mesh.cell(cell);
+        let (low, high) = ((x - middle - half).max(0.0), x - middle + half);
+        let mut cuts = vec![low];
+        kernel.splits(low, high, 2.0 * half, &mut cuts);
+        cuts.push(high);
+        let integrand = |u: f64| self.density.value_in(cell, x - u) * kernel.curve.value(u);
+        cuts.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum()
     }
 }

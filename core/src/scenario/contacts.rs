@@ -1,10 +1,13 @@
 //! `[contacts]`: how many contacts there are, how stiff, when they break, how they re-form.
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Law, positive};
 use crate::contacts::Stiffness;
+use crate::law::{Root, SharedLaw};
 use crate::{Error, Result, contacts};
 
 /// The contacts of the interface: either `thresholds`, or `areas` from which thresholds and stiffnesses follow.
@@ -112,11 +115,11 @@ impl Contacts {
 }
 
 impl Areas {
-    fn build(&self) -> Result<(Stiffness, crate::law::SharedLaw)> {
+    fn build(&self) -> Result<(Stiffness, SharedLaw)> {
         let modulus = positive("modulus", self.modulus)?;
         let strength = positive("strength", self.strength)?;
         let areas = self.law.build().map_err(|e| e.under("law"))?;
-        let thresholds = areas; // Root
-        Ok((Stiffness::PerThreshold(modulus * modulus / strength), thresholds))
+        let thresholds = Root::new(strength / modulus, areas)?;
+        Ok((Stiffness::PerThreshold(modulus * modulus / strength), Arc::new(thresholds)))
     }
 }

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::size;
-use crate::{Error, Result};
+use crate::contacts::{Contacts, Initial};
+use crate::{Error, Result, ensemble};
 
 /// The earthquake-like model: contacts drawn at random and followed one by one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -36,7 +36,16 @@ impl Default for Ensemble {
 }
 
 impl Ensemble {
-    pub(super) fn check(&self) -> Result<()> {
+    /// The contacts, drawn at random.
+    ///
+    /// # Errors
+    /// No contacts, or laws that leave a contact nowhere to be.
+    pub fn build(&self, contacts: Contacts, initial: Initial) -> Result<ensemble::Ensemble> {
+        self.check().map_err(|e| e.under("ensemble"))?;
+        ensemble::Ensemble::new(contacts, initial, self.size, self.seed, self.disorder.into())
+    }
+
+    fn check(&self) -> Result<()> {
         if self.size == 0 {
             return Err(Error::invalid("size", "1 contact or more", self.size));
         }
@@ -44,6 +53,15 @@ impl Ensemble {
         if i64::try_from(self.seed).is_err() {
             return Err(Error::invalid("seed", "a whole number below 2^63", self.seed));
         }
-        size::check("size", self.size, size::BYTES_PER_CONTACT)
+        Ok(())
+    }
+}
+
+impl From<Disorder> for ensemble::Disorder {
+    fn from(disorder: Disorder) -> Self {
+        match disorder {
+            Disorder::Annealed => Self::Annealed,
+            Disorder::Quenched => Self::Quenched,
+        }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::exactly_one;
+use super::{exactly_one, positive};
 use crate::law::{self, SharedLaw};
 use crate::{Error, Result};
 
@@ -120,12 +120,12 @@ impl Law {
     pub fn build(&self) -> Result<SharedLaw> {
         let (name, law) = match *self {
             Self::Gaussian { mean, std } => ("gaussian", shared(law::Gaussian::new(mean, std))),
-            Self::Gamma { .. } => ("gamma", Err(Error::invalid("", "soon", ""))),
-            Self::Lognormal { .. } => ("lognormal", Err(Error::invalid("", "soon", ""))),
+            Self::Gamma { mean, std } => ("gamma", shared(law::Gamma::new(mean, std))),
+            Self::Lognormal { mean, std } => ("lognormal", shared(law::Lognormal::new(mean, std))),
             Self::Rectangular { min, max } => ("rectangular", shared(law::Rectangular::new(min, max))),
             Self::Point { at } => ("point", shared(law::Point::new(at))),
             Self::Exponential { mean } => ("exponential", shared(law::Exponential::new(mean))),
-            Self::Weibull { .. } => ("weibull", Err(Error::invalid("", "soon", ""))),
+            Self::Weibull { shape, scale } => ("weibull", shared(law::Weibull::new(shape, scale))),
             Self::Tabulated(ref table) => ("tabulated", table.build()),
             Self::Mixture(ref components) => ("mixture", mixture(components)),
         };
@@ -154,22 +154,27 @@ impl Tabulated {
         ];
         exactly_one("", "one of file, samples, or stretch and density", &given)?;
         match (&self.samples, &self.stretch, &self.density) {
-            (Some(samples), ..) => Err(Error::invalid("", "soon", "")),
-            (None, Some(stretch), Some(density)) => Err(Error::invalid("", "soon", "")),
-            (None, Some(_), None) => Err(Error::invalid("density", "a density for every stretch", "none")),
-            (None, None, Some(_)) => Err(Error::invalid("stretch", "a stretch for every density", "none")),
+            (Some(samples), ..) => shared(law::Tabulated::from_samples(samples)),
+            (None, Some(stretch), Some(density)) if stretch.len() == density.len() => {
+                let rows: Vec<_> = stretch.iter().copied().zip(density.iter().copied()).collect();
+                shared(law::Tabulated::from_density(&rows))
+            }
             (None, None, None) => Err(Error::invalid("file", "a table read from it", "an unread file")),
+            (None, stretch, density) => {
+                let [stretch, density] = [stretch, density].map(|column| column.as_ref().map_or(0, Vec::len));
+                Err(Error::invalid("density", format!("{stretch} densities, one for each stretch"), density))
+            }
         }
     }
 }
 
 fn mixture(components: &[Component]) -> Result<SharedLaw> {
     let built = components.iter().enumerate().map(|(i, component)| {
+        let weight = positive(&format!("{i}.weight"), component.weight)?;
         let law = component.law.build().map_err(|e| e.under(&format!("{i}.law")))?;
-        Ok((component.weight, law))
+        Ok((weight, law))
     });
-    built.collect::<Result<Vec<_>>>()?;
-    Err(Error::invalid("", "soon", ""))
+    shared(law::Mixture::new(built.collect::<Result<_>>()?))
 }
 
 fn shared<L: law::Law + 'static>(law: Result<L>) -> Result<SharedLaw> {

@@ -66,14 +66,14 @@ impl Scenario {
         let law = self.initial.build().map_err(|e| e.under("initial"))?;
         self.pull.check().map_err(|e| e.under("pull"))?;
         self.master_equation.check().map_err(|e| e.under("master_equation"))?;
-        if let Some(ensemble) = &self.ensemble {
-            ensemble.check().map_err(|e| e.under("ensemble"))?;
-        }
         if let Some(compare) = &self.compare {
             compare.check().map_err(|e| e.under("compare"))?;
         }
         let initial = crate::contacts::Initial { law, start: self.pull.start.into() };
         contacts.check(&initial)?;
+        if let Some(ensemble) = &self.ensemble {
+            ensemble.build(contacts.clone(), initial.clone())?;
+        }
         Ok((contacts, initial))
     }
 

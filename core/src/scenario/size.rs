@@ -9,9 +9,6 @@ const GIBIBYTE: f64 = 1024.0 * 1024.0 * 1024.0;
 /// Of a position: its numbers, their text, and the results file, which is put together in memory.
 pub(super) const BYTES_PER_POINT: f64 = 200.0;
 
-/// Of a contact: its stretch and threshold, and the breaks being sorted.
-pub(super) const BYTES_PER_CONTACT: f64 = 32.0;
-
 /// Refuses a number of things of the given size that would not fit.
 pub(super) fn check(key: &str, number: usize, bytes_each: f64) -> Result<()> {
     let needed = number as f64 * bytes_each;

@@ -36,13 +36,13 @@ impl Fault {
 
     fn wrong_name(name: &str, known: &[&str]) -> Self {
         let nearest = known.iter().max_by(|a, b| likeness(name, a).total_cmp(&likeness(name, b)));
-        let help = nearest.filter(|k| likeness(name, k) > 0.75).map(|k| format!("did you mean {k}?"));
+        let help = nearest.filter(|k| likeness(name, k) > 0.5).map(|k| format!("did you mean {k}?"));
         Self { help, on_key: true, ..Self::new(&one_of(known), &format!("\"{name}\"")) }
     }
 }
 
 fn likeness(a: &str, b: &str) -> f64 {
-    strsim::jaro_winkler(&a.to_lowercase(), b)
+    strsim::normalized_damerau_levenshtein(&a.to_lowercase(), b)
 }
 
 fn one_of(names: &[&str]) -> String {
