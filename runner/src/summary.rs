@@ -1,6 +1,6 @@
 //! The few numbers of a run that people quote: `summary.json`.
 
-use asperity::scenario::Units;
+use asperity::scenario::{Disorder, Units};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The numbers of a run.
@@ -31,6 +31,9 @@ pub struct Summary {
     pub sample: Option<f64>,
     /// Seed of the ensemble; null where none was run.
     pub seed: Option<u64>,
+    /// What became of thresholds in the ensemble.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disorder: Option<Disorder>,
     /// Forces over the normal load, where one is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_coefficients: Option<Coefficients>,

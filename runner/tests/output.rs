@@ -41,6 +41,7 @@ fn outcome(seed: u64) -> Outcome {
             contacts: 1.0,
             sample: None,
             seed: Some(u64::MAX - seed),
+            disorder: None,
             friction_coefficients: None,
             compare: None,
         },

@@ -87,7 +87,8 @@ mod tests {
 
     #[test]
     fn thinning_keeps_ends_and_extrema() {
-        let mut points: Vec<Point> = (0..100_000).map(|i| (f64::from(i), (f64::from(i) * 1e-3).sin())).collect();
+        let mut points: Vec<Point> =
+            (0..100_000).map(|i| (f64::from(i), (f64::from(i) * 1e-3).sin())).collect();
         points[54_321].1 = 7.0;
         points[54_322].1 = -7.0;
         let kept = thinned(points.clone());

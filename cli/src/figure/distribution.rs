@@ -15,9 +15,11 @@ const DASHES: &str = "8 4";
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let record = &outcome.record;
     let stretch = record.values("stretch")?;
-    let (steady, thresholds) = (record.values("steady_stretch_density")?, record.values("threshold_density")?);
+    let (steady, thresholds) =
+        (record.values("steady_stretch_density")?, record.values("threshold_density")?);
     let x = (0.0, *stretch.last()?);
-    let (left, right) = (top(&[steady, record.values("steady_ensemble_density").unwrap_or(&[])]), top(&[thresholds]));
+    let (left, right) =
+        (top(&[steady, record.values("steady_ensemble_density").unwrap_or(&[])]), top(&[thresholds]));
     let (mut plots, mut second, mut legend) = (Plots::new(), Plots::new(), Vec::new());
     crosses(outcome, &mut plots, &mut legend);
     plots.push(line(curve(stretch, steady), BLACK, 2.0, None));

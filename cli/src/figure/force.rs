@@ -100,7 +100,8 @@ fn compared(outcome: &Outcome, plots: &mut Plots, legend: &mut Vec<LegendEntry>)
 
 fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
     let record = &outcome.record;
-    let (Some(force), Some(error)) = (record.values("ensemble_force"), record.values("ensemble_error")) else {
+    let (Some(force), Some(error)) = (record.values("ensemble_force"), record.values("ensemble_error"))
+    else {
         return;
     };
     let shown = (0..position.len()).step_by(position.len().div_ceil(MARKERS));
@@ -125,6 +126,10 @@ fn frictions(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mu
     if let StaticFriction::Reached { force, position } = summary.static_friction {
         let point = ScatterPlot::new().with_data([(position, force)]).with_color(BLACK).with_size(5.0);
         plots.push(Plot::Scatter(point.with_marker(MarkerShape::TriangleDown)));
-        legend.push(style::marker(format!("static {}", style::with_unit(force, &unit)), BLACK, MarkerShape::TriangleDown));
+        legend.push(style::marker(
+            format!("static {}", style::with_unit(force, &unit)),
+            BLACK,
+            MarkerShape::TriangleDown,
+        ));
     }
 }

@@ -11,14 +11,21 @@ fn outcome() -> Outcome {
     let grid = |count: i32, step: f64| (0..count).map(|i| step * f64::from(i)).collect::<Vec<_>>();
     let (position, stretch) = (grid(200, 0.05), grid(100, 0.02));
     let force: Vec<f64> = position.iter().map(|x| 0.5 - 0.4 * (-0.1 * x).exp() * (6.0 * x).cos()).collect();
-    let bell = |center: f64| stretch.iter().map(move |x| (-8.0 * (x - center).powi(2)).exp()).collect::<Vec<_>>();
+    let bell =
+        |center: f64| stretch.iter().map(move |x| (-8.0 * (x - center).powi(2)).exp()).collect::<Vec<_>>();
     record.push("force_std", "standard deviation", Quantity::Force, &["position"], vec![0.02; 200]);
     record.push("ensemble_force", "force", Quantity::Force, &["position"], force.clone());
     record.push("ensemble_error", "error", Quantity::Force, &["position"], vec![0.02; 200]);
     record.push("position", "position", Quantity::Length, &["position"], position);
     record.push("force", "force", Quantity::Force, &["position"], force);
     record.push("snapshot", "position", Quantity::Length, &["snapshot"], vec![0.0, 1.5]);
-    record.push("stretch_density", "Q", Quantity::PerLength, &["snapshot", "stretch"], [bell(0.2), bell(0.9)].concat());
+    record.push(
+        "stretch_density",
+        "Q",
+        Quantity::PerLength,
+        &["snapshot", "stretch"],
+        [bell(0.2), bell(0.9)].concat(),
+    );
     record.push("steady_stretch_density", "Q", Quantity::PerLength, &["stretch"], bell(0.0));
     record.push("threshold_density", "P_c", Quantity::PerLength, &["stretch"], bell(1.0));
     record.push("hazard", "P", Quantity::PerLength, &["stretch"], stretch.iter().map(|x| x * x).collect());
@@ -36,6 +43,7 @@ fn outcome() -> Outcome {
         contacts: 1.0,
         sample: Some(100.0),
         seed: Some(1),
+        disorder: None,
         friction_coefficients: None,
         compare: None,
     };
@@ -95,5 +103,8 @@ fn the_same_numbers_give_the_same_bytes() {
 
 #[test]
 fn clip_paths_are_numbered_by_first_use() {
-    assert_eq!(renumbered("a kuva-clip-7 b kuva-clip-12\" kuva-clip-7"), "a kuva-clip-0 b kuva-clip-1\" kuva-clip-0");
+    assert_eq!(
+        renumbered("a kuva-clip-7 b kuva-clip-12\" kuva-clip-7"),
+        "a kuva-clip-0 b kuva-clip-1\" kuva-clip-0"
+    );
 }
