@@ -3,6 +3,7 @@
 mod arguments;
 mod drawing;
 mod examples;
+mod figure;
 mod progress;
 mod run;
 mod summary;

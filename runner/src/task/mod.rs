@@ -32,7 +32,7 @@ pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Outcome> {
     let (contacts, initial) = scenario.build()?;
     let grid = Grid::new(&contacts, &initial, &scenario.pull.snapshots);
     fits(scenario, &grid)?;
-    let equation = MasterEquation::new(contacts.clone(), initial.clone())?;
+    let equation = MasterEquation::new(contacts.clone(), &initial)?;
     let master = if scenario.ensemble.is_some() { 0.5 } else { 1.0 };
     let tolerance = scenario.master_equation.tolerance;
     let pull =
