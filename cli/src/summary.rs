@@ -48,7 +48,7 @@ pub fn readable(summary: &Summary) -> String {
     if let (Some(seed), Some(size)) = (summary.seed, summary.sample) {
         let quenched =
             if summary.disorder == Some(Disorder::Quenched) { "quenched thresholds, " } else { "" };
-        lines.push(("ensemble", format!("{} contacts, {quenched}seed {seed}", digits(size))));
+        lines.push(("ensemble", format!("{size} contacts, {quenched}seed {seed}")));
     }
     if let Some(compared) = summary.compare {
         let rms = compared.residual_rms.map_or("no point within the pull".into(), |rms| {
