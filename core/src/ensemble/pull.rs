@@ -206,7 +206,7 @@ impl Sweep<'_> {
         }
         let expected = self.ensemble.expected_breaks(self.positions[self.positions.len() - 1]);
         let least = (bytes as f64).max(20_000.0);
-        let breaks = (expected * self.ensemble.size as f64 / ROUND as f64).clamp(least, least.max(4e6));
+        let breaks = (expected * self.ensemble.size as f64 / ROUND as f64).clamp(least, least.max(1e6));
         let chunk = (breaks / expected).ceil() as usize;
         let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
         Ok(Plan { chunk, round, expected: expected as usize })
@@ -254,6 +254,7 @@ impl Sweep<'_> {
 
     /// As many of the `coming` lives as begin by `until`; how many they were. The contact stays in
     /// registers, which is what makes this loop worth having.
+    #[inline(never)]
     fn rush<C: Cell>(
         &self,
         mut contact: Contact,

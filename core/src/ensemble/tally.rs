@@ -90,8 +90,8 @@ impl Cell for Different {
 /// Rising values, and the first of them that is not below a given one.
 pub(super) struct Grid<'a> {
     values: &'a [f64],
-    /// Steps per length, if the values are evenly spaced to a thousandth of a step.
-    density: Option<f64>,
+    /// Steps per length and where they count from, if the values are evenly spaced to a thousandth of a step.
+    even: Option<(f64, f64)>,
 }
 
 impl<'a> Grid<'a> {
@@ -100,15 +100,15 @@ impl<'a> Grid<'a> {
         let step = (last - first) / (values.len() - 1).max(1) as f64;
         let off = |(i, x): (usize, &f64)| (x - (first + i as f64 * step)).abs() > 1e-3 * step;
         let even = step > 0.0 && !values.iter().enumerate().any(off);
-        Self { values, density: even.then_some(1.0 / step) }
+        // Never too high, as values are where they should be to a thousandth; hardly ever too low.
+        Self { values, even: even.then_some((1.0 / step, 0.998 - first / step)) }
     }
 
     /// The index of the first value ≥ `x`, and that value; `x` is not above the last value.
     #[inline]
     pub(super) fn at_or_above(&self, x: f64) -> (usize, f64) {
-        let guess = match self.density {
-            // Never too high, as values are where they should be to a thousandth; hardly ever too low.
-            Some(density) => ((x - self.values[0]) * density + 0.998) as u32 as usize,
+        let guess = match self.even {
+            Some((density, offset)) => (x * density + offset) as u32 as usize,
             None => self.values.partition_point(|&value| value < x),
         };
         let value = self.values[guess];
