@@ -56,7 +56,7 @@ pub enum StaticFriction {
     },
 }
 
-/// A number that may be infinite, which JSON cannot say: `"infinite"`.
+/// A number that may be infinite, which JSON cannot say (`"infinite"`), or unknown (`null`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extended(pub f64);
 
@@ -132,8 +132,8 @@ impl Serialize for Extended {
 
 impl<'de> Deserialize<'de> for Extended {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match WordOr::<f64>::deserialize(deserializer)? {
-            WordOr::Value(value) => Ok(Self(value)),
+        match WordOr::<Option<f64>>::deserialize(deserializer)? {
+            WordOr::Value(value) => Ok(Self(value.unwrap_or(f64::NAN))),
             WordOr::Word(word) if word == INFINITE => Ok(Self(f64::INFINITY)),
             WordOr::Word(word) => Err(unexpected(&word, INFINITE)),
         }
@@ -156,6 +156,12 @@ mod tests {
         assert_eq!(json, r#"["not reached","infinite"]"#);
         let back: (StaticFriction, Extended) = serde_json::from_str(&json).unwrap();
         assert_eq!(back, (StaticFriction::NotReached, Extended(f64::INFINITY)));
+    }
+
+    #[test]
+    fn what_is_not_known_is_null() {
+        assert_eq!(serde_json::to_string(&Extended(f64::NAN)).unwrap(), "null");
+        assert!(serde_json::from_str::<Extended>("null").unwrap().0.is_nan());
     }
 
     #[test]

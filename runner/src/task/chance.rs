@@ -35,7 +35,7 @@ pub struct Pulled<'a> {
     /// Mean threshold.
     pub mean: f64,
     /// Relaxation length X*.
-    pub settled: f64,
+    pub memory: f64,
 }
 
 impl Pulled<'_> {
@@ -86,7 +86,7 @@ impl Pulled<'_> {
     /// Positions at the end of the pull, if it is long enough for contacts to have forgotten the start.
     fn last_positions(&self) -> Vec<f64> {
         let end = self.scenario.pull.distance;
-        if end < SETTLED.0 * self.mean || end < SETTLED.1 * self.settled {
+        if end < SETTLED.0 * self.mean || !(end >= SETTLED.1 * self.memory) {
             return Vec::new();
         }
         let steps = AVERAGED.1 - 1;

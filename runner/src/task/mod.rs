@@ -5,9 +5,8 @@ mod distribution;
 mod grid;
 mod part;
 
-use asperity::contacts::Contacts;
 use asperity::law::Atom;
-use asperity::master::{MasterEquation, Pull};
+use asperity::master::{MasterEquation, Pull, Relaxation, SteadyState};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::scenario::Scenario;
@@ -41,14 +40,19 @@ pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Outcome> {
     along_the_pull(scenario, &pull, &mut record, &mut Part::new(monitor, 0.6 * master, 0.4 * master))?;
     let compare = compared(scenario, &pull, &mut record);
     distribution::evolving(scenario, &pull, &grid, &mut record);
-    distribution::steady(&contacts, &equation.steady_state(), &grid, &mut record);
+    let (steady, relaxation) = (equation.steady_state(), equation.relaxation());
+    distribution::steady(&contacts, &steady, &grid, &mut record);
     if let Some(ensemble) = &scenario.ensemble {
-        let settled = equation.relaxation().length();
         let model = chance::model(ensemble, contacts.clone(), initial)?;
-        let pulled = chance::Pulled { scenario, grid: &grid, mean: contacts.thresholds.mean(), settled };
+        let pulled = chance::Pulled {
+            scenario,
+            grid: &grid,
+            mean: contacts.thresholds.mean(),
+            memory: relaxation.length(),
+        };
         pulled.record(&model, &mut record, &mut Part::new(monitor, master, 1.0 - master))?;
     }
-    let summary = summary(scenario, &contacts, &equation, &pull, compare);
+    let summary = summary(scenario, &steady, &relaxation, &pull, compare);
     Ok(Outcome { scenario: input::to_text(scenario), summary, record })
 }
 
@@ -146,13 +150,12 @@ fn compared(scenario: &Scenario, pull: &Pull, record: &mut Record) -> Option<Com
 
 fn summary(
     scenario: &Scenario,
-    contacts: &Contacts,
-    equation: &MasterEquation,
+    steady: &SteadyState,
+    relaxation: &Relaxation,
     pull: &Pull,
     compare: Option<Comparison>,
 ) -> Summary {
-    let relaxation = equation.relaxation();
-    let kinetic_friction = equation.steady_state().kinetic_friction();
+    let kinetic_friction = steady.kinetic_friction();
     let peak = pull.static_friction();
     let coefficients = |normal_load: f64| Coefficients {
         normal_load,
@@ -172,7 +175,7 @@ fn summary(
         relaxation_length_paper: Extended(relaxation.paper_estimate()),
         critical_stiffness: Extended(pull.critical_stiffness()),
         accuracy: pull.error_estimate(),
-        contacts: contacts.count,
+        contacts: scenario.contacts.count,
         sample: sample(scenario),
         seed: scenario.ensemble.as_ref().map(|ensemble| ensemble.seed),
         disorder: scenario.ensemble.as_ref().map(|ensemble| ensemble.disorder),
