@@ -65,8 +65,8 @@ pub fn readable(summary: &Summary) -> String {
 
 /// Six significant digits, no trailing zeros.
 fn digits(number: f64) -> String {
-    if number.is_infinite() {
-        return "infinite".into();
+    if !number.is_finite() {
+        return if number.is_nan() { "not known" } else { "infinite" }.into();
     }
     let magnitude = number.abs().log10().floor();
     if number != 0.0 && !(-4.0..7.0).contains(&magnitude) {
@@ -91,6 +91,7 @@ mod tests {
             (0.0, "0"),
             (1.5e-7, "1.50000e-7"),
             (f64::INFINITY, "infinite"),
+            (f64::NAN, "not known"),
         ] {
             assert_eq!(digits(number), text);
         }
