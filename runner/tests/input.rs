@@ -93,6 +93,8 @@ fn an_error_caused_by_an_override_is_marked_there() {
         ("contacts.count", "contacts.count"),
         ("pull.points=many", "many"),
         ("pull=3", "3"),
+        ("pull.snapshots=[.5]", ""),
+        ("contacts.thresholds.mixture=[]", "[]"),
     ] {
         let error = *parse(SCENARIO, &[argument]).unwrap_err();
         assert_eq!(marked(&error), ("--set", mark), "{argument}: {error}");

@@ -169,6 +169,9 @@ impl Tabulated {
 }
 
 fn mixture(components: &[Component]) -> Result<SharedLaw> {
+    if components.is_empty() {
+        return Err(Error::invalid("", "at least one law", "an empty list"));
+    }
     let built = components.iter().enumerate().map(|(i, component)| {
         let weight = positive(&format!("{i}.weight"), component.weight)?;
         let law = component.law.build().map_err(|e| e.under(&format!("{i}.law")))?;

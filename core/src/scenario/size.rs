@@ -3,11 +3,11 @@
 use crate::{Error, Result};
 
 /// Bytes that a description may ask for.
-const ALLOWED: f64 = 2.0 * GIBIBYTE;
+const ALLOWED: f64 = 3.0 * GIBIBYTE;
 const GIBIBYTE: f64 = 1024.0 * 1024.0 * 1024.0;
 
 /// Of a position: its numbers, their text, and the results file, which is put together in memory.
-pub(super) const BYTES_PER_POINT: f64 = 200.0;
+pub(super) const BYTES_PER_POINT: f64 = 360.0;
 
 /// Refuses a number of things of the given size that would not fit.
 pub(super) fn check(key: &str, number: usize, bytes_each: f64) -> Result<()> {

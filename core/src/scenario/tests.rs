@@ -63,7 +63,7 @@ fn a_task_that_would_not_fit_says_what_it_needs() {
     scenario.pull.points = 1 << 40;
     assert_eq!(
         refused(&scenario),
-        ("pull.points".into(), "1099511627776, which would need 200.0 TiB".into())
+        ("pull.points".into(), "1099511627776, which would need 360.0 TiB".into())
     );
 }
 

@@ -1,4 +1,5 @@
-//! `--set key.path=value`: the value is TOML, or else text; a law set in the place of another replaces it.
+//! `--set key.path=value`: the value is TOML, or else text, unless it begins like a table, a list or a string;
+//! a law set in the place of another replaces it.
 
 use asperity::scenario::Law;
 use toml::de::{DeTable, DeValue};
@@ -22,6 +23,9 @@ pub fn apply(document: &mut Document, argument: &str) -> Result<(), Box<Diagnost
     };
     let leaf = match DeTable::parse(argument) {
         Ok(table) => leaf(Kind::read(DeValue::Table(table.into_inner()), source), keys.len()),
+        Err(error) if value.trim_start().starts_with(['{', '[', '"', '\'']) => {
+            return Err(document.syntax(source, &error));
+        }
         Err(_) => Node {
             key: keys.last().expect("TOML has no empty keys").1.clone(),
             value: Place { source, span: key.len() + 1..argument.len() },
