@@ -1,14 +1,38 @@
 //! scratch
-use asperity::contacts::*;
-use asperity::law::*;
-use asperity::life::athermal;
-use std::sync::Arc;
+#[path="../tests/common/mod.rs"] mod common;
+use common::*;
+use std::time::Instant;
 fn main() {
-    let g = |m: f64, s: f64| -> SharedLaw { Arc::new(Gaussian::new(m, s).unwrap()) };
-    let l = athermal(&g(1., 0.05), Stiffness::Equal(1.0), &g(0.1, 0.025), true).unwrap();
-    for k in [l.breaking(), l.survival(), l.force(), l.square()] {
-        let w: Vec<f64> = k.curve().boundaries.windows(2).map(|w| w[1] - w[0]).collect();
-        println!("{} {:?} {:?}", w.len(), w.iter().cloned().fold(9.0, f64::min), k.breaks());
+    for (l, r, i, d, tol) in [
+        (gaussian(1.0, 0.001), point(0.0), point(0.0), 1.5, 1e-12),
+        (gaussian(1.0, 0.001), point(0.0), point(0.0), 1.5, 1e-10),
+        (weibull(0.7, 1.0), point(0.0), point(0.0), 50.0, 1e-10),
+        (weibull(0.5, 1.0), point(0.0), point(0.0), 50.0, 1e-10),
+        (weibull(1.5, 1.0), point(0.0), point(0.0), 50.0, 1e-10),
+        (weibull(12.153, 1.0), point(0.0), point(0.0), 50.0, 1e-10),
+        (gamma(1.0, 1.3), point(0.0), point(0.0), 50.0, 1e-10),
+        (gamma(1.0, 0.3), point(0.0), point(0.0), 50.0, 1e-10),
+        (lognormal(1.0, 0.1), point(0.0), point(0.0), 50.0, 1e-10),
+        (lognormal(1.0, 1.0), point(0.0), point(0.0), 50.0, 1e-10),
+        (lognormal(1.0, 3.0), point(0.0), point(0.0), 50.0, 1e-10),
+        (lognormal(1.0, 0.8), gaussian(0.1, 0.1), point(0.0), 50.0, 1e-10),
+        (mixture(&[(0.3, point(0.8)), (0.7, gaussian(1.0, 0.1))]), point(0.0), point(0.0), 50.0, 1e-10),
+        (mixture(&[(0.3, point(0.8)), (0.7, rectangular(0.7, 1.31))]), point(0.0), point(0.0), 50.0, 1e-10),
+        (mixture(&[(0.5, point(1.0)), (0.5, point(2.0))]), point(0.0), point(0.0), 50.0, 1e-10),
+        (mixture(&[(0.5, gaussian(0.5, 0.001)), (0.5, gaussian(1.0, 0.2))]), point(0.0), point(0.0), 50.0, 1e-10),
+        (gaussian(1.0, 0.05), point(0.0), gaussian(0.1, 0.025), 10000.0, 1e-10),
+        (gaussian(1.0, 0.3), gaussian(0.2, 0.1), gaussian(0.1, 0.025), 50.0, 1e-10),
+        (point(1.0), rectangular(0.0, 0.5), point(0.0), 50.0, 1e-10),
+        (point(1.0), point(0.0), gaussian(0.1, 0.025), 50.0, 1e-10),
+    ] {
+        let t = Instant::now();
+        let m = master(&l, &r, &i);
+        let t1 = t.elapsed();
+        let p = m.pull(d, tol, &mut ()).unwrap();
+        let t2 = t.elapsed() - t1;
+        println!("{l:?}\n   life {t1:?} ({} cells) pull {t2:?} cells {} err {:e} Fk {} F {}", m.life().breaking().curve().coefficients.len(), p.cells(), p.error_estimate(), m.steady_state().kinetic_friction(), p.force(d));
+        let t = Instant::now();
+        let r = m.relaxation();
+        println!("   X* {} {} {} F {} {:?}", r.length(), r.roots().len(), r.valid_from(), r.force(d), t.elapsed());
     }
-    println!("{:?}", l.breaking().curve().boundaries);
 }

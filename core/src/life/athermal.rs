@@ -209,16 +209,20 @@ impl<'a> Births<'a> {
         last - self.starts.quantile(0.0)
     }
 
-    /// Cell boundaries to begin with: the breaks, and between them cells as wide as a Gaussian of that resolution
-    /// allows, wider in far tails.
+    /// Cell boundaries to begin with: the breaks, and where contacts break, cells as wide as a Gaussian of that
+    /// resolution allows, wider in far tails.
     fn edges(&self, breaks: &[Break], end: f64) -> Vec<f64> {
-        let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).filter(|&u| u > 0.0 && u < end).collect();
-        stops.push(end);
+        let top = self.starts.upper_quantile(NEGLIGIBLE);
+        let quiet = self.thresholds.quantile(NEGLIGIBLE) - top;
         let bulk = self.thresholds.mean() + 10.0 * self.thresholds.std();
+        let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).chain([quiet]).collect();
+        stops.retain(|&u| u > 0.0 && u < end);
+        stops.push(end);
+        stops.sort_by(f64::total_cmp);
         let mut edges = vec![0.0];
         for stop in stops {
             let mut at = edges[edges.len() - 1];
-            let even = (stop.min(bulk) - at).max(0.0);
+            let even = if at < quiet { 0.0 } else { (stop.min(bulk) - at).max(0.0) };
             let step = even / (even / self.widest()).ceil().max(1.0);
             while at + 1.5 * step < stop && step > 0.0 {
                 at += if at > bulk { at } else { step };

@@ -22,6 +22,8 @@ pub struct Kernel {
     breaks: Vec<Break>,
     /// For each boundary of the curve: is it a break?
     hard: Vec<bool>,
+    /// For each cell of the curve: what it is at most.
+    bounds: Vec<f64>,
 }
 
 impl Kernel {
@@ -30,7 +32,8 @@ impl Kernel {
         let next = |x: f64| breaks.partition_point(|b| b.position < x * (1.0 - 1e-12));
         let is_break = |x: f64| breaks.get(next(x)).is_some_and(|b| same_position(b.position, x));
         let hard = curve.boundaries.iter().map(|&x| is_break(x)).collect();
-        Self { curve, breaks, hard }
+        let bounds = curve.coefficients.iter().map(|c| c.iter().map(|c| c.abs()).sum()).collect();
+        Self { curve, breaks, hard, bounds }
     }
 
     /// The density.
@@ -65,12 +68,39 @@ impl Kernel {
         }
     }
 
-    /// Width of the narrowest cell that holds more than 1e-4 of the mass.
-    fn narrowest(&self) -> f64 {
-        let heavy =
-            |cell: &usize| 2.0 * self.curve.cell(*cell).1 * self.curve.coefficients[*cell][0].abs() > 1e-4;
-        let cells = (0..self.curve.coefficients.len()).filter(heavy);
-        cells.map(|cell| 2.0 * self.curve.cell(cell).1).fold(f64::INFINITY, f64::min)
+    /// Cells of the curve that overlap [low, high].
+    fn cells_within(&self, low: f64, high: f64) -> std::ops::Range<usize> {
+        let edges = &self.curve.boundaries;
+        let first = edges.partition_point(|&b| b <= low).saturating_sub(1);
+        first..edges.partition_point(|&b| b < high).min(self.bounds.len())
+    }
+
+    /// The most that |curve| can be on [low, high].
+    fn bound(&self, low: f64, high: f64) -> f64 {
+        self.bounds[self.cells_within(low, high)].iter().fold(0.0, |most, &b| most.max(b))
+    }
+
+    /// Whether [low, high] holds cells of the curve much narrower than itself with a mass above `mass`.
+    fn hides(&self, low: f64, high: f64, mass: f64) -> bool {
+        self.cells_within(low, high).any(|cell| {
+            let width = 2.0 * self.curve.cell(cell).1;
+            width < 0.25 * (high - low) && self.bounds[cell] * width > mass
+        })
+    }
+
+    /// The width below which the cells hold the fraction `light` of the mass.
+    fn narrow(&self, light: f64) -> f64 {
+        let width = |cell: usize| 2.0 * self.curve.cell(cell).1;
+        let mut cells: Vec<_> =
+            (0..self.bounds.len()).map(|k| (width(k), width(k) * self.curve.coefficients[k][0].abs())).collect();
+        cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let enough = light * cells.iter().map(|cell| cell.1).sum::<f64>();
+        let mut mass = 0.0;
+        let reached = |cell: &&(f64, f64)| {
+            mass += cell.1;
+            mass > enough
+        };
+        cells.iter().find(reached).map_or(f64::INFINITY, |cell| cell.0)
     }
 }
 
@@ -160,12 +190,19 @@ fn apply(block: &Block, values: &Nodal, out: &mut Nodal) {
     }
 }
 
+/// Entries of a block below this are left out: a thousand such blocks would add 1e-16 of the solution.
+const NEGLIGIBLE: f64 = 1e-20;
+
 /// The block ∫_source ℓ_j(Y) k(X_i − Y) dY for the Gauss points X_i of the cell `target`; `None` where it vanishes.
 fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> Option<Box<Block>> {
     let gap = target.0 - source.0;
     let mut out = Box::new([[0.0; NODES]; NODES]);
     let mut largest = 0.0_f64;
     let mut cuts = Vec::new();
+    let reach = target.1 + source.1;
+    if 2.0 * source.1 * kernel.bound(gap - reach, gap + reach) < NEGLIGIBLE {
+        return None;
+    }
     for i in 0..NODES {
         let offset = gap + target.1 * RULE.nodes[i];
         let (low, high) = ((offset - source.1).max(0.0), offset + source.1);
@@ -190,8 +227,7 @@ fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> Option<Box<
             largest = largest.max(row[j].abs());
         }
     }
-    // A thousand such blocks would add 1e-15 of the solution.
-    (largest > 1e-20).then_some(out)
+    (largest > NEGLIGIBLE).then_some(out)
 }
 
 /// One row of a block whose integrand is smooth only between `cuts` in u.
@@ -237,8 +273,10 @@ pub struct Accuracy {
     pub density: f64,
     /// … or this large times the cell's width.
     pub mass: f64,
-    /// Width of cells to begin with, in units of the narrowest cell of source and kernel that matters.
+    /// Width of cells to begin with, in units of the narrow cells of source and kernel …
     pub widening: f64,
+    /// … which together hold this fraction of their mass.
+    pub light: f64,
     /// Whether cells may outgrow the kernel's own.
     pub may_grow: bool,
 }
@@ -271,7 +309,7 @@ pub fn solve(
     accuracy: Accuracy,
     monitor: &mut dyn Monitor,
 ) -> Result<Solution> {
-    let width = (accuracy.widening * source.narrowest().min(kernel.narrowest())).min(end);
+    let width = (accuracy.widening * source.narrow(accuracy.light).min(kernel.narrow(accuracy.light))).min(end);
     let spacing = width / (2 * NODES) as f64;
     let matters = |b: &Break| b.weight(spacing) > 10.0 * accuracy.density;
     let breaks = renewed(&source.breaks, &kernel.breaks, end, matters)?;
@@ -388,6 +426,9 @@ impl March<'_> {
     /// Solves the next cell of the run, up to `stop`; the size of its tail, or `None` where it is not resolved.
     fn cell(&mut self, stop: f64) -> Option<f64> {
         let cell = self.values.len();
+        if self.source.hides(self.density.end(), stop, self.accuracy.mass) {
+            return None;
+        }
         self.mesh.run_of.push(self.mesh.runs.len() as u32 - 1);
         self.mesh.boundaries.push(stop);
         let (middle, half) = self.mesh.cell(cell);
@@ -397,7 +438,9 @@ impl March<'_> {
         apply(self.inverse(half), &known, &mut values);
         let coefficients = RULE.coefficients(&values);
         let missing = tail(&coefficients);
-        if missing > self.accuracy.density && missing * half > self.accuracy.mass || missing.is_nan() {
+        let rounding = 4.0 * f64::EPSILON * values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let coarse = missing > self.accuracy.density.max(rounding) && missing * half > self.accuracy.mass;
+        if coarse || missing.is_nan() {
             self.mesh.run_of.pop();
             self.mesh.boundaries.pop();
             return None;
