@@ -78,7 +78,7 @@ impl Pulled<'_> {
             let words = "density of stretches of the ensemble, averaged over the end of the pull";
             record.push("steady_ensemble_density", words, Quantity::PerLength, &["bin"], density);
             let words = "first and last position averaged over";
-            record.push("averaged", words, Quantity::Length, &["averaged"], vec![*first, *end]);
+            record.push("averaged_position", words, Quantity::Length, &["averaged"], vec![*first, *end]);
         }
         Ok(())
     }
