@@ -89,7 +89,7 @@ fn crosses(outcome: &Outcome, plots: &mut Plots, legend: &mut Vec<LegendEntry>) 
             .with_size(3.2),
     ));
     let ends = record.values("averaged_position").unwrap_or(&[]).iter().map(|&x| style::digits(x)).collect::<Vec<_>>();
-    let label = format!("ensemble, X = {}", ends.join(" to "));
+    let label = format!("{}, X = {}", style::ensemble(outcome), ends.join(" to "));
     legend.push(style::marker(label, ORANGE, MarkerShape::Cross));
 }
 

@@ -135,7 +135,7 @@ fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
     let record = &outcome.record;
     let mut entries = vec![style::line("master equation", BLUE, None)];
     if record.get("ensemble_stretch_density").is_some() {
-        entries.push(style::area(style::ensemble(outcome), "#F5D58C"));
+        entries.push(style::area(style::sized_ensemble(outcome), "#F5D58C"));
     }
     if record.get("stretch_atom_weight").is_some() {
         entries.push(style::marker("point mass, 1 = full height", BLUE, MarkerShape::Circle));

@@ -110,7 +110,7 @@ fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut
     }
     let markers = ScatterPlot::new().with_data(shown.map(|i| (position[i], force[i])));
     plots.push(Plot::Scatter(markers.with_color(ORANGE).with_size(2.6)));
-    legend.push(style::marker(style::ensemble(outcome), ORANGE, MarkerShape::Circle));
+    legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
 }
 
 fn frictions(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {

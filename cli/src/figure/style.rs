@@ -112,13 +112,17 @@ pub fn axis(outcome: &Outcome, words: &str, variable: &Variable) -> String {
     }
 }
 
-/// What the ensemble is.
-pub fn ensemble(outcome: &Outcome) -> String {
-    let size = digits(outcome.summary.sample.unwrap_or(f64::NAN));
+/// What the ensemble is called.
+pub fn ensemble(outcome: &Outcome) -> &'static str {
     match outcome.summary.disorder {
-        Some(Disorder::Quenched) => format!("quenched ensemble, N = {size}"),
-        _ => format!("ensemble, N = {size}"),
+        Some(Disorder::Quenched) => "quenched ensemble",
+        _ => "ensemble",
     }
+}
+
+/// What the ensemble is called, with its number of contacts.
+pub fn sized_ensemble(outcome: &Outcome) -> String {
+    format!("{}, N = {}", ensemble(outcome), digits(outcome.summary.sample.unwrap_or(f64::NAN)))
 }
 
 /// `value` in five digits, for reading.
