@@ -163,6 +163,21 @@ impl<C: Cell> Chunk<C> {
     }
 }
 
+/// A contact between two breaks: its stretch is X − `origin`.
+#[derive(Clone, Copy)]
+struct Contact {
+    origin: f64,
+    threshold: f64,
+}
+
+impl Contact {
+    /// Where it breaks, less the rounding of sums.
+    #[inline]
+    fn end(&self) -> f64 {
+        (self.origin + self.threshold) * (1.0 - TOGETHER)
+    }
+}
+
 /// A pull, seen by its contacts.
 struct Sweep<'a> {
     ensemble: &'a Ensemble,
@@ -191,7 +206,7 @@ impl Sweep<'_> {
         }
         let expected = self.ensemble.expected_breaks(self.positions[self.positions.len() - 1]);
         let least = (bytes as f64).max(20_000.0);
-        let breaks = (expected * self.ensemble.size as f64 / ROUND as f64).clamp(least, least.max(4e6));
+        let breaks = (expected * self.ensemble.size as f64 / ROUND as f64).clamp(least, least.max(1e6));
         let chunk = (breaks / expected).ceil() as usize;
         let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
         Ok(Plan { chunk, round, expected: expected as usize })
@@ -207,7 +222,7 @@ impl Sweep<'_> {
         chunk
     }
 
-    /// One contact from X = 0 to the last position; its stretch is X − `origin`.
+    /// One contact from X = 0 to the last position.
     fn follow<C: Cell>(&self, first: Life, lives: &mut Lives<'_>, chunk: &mut Chunk<C>) {
         let last = self.positions[self.positions.len() - 1];
         let mut life = first;
@@ -216,26 +231,55 @@ impl Sweep<'_> {
             chunk.breaks += 1;
             life = lives.next();
         }
-        let (mut origin, mut threshold) = (-life.stretch, life.threshold);
-        chunk.cells[0].add(self.positions[0] - origin, threshold);
-        let mut snapshot = 0;
+        let mut contact = Contact { origin: -life.stretch, threshold: life.threshold };
+        chunk.cells[0].add(self.positions[0] - contact.origin, contact.threshold);
+        let mut snapshots = self.snapshots.positions.iter().zip(&mut chunk.histograms).peekable();
         loop {
-            let end = origin + threshold;
-            let at = end * (1.0 - TOGETHER);
-            while let Some(&position) = self.snapshots.positions.get(snapshot).filter(|&&x| x < at) {
-                self.record(position - origin, &mut chunk.histograms[snapshot]);
-                snapshot += 1;
+            let until = snapshots.peek().map_or(last, |(position, _)| **position);
+            let taken;
+            (contact, taken) = self.rush(contact, until, lives.plain(), &mut chunk.cells);
+            lives.skip(taken);
+            chunk.breaks += taken as u64;
+            let end = contact.end();
+            while let Some((position, histogram)) = snapshots.next_if(|(position, _)| **position < end) {
+                self.record(position - contact.origin, histogram);
             }
-            if at > last {
+            if end > last {
                 return;
             }
-            let (cell, position) = self.grid.at_or_above(at);
-            let next = lives.next();
-            let born = end - next.stretch;
-            chunk.cells[cell].replace((position - origin, threshold), (position - born, next.threshold));
+            contact = self.strike(contact, lives.next(), &mut chunk.cells);
             chunk.breaks += 1;
-            (origin, threshold) = (born, next.threshold);
         }
+    }
+
+    /// As many of the `coming` lives as begin by `until`; how many they were. The contact stays in
+    /// registers, which is what makes this loop worth having.
+    #[inline(never)]
+    fn rush<C: Cell>(
+        &self,
+        mut contact: Contact,
+        until: f64,
+        coming: (&[f64], f64),
+        cells: &mut [C],
+    ) -> (Contact, usize) {
+        let (thresholds, stretch) = coming;
+        for (taken, &threshold) in thresholds.iter().enumerate() {
+            if contact.end() > until || threshold <= stretch {
+                return (contact, taken);
+            }
+            contact = self.strike(contact, Life { stretch, threshold }, cells);
+        }
+        (contact, thresholds.len())
+    }
+
+    /// One break, and the life after it.
+    #[inline(always)]
+    fn strike<C: Cell>(&self, contact: Contact, next: Life, cells: &mut [C]) -> Contact {
+        let (cell, position) = self.grid.at_or_above(contact.end());
+        let origin = contact.origin + (contact.threshold - next.stretch);
+        let (before, after) = (position - contact.origin, position - origin);
+        cells[cell].replace((before, contact.threshold), (after, next.threshold));
+        Contact { origin, threshold: next.threshold }
     }
 
     fn record(&self, stretch: f64, histogram: &mut [u64]) {
