@@ -113,6 +113,10 @@ impl Law for Gamma {
         onset(self.shape - 1.0, self.scale.powf(-self.shape))
     }
 
+    fn decay_rate(&self) -> f64 {
+        1.0 / self.scale
+    }
+
     /// (1 + sθ)^{−k}, cut along the real axis below the singularity −1/θ.
     fn laplace(&self, s: Complex64) -> Complex64 {
         let w = s * self.scale;

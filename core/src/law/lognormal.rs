@@ -100,6 +100,10 @@ impl Law for Lognormal {
         Vec::new()
     }
 
+    fn decay_rate(&self) -> f64 {
+        0.0
+    }
+
     /// ∫ φ(v) exp(−s M e^{s_ln v}) dv. For Re s < 0 the integral diverges; its analytic continuation from
     /// Re s > 0 is the same integral along x = t e^{∓iθ}, turned just so far, θ = atan(|Re s|/|Im s|), that
     /// e^{−sx} no longer grows. It loses θ²/(2 s_ln²) e-folds of digits, and on the negative real axis, the

@@ -173,6 +173,10 @@ impl Law for Mixture {
         self.components.iter().map(|(_, law)| law.resolution()).fold(f64::INFINITY, f64::min)
     }
 
+    fn decay_rate(&self) -> f64 {
+        self.components.iter().map(|(_, law)| law.decay_rate()).fold(f64::INFINITY, f64::min)
+    }
+
     fn laplace(&self, s: Complex64) -> Complex64 {
         self.components.iter().map(|(weight, law)| *weight * law.laplace(s)).sum()
     }

@@ -119,13 +119,13 @@ pub trait Law: Debug + Send + Sync {
         self.std()
     }
 
-    /// Laplace transform E[e^{−sξ}], continued analytically to Re s < 0 as far as it goes.
-    fn laplace(&self, s: Complex64) -> Complex64;
-
     /// The rate λ of an exponential tail, S(x) ~ exp(−λx): infinite where S falls faster, 0 where it falls slower.
     fn decay_rate(&self) -> f64 {
         f64::INFINITY
     }
+
+    /// Laplace transform E[e^{−sξ}], continued analytically to Re s < 0 as far as it goes.
+    fn laplace(&self, s: Complex64) -> Complex64;
 
     /// Fills `out` with independent draws.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]);

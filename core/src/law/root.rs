@@ -179,6 +179,12 @@ impl Law for Root {
         self.areas.breaks().into_iter().map(moved).collect()
     }
 
+    /// S(x) = S_A(x²/c²): the exponential tail of an area is a Gaussian one of its root; an area whose tail is heavier
+    /// than exponential (λ = 0) is taken to leave a root with one, too.
+    fn decay_rate(&self) -> f64 {
+        if self.areas.decay_rate() > 0.0 { f64::INFINITY } else { 0.0 }
+    }
+
     /// ∫ e^{−sx} dP by quadrature, where the integral converges; for Re s < 0 and a tail without end heavier
     /// than that, NaN. A tail that only wins far out (a lognormal's) is cut there, as its continuation does.
     fn laplace(&self, s: Complex64) -> Complex64 {

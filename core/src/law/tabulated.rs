@@ -271,6 +271,11 @@ impl Law for Tabulated {
         breaks
     }
 
+    /// Linear between its breaks.
+    fn resolution(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// Σ e^{−sa} h ∫_0^1 e^{−sht} p(a + ht) dt over cells, plus the point masses. Entire.
     fn laplace(&self, s: Complex64) -> Complex64 {
         let cells = self.cells().map(|(cell, to)| {

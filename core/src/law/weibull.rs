@@ -114,6 +114,14 @@ impl Law for Weibull {
         onset(self.shape - 1.0, libm::tgamma(self.shape + 1.0) / self.scale.powf(self.shape))
     }
 
+    fn decay_rate(&self) -> f64 {
+        match self.shape {
+            shape if shape > 1.0 => f64::INFINITY,
+            shape if shape < 1.0 => 0.0,
+            _ => 1.0 / self.scale,
+        }
+    }
+
     /// ∫ e^{−sx} dP over u = ln(x/λ); entire for k > 1, 1/(1 + sλ) for k = 1. For k < 1 and Re s < 0 it
     /// diverges (and is infinite on the real axis); its analytic continuation is the integral along
     /// x = t e^{∓iθ}, turned until e^{−sx} no longer grows. Right to 1e-13 absolute where Re s ≥ 0, and to

@@ -25,9 +25,10 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    /// A kernel from its density and all its breaks.
+    /// A kernel from its density and all its breaks, by rising position.
     pub fn new(curve: Piecewise, breaks: Vec<Break>) -> Self {
-        let is_break = |x: f64| breaks.iter().any(|b| same_position(b.position, x));
+        let next = |x: f64| breaks.partition_point(|b| b.position < x * (1.0 - 1e-12));
+        let is_break = |x: f64| breaks.get(next(x)).is_some_and(|b| same_position(b.position, x));
         let hard = curve.boundaries.iter().map(|&x| is_break(x)).collect();
         Self { curve, breaks, hard }
     }
@@ -372,7 +373,7 @@ impl March<'_> {
     fn start_run(&mut self, start: f64, width: f64) {
         if let Some(run) = self.mesh.runs.last() {
             let there = run.start + (self.values.len() - run.first) as f64 * run.width;
-            if (run.width - width).abs() <= 1e-13 * width && (there - start).abs() <= 1e-11 * width {
+            if (run.width - width).abs() <= 1e-11 * width && (there - start).abs() <= 1e-11 * width {
                 return;
             }
         }
