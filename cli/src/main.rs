@@ -3,6 +3,7 @@
 mod arguments;
 mod drawing;
 mod examples;
+mod figure;
 mod progress;
 mod run;
 mod summary;
@@ -54,8 +55,8 @@ fn execute(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run(run) => run::run(&run),
         Command::Check(scenario) => {
-            let input = input::read(&scenario.path, &scenario.overrides)?;
-            print(&format!("{} makes sense: {}\n", scenario.path.display(), input.scenario.title))
+            input::read(&scenario.path, &scenario.overrides)?;
+            print(&format!("{} makes sense\n", scenario.path.display()))
         }
         Command::Schema => print(&format!("{}\n", input::schema())),
         Command::Example { name: None } => print(&examples::list()),

@@ -42,7 +42,7 @@ impl Progress {
         }
         let bar = self.bar.get_or_insert_with(|| {
             let style =
-                ProgressStyle::with_template("{bar:40} {percent:>3} %, {eta} left").expect("it is valid");
+                ProgressStyle::with_template("{bar:40} {percent:>3} % after {elapsed}").expect("it is valid");
             ProgressBar::new(STEPS).with_style(style).with_elapsed(self.started.elapsed())
         });
         bar.set_position((fraction * STEPS as f64) as u64);

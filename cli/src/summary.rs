@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use asperity::record::Quantity;
+use asperity::scenario::Disorder;
 use asperity_runner::summary::{StaticFriction, Summary};
 
 /// Aligned lines: what it is, its value with its unit.
@@ -29,19 +30,25 @@ pub fn readable(summary: &Summary) -> String {
     let (length, paper) = (summary.relaxation_length.0, summary.relaxation_length_paper.0);
     let estimate = format!("(the paper's estimate {})", value(paper, Quantity::Length));
     lines.push(("relaxation length", format!("X*  = {} {estimate}", value(length, Quantity::Length))));
-    let stiffness = value(summary.critical_stiffness.0, Quantity::Stiffness);
-    lines.push(("critical stiffness", format!("K_c = {stiffness}")));
+    lines.push((
+        "critical stiffness",
+        match summary.critical_stiffness.0 {
+            never if never <= 0.0 => {
+                "none: the force never falls, and a slider of any stiffness is stable".into()
+            }
+            stiffness => format!("K_c = {}", value(stiffness, Quantity::Stiffness)),
+        },
+    ));
     if let Some(coefficients) = summary.friction_coefficients {
         let at_rest = coefficients.at_rest.map_or("not reached".into(), digits);
         let load = value(coefficients.normal_load, Quantity::Force);
         let both = format!("static {at_rest}, kinetic {} (load {load})", digits(coefficients.kinetic));
         lines.push(("friction coefficients", both));
     }
-    if let Some(seed) = summary.seed {
-        lines.push((
-            "ensemble",
-            format!("{} contacts, seed {seed}", summary.sample.map_or(String::new(), digits)),
-        ));
+    if let (Some(seed), Some(size)) = (summary.seed, summary.sample) {
+        let quenched =
+            if summary.disorder == Some(Disorder::Quenched) { "quenched thresholds, " } else { "" };
+        lines.push(("ensemble", format!("{size} contacts, {quenched}seed {seed}")));
     }
     if let Some(compared) = summary.compare {
         let rms = compared.residual_rms.map_or("no point within the pull".into(), |rms| {
@@ -58,8 +65,8 @@ pub fn readable(summary: &Summary) -> String {
 
 /// Six significant digits, no trailing zeros.
 fn digits(number: f64) -> String {
-    if number.is_infinite() {
-        return "infinite".into();
+    if !number.is_finite() {
+        return if number.is_nan() { "not known" } else { "infinite" }.into();
     }
     let magnitude = number.abs().log10().floor();
     if number != 0.0 && !(-4.0..7.0).contains(&magnitude) {
@@ -84,6 +91,7 @@ mod tests {
             (0.0, "0"),
             (1.5e-7, "1.50000e-7"),
             (f64::INFINITY, "infinite"),
+            (f64::NAN, "not known"),
         ] {
             assert_eq!(digits(number), text);
         }

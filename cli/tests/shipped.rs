@@ -15,6 +15,16 @@ fn every_shipped_scenario_makes_sense() {
 }
 
 #[test]
+fn every_shipped_scenario_runs() {
+    let folder = Folder::new();
+    for path in tomls(&scenarios()) {
+        let output = folder.run(&["run", path.to_str().unwrap(), "--quiet"]);
+        assert_eq!(output.status.code(), Some(0), "{}: {}", path.display(), support::errors(&output));
+    }
+    assert_eq!(support::names(&folder.path().join("out")).len(), tomls(&scenarios()).len());
+}
+
+#[test]
 fn an_example_can_be_printed_and_run_elsewhere() {
     let folder = Folder::new();
     assert!(folder.succeed(&["example"]).contains("compared"));

@@ -1,8 +1,8 @@
 //! scratch
-use std::sync::Arc;
 use asperity::contacts::*;
 use asperity::law::*;
 use asperity::life::athermal;
+use std::sync::Arc;
 fn main() {
     let g = |m: f64, s: f64| -> SharedLaw { Arc::new(Gaussian::new(m, s).unwrap()) };
     let l = athermal(&g(1., 0.05), Stiffness::Equal(1.0), &g(0.1, 0.025), true).unwrap();

@@ -58,9 +58,11 @@ impl MasterEquation {
     /// left: S = 0.
     pub fn new(contacts: Contacts, initial: &Initial) -> Result<Self> {
         let Contacts { thresholds, stiffness, reforming, .. } = &contacts;
-        let reborn = athermal(thresholds, *stiffness, reforming, true).map_err(|e| e.under("contacts.reforming"))?;
+        let reborn =
+            athermal(thresholds, *stiffness, reforming, true).map_err(|e| e.under("contacts.reforming"))?;
         let conditional = initial.start == Start::Conditional;
-        let first = athermal(thresholds, *stiffness, &initial.law, conditional).map_err(|e| e.under("initial"))?;
+        let first =
+            athermal(thresholds, *stiffness, &initial.law, conditional).map_err(|e| e.under("initial"))?;
         Ok(Self { contacts, first: Arc::new(first), reborn: Arc::new(reborn) })
     }
 
@@ -116,12 +118,19 @@ impl MasterEquation {
         self.solved(distance, tolerance, false, monitor)
     }
 
-    fn solved(&self, distance: f64, tolerance: f64, may_grow: bool, monitor: &mut dyn Monitor) -> Result<Pull> {
+    fn solved(
+        &self,
+        distance: f64,
+        tolerance: f64,
+        may_grow: bool,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Pull> {
         let mean = self.reborn.mean();
         let end = distance.max(3.0 * mean);
         // Lives are resolved to about 1e-12 per mean life; what a cell leaves out grows as its width to the 16th power.
         let widening = (tolerance / 1e-12).powf(1.0 / 16.0);
-        let accuracy = Accuracy { density: 0.3 * tolerance / mean, mass: 1e-4 * tolerance, widening, may_grow };
+        let accuracy =
+            Accuracy { density: 0.3 * tolerance / mean, mass: 1e-4 * tolerance, widening, may_grow };
         let solution = solve(self.first.breaking(), self.reborn.breaking(), end, accuracy, monitor)?;
         let force = solution.convolve(self.first.force().curve(), self.reborn.force(), monitor)?;
         let lives = (self.first.clone(), self.reborn.clone());

@@ -9,7 +9,7 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MasterEquation {
-    /// Error allowed in the force per contact and per ⟨k⟩x̄, from 1e-13 to 1e-2.
+    /// Error allowed in the force per contact and per ⟨k⟩x̄, from 1e-12 to 1e-2.
     pub tolerance: f64,
 }
 
@@ -21,9 +21,9 @@ impl Default for MasterEquation {
 
 impl MasterEquation {
     pub(super) fn check(&self) -> Result<()> {
-        if (1e-13..=1e-2).contains(&self.tolerance) {
+        if (1e-12..=1e-2).contains(&self.tolerance) {
             return Ok(());
         }
-        Err(Error::invalid("tolerance", "a number from 1e-13 to 1e-2", format!("{:e}", self.tolerance)))
+        Err(Error::invalid("tolerance", "a number from 1e-12 to 1e-2", format!("{:e}", self.tolerance)))
     }
 }

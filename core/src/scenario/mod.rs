@@ -111,3 +111,6 @@ fn exactly_one(key: &str, expected: &str, given: &[(&str, bool)]) -> Result<()> 
         _ => Err(Error::invalid(key, expected, present.join(" and "))),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -14,7 +14,8 @@ pub struct Fault {
     pub path: Vec<String>,
     pub expected: String,
     pub found: String,
-    pub help: Option<String>,
+    /// A known name that was probably meant.
+    pub nearest: Option<&'static str>,
     /// The key was missing.
     pub missing: bool,
     /// The key itself is wrong, not its value.
@@ -34,10 +35,10 @@ impl Fault {
         self
     }
 
-    fn wrong_name(name: &str, known: &[&str]) -> Self {
-        let nearest = known.iter().max_by(|a, b| likeness(name, a).total_cmp(&likeness(name, b)));
-        let help = nearest.filter(|k| likeness(name, k) > 0.5).map(|k| format!("did you mean {k}?"));
-        Self { help, on_key: true, ..Self::new(&one_of(known), &format!("\"{name}\"")) }
+    fn wrong_name(name: &str, known: &[&'static str]) -> Self {
+        let nearest = known.iter().copied().max_by(|a, b| likeness(name, a).total_cmp(&likeness(name, b)));
+        let nearest = nearest.filter(|known| likeness(name, known) > 0.5);
+        Self { nearest, on_key: true, ..Self::new(&one_of(known), &format!("\"{name}\"")) }
     }
 }
 
@@ -178,7 +179,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
 }
 
 /// More than one entry where one was to be chosen: a wrong name among them, or several right ones.
-fn several(entries: &[(String, Node)], variants: &[&str]) -> Fault {
+fn several(entries: &[(String, Node)], variants: &[&'static str]) -> Fault {
     if let Some((name, _)) = entries.iter().find(|(name, _)| !variants.contains(&name.as_str())) {
         return Fault::wrong_name(name, variants).under(name);
     }

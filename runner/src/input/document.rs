@@ -99,7 +99,7 @@ impl Document {
             key: fault.path.join("."),
             expected: fault.expected.clone(),
             found: fault.found.clone(),
-            help: fault.help.clone().or(with),
+            help: fault.nearest.map(|name| format!("did you mean {name}?")).or(with),
             source: Some(Source { name: name.clone(), text: text.clone(), marks }),
         })
     }

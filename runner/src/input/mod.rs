@@ -8,6 +8,7 @@ mod tables;
 
 use std::path::Path;
 
+use asperity::master::MasterEquation;
 use asperity::scenario::Scenario;
 use serde::Deserialize as _;
 
@@ -51,7 +52,8 @@ pub fn parse(
         Scenario::deserialize(Reader(&document.root)).map_err(|fault| document.draw(task(fault)))?;
     let mut input = Input { scenario, document };
     tables::inline(&mut input.scenario, directory).map_err(|fault| input.document.draw(fault))?;
-    match input.scenario.build() {
+    let built = input.scenario.build();
+    match built.and_then(|(contacts, initial)| MasterEquation::new(contacts, &initial)) {
         Ok(_) => Ok(input),
         Err(error) => Err(input.diagnose(&error)),
     }
@@ -62,10 +64,10 @@ impl Input {
     pub fn diagnose(&self, error: &asperity::Error) -> Box<Diagnostic> {
         self.document.draw(match error {
             asperity::Error::Invalid { key, expected, found } => Fault::new(expected, found).under(key),
-            asperity::Error::TooLarge { needed, allowed, what } => {
-                let expected = format!("a task within {allowed} bytes of memory");
-                Fault::new(&expected, &format!("{what}, which would need {needed} bytes"))
-                    .under("pull.distance")
+            asperity::Error::TooLarge { what, needed, allowed } => {
+                let gibibytes = |bytes: u64| format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30));
+                let found = format!("{what}, which would need {}", gibibytes(*needed));
+                Fault::new(&format!("results within {}", gibibytes(*allowed)), &found).under("pull.points")
             }
             other => Fault::new("a scenario that can be computed", &other.to_string()),
         })
