@@ -88,7 +88,12 @@ fn crosses(outcome: &Outcome, plots: &mut Plots, legend: &mut Vec<LegendEntry>) 
             .with_marker(MarkerShape::Cross)
             .with_size(3.2),
     ));
-    let ends = record.values("averaged_position").unwrap_or(&[]).iter().map(|&x| style::digits(x)).collect::<Vec<_>>();
+    let ends = record
+        .values("averaged_position")
+        .unwrap_or(&[])
+        .iter()
+        .map(|&x| style::digits(x))
+        .collect::<Vec<_>>();
     let label = format!("{}, X = {}", style::ensemble(outcome), ends.join(" to "));
     legend.push(style::marker(label, ORANGE, MarkerShape::Cross));
 }
