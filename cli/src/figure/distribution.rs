@@ -17,37 +17,62 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let stretch = record.values("stretch")?;
     let (steady, thresholds) =
         (record.values("steady_stretch_density")?, record.values("threshold_density")?);
-    let x = (0.0, *stretch.last()?);
-    let (left, right) =
-        (top(&[steady, record.values("steady_ensemble_density").unwrap_or(&[])]), top(&[thresholds]));
-    let (mut plots, mut second, mut legend) = (Plots::new(), Plots::new(), Vec::new());
+    let left =
+        style::headroom(style::range([steady, record.values("steady_ensemble_density").unwrap_or(&[])]).1);
+    let (mut plots, mut legend) = (Plots::new(), Vec::new());
+    legend.push(style::line("stretches in steady sliding, Q(x)", BLACK, None));
     crosses(outcome, &mut plots, &mut legend);
     plots.push(line(curve(stretch, steady), BLACK, 2.0, None));
-    legend.insert(0, style::line("stretches in steady sliding, Q(x)", BLACK, None));
-    second.push(line(curve(stretch, thresholds), RED, 1.8, Some(DOTS)));
-    legend.push(style::line("thresholds (right axis)", RED, Some(DOTS)));
-    let hazard = below(&curve(stretch, record.values("hazard")?), right);
-    second.extend(hazard.into_iter().map(|piece| line(piece, BLUE, 1.8, Some(DASHES))));
-    legend.push(style::line("hazard P(x) (right axis)", BLUE, Some(DASHES)));
     plots.extend(stems(record, "steady_atom", left, BLACK));
-    second.extend(stems(record, "threshold_atom", right, RED));
-    if record.length("steady_atom").or(record.length("threshold_atom")).is_some() {
-        legend.push(style::marker("point mass, 1 = full height", BLACK, MarkerShape::Circle));
-    }
-    let density = record.get("threshold_density")?;
-    let layout = style::layout(x, (0.0, left))
-        .with_y2_range(0.0, right)
+    let axis = second(outcome, thresholds)?;
+    legend.extend(axis.legend);
+    let farthest = record.values("threshold_atom_stretch").unwrap_or(&[]).iter().copied().fold(0.0, f64::max);
+    let end = style::reach(stretch, &[steady, thresholds]).max(1.05 * farthest);
+    let layout = style::titled(style::layout((0.0, end), (0.0, left)), &outcome.summary.title)
+        .with_y2_range(0.0, axis.top)
         .with_y2_axis_min(0.0)
-        .with_y2_axis_max(right)
-        .with_title(&outcome.summary.title)
+        .with_y2_axis_max(axis.top)
         .with_x_label(style::axis(outcome, "Stretch x", record.get("stretch")?))
-        .with_y_label(style::axis(outcome, "Stretch density Q(x)", density))
-        .with_y2_label(style::axis(outcome, "Threshold density, hazard P(x)", density));
-    Some(render_twin_y(plots, second, style::legend_below(layout, legend)))
+        .with_y_label(style::axis(outcome, "Stretch density Q(x)", record.get("steady_stretch_density")?))
+        .with_y2_label(axis.label);
+    Some(render_twin_y(plots, axis.plots, style::legend_below(layout, legend)))
 }
 
-fn top(curves: &[&[f64]]) -> f64 {
-    style::headroom(style::range(curves.iter().copied()).1)
+/// What stands against the axis on the right.
+struct Second {
+    plots: Plots,
+    legend: Vec<LegendEntry>,
+    label: String,
+    top: f64,
+}
+
+/// The law of thresholds and its hazard; fractions alone where all thresholds are point masses.
+fn second(outcome: &Outcome, thresholds: &[f64]) -> Option<Second> {
+    let record = &outcome.record;
+    let stretch = record.values("stretch")?;
+    let highest = style::range([thresholds]).1;
+    if highest <= 0.0 {
+        return Some(Second {
+            plots: stems(record, "threshold_atom", 1.0, RED),
+            legend: vec![style::marker("thresholds (right axis)", RED, MarkerShape::Circle)],
+            label: "Fraction of thresholds".to_owned(),
+            top: style::headroom(1.0),
+        });
+    }
+    let top = style::headroom(highest);
+    let mut plots = vec![line(curve(stretch, thresholds), RED, 1.8, Some(DOTS))];
+    let hazard = below(&curve(stretch, record.values("hazard")?), top);
+    plots.extend(hazard.into_iter().map(|piece| line(piece, BLUE, 1.8, Some(DASHES))));
+    plots.extend(stems(record, "threshold_atom", top, RED));
+    let mut legend = vec![
+        style::line("thresholds (right axis)", RED, Some(DOTS)),
+        style::line("hazard P(x) (right axis)", BLUE, Some(DASHES)),
+    ];
+    if record.get("threshold_atom_weight").is_some() {
+        legend.push(style::marker("point mass, 1 = full height", RED, MarkerShape::Circle));
+    }
+    let label = style::axis(outcome, "Threshold density, hazard P(x)", record.get("threshold_density")?);
+    Some(Second { plots, legend, label, top })
 }
 
 /// The ensemble, averaged over the end of a pull that was long enough to forget its start.
@@ -63,8 +88,14 @@ fn crosses(outcome: &Outcome, plots: &mut Plots, legend: &mut Vec<LegendEntry>) 
             .with_marker(MarkerShape::Cross)
             .with_size(3.2),
     ));
-    let size = style::digits(outcome.summary.sample.unwrap_or(f64::NAN));
-    legend.push(style::marker(format!("ensemble, N = {size}, averaged"), ORANGE, MarkerShape::Cross));
+    let ends = record
+        .values("averaged_position")
+        .unwrap_or(&[])
+        .iter()
+        .map(|&x| style::digits(x))
+        .collect::<Vec<_>>();
+    let label = format!("{}, X = {}", style::ensemble(outcome), ends.join(" to "));
+    legend.push(style::marker(label, ORANGE, MarkerShape::Cross));
 }
 
 /// Point masses as stems, `top` high where all contacts are there.

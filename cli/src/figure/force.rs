@@ -39,8 +39,7 @@ fn axes(outcome: &Outcome, position: &[f64], force: &[f64]) -> Option<Layout> {
     let (low, high) = style::range(others.chain([force]));
     let x = (position[0], *position.last()?);
     Some(
-        style::layout(x, (low.min(0.0), style::headroom(high)))
-            .with_title(&outcome.summary.title)
+        style::titled(style::layout(x, (low.min(0.0), style::headroom(high))), &outcome.summary.title)
             .with_x_label(style::axis(outcome, "Position X", record.get("position")?))
             .with_y_label(style::axis(outcome, "Friction force F", record.get("force")?)),
     )
@@ -111,8 +110,7 @@ fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut
     }
     let markers = ScatterPlot::new().with_data(shown.map(|i| (position[i], force[i])));
     plots.push(Plot::Scatter(markers.with_color(ORANGE).with_size(2.6)));
-    let size = style::digits(outcome.summary.sample.unwrap_or(f64::NAN));
-    legend.push(style::marker(format!("ensemble, N = {size}"), ORANGE, MarkerShape::Circle));
+    legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
 }
 
 fn frictions(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {

@@ -1,6 +1,7 @@
 //! What all pictures have in common: size, letters, colours, labels.
 
 use asperity::record::Variable;
+use asperity::scenario::Disorder;
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, LegendPosition, LegendShape, MarkerShape};
 use kuva::render::layout::Layout;
@@ -32,13 +33,45 @@ pub fn layout(x: (f64, f64), y: (f64, f64)) -> Layout {
         .with_theme(theme)
         .with_width(WIDTH)
         .with_height(HEIGHT)
-        .with_title_size(15)
         .with_label_size(15)
         .with_tick_size(13)
         .with_body_size(12)
         .with_show_grid(false)
         .with_box_axes()
         .with_tick_align("in")
+}
+
+/// The title above `layout`, as large as its length allows.
+pub fn titled(layout: Layout, title: &str) -> Layout {
+    let (text, size) = heading(title);
+    layout.with_title(text).with_title_size(size)
+}
+
+/// A title that fits on one line, cut if need be, and the size of its letters.
+pub fn heading(title: &str) -> (String, u32) {
+    const SIZES: std::ops::RangeInclusive<usize> = 10..=15;
+    // letters of size s are about 0.58 s wide, and the axes begin to the right of the canvas's edge
+    let room = (WIDTH - 80.0) / 0.58;
+    let length = title.chars().count();
+    let size = ((room / length.max(1) as f64) as usize).clamp(*SIZES.start(), *SIZES.end());
+    let most = (room / size as f64) as usize;
+    if length <= most {
+        return (title.to_owned(), size as u32);
+    }
+    (title.chars().take(most - 1).chain(['…']).collect(), size as u32)
+}
+
+/// Share of contacts, or of the highest point of a curve, that is too small to be seen.
+pub const INVISIBLE: f64 = 1e-3;
+
+/// The first place beyond which no curve rises above a thousandth of its highest point.
+pub fn reach(x: &[f64], curves: &[&[f64]]) -> f64 {
+    let last = |curve: &&[f64]| {
+        let high = range([*curve]).1;
+        curve.iter().rposition(|&v| v > INVISIBLE * high)
+    };
+    let index = curves.iter().filter_map(last).max().map_or(x.len(), |i| i + 2);
+    x[index.min(x.len()) - 1]
 }
 
 /// A legend below the axes, where it hides nothing.
@@ -77,6 +110,19 @@ pub fn axis(outcome: &Outcome, words: &str, variable: &Variable) -> String {
         "1" => words.to_owned(),
         unit => format!("{words} ({unit})"),
     }
+}
+
+/// What the ensemble is called.
+pub fn ensemble(outcome: &Outcome) -> &'static str {
+    match outcome.summary.disorder {
+        Some(Disorder::Quenched) => "quenched ensemble",
+        _ => "ensemble",
+    }
+}
+
+/// What the ensemble is called, with its number of contacts.
+pub fn sized_ensemble(outcome: &Outcome) -> String {
+    format!("{}, N = {}", ensemble(outcome), digits(outcome.summary.sample.unwrap_or(f64::NAN)))
 }
 
 /// `value` in five digits, for reading.

@@ -9,8 +9,9 @@ use asperity::scenario::{self, Scenario};
 
 use super::grid::Grid;
 
-/// Mean thresholds that a pull must be long, and decay lengths, before its end is called steady.
-const SETTLED: (f64, f64) = (200.0, 5.0);
+/// Mean thresholds that a pull must be long, and relaxation lengths, before its end is called steady.
+/// The first is a little below 200: laws cut at 0 have means a little above their parameter.
+const SETTLED: (f64, f64) = (199.9, 5.0);
 /// Mean thresholds at the end of such a pull over which stretches are averaged, and snapshots for it.
 const AVERAGED: (f64, usize) = (10.0, 101);
 
@@ -78,7 +79,7 @@ impl Pulled<'_> {
             let words = "density of stretches of the ensemble, averaged over the end of the pull";
             record.push("steady_ensemble_density", words, Quantity::PerLength, &["bin"], density);
             let words = "first and last position averaged over";
-            record.push("averaged", words, Quantity::Length, &["averaged"], vec![*first, *end]);
+            record.push("averaged_position", words, Quantity::Length, &["averaged"], vec![*first, *end]);
         }
         Ok(())
     }
@@ -86,7 +87,8 @@ impl Pulled<'_> {
     /// Positions at the end of the pull, if it is long enough for contacts to have forgotten the start.
     fn last_positions(&self) -> Vec<f64> {
         let end = self.scenario.pull.distance;
-        if end < SETTLED.0 * self.mean || !(end >= SETTLED.1 * self.memory) {
+        let settled = end >= SETTLED.0 * self.mean && end >= SETTLED.1 * self.memory;
+        if !settled {
             return Vec::new();
         }
         let steps = AVERAGED.1 - 1;

@@ -10,8 +10,10 @@ const BEYOND: f64 = 1e-6;
 const STEPS: (f64, f64) = (400.0, 8000.0);
 /// Steps per length over which a density varies.
 const FINENESS: f64 = 8.0;
-/// Fewest and most bins of a histogram.
-const BINS: (f64, f64) = (20.0, 400.0);
+/// Fewest and most bins of a histogram of many contacts.
+const BINS: (f64, f64) = (120.0, 400.0);
+/// Bins of a histogram of few contacts.
+const COARSE: f64 = 20.0;
 
 /// Stretches up to where hardly any contact holds, close enough to show every density.
 #[derive(Debug)]
@@ -47,8 +49,8 @@ impl Grid {
     /// Number of bins of histograms: fine where many contacts are counted.
     pub fn bins(&self, scenario: &Scenario) -> usize {
         let size = scenario.ensemble.as_ref().map_or(0.0, |ensemble| ensemble.size as f64);
-        let fine = (2.5 * self.top / self.resolution).clamp(2.0 * BINS.0, BINS.1);
-        fine.min(size.sqrt()).max(BINS.0) as usize
+        let fine = (2.5 * self.top / self.resolution).clamp(BINS.0, BINS.1);
+        fine.min(size.sqrt()).max(COARSE) as usize
     }
 
     /// Edges of the bins, even from 0 up to the last stretch.
@@ -70,4 +72,40 @@ fn jumps<'a>(
     let carried = snapshots.iter().flat_map(move |x| at(initial).chain([0.0]).map(move |y| x + y));
     let left = snapshots.iter().flat_map(move |x| at(thresholds).map(move |y| x - y));
     at(thresholds).chain(at(reforming)).chain(carried).chain(left)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use asperity::contacts::Stiffness;
+    use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
+
+    use super::*;
+
+    fn grid(thresholds: SharedLaw, initial: SharedLaw, snapshots: &[f64]) -> Grid {
+        let reforming = Arc::new(Point::new(0.0).unwrap());
+        let contacts = Contacts { count: 1.0, stiffness: Stiffness::Equal(1.0), thresholds, reforming };
+        Grid::new(&contacts, &Initial { law: initial, start: Start::Conditional }, snapshots)
+    }
+
+    #[test]
+    fn stretches_rise_and_straddle_every_jump() {
+        let thresholds = Arc::new(Rectangular::new(0.75, 1.25).unwrap());
+        let initial = Arc::new(Rectangular::new(0.1, 0.2).unwrap());
+        let stretches = grid(thresholds, initial, &[0.5]).stretches;
+        assert!(stretches.is_sorted_by(|a, b| a < b));
+        for jump in [0.75, 1.25, 0.1 + 0.5, 0.2 + 0.5, 0.5] {
+            assert!(stretches.contains(&jump) && stretches.contains(&jump.next_down()), "{jump}");
+        }
+        assert!(*stretches.last().unwrap() > 1.25);
+    }
+
+    #[test]
+    fn narrow_laws_are_resolved() {
+        let narrow = Arc::new(Gaussian::new(1.0, 0.005).unwrap());
+        let stretches = grid(narrow, Arc::new(Point::new(0.0).unwrap()), &[]).stretches;
+        assert!(stretches.windows(2).all(|pair| pair[1] - pair[0] < 0.001));
+        assert!(stretches.len() < 10_000);
+    }
 }
