@@ -11,10 +11,11 @@ pub mod ensemble;
 mod error;
 pub mod exact;
 pub mod law;
+pub mod life;
 pub mod master;
 pub mod monitor;
 pub mod numerics;
 pub mod random;
 pub mod record;
 
-pub use error::{Error, Result};
+pub use error::{Error, Float, Result};

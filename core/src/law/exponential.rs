@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use rand_distr::{Distribution, Exp1};
 
-use super::{Break, Law, Parameter, SharedLaw, positive, shared, unknown};
+use super::{Break, Law, Parameter, SharedLaw, onset, positive, shared, unknown};
 use crate::Result;
 use crate::random::Stream;
 
@@ -78,7 +78,11 @@ impl Law for Exponential {
     }
 
     fn breaks(&self) -> Vec<Break> {
-        vec![Break { position: 0.0, exponent: 0.0, amplitude: 1.0 / self.mean }]
+        onset(0.0, 1.0 / self.mean)
+    }
+
+    fn decay_rate(&self) -> f64 {
+        1.0 / self.mean
     }
 
     /// 1/(1 + sm), a pole at s = −1/m.

@@ -6,8 +6,11 @@ use num_complex::Complex64;
 use puruspe::faddeeva;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{Break, Law, Parameter, SharedLaw, crossing, normal, not_negative, positive, shared, unknown};
+use super::{
+    Break, Law, Parameter, SharedLaw, crossing, normal, not_negative, onset, positive, shared, unknown,
+};
 use crate::Result;
+use crate::numerics::legendre::RULE;
 use crate::random::Stream;
 
 /// Gaussian of mean μ ≥ 0 and standard deviation σ, conditioned on x ≥ 0:
@@ -42,10 +45,10 @@ impl Gaussian {
     }
 
     /// P(ξ ≤ x) for 0 ≤ x ≤ μ. Near 0 the difference of two Φ would cancel: there the density varies
-    /// by less than a factor e, and eight Gauss points are exact.
+    /// by less than a factor e, and Gauss points are exact.
     fn below(&self, x: f64) -> f64 {
         if x * self.alpha.max(1.0) < self.std {
-            return gauss(x, |t| self.density(t));
+            return RULE.integrate(0.0, x, |t| self.density(t));
         }
         (normal::survival(-self.standard(x)) - normal::survival(self.alpha)) / self.above
     }
@@ -124,11 +127,7 @@ impl Law for Gaussian {
     }
 
     fn breaks(&self) -> Vec<Break> {
-        let amplitude = self.density(0.0);
-        if amplitude == 0.0 {
-            return Vec::new();
-        }
-        vec![Break { position: 0.0, exponent: 0.0, amplitude }]
+        onset(0.0, self.density(0.0))
     }
 
     /// [exp(−sμ + s²σ²/2) − ½ exp(−α²/2) w(−iζ)]/Φ(α) with ζ = (sσ − α)/√2 and w the Faddeeva function;
@@ -158,18 +157,6 @@ impl Law for Gaussian {
             };
         }
     }
-}
-
-/// ∫_0^x f by eight Gauss points.
-fn gauss(x: f64, f: impl Fn(f64) -> f64) -> f64 {
-    const RULE: [(f64, f64); 4] = [
-        (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-        (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-        (0.796_666_477_413_626_7, 0.222_381_034_453_374_48),
-        (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
-    ];
-    let half = 0.5 * x;
-    half * RULE.iter().map(|&(t, w)| w * (f(half * (1.0 - t)) + f(half * (1.0 + t)))).sum::<f64>()
 }
 
 #[cfg(test)]

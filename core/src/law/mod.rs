@@ -8,15 +8,31 @@
 //! of the scenario; a row of the table of laws in the documentation; a line in the tests of the family.
 
 mod exponential;
+mod gamma;
 mod gaussian;
+mod incomplete_gamma;
+mod lognormal;
+mod mixture;
 mod normal;
 mod point;
+mod quadrature;
 mod rectangular;
+mod root;
+mod tabulated;
+mod weibull;
 
 pub use exponential::Exponential;
+pub use gamma::Gamma;
 pub use gaussian::Gaussian;
+pub use lognormal::Lognormal;
+pub use mixture::Mixture;
 pub use point::Point;
 pub use rectangular::Rectangular;
+pub use root::Root;
+pub use tabulated::Tabulated;
+pub use weibull::Weibull;
+
+pub use crate::numerics::breaks::{Atom, Break};
 
 use std::borrow::Cow;
 use std::fmt::Debug;
@@ -29,32 +45,6 @@ use crate::{Error, Result};
 
 /// A law, shared.
 pub type SharedLaw = Arc<dyn Law>;
-
-/// A point mass: `weight` at `position`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Atom {
-    /// Where the mass sits.
-    pub position: f64,
-    /// How much there is.
-    pub weight: f64,
-}
-
-/// A point where a density is not smooth: near it the density is a smooth function plus
-/// `amplitude` (x − position)₊^`exponent` / Γ(`exponent` + 1) plus weaker breaks there.
-///
-/// A jump has exponent 0 and its height as amplitude; a kink exponent 1 and its change of slope;
-/// √x has exponent ½; a point mass would have exponent −1 and its weight. In this normalisation the
-/// convolution of two breaks is a break at the sum of positions, exponents add plus one, and
-/// amplitudes multiply.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Break {
-    /// Where it is.
-    pub position: f64,
-    /// Its order, above −1.
-    pub exponent: f64,
-    /// Its strength.
-    pub amplitude: f64,
-}
 
 /// A named parameter of a law.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,10 +87,11 @@ pub trait Law: Debug + Send + Sync {
     /// Hazard p(x)/S(x) of the part without point masses, right far into the tail; ∞ where S = 0.
     fn hazard(&self, x: f64) -> f64;
 
-    /// The smallest x with P(ξ ≤ x) ≥ p, for p in `[0, 1]`; `quantile(1)` may be infinite.
+    /// The smallest x with P(ξ ≤ x) ≥ p, for p in `[0, 1]`; at 0 the lower end of the support, at 1 the upper one,
+    /// perhaps infinite.
     fn quantile(&self, p: f64) -> f64;
 
-    /// The smallest x with S(x) ≤ q: accurate for tiny q, where `quantile(1 - q)` is not.
+    /// The smallest x with S(x) ≤ q, for q in `[0, 1]`: accurate for tiny q, where `quantile(1 - q)` is not.
     fn upper_quantile(&self, q: f64) -> f64;
 
     /// ∫_{(x, ∞)} ξⁿ dP(ξ); the moment of order n for x < 0.
@@ -126,6 +117,11 @@ pub trait Law: Debug + Send + Sync {
     /// A length over which the density varies little between breaks (a Gaussian's std, the least of a mixture's).
     fn resolution(&self) -> f64 {
         self.std()
+    }
+
+    /// The rate λ of an exponential tail, S(x) ~ exp(−λx): infinite where S falls faster, 0 where it falls slower.
+    fn decay_rate(&self) -> f64 {
+        f64::INFINITY
     }
 
     /// Laplace transform E[e^{−sξ}], continued analytically to Re s < 0 as far as it goes.
@@ -167,17 +163,30 @@ fn shared<L: Law + 'static>(law: Result<L>) -> Result<SharedLaw> {
     law.map(|law| Arc::new(law) as SharedLaw)
 }
 
-/// The smallest x ≥ 0 with ln S(x) ≤ `level` < 0; infinite for −∞.
+/// The smallest x ≥ 0 with ln S(x) ≤ `level`; infinite for −∞.
 ///
 /// Doubles above 0 are ordered like their bits: 63 bisections end between two neighbours.
 fn crossing(ln_survival: impl Fn(f64) -> f64, level: f64) -> f64 {
+    // Its square is finite.
+    const FAR: f64 = 1e150;
     if level == f64::NEG_INFINITY {
         return f64::INFINITY;
     }
-    let (mut low, mut high) = (0, f64::MAX.to_bits());
+    let (mut low, mut high) = (0, FAR.to_bits());
     while low < high {
         let middle = low + (high - low) / 2;
         if ln_survival(f64::from_bits(middle)) <= level { high = middle } else { low = middle + 1 }
     }
     f64::from_bits(low)
+}
+
+/// The break at 0 of a density that sets out as `amplitude` x^`exponent`/Γ(`exponent` + 1), if any.
+///
+/// A high power is left out: no derivative that a method could use is broken there.
+fn onset(exponent: f64, amplitude: f64) -> Vec<Break> {
+    const SMOOTH: f64 = 12.0;
+    if amplitude == 0.0 || exponent > SMOOTH {
+        return Vec::new();
+    }
+    vec![Break { position: 0.0, exponent, amplitude }]
 }

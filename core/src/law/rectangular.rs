@@ -92,6 +92,11 @@ impl Law for Rectangular {
         ]
     }
 
+    /// Constant between its breaks.
+    fn resolution(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// exp(−s(a+b)/2) sinh(h)/h with h = s(b − a)/2. Entire.
     fn laplace(&self, s: Complex64) -> Complex64 {
         let half = 0.5 * s * self.width();

@@ -1,15 +1,36 @@
 //! The master equation: the distribution of stretches, and the friction that follows from it.
+//!
+//! ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ, with the hazard P = P_c/S
+//! (O. M. Braun and M. Peyrard, Phys. Rev. Lett. 100, 125501 (2008), Eq. 5), solved in renewal form: see [`Pull`].
 
-use num_complex::Complex64;
+mod pull;
+mod relaxation;
+mod steady;
+mod stepping;
 
-use crate::Result;
-use crate::contacts::{Contacts, Initial};
+pub use pull::Pull;
+pub use relaxation::Relaxation;
+pub use steady::SteadyState;
+pub use stepping::{Stepping, Variant};
+
+use std::sync::Arc;
+
+use crate::contacts::{Contacts, Initial, Start, Stiffness};
 use crate::law::Atom;
+use crate::life::{Life, athermal};
 use crate::monitor::Monitor;
+use crate::numerics::volterra::{Accuracy, solve};
+use crate::{Error, Result};
 
 /// The master equation of an interface and its start.
 #[derive(Debug, Clone)]
-pub struct MasterEquation {}
+pub struct MasterEquation {
+    contacts: Contacts,
+    /// The life of the contacts that are there at X = 0 …
+    first: Arc<Life>,
+    /// … and of those that re-form.
+    reborn: Arc<Life>,
+}
 
 /// An extremum: its value and where it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,101 +50,81 @@ pub struct Stretches {
     pub atoms: Vec<Atom>,
 }
 
-/// Steady sliding.
-#[derive(Debug, Clone)]
-pub struct SteadyState {}
-
-/// The relaxation spectrum: exponents s_j with F − F_k = Σ c_j exp(s_j X).
-#[derive(Debug, Clone)]
-pub struct Relaxation {}
-
-/// The solution of a pull from X = 0: functions of X in `[0, distance]`. Forces are totals, N_c⟨k⟩ included.
-#[derive(Debug, Clone)]
-pub struct Pull {}
-
 impl MasterEquation {
+    /// The master equation of contacts that start from `initial`.
+    ///
     /// # Errors
-    /// A start or re-forming law with mass where no contact survives.
-    pub fn new(_contacts: Contacts, _initial: Initial) -> Result<Self> {
-        todo!()
+    /// Re-forming (`contacts.reforming`) or initial stretches (`initial`, read as conditional) where no threshold is
+    /// left: S = 0.
+    pub fn new(contacts: Contacts, initial: &Initial) -> Result<Self> {
+        let Contacts { thresholds, stiffness, reforming, .. } = &contacts;
+        let reborn = athermal(thresholds, *stiffness, reforming, true).map_err(|e| e.under("contacts.reforming"))?;
+        let conditional = initial.start == Start::Conditional;
+        let first = athermal(thresholds, *stiffness, &initial.law, conditional).map_err(|e| e.under("initial"))?;
+        Ok(Self { contacts, first: Arc::new(first), reborn: Arc::new(reborn) })
     }
-    /// Steady state.
+
+    /// The contacts.
+    pub fn contacts(&self) -> &Contacts {
+        &self.contacts
+    }
+
+    /// The life of contacts that re-form.
+    pub fn life(&self) -> &Life {
+        &self.reborn
+    }
+
+    /// The life of the contacts that are there at X = 0.
+    pub fn first_life(&self) -> &Life {
+        &self.first
+    }
+
+    /// Total force per unit of the carried force of a life: N_c⟨k⟩, or N_c κ.
+    fn stiffness(&self) -> f64 {
+        let (Stiffness::Equal(per_contact) | Stiffness::PerThreshold(per_contact)) = self.contacts.stiffness;
+        self.contacts.count * per_contact
+    }
+
+    /// Steady sliding.
     pub fn steady_state(&self) -> SteadyState {
-        todo!()
+        SteadyState::new(self.reborn.clone(), self.stiffness())
     }
-    /// Relaxation spectrum; `None` of its roots where there are none.
+
+    /// The relaxation spectrum.
     pub fn relaxation(&self) -> Relaxation {
-        todo!()
+        Relaxation::new(&self.contacts, &self.first, &self.reborn, self.stiffness())
     }
+
+    /// Pulls the slider's bottom from X = 0 to `distance` (a length), F/(N_c⟨k⟩) to about `tolerance` × the mean
+    /// threshold. The solution reaches at least three mean lives, so that K_c is found however short the pull.
+    ///
     /// # Errors
-    /// Stopped, or accuracy not reached.
-    pub fn pull(&self, _distance: f64, _tolerance: f64, _monitor: &mut dyn Monitor) -> Result<Pull> {
-        todo!()
+    /// A distance that is not above 0 or a tolerance outside [1e-12, 1e-2]; stopped by the monitor; too many point
+    /// masses; accuracy not reached.
+    pub fn pull(&self, distance: f64, tolerance: f64, monitor: &mut dyn Monitor) -> Result<Pull> {
+        if !(distance > 0.0 && distance.is_finite()) {
+            return Err(Error::invalid("distance", "a finite length above 0", distance));
+        }
+        if !(1e-12..=1e-2).contains(&tolerance) {
+            return Err(Error::invalid("tolerance", "a number from 1e-12 to 1e-2", tolerance));
+        }
+        let pull = self.solved(distance, tolerance, true, monitor)?;
+        if pull.lost_probability() <= tolerance {
+            return Ok(pull);
+        }
+        // Something narrow was stepped over: keep every cell as fine as the finest part of the life.
+        self.solved(distance, tolerance, false, monitor)
     }
-}
-impl SteadyState {
-    /// F_k.
-    pub fn kinetic_friction(&self) -> f64 {
-        todo!()
-    }
-    /// Γ_s.
-    pub fn breaking_rate(&self) -> f64 {
-        todo!()
-    }
-    /// Q_s on given stretches.
-    pub fn stretch_density(&self, _stretches: &[f64]) -> Stretches {
-        todo!()
-    }
-}
-impl Relaxation {
-    /// X*: infinite where the force never settles.
-    pub fn length(&self) -> f64 {
-        todo!()
-    }
-    /// The paper's estimate x̄²/σ; infinite for identical thresholds.
-    pub fn paper_estimate(&self) -> f64 {
-        todo!()
-    }
-    /// Roots s_j with Im ≥ 0, slowest first.
-    pub fn roots(&self) -> &[Complex64] {
-        todo!()
-    }
-}
-impl Pull {
-    /// F(X), after the break where contacts break together at X.
-    pub fn force(&self, _position: f64) -> f64 {
-        todo!()
-    }
-    /// F'(X), from the right.
-    pub fn slope(&self, _position: f64) -> f64 {
-        todo!()
-    }
-    /// Γ(X), its density part.
-    pub fn breaking_rate(&self, _position: f64) -> f64 {
-        todo!()
-    }
-    /// Atoms of Γ: positions at which a finite fraction breaks together.
-    pub fn breaking_atoms(&self) -> &[Atom] {
-        todo!()
-    }
-    /// Standard deviation of the force of N_c contacts drawn at random (the finite-N band).
-    pub fn force_std(&self, _position: f64, _count: f64) -> f64 {
-        todo!()
-    }
-    /// Q(x; X).
-    pub fn stretch_density(&self, _position: f64, _stretches: &[f64]) -> Stretches {
-        todo!()
-    }
-    /// F_s, X_s; `None` where the force still rises at the end.
-    pub fn static_friction(&self) -> Option<Extremum> {
-        todo!()
-    }
-    /// K_c; infinite where the force jumps down.
-    pub fn critical_stiffness(&self) -> f64 {
-        todo!()
-    }
-    /// Estimated error of F/(N_c⟨k⟩).
-    pub fn error_estimate(&self) -> f64 {
-        todo!()
+
+    fn solved(&self, distance: f64, tolerance: f64, may_grow: bool, monitor: &mut dyn Monitor) -> Result<Pull> {
+        let mean = self.reborn.mean();
+        let end = distance.max(3.0 * mean);
+        // Lives are resolved to about 1e-12 per mean life; what a cell leaves out grows as its width to the 16th power.
+        let widening = (tolerance / 1e-12).powf(1.0 / 16.0);
+        let accuracy = Accuracy { density: 0.3 * tolerance / mean, mass: 1e-4 * tolerance, widening, may_grow };
+        let solution = solve(self.first.breaking(), self.reborn.breaking(), end, accuracy, monitor)?;
+        let force = solution.convolve(self.first.force().curve(), self.reborn.force(), monitor)?;
+        let lives = (self.first.clone(), self.reborn.clone());
+        Ok(Pull::new(lives, solution, force, self.stiffness(), distance, tolerance))
     }
 }

@@ -1,0 +1,250 @@
+//! Mixtures: several kinds of contacts in one interface.
+
+use num_complex::Complex64;
+
+use super::{Atom, Break, Law, Parameter, SharedLaw, crossing, positive, shared, unknown};
+use crate::random::Stream;
+use crate::{Error, Result};
+
+/// Weighted sum of laws, Σ w_i P_i with Σ w_i = 1; densities and point masses may be mixed.
+///
+/// Parameters are addressed by place, `0.weight`, `0.mean`, `1.weight`, …; a weight that is replaced scales
+/// the others so that the sum stays 1.
+#[derive(Debug, Clone)]
+pub struct Mixture {
+    components: Vec<(f64, SharedLaw)>,
+}
+
+impl Mixture {
+    /// The mixture of laws with their weights.
+    ///
+    /// # Errors
+    /// No component, a weight that is not above 0, or weights whose sum is not 1 to 1e-9.
+    pub fn new(mut components: Vec<(f64, SharedLaw)>) -> Result<Self> {
+        for (weight, _) in &components {
+            positive("weight", *weight)?;
+        }
+        let sum: f64 = components.iter().map(|(weight, _)| weight).sum();
+        if (sum - 1.0).abs() > 1e-9 {
+            return Err(Error::invalid("weight", "weights that sum to 1", format!("a sum of {sum}")));
+        }
+        components.iter_mut().for_each(|(weight, _)| *weight /= sum);
+        Ok(Self { components })
+    }
+
+    fn sum(&self, value: impl Fn(&dyn Law) -> f64) -> f64 {
+        self.components.iter().map(|(weight, law)| weight * value(law.as_ref())).sum()
+    }
+
+    /// The mixture with the weight at `place` replaced, the others scaled.
+    fn with_weight(&self, place: usize, value: f64) -> Result<Self> {
+        let rest = 1.0 - self.components[place].0;
+        if !(value > 0.0 && (value < 1.0 || value == 1.0 && rest == 0.0)) {
+            return Err(Error::invalid(format!("{place}.weight"), "a weight above 0 and below 1", value));
+        }
+        let mut components = self.components.clone();
+        for (i, (weight, _)) in components.iter_mut().enumerate() {
+            *weight = if i == place { value } else { *weight * (1.0 - value) / rest };
+        }
+        Self::new(components)
+    }
+
+    /// Components with mass above x: weight × survival on a common scale, and the law.
+    fn survivors(&self, x: f64) -> (f64, Vec<(f64, &dyn Law)>) {
+        let logs =
+            self.components.iter().map(|(weight, law)| (weight.ln() + law.ln_survival(x), law.as_ref()));
+        let logs: Vec<_> = logs.filter(|(log, _)| *log > f64::NEG_INFINITY).collect();
+        let top = logs.iter().map(|(log, _)| *log).fold(f64::NEG_INFINITY, f64::max);
+        (top, logs.into_iter().map(|(log, law)| ((log - top).exp(), law)).collect())
+    }
+}
+
+impl Law for Mixture {
+    fn name(&self) -> &'static str {
+        "mixture"
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let mut parameters = Vec::new();
+        for (place, (weight, law)) in self.components.iter().enumerate() {
+            let named =
+                |p: Parameter| Parameter { name: format!("{place}.{}", p.name).into(), value: p.value };
+            parameters.push(named(Parameter::new("weight", *weight)));
+            parameters.extend(law.parameters().into_iter().map(named));
+        }
+        parameters
+    }
+
+    fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw> {
+        let address = name.split_once('.').and_then(|(place, inner)| Some((place.parse().ok()?, inner)));
+        let Some((place, inner)) = address.filter(|&(place, _)| place < self.components.len()) else {
+            return Err(unknown(self, name));
+        };
+        if inner == "weight" {
+            return shared(self.with_weight(place, value));
+        }
+        let mut components = self.components.clone();
+        let law = &mut components[place].1;
+        *law = law.with_parameter(inner, value).map_err(|error| error.under(&place.to_string()))?;
+        shared(Self::new(components))
+    }
+
+    fn density(&self, x: f64) -> f64 {
+        self.sum(|law| law.density(x))
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        self.sum(|law| law.survival(x))
+    }
+
+    fn ln_survival(&self, x: f64) -> f64 {
+        let below = self.sum(|law| -law.ln_survival(x).exp_m1());
+        if below <= 0.5 {
+            return (-below).ln_1p();
+        }
+        let (top, survivors) = self.survivors(x);
+        top + survivors.iter().map(|(share, _)| share).sum::<f64>().ln()
+    }
+
+    /// Mean of the hazards, weighted by what survives.
+    fn hazard(&self, x: f64) -> f64 {
+        let (_, survivors) = self.survivors(x);
+        if survivors.is_empty() {
+            return f64::INFINITY;
+        }
+        let sum = survivors.iter().map(|(share, _)| share).sum::<f64>();
+        survivors.iter().map(|(share, law)| share * law.hazard(x)).sum::<f64>() / sum
+    }
+
+    fn quantile(&self, p: f64) -> f64 {
+        if p <= 0.0 || p >= 1.0 {
+            let ends = self.components.iter().map(|(_, law)| law.quantile(p));
+            return ends.reduce(if p <= 0.0 { f64::min } else { f64::max }).unwrap_or(0.0);
+        }
+        crossing(|x| self.ln_survival(x), (-p).ln_1p())
+    }
+
+    fn upper_quantile(&self, q: f64) -> f64 {
+        if q <= 0.0 || q >= 1.0 { self.quantile(1.0 - q) } else { crossing(|x| self.ln_survival(x), q.ln()) }
+    }
+
+    fn upper_moment(&self, order: u32, x: f64) -> f64 {
+        self.sum(|law| law.upper_moment(order, x))
+    }
+
+    fn std(&self) -> f64 {
+        let mean = self.mean();
+        self.sum(|law| law.std().powi(2) + (law.mean() - mean).powi(2)).sqrt()
+    }
+
+    fn atoms(&self) -> Vec<Atom> {
+        let weighted = |(weight, law): &(f64, SharedLaw)| {
+            let weight = *weight;
+            law.atoms().into_iter().map(move |atom| Atom { weight: weight * atom.weight, ..atom })
+        };
+        let mut atoms: Vec<_> = self.components.iter().flat_map(weighted).collect();
+        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        atoms.dedup_by(|next, kept| {
+            let same = next.position == kept.position;
+            kept.weight += if same { next.weight } else { 0.0 };
+            same
+        });
+        atoms
+    }
+
+    fn breaks(&self) -> Vec<Break> {
+        let weighted = |(weight, law): &(f64, SharedLaw)| {
+            let weight = *weight;
+            law.breaks().into_iter().map(move |b| Break { amplitude: weight * b.amplitude, ..b })
+        };
+        let mut breaks: Vec<_> = self.components.iter().flat_map(weighted).collect();
+        breaks.sort_by(|a, b| a.position.total_cmp(&b.position).then(a.exponent.total_cmp(&b.exponent)));
+        breaks.dedup_by(|next, kept| {
+            let same = next.position == kept.position && next.exponent == kept.exponent;
+            kept.amplitude += if same { next.amplitude } else { 0.0 };
+            same
+        });
+        breaks.retain(|b| b.amplitude != 0.0);
+        breaks
+    }
+
+    /// The least of the components'.
+    fn resolution(&self) -> f64 {
+        self.components.iter().map(|(_, law)| law.resolution()).fold(f64::INFINITY, f64::min)
+    }
+
+    fn decay_rate(&self) -> f64 {
+        self.components.iter().map(|(_, law)| law.decay_rate()).fold(f64::INFINITY, f64::min)
+    }
+
+    fn laplace(&self, s: Complex64) -> Complex64 {
+        self.components.iter().map(|(weight, law)| *weight * law.laplace(s)).sum()
+    }
+
+    /// Each draw picks its component, so that a stream read in pieces gives the same numbers.
+    fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
+        let last = self.components.len() - 1;
+        for i in 0..out.len() {
+            let mut rest = stream.uniform();
+            let chosen = self.components[..last].iter().position(|(weight, _)| {
+                rest -= weight;
+                rest < 0.0
+            });
+            self.components[chosen.unwrap_or(last)].1.fill(stream, &mut out[i..=i]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::{Exponential, Point};
+    use super::*;
+
+    fn half_stuck() -> Mixture {
+        let exponential = Arc::new(Exponential::new(1.0).unwrap());
+        Mixture::new(vec![(0.5, Arc::new(Point::new(1.0).unwrap())), (0.5, exponential)]).unwrap()
+    }
+
+    #[test]
+    fn points_and_densities_mix() {
+        let law = half_stuck();
+        assert_eq!(law.atoms(), [Atom { position: 1.0, weight: 0.5 }]);
+        // P(ξ < 1) = ½(1 − 1/e) = .316 and the atom fills the next half.
+        assert_eq!((law.quantile(0.4), law.quantile(0.8)), (1.0, 1.0));
+        // Beyond the atom only the exponential is left.
+        assert_eq!(law.hazard(1.5), 1.0);
+        assert_eq!(law.resolution(), 1.0);
+    }
+
+    #[test]
+    fn two_points_split_where_their_weights_say() {
+        let point = |at| Arc::new(Point::new(at).unwrap());
+        let law = Mixture::new(vec![(0.3, point(1.0)), (0.7, point(2.0))]).unwrap();
+        let just_above = 0.3_f64.next_up();
+        assert_eq!((law.quantile(0.0), law.quantile(0.3), law.quantile(just_above)), (1.0, 1.0, 2.0));
+    }
+
+    #[test]
+    fn parameters_go_by_place() {
+        let law = half_stuck();
+        let names: Vec<_> = law.parameters().into_iter().map(|p| p.name).collect();
+        assert_eq!(names, ["0.weight", "0.at", "1.weight", "1.mean"]);
+        let changed = law.with_parameter("0.weight", 0.25).unwrap().with_parameter("1.mean", 3.0).unwrap();
+        assert_eq!(changed.mean(), 0.25 + 0.75 * 3.0);
+        for (name, value) in
+            [("0.weight", 1.0), ("2.weight", 0.5), ("0.mean", 1.0), ("mean", 1.0), ("1.mean", 0.0)]
+        {
+            assert!(law.with_parameter(name, value).is_err());
+        }
+    }
+
+    #[test]
+    fn weights_are_checked() {
+        let point = || Arc::new(Point::new(1.0).unwrap());
+        assert!(Mixture::new(vec![]).is_err());
+        assert!(Mixture::new(vec![(0.5, point()), (0.4, point())]).is_err());
+        assert!(Mixture::new(vec![(1.5, point()), (-0.5, point())]).is_err());
+    }
+}

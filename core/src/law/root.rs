@@ -1,0 +1,246 @@
+//! Thresholds of contacts that are given by their areas.
+
+use num_complex::Complex64;
+
+use super::quadrature::between;
+use super::{Atom, Break, Law, Parameter, SharedLaw, positive, shared};
+use crate::Result;
+use crate::random::Stream;
+
+/// The law of c√A, A of a given law.
+///
+/// A contact of area A, stiffness ρc²√A and strength σ_s A breaks at the stretch σ_s √A/(ρc²): c = σ_s/(ρc²).
+/// p(x) = (2x/c²) p_A(x²/c²), S(x) = S_A(x²/c²). Its parameters are `factor` = c and those of A's law.
+#[derive(Debug, Clone)]
+pub struct Root {
+    factor: f64,
+    areas: SharedLaw,
+    /// Where the law of A is not smooth or has an atom, as x = c√A and as A.
+    marks: Vec<(f64, f64)>,
+    std: f64,
+}
+
+impl Root {
+    /// The law of `factor`·√A.
+    ///
+    /// # Errors
+    /// A factor that is not finite and above 0.
+    pub fn new(factor: f64, areas: SharedLaw) -> Result<Self> {
+        positive("factor", factor)?;
+        let positions = areas.breaks().into_iter().map(|b| b.position);
+        let positions = positions.chain(areas.atoms().into_iter().map(|atom| atom.position));
+        let mut marks: Vec<_> = positions.map(|area| (factor * area.sqrt(), area)).collect();
+        marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        marks.dedup();
+        let mut law = Self { factor, areas, marks, std: 0.0 };
+        let mean = law.mean();
+        law.std = law.integrate(-1.0, |x| Complex64::from((x - mean).powi(2))).re.sqrt();
+        Ok(law)
+    }
+
+    /// A at x ≥ 0, on the same side of every mark as x.
+    fn area(&self, x: f64) -> f64 {
+        let i = self.marks.partition_point(|mark| mark.0 <= x);
+        let low = if i > 0 { self.marks[i - 1].1 } else { 0.0 };
+        let high = self.marks.get(i).map_or(f64::MAX, |mark| mark.1.next_down().max(low));
+        (x / self.factor).powi(2).clamp(low, high)
+    }
+
+    /// dA/dx.
+    fn slope(&self, x: f64) -> f64 {
+        2.0 * x / (self.factor * self.factor)
+    }
+
+    /// A value per unit A at x as one per unit x; at 0 its limit, for a density of A that may be infinite there.
+    fn pushed(&self, x: f64, value: impl Fn(f64) -> f64) -> f64 {
+        if x < 0.0 {
+            return 0.0;
+        }
+        let x = x.max(1e-150 * self.factor);
+        self.slope(x) * value(self.area(x))
+    }
+
+    fn beyond(&self, x: f64, value: impl Fn(f64) -> f64) -> f64 {
+        value(if x < 0.0 { -1.0 } else { self.area(x) })
+    }
+
+    /// ∫_{(x, ∞)} g dP: point masses, and the density between marks and quantiles.
+    fn integrate(&self, x: f64, g: impl Fn(f64) -> Complex64) -> Complex64 {
+        self.integrate_to(x, self.upper_quantile(1e-20 * self.survival(x)), g)
+    }
+
+    fn integrate_to(&self, x: f64, top: f64, g: impl Fn(f64) -> Complex64) -> Complex64 {
+        let atoms = self.atoms().into_iter().filter(|atom| atom.position > x);
+        let atoms: Complex64 = atoms.map(|atom| atom.weight * g(atom.position)).sum();
+        let from = x.max(0.0);
+        let shares = [0.999, 0.9, 0.5, 0.1, 1e-3, 1e-8, 1e-20];
+        let mut ends: Vec<f64> = shares.iter().map(|q| self.upper_quantile(q * self.survival(x))).collect();
+        ends.extend(self.marks.iter().map(|mark| mark.0));
+        ends.extend([from, top]);
+        ends.retain(|end| (from..=top).contains(end));
+        ends.sort_by(f64::total_cmp);
+        ends.dedup();
+        let density = ends.windows(2).map(|w| between(w[0], w[1], |x| self.density(x) * g(x)));
+        atoms + density.sum::<Complex64>()
+    }
+
+    /// Beyond it e^{rate·x} p(x) is negligible; none if that is not so up to far out.
+    fn top(&self, rate: f64) -> Option<f64> {
+        let mut x = self.upper_quantile(1e-20);
+        for _ in 0..200 {
+            if self.ln_survival(x) + rate * x < -46.0 {
+                return Some(x);
+            }
+            x *= 1.1;
+        }
+        None
+    }
+}
+
+impl Law for Root {
+    fn name(&self) -> &'static str {
+        "root"
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let mut parameters = vec![Parameter::new("factor", self.factor)];
+        parameters.extend(self.areas.parameters());
+        parameters
+    }
+
+    fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw> {
+        match name {
+            "factor" => shared(Self::new(value, self.areas.clone())),
+            _ => shared(Self::new(self.factor, self.areas.with_parameter(name, value)?)),
+        }
+    }
+
+    fn density(&self, x: f64) -> f64 {
+        self.pushed(x, |area| self.areas.density(area))
+    }
+
+    fn survival(&self, x: f64) -> f64 {
+        self.beyond(x, |area| self.areas.survival(area))
+    }
+
+    fn ln_survival(&self, x: f64) -> f64 {
+        self.beyond(x, |area| self.areas.ln_survival(area))
+    }
+
+    fn hazard(&self, x: f64) -> f64 {
+        self.pushed(x, |area| self.areas.hazard(area))
+    }
+
+    fn quantile(&self, p: f64) -> f64 {
+        self.factor * self.areas.quantile(p).sqrt()
+    }
+
+    fn upper_quantile(&self, q: f64) -> f64 {
+        self.factor * self.areas.upper_quantile(q).sqrt()
+    }
+
+    /// cⁿ times the moment n/2 of A above x²/c²; by quadrature for odd n.
+    fn upper_moment(&self, order: u32, x: f64) -> f64 {
+        if order % 2 == 0 {
+            return self.factor.powi(order as i32)
+                * self.beyond(x, |area| self.areas.upper_moment(order / 2, area));
+        }
+        if self.survival(x) == 0.0 {
+            return 0.0;
+        }
+        self.integrate(x, |x| Complex64::from(x.powi(order as i32))).re
+    }
+
+    fn std(&self) -> f64 {
+        self.std
+    }
+
+    fn atoms(&self) -> Vec<Atom> {
+        let moved = |atom: Atom| Atom { position: self.factor * atom.position.sqrt(), ..atom };
+        self.areas.atoms().into_iter().map(moved).collect()
+    }
+
+    /// Leading terms: near a mark x₀ > 0, A − A₀ = (2x₀/c²)(x − x₀) + …; near 0, A = x²/c².
+    fn breaks(&self) -> Vec<Break> {
+        let moved = |b: Break| {
+            let position = self.factor * b.position.sqrt();
+            if position > 0.0 {
+                let amplitude = b.amplitude * self.slope(position).powf(b.exponent + 1.0);
+                return Break { position, amplitude, ..b };
+            }
+            let exponent = 2.0 * b.exponent + 1.0;
+            let ratio = libm::tgamma(exponent + 1.0) / libm::tgamma(b.exponent + 1.0);
+            Break {
+                position,
+                exponent,
+                amplitude: 2.0 * b.amplitude * ratio / self.factor.powf(exponent + 1.0),
+            }
+        };
+        self.areas.breaks().into_iter().map(moved).collect()
+    }
+
+    /// S(x) = S_A(x²/c²): the exponential tail of an area is a Gaussian one of its root; an area whose tail is heavier
+    /// than exponential (λ = 0) is taken to leave a root with one, too.
+    fn decay_rate(&self) -> f64 {
+        if self.areas.decay_rate() > 0.0 { f64::INFINITY } else { 0.0 }
+    }
+
+    /// ∫ e^{−sx} dP by quadrature, where the integral converges; for Re s < 0 and a tail without end heavier
+    /// than that, NaN. A tail that only wins far out (a lognormal's) is cut there, as its continuation does.
+    fn laplace(&self, s: Complex64) -> Complex64 {
+        match self.top((-s.re).max(0.0)) {
+            Some(top) => self.integrate_to(-1.0, top, |x| (-s * x).exp()),
+            None => Complex64::from(f64::NAN),
+        }
+    }
+
+    fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
+        self.areas.fill(stream, out);
+        out.iter_mut().for_each(|x| *x = self.factor * x.sqrt());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::super::{Exponential, Gamma, Point, Weibull};
+    use super::*;
+
+    #[test]
+    fn exponential_areas_make_a_weibull_law() {
+        let law = Root::new(3.0, Arc::new(Exponential::new(1.0).unwrap())).unwrap();
+        let twin = Weibull::new(2.0, 3.0).unwrap();
+        // Some roundings on either side.
+        let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-13, "{a} {b}");
+        close(law.std(), twin.std());
+        for x in [0.01, 1.0, 3.0, 20.0] {
+            close(law.density(x), twin.density(x));
+            close(law.hazard(x), twin.hazard(x));
+            (1..4).for_each(|n| close(law.upper_moment(n, x), twin.upper_moment(n, x)));
+        }
+        for s in [Complex64::new(1.0, 2.0), Complex64::new(-0.5, 3.0)] {
+            close(law.laplace(s).re, twin.laplace(s).re);
+        }
+        let (ours, theirs) = (law.breaks()[0], twin.breaks()[0]);
+        close(ours.amplitude, theirs.amplitude);
+        assert_eq!(ours.exponent, theirs.exponent);
+    }
+
+    #[test]
+    fn a_singular_law_of_areas_has_its_limit_at_0() {
+        // Shape ½: p_A ~ A^{−½}/√(2π), so p(0) = √(2/π) for a unit factor.
+        let law = Root::new(1.0, Arc::new(Gamma::new(1.0, 2.0_f64.sqrt()).unwrap())).unwrap();
+        assert!((law.density(0.0) / (2.0 / std::f64::consts::PI).sqrt() - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn equal_areas_break_together() {
+        for at in [0.1, 0.3, 0.7, 1.1, 2.3] {
+            let law = Root::new(0.7, Arc::new(Point::new(at).unwrap())).unwrap();
+            let position = law.atoms()[0].position;
+            assert_eq!((law.survival(position.next_down()), law.survival(position)), (1.0, 0.0));
+            assert_eq!(law.std(), 0.0);
+        }
+    }
+}

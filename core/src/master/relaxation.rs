@@ -1,0 +1,277 @@
+//! Relaxation to steady sliding: the spectrum of exponents, and the force far out from it.
+
+use num_complex::Complex64;
+
+use crate::contacts::Contacts;
+use crate::law::SharedLaw;
+use crate::life::Life;
+use crate::numerics::piecewise::Piecewise;
+use crate::numerics::volterra::Kernel;
+
+/// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1 and
+/// c_j = φ̂₀(s_j) m̂(s_j)/(−φ̂'(s_j)).
+///
+/// φ is the breaking density of re-formed contacts, m their carried force, φ₀ the breaking density of the initial
+/// ones, hats are Laplace transforms. For R = δ(x), φ = P_c. The relaxation length is X* = −1/Re s₁, s₁ the slowest root.
+/// A law whose tail falls like exp(−λx), with λ < −Re s₁, rules instead: X* = 1/λ.
+/// Thresholds on a lattice (identical, or 1 and 2) never settle: X* = ∞.
+/// The transform of the lognormal law is not analytic for Re s < 0: its continued pole rules until, far out, the
+/// tail takes over.
+#[derive(Debug, Clone)]
+pub struct Relaxation {
+    terms: Vec<Term>,
+    length: f64,
+    paper_estimate: f64,
+    kinetic_friction: f64,
+    valid_from: f64,
+}
+
+/// One pair of conjugate terms.
+#[derive(Debug, Clone, Copy)]
+struct Term {
+    exponent: Complex64,
+    amplitude: Complex64,
+}
+
+/// |Re s|/|s| below this is 0: an oscillation that never dies.
+const UNDAMPED: f64 = 1e-12;
+
+/// Highest frequency searched, in units of 2π/(mean life).
+const HARMONICS: f64 = 16.0;
+
+/// What the expansion may leave out of F/(N_c⟨k⟩ × mean life) where it is called valid.
+const LEFT_OUT: f64 = 1e-12;
+
+impl Relaxation {
+    pub(super) fn new(contacts: &Contacts, first: &Life, reborn: &Life, stiffness: f64) -> Self {
+        let transform = Transform::new(contacts, reborn);
+        let roots = transform.roots();
+        let law = &contacts.thresholds;
+        let rate = law.decay_rate();
+        let slowest = roots.first().map(|s| if -s.re < UNDAMPED * s.norm() { 0.0 } else { -s.re });
+        let slowest = match slowest {
+            Some(root) if rate > 0.0 => root.min(rate),
+            Some(root) => root,
+            None if rate.is_finite() => rate,
+            None => f64::NAN,
+        };
+        let terms = transform.terms(&roots, first);
+        let valid_from = valid_from(&terms, rate, first, reborn);
+        Self {
+            terms: terms.into_iter().map(|t| Term { amplitude: stiffness * t.amplitude, ..t }).collect(),
+            length: 1.0 / slowest,
+            paper_estimate: law.mean() * law.mean() / law.std(),
+            kinetic_friction: stiffness * reborn.force().curve().integral() / reborn.mean(),
+            valid_from,
+        }
+    }
+
+    /// Relaxation length X*, infinite where the force never settles.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// The paper's estimate x̄²/σ; infinite for identical thresholds. For narrow laws X* is x̄³/(2π²σ²).
+    pub fn paper_estimate(&self) -> f64 {
+        self.paper_estimate
+    }
+
+    /// Roots s_j with Im s_j > 0, slowest first, per length.
+    pub fn roots(&self) -> Vec<Complex64> {
+        self.terms.iter().map(|t| t.exponent).collect()
+    }
+
+    /// F(X) from the expansion, a force; meaningful for X ≥ [`Relaxation::valid_from`].
+    pub fn force(&self, position: f64) -> f64 {
+        let term = |t: &Term| 2.0 * (t.amplitude * (t.exponent * position).exp()).re;
+        self.kinetic_friction + self.terms.iter().map(term).sum::<f64>()
+    }
+
+    /// The position from which the terms left out are below 1e-12 of N_c⟨k⟩ × the mean life; infinite where the
+    /// expansion does not hold (tails heavier than exponential).
+    pub fn valid_from(&self) -> f64 {
+        self.valid_from
+    }
+}
+
+/// Where the last term known, and an exponential tail of the thresholds, have faded.
+fn valid_from(terms: &[Term], rate: f64, first: &Life, reborn: &Life) -> f64 {
+    let tail = if rate > 0.0 { -LEFT_OUT.ln() / rate } else { f64::INFINITY };
+    let initial = first.breaking().curve().end();
+    if terms.iter().any(|t| -t.exponent.re < UNDAMPED * t.exponent.norm()) {
+        return f64::INFINITY;
+    }
+    let fade = |t: &Term| (t.amplitude.norm() / (LEFT_OUT * reborn.mean())).ln().max(0.0) / -t.exponent.re;
+    let last = terms.last().map_or(0.0, fade);
+    tail.max(last).max(initial)
+}
+
+/// φ̂ and what follows from it.
+struct Transform<'a> {
+    reborn: &'a Life,
+    mean: f64,
+    /// The law itself and the stretch r < all thresholds at which contacts re-form: φ̂ = e^{sr} P̂_c.
+    law: Option<(&'a SharedLaw, f64)>,
+    /// Re s below which the transform is not to be trusted (or does not exist).
+    leftmost: f64,
+}
+
+impl<'a> Transform<'a> {
+    fn new(contacts: &'a Contacts, reborn: &'a Life) -> Self {
+        let law = &contacts.thresholds;
+        let atoms = contacts.reforming.atoms();
+        let single = atoms.first().filter(|a| a.weight > 1.0 - 1e-15 && law.survival(a.position) > 1.0 - 1e-15);
+        let compact = law.upper_quantile(0.0).is_finite();
+        let rate = law.decay_rate();
+        // Lives are known to where S = 1e-18: of that, e^{8} times more is still 1e-14.
+        let numeric = if compact { -40.0 } else { -8.0 } / reborn.breaking().curve().end();
+        let analytic = if rate > 0.0 { -rate } else { f64::NEG_INFINITY };
+        let leftmost = if single.is_some() { analytic } else { numeric.max(-rate.max(f64::MIN_POSITIVE)) };
+        Self { reborn, mean: reborn.mean(), law: single.map(|a| (law, a.position)), leftmost }
+    }
+
+    /// φ̂(s).
+    fn breaking(&self, s: Complex64) -> Complex64 {
+        match self.law {
+            Some((law, r)) => law.laplace(s) * (s * r).exp(),
+            None => kernel_transform(self.reborn.breaking(), s),
+        }
+    }
+
+    /// φ̂'(s); for a law by Cauchy's formula on eight points around s, exact to the eighth order.
+    fn slope(&self, s: Complex64) -> Complex64 {
+        if self.law.is_none() {
+            return kernel_slope(self.reborn.breaking(), s);
+        }
+        let radius = 0.02 / self.mean;
+        let around = (0..8).map(|k| Complex64::from_polar(radius, f64::from(k) * std::f64::consts::FRAC_PI_4));
+        around.map(|h| self.breaking(s + h) / h).sum::<Complex64>() / 8.0
+    }
+
+    /// (1 − φ̂(s))/s, the transform of survival: its zeros are the roots, without the one at 0.
+    fn survival(&self, s: Complex64) -> Complex64 {
+        (1.0 - self.breaking(s)) / s
+    }
+
+    /// Newton's method from a guess; a root in the upper half plane left of the axis, right of `leftmost`.
+    fn polish(&self, guess: Complex64) -> Option<Complex64> {
+        let mut s = guess;
+        for _ in 0..40 {
+            let step = (self.breaking(s) - 1.0) / self.slope(s);
+            if !step.is_finite() || step.norm() > 4.0 / self.mean {
+                return None;
+            }
+            s -= step;
+            if step.norm() < 1e-14 * s.norm() {
+                break;
+            }
+        }
+        let residue = (self.breaking(s) - 1.0).norm();
+        let inside = s.im * self.mean > 1e-3 && s.re < 1e-9 / self.mean && s.re > self.leftmost;
+        (inside && residue < 1e-10).then_some(s)
+    }
+
+    /// The roots with 0 < Im s ≤ Ω, slowest first: Newton from the dips of |1 − φ̂| on the imaginary axis and from the
+    /// roots of the Gaussian of equal mean and variance, until the argument principle finds none to their right.
+    fn roots(&self) -> Vec<Complex64> {
+        let mut found: Vec<Complex64> = Vec::new();
+        for density in [1_u32, 4] {
+            for guess in self.guesses(density) {
+                if let Some(s) = self.polish(guess) {
+                    if !found.iter().any(|r| (r - s).norm() < 1e-6 / self.mean) {
+                        found.push(s);
+                    }
+                }
+            }
+            found.sort_by(|a, b| b.re.total_cmp(&a.re));
+            let slowest = found.first().map_or(self.leftmost.max(-3.0 / self.mean), |s| s.re);
+            if self.zeros_right_of(0.98 * slowest) == 0 {
+                break;
+            }
+        }
+        found
+    }
+
+    fn guesses(&self, density: u32) -> Vec<Complex64> {
+        let top = HARMONICS * std::f64::consts::TAU / self.mean;
+        let step = 0.3 / (self.mean * f64::from(density));
+        let axis: Vec<f64> = (0..=(top / step) as usize)
+            .map(|k| (1.0 - self.breaking(Complex64::new(0.0, (k + 1) as f64 * step))).norm())
+            .collect();
+        let dips = (1..axis.len().saturating_sub(1)).filter(|&k| axis[k] <= axis[k - 1] && axis[k] < axis[k + 1]);
+        let mut guesses: Vec<_> = dips.map(|k| Complex64::new(-1e-3 / self.mean, (k + 1) as f64 * step)).collect();
+        let variance = self.variance();
+        for j in 1..=HARMONICS as usize {
+            let root = (self.mean * self.mean
+                - Complex64::i() * (2.0 * std::f64::consts::TAU * j as f64 * variance))
+                .sqrt();
+            guesses.push(((self.mean - root) / variance.max(1e-30)).conj());
+            guesses.push((self.mean - root) / variance.max(1e-30));
+        }
+        if density > 1 {
+            let grid = (1..60).flat_map(|k| [0.5, 1.0, 2.0, 4.0].map(|re| (re, f64::from(k) * 0.25)));
+            guesses.extend(grid.map(|(re, im)| Complex64::new(-re, im) / self.mean));
+        }
+        guesses
+    }
+
+    /// Variance of the advance survived.
+    fn variance(&self) -> f64 {
+        let mut second = 0.0;
+        self.reborn.survival().curve().each_point(f64::INFINITY, |u, weight| second += 2.0 * u * weight);
+        (second - self.mean * self.mean).max(1e-12 * self.mean * self.mean)
+    }
+
+    /// Number of zeros of the transform of survival with Re s > `left`, 0 < Im s ≤ Ω, by the argument principle.
+    fn zeros_right_of(&self, left: f64) -> i64 {
+        let top = 0.5 * std::f64::consts::TAU * (HARMONICS / 2.0 + 0.5) / self.mean;
+        let right = 1.0 / self.mean;
+        let corners = [
+            Complex64::new(right, 1e-9 / self.mean),
+            Complex64::new(right, top),
+            Complex64::new(left, top),
+            Complex64::new(left, 1e-9 / self.mean),
+        ];
+        let turned: f64 = corners.windows(2).map(|c| self.turn(c[0], c[1])).sum();
+        (turned / std::f64::consts::TAU * 2.0).round() as i64 / 2
+    }
+
+    /// Change of the argument of the transform of survival on the way from a to b.
+    fn turn(&self, a: Complex64, b: Complex64) -> f64 {
+        let steps = ((b - a).norm() * self.mean / 0.1).ceil() as usize;
+        let at = |k: usize| self.survival(a + (b - a) * (k as f64 / steps as f64));
+        (0..steps).map(|k| (at(k + 1) / at(k)).arg()).sum()
+    }
+
+    /// Amplitudes of the roots that the lives resolve, of F per unit stiffness.
+    fn terms(&self, roots: &[Complex64], first: &Life) -> Vec<Term> {
+        let end = first.breaking().curve().end().max(self.reborn.force().curve().end());
+        let resolved = roots.iter().take_while(|s| -s.re * end < 25.0);
+        let term = |&s: &Complex64| {
+            let source = kernel_transform(first.breaking(), s);
+            let force = curve_transform(self.reborn.force().curve(), s);
+            Term { exponent: s, amplitude: -source * force / self.slope(s) }
+        };
+        resolved.map(term).collect()
+    }
+}
+
+/// Transform of a density and its atoms.
+fn kernel_transform(kernel: &Kernel, s: Complex64) -> Complex64 {
+    let atoms: Complex64 = kernel.atoms().map(|a| a.weight * (-s * a.position).exp()).sum();
+    atoms + curve_transform(kernel.curve(), s)
+}
+
+/// The derivative of the transform of a density and its atoms.
+fn kernel_slope(kernel: &Kernel, s: Complex64) -> Complex64 {
+    let mut sum: Complex64 = kernel.atoms().map(|a| -a.position * a.weight * (-s * a.position).exp()).sum();
+    kernel.curve().each_point(6.0 / s.norm(), |u, weight| sum -= u * weight * (-s * u).exp());
+    sum
+}
+
+fn curve_transform(curve: &Piecewise, s: Complex64) -> Complex64 {
+    let mut sum = Complex64::ZERO;
+    // Sixteen Gauss points integrate six radians to rounding.
+    curve.each_point(6.0 / s.norm(), |u, weight| sum += weight * (-s * u).exp());
+    sum
+}

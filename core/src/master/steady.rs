@@ -1,0 +1,46 @@
+//! Steady sliding: the solution of the master equation that does not depend on X.
+
+use std::sync::Arc;
+
+use super::Stretches;
+use crate::life::Life;
+
+/// Steady sliding: Q_s(x) = Γ_s S(x) ∫₀ˣ R/S, 1/Γ_s = ∫dr (R/S) ∫_r^∞ S, F_k = N_c⟨k⟩ ∫x Q_s dx.
+///
+/// For R = δ(x) this is the paper's Q_s = S/x̄ and F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩) (Eqs. 11a, 11d).
+#[derive(Debug, Clone)]
+pub struct SteadyState {
+    life: Arc<Life>,
+    stiffness: f64,
+    mean: f64,
+}
+
+impl SteadyState {
+    pub(super) fn new(life: Arc<Life>, stiffness: f64) -> Self {
+        let mean = life.mean();
+        Self { life, stiffness, mean }
+    }
+
+    /// Kinetic friction F_k, a force.
+    pub fn kinetic_friction(&self) -> f64 {
+        self.stiffness * self.life.force().curve().integral() / self.mean
+    }
+
+    /// Breaking rate Γ_s, the fraction of contacts per unit length.
+    pub fn breaking_rate(&self) -> f64 {
+        1.0 / self.mean
+    }
+
+    /// Standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c.
+    pub fn force_std(&self, size: f64) -> f64 {
+        let first = self.life.force().curve().integral() / self.mean;
+        let second = self.life.square().curve().integral() / self.mean;
+        self.stiffness * ((second - first * first).max(0.0) / size).sqrt()
+    }
+
+    /// Q_s at the given stretches; it has no point masses.
+    pub fn stretch_density(&self, stretches: &[f64]) -> Stretches {
+        let at = |&x: &f64| self.life.standing_density(x, |_| 1.0 / self.mean, std::iter::empty());
+        Stretches { density: stretches.iter().map(at).collect(), atoms: Vec::new() }
+    }
+}

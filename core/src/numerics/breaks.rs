@@ -1,0 +1,162 @@
+//! Where functions are not smooth, and where their convolutions are not.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::{Error, Result};
+
+/// A point mass: `weight` at `position`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Atom {
+    /// Where the mass sits.
+    pub position: f64,
+    /// How much there is.
+    pub weight: f64,
+}
+
+/// A point where a function is not smooth: near it the function is a smooth one plus
+/// `amplitude` (x − position)₊^`exponent` / Γ(`exponent` + 1).
+///
+/// A jump has exponent 0 and its height as amplitude; a kink exponent 1 and its change of slope;
+/// √x has exponent ½; a point mass has exponent −1 and its weight. In this normalisation the
+/// convolution of two breaks is a break at the sum of positions, exponents add plus one, and
+/// amplitudes multiply.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Break {
+    /// Where it is.
+    pub position: f64,
+    /// Its order, −1 or more.
+    pub exponent: f64,
+    /// Its strength.
+    pub amplitude: f64,
+}
+
+impl Break {
+    /// The break that the convolution of two functions has where theirs meet.
+    #[must_use]
+    pub fn convolve(self, other: Self) -> Self {
+        Self {
+            position: self.position + other.position,
+            exponent: self.exponent + other.exponent + 1.0,
+            amplitude: self.amplitude * other.amplitude,
+        }
+    }
+
+    /// What a polynomial cell loses that has the break inside and points spaced by `spacing`:
+    /// about |amplitude| spacing^exponent / Γ(exponent + 1).
+    pub fn weight(&self, spacing: f64) -> f64 {
+        self.amplitude.abs() * spacing.powf(self.exponent) / libm::tgamma(self.exponent + 1.0)
+    }
+
+    /// Whether it is a point mass.
+    pub fn is_atom(&self) -> bool {
+        self.exponent == -1.0
+    }
+}
+
+impl From<Atom> for Break {
+    fn from(atom: Atom) -> Self {
+        Self { position: atom.position, exponent: -1.0, amplitude: atom.weight }
+    }
+}
+
+/// Positions closer than this, relative to their size, are one: sums of the same numbers in another order.
+const SAME: f64 = 1e-13;
+
+/// Whether two positions are one, up to the rounding of sums.
+pub fn same_position(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * a.abs().max(b.abs())
+}
+
+/// The most breaks that a solution keeps track of.
+const MOST: usize = 1_000_000;
+
+/// A break ordered by position, for the heap.
+struct Queued(Break);
+
+impl PartialEq for Queued {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+impl Eq for Queued {}
+impl PartialOrd for Queued {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Queued {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.position.total_cmp(&other.0.position).then(self.0.exponent.total_cmp(&other.0.exponent))
+    }
+}
+
+/// The breaks on [0, end] of the solution g of g = source + kernel ∗ g: those of the source and every one that
+/// convolution with the kernel makes of them, atoms included, ordered by position.
+///
+/// Breaks for which `matters` is false are left out, with all that follows from them; atoms never are.
+///
+/// # Errors
+/// [`Error::TooLarge`] where more than a million would have to be kept.
+pub fn renewed(
+    source: &[Break],
+    kernel: &[Break],
+    end: f64,
+    matters: impl Fn(&Break) -> bool,
+) -> Result<Vec<Break>> {
+    let wanted = |b: &Break| b.position <= end && (b.is_atom() || matters(b));
+    let mut queue: BinaryHeap<_> =
+        source.iter().copied().filter(wanted).map(|b| Reverse(Queued(b))).collect();
+    let mut found: Vec<Break> = Vec::new();
+    while let Some(Reverse(Queued(mut next))) = queue.pop() {
+        // Equal exponents at one position may be queued with others between them: gather all of the position.
+        let mut aside = Vec::new();
+        while queue.peek().is_some_and(|Reverse(Queued(b))| same_position(b.position, next.position)) {
+            if let Some(Reverse(Queued(b))) = queue.pop() {
+                if (b.exponent - next.exponent).abs() < 1e-9 {
+                    next.amplitude += b.amplitude
+                } else {
+                    aside.push(b)
+                }
+            }
+        }
+        queue.extend(aside.into_iter().map(|b| Reverse(Queued(Break { position: next.position, ..b }))));
+        queue.extend(kernel.iter().map(|&k| k.convolve(next)).filter(wanted).map(|b| Reverse(Queued(b))));
+        found.push(next);
+        if found.len() + queue.len() > MOST {
+            return Err(Error::TooLarge {
+                what: "the points at which contacts break together".into(),
+                needed: (found.len() + queue.len()) as u64 * size_of::<Break>() as u64,
+                allowed: (MOST * size_of::<Break>()) as u64,
+            });
+        }
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn atom(position: f64, weight: f64) -> Break {
+        Atom { position, weight }.into()
+    }
+
+    #[test]
+    fn commensurate_atoms_merge_whatever_the_rounding() {
+        let kernel = [atom(0.1, 0.5), atom(0.2, 0.5)];
+        let found = renewed(&kernel, &kernel, 10.0, |_| true).unwrap();
+        assert_eq!(found.len(), 100);
+        // The renewal theorem: the weight per step of 0.1 tends to 0.1 / mean = 2/3.
+        assert!((found[99].amplitude - 2.0 / 3.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn jumps_become_kinks_and_fade_by_order() {
+        let jump = Break { position: 1.0, exponent: 0.0, amplitude: 2.0 };
+        let found = renewed(&[jump], &[jump], 10.0, |b| b.exponent < 3.0).unwrap();
+        let expected = [(1.0, 0.0, 2.0), (2.0, 1.0, 4.0), (3.0, 2.0, 8.0)];
+        let got: Vec<_> = found.iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
+        assert_eq!(got, expected);
+    }
+}
