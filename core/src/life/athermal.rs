@@ -25,12 +25,7 @@ const NEGLIGIBLE: f64 = 1e-18;
 ///
 /// # Errors
 /// Starts where no threshold is left (S = 0), if `conditional`.
-pub fn athermal(
-    thresholds: &SharedLaw,
-    stiffness: Stiffness,
-    starts: &SharedLaw,
-    conditional: bool,
-) -> Result<Life> {
+pub fn athermal(thresholds: &SharedLaw, stiffness: Stiffness, starts: &SharedLaw, conditional: bool) -> Result<Life> {
     let births = Births::new(thresholds, starts, conditional)?;
     let breaks = births.breaks();
     let end = births.end();
@@ -48,15 +43,7 @@ pub fn athermal(
     let [breaking, ..] = moments;
     let breaking = Kernel::new(breaking, breaks);
     let Births { density, atoms, .. } = births;
-    Ok(Life {
-        survival,
-        breaking,
-        force,
-        square,
-        births: density,
-        birth_atoms: atoms,
-        thresholds: thresholds.clone(),
-    })
+    Ok(Life { survival, breaking, force, square, births: density, birth_atoms: atoms, thresholds: thresholds.clone() })
 }
 
 /// Moments of the breaking stretches are kept up to the fourth.
@@ -126,8 +113,7 @@ impl<'a> Births<'a> {
             return Err(Error::invalid("", expected, format!("stretches up to {top}")));
         }
         let over = |r: f64| if conditional { thresholds.survival(r) } else { 1.0 };
-        let atoms =
-            starts.atoms().into_iter().map(|a| Atom { weight: a.weight / over(a.position), ..a }).collect();
+        let atoms = starts.atoms().into_iter().map(|a| Atom { weight: a.weight / over(a.position), ..a }).collect();
         let hazards = with_atoms(thresholds);
         let (density, struck, points) = (Piecewise::default(), Vec::new(), Vec::new());
         let mut births = Self { thresholds, starts, conditional, density, atoms, hazards, struck, points };
@@ -247,8 +233,7 @@ impl<'a> Births<'a> {
         };
         self.atoms.iter().for_each(|a| add(a.position, a.weight));
         let end = self.density.end();
-        let mut cuts: Vec<f64> =
-            self.hazards.iter().map(|b| b.position - u).filter(|&r| r > 0.0 && r < end).collect();
+        let mut cuts: Vec<f64> = self.hazards.iter().map(|b| b.position - u).filter(|&r| r > 0.0 && r < end).collect();
         if cuts.is_empty() {
             self.points.iter().for_each(|&(r, weight)| add(r, weight));
             return sums;
