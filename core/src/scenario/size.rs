@@ -3,7 +3,7 @@
 use crate::{Error, Result};
 
 /// Bytes that a description may ask for.
-const ALLOWED: f64 = 3.0 * GIBIBYTE;
+const ALLOWED: f64 = 4.0 * GIBIBYTE;
 const GIBIBYTE: f64 = 1024.0 * 1024.0 * 1024.0;
 
 /// Of a position: its numbers, their text, and the results file, which is put together in memory.
