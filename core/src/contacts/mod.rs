@@ -1,6 +1,7 @@
 //! What an interface is: how many contacts, how stiff, when they break, how they re-form.
 
-use crate::law::SharedLaw;
+use crate::law::{Law, SharedLaw};
+use crate::{Error, Result};
 
 /// How stiff a contact is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,4 +42,36 @@ pub struct Initial {
     pub law: SharedLaw,
     /// How it is read.
     pub start: Start,
+}
+
+/// A share of contacts that no result in double precision could show.
+const NEGLIGIBLE: f64 = 1e-15;
+
+impl Contacts {
+    /// Checks that contacts survive where they start and where they re-form: that S > 0 there.
+    ///
+    /// # Errors
+    /// Thresholds at 0; stretches at or above every threshold. Keys are those of a scenario.
+    pub fn check(&self, initial: &Initial) -> Result<()> {
+        let at_once = 1.0 - self.thresholds.survival(0.0);
+        if at_once > NEGLIGIBLE {
+            let found = format!("a share {at_once} of the contacts with threshold 0");
+            return Err(Error::invalid("contacts.thresholds", "thresholds above 0", found));
+        }
+        self.survives("contacts.reforming", self.reforming.as_ref())?;
+        match initial.start {
+            Start::Conditional => self.survives("initial", initial.law.as_ref()),
+            Start::Relaxed => Ok(()),
+        }
+    }
+
+    fn survives(&self, key: &str, stretches: &dyn Law) -> Result<()> {
+        let top = self.thresholds.quantile(1.0);
+        let share = stretches.survival(top.next_down());
+        if share <= NEGLIGIBLE {
+            return Ok(());
+        }
+        let expected = format!("stretches below the highest threshold {top}, where contacts still hold");
+        Err(Error::invalid(key, expected, format!("a share {share} of the contacts at or above it")))
+    }
 }

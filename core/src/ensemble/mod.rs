@@ -5,6 +5,7 @@
 
 mod lives;
 mod pull;
+mod sweep;
 mod tally;
 
 pub use pull::{EnsemblePull, Snapshots};
