@@ -154,7 +154,7 @@ fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64], row: &mut No
     for pair in cuts.windows(2) {
         let (middle, part) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
         let Some(cell) = kernel.curve().find(middle) else { continue };
-        let edges = kernel.curve().boundaries;
+        let edges = &kernel.curve().boundaries;
         for q in 0..NODES {
             let u = middle + part * RULE.nodes[q];
             // One lookup serves the whole part where it lies in one cell.
