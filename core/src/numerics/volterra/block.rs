@@ -2,7 +2,7 @@
 
 use super::kernel::Kernel;
 use super::mesh::{Mesh, Past, SHORT_RUN};
-use crate::numerics::legendre::{NODES, Nodal, RULE};
+use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments};
 use crate::numerics::piecewise::Piecewise;
 
 /// A matrix from the Gauss values of one cell to those of another, column by column.
@@ -139,7 +139,7 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
             }
         } else {
             smooth = false;
-            split_row(kernel, offset, source.1, &cuts, &mut row);
+            row = split_row(kernel, offset, source.1, &cuts);
         }
         for j in 0..NODES {
             out[j][i] = row[j];
@@ -150,23 +150,20 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
 }
 
 /// One row of a block whose integrand is smooth only between `cuts` in u.
-fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64], row: &mut Nodal) {
+fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64]) -> Nodal {
+    let (curve, mut moments) = (kernel.curve(), [0.0; NODES]);
     for pair in cuts.windows(2) {
         let (middle, part) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-        let Some(cell) = kernel.curve().find(middle) else { continue };
-        let edges = &kernel.curve().boundaries;
-        for q in 0..NODES {
-            let u = middle + part * RULE.nodes[q];
-            // One lookup serves the whole part where it lies in one cell.
-            let inside = edges[cell] <= pair[0] && pair[1] <= edges[cell + 1];
-            let value = if inside { kernel.curve().value_in(cell, u) } else { kernel.curve().value(u) };
-            let weight = part * RULE.weights[q] * value;
-            let cardinals = RULE.cardinals(((offset - u) / half).clamp(-1.0, 1.0));
-            for (sum, cardinal) in row.iter_mut().zip(&cardinals) {
-                *sum += weight * cardinal;
-            }
+        let Some(cell) = curve.find(middle) else { continue };
+        // One lookup serves the whole part where it lies in one cell.
+        let inside = curve.boundaries[cell] <= pair[0] && pair[1] <= curve.boundaries[cell + 1];
+        for (t, w) in RULE.nodes.iter().zip(&RULE.weights) {
+            let u = middle + part * t;
+            let value = if inside { curve.value_in(cell, u) } else { curve.value(u) };
+            add_moments(((offset - u) / half).clamp(-1.0, 1.0), part * w * value, &mut moments);
         }
     }
+    RULE.functional(&moments)
 }
 
 /// Inverse of a small matrix by Gauss–Jordan elimination with row pivoting (the matrices are near the identity).

@@ -127,7 +127,7 @@ impl March<'_> {
         let limit = self.accuracy.density;
         let loose = 0.05 * limit.max(self.accuracy.mass / width);
         let recovering = width < 0.3 * pace.base && pace.patience == 0 && missing < loose;
-        let settled = done >= 256 && missing < 1e-5 * limit && left > 512.0 * width;
+        let settled = done >= 256 && missing < 1e-5 * limit && left > 3072.0 * width;
         recovering || self.accuracy.may_grow && settled
     }
 
