@@ -1,3 +1,87 @@
 //! The command line of asperity.
 
-fn main() {}
+mod arguments;
+mod drawing;
+mod examples;
+mod figure;
+mod progress;
+mod run;
+mod summary;
+
+use std::fmt;
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use asperity_runner::input;
+use clap::{CommandFactory as _, Parser as _};
+
+use arguments::{Arguments, Command};
+
+/// Why a command did not do what it was told; each has its exit code.
+enum Failure {
+    /// The run failed: disk, memory.
+    Run(String),
+    /// Wrong input, drawn.
+    Input(String),
+    /// Ctrl-C.
+    Interrupted,
+}
+
+impl Failure {
+    fn run(error: impl fmt::Display) -> Self {
+        Self::Run(format!("error: {error}\n"))
+    }
+}
+
+impl From<Box<input::Diagnostic>> for Failure {
+    fn from(diagnostic: Box<input::Diagnostic>) -> Self {
+        Self::Input(drawing::draw(*diagnostic))
+    }
+}
+
+fn main() -> ExitCode {
+    let (message, code) = match execute(Arguments::parse().command) {
+        Ok(()) => return ExitCode::SUCCESS,
+        Err(Failure::Run(message)) => (message, 1),
+        Err(Failure::Input(message)) => (message, 2),
+        Err(Failure::Interrupted) => ("interrupted: nothing was written\n".into(), 130),
+    };
+    // Where even this cannot be written, the exit code still tells.
+    let _ = std::io::stderr().write_all(message.as_bytes());
+    ExitCode::from(code)
+}
+
+fn execute(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Run(run) => run::run(&run),
+        Command::Check(scenario) => {
+            input::read(&scenario.path, &scenario.overrides)?;
+            print(&format!("{} makes sense\n", scenario.path.display()))
+        }
+        Command::Schema => print(&format!("{}\n", input::schema())),
+        Command::Example { name: None } => print(&examples::list()),
+        Command::Example { name: Some(name) } => match examples::find(&name) {
+            Some(text) => print(text),
+            None => Err(Failure::Input(format!(
+                "error: no example is called {name}; there are\n{}",
+                examples::list()
+            ))),
+        },
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "asperity", &mut script);
+            print(&String::from_utf8_lossy(&script))
+        }
+    }
+}
+
+/// Writes to the standard output; a reader that has seen enough is no error.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut output = std::io::stdout().lock();
+    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::run(format_args!("cannot write to the standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -17,5 +17,6 @@ pub mod monitor;
 pub mod numerics;
 pub mod random;
 pub mod record;
+pub mod scenario;
 
 pub use error::{Error, Float, Result};

@@ -57,14 +57,20 @@ impl Stream {
     #[inline]
     pub fn word(&mut self) -> u64 {
         if self.used == 4 {
-            let [block, index, purpose] = &mut self.counter;
-            *block = block.wrapping_add(1);
-            self.words = philox([*block, *index, *purpose, 0], [self.key, 0]);
-            self.used = 0;
+            self.next_block();
         }
         let word = self.words[self.used & 3];
         self.used += 1;
         word
+    }
+
+    /// Out of line, so that `word` is inlined where distributions draw.
+    #[inline(never)]
+    fn next_block(&mut self) {
+        let [block, index, purpose] = &mut self.counter;
+        *block = block.wrapping_add(1);
+        self.words = philox([*block, *index, *purpose, 0], [self.key, 0]);
+        self.used = 0;
     }
 
     /// A uniform number in the open interval (0, 1), from 53 bits.

@@ -16,22 +16,38 @@ pub enum Quantity {
     Number,
 }
 
+impl Quantity {
+    /// Every quantity, for tables of labels.
+    pub const ALL: [Self; 5] = [Self::Length, Self::Force, Self::PerLength, Self::Stiffness, Self::Number];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Length => "length",
+            Self::Force => "force",
+            Self::PerLength => "per_length",
+            Self::Stiffness => "stiffness",
+            Self::Number => "number",
+        }
+    }
+}
+
 /// A named array with named dimensions, in row-major order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
     /// Name in files (`force`).
-    pub name: &'static str,
+    pub name: String,
     /// Name for people (`friction force`).
-    pub long_name: &'static str,
+    pub long_name: String,
     /// What it measures.
     pub quantity: Quantity,
     /// Names of its dimensions, slowest first; a variable named like its only dimension is a coordinate.
-    pub dimensions: Vec<&'static str>,
-    /// The values; the lengths of dimensions follow from the coordinates.
+    pub dimensions: Vec<String>,
+    /// The values.
     pub values: Vec<f64>,
 }
 
-/// The variables of a result.
+/// The variables of a result; every dimension has one length, that of the variables along it alone.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Record {
     /// In the order in which they were added.
@@ -49,8 +65,69 @@ impl Record {
         self.get(name).map(|v| v.values.as_slice())
     }
 
-    /// Adds a variable.
-    pub fn push(&mut self, variable: Variable) {
-        self.variables.push(variable);
+    /// Row `row` of the variable called `name`: its values at one place along its first dimension.
+    pub fn row(&self, name: &str, row: usize) -> Option<&[f64]> {
+        let variable = self.get(name)?;
+        let rows = self.length(variable.dimensions.first()?)?;
+        variable.values.chunks_exact(variable.values.len() / rows.max(1)).nth(row)
+    }
+
+    /// The length of a dimension, told by the first variable that lies along it alone.
+    pub fn length(&self, dimension: &str) -> Option<usize> {
+        self.variables.iter().find(|v| v.dimensions == [dimension]).map(|v| v.values.len())
+    }
+
+    /// The dimensions and their lengths, in the order of first use.
+    pub fn dimensions(&self) -> Vec<(&str, usize)> {
+        let mut found: Vec<(&str, usize)> = Vec::new();
+        for name in self.variables.iter().flat_map(|v| &v.dimensions) {
+            if !found.iter().any(|(known, _)| known == name) {
+                found.push((name, self.length(name).unwrap_or(0)));
+            }
+        }
+        found
+    }
+
+    /// Adds a variable along `dimensions`.
+    pub fn push(
+        &mut self,
+        name: &str,
+        long_name: &str,
+        quantity: Quantity,
+        dimensions: &[&str],
+        values: Vec<f64>,
+    ) {
+        self.variables.push(Variable {
+            name: name.to_owned(),
+            long_name: long_name.to_owned(),
+            quantity,
+            dimensions: dimensions.iter().map(|&d| d.to_owned()).collect(),
+            values,
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Record {
+        let mut record = Record::default();
+        record.push("snapshot", "position", Quantity::Length, &["snapshot"], vec![0.0, 1.0]);
+        record.push("stretch", "stretch", Quantity::Length, &["stretch"], vec![0.0, 0.5, 1.0]);
+        let density = vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        record.push("density", "density", Quantity::PerLength, &["snapshot", "stretch"], density);
+        record
+    }
+
+    #[test]
+    fn dimensions_take_their_lengths_from_one_dimensional_variables() {
+        assert_eq!(sample().dimensions(), [("snapshot", 2), ("stretch", 3)]);
+    }
+
+    #[test]
+    fn rows_run_along_the_first_dimension() {
+        assert_eq!(sample().row("density", 1), Some([4.0, 5.0, 6.0].as_slice()));
+        assert_eq!(sample().row("density", 2), None);
     }
 }

@@ -85,6 +85,22 @@ impl<'a> Lives<'a> {
         Life { stretch, threshold }
     }
 
+    /// Thresholds drawn ahead and the stretch at which all contacts re-form, if that is a single point:
+    /// the lives that [`Lives::next`] will give, as long as the thresholds are above the stretch.
+    #[inline]
+    pub(super) fn plain(&mut self) -> (&[f64], f64) {
+        match (self.point, self.quenched) {
+            (Some(stretch), None) => (self.thresholds.ahead(), stretch),
+            _ => (&[], 0.0),
+        }
+    }
+
+    /// Passes over lives that [`Lives::plain`] has shown.
+    #[inline]
+    pub(super) fn skip(&mut self, lives: usize) {
+        self.thresholds.used += lives;
+    }
+
     /// x_s ~ P_c conditional on x_s > `stretch`.
     #[cold]
     fn threshold_above(&mut self, stretch: f64) -> f64 {
@@ -116,19 +132,28 @@ struct Draws<'a> {
     batch: [f64; BATCH],
     used: usize,
     filled: usize,
-    /// Draws a contact is expected to need; how many of them are still to be filled in.
+    /// Draws a contact is expected to need; how many of them are still to be drawn.
     expected: usize,
-    ahead: usize,
+    left: usize,
 }
 
 impl<'a> Draws<'a> {
     fn new(law: &'a dyn Law, stream: Stream, expected: usize) -> Self {
-        Self { law, stream, batch: [0.0; BATCH], used: 0, filled: 0, expected, ahead: 0 }
+        Self { law, stream, batch: [0.0; BATCH], used: 0, filled: 0, expected, left: 0 }
     }
 
-    fn restart(&mut self, stream: Stream, ahead: usize) {
-        (self.stream, self.ahead) = (stream, ahead);
+    fn restart(&mut self, stream: Stream, expected: usize) {
+        (self.stream, self.left) = (stream, expected);
         (self.used, self.filled) = (0, 0);
+    }
+
+    /// What has been drawn and not been used, at least one draw.
+    #[inline]
+    fn ahead(&mut self) -> &[f64] {
+        if self.used == self.filled {
+            self.refill();
+        }
+        &self.batch[self.used..self.filled]
     }
 
     #[inline]
@@ -143,8 +168,8 @@ impl<'a> Draws<'a> {
 
     #[inline(never)]
     fn refill(&mut self) {
-        self.filled = self.ahead.clamp(1, BATCH);
-        self.ahead = self.ahead.saturating_sub(self.filled).max(4);
+        self.filled = self.left.clamp(1, BATCH);
+        self.left = self.left.saturating_sub(self.filled).max(4);
         self.law.fill(&mut self.stream, &mut self.batch[..self.filled]);
         self.used = 0;
     }

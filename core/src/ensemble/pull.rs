@@ -5,15 +5,11 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::Ensemble;
-use super::lives::{Life, Lives};
+use super::sweep::{Chunk, Sweep};
 use super::tally::{Cell, Different, Equal, Grid, forces};
 use crate::contacts::Stiffness;
 use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
-
-/// Breaks closer to a position than this, relatively, are at it: contacts that break together do so
-/// where they should, whatever the rounding of sums of thresholds. Continuous laws do not notice.
-const TOGETHER: f64 = 1e-12;
 
 /// Most chunks of contacts between two reports to the monitor.
 const ROUND: usize = 64;
@@ -38,7 +34,7 @@ pub struct Snapshots {
 pub struct EnsemblePull {
     /// Force at each position, scaled to the number of real contacts; after the breaks at the position.
     pub force: Vec<f64>,
-    /// Its standard error, from the scatter of single contacts; NaN for an ensemble of one.
+    /// Its standard error, from the scatter of single contacts; not finite for an ensemble of one.
     ///
     /// That of the ensemble: N_c real contacts scatter by √(size/N_c) of it.
     pub error: Vec<f64>,
@@ -98,8 +94,8 @@ impl Ensemble {
         snapshots: &Snapshots,
         monitor: &mut dyn Monitor,
     ) -> Result<EnsemblePull> {
+        let plan = self.plan::<C>(positions, snapshots)?;
         let sweep = Sweep { ensemble: self, grid: Grid::new(positions), positions, snapshots };
-        let plan = sweep.plan::<C>()?;
         let mut total = sweep.nothing::<C>();
         let mut done = 0;
         while done < self.size {
@@ -112,7 +108,27 @@ impl Ensemble {
             done = end;
             report(monitor, done as f64 / self.size as f64)?;
         }
-        Ok(total.finish(self, stiffness, positions, snapshots))
+        let scale = stiffness * self.contacts.count;
+        let (mut force, mut error) = forces(&total.cells, positions, self.size);
+        force.iter_mut().chain(&mut error).for_each(|f| *f *= scale);
+        let Chunk { histograms, breaks, .. } = total;
+        Ok(EnsemblePull { force, error, breaks, histograms, edges: snapshots.edges.clone(), size: self.size })
+    }
+
+    /// Chunks with so many breaks that merging them costs little, so few that there is one for each core.
+    fn plan<C: Cell>(&self, positions: &[f64], snapshots: &Snapshots) -> Result<Plan> {
+        let bins = snapshots.edges.len() * snapshots.positions.len();
+        let bytes = positions.len() * size_of::<C>() + bins * size_of::<u64>();
+        if bytes > CHUNK_BYTES {
+            let what = format!("an ensemble at {} positions", positions.len());
+            return Err(Error::TooLarge { what, needed: bytes as u64, allowed: CHUNK_BYTES as u64 });
+        }
+        let expected = self.expected_breaks(positions[positions.len() - 1]);
+        let least = (bytes as f64).max(20_000.0);
+        let breaks = (expected * self.size as f64 / ROUND as f64).clamp(least, least.max(1e6));
+        let chunk = (breaks / expected).ceil() as usize;
+        let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
+        Ok(Plan { chunk, round, expected: expected as usize })
     }
 
     /// Rough number of breaks of a contact on the way to `distance`, by which the work is cut up.
@@ -131,124 +147,6 @@ struct Plan {
     round: usize,
     /// Draws that a contact is expected to need.
     expected: usize,
-}
-
-/// What one chunk of contacts adds.
-struct Chunk<C> {
-    cells: Vec<C>,
-    histograms: Vec<Vec<u64>>,
-    breaks: u64,
-}
-
-impl<C: Cell> Chunk<C> {
-    fn merge(&mut self, other: &Self) {
-        self.cells.iter_mut().zip(&other.cells).for_each(|(cell, more)| cell.merge(more));
-        let counts = self.histograms.iter_mut().flatten();
-        counts.zip(other.histograms.iter().flatten()).for_each(|(count, more)| *count += more);
-        self.breaks += other.breaks;
-    }
-
-    fn finish(
-        self,
-        ensemble: &Ensemble,
-        stiffness: f64,
-        positions: &[f64],
-        snapshots: &Snapshots,
-    ) -> EnsemblePull {
-        let scale = stiffness * ensemble.contacts.count;
-        let (mut force, mut error) = forces(&self.cells, positions, ensemble.size);
-        force.iter_mut().chain(&mut error).for_each(|f| *f *= scale);
-        let Self { histograms, breaks, .. } = self;
-        EnsemblePull { force, error, breaks, histograms, edges: snapshots.edges.clone(), size: ensemble.size }
-    }
-}
-
-/// A pull, seen by its contacts.
-struct Sweep<'a> {
-    ensemble: &'a Ensemble,
-    grid: Grid<'a>,
-    positions: &'a [f64],
-    snapshots: &'a Snapshots,
-}
-
-impl Sweep<'_> {
-    fn nothing<C: Cell>(&self) -> Chunk<C> {
-        let bins = self.snapshots.edges.len().saturating_sub(1);
-        Chunk {
-            cells: vec![C::ZERO; self.positions.len()],
-            histograms: vec![vec![0; bins]; self.snapshots.positions.len()],
-            breaks: 0,
-        }
-    }
-
-    /// Chunks with so many breaks that merging them costs little, so few that there is one for each core.
-    fn plan<C: Cell>(&self) -> Result<Plan> {
-        let bins = self.snapshots.edges.len() * self.snapshots.positions.len();
-        let bytes = self.positions.len() * size_of::<C>() + bins * size_of::<u64>();
-        if bytes > CHUNK_BYTES {
-            let what = format!("an ensemble at {} positions", self.positions.len());
-            return Err(Error::TooLarge { what, needed: bytes as u64, allowed: CHUNK_BYTES as u64 });
-        }
-        let expected = self.ensemble.expected_breaks(self.positions[self.positions.len() - 1]);
-        let least = (bytes as f64).max(20_000.0);
-        let breaks = (expected * self.ensemble.size as f64 / ROUND as f64).clamp(least, least.max(4e6));
-        let chunk = (breaks / expected).ceil() as usize;
-        let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
-        Ok(Plan { chunk, round, expected: expected as usize })
-    }
-
-    fn chunk<C: Cell>(&self, contacts: Range<usize>, expected: usize) -> Chunk<C> {
-        let mut chunk = self.nothing();
-        let mut lives = Lives::new(self.ensemble, expected);
-        for index in contacts {
-            let first = lives.first(index as u64);
-            self.follow(first, &mut lives, &mut chunk);
-        }
-        chunk
-    }
-
-    /// One contact from X = 0 to the last position; its stretch is X − `origin`.
-    fn follow<C: Cell>(&self, first: Life, lives: &mut Lives<'_>, chunk: &mut Chunk<C>) {
-        let last = self.positions[self.positions.len() - 1];
-        let mut life = first;
-        // Only a relaxed start has contacts at or above their thresholds: they break where they are.
-        if life.stretch >= life.threshold {
-            chunk.breaks += 1;
-            life = lives.next();
-        }
-        let (mut origin, mut threshold) = (-life.stretch, life.threshold);
-        chunk.cells[0].add(self.positions[0] - origin, threshold);
-        let mut snapshot = 0;
-        loop {
-            let end = origin + threshold;
-            let at = end * (1.0 - TOGETHER);
-            while let Some(&position) = self.snapshots.positions.get(snapshot).filter(|&&x| x < at) {
-                self.record(position - origin, &mut chunk.histograms[snapshot]);
-                snapshot += 1;
-            }
-            if at > last {
-                return;
-            }
-            let (cell, position) = self.grid.at_or_above(at);
-            let next = lives.next();
-            let born = end - next.stretch;
-            chunk.cells[cell].replace((position - origin, threshold), (position - born, next.threshold));
-            chunk.breaks += 1;
-            (origin, threshold) = (born, next.threshold);
-        }
-    }
-
-    fn record(&self, stretch: f64, histogram: &mut [u64]) {
-        let edges = &self.snapshots.edges;
-        // Just re-formed contacts may lie below 0 by rounding.
-        let stretch = stretch.max(0.0);
-        let above = edges.partition_point(|&edge| edge < stretch);
-        if let Some(bin) = histogram.get_mut(above.max(1) - 1)
-            && stretch >= edges[0]
-        {
-            *bin += 1;
-        }
-    }
 }
 
 /// Whether values are finite, not negative and never fall.

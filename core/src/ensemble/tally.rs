@@ -90,36 +90,29 @@ impl Cell for Different {
 /// Rising values, and the first of them that is not below a given one.
 pub(super) struct Grid<'a> {
     values: &'a [f64],
-    /// Steps per length, if the values are evenly spaced within half a step.
-    density: Option<f64>,
+    /// Steps per length and where they count from, if the values are evenly spaced to a thousandth of a step.
+    even: Option<(f64, f64)>,
 }
 
 impl<'a> Grid<'a> {
     pub(super) fn new(values: &'a [f64]) -> Self {
         let (first, last) = (values[0], values[values.len() - 1]);
         let step = (last - first) / (values.len() - 1).max(1) as f64;
-        let off = |(i, x): (usize, &f64)| (x - (first + i as f64 * step)).abs() > 0.5 * step;
+        let off = |(i, x): (usize, &f64)| (x - (first + i as f64 * step)).abs() > 1e-3 * step;
         let even = step > 0.0 && !values.iter().enumerate().any(off);
-        Self { values, density: even.then_some(1.0 / step) }
+        // Never too high, as values are where they should be to a thousandth; hardly ever too low.
+        Self { values, even: even.then_some((1.0 / step, 0.998 - first / step)) }
     }
 
     /// The index of the first value ≥ `x`, and that value; `x` is not above the last value.
     #[inline]
     pub(super) fn at_or_above(&self, x: f64) -> (usize, f64) {
-        let values = self.values;
-        let Some(density) = self.density else {
-            let index = values.partition_point(|&v| v < x).min(values.len() - 1);
-            return (index, values[index]);
+        let guess = match self.even {
+            Some((density, offset)) => (x * density + offset) as u32 as usize,
+            None => self.values.partition_point(|&value| value < x),
         };
-        // The guess is right to one step either way, whatever the rounding.
-        let mut index = (((x - values[0]) * density) as usize).min(values.len() - 1);
-        while index + 1 < values.len() && values[index] < x {
-            index += 1;
-        }
-        while index > 0 && values[index - 1] >= x {
-            index -= 1;
-        }
-        (index, values[index])
+        let value = self.values[guess];
+        if value < x { (guess + 1, self.values[guess + 1]) } else { (guess, value) }
     }
 }
 

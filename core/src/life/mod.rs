@@ -6,6 +6,8 @@ mod athermal;
 
 pub use athermal::athermal;
 
+use num_complex::Complex64;
+
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
@@ -60,6 +62,13 @@ impl Life {
         self.survival.curve().integral()
     }
 
+    /// ∫ν(r) e^{sr} dr.
+    pub(crate) fn births_transform(&self, s: Complex64) -> Complex64 {
+        let atoms: Complex64 =
+            self.birth_atoms.iter().map(|birth| birth.weight * (s * birth.position).exp()).sum();
+        atoms + self.births.transform(-s).0
+    }
+
     /// Density at stretch x of contacts that started u ago, per contact started; atoms not counted.
     pub fn stretch_density(&self, x: f64, u: f64) -> f64 {
         self.births.value(x - u) * self.thresholds.survival(x)
@@ -93,7 +102,12 @@ impl Life {
 
     /// Density at stretch x of contacts that have been born at the rate `rate(advance)` per contact, the advance
     /// counted back from now; `cuts` are advances at which that rate is not smooth.
-    pub fn standing_density(&self, x: f64, rate: impl Fn(f64) -> f64, cuts: impl Iterator<Item = f64>) -> f64 {
+    pub fn standing_density(
+        &self,
+        x: f64,
+        rate: impl Fn(f64) -> f64,
+        cuts: impl Iterator<Item = f64>,
+    ) -> f64 {
         let survival = self.thresholds.survival(x);
         if survival == 0.0 {
             return 0.0;

@@ -1,0 +1,71 @@
+//! What may be typed after `asperity`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
+
+/// Friction of many contacts that stretch, break and re-form: the master equation and the ensemble.
+#[derive(Debug, Parser)]
+#[command(name = "asperity", version, arg_required_else_help = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Compute a scenario, write the results to a folder and print a summary
+    Run(Run),
+    /// Read a scenario and say whether it makes sense, without computing it
+    Check(Scenario),
+    /// Print the JSON Schema of scenarios: every key, its meaning and its default
+    Schema,
+    /// Print a scenario that comes with asperity, or without a name list them
+    Example {
+        /// Name of the scenario, such as fig2
+        name: Option<String>,
+    },
+    /// Print a script that completes these commands in a shell
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+}
+
+#[derive(Debug, Args)]
+pub struct Scenario {
+    /// The scenario, a TOML file
+    #[arg(value_name = "SCENARIO")]
+    pub path: PathBuf,
+    /// Replace a value, such as contacts.thresholds.gaussian.std=0.1; a law replaces the law there
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct Run {
+    #[command(flatten)]
+    pub scenario: Scenario,
+    /// Folder for the results [default: out/<name of the scenario>]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Number of threads; results do not depend on it [default: one per core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl Run {
+    /// Where the results go.
+    pub fn directory(&self) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| {
+            PathBuf::from("out").join(self.scenario.path.file_stem().unwrap_or("scenario".as_ref()))
+        })
+    }
+}

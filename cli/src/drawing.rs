@@ -1,0 +1,52 @@
+//! Wrong input, drawn with the line and key at fault.
+
+use std::fmt;
+
+use asperity_runner::input::Diagnostic;
+use miette::{LabeledSpan, MietteHandlerOpts, NamedSource, ReportHandler, SourceCode};
+
+/// A diagnostic as miette draws it.
+#[derive(Debug)]
+struct Drawn {
+    diagnostic: Diagnostic,
+    source: Option<NamedSource<String>>,
+}
+
+impl fmt::Display for Drawn {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.diagnostic.fmt(f)
+    }
+}
+
+impl std::error::Error for Drawn {}
+
+impl miette::Diagnostic for Drawn {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.diagnostic.help.as_ref().map(|help| Box::new(help) as _)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source.as_ref().map(|source| source as _)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let marks = &self.diagnostic.source.as_ref()?.marks;
+        Some(Box::new(
+            marks
+                .iter()
+                .map(|mark| LabeledSpan::new(Some(mark.label.clone()), mark.span.start, mark.span.len())),
+        ))
+    }
+}
+
+/// The diagnostic for a person; colours only where the standard error shows them and `NO_COLOR` is not set.
+pub fn draw(diagnostic: Diagnostic) -> String {
+    struct Report(Drawn);
+    impl fmt::Display for Report {
+        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            MietteHandlerOpts::new().wrap_lines(false).build().debug(&self.0, f)
+        }
+    }
+    let source = diagnostic.source.as_ref().map(|s| NamedSource::new(&s.name, s.text.clone()));
+    Report(Drawn { diagnostic, source }).to_string()
+}

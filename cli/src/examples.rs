@@ -1,0 +1,68 @@
+//! The scenarios that come with asperity.
+
+use std::fmt::Write as _;
+
+/// A shipped file: its name and its text.
+type Shipped = (&'static str, &'static str);
+
+macro_rules! shipped {
+    ($($name:literal),* $(,)?) => {
+        [$(($name, include_str!(concat!("../../scenarios/", $name)))),*]
+    };
+}
+
+/// All of them, simple ones first; tables stand after the scenario that names them.
+const SHIPPED: [Shipped; 11] = shipped![
+    "fig2.toml",
+    "fig3.toml",
+    "rectangular.toml",
+    "identical.toml",
+    "weibull.toml",
+    "lognormal.toml",
+    "quenched.toml",
+    "areas.toml",
+    "commensurate.toml",
+    "compared.toml",
+    "first_loading.csv",
+];
+
+/// The text called `name`, with or without `.toml`.
+pub fn find(name: &str) -> Option<&'static str> {
+    SHIPPED.iter().find(|(file, _)| *file == name || file.strip_suffix(".toml") == Some(name)).map(|s| s.1)
+}
+
+/// Their names and titles.
+pub fn list() -> String {
+    let mut list = String::new();
+    for (file, text) in SHIPPED {
+        let name = file.strip_suffix(".toml").unwrap_or(file);
+        let title = text.lines().find_map(|line| line.strip_prefix("title = "));
+        let title = title.map_or("a table that a scenario reads", |title| title.trim_matches('"'));
+        let _ = writeln!(list, "{name:<18} {title}");
+    }
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shipped_file_is_listed() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenarios");
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let entry = entry.unwrap();
+            if entry.file_type().unwrap().is_file() {
+                let name = entry.file_name().into_string().unwrap();
+                assert!(find(&name).is_some(), "{name} is not among the examples");
+            }
+        }
+    }
+
+    #[test]
+    fn scenarios_are_found_by_bare_name_and_listed_with_their_titles() {
+        assert!(find("fig2").unwrap().contains("[pull]"));
+        assert!(find("fig9").is_none());
+        assert!(list().lines().any(|line| line.starts_with("fig2 ") && line.contains("Braun")));
+    }
+}

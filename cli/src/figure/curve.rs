@@ -1,0 +1,106 @@
+//! Curves made of fewer points that look the same.
+
+use kuva::plot::LinePlot;
+use kuva::render::plots::Plot;
+
+/// Points that a drawn curve has at most: two for every dot that a picture is wide.
+const MOST: usize = 4000;
+
+/// A point of a curve.
+pub type Point = (f64, f64);
+
+/// The curve through `x` and `y`, thinned.
+pub fn curve(x: &[f64], y: &[f64]) -> Vec<Point> {
+    thinned(x.iter().copied().zip(y.iter().copied()).filter(|p| p.1.is_finite()).collect())
+}
+
+/// Keeps first, last, highest and lowest of every run of points, so that no extremum is lost.
+pub fn thinned(points: Vec<Point>) -> Vec<Point> {
+    if points.len() <= MOST {
+        return points;
+    }
+    let run = points.len().div_ceil(MOST / 4);
+    points.chunks(run).flat_map(outline).collect()
+}
+
+fn outline(run: &[Point]) -> Vec<Point> {
+    let by_height = |&a: &usize, &b: &usize| run[a].1.total_cmp(&run[b].1);
+    let lowest = (0..run.len()).min_by(by_height).unwrap_or(0);
+    let highest = (0..run.len()).max_by(by_height).unwrap_or(0);
+    let mut kept = vec![0, lowest, highest, run.len() - 1];
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(|i| run[i]).collect()
+}
+
+/// The stretch of a curve below `top`, cut where it leaves.
+pub fn below(points: &[Point], top: f64) -> Vec<Vec<Point>> {
+    let mut pieces: Vec<Vec<Point>> = vec![Vec::new()];
+    for pair in points.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let piece = pieces.last_mut().expect("there is always one");
+        if a.1 <= top {
+            piece.push(a);
+        }
+        if (a.1 <= top) != (b.1 <= top) {
+            piece.push((a.0 + (b.0 - a.0) * (top - a.1) / (b.1 - a.1), top));
+            if b.1 > top {
+                pieces.push(Vec::new());
+            }
+        }
+    }
+    if let Some(&last) = points.last().filter(|p| p.1 <= top) {
+        pieces.last_mut().expect("there is always one").push(last);
+    }
+    pieces.retain(|p| p.len() > 1);
+    pieces
+}
+
+/// A line plot, drawn with dashes if given.
+pub fn line(points: Vec<Point>, color: &str, width: f64, dashes: Option<&str>) -> Plot {
+    let plot = LinePlot::new().with_data(points).with_color(color).with_stroke_width(width);
+    Plot::Line(match dashes {
+        Some(dashes) => plot.with_line_style(kuva::plot::LineStyle::Custom(dashes.to_owned())),
+        None => plot,
+    })
+}
+
+/// A filled histogram with bins of equal width around `centres`.
+pub fn histogram(centres: &[f64], heights: &[f64], color: &str) -> Plot {
+    let plot = LinePlot::new().with_data(steps(centres, heights)).with_color(color);
+    Plot::Line(plot.with_stroke_width(0.8).with_fill().with_fill_opacity(0.45))
+}
+
+/// The outline of a histogram with bins of equal width around `centres`.
+fn steps(centres: &[f64], heights: &[f64]) -> Vec<Point> {
+    let half = if centres.len() > 1 { 0.5 * (centres[1] - centres[0]) } else { centres[0].max(0.5) };
+    let bars = centres.iter().zip(heights);
+    let tops = bars.flat_map(|(&c, &h)| [(c - half, h), (c + half, h)]);
+    let first = centres.first().map(|&c| (c - half, 0.0));
+    let last = centres.last().map(|&c| (c + half, 0.0));
+    first.into_iter().chain(tops).chain(last).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_ends_and_extrema() {
+        let mut points: Vec<Point> =
+            (0..100_000).map(|i| (f64::from(i), (f64::from(i) * 1e-3).sin())).collect();
+        points[54_321].1 = 7.0;
+        points[54_322].1 = -7.0;
+        let kept = thinned(points.clone());
+        assert!(kept.len() <= MOST);
+        assert!(kept.contains(&(54_321.0, 7.0)) && kept.contains(&(54_322.0, -7.0)));
+        assert_eq!((kept.first(), kept.last()), (points.first(), points.last()));
+        assert!(kept.is_sorted_by(|a, b| a.0 < b.0));
+    }
+
+    #[test]
+    fn curves_are_cut_where_they_cross_the_top() {
+        let pieces = below(&[(0.0, 0.0), (1.0, 2.0), (2.0, 0.0)], 1.0);
+        assert_eq!(pieces, [vec![(0.0, 0.0), (0.5, 1.0)], vec![(1.5, 1.0), (2.0, 0.0)]]);
+    }
+}

@@ -1,0 +1,144 @@
+//! `evolution`: the distribution of stretches at the snapshots, one panel each.
+
+use asperity::record::Record;
+use asperity_runner::output::Outcome;
+use kuva::plot::{LegendEntry, MarkerShape};
+use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::layout::Layout;
+use kuva::render::render::Scene;
+
+use super::curve::{curve, histogram, line};
+use super::distribution::stem;
+use super::style::{self, BLUE, ORANGE, Plots};
+
+/// Panels that a picture has at most; of more snapshots some are left out.
+const PANELS: usize = 24;
+/// Share of contacts with a density from which on it rules the scale of a panel.
+const SMOOTH: f64 = 0.02;
+/// Height that the label of the lowest axes takes.
+const LABEL: f64 = 26.0;
+const MARGINS: (f64, f64) = (30.0, 24.0);
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let snapshots = record.values("snapshot")?;
+    let shown = chosen(snapshots.len());
+    let end = end(record)?;
+    let (columns, rows) = grid(shown.len());
+    let panels: Option<Vec<_>> = shown.iter().map(|&s| panel(outcome, s, end)).collect();
+    let (plots, layouts): (Vec<_>, Vec<_>) = panels?.into_iter().unzip();
+    let layouts = labelled(outcome, layouts, columns)?;
+    let height = if columns < 3 { 190.0 } else { 150.0 };
+    let title = match snapshots.len() - shown.len() {
+        0 => outcome.summary.title.clone(),
+        more => format!("{} ({} of {} snapshots)", outcome.summary.title, shown.len(), more + shown.len()),
+    };
+    let (title, size) = style::heading(&title);
+    let figure = Figure::new(rows, columns)
+        .with_title(title)
+        .with_title_size(size)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(style::WIDTH / columns as f64, height)
+        .with_row_height(rows - 1, height + LABEL)
+        .with_spacing(6.0)
+        .with_shared_legend_entries(legend(outcome))
+        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
+    Some(figure.render())
+}
+
+/// The snapshots drawn: all, or so many evenly chosen, first and last among them.
+fn chosen(count: usize) -> Vec<usize> {
+    if count <= PANELS {
+        return (0..count).collect();
+    }
+    (0..PANELS).map(|i| i * (count - 1) / (PANELS - 1)).collect()
+}
+
+fn grid(panels: usize) -> (usize, usize) {
+    let columns = match panels {
+        0..4 => 1,
+        4..13 => 2,
+        _ => 3,
+    };
+    (columns, panels.div_ceil(columns).max(1))
+}
+
+fn panel(outcome: &Outcome, snapshot: usize, end: f64) -> Option<(Plots, Layout)> {
+    let record = &outcome.record;
+    let stretch = record.values("stretch")?;
+    let density = record.row("stretch_density", snapshot)?;
+    let heights = record.row("ensemble_stretch_density", snapshot);
+    let position = record.values("snapshot")?[snapshot];
+    let atoms = atoms(record, position);
+    let smooth = atoms.is_empty() || atoms.iter().map(|a| a.1).sum::<f64>() > 1.0 - SMOOTH;
+    let tallest =
+        if smooth { style::range([density, heights.unwrap_or(&[])]).1 } else { style::range([density]).1 };
+    let top = style::headroom(tallest);
+    let mut plots = Plots::new();
+    if let (Some(bin), Some(heights)) = (record.values("bin"), heights) {
+        // bins that hold a point mass are as high as they are narrow: they end at the frame
+        let heights: Vec<f64> = heights.iter().map(|h| h.min(top)).collect();
+        plots.push(histogram(bin, &heights, ORANGE));
+    }
+    plots.push(line(curve(stretch, density), BLUE, 1.6, None));
+    plots.extend(atoms.into_iter().flat_map(|(x, weight)| stem((x, weight * top), BLUE)));
+    let layout = style::layout((0.0, end), (0.0, top))
+        .with_title(format!("X = {}", style::digits(position)))
+        .with_ticks(4)
+        .with_force_margins_y(MARGINS.0, MARGINS.1)
+        .with_title_size(12)
+        .with_tick_size(11)
+        .with_label_size(13);
+    Some((plots, layout))
+}
+
+/// How far the axes go: as far as any of the distributions.
+fn end(record: &Record) -> Option<f64> {
+    let stretch = record.values("stretch")?;
+    let densities: Vec<_> =
+        (0..record.length("snapshot")?).filter_map(|s| record.row("stretch_density", s)).collect();
+    let snapshots = record.values("snapshot")?;
+    let farthest = snapshots.iter().flat_map(|&x| atoms(record, x)).fold(0.0, |end: f64, (x, _)| end.max(x));
+    Some(style::reach(stretch, &densities).max(1.05 * farthest))
+}
+
+/// Stretches and weights of the point masses at `position` that can be seen.
+fn atoms(record: &Record, position: f64) -> Vec<(f64, f64)> {
+    let column = |name| record.values(name).unwrap_or(&[]);
+    let stretches = column("stretch_atom_stretch").iter().zip(column("stretch_atom_weight"));
+    let placed = column("stretch_atom_position").iter().zip(stretches);
+    placed
+        .filter(|(at, (_, weight))| **at == position && **weight > style::INVISIBLE)
+        .map(|(_, (&x, &weight))| (x, weight))
+        .collect()
+}
+
+/// Axis labels on the left and at the bottom of the figure only.
+fn labelled(outcome: &Outcome, layouts: Vec<Layout>, columns: usize) -> Option<Vec<Layout>> {
+    let record = &outcome.record;
+    let x = style::axis(outcome, "Stretch x", record.get("stretch")?);
+    let y = style::axis(outcome, "Q(x; X)", record.get("stretch_density")?);
+    let lowest = (layouts.len() - 1) / columns * columns;
+    let label = |(i, layout): (usize, Layout)| {
+        let layout = if i >= lowest {
+            layout.with_x_label(&x).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)
+        } else {
+            layout
+        };
+        if i % columns == 0 { layout.with_y_label(&y) } else { layout }
+    };
+    Some(layouts.into_iter().enumerate().map(label).collect())
+}
+
+fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
+    let record = &outcome.record;
+    let mut entries = vec![style::line("master equation", BLUE, None)];
+    if record.get("ensemble_stretch_density").is_some() {
+        entries.push(style::area(style::sized_ensemble(outcome), "#F5D58C"));
+    }
+    if record.get("stretch_atom_weight").is_some() {
+        entries.push(style::marker("point mass, 1 = full height", BLUE, MarkerShape::Circle));
+    }
+    entries
+}

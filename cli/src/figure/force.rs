@@ -1,0 +1,133 @@
+//! `force`: the friction force along the pull.
+
+use asperity::record::Quantity;
+use asperity_runner::output::Outcome;
+use asperity_runner::summary::StaticFriction;
+use kuva::plot::{BandPlot, LegendEntry, MarkerShape, ScatterPlot};
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::{Scene, render_multiple, render_twin_y};
+
+use super::curve::{Point, curve, line};
+use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots};
+
+/// Markers that the force of the ensemble is shown by, at most.
+const MARKERS: usize = 80;
+const DASHES: &str = "8 5";
+const DOTS: &str = "3 3";
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let (position, force) = (record.values("position")?, record.values("force")?);
+    let (mut plots, mut legend) = (Plots::new(), Vec::new());
+    band(outcome, position, force, &mut plots, &mut legend);
+    compared(outcome, &mut plots, &mut legend);
+    plots.push(line(curve(position, force), BLUE, 2.0, None));
+    legend.insert(0, style::line("master equation", BLUE, None));
+    ensemble(outcome, position, &mut plots, &mut legend);
+    frictions(outcome, position, &mut plots, &mut legend);
+    let layout = style::legend_below(axes(outcome, position, force)?, legend);
+    Some(match outcome.summary.friction_coefficients {
+        Some(coefficients) => render_twin_y(plots, Vec::new(), loaded(layout, coefficients.normal_load)),
+        None => render_multiple(plots, layout),
+    })
+}
+
+fn axes(outcome: &Outcome, position: &[f64], force: &[f64]) -> Option<Layout> {
+    let record = &outcome.record;
+    let others = ["ensemble_force", "compared_force"].into_iter().filter_map(|name| record.values(name));
+    let (low, high) = style::range(others.chain([force]));
+    let x = (position[0], *position.last()?);
+    Some(
+        style::titled(style::layout(x, (low.min(0.0), style::headroom(high))), &outcome.summary.title)
+            .with_x_label(style::axis(outcome, "Position X", record.get("position")?))
+            .with_y_label(style::axis(outcome, "Friction force F", record.get("force")?)),
+    )
+}
+
+/// A second axis that shows the same heights as friction coefficients.
+fn loaded(layout: Layout, normal_load: f64) -> Layout {
+    let (low, high) = (layout.y_axis_min.unwrap_or(0.0), layout.y_axis_max.unwrap_or(1.0));
+    let (low, high) = (low / normal_load, high / normal_load);
+    layout
+        .with_y2_range(low, high)
+        .with_y2_axis_min(low)
+        .with_y2_axis_max(high)
+        .with_y2_label("Friction coefficient")
+}
+
+fn band(outcome: &Outcome, x: &[f64], force: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
+    let (Some(std), Some(sample)) = (outcome.record.values("force_std"), outcome.summary.sample) else {
+        return;
+    };
+    let edge = |side: f64| -> Vec<f64> { force.iter().zip(std).map(|(f, s)| f + side * s).collect() };
+    let (lower, upper) = (curve(x, &edge(-2.0)), curve(x, &edge(2.0)));
+    // thinning may keep different positions for the two edges: the band goes forth on one and back on the other
+    let x: Vec<f64> = merged(&lower, &upper);
+    let (lower, upper) = (along(&x, &lower), along(&x, &upper));
+    plots.push(Plot::Band(BandPlot::new(x, lower, upper).with_color(BLUE).with_opacity(0.22)));
+    legend.push(style::area(format!("±2 std of {} contacts", style::digits(sample)), "#C7DFEE"));
+}
+
+fn merged(a: &[Point], b: &[Point]) -> Vec<f64> {
+    let mut x: Vec<f64> = a.iter().chain(b).map(|p| p.0).collect();
+    x.sort_by(f64::total_cmp);
+    x.dedup();
+    x
+}
+
+/// The heights of a curve at rising positions, linear between its points.
+fn along(x: &[f64], points: &[Point]) -> Vec<f64> {
+    let mut next = 1;
+    let height = |&x: &f64| {
+        while next + 1 < points.len() && points[next].0 < x {
+            next += 1;
+        }
+        let (Some(&a), Some(&b)) = (points.get(next - 1), points.get(next)) else { return points[0].1 };
+        a.1 + (b.1 - a.1) * ((x - a.0) / (b.0 - a.0))
+    };
+    x.iter().map(height).collect()
+}
+
+fn compared(outcome: &Outcome, plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
+    let record = &outcome.record;
+    if let (Some(x), Some(y)) = (record.values("compared_position"), record.values("compared_force")) {
+        plots.push(line(curve(x, y), GREEN, 1.8, Some(DOTS)));
+        legend.push(style::line("compared curve", GREEN, Some(DOTS)));
+    }
+}
+
+fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
+    let record = &outcome.record;
+    let (Some(force), Some(error)) = (record.values("ensemble_force"), record.values("ensemble_error"))
+    else {
+        return;
+    };
+    let shown = (0..position.len()).step_by(position.len().div_ceil(MARKERS));
+    for i in shown.clone() {
+        let (x, f, e) = (position[i], force[i], error[i]);
+        plots.push(line(vec![(x, f - e), (x, f + e)], ORANGE, 1.4, None));
+    }
+    let markers = ScatterPlot::new().with_data(shown.map(|i| (position[i], force[i])));
+    plots.push(Plot::Scatter(markers.with_color(ORANGE).with_size(2.6)));
+    legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
+}
+
+fn frictions(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
+    let summary = &outcome.summary;
+    let unit = summary.units.label(Quantity::Force);
+    let ends = [position[0], position[position.len() - 1]];
+    let kinetic = ends.map(|x| (x, summary.kinetic_friction)).to_vec();
+    plots.push(line(kinetic, GREY, 1.4, Some(DASHES)));
+    let label = format!("kinetic {}", style::with_unit(summary.kinetic_friction, &unit));
+    legend.push(style::line(label, GREY, Some(DASHES)));
+    if let StaticFriction::Reached { force, position } = summary.static_friction {
+        let point = ScatterPlot::new().with_data([(position, force)]).with_color(BLACK).with_size(5.0);
+        plots.push(Plot::Scatter(point.with_marker(MarkerShape::TriangleDown)));
+        legend.push(style::marker(
+            format!("static {}", style::with_unit(force, &unit)),
+            BLACK,
+            MarkerShape::TriangleDown,
+        ));
+    }
+}

@@ -1,0 +1,59 @@
+//! The pictures of a run, as SVG and PNG.
+
+mod curve;
+mod dashes;
+mod distribution;
+mod evolution;
+mod force;
+mod style;
+
+use asperity_runner::output::{Attachment, Outcome};
+use kuva::backend::png::PngBackend;
+use kuva::backend::svg::SvgBackend;
+
+/// Dots per point of the canvas in PNG files: a picture is about 2000 dots wide.
+const DENSITY: f32 = 3.0;
+
+/// Draws every picture that the record has the numbers for.
+///
+/// # Errors
+/// A picture that could not be turned into PNG, with its name.
+pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
+    let scenes = [
+        ("force", force::scene(outcome)),
+        ("evolution", evolution::scene(outcome)),
+        ("distribution", distribution::scene(outcome)),
+    ];
+    let mut pictures = Vec::new();
+    for (name, scene) in scenes {
+        let Some(mut scene) = scene else { continue };
+        let svg = renumbered(&SvgBackend::new().render_scene(&scene));
+        dashes::cut(&mut scene);
+        let png = PngBackend::new().with_scale(DENSITY).render_scene(&scene);
+        let png = png.map_err(|error| format!("{name}.png: {error}"))?;
+        pictures.push(Attachment { name: format!("{name}.svg"), bytes: svg.into_bytes() });
+        pictures.push(Attachment { name: format!("{name}.png"), bytes: png });
+    }
+    Ok(pictures)
+}
+
+/// The picture with its clip paths numbered from 0: the library counts them over the whole process.
+fn renumbered(svg: &str) -> String {
+    const PREFIX: &str = "kuva-clip-";
+    let mut parts = svg.split(PREFIX);
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    let mut seen: Vec<&str> = Vec::new();
+    for part in parts {
+        let digits = part.len() - part.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let (number, rest) = part.split_at(digits);
+        let index = seen.iter().position(|&s| s == number).unwrap_or_else(|| {
+            seen.push(number);
+            seen.len() - 1
+        });
+        text += &format!("{PREFIX}{index}{rest}");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests;

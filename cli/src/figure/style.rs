@@ -1,0 +1,151 @@
+//! What all pictures have in common: size, letters, colours, labels.
+
+use asperity::record::Variable;
+use asperity::scenario::Disorder;
+use asperity_runner::output::Outcome;
+use kuva::plot::{LegendEntry, LegendPosition, LegendShape, MarkerShape};
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::theme::Theme;
+
+/// Colours that stay apart for colour-blind readers and in grey (Okabe and Ito, 2008).
+pub const BLUE: &str = "#0072B2";
+pub const ORANGE: &str = "#E69F00";
+pub const RED: &str = "#D55E00";
+pub const GREEN: &str = "#009E73";
+pub const BLACK: &str = "#000000";
+pub const GREY: &str = "#767676";
+
+/// Width of a picture, in points of the canvas; letters are sized for 8.6 cm columns.
+pub const WIDTH: f64 = 660.0;
+/// Height of a picture of one panel.
+pub const HEIGHT: f64 = 480.0;
+
+/// Axes that just hold `x` and `y`, with the common letters and lines.
+pub fn layout(x: (f64, f64), y: (f64, f64)) -> Layout {
+    let mut theme = Theme::light();
+    theme.legend_border = "none".into();
+    Layout::new(x, y)
+        .with_x_axis_min(x.0)
+        .with_x_axis_max(x.1)
+        .with_y_axis_min(y.0)
+        .with_y_axis_max(y.1)
+        .with_theme(theme)
+        .with_width(WIDTH)
+        .with_height(HEIGHT)
+        .with_label_size(15)
+        .with_tick_size(13)
+        .with_body_size(12)
+        .with_show_grid(false)
+        .with_box_axes()
+        .with_tick_align("in")
+}
+
+/// The title above `layout`, as large as its length allows.
+pub fn titled(layout: Layout, title: &str) -> Layout {
+    let (text, size) = heading(title);
+    layout.with_title(text).with_title_size(size)
+}
+
+/// A title that fits on one line, cut if need be, and the size of its letters.
+pub fn heading(title: &str) -> (String, u32) {
+    const SIZES: std::ops::RangeInclusive<usize> = 10..=15;
+    // letters of size s are about 0.58 s wide, and the axes begin to the right of the canvas's edge
+    let room = (WIDTH - 80.0) / 0.58;
+    let length = title.chars().count();
+    let size = ((room / length.max(1) as f64) as usize).clamp(*SIZES.start(), *SIZES.end());
+    let most = (room / size as f64) as usize;
+    if length <= most {
+        return (title.to_owned(), size as u32);
+    }
+    (title.chars().take(most - 1).chain(['…']).collect(), size as u32)
+}
+
+/// Share of contacts, or of the highest point of a curve, that is too small to be seen.
+pub const INVISIBLE: f64 = 1e-3;
+
+/// The first place beyond which no curve rises above a thousandth of its highest point.
+pub fn reach(x: &[f64], curves: &[&[f64]]) -> f64 {
+    let last = |curve: &&[f64]| {
+        let high = range([*curve]).1;
+        curve.iter().rposition(|&v| v > INVISIBLE * high)
+    };
+    let index = curves.iter().filter_map(last).max().map_or(x.len(), |i| i + 2);
+    x[index.min(x.len()) - 1]
+}
+
+/// A legend below the axes, where it hides nothing.
+pub fn legend_below(layout: Layout, entries: Vec<LegendEntry>) -> Layout {
+    layout.with_legend_entries(entries).with_legend_position(LegendPosition::OutsideBottomColumns)
+}
+
+/// A legend entry for a line.
+pub fn line(label: impl Into<String>, color: &str, dashes: Option<&str>) -> LegendEntry {
+    LegendEntry {
+        label: label.into(),
+        color: color.into(),
+        shape: LegendShape::Line,
+        dasharray: dashes.map(str::to_owned),
+    }
+}
+
+/// A legend entry for markers.
+pub fn marker(label: impl Into<String>, color: &str, shape: MarkerShape) -> LegendEntry {
+    LegendEntry {
+        label: label.into(),
+        color: color.into(),
+        shape: LegendShape::Marker(shape),
+        dasharray: None,
+    }
+}
+
+/// A legend entry for a shaded area.
+pub fn area(label: impl Into<String>, color: &str) -> LegendEntry {
+    LegendEntry { label: label.into(), color: color.into(), shape: LegendShape::Rect, dasharray: None }
+}
+
+/// `words (unit)`, without the unit where there is none.
+pub fn axis(outcome: &Outcome, words: &str, variable: &Variable) -> String {
+    match outcome.summary.units.label(variable.quantity).as_str() {
+        "1" => words.to_owned(),
+        unit => format!("{words} ({unit})"),
+    }
+}
+
+/// What the ensemble is called.
+pub fn ensemble(outcome: &Outcome) -> &'static str {
+    match outcome.summary.disorder {
+        Some(Disorder::Quenched) => "quenched ensemble",
+        _ => "ensemble",
+    }
+}
+
+/// What the ensemble is called, with its number of contacts.
+pub fn sized_ensemble(outcome: &Outcome) -> String {
+    format!("{}, N = {}", ensemble(outcome), digits(outcome.summary.sample.unwrap_or(f64::NAN)))
+}
+
+/// `value` in five digits, for reading.
+pub fn digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+    asperity_runner::output::shortest(rounded)
+}
+
+/// A value with its unit.
+pub fn with_unit(value: f64, unit: &str) -> String {
+    if unit == "1" { digits(value) } else { format!("{} {unit}", digits(value)) }
+}
+
+/// The least and the largest finite value of all curves.
+pub fn range<'a>(curves: impl IntoIterator<Item = &'a [f64]>) -> (f64, f64) {
+    let finite = curves.into_iter().flatten().copied().filter(|v| v.is_finite());
+    finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+}
+
+/// The upper end of an axis from 0 that leaves some air above `top`.
+pub fn headroom(top: f64) -> f64 {
+    if top > 0.0 { 1.08 * top } else { 1.0 }
+}
+
+/// Plots in the order in which they are drawn.
+pub type Plots = Vec<Plot>;

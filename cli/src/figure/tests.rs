@@ -1,0 +1,110 @@
+use asperity::record::{Quantity, Record};
+use asperity::scenario::Units;
+use asperity_runner::output::{Attachment, Outcome};
+use asperity_runner::summary::{Coefficients, Extended, StaticFriction, Summary};
+
+use super::{draw, renumbered};
+
+/// Something to draw: a decaying force, two snapshots, a steady state.
+fn outcome() -> Outcome {
+    let mut record = Record::default();
+    let grid = |count: i32, step: f64| (0..count).map(|i| step * f64::from(i)).collect::<Vec<_>>();
+    let (position, stretch) = (grid(200, 0.05), grid(100, 0.02));
+    let force: Vec<f64> = position.iter().map(|x| 0.5 - 0.4 * (-0.1 * x).exp() * (6.0 * x).cos()).collect();
+    let bell =
+        |center: f64| stretch.iter().map(move |x| (-8.0 * (x - center).powi(2)).exp()).collect::<Vec<_>>();
+    record.push("force_std", "standard deviation", Quantity::Force, &["position"], vec![0.02; 200]);
+    record.push("ensemble_force", "force", Quantity::Force, &["position"], force.clone());
+    record.push("ensemble_error", "error", Quantity::Force, &["position"], vec![0.02; 200]);
+    record.push("position", "position", Quantity::Length, &["position"], position);
+    record.push("force", "force", Quantity::Force, &["position"], force);
+    record.push("snapshot", "position", Quantity::Length, &["snapshot"], vec![0.0, 1.5]);
+    record.push(
+        "stretch_density",
+        "Q",
+        Quantity::PerLength,
+        &["snapshot", "stretch"],
+        [bell(0.2), bell(0.9)].concat(),
+    );
+    record.push("steady_stretch_density", "Q", Quantity::PerLength, &["stretch"], bell(0.0));
+    record.push("threshold_density", "P_c", Quantity::PerLength, &["stretch"], bell(1.0));
+    record.push("hazard", "P", Quantity::PerLength, &["stretch"], stretch.iter().map(|x| x * x).collect());
+    record.push("stretch", "stretch", Quantity::Length, &["stretch"], stretch);
+    let summary = Summary {
+        title: "A pull & <more>".into(),
+        version: "0.1.0".into(),
+        units: Units { length: "µm".into(), force: "MPa".into(), time: String::new() },
+        static_friction: StaticFriction::Reached { force: 0.8, position: 0.5 },
+        kinetic_friction: 0.5,
+        relaxation_length: Extended(10.0),
+        relaxation_length_paper: Extended(9.0),
+        critical_stiffness: Extended(6.0),
+        accuracy: 1e-10,
+        contacts: 1.0,
+        sample: Some(100.0),
+        seed: Some(1),
+        disorder: None,
+        friction_coefficients: None,
+        compare: None,
+    };
+    Outcome { scenario: String::new(), summary, record }
+}
+
+fn svg<'a>(pictures: &'a [Attachment], name: &str) -> &'a str {
+    let picture = pictures.iter().find(|p| p.name == name).unwrap();
+    std::str::from_utf8(&picture.bytes).unwrap()
+}
+
+#[test]
+fn every_picture_comes_as_svg_and_png() {
+    let pictures = draw(&outcome()).unwrap();
+    let names: Vec<_> = pictures.iter().map(|p| p.name.as_str()).collect();
+    let expected = ["force", "evolution", "distribution"].map(|n| [format!("{n}.svg"), format!("{n}.png")]);
+    assert_eq!(names, expected.as_flattened());
+    assert!(pictures.iter().filter(|p| p.name.ends_with("png")).all(|p| p.bytes.starts_with(b"\x89PNG")));
+}
+
+#[test]
+fn a_record_without_snapshots_has_no_evolution() {
+    let mut outcome = outcome();
+    outcome.record.variables.retain(|v| v.name != "snapshot" && v.name != "stretch_density");
+    let names: Vec<_> = draw(&outcome).unwrap().into_iter().map(|p| p.name).collect();
+    assert_eq!(names, ["force.svg", "force.png", "distribution.svg", "distribution.png"]);
+}
+
+#[test]
+fn labels_carry_units_and_titles() {
+    let pictures = draw(&outcome()).unwrap();
+    for (picture, words) in [
+        ("force.svg", ["Position X (µm)", "Friction force F (MPa)", "static 0.8 MPa", "ensemble, N = 100"]),
+        ("evolution.svg", ["Stretch x (µm)", "Q(x; X) (1/µm)", "X = 1.5", "master equation"]),
+        ("distribution.svg", ["Stretch x (µm)", "Stretch density Q(x) (1/µm)", "hazard P(x)", "thresholds"]),
+    ] {
+        let text = svg(&pictures, picture);
+        for word in words.into_iter().chain(["A pull &amp; &lt;more&gt;"]) {
+            assert!(text.contains(word), "{picture} lacks {word}");
+        }
+    }
+}
+
+#[test]
+fn a_normal_load_adds_an_axis_of_friction_coefficients() {
+    let mut outcome = outcome();
+    assert!(!svg(&draw(&outcome).unwrap(), "force.svg").contains("Friction coefficient"));
+    let coefficients = Coefficients { normal_load: 2.0, at_rest: Some(0.4), kinetic: 0.25 };
+    outcome.summary.friction_coefficients = Some(coefficients);
+    assert!(svg(&draw(&outcome).unwrap(), "force.svg").contains("Friction coefficient"));
+}
+
+#[test]
+fn the_same_numbers_give_the_same_bytes() {
+    assert_eq!(draw(&outcome()).unwrap(), draw(&outcome()).unwrap());
+}
+
+#[test]
+fn clip_paths_are_numbered_by_first_use() {
+    assert_eq!(
+        renumbered("a kuva-clip-7 b kuva-clip-12\" kuva-clip-7"),
+        "a kuva-clip-0 b kuva-clip-1\" kuva-clip-0"
+    );
+}

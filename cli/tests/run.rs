@@ -1,0 +1,159 @@
+//! Runs: what is written and printed, and what is left when they fail.
+
+mod support;
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use support::{Folder, errors, names};
+
+const SCENARIO: &str = r#"
+title = "A quick pull"
+
+[contacts]
+normal_load = 2.0
+thresholds.gaussian = { mean = 1.0, std = 0.1 }
+
+[pull]
+distance = 3.0
+points = 31
+snapshots = [0.0, 1.0]
+
+[ensemble]
+size = 1000
+seed = 7
+
+[units]
+length = "µm"
+force = "mN"
+"#;
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("quick.toml", SCENARIO);
+    folder
+}
+
+/// Every file of a folder with its bytes.
+fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    names(folder).into_iter().map(|name| (name.clone(), std::fs::read(folder.join(&name)).unwrap())).collect()
+}
+
+#[test]
+fn a_run_writes_to_out_and_prints_a_summary() {
+    let folder = folder();
+    let output = folder.run(&["run", "quick.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    assert_eq!(errors(&output), "", "no progress where nobody looks");
+    let summary = String::from_utf8(output.stdout).unwrap();
+    // The theory, for Gaussian thresholds and contacts unstretched at X = 0.
+    for part in [
+        "A quick pull",
+        "F_s = 0.796436 mN at X_s = 0.844164 µm",
+        "F_k = 0.505 mN",
+        "X*  = 5.09098 µm (the paper's estimate 10 µm)",
+        "K_c = 3.00922 mN/µm",
+        "static 0.398218, kinetic 0.2525",
+        "1000 contacts, seed 7",
+        "out/quick",
+    ] {
+        assert!(summary.contains(part), "{part} not in\n{summary}");
+    }
+    let written = names(&folder.path().join("out/quick"));
+    for name in ["scenario.toml", "summary.json", "result.nc", "force.csv", "force.svg", "force.png"] {
+        assert!(written.iter().any(|n| n == name), "{name} not in {written:?}");
+    }
+}
+
+#[test]
+fn the_summary_can_be_json_or_nothing() {
+    let folder = folder();
+    let json = folder.succeed(&["run", "quick.toml", "--json", "-o", "results"]);
+    let summary: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!((&summary["title"], &summary["seed"]), (&"A quick pull".into(), &7.into()));
+    assert_eq!(json, std::fs::read_to_string(folder.path().join("results/summary.json")).unwrap());
+    assert_eq!(folder.succeed(&["run", "quick.toml", "--quiet"]), "");
+}
+
+#[test]
+fn the_written_scenario_gives_the_same_bytes_on_any_number_of_threads() {
+    let folder = folder();
+    folder.succeed(&["run", "quick.toml", "--set", "contacts.thresholds.gaussian.std=0.2", "-o", "first"]);
+    folder.succeed(&["run", "first/scenario.toml", "--threads", "1", "-o", "second"]);
+    folder.succeed(&["run", "first/scenario.toml", "--threads", "3", "-o", "third"]);
+    let [first, second, third] = ["first", "second", "third"].map(|name| contents(&folder.path().join(name)));
+    for ((name, bytes), others) in first.iter().zip(second.iter().zip(&third)) {
+        assert!(bytes == &others.0.1 && bytes == &others.1.1, "{name} differs");
+    }
+    assert_eq!((first.len(), second.len()), (second.len(), third.len()));
+}
+
+#[test]
+fn a_folder_of_ours_is_replaced_whole_and_any_other_left_alone() {
+    let folder = folder();
+    folder.succeed(&["run", "quick.toml", "-o", "results"]);
+    let before = names(&folder.path().join("results"));
+    folder.succeed(&["run", "quick.toml", "-o", "results", "--set", "pull.snapshots=[]"]);
+    assert_ne!(names(&folder.path().join("results")), before, "pictures of snapshots were left behind");
+
+    std::fs::create_dir(folder.path().join("thesis")).unwrap();
+    folder.write("thesis/chapter.tex", "years of work");
+    let output = folder.run(&["run", "quick.toml", "-o", "thesis"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(errors(&output).contains("thesis"), "{}", errors(&output));
+    assert_eq!(contents(&folder.path().join("thesis")), [("chapter.tex".into(), b"years of work".into())]);
+}
+
+#[test]
+fn a_place_that_cannot_be_written_fails_with_its_name() {
+    let folder = folder();
+    for place in ["quick.toml/results", "/proc/results", "/dev/full/results"] {
+        let output = folder.run(&["run", "quick.toml", "-o", place]);
+        assert_eq!(output.status.code(), Some(1), "{place}: {}", errors(&output));
+        assert!(errors(&output).contains(place.split('/').next_back().unwrap()), "{}", errors(&output));
+        assert_eq!(folder.names(), ["quick.toml"]);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_fills_up_leaves_no_half_folder() {
+    let folder = folder();
+    // Files may grow to four blocks and no further, as on a full disk.
+    let script = r#"trap '' XFSZ; ulimit -f 4; exec "$0" run quick.toml -o results"#;
+    let mut shell = Command::new("sh");
+    shell.args(["-c", script, env!("CARGO_BIN_EXE_asperity")]).current_dir(folder.path());
+    let output = shell.output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", errors(&output));
+    assert!(errors(&output).contains("cannot write"), "{}", errors(&output));
+    assert_eq!(folder.names(), ["quick.toml"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_is_an_error() {
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = Folder::new().asperity(&["schema"]).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(errors(&output).contains("standard output"), "{}", errors(&output));
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_stops_a_long_run_and_leaves_nothing() {
+    let folder = folder();
+    for long in ["ensemble.size=2000000000", "pull.distance=1e7"] {
+        let mut run = folder.asperity(&["run", "quick.toml", "-o", "results", "--set", long]);
+        let child = run.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(700));
+        let interrupted = Instant::now();
+        let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        assert!(kill.success(), "{long}: it was over before it could be interrupted");
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{long}: {}", errors(&output));
+        assert!(interrupted.elapsed() < Duration::from_secs(10), "{long}: {:?}", interrupted.elapsed());
+        assert!(output.stdout.is_empty() && errors(&output).contains("interrupted"));
+        assert_eq!(folder.names(), ["quick.toml"], "{long}");
+    }
+}

@@ -1,0 +1,54 @@
+//! `[compare]`: a measured curve beside the computed one.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::exactly_one;
+use crate::{Error, Result};
+
+/// A measured curve, drawn over F(X); the summary gives how far it is from it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Compare {
+    /// CSV file with columns `position,force`; its path is relative to the scenario.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// Positions of the measured points, instead of `file`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<Vec<f64>>,
+    /// Forces of the measured points, instead of `file`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force: Option<Vec<f64>>,
+}
+
+impl Compare {
+    /// The measured points: positions and forces.
+    pub fn points(&self) -> (&[f64], &[f64]) {
+        (self.position.as_deref().unwrap_or_default(), self.force.as_deref().unwrap_or_default())
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
+        let given = [
+            ("file", self.file.is_some()),
+            ("position and force", self.position.is_some() || self.force.is_some()),
+        ];
+        exactly_one("", "either file or position and force", &given)?;
+        let (position, force) = self.points();
+        if position.is_empty() {
+            return Err(Error::invalid("position", "at least one point", "none"));
+        }
+        if position.len() != force.len() {
+            let expected = format!("{} forces, one for each position", position.len());
+            return Err(Error::invalid("force", expected, force.len()));
+        }
+        finite("position", position)?;
+        finite("force", force)
+    }
+}
+
+fn finite(key: &str, values: &[f64]) -> Result<()> {
+    match values.iter().position(|v| !v.is_finite()) {
+        Some(i) => Err(Error::invalid(format!("{key}.{i}"), "a finite number", values[i])),
+        None => Ok(()),
+    }
+}

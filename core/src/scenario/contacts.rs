@@ -1,0 +1,125 @@
+//! `[contacts]`: how many contacts there are, how stiff, when they break, how they re-form.
+
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Law, positive};
+use crate::contacts::Stiffness;
+use crate::law::{Root, SharedLaw};
+use crate::{Error, Result, contacts};
+
+/// The contacts of the interface: either `thresholds`, or `areas` from which thresholds and stiffnesses follow.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(extend("oneOf" = [{ "required": ["thresholds"] }, { "required": ["areas"] }]))]
+pub struct Contacts {
+    /// Number N_c of contacts, above 0; 1 gives forces per contact.
+    pub count: f64,
+    /// Stiffness ⟨k⟩ of a contact, force per length, the same whatever its threshold; 1 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 1.0))]
+    pub stiffness: Option<f64>,
+    /// Factor κ of stiffnesses that grow with the threshold, k = κ x_s; instead of `stiffness`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness_per_threshold: Option<f64>,
+    /// Weight carried by the interface, a force; with it, friction coefficients appear beside forces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal_load: Option<f64>,
+    /// Law P_c of the stretches at which contacts break.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thresholds: Option<Law>,
+    /// Contacts described by their areas, instead of `thresholds` and stiffnesses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub areas: Option<Areas>,
+    /// Law R of the stretches at which contacts re-form.
+    pub reforming: Law,
+}
+
+/// Contacts of area A with stiffness k = modulus √A and strength f_s = strength A.
+///
+/// They break at x_s = f_s/k = (strength/modulus) √A, so that k = κ x_s with κ = modulus²/strength.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Areas {
+    /// Law of areas A, in units of length².
+    pub law: Law,
+    /// Stiffness of a contact per root of its area (ρc² in the paper), force per length².
+    pub modulus: f64,
+    /// Force per area at which a contact breaks.
+    pub strength: f64,
+}
+
+impl Default for Contacts {
+    fn default() -> Self {
+        Self {
+            count: 1.0,
+            stiffness: None,
+            stiffness_per_threshold: None,
+            normal_load: None,
+            thresholds: None,
+            areas: None,
+            reforming: Law::zero(),
+        }
+    }
+}
+
+impl Contacts {
+    pub(super) fn build(&self) -> Result<contacts::Contacts> {
+        let count = positive("count", self.count)?;
+        self.normal_load.map(|load| positive("normal_load", load)).transpose()?;
+        let reforming = self.reforming.build().map_err(|e| e.under("reforming"))?;
+        let (stiffness, thresholds) = match (&self.thresholds, &self.areas) {
+            (Some(thresholds), None) => {
+                (self.stiffness()?, thresholds.build().map_err(|e| e.under("thresholds"))?)
+            }
+            (None, Some(areas)) => {
+                self.refuse_stiffness()?;
+                areas.build().map_err(|e| e.under("areas"))?
+            }
+            (Some(_), Some(_)) => {
+                return Err(Error::invalid("areas", "either thresholds or areas", "both"));
+            }
+            (None, None) => {
+                let expected =
+                    "a law at which contacts break, such as thresholds.gaussian = { mean = 1, std = 0.1 }";
+                return Err(Error::invalid("thresholds", expected, "none"));
+            }
+        };
+        Ok(contacts::Contacts { count, stiffness, thresholds, reforming })
+    }
+
+    fn stiffness(&self) -> Result<Stiffness> {
+        match (self.stiffness, self.stiffness_per_threshold) {
+            (None, None) => Ok(Stiffness::Equal(1.0)),
+            (Some(k), None) => positive("stiffness", k).map(Stiffness::Equal),
+            (None, Some(kappa)) => positive("stiffness_per_threshold", kappa).map(Stiffness::PerThreshold),
+            (Some(_), Some(_)) => {
+                let expected = "either stiffness or stiffness_per_threshold";
+                Err(Error::invalid("stiffness_per_threshold", expected, "both"))
+            }
+        }
+    }
+
+    fn refuse_stiffness(&self) -> Result<()> {
+        let given =
+            [("stiffness", self.stiffness), ("stiffness_per_threshold", self.stiffness_per_threshold)];
+        match given.iter().find_map(|&(key, value)| Some((key, value?))) {
+            Some((key, value)) => {
+                Err(Error::invalid(key, "no stiffness beside areas, which give one to each contact", value))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+impl Areas {
+    fn build(&self) -> Result<(Stiffness, SharedLaw)> {
+        let modulus = positive("modulus", self.modulus)?;
+        let strength = positive("strength", self.strength)?;
+        let areas = self.law.build().map_err(|e| e.under("law"))?;
+        let thresholds = Root::new(strength / modulus, areas)?;
+        Ok((Stiffness::PerThreshold(modulus * modulus / strength), Arc::new(thresholds)))
+    }
+}

@@ -1,0 +1,67 @@
+//! `[ensemble]`: the same pull, contact by contact.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::contacts::{Contacts, Initial};
+use crate::{Error, Result, ensemble};
+
+/// The earthquake-like model: contacts drawn at random and followed one by one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Ensemble {
+    /// Number of contacts followed; forces are scaled to `contacts.count`.
+    pub size: usize,
+    /// Seed of the random numbers; the same seed gives the same contacts.
+    pub seed: u64,
+    /// Whether a contact gets a new threshold when it re-forms.
+    pub disorder: Disorder,
+}
+
+/// What happens to a contact's threshold when it re-forms.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Disorder {
+    /// It is drawn anew: the model of the master equation.
+    #[default]
+    Annealed,
+    /// It is kept for ever.
+    Quenched,
+}
+
+impl Default for Ensemble {
+    fn default() -> Self {
+        Self { size: 100_000, seed: 1, disorder: Disorder::Annealed }
+    }
+}
+
+impl Ensemble {
+    /// The contacts, drawn at random.
+    ///
+    /// # Errors
+    /// No contacts, or laws that leave a contact nowhere to be.
+    pub fn build(&self, contacts: Contacts, initial: Initial) -> Result<ensemble::Ensemble> {
+        self.check().map_err(|e| e.under("ensemble"))?;
+        ensemble::Ensemble::new(contacts, initial, self.size, self.seed, self.disorder.into())
+    }
+
+    fn check(&self) -> Result<()> {
+        if self.size == 0 {
+            return Err(Error::invalid("size", "1 contact or more", self.size));
+        }
+        // TOML has no whole numbers above this.
+        if i64::try_from(self.seed).is_err() {
+            return Err(Error::invalid("seed", "a whole number below 2^63", self.seed));
+        }
+        Ok(())
+    }
+}
+
+impl From<Disorder> for ensemble::Disorder {
+    fn from(disorder: Disorder) -> Self {
+        match disorder {
+            Disorder::Annealed => Self::Annealed,
+            Disorder::Quenched => Self::Quenched,
+        }
+    }
+}

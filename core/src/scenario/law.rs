@@ -1,0 +1,185 @@
+//! Laws, by name.
+
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{exactly_one, positive};
+use crate::law::{self, SharedLaw};
+use crate::{Error, Result};
+
+/// A law of lengths x ≥ 0, such as `gaussian = { mean = 1.0, std = 0.05 }`.
+///
+/// A law that would have mass below 0 is cut there and renormalised; its parameters are those before the cut.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Law {
+    /// The bell curve.
+    Gaussian {
+        /// Its mean.
+        mean: f64,
+        /// Its standard deviation, above 0.
+        std: f64,
+    },
+    /// The gamma law.
+    Gamma {
+        /// Its mean, above 0.
+        mean: f64,
+        /// Its standard deviation, above 0.
+        std: f64,
+    },
+    /// A law whose logarithm is Gaussian.
+    Lognormal {
+        /// Its own mean (not that of the logarithm), above 0.
+        mean: f64,
+        /// Its own standard deviation, above 0.
+        std: f64,
+    },
+    /// The same density everywhere between two ends.
+    Rectangular {
+        /// The lower end, 0 or above.
+        min: f64,
+        /// The upper end, above the lower.
+        max: f64,
+    },
+    /// One value only.
+    Point {
+        /// The value, 0 or above.
+        at: f64,
+    },
+    /// The exponential law.
+    Exponential {
+        /// Its mean, above 0.
+        mean: f64,
+    },
+    /// The Weibull law: survival exp(−(x/scale)^shape).
+    Weibull {
+        /// Its shape, above 0.
+        shape: f64,
+        /// Its scale, above 0.
+        scale: f64,
+    },
+    /// A measured law.
+    Tabulated(Tabulated),
+    /// A weighted sum of laws; points and densities may be mixed.
+    Mixture(Vec<Component>),
+}
+
+/// A law given by numbers: a density in rows, linear between them, or a sample of lengths.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Tabulated {
+    /// CSV file with columns `stretch,density`, or one column of samples; its path is relative to the scenario.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// A sample of lengths, each as likely as the others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<Vec<f64>>,
+    /// Where the density is given, rising.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stretch: Option<Vec<f64>>,
+    /// The density there; it is normalised.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<Vec<f64>>,
+}
+
+/// A part of a mixture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Component {
+    /// Its weight, above 0; the weights of a mixture sum to 1.
+    pub weight: f64,
+    /// Its law.
+    pub law: Law,
+}
+
+impl Law {
+    /// The names of all laws.
+    pub const NAMES: [&str; 9] = [
+        "gaussian",
+        "gamma",
+        "lognormal",
+        "rectangular",
+        "point",
+        "exponential",
+        "weibull",
+        "tabulated",
+        "mixture",
+    ];
+
+    /// All at 0.
+    pub fn zero() -> Self {
+        Self::Point { at: 0.0 }
+    }
+
+    /// The law itself.
+    ///
+    /// # Errors
+    /// A parameter that the law cannot have.
+    pub fn build(&self) -> Result<SharedLaw> {
+        let (name, law) = match *self {
+            Self::Gaussian { mean, std } => ("gaussian", shared(law::Gaussian::new(mean, std))),
+            Self::Gamma { mean, std } => ("gamma", shared(law::Gamma::new(mean, std))),
+            Self::Lognormal { mean, std } => ("lognormal", shared(law::Lognormal::new(mean, std))),
+            Self::Rectangular { min, max } => ("rectangular", shared(law::Rectangular::new(min, max))),
+            Self::Point { at } => ("point", shared(law::Point::new(at))),
+            Self::Exponential { mean } => ("exponential", shared(law::Exponential::new(mean))),
+            Self::Weibull { shape, scale } => ("weibull", shared(law::Weibull::new(shape, scale))),
+            Self::Tabulated(ref table) => ("tabulated", table.build()),
+            Self::Mixture(ref components) => ("mixture", mixture(components)),
+        };
+        law.map_err(|e| e.under(name))
+    }
+
+    pub(super) fn tables<'a>(&'a mut self, key: &str, tables: &mut Vec<(String, &'a mut Tabulated)>) {
+        match self {
+            Self::Tabulated(table) => tables.push((format!("{key}.tabulated"), table)),
+            Self::Mixture(components) => {
+                for (i, component) in components.iter_mut().enumerate() {
+                    component.law.tables(&format!("{key}.mixture.{i}.law"), tables);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Tabulated {
+    fn build(&self) -> Result<SharedLaw> {
+        let given = [
+            ("file", self.file.is_some()),
+            ("samples", self.samples.is_some()),
+            ("stretch and density", self.stretch.is_some() || self.density.is_some()),
+        ];
+        exactly_one("", "one of file, samples, or stretch and density", &given)?;
+        match (&self.samples, &self.stretch, &self.density) {
+            (Some(samples), ..) => shared(law::Tabulated::from_samples(samples)),
+            (None, Some(stretch), Some(density)) if stretch.len() == density.len() => {
+                let rows: Vec<_> = stretch.iter().copied().zip(density.iter().copied()).collect();
+                shared(law::Tabulated::from_density(&rows))
+            }
+            (None, None, None) => Err(Error::invalid("file", "a table read from it", "an unread file")),
+            (None, stretch, density) => {
+                let [stretch, density] = [stretch, density].map(|column| column.as_ref().map_or(0, Vec::len));
+                Err(Error::invalid("density", format!("{stretch} densities, one for each stretch"), density))
+            }
+        }
+    }
+}
+
+fn mixture(components: &[Component]) -> Result<SharedLaw> {
+    if components.is_empty() {
+        return Err(Error::invalid("", "at least one law", "an empty list"));
+    }
+    let built = components.iter().enumerate().map(|(i, component)| {
+        let weight = positive(&format!("{i}.weight"), component.weight)?;
+        let law = component.law.build().map_err(|e| e.under(&format!("{i}.law")))?;
+        Ok((weight, law))
+    });
+    shared(law::Mixture::new(built.collect::<Result<_>>()?))
+}
+
+fn shared<L: law::Law + 'static>(law: Result<L>) -> Result<SharedLaw> {
+    law.map(|law| Arc::new(law) as SharedLaw)
+}

@@ -1,0 +1,116 @@
+//! The description of a computation in plain values, as written in a scenario file, and the objects it builds.
+//!
+//! One file per table. A description holds values, never paths: whoever reads files replaces
+//! `file` keys by the values read before building ([`Scenario::tables`], [`Compare`]).
+//! Errors carry the full path of the key (`contacts.thresholds.gaussian.std`).
+
+mod compare;
+mod contacts;
+mod ensemble;
+mod initial;
+mod law;
+mod master_equation;
+mod pull;
+mod size;
+mod units;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use compare::Compare;
+pub use contacts::{Areas, Contacts};
+pub use ensemble::{Disorder, Ensemble};
+pub use initial::Start;
+pub use law::{Component, Law, Tabulated};
+pub use master_equation::MasterEquation;
+pub use pull::Pull;
+pub use units::Units;
+
+use crate::{Error, Result};
+
+/// A scenario: contacts, how they start, and the task to compute.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// What the summary and the pictures are headed with.
+    #[serde(default)]
+    pub title: String,
+    /// The contacts of the interface.
+    pub contacts: Contacts,
+    /// Law Q_ini of the stretches at X = 0; all at 0 by default.
+    #[serde(default = "Law::zero")]
+    pub initial: Law,
+    /// The task: the bottom of the slider is moved from X = 0.
+    pub pull: Pull,
+    /// How the master equation is solved.
+    #[serde(default)]
+    pub master_equation: MasterEquation,
+    /// The same pull, contact by contact; without this table no ensemble is run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ensemble: Option<Ensemble>,
+    /// Labels of units on axes and in files.
+    #[serde(default, skip_serializing_if = "Units::is_dimensionless")]
+    pub units: Units,
+    /// A measured curve to set beside F(X).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compare: Option<Compare>,
+}
+
+impl Scenario {
+    /// Checks every value and builds the contacts and their start.
+    ///
+    /// # Errors
+    /// The first value that makes no sense, or a task that would not fit in memory.
+    pub fn build(&self) -> Result<(crate::contacts::Contacts, crate::contacts::Initial)> {
+        let contacts = self.contacts.build().map_err(|e| e.under("contacts"))?;
+        let law = self.initial.build().map_err(|e| e.under("initial"))?;
+        self.pull.check().map_err(|e| e.under("pull"))?;
+        self.master_equation.check().map_err(|e| e.under("master_equation"))?;
+        if let Some(compare) = &self.compare {
+            compare.check().map_err(|e| e.under("compare"))?;
+        }
+        let initial = crate::contacts::Initial { law, start: self.pull.start.into() };
+        contacts.check(&initial)?;
+        if let Some(ensemble) = &self.ensemble {
+            ensemble.build(contacts.clone(), initial.clone())?;
+        }
+        Ok((contacts, initial))
+    }
+
+    /// Every `tabulated` law with the path of its key, so that a reader of files can fill it in.
+    pub fn tables(&mut self) -> Vec<(String, &mut Tabulated)> {
+        let mut tables = Vec::new();
+        let contacts = &mut self.contacts;
+        if let Some(law) = &mut contacts.thresholds {
+            law.tables("contacts.thresholds", &mut tables);
+        }
+        if let Some(areas) = &mut contacts.areas {
+            areas.law.tables("contacts.areas.law", &mut tables);
+        }
+        contacts.reforming.tables("contacts.reforming", &mut tables);
+        self.initial.tables("initial", &mut tables);
+        tables
+    }
+}
+
+/// `value` if it is finite and above 0.
+fn positive(key: &str, value: f64) -> Result<f64> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(Error::invalid(key, "a number above 0", value))
+    }
+}
+
+/// Checks that exactly one of the given ways to describe `key` was used.
+fn exactly_one(key: &str, expected: &str, given: &[(&str, bool)]) -> Result<()> {
+    let present: Vec<_> = given.iter().filter(|g| g.1).map(|g| g.0).collect();
+    match present[..] {
+        [_] => Ok(()),
+        [] => Err(Error::invalid(key, expected, "none of them")),
+        _ => Err(Error::invalid(key, expected, present.join(" and "))),
+    }
+}
+
+#[cfg(test)]
+mod tests;

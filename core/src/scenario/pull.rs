@@ -1,0 +1,60 @@
+//! `[pull]`: the bottom of the slider is moved, as by an infinitely stiff drive.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Start, positive, size};
+use crate::{Error, Result};
+
+/// Moves the bottom of the slider from X = 0 and records the force.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Pull {
+    /// How far it is moved.
+    pub distance: f64,
+    /// Number of positions at which results are given, evenly spaced, both ends included.
+    pub points: usize,
+    /// Positions X at which the distribution of stretches is given, rising.
+    pub snapshots: Vec<f64>,
+    /// How the stretches at X = 0 and the thresholds go together.
+    pub start: Start,
+}
+
+impl Default for Pull {
+    fn default() -> Self {
+        Self { distance: 20.0, points: 2001, snapshots: Vec::new(), start: Start::Conditional }
+    }
+}
+
+impl Pull {
+    /// The positions at which results are given.
+    pub fn positions(&self) -> Vec<f64> {
+        let last = (self.points - 1) as f64;
+        (0..self.points).map(|i| self.distance * (i as f64 / last)).collect()
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
+        positive("distance", self.distance)?;
+        if self.points < 2 {
+            return Err(Error::invalid("points", "2 points or more (both ends count)", self.points));
+        }
+        size::check("points", self.points, size::BYTES_PER_POINT)?;
+        let mut previous = f64::NEG_INFINITY;
+        for (i, &position) in self.snapshots.iter().enumerate() {
+            let key = format!("snapshots.{i}");
+            if !(0.0..=self.distance).contains(&position) {
+                let expected = format!("a position from 0 to the distance {}", self.distance);
+                return Err(Error::invalid(key, expected, position));
+            }
+            if position <= previous {
+                return Err(Error::invalid(
+                    key,
+                    format!("a position above {previous}, the one before"),
+                    position,
+                ));
+            }
+            previous = position;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,27 @@
+//! What fits in memory.
+
+use crate::{Error, Result};
+
+/// Bytes that a description may ask for.
+const ALLOWED: f64 = 4.0 * GIBIBYTE;
+const GIBIBYTE: f64 = 1024.0 * 1024.0 * 1024.0;
+
+/// Of a position: its numbers, their text, and the results file, which is put together in memory.
+pub(super) const BYTES_PER_POINT: f64 = 360.0;
+
+/// Refuses a number of things of the given size that would not fit.
+pub(super) fn check(key: &str, number: usize, bytes_each: f64) -> Result<()> {
+    let needed = number as f64 * bytes_each;
+    if needed <= ALLOWED {
+        return Ok(());
+    }
+    let most = (ALLOWED / bytes_each).floor();
+    let expected = format!("at most {most}, which take {} of memory", amount(ALLOWED));
+    Err(Error::invalid(key, expected, format!("{number}, which would need {}", amount(needed))))
+}
+
+/// An amount of memory for people.
+fn amount(bytes: f64) -> String {
+    let gibibytes = bytes / GIBIBYTE;
+    if gibibytes < 1024.0 { format!("{gibibytes:.1} GiB") } else { format!("{:.1} TiB", gibibytes / 1024.0) }
+}

@@ -1,0 +1,92 @@
+use super::*;
+use crate::contacts::Stiffness;
+
+fn scenario(thresholds: Law) -> Scenario {
+    Scenario {
+        title: String::new(),
+        contacts: Contacts { thresholds: Some(thresholds), ..Contacts::default() },
+        initial: Law::zero(),
+        pull: Pull::default(),
+        master_equation: MasterEquation::default(),
+        ensemble: None,
+        units: Units::default(),
+        compare: None,
+    }
+}
+
+/// The key and what was found there.
+fn refused(scenario: &Scenario) -> (String, String) {
+    match scenario.build() {
+        Err(Error::Invalid { key, found, .. }) => (key, found),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn areas_give_thresholds_and_stiffnesses() {
+    let mut scenario = scenario(Law::zero());
+    scenario.contacts.thresholds = None;
+    scenario.contacts.areas = Some(Areas { law: Law::Point { at: 4.0 }, modulus: 2.0, strength: 3.0 });
+    let (contacts, _) = scenario.build().unwrap();
+    // A contact of area 4: k = 2√4 = 4 breaks at the force 3·4 = 12, so at the stretch 3 = k/κ.
+    assert_eq!(contacts.thresholds.atoms()[0].position, 3.0);
+    assert_eq!(contacts.stiffness, Stiffness::PerThreshold(4.0 / 3.0));
+}
+
+#[test]
+fn errors_carry_the_whole_path_of_the_key() {
+    let inner = Law::Mixture(vec![Component { weight: 1.0, law: Law::Gaussian { mean: 1.0, std: -0.1 } }]);
+    let outer = Law::Mixture(vec![Component { weight: 1.0, law: inner }]);
+    let key = "contacts.thresholds.mixture.0.law.mixture.0.law.gaussian.std";
+    assert_eq!(refused(&scenario(outer)), (key.into(), "-0.1".into()));
+}
+
+#[test]
+fn stretches_where_no_contact_survives_are_refused_unless_they_may_break_at_once() {
+    let mut scenario = scenario(Law::Rectangular { min: 0.5, max: 1.0 });
+    scenario.initial = Law::Point { at: 1.0 };
+    assert_eq!(refused(&scenario).0, "initial");
+    scenario.pull.start = Start::Relaxed;
+    scenario.build().unwrap();
+    scenario.contacts.reforming = Law::Rectangular { min: 0.0, max: 2.0 };
+    let (key, found) = refused(&scenario);
+    assert_eq!(key, "contacts.reforming");
+    assert!(found.starts_with("a share 0.5") && found.ends_with("of the contacts at or above it"), "{found}");
+    scenario.contacts.reforming = Law::Rectangular { min: 0.0, max: 1.0 };
+    scenario.build().unwrap();
+}
+
+#[test]
+fn a_task_that_would_not_fit_says_what_it_needs() {
+    let mut scenario = scenario(Law::Point { at: 1.0 });
+    scenario.pull.points = 1 << 40;
+    assert_eq!(
+        refused(&scenario),
+        ("pull.points".into(), "1099511627776, which would need 360.0 TiB".into())
+    );
+}
+
+#[test]
+fn positions_reach_both_ends_exactly() {
+    for (distance, points) in [(20.0, 2001), (0.3, 4), (1e-3, 2)] {
+        let positions = Pull { distance, points, ..Pull::default() }.positions();
+        assert_eq!((positions.len(), positions[0], positions[points - 1]), (points, 0.0, distance));
+    }
+}
+
+#[test]
+fn every_table_is_found_with_its_key() {
+    let table = || Law::Tabulated(Tabulated { file: Some("measured.csv".into()), ..Tabulated::default() });
+    let mut scenario = scenario(Law::Mixture(vec![Component { weight: 1.0, law: table() }]));
+    scenario.initial = table();
+    let keys: Vec<_> = scenario.tables().into_iter().map(|(key, _)| key).collect();
+    assert_eq!(keys, ["contacts.thresholds.mixture.0.law.tabulated", "initial.tabulated"]);
+    assert_eq!(refused(&scenario).1, "an unread file");
+}
+
+#[test]
+fn labels_keep_compound_units_together() {
+    let units = Units { length: "m/s".into(), force: "N".into(), time: String::new() };
+    assert_eq!(units.label(crate::record::Quantity::Stiffness), "N/(m/s)");
+    assert_eq!(Units::default().label(crate::record::Quantity::Force), "1");
+}

@@ -1,0 +1,48 @@
+//! `[units]`: labels, never conversions.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::record::Quantity;
+
+/// Names of the units in which the scenario is written, empty where dimensionless; numbers are never converted.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Units {
+    /// Unit of length, such as `µm`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub length: String,
+    /// Unit of force, such as `mN`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub force: String,
+    /// Unit of time, such as `s`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub time: String,
+}
+
+impl Units {
+    /// Whether no unit is named.
+    pub fn is_dimensionless(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The label of `quantity`, `1` for a pure number.
+    pub fn label(&self, quantity: Quantity) -> String {
+        match quantity {
+            Quantity::Length => over(&self.length, ""),
+            Quantity::Force => over(&self.force, ""),
+            Quantity::PerLength => over("", &self.length),
+            Quantity::Stiffness => over(&self.force, &self.length),
+            Quantity::Number => over("", ""),
+        }
+    }
+}
+
+fn over(numerator: &str, denominator: &str) -> String {
+    let numerator = if numerator.is_empty() { "1" } else { numerator };
+    match denominator {
+        "" => numerator.to_owned(),
+        compound if compound.contains([' ', '/', '*', '·']) => format!("{numerator}/({compound})"),
+        simple => format!("{numerator}/{simple}"),
+    }
+}

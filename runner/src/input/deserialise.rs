@@ -1,0 +1,280 @@
+//! From the tree of a document to the description, keeping track of keys and of what serde expected.
+
+use serde::de::{
+    DeserializeSeed, Deserializer, EnumAccess, Error, Expected, IntoDeserializer, MapAccess, SeqAccess,
+    Unexpected, VariantAccess, Visitor, value::StrDeserializer,
+};
+use serde::forward_to_deserialize_any;
+
+use super::document::{Kind, Node};
+
+/// What is wrong, and under which key.
+#[derive(Debug, Clone, Default)]
+pub struct Fault {
+    pub path: Vec<String>,
+    pub expected: String,
+    pub found: String,
+    /// A known name that was probably meant.
+    pub nearest: Option<&'static str>,
+    /// The key was missing.
+    pub missing: bool,
+    /// The key itself is wrong, not its value.
+    pub on_key: bool,
+    /// Keys in the table at `path` that exclude one another.
+    pub among: Vec<String>,
+}
+
+impl Fault {
+    pub fn new(expected: &str, found: &str) -> Self {
+        Self { expected: expected.to_owned(), found: found.to_owned(), ..Self::default() }
+    }
+
+    /// The same under a dotted key.
+    pub fn under(mut self, key: &str) -> Self {
+        self.path.splice(0..0, key.split('.').map(str::to_owned));
+        self
+    }
+
+    fn wrong_name(name: &str, known: &[&'static str]) -> Self {
+        let nearest = known.iter().copied().max_by(|a, b| likeness(name, a).total_cmp(&likeness(name, b)));
+        let nearest = nearest.filter(|known| likeness(name, known) > 0.5);
+        Self { nearest, on_key: true, ..Self::new(&one_of(known), &format!("\"{name}\"")) }
+    }
+}
+
+fn likeness(a: &str, b: &str) -> f64 {
+    strsim::normalized_damerau_levenshtein(&a.to_lowercase(), b)
+}
+
+fn one_of(names: &[&str]) -> String {
+    match names {
+        [one] => format!("the key {one}"),
+        [first @ .., last] => format!("one of {} and {last}", first.join(", ")),
+        [] => "no key".into(),
+    }
+}
+
+impl std::fmt::Display for Fault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "expected {}, got {}", self.expected, self.found)
+    }
+}
+
+impl std::error::Error for Fault {}
+
+impl Error for Fault {
+    fn custom<T: std::fmt::Display>(message: T) -> Self {
+        Self::new("something else", &message.to_string())
+    }
+
+    fn invalid_type(unexpected: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        Self::new(&expected.to_string(), &unexpected.to_string())
+    }
+
+    fn invalid_value(unexpected: Unexpected<'_>, expected: &dyn Expected) -> Self {
+        Self::invalid_type(unexpected, expected)
+    }
+
+    fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
+        Self::wrong_name(field, expected)
+    }
+
+    fn unknown_variant(variant: &str, expected: &'static [&'static str]) -> Self {
+        Self::wrong_name(variant, expected)
+    }
+
+    fn missing_field(field: &'static str) -> Self {
+        Self { missing: true, ..Self::new(&format!("the key {field}"), "no such key") }.under(field)
+    }
+}
+
+/// Reads a value out of a node.
+pub struct Reader<'a>(pub &'a Node);
+
+impl Reader<'_> {
+    fn refuse<T>(&self, expected: &str) -> Result<T, Fault> {
+        Err(Fault::new(expected, &self.0.kind.describe()))
+    }
+}
+
+impl<'de> Deserializer<'de> for Reader<'_> {
+    type Error = Fault;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match &self.0.kind {
+            Kind::Text(text) | Kind::Date(text) => visitor.visit_str(text),
+            Kind::Integer(number) => visitor.visit_i64(*number),
+            Kind::Float(number) => visitor.visit_f64(*number),
+            Kind::Boolean(truth) => visitor.visit_bool(*truth),
+            Kind::List(items) => visitor.visit_seq(Items(items.iter().enumerate())),
+            Kind::Table(entries) => visitor.visit_map(Entries { rest: entries.iter(), current: None }),
+        }
+    }
+
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.0.kind {
+            Kind::Integer(_) | Kind::Float(_) => self.deserialize_any(visitor),
+            _ => self.refuse("a number"),
+        }
+    }
+
+    fn deserialize_u64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.0.kind {
+            Kind::Integer(0..) => self.deserialize_any(visitor),
+            _ => self.refuse("a whole number, 0 or above"),
+        }
+    }
+
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.0.kind {
+            Kind::Text(_) => self.deserialize_any(visitor),
+            _ => self.refuse("text in quotes"),
+        }
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.0.kind {
+            Kind::List(_) => self.deserialize_any(visitor),
+            _ => self.refuse("a list in [ ]"),
+        }
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        match self.0.kind {
+            Kind::Table(_) => self.deserialize_any(visitor),
+            _ => self.refuse(&format!("a table with {}", fields.join(", "))),
+        }
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _name: &'static str,
+        variants: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        match &self.0.kind {
+            Kind::Text(name) => visitor.visit_enum(Choice { name, content: None }),
+            Kind::Table(entries) => match &entries[..] {
+                [(name, content)] => visitor.visit_enum(Choice { name, content: Some(content) }),
+                [] => self.refuse(&one_of(variants)),
+                _ => Err(several(entries, variants)),
+            },
+            _ => self.refuse(&one_of(variants)),
+        }
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_some(self)
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u128 f32 char str bytes byte_buf unit unit_struct newtype_struct
+        tuple tuple_struct map identifier ignored_any
+    }
+}
+
+/// More than one entry where one was to be chosen: a wrong name among them, or several right ones.
+fn several(entries: &[(String, Node)], variants: &[&'static str]) -> Fault {
+    if let Some((name, _)) = entries.iter().find(|(name, _)| !variants.contains(&name.as_str())) {
+        return Fault::wrong_name(name, variants).under(name);
+    }
+    let names: Vec<_> = entries.iter().map(|(name, _)| name.clone()).collect();
+    Fault { among: names.clone(), ..Fault::new("only one of them", &names.join(" and ")) }
+}
+
+struct Items<'a>(std::iter::Enumerate<std::slice::Iter<'a, Node>>);
+
+impl<'de> SeqAccess<'de> for Items<'_> {
+    type Error = Fault;
+
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Fault> {
+        let Some((i, item)) = self.0.next() else { return Ok(None) };
+        seed.deserialize(Reader(item)).map(Some).map_err(|fault| fault.under(&i.to_string()))
+    }
+}
+
+struct Entries<'a> {
+    rest: std::slice::Iter<'a, (String, Node)>,
+    current: Option<&'a (String, Node)>,
+}
+
+impl<'de> MapAccess<'de> for Entries<'_> {
+    type Error = Fault;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Fault> {
+        self.current = self.rest.next();
+        let Some((key, _)) = self.current else { return Ok(None) };
+        let name: StrDeserializer<'_, Fault> = key.as_str().into_deserializer();
+        seed.deserialize(name).map(Some).map_err(|fault| fault.under(key))
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Fault> {
+        let (key, node) = self.current.expect("a value follows its key");
+        seed.deserialize(Reader(node)).map_err(|fault| fault.under(key))
+    }
+}
+
+struct Choice<'a> {
+    name: &'a str,
+    content: Option<&'a Node>,
+}
+
+impl<'a, 'de> EnumAccess<'de> for Choice<'a> {
+    type Error = Fault;
+    type Variant = Self;
+
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), Fault> {
+        let name: StrDeserializer<'_, Fault> = self.name.into_deserializer();
+        match seed.deserialize(name) {
+            Ok(variant) => Ok((variant, self)),
+            Err(fault) if self.content.is_some() => Err(fault.under(self.name)),
+            Err(fault) => Err(Fault { on_key: false, ..fault }),
+        }
+    }
+}
+
+impl Choice<'_> {
+    /// Reads what stands under the chosen name, of which `shape` says what it should be.
+    fn read<T>(self, shape: &str, read: impl FnOnce(Reader<'_>) -> Result<T, Fault>) -> Result<T, Fault> {
+        let Some(content) = self.content else {
+            return Err(Fault::new(
+                &format!("{} = {shape}", self.name),
+                &format!("only the name \"{}\"", self.name),
+            ));
+        };
+        read(Reader(content)).map_err(|fault| fault.under(self.name))
+    }
+}
+
+impl<'de> VariantAccess<'de> for Choice<'_> {
+    type Error = Fault;
+
+    fn unit_variant(self) -> Result<(), Fault> {
+        match self.content {
+            None => Ok(()),
+            Some(_) => Err(Fault::new(&format!("only the name \"{}\"", self.name), "a table")),
+        }
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Fault> {
+        self.read("…", |content| seed.deserialize(content))
+    }
+
+    fn tuple_variant<V: Visitor<'de>>(self, _length: usize, visitor: V) -> Result<V::Value, Fault> {
+        self.read("[…]", |content| content.deserialize_seq(visitor))
+    }
+
+    fn struct_variant<V: Visitor<'de>>(
+        self,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        let shape = format!("{{ {} }}", fields.join(", "));
+        self.read(&shape, |content| content.deserialize_struct("", fields, visitor))
+    }
+}

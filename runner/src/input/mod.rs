@@ -1,0 +1,94 @@
+//! Scenario files in: read, overridden, tables inlined, checked, and every error brought back to where it was written.
+
+mod deserialise;
+mod diagnostic;
+mod document;
+mod overrides;
+mod tables;
+
+use std::path::Path;
+
+use asperity::master::MasterEquation;
+use asperity::scenario::Scenario;
+use serde::Deserialize as _;
+
+pub use diagnostic::{Diagnostic, Mark, Source};
+
+use deserialise::{Fault, Reader};
+use document::Document;
+
+/// A scenario that makes sense, and the text it came from.
+#[derive(Debug)]
+pub struct Input {
+    /// The scenario, its tables inlined.
+    pub scenario: Scenario,
+    document: Document,
+}
+
+/// Reads the scenario at `path`, with `overrides` of the form `key.path=value`.
+///
+/// # Errors
+/// What is wrong with it, and where.
+pub fn read(path: &Path, overrides: &[String]) -> Result<Input, Box<Diagnostic>> {
+    let text = std::fs::read_to_string(path).map_err(|e| Diagnostic::unreadable(path, &e))?;
+    parse(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")), overrides)
+}
+
+/// Reads a scenario from its text; `name` is what messages call it, `file` keys are relative to `directory`.
+///
+/// # Errors
+/// What is wrong with it, and where.
+pub fn parse(
+    text: &str,
+    name: &str,
+    directory: &Path,
+    overrides: &[String],
+) -> Result<Input, Box<Diagnostic>> {
+    let mut document = Document::parse(name, text)?;
+    for argument in overrides {
+        overrides::apply(&mut document, argument)?;
+    }
+    let scenario =
+        Scenario::deserialize(Reader(&document.root)).map_err(|fault| document.draw(task(fault)))?;
+    let mut input = Input { scenario, document };
+    tables::inline(&mut input.scenario, directory).map_err(|fault| input.document.draw(fault))?;
+    let built = input.scenario.build();
+    match built.and_then(|(contacts, initial)| MasterEquation::new(contacts, &initial)) {
+        Ok(_) => Ok(input),
+        Err(error) => Err(input.diagnose(&error)),
+    }
+}
+
+impl Input {
+    /// Where an error of the core comes from.
+    pub fn diagnose(&self, error: &asperity::Error) -> Box<Diagnostic> {
+        self.document.draw(match error {
+            asperity::Error::Invalid { key, expected, found } => Fault::new(expected, found).under(key),
+            asperity::Error::TooLarge { what, needed, allowed } => {
+                let gibibytes = |bytes: u64| format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30));
+                let found = format!("{what}, which would need {}", gibibytes(*needed));
+                Fault::new(&format!("results within {}", gibibytes(*allowed)), &found).under("pull.points")
+            }
+            other => Fault::new("a scenario that can be computed", &other.to_string()),
+        })
+    }
+}
+
+/// The JSON Schema of scenarios.
+pub fn schema() -> String {
+    let schema = schemars::schema_for!(Scenario);
+    serde_json::to_string_pretty(&schema).expect("a schema is JSON")
+}
+
+/// The text of a scenario, every value written out; reading it gives the same scenario.
+pub fn to_text(scenario: &Scenario) -> String {
+    toml::to_string(scenario).expect("every scenario can be written as TOML")
+}
+
+/// Says what a task is where none was given.
+fn task(fault: Fault) -> Fault {
+    if fault.path == ["pull"] && fault.missing {
+        return Fault { expected: "a task: the table [pull]".into(), found: "none".into(), ..fault };
+    }
+    fault
+}

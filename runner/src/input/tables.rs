@@ -1,0 +1,79 @@
+//! The files that a scenario names, read and put in place of their names.
+
+use std::path::Path;
+
+use asperity::scenario::{Scenario, Tabulated};
+
+use super::deserialise::Fault;
+
+/// Replaces every `file` key by what the file holds.
+pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
+    for (key, table) in scenario.tables() {
+        if let Some(file) = table.file.take_if(|_| table.samples.is_none() && table.stretch.is_none()) {
+            law(table, &directory.join(file)).map_err(|fault| fault.under(&format!("{key}.file")))?;
+        }
+    }
+    if let Some(compare) = &mut scenario.compare
+        && let Some(file) = compare.file.take_if(|_| compare.position.is_none() && compare.force.is_none())
+    {
+        let columns = read(&directory.join(file), &[&["position", "force"]]);
+        let [position, force] = exactly(columns.map_err(|fault| fault.under("compare.file"))?);
+        (compare.position, compare.force) = (Some(position), Some(force));
+    }
+    Ok(())
+}
+
+fn law(table: &mut Tabulated, path: &Path) -> Result<(), Fault> {
+    let mut columns = read(path, &[&["stretch", "density"], &["sample"]])?;
+    if columns.len() == 1 {
+        table.samples = columns.pop();
+    } else {
+        let [stretch, density] = exactly(columns);
+        (table.stretch, table.density) = (Some(stretch), Some(density));
+    }
+    Ok(())
+}
+
+fn exactly<const N: usize>(columns: Vec<Vec<f64>>) -> [Vec<f64>; N] {
+    columns.try_into().expect("the number of columns was checked")
+}
+
+/// The columns of a CSV file that has one of the given `layouts`; the heading may be left out of a single column.
+fn read(path: &Path, layouts: &[&[&str]]) -> Result<Vec<Vec<f64>>, Fault> {
+    let name = path.display();
+    let expected = layouts.iter().map(|columns| columns.join(",")).collect::<Vec<_>>().join(" or ");
+    let expected = format!("a CSV file with columns {expected}");
+    let fault = |found: String| Fault::new(&expected, &found);
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .trim(csv::Trim::All)
+        .from_path(path)
+        .map_err(|error| fault(format!("{name}: {error}")))?;
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for (row, record) in reader.records().enumerate() {
+        let record = record.map_err(|error| fault(format!("{name}: {error}")))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let numbers: Option<Vec<f64>> = record.iter().map(|cell| cell.parse().ok()).collect();
+        let layout = layouts.iter().find(|layout| layout.len() == record.len());
+        match (row, layout, numbers) {
+            (0, Some([_]), Some(numbers)) => {
+                columns = numbers.into_iter().map(|number| vec![number]).collect()
+            }
+            (0, Some([_]), None) => columns = vec![Vec::new()],
+            (0, Some(layout), _) if record.iter().eq(layout.iter().copied()) => {
+                columns = vec![Vec::new(); layout.len()];
+            }
+            (1.., Some(_), Some(numbers)) if numbers.iter().all(|number| number.is_finite()) => {
+                columns.iter_mut().zip(numbers).for_each(|(column, number)| column.push(number));
+            }
+            _ => {
+                let cells = record.iter().collect::<Vec<_>>().join(",");
+                return Err(fault(format!("\"{cells}\" in line {line} of {name}")));
+            }
+        }
+    }
+    if columns.first().is_none_or(Vec::is_empty) {
+        return Err(fault(format!("no rows in {name}")));
+    }
+    Ok(columns)
+}

@@ -1,0 +1,55 @@
+//! A result folder read back.
+
+use std::fs;
+use std::path::Path;
+
+use asperity::record::{Quantity, Record, Variable};
+use netcdf_reader::{NcFile, NcVariable};
+
+use super::{Error, Outcome, Result};
+
+/// Reads what [`super::write`] wrote, every number as it was.
+///
+/// # Errors
+/// A file is missing, cannot be read, or is not what asperity writes.
+pub fn read(dir: &Path) -> Result<Outcome> {
+    let summary = dir.join("summary.json");
+    Ok(Outcome {
+        scenario: text(&dir.join("scenario.toml"))?,
+        summary: serde_json::from_str(&text(&summary)?).map_err(Error::malformed(&summary))?,
+        record: record(&dir.join("result.nc"))?,
+    })
+}
+
+fn text(path: &Path) -> Result<String> {
+    fs::read_to_string(path).map_err(Error::system(path, "read"))
+}
+
+fn record(path: &Path) -> Result<Record> {
+    let bytes = fs::read(path).map_err(Error::system(path, "read"))?;
+    let decode = || -> netcdf_reader::Result<Record> {
+        let file = NcFile::from_vec(bytes)?;
+        let numbers = file.variables()?.iter().filter(|v| attribute(v, "quantity").is_some());
+        let variables = numbers.map(|v| variable(&file, v)).collect::<netcdf_reader::Result<_>>()?;
+        Ok(Record { variables })
+    };
+    decode().map_err(Error::malformed(path))
+}
+
+fn variable(file: &NcFile, found: &NcVariable) -> netcdf_reader::Result<Variable> {
+    let name = found.name().to_owned();
+    let label = attribute(found, "quantity").unwrap_or_default();
+    let quantity = Quantity::ALL.into_iter().find(|q| q.name() == label);
+    let unknown = || netcdf_reader::Error::InvalidData(format!("{name}: unknown quantity `{label}`"));
+    Ok(Variable {
+        quantity: quantity.ok_or_else(unknown)?,
+        long_name: attribute(found, "long_name").unwrap_or_default(),
+        dimensions: found.dimensions().iter().map(|d| d.name.clone()).collect(),
+        values: file.read_variable::<f64>(&name)?.into_iter().collect(),
+        name,
+    })
+}
+
+fn attribute(variable: &NcVariable, name: &str) -> Option<String> {
+    variable.attribute(name)?.value.as_string()
+}

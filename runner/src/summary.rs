@@ -1,0 +1,172 @@
+//! The few numbers of a run that people quote: `summary.json`.
+
+use asperity::scenario::{Disorder, Units};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// The numbers of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// The scenario's title.
+    pub title: String,
+    /// The version of asperity that ran it.
+    pub version: String,
+    /// Labels of units.
+    pub units: Units,
+    /// F_s and X_s.
+    pub static_friction: StaticFriction,
+    /// F_k.
+    pub kinetic_friction: f64,
+    /// X*, from the slowest root.
+    pub relaxation_length: Extended,
+    /// The paper's estimate x̄²/σ of X*.
+    pub relaxation_length_paper: Extended,
+    /// K_c.
+    pub critical_stiffness: Extended,
+    /// Estimated error of F/(N_c⟨k⟩).
+    pub accuracy: f64,
+    /// Number of contacts N_c that forces are scaled to.
+    pub contacts: f64,
+    /// Number of contacts that the finite-size band and the ensemble stand for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sample: Option<f64>,
+    /// Seed of the ensemble; null where none was run.
+    pub seed: Option<u64>,
+    /// What became of thresholds in the ensemble.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disorder: Option<Disorder>,
+    /// Forces over the normal load, where one is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_coefficients: Option<Coefficients>,
+    /// How far the compared curve is from F(X).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compare: Option<Comparison>,
+}
+
+/// Static friction: the highest force of the pull.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StaticFriction {
+    /// The force had not passed its maximum when the pull ended.
+    NotReached,
+    /// It had.
+    Reached {
+        /// F_s.
+        force: f64,
+        /// X_s.
+        position: f64,
+    },
+}
+
+/// A number that may be infinite, which JSON cannot say (`"infinite"`), or unknown (`null`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extended(pub f64);
+
+/// Friction coefficients.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Coefficients {
+    /// The load they refer to.
+    pub normal_load: f64,
+    /// F_s over the load; absent where static friction was not reached.
+    #[serde(rename = "static", default, skip_serializing_if = "Option::is_none")]
+    pub at_rest: Option<f64>,
+    /// F_k over the load.
+    pub kinetic: f64,
+}
+
+/// A measured curve against the computed one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// Number of measured points within the pull.
+    pub points: usize,
+    /// Root mean square of measured minus computed force there; absent where no point lies within.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual_rms: Option<f64>,
+}
+
+const NOT_REACHED: &str = "not reached";
+const INFINITE: &str = "infinite";
+
+/// How these values stand in JSON: either a word or the value itself.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum WordOr<T> {
+    Word(String),
+    Value(T),
+}
+
+#[derive(Serialize, Deserialize)]
+struct Peak {
+    force: f64,
+    position: f64,
+}
+
+fn unexpected<E: serde::de::Error>(word: &str, known: &str) -> E {
+    E::custom(format!("expected a value or \"{known}\", got \"{word}\""))
+}
+
+impl Serialize for StaticFriction {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match *self {
+            Self::NotReached => WordOr::<Peak>::Word(NOT_REACHED.to_owned()),
+            Self::Reached { force, position } => WordOr::Value(Peak { force, position }),
+        }
+        .serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for StaticFriction {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match WordOr::<Peak>::deserialize(deserializer)? {
+            WordOr::Value(Peak { force, position }) => Ok(Self::Reached { force, position }),
+            WordOr::Word(word) if word == NOT_REACHED => Ok(Self::NotReached),
+            WordOr::Word(word) => Err(unexpected(&word, NOT_REACHED)),
+        }
+    }
+}
+
+impl Serialize for Extended {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if self.0.is_infinite() { WordOr::Word(INFINITE.to_owned()) } else { WordOr::Value(self.0) }
+            .serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Extended {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match WordOr::<Option<f64>>::deserialize(deserializer)? {
+            WordOr::Value(value) => Ok(Self(value.unwrap_or(f64::NAN))),
+            WordOr::Word(word) if word == INFINITE => Ok(Self(f64::INFINITY)),
+            WordOr::Word(word) => Err(unexpected(&word, INFINITE)),
+        }
+    }
+}
+
+impl std::fmt::Display for Extended {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.0.is_infinite() { f.pad(INFINITE) } else { self.0.fmt(f) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_stand_for_what_has_no_number() {
+        let json = serde_json::to_string(&(StaticFriction::NotReached, Extended(f64::INFINITY))).unwrap();
+        assert_eq!(json, r#"["not reached","infinite"]"#);
+        let back: (StaticFriction, Extended) = serde_json::from_str(&json).unwrap();
+        assert_eq!(back, (StaticFriction::NotReached, Extended(f64::INFINITY)));
+    }
+
+    #[test]
+    fn what_is_not_known_is_null() {
+        assert_eq!(serde_json::to_string(&Extended(f64::NAN)).unwrap(), "null");
+        assert!(serde_json::from_str::<Extended>("null").unwrap().0.is_nan());
+    }
+
+    #[test]
+    fn other_words_are_refused() {
+        let error = serde_json::from_str::<Extended>(r#""many""#).unwrap_err().to_string();
+        assert!(error.contains("infinite") && error.contains("many"), "{error}");
+    }
+}

@@ -1,0 +1,48 @@
+//! Distributions of stretches and thresholds, from the master equation.
+
+use asperity::contacts::Contacts;
+use asperity::master::{Pull, SteadyState};
+use asperity::record::{Quantity, Record};
+use asperity::scenario::Scenario;
+
+use super::grid::Grid;
+use super::{atoms, placed};
+
+const STRETCH: (&str, &str) = ("stretch", "stretch at which contacts are together");
+
+/// Q(x; X) at the snapshots.
+pub fn evolving(scenario: &Scenario, pull: &Pull, grid: &Grid, record: &mut Record) {
+    record.push("stretch", "stretch x", Quantity::Length, &["stretch"], grid.stretches.clone());
+    let snapshots = &scenario.pull.snapshots;
+    if snapshots.is_empty() {
+        return;
+    }
+    let (mut density, mut masses) = (Vec::new(), Vec::new());
+    for &position in snapshots {
+        let stretches = pull.stretch_density(position, &grid.stretches);
+        density.extend(stretches.density);
+        masses.extend(stretches.atoms.iter().map(|atom| ([position, atom.position], atom.weight)));
+    }
+    record.push("snapshot", "position X of the snapshot", Quantity::Length, &["snapshot"], snapshots.clone());
+    let words = "density Q(x; X) of stretches";
+    record.push("stretch_density", words, Quantity::PerLength, &["snapshot", "stretch"], density);
+    atoms(record, "stretch_atom", [("position", "position X of the snapshot"), STRETCH], masses.into_iter());
+}
+
+/// Q_s with P_c and P.
+pub fn steady(contacts: &Contacts, steady: &SteadyState, grid: &Grid, record: &mut Record) {
+    let stretches = steady.stretch_density(&grid.stretches);
+    let law = contacts.thresholds.as_ref();
+    let each = |function: &dyn Fn(f64) -> f64| grid.stretches.iter().map(|&x| function(x)).collect();
+    let mut add = |name, words, values| record.push(name, words, Quantity::PerLength, &["stretch"], values);
+    add("steady_stretch_density", "density of stretches in steady sliding", stretches.density);
+    add("threshold_density", "density of thresholds", each(&|x| law.density(x)));
+    add(
+        "hazard",
+        "hazard P(x), the share of contacts of stretch x breaking per length",
+        each(&|x| law.hazard(x)),
+    );
+    atoms(record, "steady_atom", [STRETCH], stretches.atoms.iter().map(placed));
+    let threshold = ("stretch", "threshold that contacts share");
+    atoms(record, "threshold_atom", [threshold], law.atoms().iter().map(placed));
+}

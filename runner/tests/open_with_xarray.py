@@ -1,0 +1,54 @@
+"""Opens a result folder as users do: python open_with_xarray.py DIR...
+
+With xarray, by either of its engines, result.nc holds the numbers of force.csv, units, long names,
+the scenario, the version and the seed of summary.json.
+"""
+
+import csv
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+
+def check(folder: Path, engine: str) -> None:
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    with open(folder / "force.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    with xr.open_dataset(folder / "result.nc", engine=engine) as data:
+        for name in rows[0]:
+            column = np.array([float(row[name]) for row in rows])
+            assert np.array_equal(data[name].values, column, equal_nan=True), name
+            assert data[name].dims == ("position",), data[name].dims
+        for name, variable in data.variables.items():
+            assert variable.attrs["long_name"], name
+            if name != "scenario":
+                assert variable.dtype == np.float64, name
+                assert variable.attrs["units"], name
+        assert data.attrs["version"] == summary["version"]
+        assert data.attrs["title"] == summary["title"]
+        assert data.attrs.get("seed") == summary["seed"]
+        assert data["scenario"].item() == (folder / "scenario.toml").read_text(encoding="utf-8")
+        if "snapshot" in data:
+            assert data["stretch_density"].dims == ("snapshot", "stretch")
+            shares = data["stretch_density"].fillna(0.0).integrate("stretch").values
+            if "stretch_atom_weight" in data:
+                for position, weight in zip(data["stretch_atom_position"], data["stretch_atom_weight"]):
+                    shares = shares + np.where(data["snapshot"].values == position.item(), weight.item(), 0.0)
+            assert np.allclose(shares, 1.0, atol=2e-3), shares
+
+
+def main() -> None:
+    folders = [Path(name) for name in sys.argv[1:]]
+    if not folders:
+        sys.exit("usage: python open_with_xarray.py DIR...")
+    for folder in folders:
+        for engine in ("netcdf4", "h5netcdf"):
+            check(folder, engine)
+        print(f"{folder}: reads the same with netcdf4 and h5netcdf")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,194 @@
+//! A scenario computed: its numbers are those of the theory, both models agree, and it can be stopped.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use asperity::monitor::Monitor;
+use asperity::record::Record;
+use asperity::{Error, scenario::Scenario};
+use asperity_runner::output::Outcome;
+use asperity_runner::summary::{Extended, StaticFriction};
+use asperity_runner::{input, task};
+
+const FIGURE_2: &str = "
+title = 'Fig. 2'
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.05 }
+initial.gaussian = { mean = 0.1, std = 0.025 }
+pull = { distance = 20.0, points = 2001, snapshots = [0.0, 1.09, 20.0] }
+";
+
+fn scenario(text: &str) -> Scenario {
+    input::parse(text, "test", Path::new(""), &[]).expect("the scenario makes sense").scenario
+}
+
+fn run(text: &str) -> Outcome {
+    task::run(&scenario(text), &mut ()).unwrap()
+}
+
+/// Largest difference of two columns in units of `scale`.
+fn farthest(a: &[f64], b: &[f64], scale: &[f64]) -> f64 {
+    assert_eq!((a.len(), b.len()), (scale.len(), scale.len()));
+    let differences = a.iter().zip(b).zip(scale).map(|((a, b), s)| (a - b).abs() / s);
+    differences.fold(0.0, f64::max)
+}
+
+/// ∫ of row `row` of a density along the stretches, by the trapezoidal rule.
+fn mass(record: &Record, row: usize) -> f64 {
+    let stretch = record.values("stretch").unwrap();
+    let density = record.row("stretch_density", row).unwrap();
+    let pairs = stretch.windows(2).zip(density.windows(2));
+    pairs.map(|(x, q)| 0.5 * (x[1] - x[0]) * (q[0] + q[1])).sum()
+}
+
+fn near(value: f64, reference: f64, tolerance: f64) {
+    assert!((value - reference).abs() < tolerance, "{value} is not {reference}");
+}
+
+#[test]
+fn the_numbers_of_figure_2_are_those_of_the_theory() {
+    let outcome = run(FIGURE_2);
+    let StaticFriction::Reached { force, position } = outcome.summary.static_friction else {
+        panic!("static friction was not reached")
+    };
+    near(force, 0.868_081_709_809, 1e-9);
+    near(position, 0.791_756_131_650, 1e-7);
+    near(outcome.summary.kinetic_friction, 0.50125, 1e-12);
+    near(outcome.summary.relaxation_length.0, 20.270_485_418_3, 1e-8);
+    near(outcome.summary.relaxation_length_paper.0, 20.0, 1e-9);
+    near(outcome.summary.critical_stiffness.0, 6.143_821_037, 1e-6);
+    let force = outcome.record.values("force").unwrap();
+    for (index, reference) in [(109, 0.190_395_432_031), (500, 0.297_307_166), (2000, 0.432_329_275)] {
+        near(force[index], reference, 1e-9);
+    }
+}
+
+#[test]
+fn positions_count_both_ends_and_contacts_are_all_there() {
+    let outcome = run(FIGURE_2);
+    let position = outcome.record.values("position").unwrap();
+    assert_eq!((position.len(), position[0], position[2000]), (2001, 0.0, 20.0));
+    for row in 0..3 {
+        near(mass(&outcome.record, row), 1.0, 1e-3);
+    }
+    assert_eq!(outcome.record.get("force_std"), None);
+    assert_eq!(outcome.summary.sample, None);
+}
+
+#[test]
+fn the_resolved_scenario_computes_the_same() {
+    let outcome = run(FIGURE_2);
+    assert_eq!(run(&outcome.scenario), outcome);
+}
+
+#[test]
+fn both_models_agree() {
+    let outcome = run(&format!("{FIGURE_2}\nensemble = {{ size = 20000, seed = 3 }}\n"));
+    let column = |name| outcome.record.values(name).unwrap();
+    // fails by chance less than once in a million: 6 standard deviations, about 100 independent positions
+    assert!(farthest(column("ensemble_force"), column("force"), column("force_std")) < 6.0);
+    let errors = column("ensemble_error").iter().zip(column("force_std"));
+    assert!(errors.clone().all(|(a, b)| (a / b - 1.0).abs() < 0.1));
+    assert_eq!((outcome.summary.sample, outcome.summary.seed), (Some(20_000.0), Some(3)));
+    let bins = outcome.record.length("bin").unwrap();
+    assert_eq!(column("ensemble_stretch_density").len(), 3 * bins);
+    assert_eq!(outcome.record.get("steady_ensemble_density"), None, "20 thresholds are too short to settle");
+}
+
+#[test]
+fn a_long_pull_shows_the_ensemble_in_steady_sliding() {
+    let outcome = run("
+        contacts.thresholds.gaussian = { mean = 1.0, std = 0.2 }
+        pull = { distance = 200.0, points = 11 }
+        ensemble = { size = 20000, seed = 1 }
+    ");
+    let column = |name| outcome.record.values(name).unwrap();
+    assert!(farthest(column("averaged_position"), &[190.0, 200.0], &[1e-5; 2]) < 1.0);
+    let (bin, density) = (column("bin"), column("steady_ensemble_density"));
+    // Q_s(0) = 1/x̄; each bin holds some 20000 w contacts at each of about 10 independent times
+    let flat: Vec<f64> = bin.iter().zip(density).filter(|(x, _)| **x < 0.3).map(|(_, q)| *q).collect();
+    assert!(flat.len() > 5 && flat.iter().all(|q| (q - 1.0).abs() < 0.05), "{flat:?}");
+    near(density.iter().sum::<f64>() * (bin[1] - bin[0]), 1.0, 1e-9);
+}
+
+#[test]
+fn identical_contacts_break_together() {
+    let outcome = run("
+        contacts.thresholds.point = { at = 1.0 }
+        pull = { distance = 2.5, points = 6, snapshots = [0.0, 0.5, 2.5] }
+    ");
+    let column = |name| outcome.record.values(name).unwrap();
+    assert!(farthest(column("breaking_atom_position"), &[1.0, 2.0], &[1e-12; 2]) < 1.0);
+    assert!(farthest(column("breaking_atom_weight"), &[1.0, 1.0], &[1e-12; 2]) < 1.0);
+    assert_eq!(column("stretch_atom_position"), [0.0, 0.5, 2.5]);
+    assert!(farthest(column("stretch_atom_stretch"), &[0.0, 0.5, 0.5], &[1e-12; 3]) < 1.0);
+    assert!(farthest(column("force"), &[0.0, 0.5, 0.0, 0.5, 0.0, 0.5], &[1e-12; 6]) < 1.0);
+    assert_eq!(outcome.summary.critical_stiffness, Extended(f64::INFINITY));
+    assert_eq!(outcome.summary.relaxation_length, Extended(f64::INFINITY));
+}
+
+#[test]
+fn a_force_that_still_rises_has_no_static_friction() {
+    let outcome = run("
+        contacts.thresholds.exponential = { mean = 1.0 }
+        contacts.normal_load = 4.0
+        pull = { distance = 5.0, points = 3 }
+    ");
+    assert_eq!(outcome.summary.static_friction, StaticFriction::NotReached);
+    let coefficients = outcome.summary.friction_coefficients.unwrap();
+    assert_eq!((coefficients.at_rest, coefficients.normal_load), (None, 4.0));
+    near(coefficients.kinetic, 0.25, 1e-9);
+}
+
+#[test]
+fn a_compared_curve_is_kept_and_measured() {
+    let outcome = run("
+        contacts.thresholds.exponential = { mean = 1.0 }
+        contacts.count = 100.0
+        pull = { distance = 1.0, points = 3 }
+        compare = { position = [0.0, 0.5, 3.0], force = [3.0, 39.346934028736655, 7.0] }
+    ");
+    let compare = outcome.summary.compare.unwrap();
+    assert_eq!(compare.points, 2);
+    near(compare.residual_rms.unwrap(), 3.0 / 2f64.sqrt(), 1e-6);
+    assert_eq!(outcome.record.values("compared_position").unwrap(), [0.0, 0.5, 3.0]);
+    assert_eq!(outcome.summary.sample, Some(100.0), "the band is that of the contacts themselves");
+}
+
+#[test]
+fn results_that_no_file_could_hold_are_refused_before_any_work() {
+    let mut scenario = scenario(FIGURE_2);
+    scenario.pull.points = 10_500_000;
+    let error = task::run(&scenario, &mut Patience { left: 0, last: 0.0 }).unwrap_err();
+    assert!(matches!(error, Error::TooLarge { needed: 504_000_000.., .. }), "{error}");
+}
+
+/// Counts what it hears, and stops the work when it has heard enough.
+struct Patience {
+    left: usize,
+    last: f64,
+}
+
+impl Monitor for Patience {
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        assert!((self.last..=1.0 + 1e-12).contains(&fraction), "{fraction} after {}", self.last);
+        self.last = fraction;
+        if self.left == 0 {
+            return ControlFlow::Break(());
+        }
+        self.left -= 1;
+        ControlFlow::Continue(())
+    }
+}
+
+#[test]
+fn progress_never_falls_and_reaches_the_end() {
+    let mut patience = Patience { left: usize::MAX, last: 0.0 };
+    let scenario = scenario(&format!("{FIGURE_2}\nensemble = {{ size = 1000 }}\n"));
+    task::run(&scenario, &mut patience).unwrap();
+    near(patience.last, 1.0, 1e-9);
+    let heard = usize::MAX - patience.left;
+    for left in [0, 1, heard / 2, heard - 1] {
+        let stopped = task::run(&scenario, &mut Patience { left, last: 0.0 });
+        assert_eq!(stopped.unwrap_err(), Error::Stopped);
+    }
+}
