@@ -30,7 +30,7 @@ pub(super) struct Births<'a> {
 impl<'a> Births<'a> {
     pub(super) fn new(contacts: &'a Contacts, starts: &'a SharedLaw, conditional: bool) -> Self {
         let (thresholds, starts) = (contacts.thresholds.as_ref(), starts.as_ref());
-        let all = starts.upper_quantile(NEGLIGIBLE);
+        let all = top(starts, NEGLIGIBLE);
         let top = if conditional { all.min(contacts.highest_start()) } else { all };
         let over = |r: f64| if conditional { thresholds.survival(r) } else { 1.0 };
         let atoms =
@@ -67,7 +67,7 @@ impl<'a> Births<'a> {
 
     fn threshold_density(&self) -> (Piecewise, Vec<(f64, f64)>) {
         let breaks: Vec<f64> = self.hazards.iter().map(|b| b.position).collect();
-        let end = self.thresholds.upper_quantile(NEGLIGIBLE);
+        let end = top(self.thresholds, NEGLIGIBLE);
         let edges = edges(&self.thresholds.zones(), &breaks, end);
         let density = Piecewise::resolve(|x| self.thresholds.density(x), &edges, end, RESOLUTION);
         let points = heavy(&density, self.fine.1);
@@ -127,7 +127,7 @@ impl<'a> Births<'a> {
     /// The advance after which nothing is left, nor of the second moment.
     pub(super) fn end(&self) -> f64 {
         let left = self.over(self.top);
-        let mut last = self.thresholds.upper_quantile(NEGLIGIBLE * left);
+        let mut last = top(self.thresholds, NEGLIGIBLE * left);
         let whole = self.thresholds.upper_moment(2, -1.0);
         while self.thresholds.upper_moment(2, last) > 1e-16 * left * whole {
             last *= 1.25;
@@ -224,6 +224,12 @@ fn heavy(density: &Piecewise, widest: f64) -> Vec<(f64, f64)> {
     let mut points = density.points(widest);
     points.retain(|point| point.1 > 1e-3 * NEGLIGIBLE);
     points
+}
+
+/// The top of a law's support where it has one, else where S falls to `left`.
+fn top(law: &dyn Law, left: f64) -> f64 {
+    let end = law.upper_quantile(0.0);
+    if end.is_finite() { end } else { law.upper_quantile(left) }
 }
 
 /// The least length on which a law's density varies.

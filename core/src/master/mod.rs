@@ -20,7 +20,7 @@ use crate::law::Atom;
 use crate::life::{Life, athermal};
 use crate::monitor::Monitor;
 use crate::numerics::volterra::{Accuracy, solve};
-use crate::{Error, Result};
+use crate::{Error, Float, Result};
 
 /// The master equation of an interface and its start.
 #[derive(Debug, Clone)]
@@ -111,7 +111,13 @@ impl MasterEquation {
             return Ok(pull);
         }
         // Something narrow was stepped over: begin with cells as fine as the finest part of the life.
-        self.solved(distance, tolerance, 1e-4, monitor)
+        let pull = self.solved(distance, tolerance, 1e-4, monitor)?;
+        let reached = pull.lost_probability();
+        if reached <= tolerance {
+            return Ok(pull);
+        }
+        let what = format!("the probability of all stretches on a pull to {distance}");
+        Err(Error::Accuracy { what, reached: Float(reached), wanted: Float(tolerance) })
     }
 
     /// The pull, with cells that begin as narrow as those that hold the fraction `light` of what breaks.
