@@ -44,20 +44,30 @@ pub struct Initial {
     pub start: Start,
 }
 
-/// A share of contacts that no result in double precision could show.
-const NEGLIGIBLE: f64 = 1e-15;
+/// A share of contacts that no result shows.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// The smallest survival at which contacts may be placed: their thresholds are those of so few in all.
+const HELD: f64 = 1e-13;
+
+/// The narrowest law, relative to where it stands: below that, stretches differ by rounding.
+const NARROWEST: f64 = 1e-7;
 
 impl Contacts {
-    /// Checks that contacts survive where they start and where they re-form: that S > 0 there.
+    /// Checks that contacts survive where they start and where they re-form: that S > 0 there (S ≥ 1e-13, to be
+    /// computable), and that no law is too narrow to be told from a point mass.
     ///
     /// # Errors
-    /// Thresholds at 0; stretches at or above every threshold. Keys are those of a scenario.
+    /// Thresholds at 0; stretches at or above every threshold; narrow laws. Keys are those of a scenario.
     pub fn check(&self, initial: &Initial) -> Result<()> {
         let at_once = 1.0 - self.thresholds.survival(0.0);
         if at_once > NEGLIGIBLE {
             let found = format!("a share {at_once} of the contacts with threshold 0");
             return Err(Error::invalid("contacts.thresholds", "thresholds above 0", found));
         }
+        resolved("contacts.thresholds", self.thresholds.as_ref())?;
+        resolved("contacts.reforming", self.reforming.as_ref())?;
+        resolved("initial", initial.law.as_ref())?;
         self.survives("contacts.reforming", self.reforming.as_ref())?;
         match initial.start {
             Start::Conditional => self.survives("initial", initial.law.as_ref()),
@@ -65,13 +75,26 @@ impl Contacts {
         }
     }
 
+    /// The stretch above which no contact is placed: S ≥ 1e-13 below it.
+    pub(crate) fn highest_start(&self) -> f64 {
+        self.thresholds.upper_quantile(HELD)
+    }
+
     fn survives(&self, key: &str, stretches: &dyn Law) -> Result<()> {
-        let top = self.thresholds.quantile(1.0);
+        let top = self.highest_start();
         let share = stretches.survival(top.next_down());
         if share <= NEGLIGIBLE {
             return Ok(());
         }
-        let expected = format!("stretches below the highest threshold {top}, where contacts still hold");
+        let expected = format!("stretches below {top}, the highest that contacts hold");
         Err(Error::invalid(key, expected, format!("a share {share} of the contacts at or above it")))
     }
+}
+
+fn resolved(key: &str, law: &dyn Law) -> Result<()> {
+    let narrow = law.zones().into_iter().find(|zone| zone.resolution < NARROWEST * zone.high);
+    narrow.map_or(Ok(()), |zone| {
+        let expected = format!("a law wider than {NARROWEST:e} of its stretches (or a point)");
+        Err(Error::invalid(key, expected, format!("a width of {:e} near {}", zone.resolution, zone.high)))
+    })
 }

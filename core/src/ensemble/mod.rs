@@ -10,7 +10,7 @@ mod tally;
 
 pub use pull::{EnsemblePull, Snapshots};
 
-use crate::contacts::{Contacts, Initial, Start};
+use crate::contacts::{Contacts, Initial};
 use crate::law::Law;
 use crate::{Error, Result};
 
@@ -57,29 +57,13 @@ impl Ensemble {
         if size == 0 {
             return Err(Error::invalid("size", "at least one contact", size));
         }
-        let (thresholds, reforming) = (contacts.thresholds.as_ref(), contacts.reforming.as_ref());
-        match disorder {
-            Disorder::Annealed => {
-                survives(reforming, thresholds).map_err(|e| e.under("contacts.reforming"))?
-            }
-            Disorder::Quenched => reforms(reforming, thresholds).map_err(|e| e.under("contacts"))?,
-        }
-        if initial.start == Start::Conditional {
-            survives(initial.law.as_ref(), thresholds).map_err(|e| e.under("initial"))?;
+        contacts.check(&initial)?;
+        if disorder == Disorder::Quenched {
+            reforms(contacts.reforming.as_ref(), contacts.thresholds.as_ref())
+                .map_err(|e| e.under("contacts"))?;
         }
         Ok(Self { contacts, initial, size, seed, disorder })
     }
-}
-
-/// Whether contacts placed by `stretches` can have thresholds above.
-fn survives(stretches: &dyn Law, thresholds: &dyn Law) -> Result<()> {
-    let highest = thresholds.quantile(1.0);
-    let beyond = stretches.survival(highest.next_down());
-    if beyond > NEGLIGIBLE {
-        let expected = format!("stretches below the highest threshold {highest}");
-        return Err(Error::invalid("", expected, format!("{beyond:e} of them at or above it")));
-    }
-    Ok(())
 }
 
 /// Whether a contact of any threshold can re-form below it.

@@ -20,7 +20,9 @@ impl Quenched {
         let mean = law.mean();
         let below = |x: f64| mean - law.upper_moment(1, x);
         // The first terms one by one, down to thresholds over which P_c no longer varies or vanishes.
-        let terms = (position / (0.02 * law.resolution().min(mean))).ceil().max(50.0);
+        let terms = (position / (0.02 * law.zones().iter().map(|zone| zone.resolution).fold(mean, f64::min)))
+            .ceil()
+            .max(50.0);
         let mut force = position;
         for n in 1..=terms as u64 {
             let x = position / n as f64;

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Atom, Break, Law, Parameter, SharedLaw, crossing, positive, shared, unknown};
+use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, crossing, positive, shared, unknown};
 use crate::random::Stream;
 use crate::{Error, Result};
 
@@ -172,8 +172,8 @@ impl Law for Mixture {
     }
 
     /// The least of the components'.
-    fn resolution(&self) -> f64 {
-        self.components.iter().map(|(_, law)| law.resolution()).fold(f64::INFINITY, f64::min)
+    fn zones(&self) -> Vec<Zone> {
+        self.components.iter().flat_map(|(_, law)| law.zones()).collect()
     }
 
     fn decay_rate(&self) -> f64 {
@@ -218,7 +218,7 @@ mod tests {
         assert_eq!((law.quantile(0.4), law.quantile(0.8)), (1.0, 1.0));
         // Beyond the atom only the exponential is left.
         assert_eq!(law.hazard(1.5), 1.0);
-        assert_eq!(law.resolution(), 1.0);
+        assert_eq!(law.zones().len(), 1);
     }
 
     #[test]

@@ -62,6 +62,27 @@ impl Parameter {
     }
 }
 
+/// A stretch of x that holds all but 1e-18 of a density or the bulk of a long tail.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Zone {
+    /// Where it starts.
+    pub low: f64,
+    /// Where it ends.
+    pub high: f64,
+    /// A length over which the density varies little between its breaks (a Gaussian's std); infinite for polynomials.
+    pub resolution: f64,
+}
+
+/// What a zone may leave out at either end.
+const ALL: f64 = 1e-18;
+
+impl Zone {
+    /// The zone from `low` to `high`, at most ten standard deviations above the mean.
+    fn of(low: f64, high: f64, mean: f64, std: f64) -> Self {
+        Self { low, high: high.min(mean + 10.0 * std), resolution: std }
+    }
+}
+
 /// A probability law on x ≥ 0. Lengths are in the unit of the stretch.
 pub trait Law: Debug + Send + Sync {
     /// The law's name, as in a scenario.
@@ -115,9 +136,9 @@ pub trait Law: Debug + Send + Sync {
     /// where p(0⁺) or a low derivative there is not 0.
     fn breaks(&self) -> Vec<Break>;
 
-    /// A length over which the density varies little between breaks (a Gaussian's std, the least of a mixture's).
-    fn resolution(&self) -> f64 {
-        self.std()
+    /// Where the density is to be looked for, and how finely: one zone for a law of one shape, several for a mixture.
+    fn zones(&self) -> Vec<Zone> {
+        vec![Zone::of(self.quantile(ALL), self.upper_quantile(ALL), self.mean(), self.std())]
     }
 
     /// The rate λ of an exponential tail, S(x) ~ exp(−λx): infinite where S falls faster, 0 where it falls slower.
@@ -128,7 +149,7 @@ pub trait Law: Debug + Send + Sync {
     /// Laplace transform E[e^{−sξ}], continued analytically to Re s < 0 as far as it goes.
     fn laplace(&self, s: Complex64) -> Complex64;
 
-    /// Fills `out` with independent draws.
+    /// Fills `out` with independent draws, taken from the stream strictly in order: filling in pieces is filling at once.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]);
 }
 

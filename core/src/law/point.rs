@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Atom, Break, Law, Parameter, SharedLaw, not_negative, shared, unknown};
+use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
 use crate::Result;
 use crate::random::Stream;
 
@@ -81,8 +81,8 @@ impl Law for Point {
     }
 
     /// Infinite: there is no density to resolve.
-    fn resolution(&self) -> f64 {
-        f64::INFINITY
+    fn zones(&self) -> Vec<Zone> {
+        Vec::new()
     }
 
     /// exp(−sa). Entire.

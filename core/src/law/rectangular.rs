@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Break, Law, Parameter, SharedLaw, not_negative, shared, unknown};
+use super::{Break, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
 use crate::random::Stream;
 use crate::{Error, Result};
 
@@ -92,9 +92,9 @@ impl Law for Rectangular {
         ]
     }
 
-    /// Constant between its breaks.
-    fn resolution(&self) -> f64 {
-        f64::INFINITY
+    /// A polynomial between its breaks.
+    fn zones(&self) -> Vec<Zone> {
+        vec![Zone { low: self.quantile(0.0), high: self.upper_quantile(0.0), resolution: f64::INFINITY }]
     }
 
     /// exp(−s(a+b)/2) sinh(h)/h with h = s(b − a)/2. Entire.

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::quadrature::between;
-use super::{Atom, Break, Law, Parameter, SharedLaw, positive, shared};
+use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, positive, shared};
 use crate::Result;
 use crate::numerics::legendre::RULE;
 use crate::random::Stream;
@@ -240,6 +240,16 @@ impl Law for Root {
             }
         };
         self.areas.breaks().into_iter().map(moved).collect()
+    }
+
+    /// Those of A, δx = c δA/(2√A) in their middle.
+    fn zones(&self) -> Vec<Zone> {
+        let root = |zone: Zone| Zone {
+            low: self.factor * zone.low.sqrt(),
+            high: self.factor * zone.high.sqrt(),
+            resolution: 0.5 * self.factor * zone.resolution / (0.5 * (zone.low + zone.high)).sqrt(),
+        };
+        self.areas.zones().into_iter().map(root).collect()
     }
 
     /// S(x) = S_A(x²/c²): the exponential tail of an area is a Gaussian one of its root; an area whose tail is heavier

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Atom, Break, Law, Parameter, SharedLaw, not_negative, unknown};
+use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, not_negative, unknown};
 use crate::numerics::legendre::RULE;
 use crate::random::Stream;
 use crate::{Error, Result};
@@ -272,9 +272,9 @@ impl Law for Tabulated {
         breaks
     }
 
-    /// Linear between its breaks.
-    fn resolution(&self) -> f64 {
-        f64::INFINITY
+    /// A polynomial between its breaks.
+    fn zones(&self) -> Vec<Zone> {
+        vec![Zone { low: self.quantile(0.0), high: self.upper_quantile(0.0), resolution: f64::INFINITY }]
     }
 
     /// Σ e^{−sa} h ∫_0^1 e^{−sht} p(a + ht) dt over cells, plus the point masses. Entire.

@@ -1,12 +1,11 @@
 //! The life of contacts that know neither time nor temperature: they break when the stretch reaches the threshold.
 
 use super::Life;
-use crate::contacts::Stiffness;
-use crate::law::{Atom, Break, Law, SharedLaw};
+use crate::contacts::{Contacts, Stiffness};
+use crate::law::{Atom, Break, Law, SharedLaw, Zone};
 use crate::numerics::legendre::RULE;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
-use crate::{Error, Result};
 
 /// What a curve leaves out, of a total of 1 (or of the mean life, force, …).
 const RESOLUTION: f64 = 1e-14;
@@ -23,17 +22,17 @@ const NEGLIGIBLE: f64 = 1e-18;
 /// follows from what breaks later: with s the survival, m the force and q its square,
 /// s' = −b₀, m' = s − b₁, q' = 2m − b₂. For k = κ x_s, one order of ξ more: see `per_threshold`.
 ///
-/// # Errors
-/// Starts where no threshold is left (S = 0), if `conditional`.
-pub fn athermal(thresholds: &SharedLaw, stiffness: Stiffness, starts: &SharedLaw, conditional: bool) -> Result<Life> {
-    let births = Births::new(thresholds, starts, conditional)?;
+/// Contacts and starts are taken to have passed [`Contacts::check`].
+pub fn athermal(contacts: &Contacts, starts: &SharedLaw, conditional: bool) -> Life {
+    let Contacts { thresholds, stiffness, .. } = contacts;
+    let births = Births::new(contacts, starts, conditional);
     let breaks = births.breaks();
     let end = births.end();
     let edges = births.edges(&breaks, end);
     let moments = Piecewise::resolve_all(|u| births.breaking(u), &edges, end, RESOLUTION);
     let carried = Carried { births: &births, moments: &moments, end };
     let survival = carried.survival();
-    let (force, square) = match stiffness {
+    let (force, square) = match *stiffness {
         Stiffness::Equal(_) => carried.equal(&survival),
         Stiffness::PerThreshold(_) => carried.per_threshold(),
     };
@@ -43,7 +42,15 @@ pub fn athermal(thresholds: &SharedLaw, stiffness: Stiffness, starts: &SharedLaw
     let [breaking, ..] = moments;
     let breaking = Kernel::new(breaking, breaks);
     let Births { density, atoms, .. } = births;
-    Ok(Life { survival, breaking, force, square, births: density, birth_atoms: atoms, thresholds: thresholds.clone() })
+    Life {
+        survival,
+        breaking,
+        force,
+        square,
+        births: density,
+        birth_atoms: atoms,
+        thresholds: thresholds.clone(),
+    }
 }
 
 /// Moments of the breaking stretches are kept up to the fourth.
@@ -93,6 +100,8 @@ struct Births<'a> {
     thresholds: &'a dyn Law,
     starts: &'a dyn Law,
     conditional: bool,
+    /// The highest start.
+    top: f64,
     density: Piecewise,
     atoms: Vec<Atom>,
     /// Breaks and atoms of P_c.
@@ -104,33 +113,31 @@ struct Births<'a> {
 }
 
 impl<'a> Births<'a> {
-    fn new(thresholds: &'a SharedLaw, starts: &'a SharedLaw, conditional: bool) -> Result<Self> {
-        let (thresholds, starts) = (thresholds.as_ref(), starts.as_ref());
-        let top = starts.upper_quantile(NEGLIGIBLE);
-        if conditional && thresholds.survival(top) == 0.0 {
-            let last = thresholds.upper_quantile(0.0);
-            let expected = format!("stretches below the highest threshold, {last}");
-            return Err(Error::invalid("", expected, format!("stretches up to {top}")));
-        }
+    fn new(contacts: &'a Contacts, starts: &'a SharedLaw, conditional: bool) -> Self {
+        let (thresholds, starts) = (contacts.thresholds.as_ref(), starts.as_ref());
+        let all = starts.upper_quantile(NEGLIGIBLE);
+        let top = if conditional { all.min(contacts.highest_start()) } else { all };
         let over = |r: f64| if conditional { thresholds.survival(r) } else { 1.0 };
-        let atoms = starts.atoms().into_iter().map(|a| Atom { weight: a.weight / over(a.position), ..a }).collect();
+        let atoms =
+            starts.atoms().into_iter().map(|a| Atom { weight: a.weight / over(a.position), ..a }).collect();
         let hazards = with_atoms(thresholds);
         let (density, struck, points) = (Piecewise::default(), Vec::new(), Vec::new());
-        let mut births = Self { thresholds, starts, conditional, density, atoms, hazards, struck, points };
+        let mut births =
+            Self { thresholds, starts, conditional, top, density, atoms, hazards, struck, points };
         births.struck = births.struck();
-        if has_density(starts) {
-            let edges: Vec<f64> = births.start_breaks().iter().map(|b| b.position).collect();
+        if !starts.zones().is_empty() {
+            let breaks: Vec<f64> = births.start_breaks().iter().map(|b| b.position).collect();
+            let edges = edges(&starts.zones(), &breaks, top);
             births.density = Piecewise::resolve(|r| starts.density(r) / over(r), &edges, top, RESOLUTION);
             births.density.each_point(births.widest(), |r, weight| births.points.push((r, weight)));
             births.points.retain(|p| p.1 > 1e-3 * NEGLIGIBLE);
         }
-        Ok(births)
+        births
     }
 
     /// Widest interval of r on which P_c(r + u) is resolved between its breaks.
     fn widest(&self) -> f64 {
-        let resolution = self.thresholds.resolution();
-        if resolution > 0.0 { 1.4 * resolution } else { f64::INFINITY }
+        CELL * self.thresholds.zones().iter().map(|zone| zone.resolution).fold(f64::INFINITY, f64::min)
     }
 
     fn over(&self, r: f64) -> f64 {
@@ -185,8 +192,7 @@ impl<'a> Births<'a> {
 
     /// The advance after which nothing is left, nor of the second moment.
     fn end(&self) -> f64 {
-        let top = self.starts.upper_quantile(NEGLIGIBLE);
-        let left = self.over(top).max(1e-250);
+        let left = self.over(self.top);
         let mut last = self.thresholds.upper_quantile(NEGLIGIBLE * left);
         let whole = self.thresholds.upper_moment(2, -1.0);
         while self.thresholds.upper_moment(2, last) > 1e-16 * left * whole {
@@ -195,28 +201,13 @@ impl<'a> Births<'a> {
         last - self.starts.quantile(0.0)
     }
 
-    /// Cell boundaries to begin with: the breaks, and where contacts break, cells as wide as a Gaussian of that
-    /// resolution allows, wider in far tails.
+    /// Cell boundaries of the life to begin with.
     fn edges(&self, breaks: &[Break], end: f64) -> Vec<f64> {
-        let top = self.starts.upper_quantile(NEGLIGIBLE);
-        let quiet = self.thresholds.quantile(NEGLIGIBLE) - top;
-        let bulk = self.thresholds.mean() + 10.0 * self.thresholds.std();
-        let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).chain([quiet]).collect();
-        stops.retain(|&u| u > 0.0 && u < end);
-        stops.push(end);
-        stops.sort_by(f64::total_cmp);
-        let mut edges = vec![0.0];
-        for stop in stops {
-            let mut at = edges[edges.len() - 1];
-            let even = if at < quiet { 0.0 } else { (stop.min(bulk) - at).max(0.0) };
-            let step = even / (even / self.widest()).ceil().max(1.0);
-            while at + 1.5 * step < stop && step > 0.0 {
-                at += if at > bulk { at } else { step };
-                edges.push(at.min(stop));
-            }
-            edges.push(stop);
-        }
-        edges
+        let bottom = self.starts.quantile(0.0);
+        let ahead = |z: Zone| Zone { low: z.low - self.top, high: z.high - bottom, ..z };
+        let zones: Vec<Zone> = self.thresholds.zones().into_iter().map(ahead).collect();
+        let breaks: Vec<f64> = breaks.iter().map(|b| b.position).collect();
+        edges(&zones, &breaks, end)
     }
 
     /// ∫ν(r) weight(r + u) dr, atoms included, weight smooth where the density of ν is.
@@ -233,7 +224,8 @@ impl<'a> Births<'a> {
         };
         self.atoms.iter().for_each(|a| add(a.position, a.weight));
         let end = self.density.end();
-        let mut cuts: Vec<f64> = self.hazards.iter().map(|b| b.position - u).filter(|&r| r > 0.0 && r < end).collect();
+        let mut cuts: Vec<f64> =
+            self.hazards.iter().map(|b| b.position - u).filter(|&r| r > 0.0 && r < end).collect();
         if cuts.is_empty() {
             self.points.iter().for_each(|&(r, weight)| add(r, weight));
             return sums;
@@ -267,8 +259,34 @@ impl<'a> Births<'a> {
     }
 }
 
-fn has_density(law: &dyn Law) -> bool {
-    law.atoms().iter().map(|a| a.weight).sum::<f64>() < 1.0 - 1e-12
+/// Width of the cells to begin with, in units of a zone's resolution: a Gaussian is then left out to 1e-14.
+const CELL: f64 = 1.4;
+
+/// Cell boundaries on [0, end] to begin with: the breaks, and cells as narrow as the zones that they lie in ask for.
+fn edges(zones: &[Zone], breaks: &[f64], end: f64) -> Vec<f64> {
+    let mut stops: Vec<f64> =
+        zones.iter().flat_map(|z| [z.low, z.high]).chain(breaks.iter().copied()).collect();
+    stops.retain(|&u| u > 0.0 && u < end);
+    stops.push(end);
+    stops.sort_by(f64::total_cmp);
+    let mut edges = vec![0.0];
+    for stop in stops {
+        let at = edges[edges.len() - 1];
+        let over = zones.iter().filter(|z| z.low < stop && z.high > at);
+        let Some(resolution) = over.map(|z| z.resolution).reduce(f64::min) else {
+            // A long tail, if anything: it varies on the scale of its distance.
+            edges.extend(
+                std::iter::successors(Some(2.0 * at), |u| Some(2.0 * u))
+                    .take_while(|&u| at > 0.0 && u < stop),
+            );
+            edges.push(stop);
+            continue;
+        };
+        let count = ((stop - at) / (CELL * resolution) - 1e-9).ceil().max(1.0);
+        let inner = (1..count as usize).map(|k| at + (stop - at) * k as f64 / count);
+        edges.extend(inner.chain([stop]));
+    }
+    edges
 }
 
 fn with_atoms(law: &dyn Law) -> Vec<Break> {

@@ -93,7 +93,12 @@ impl Life {
 
     /// Density at stretch x of contacts that have been born at the rate `rate(advance)` per contact, the advance
     /// counted back from now; `cuts` are advances at which that rate is not smooth.
-    pub fn standing_density(&self, x: f64, rate: impl Fn(f64) -> f64, cuts: impl Iterator<Item = f64>) -> f64 {
+    pub fn standing_density(
+        &self,
+        x: f64,
+        rate: impl Fn(f64) -> f64,
+        cuts: impl Iterator<Item = f64>,
+    ) -> f64 {
         let survival = self.thresholds.survival(x);
         if survival == 0.0 {
             return 0.0;

@@ -54,13 +54,11 @@ impl MasterEquation {
     /// The master equation of contacts that start from `initial`.
     ///
     /// # Errors
-    /// Re-forming (`contacts.reforming`) or initial stretches (`initial`, read as conditional) where no threshold is
-    /// left: S = 0.
+    /// Those of [`Contacts::check`].
     pub fn new(contacts: Contacts, initial: &Initial) -> Result<Self> {
-        let Contacts { thresholds, stiffness, reforming, .. } = &contacts;
-        let reborn = athermal(thresholds, *stiffness, reforming, true).map_err(|e| e.under("contacts.reforming"))?;
-        let conditional = initial.start == Start::Conditional;
-        let first = athermal(thresholds, *stiffness, &initial.law, conditional).map_err(|e| e.under("initial"))?;
+        contacts.check(initial)?;
+        let reborn = athermal(&contacts, &contacts.reforming, true);
+        let first = athermal(&contacts, &initial.law, initial.start == Start::Conditional);
         Ok(Self { contacts, first: Arc::new(first), reborn: Arc::new(reborn) })
     }
 

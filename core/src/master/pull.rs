@@ -40,7 +40,17 @@ impl Pull {
     ) -> Self {
         let (first, reborn) = lives;
         let slope = force.derivative();
-        Self { first, reborn, solution, distance, tolerance, stiffness, force, slope, square: OnceLock::new() }
+        Self {
+            first,
+            reborn,
+            solution,
+            distance,
+            tolerance,
+            stiffness,
+            force,
+            slope,
+            square: OnceLock::new(),
+        }
     }
 
     /// The distance asked for; the solution may reach further.
@@ -102,7 +112,8 @@ impl Pull {
 
     fn density_at(&self, position: f64, x: f64) -> f64 {
         let past = self.struck_by(position);
-        let single: f64 = past.iter().map(|a| a.weight * self.reborn.stretch_density(x, position - a.position)).sum();
+        let single: f64 =
+            past.iter().map(|a| a.weight * self.reborn.stretch_density(x, position - a.position)).sum();
         let rate = |u: f64| if u > position { 0.0 } else { self.breaking_rate(position - u) };
         let edges = &self.solution.density.boundaries;
         let recent = edges.partition_point(|&b| b < position - x);
@@ -128,7 +139,8 @@ impl Pull {
         atoms.retain(|a| a.weight > 0.0);
         atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
         atoms.dedup_by(|b, a| {
-            let same = same_position(a.position, b.position) || (a.position - b.position).abs() < 1e-13 * position;
+            let same =
+                same_position(a.position, b.position) || (a.position - b.position).abs() < 1e-13 * position;
             a.weight += if same { b.weight } else { 0.0 };
             same
         });
@@ -183,7 +195,8 @@ impl Pull {
         if jumps.into_iter().any(falls) {
             return f64::INFINITY;
         }
-        let steepest = (0..self.force.coefficients.len()).map(|cell| self.steepest(cell)).fold(f64::INFINITY, f64::min);
+        let steepest =
+            (0..self.force.coefficients.len()).map(|cell| self.steepest(cell)).fold(f64::INFINITY, f64::min);
         -self.stiffness * steepest
     }
 

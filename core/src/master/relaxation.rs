@@ -123,7 +123,8 @@ impl<'a> Transform<'a> {
     fn new(contacts: &'a Contacts, reborn: &'a Life) -> Self {
         let law = &contacts.thresholds;
         let atoms = contacts.reforming.atoms();
-        let single = atoms.first().filter(|a| a.weight > 1.0 - 1e-15 && law.survival(a.position) > 1.0 - 1e-15);
+        let single =
+            atoms.first().filter(|a| a.weight > 1.0 - 1e-15 && law.survival(a.position) > 1.0 - 1e-15);
         let compact = law.upper_quantile(0.0).is_finite();
         let rate = law.decay_rate();
         // Lives are known to where S = 1e-18: of that, e^{8} times more is still 1e-14.
@@ -148,7 +149,8 @@ impl<'a> Transform<'a> {
             return kernel_slope(self.reborn.breaking(), s);
         }
         let radius = 0.02 / self.mean;
-        let around = (0..8).map(|k| Complex64::from_polar(radius, f64::from(k) * std::f64::consts::FRAC_PI_4));
+        let around =
+            (0..8).map(|k| Complex64::from_polar(radius, f64::from(k) * std::f64::consts::FRAC_PI_4));
         around.map(|h| self.breaking(s + h) / h).sum::<Complex64>() / 8.0
     }
 
@@ -205,8 +207,10 @@ impl<'a> Transform<'a> {
         let axis: Vec<f64> = (0..=(top / step) as usize)
             .map(|k| (1.0 - self.breaking(Complex64::new(0.0, (k + 1) as f64 * step))).norm())
             .collect();
-        let dips = (1..axis.len().saturating_sub(1)).filter(|&k| axis[k] <= axis[k - 1] && axis[k] < axis[k + 1]);
-        let mut guesses: Vec<_> = dips.map(|k| Complex64::new(-1e-3 / self.mean, (k + 1) as f64 * step)).collect();
+        let dips =
+            (1..axis.len().saturating_sub(1)).filter(|&k| axis[k] <= axis[k - 1] && axis[k] < axis[k + 1]);
+        let mut guesses: Vec<_> =
+            dips.map(|k| Complex64::new(-1e-3 / self.mean, (k + 1) as f64 * step)).collect();
         guesses.extend(self.harmonics(HARMONICS as u32));
         if density > 1 {
             let grid = (1..60).flat_map(|k| [0.5, 1.0, 2.0, 4.0].map(|re| (re, f64::from(k) * 0.25)));

@@ -33,7 +33,8 @@ impl Piecewise {
         end: f64,
         tolerance: f64,
     ) -> [Self; K] {
-        let mut edges: Vec<f64> = edges.iter().copied().filter(|&x| x > 0.0 && x < end).chain([0.0, end]).collect();
+        let mut edges: Vec<f64> =
+            edges.iter().copied().filter(|&x| x > 0.0 && x < end).chain([0.0, end]).collect();
         edges.sort_by(f64::total_cmp);
         edges.dedup_by(|b, a| *b - *a <= f64::EPSILON * end);
         let mut out = std::array::from_fn(|_| Self { boundaries: vec![0.0], coefficients: Vec::new() });

@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial, Start, Stiffness};
-use asperity::law::{Exponential, Gamma, Gaussian, Lognormal, Mixture, Point, Rectangular, SharedLaw, Weibull};
+use asperity::law::{
+    Exponential, Gamma, Gaussian, Lognormal, Mixture, Point, Rectangular, SharedLaw, Weibull,
+};
 use asperity::master::MasterEquation;
 
 pub fn gaussian(mean: f64, std: f64) -> SharedLaw {

@@ -1,0 +1,191 @@
+//! What the density on one cell adds to the convolution on another: a small matrix, computed once per run and lag.
+
+use super::kernel::Kernel;
+use super::mesh::{Mesh, Past, SHORT_RUN};
+use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments};
+use crate::numerics::piecewise::Piecewise;
+
+/// A matrix from the Gauss values of one cell to those of another, column by column.
+pub(super) type Block = [Nodal; NODES];
+
+/// A block between cells a given number of widths apart.
+pub(super) struct Lagged {
+    /// `None` where the kernel vanishes.
+    pub(super) block: Option<Box<Block>>,
+    /// Whether the kernel is smooth over the block, so that it sees of a source no more than a polynomial.
+    pub(super) smooth: bool,
+}
+
+/// The blocks of one kernel on the latest run of a mesh, each computed once.
+pub(super) struct Blocks<'a> {
+    kernel: &'a Kernel,
+    /// By lag.
+    cached: Vec<Lagged>,
+    run: u32,
+    past: Option<Vec<Past>>,
+}
+
+impl<'a> Blocks<'a> {
+    pub(super) fn new(kernel: &'a Kernel) -> Self {
+        Self { kernel, cached: Vec::new(), run: u32::MAX, past: None }
+    }
+
+    pub(super) fn reset(&mut self, run: u32) {
+        self.run = run;
+        self.cached.clear();
+        self.past = None;
+    }
+
+    /// Adds ∫ over the cells that have values of k(X_i − Y) g(Y) dY to the values at the points of `cell`, one of
+    /// them or the next. `density` holds the same cells as series.
+    pub(super) fn add_history(
+        &mut self,
+        mesh: &Mesh,
+        cell: usize,
+        values: &[Nodal],
+        density: &Piecewise,
+        out: &mut Nodal,
+    ) {
+        if mesh.run_of[cell] != self.run {
+            self.reset(mesh.run_of[cell]);
+        }
+        let run = mesh.runs[self.run as usize];
+        let (end, ahead) = (self.kernel.curve().end(), cell - run.first);
+        let near = |lag: usize| (lag as f64 - 1.0) * run.width < end;
+        for source in (run.first..values.len()).rev().take_while(|source| near(cell - source)) {
+            if let Some(block) = &self.within_run(run.width, cell - source).block {
+                apply(block, &values[source], out);
+            }
+        }
+        if self.past.is_none() && ahead >= SHORT_RUN && run.first > 0 {
+            self.past = Past::of(run, density, end);
+        }
+        let Some(past) = self.past.take() else {
+            return self.add_cells(mesh, cell, &values[..run.first.min(values.len())], out);
+        };
+        for (k, source) in past.iter().enumerate().take_while(|(k, _)| near(ahead + 1 + k)) {
+            let lagged = self.within_run(run.width, ahead + 1 + k);
+            match &lagged.block {
+                Some(block) if lagged.smooth || source.parts.is_empty() => apply(block, &source.values, out),
+                _ if lagged.smooth => {}
+                _ => source.parts.iter().for_each(|(middle, half, values)| {
+                    if let Some(block) = block(self.kernel, mesh.cell(cell), (*middle, *half)).block {
+                        apply(&block, values, out);
+                    }
+                }),
+            }
+        }
+        self.past = Some(past);
+    }
+
+    /// The contributions of cells of other runs, one by one.
+    fn add_cells(&self, mesh: &Mesh, cell: usize, values: &[Nodal], out: &mut Nodal) {
+        let (start, end) = (mesh.boundaries[cell], self.kernel.curve().end());
+        let near = |source: &usize| start - mesh.boundaries[source + 1] < end;
+        for source in (0..values.len()).rev().take_while(near) {
+            if let Some(block) = block(self.kernel, mesh.cell(cell), mesh.cell(source)).block {
+                apply(&block, &values[source], out);
+            }
+        }
+    }
+
+    /// The block between cells `lag` apart in the current run.
+    fn within_run(&mut self, width: f64, lag: usize) -> &Lagged {
+        while self.cached.len() <= lag {
+            let gap = self.cached.len() as f64 * width;
+            self.cached.push(block(self.kernel, (gap, 0.5 * width), (0.0, 0.5 * width)));
+        }
+        &self.cached[lag]
+    }
+}
+
+/// out += block · values.
+#[inline]
+pub(super) fn apply(block: &Block, values: &Nodal, out: &mut Nodal) {
+    for (column, value) in block.iter().zip(values) {
+        for (sum, entry) in out.iter_mut().zip(column) {
+            *sum += entry * value;
+        }
+    }
+}
+
+/// Entries of a block below this are left out: a thousand such blocks would add 1e-16 of the solution.
+const NEGLIGIBLE: f64 = 1e-20;
+
+/// The block ∫_source ℓ_j(Y) k(X_i − Y) dY for the Gauss points X_i of the cell `target`.
+pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> Lagged {
+    let gap = target.0 - source.0;
+    let reach = target.1 + source.1;
+    if 2.0 * source.1 * kernel.bound(gap - reach, gap + reach) < NEGLIGIBLE {
+        return Lagged { block: None, smooth: true };
+    }
+    let mut out = Box::new([[0.0; NODES]; NODES]);
+    let (mut largest, mut smooth) = (0.0_f64, true);
+    let mut cuts = Vec::new();
+    for i in 0..NODES {
+        let offset = gap + target.1 * RULE.nodes[i];
+        let (low, high) = ((offset - source.1).max(0.0), offset + source.1);
+        if high <= 0.0 || low >= kernel.curve().end() {
+            continue;
+        }
+        cuts.clear();
+        cuts.push(low);
+        kernel.splits(low, high, 2.0 * source.1, &mut cuts);
+        cuts.push(high);
+        let mut row = [0.0; NODES];
+        if cuts.len() == 2 && offset >= source.1 {
+            for j in 0..NODES {
+                row[j] = source.1 * RULE.weights[j] * kernel.curve().value(offset - source.1 * RULE.nodes[j]);
+            }
+        } else {
+            smooth = false;
+            row = split_row(kernel, offset, source.1, &cuts);
+        }
+        for j in 0..NODES {
+            out[j][i] = row[j];
+            largest = largest.max(row[j].abs());
+        }
+    }
+    Lagged { block: (largest > NEGLIGIBLE).then_some(out), smooth }
+}
+
+/// One row of a block whose integrand is smooth only between `cuts` in u.
+fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64]) -> Nodal {
+    let (curve, mut moments) = (kernel.curve(), [0.0; NODES]);
+    for pair in cuts.windows(2) {
+        let (middle, part) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+        let Some(cell) = curve.find(middle) else { continue };
+        // One lookup serves the whole part where it lies in one cell.
+        let inside = curve.boundaries[cell] <= pair[0] && pair[1] <= curve.boundaries[cell + 1];
+        for (t, w) in RULE.nodes.iter().zip(&RULE.weights) {
+            let u = middle + part * t;
+            let value = if inside { curve.value_in(cell, u) } else { curve.value(u) };
+            add_moments(((offset - u) / half).clamp(-1.0, 1.0), part * w * value, &mut moments);
+        }
+    }
+    RULE.functional(&moments)
+}
+
+/// Inverse of a small matrix by Gauss–Jordan elimination with row pivoting (the matrices are near the identity).
+pub(super) fn inverted(mut a: Block) -> Block {
+    let mut out = [[0.0; NODES]; NODES];
+    (0..NODES).for_each(|i| out[i][i] = 1.0);
+    // Columns are stored together, so this eliminates on the transpose, whose inverse is the transpose of the inverse.
+    for pivot in 0..NODES {
+        let best =
+            (pivot..NODES).max_by(|&p, &q| a[p][pivot].abs().total_cmp(&a[q][pivot].abs())).unwrap_or(pivot);
+        a.swap(pivot, best);
+        out.swap(pivot, best);
+        let scale = 1.0 / a[pivot][pivot];
+        a[pivot].iter_mut().chain(out[pivot].iter_mut()).for_each(|x| *x *= scale);
+        let (row, result) = (a[pivot], out[pivot]);
+        for other in (0..NODES).filter(|&k| k != pivot) {
+            let factor = a[other][pivot];
+            (0..NODES).for_each(|k| {
+                a[other][k] -= factor * row[k];
+                out[other][k] -= factor * result[k];
+            });
+        }
+    }
+    out
+}

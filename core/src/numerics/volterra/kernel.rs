@@ -1,0 +1,99 @@
+//! The known function of the convolution: a density with its breaks and atoms.
+
+use crate::numerics::breaks::{Atom, Break, same_position};
+use crate::numerics::piecewise::Piecewise;
+
+/// A density on u ≥ 0 with its breaks, atoms among them.
+#[derive(Debug, Clone, Default)]
+pub struct Kernel {
+    curve: Piecewise,
+    breaks: Vec<Break>,
+    /// For each boundary of the curve: is it a break?
+    hard: Vec<bool>,
+    /// For each cell of the curve: what it is at most.
+    bounds: Vec<f64>,
+}
+
+impl Kernel {
+    /// A kernel from its density and all its breaks, by rising position.
+    pub fn new(curve: Piecewise, breaks: Vec<Break>) -> Self {
+        let next = |x: f64| breaks.partition_point(|b| b.position < x * (1.0 - 1e-12));
+        let is_break = |x: f64| breaks.get(next(x)).is_some_and(|b| same_position(b.position, x));
+        let hard = curve.boundaries.iter().map(|&x| is_break(x)).collect();
+        let bounds = curve.coefficients.iter().map(|c| c.iter().map(|c| c.abs()).sum()).collect();
+        Self { curve, breaks, hard, bounds }
+    }
+
+    /// The density.
+    pub fn curve(&self) -> &Piecewise {
+        &self.curve
+    }
+
+    /// The breaks.
+    pub fn breaks(&self) -> &[Break] {
+        &self.breaks
+    }
+
+    /// Point masses.
+    pub fn atoms(&self) -> impl Iterator<Item = Atom> + '_ {
+        let atoms = self.breaks.iter().filter(|b| b.is_atom());
+        atoms.map(|b| Atom { position: b.position, weight: b.amplitude })
+    }
+
+    /// Boundaries in (low, high) at which a quadrature over cells of width `width` must be split.
+    pub(super) fn splits(&self, low: f64, high: f64, width: f64, out: &mut Vec<f64>) {
+        let edges = &self.curve.boundaries;
+        let first = edges.partition_point(|&b| b <= low);
+        for k in first..edges.len() {
+            if edges[k] >= high {
+                break;
+            }
+            let left = k.checked_sub(1).map_or(f64::INFINITY, |j| edges[k] - edges[j]);
+            let right = edges.get(k + 1).map_or(f64::INFINITY, |b| b - edges[k]);
+            if self.hard[k] || left.min(right) < 0.49 * width {
+                out.push(edges[k]);
+            }
+        }
+    }
+
+    /// Cells of the curve that overlap [low, high].
+    fn cells_within(&self, low: f64, high: f64) -> std::ops::Range<usize> {
+        let edges = &self.curve.boundaries;
+        let first = edges.partition_point(|&b| b <= low).saturating_sub(1);
+        first..edges.partition_point(|&b| b < high).min(self.bounds.len())
+    }
+
+    /// The most that |curve| can be on [low, high].
+    pub(super) fn bound(&self, low: f64, high: f64) -> f64 {
+        self.bounds[self.cells_within(low, high)].iter().fold(0.0, |most, &b| most.max(b))
+    }
+
+    /// Whether [low, high] holds cells of the curve much narrower than itself with a mass above `mass`.
+    pub(super) fn hides(&self, low: f64, high: f64, mass: f64) -> bool {
+        self.cells_within(low, high).any(|cell| {
+            let width = 2.0 * self.curve.cell(cell).1;
+            width < 0.25 * (high - low) && self.bounds[cell] * width > mass
+        })
+    }
+
+    /// The mass of the density.
+    pub(super) fn mass(&self) -> f64 {
+        self.curve.integral()
+    }
+
+    /// The width below which the cells hold the fraction `light` of the mass.
+    pub(super) fn narrow(&self, light: f64) -> f64 {
+        let width = |cell: usize| 2.0 * self.curve.cell(cell).1;
+        let mut cells: Vec<_> = (0..self.bounds.len())
+            .map(|k| (width(k), width(k) * self.curve.coefficients[k][0].abs()))
+            .collect();
+        cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let enough = light * cells.iter().map(|cell| cell.1).sum::<f64>();
+        let mut mass = 0.0;
+        let reached = |cell: &&(f64, f64)| {
+            mass += cell.1;
+            mass > enough
+        };
+        cells.iter().find(reached).map_or(f64::INFINITY, |cell| cell.0)
+    }
+}

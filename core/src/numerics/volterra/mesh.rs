@@ -1,0 +1,86 @@
+//! The cells of a solution, in runs of equal width, and the past of a run in its own step.
+
+use crate::numerics::legendre::{NODES, Nodal, RULE};
+use crate::numerics::piecewise::Piecewise;
+
+/// Consecutive cells of one width.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Run {
+    pub(super) first: usize,
+    pub(super) start: f64,
+    pub(super) width: f64,
+}
+
+/// The cells of a solution and the runs that they form.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Mesh {
+    pub(super) boundaries: Vec<f64>,
+    pub(super) runs: Vec<Run>,
+    pub(super) run_of: Vec<u32>,
+}
+
+impl Mesh {
+    pub(super) fn cells(&self) -> usize {
+        self.run_of.len()
+    }
+
+    /// Middle and half width; in a run, middles are exact multiples of the width apart.
+    pub(super) fn cell(&self, cell: usize) -> (f64, f64) {
+        let run = self.runs[self.run_of[cell] as usize];
+        (run.start + ((cell - run.first) as f64 + 0.5) * run.width, 0.5 * run.width)
+    }
+}
+
+/// Part of the past of a run, as wide as its cells and in step with them.
+pub(super) struct Past {
+    /// Gauss values of the least-squares fit to the density there: all that a kernel smooth over it can see.
+    pub(super) values: Nodal,
+    /// The cells it is made of, cut at its ends: middle, half width, Gauss values. Empty if the fit is the density.
+    pub(super) parts: Vec<(f64, f64, Nodal)>,
+}
+
+/// Runs longer than this have their past made ready in their own step.
+pub(super) const SHORT_RUN: usize = 3;
+
+/// Pasts of more cells than this are not made.
+const LONGEST_PAST: usize = 16_384;
+
+impl Past {
+    /// The past of a run back to 0 or `reach`, latest first; `None` where it would be too long.
+    pub(super) fn of(run: Run, density: &Piecewise, reach: f64) -> Option<Vec<Self>> {
+        let count = (run.start.min(reach) / run.width - 1e-9).ceil();
+        let back = |k: usize| run.start - k as f64 * run.width;
+        (count <= LONGEST_PAST as f64)
+            .then(|| (0..count as usize).map(|k| Self::new(density, back(k + 1), back(k))).collect())
+    }
+
+    fn new(density: &Piecewise, low: f64, high: f64) -> Self {
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let edges = &density.boundaries;
+        // Cells that reach in by rounding alone are none of its own.
+        let sliver = 1e-9 * half;
+        let first = edges.partition_point(|&b| b <= low + sliver).saturating_sub(1);
+        let mut parts = Vec::new();
+        for cell in first..density.coefficients.len() {
+            let (a, b) = (edges[cell].max(low), edges[cell + 1].min(high));
+            if edges[cell] >= high - sliver {
+                break;
+            }
+            let (m, h) = (0.5 * (a + b), 0.5 * (b - a));
+            parts.push((m, h, RULE.nodes.map(|t| density.value_in(cell, m + h * t))));
+        }
+        if parts.len() == 1 && parts[0].1 > half * (1.0 - 1e-6) {
+            return Self { values: parts[0].2, parts: Vec::new() };
+        }
+        let mut values = [0.0; NODES];
+        for (m, h, part) in &parts {
+            for i in 0..NODES {
+                let cardinals = RULE.cardinals((m + h * RULE.nodes[i] - middle) / half);
+                let weight = h / half * RULE.weights[i] * part[i];
+                (0..NODES).for_each(|j| values[j] += weight * cardinals[j]);
+            }
+        }
+        (0..NODES).for_each(|j| values[j] /= RULE.weights[j]);
+        Self { values, parts }
+    }
+}

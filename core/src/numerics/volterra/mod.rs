@@ -1,0 +1,114 @@
+//! Volterra equations of the second kind of convolution type, g = source + kernel ∗ g, to high order.
+//!
+//! g is a sum of atoms and of a density that is a polynomial on each cell of a mesh, collocated at the Gauss points
+//! (H. Brunner, *Collocation Methods for Volterra Integral and Related Functional Differential Equations*, 2004).
+//! Cell boundaries lie on every break of g that matters, so jumps cost no accuracy; cells are halved where the
+//! polynomial is not resolved and grow again where it is. In a run of equal cells the history is a block
+//! Toeplitz product whose blocks are computed once.
+
+mod block;
+mod kernel;
+mod march;
+mod mesh;
+
+pub use kernel::Kernel;
+pub use march::solve;
+
+use self::block::Blocks;
+use self::mesh::Mesh;
+use super::breaks::Atom;
+use super::legendre::{NODES, Nodal, RULE};
+use super::piecewise::Piecewise;
+use crate::Result;
+use crate::monitor::{Monitor, report};
+
+/// The solution g of g = source + kernel ∗ g on [0, end].
+#[derive(Debug, Clone)]
+pub struct Solution {
+    mesh: Mesh,
+    /// Gauss values of the density, cell by cell.
+    values: Vec<Nodal>,
+    /// The density.
+    pub density: Piecewise,
+    /// The point masses, by rising position.
+    pub atoms: Vec<Atom>,
+    /// The largest tail of a cell (the last Legendre coefficients): an estimate of the error of the density.
+    pub tail: f64,
+}
+
+/// How fine the density is resolved.
+#[derive(Debug, Clone, Copy)]
+pub struct Accuracy {
+    /// A cell's tail may be this large (per unit of g) …
+    pub density: f64,
+    /// … or this large times the cell's width.
+    pub mass: f64,
+    /// Width of cells to begin with, in units of the narrow cells of source and kernel …
+    pub widening: f64,
+    /// … which together hold this fraction of their mass.
+    pub light: f64,
+    /// Whether cells may outgrow the kernel's own.
+    pub may_grow: bool,
+}
+
+/// Σ over atoms at or before x of weight × curve(x − position).
+pub fn struck(curve: &Piecewise, atoms: &[Atom], x: f64) -> f64 {
+    let end = curve.end();
+    let last = atoms.partition_point(|a| a.position <= x);
+    let within = atoms[..last].iter().rev().take_while(|a| x - a.position <= end);
+    within.map(|a| a.weight * curve.value(x - a.position)).sum()
+}
+
+impl Solution {
+    /// source + kernel ∗ g on the mesh of g, atoms of g included; the kernel must have none of its own.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] by the monitor.
+    pub fn convolve(
+        &self,
+        source: &Piecewise,
+        kernel: &Kernel,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Piecewise> {
+        let mut blocks = Blocks::new(kernel);
+        let mut coefficients = Vec::with_capacity(self.values.len());
+        for cell in 0..self.values.len() {
+            let (middle, half) = self.mesh.cell(cell);
+            let mut values = RULE.nodes.map(|t| {
+                let x = middle + half * t;
+                source.value(x) + struck(kernel.curve(), &self.atoms, x)
+            });
+            blocks.add_history(&self.mesh, cell, &self.values[..=cell], &self.density, &mut values);
+            coefficients.push(RULE.coefficients(&values));
+            if cell % 1024 == 1023 {
+                report(monitor, (cell + 1) as f64 / self.mesh.cells() as f64)?;
+            }
+        }
+        Ok(Piecewise { boundaries: self.mesh.boundaries.clone(), coefficients })
+    }
+
+    /// (source + kernel ∗ g)(x) at one x by quadrature over the density, not by blocks.
+    pub fn convolve_at(&self, source: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
+        let low = x - kernel.curve().end();
+        let first = self.mesh.boundaries.partition_point(|&b| b <= low).saturating_sub(1);
+        let cells = (first..self.values.len()).take_while(|&cell| self.mesh.boundaries[cell] < x);
+        let integral: f64 = cells.map(|cell| self.convolve_cell(cell, kernel, x)).sum();
+        source.value(x) + struck(kernel.curve(), &self.atoms, x) + integral
+    }
+
+    fn convolve_cell(&self, cell: usize, kernel: &Kernel, x: f64) -> f64 {
+        let (middle, half) = self.mesh.cell(cell);
+        let (low, high) = ((x - middle - half).max(0.0), x - middle + half);
+        let mut cuts = vec![low];
+        kernel.splits(low, high, 2.0 * half, &mut cuts);
+        cuts.push(high);
+        if cuts.len() == 2 && low > 0.0 {
+            // Far from a tiny cell, x − u would lose the place in it.
+            let at =
+                |i: usize| self.values[cell][i] * kernel.curve().value(x - middle - half * RULE.nodes[i]);
+            return half * (0..NODES).map(|i| RULE.weights[i] * at(i)).sum::<f64>();
+        }
+        let integrand = |u: f64| self.density.value_in(cell, x - u) * kernel.curve().value(u);
+        cuts.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum()
+    }
+}
