@@ -100,6 +100,10 @@ impl Law for Lognormal {
         Vec::new()
     }
 
+    fn laplace_is_closed(&self) -> bool {
+        false
+    }
+
     fn decay_rate(&self) -> f64 {
         0.0
     }
