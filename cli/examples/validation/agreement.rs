@@ -7,12 +7,11 @@ use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::{Exponential, Gamma, Lognormal, SharedLaw, Weibull};
 use asperity::master::{MasterEquation, Pull};
 use kuva::plot::{MarkerShape, ScatterPlot};
-use kuva::render::layout::TickFormat;
 use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, small};
+use crate::page::{Page, powers, small};
 use crate::style::{self, BLACK, BLUE, GREY};
 use crate::{equal, gaussian, point, rectangular, start};
 
@@ -29,7 +28,8 @@ struct Case {
 
 fn cases() -> Vec<Case> {
     let (relaxed, narrow) = (point(0.0), gaussian(1.0, 0.05));
-    let per_threshold = Contacts { stiffness: Stiffness::PerThreshold(1.0), ..equal(&gaussian(1.0, 0.2), &relaxed) };
+    let per_threshold =
+        Contacts { stiffness: Stiffness::PerThreshold(1.0), ..equal(&gaussian(1.0, 0.2), &relaxed) };
     let at_once = Initial { start: Start::Relaxed, ..start(&gaussian(0.9, 0.1)) };
     let of = |law: SharedLaw| equal(&law, &point(0.0));
     let rest = || start(&point(0.0));
@@ -37,9 +37,21 @@ fn cases() -> Vec<Case> {
         Case { name: "Fig. 2", contacts: of(narrow.clone()), initial: start(&gaussian(0.1, 0.025)) },
         Case { name: "Gaussian, c.v. 0.2", contacts: of(gaussian(1.0, 0.2)), initial: rest() },
         Case { name: "rectangular 0.75 to 1.25", contacts: of(rectangular(0.75, 1.25)), initial: rest() },
-        Case { name: "gamma, c.v. 0.5", contacts: of(Arc::new(Gamma::new(1.0, 0.5).unwrap())), initial: rest() },
-        Case { name: "Weibull, shape 3", contacts: of(Arc::new(Weibull::new(3.0, 1.1).unwrap())), initial: rest() },
-        Case { name: "lognormal, c.v. 0.5", contacts: of(Arc::new(Lognormal::new(1.0, 0.5).unwrap())), initial: rest() },
+        Case {
+            name: "gamma, c.v. 0.5",
+            contacts: of(Arc::new(Gamma::new(1.0, 0.5).unwrap())),
+            initial: rest(),
+        },
+        Case {
+            name: "Weibull, shape 3",
+            contacts: of(Arc::new(Weibull::new(3.0, 1.1).unwrap())),
+            initial: rest(),
+        },
+        Case {
+            name: "lognormal, c.v. 0.5",
+            contacts: of(Arc::new(Lognormal::new(1.0, 0.5).unwrap())),
+            initial: rest(),
+        },
         Case { name: "exponential", contacts: of(Arc::new(Exponential::new(1.0).unwrap())), initial: rest() },
         Case {
             name: "R = U(0, 0.2), below thresholds",
@@ -58,13 +70,15 @@ fn cases() -> Vec<Case> {
 
 impl Case {
     fn solved(&self) -> Pull {
-        let master = MasterEquation::new(self.contacts.clone(), &self.initial).expect("contacts that survive");
+        let master =
+            MasterEquation::new(self.contacts.clone(), &self.initial).expect("contacts that survive");
         master.pull(15.0, 1e-10, &mut ()).expect("the tolerance is reached")
     }
 
     /// F of an ensemble at X.
     fn drawn(&self, size: usize, seed: u64, position: f64) -> f64 {
-        let ensemble = Ensemble::new(self.contacts.clone(), self.initial.clone(), size, seed, Disorder::Annealed);
+        let ensemble =
+            Ensemble::new(self.contacts.clone(), self.initial.clone(), size, seed, Disorder::Annealed);
         let pull = ensemble.and_then(|ensemble| ensemble.pull(&[position], &Snapshots::default(), &mut ()));
         pull.expect("contacts that survive").force[0]
     }
@@ -74,7 +88,8 @@ impl Case {
         let exact = self.solved();
         let deviation = |seed: u64| {
             let position = POSITIONS[seed as usize % POSITIONS.len()];
-            (self.drawn(SIZE, seed, position) - exact.force(position)) / exact.force_std(position, SIZE as f64)
+            (self.drawn(SIZE, seed, position) - exact.force(position))
+                / exact.force_std(position, SIZE as f64)
         };
         (0..SEEDS).map(deviation).collect()
     }
@@ -129,7 +144,8 @@ fn distance(z: &[f64]) -> f64 {
     let mut z = z.to_vec();
     z.sort_by(f64::total_cmp);
     let n = z.len() as f64;
-    let off = |(i, &z): (usize, &f64)| (normal(z) - i as f64 / n).abs().max((normal(z) - (i + 1) as f64 / n).abs());
+    let off =
+        |(i, &z): (usize, &f64)| (normal(z) - i as f64 / n).abs().max((normal(z) - (i + 1) as f64 / n).abs());
     z.iter().enumerate().map(off).fold(0.0, f64::max)
 }
 
@@ -139,7 +155,8 @@ fn quantiles(z: &[f64]) -> Scene {
     let expected = |i: usize| law.quantile((i as f64 + 0.5) / z.len() as f64) - 100.0;
     // In the middle points lie so close that every 20th is enough.
     let shown = (0..z.len()).filter(|i| i % 20 == 0 || expected(*i).abs() > 2.0);
-    let points = ScatterPlot::new().with_data(shown.map(|i| (expected(i), z[i]))).with_color(BLUE).with_size(2.6);
+    let points =
+        ScatterPlot::new().with_data(shown.map(|i| (expected(i), z[i]))).with_color(BLUE).with_size(2.6);
     let plots = vec![line(vec![(-END, -END), (END, END)], GREY, 1.4, None), Plot::Scatter(points)];
     let layout = style::layout((-END, END), (-END, END))
         .with_x_label("Quantile of the standard normal law")
@@ -184,7 +201,7 @@ scatter itself is known to ± {:.0} % (one standard error).
     ];
     let layout = style::layout((5.0, 2e5), (1e-4, 1.0))
         .with_log_scale()
-        .with_tick_format(TickFormat::Sci)
+        .with_tick_format(powers())
         .with_x_label("Number of contacts N")
         .with_y_label("Standard deviation of F(5)");
     let caption = "Noise of the force against the number of contacts: ensembles, and the master equation at no cost in N.";

@@ -23,24 +23,40 @@ thresholds keeps their mass below 0, the solver cannot: where σ/x̄ ≥ 0.15 th
         small(TOLERANCE)
     ));
     page.head(&["thresholds", "mass below 0", "∣F − closed form∣", "∣∫Q − 1∣"]);
-    for (cv, beyond) in [(0.02, "0"), (0.05, "3e-89"), (0.1, "8e-24"), (0.15, "1.3e-11"), (0.2, "2.9e-7"), (0.3, "4.3e-4")] {
+    for (cv, beyond) in
+        [(0.02, "0"), (0.05, "3e-89"), (0.1, "8e-24"), (0.15, "1.3e-11"), (0.2, "2.9e-7"), (0.3, "4.3e-4")]
+    {
         let form = Gaussian::new(1.0, cv);
         row(&mut page, &format!("Gaussian, σ = {cv}"), beyond, &gaussian(1.0, cv), |x| form.force(x));
     }
     for half in [0.1, 0.25, 0.5, 1.0] {
         let form = Rectangular { min: 1.0 - half, max: 1.0 + half };
-        row(&mut page, &format!("rectangular, 1 ± {half}"), "–", &rectangular(1.0 - half, 1.0 + half), |x| form.force(x));
+        row(
+            &mut page,
+            &format!("rectangular, 1 ± {half}"),
+            "–",
+            &rectangular(1.0 - half, 1.0 + half),
+            |x| form.force(x),
+        );
     }
     let exponential: SharedLaw = Arc::new(Exponential::new(1.0).expect("a mean above 0"));
     row(&mut page, "exponential", "–", &exponential, |x| Erlang::with_mean(1, 1.0).force(x));
     for shape in [2, 4, 16, 100] {
         let form = Erlang::with_mean(shape, 1.0);
         let gamma = Gamma::new(1.0, 1.0 / f64::from(shape).sqrt()).expect("a mean and a std above 0");
-        row(&mut page, &format!("Erlang, shape {shape}"), "–", &(Arc::new(gamma) as SharedLaw), |x| form.force(x));
+        row(&mut page, &format!("Erlang, shape {shape}"), "–", &(Arc::new(gamma) as SharedLaw), |x| {
+            form.force(x)
+        });
     }
     row(&mut page, "identical, 1", "–", &point(1.0), |x| Identical { threshold: 1.0 }.force(x));
     let two = Mixture::new(vec![(0.5, point(1.0)), (0.5, point(2.0))]).expect("weights whose sum is 1");
-    row(&mut page, "1 and 2, one half each: oscillates for ever", "–", &(Arc::new(two) as SharedLaw), commensurate);
+    row(
+        &mut page,
+        "1 and 2, one half each: oscillates for ever",
+        "–",
+        &(Arc::new(two) as SharedLaw),
+        commensurate,
+    );
     page.end();
     page
 }
@@ -60,7 +76,13 @@ fn commensurate(position: f64) -> f64 {
     let mut force = 0.0;
     for n in 0..=position.floor() as usize {
         let stretch = position - n as f64;
-        let survival = if stretch < 1.0 { 1.0 } else if stretch < 2.0 { 0.5 } else { 0.0 };
+        let survival = if stretch < 1.0 {
+            1.0
+        } else if stretch < 2.0 {
+            0.5
+        } else {
+            0.0
+        };
         force += breaks * stretch * survival;
         (before, breaks) = (breaks, 0.5 * (breaks + before));
     }

@@ -5,12 +5,11 @@ use asperity::master::{Stepping, Variant};
 use asperity::numerics::legendre::RULE;
 use cpu_time::ThreadTime;
 use kuva::plot::{LegendEntry, MarkerShape, ScatterPlot};
-use kuva::render::layout::TickFormat;
 use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, below, small};
+use crate::page::{Page, below, decades, small};
 use crate::style::{self, BLACK, BLUE, GREEN, ORANGE, RED};
 use crate::{gaussian, grid, master};
 
@@ -59,13 +58,15 @@ solution to X = 20 and F at 1001 positions.
     let mut results = Vec::new();
     for (name, variant, ..) in VARIANTS {
         let steps = STEPS.into_iter().filter(|&step| !quick || step >= QUICK);
-        let measured: Vec<(f64, Measured)> = steps.map(|step| (step, stepped(variant, step, &exact))).collect();
+        let measured: Vec<(f64, Measured)> =
+            steps.map(|step| (step, stepped(variant, step, &exact))).collect();
         for (step, m) in &measured {
             errors(&mut page, name, *step, m, exact[index(5.0)]);
         }
         results.push(measured);
     }
-    let renewal: Vec<(f64, Measured)> = TOLERANCES.map(|tolerance| (tolerance, renewed(tolerance, &exact))).into();
+    let renewal: Vec<(f64, Measured)> =
+        TOLERANCES.map(|tolerance| (tolerance, renewed(tolerance, &exact))).into();
     for (tolerance, m) in &renewal {
         let cells = ["renewal".into(), small(*tolerance), below(m.at_five), String::new(), below(m.largest)];
         page.row(&cells);
@@ -120,8 +121,7 @@ fn exact() -> Vec<f64> {
     let initial = gaussian(0.1, 0.025);
     let edges: Vec<f64> = (0..=10).map(|i| f64::from(i) * 0.04).collect();
     let force = |x: f64| {
-        let weighted =
-            |y: f64| initial.density(y) * Gaussian::new(1.0, 0.05).starting_from(y, 0.0).force(x);
+        let weighted = |y: f64| initial.density(y) * Gaussian::new(1.0, 0.05).starting_from(y, 0.0).force(x);
         edges.windows(2).map(|edge| RULE.integrate(edge[0], edge[1], weighted)).sum()
     };
     grid(LAST, EVERY).into_iter().map(force).collect()
@@ -176,15 +176,19 @@ fn picture(results: &[Vec<(f64, Measured)>]) -> Scene {
     let named = VARIANTS.iter().map(|v| (v.0, v.2, v.3)).chain([renewal]);
     let (mut plots, mut legend): (style::Plots, Vec<LegendEntry>) = Default::default();
     for ((name, color, marker), results) in named.zip(results) {
-        let points: Vec<(f64, f64)> = results.iter().map(|r| (r.1.seconds, r.1.largest.max(1e-14))).collect();
+        // Decades: an axis that is logarithmic itself ends at 1e-10.
+        let place = |m: &Measured| (m.seconds.log10(), m.largest.max(1e-15).log10());
+        let points: Vec<(f64, f64)> = results.iter().map(|r| place(&r.1)).collect();
         plots.push(line(points.clone(), color, 1.4, None));
-        let markers = ScatterPlot::new().with_data(points).with_color(color).with_marker(marker).with_size(4.5);
+        let markers =
+            ScatterPlot::new().with_data(points).with_color(color).with_marker(marker).with_size(4.5);
         plots.push(Plot::Scatter(markers));
         legend.push(style::marker(name, color, marker));
     }
-    let layout = style::layout((1e-4, 10.0), (1e-14, 1.0))
-        .with_log_scale()
-        .with_tick_format(TickFormat::Sci)
+    let layout = style::layout((-4.5, 0.5), (-15.0, 0.0))
+        .with_x_tick_step(1.0)
+        .with_y_tick_step(3.0)
+        .with_tick_format(decades())
         .with_x_label("CPU time (s)")
         .with_y_label("Largest error of F, X ≤ 20");
     render_multiple(plots, style::legend_below(layout, legend))
@@ -219,21 +223,24 @@ fn readings(exact: &[f64]) -> Scene {
     let x = grid(END, EVERY);
     let with = |force: &[f64]| x.iter().copied().zip(force.iter().copied()).collect::<Vec<_>>();
     let mut literal = with(&steps(Variant::Literal, 1e-2, END));
-    let end = literal.iter().position(|p| !(0.0..TOP).contains(&p.1)).unwrap_or(literal.len());
-    literal.truncate(end);
+    let end = literal.iter().position(|p| !(0.0..TOP).contains(&p.1)).unwrap_or(literal.len() - 1);
+    literal.truncate(end + 1);
+    // It goes to the edge of the picture.
+    literal[end].1 = literal[end].1.clamp(0.0, TOP);
     let plots = vec![
         line(with(exact), BLACK, 2.2, None),
         line(with(&steps(Variant::Shifted, 1e-2, END)), ORANGE, 2.0, Some("8 4")),
         line(with(&steps(Variant::SurvivalRatio, 1e-2, END)), GREEN, 2.0, Some("3 3")),
-        line(literal, RED, 1.6, None),
+        line(literal, RED, 1.6, Some("12 3 3 3")),
     ];
     let legend = vec![
         style::line("closed form", BLACK, None),
         style::line("shifted", ORANGE, Some("8 4")),
         style::line("survival ratio", GREEN, Some("3 3")),
-        style::line("literal", RED, None),
+        style::line("literal", RED, Some("12 3 3 3")),
     ];
-    let layout = style::layout((0.0, END), (0.0, TOP)).with_x_label("Position X").with_y_label("Friction force F");
+    let layout =
+        style::layout((0.0, END), (0.0, TOP)).with_x_label("Position X").with_y_label("Friction force F");
     render_multiple(plots, style::legend_below(layout, legend))
 }
 

@@ -73,10 +73,15 @@ mod tests {
     /// Everything but times and the finest grids.
     #[test]
     fn the_page_says_what_the_program_finds() {
-        let page = closed::section(agreement::section(relaxation::section(cost::section(Page::default(), true))));
+        let page =
+            closed::section(agreement::section(relaxation::section(cost::section(Page::default(), true))));
         let written = std::fs::read_to_string(folder().join("index.md")).unwrap();
         let missing: Vec<&str> = page.lasting().filter(|line| !written.contains(line)).collect();
         assert!(page.lasting().count() > 100);
-        assert!(missing.is_empty(), "not in docs/validation/index.md; `make validation` writes it:\n{}", missing.join("\n"));
+        assert!(
+            missing.is_empty(),
+            "not in docs/validation/index.md; `make validation` writes it:\n{}",
+            missing.join("\n")
+        );
     }
 }

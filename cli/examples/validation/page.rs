@@ -2,8 +2,10 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
 use kuva::backend::svg::SvgBackend;
+use kuva::render::layout::TickFormat;
 use kuva::render::render::Scene;
 
 const HEAD: &str = "\
@@ -67,6 +69,7 @@ impl Page {
     }
 
     /// What is the same on any machine.
+    #[cfg(test)]
     pub fn lasting(&self) -> impl Iterator<Item = &str> {
         self.lines.iter().filter_map(|line| match line {
             Line::Lasting(line) if !line.is_empty() => Some(line.as_str()),
@@ -95,6 +98,22 @@ pub fn small(value: f64) -> String {
 
 /// The power of ten that bounds an error, not below what roundings do: the same on any machine.
 pub fn below(error: f64) -> String {
-    let exponent = error.abs().max(1e-14).log10().ceil();
+    let exponent = error.abs().max(1e-12).log10().ceil();
     format!("< 1e{exponent:.0}")
+}
+
+/// Ticks of an axis that shows exponents of ten.
+pub fn decades() -> TickFormat {
+    TickFormat::Custom(Arc::new(power))
+}
+
+/// Ticks of a logarithmic axis.
+pub fn powers() -> TickFormat {
+    TickFormat::Custom(Arc::new(|value: f64| power(value.log10())))
+}
+
+fn power(exponent: f64) -> String {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| RAISED[digit as usize]);
+    format!("{exponent:.0}").chars().map(raise).fold("10".into(), |text, c| text + &c.to_string())
 }
