@@ -199,8 +199,8 @@ fn unstable(page: &mut Page, exact: &[f64]) {
     page.text(
         "
 The literal reading of Eq. (2) is unstable: in the tail of P_c, where P ΔX > 1, more breaks than is there, and Q
-turns negative and grows. A finer grid reaches further into the tail and fails sooner; only cutting the hazard, as
-the shifted reading does, makes it a method.
+turns negative and grows. Every grid fails within the second cycle, the finest first: it resolves more of the tail.
+Only with the breaking limited to what is there, as in the shifted reading, does Eq. (2) become a method.
 ",
     );
     page.head(&["ΔX", "literal: ∣F − exact∣ > 0.1 from X =", "> 10 from X ="]);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use asperity::law::{Gamma, Law as _, Lognormal, SharedLaw, Weibull};
 use asperity::numerics::roots::brent_root;
 use kuva::plot::ScatterPlot;
+use kuva::render::layout::TickFormat;
 use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
@@ -142,6 +143,7 @@ fn picture() -> Scene {
     plots.push(Plot::Scatter(dot));
     let layout = style::layout((0.02, 0.6), (0.2, 200.0))
         .with_log_scale()
+        .with_tick_format(TickFormat::Custom(Arc::new(style::digits)))
         .with_x_label("Coefficient of variation σ/x̄ of the thresholds")
         .with_y_label("Relaxation length X*/x̄");
     render_multiple(plots, style::legend_below(layout, legend))
