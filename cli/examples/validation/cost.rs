@@ -207,7 +207,7 @@ Only with the breaking limited to what is there, as in the shifted reading, does
     for step in [2e-2, 1e-2, 5e-3, 2e-3, 1e-3] {
         let force = steps(Variant::Literal, step, LAST);
         let leaves = |limit: f64| {
-            let first = force.iter().zip(exact).position(|(f, e)| !((f - e).abs() <= limit));
+            let first = force.iter().zip(exact).position(|(f, e)| (f - e).abs() > limit || f.is_nan());
             first.map_or("–".into(), |i| format!("{:.2}", i as f64 * EVERY))
         };
         page.row(&[small(step), leaves(0.1), leaves(10.0)]);

@@ -5,7 +5,8 @@ use std::f64::consts::SQRT_2;
 use num_complex::Complex64;
 
 use super::{
-    Break, Law, Parameter, SharedLaw, crossing, normal, not_negative, onset, positive, shared, unknown, ziggurat,
+    Break, Law, Parameter, SharedLaw, crossing, normal, not_negative, onset, positive, shared, unknown,
+    ziggurat,
 };
 use crate::Result;
 use crate::numerics::legendre::RULE;
