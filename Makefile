@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results lint docs figures bench
+.PHONY: setup test rust results lint docs figures bench validation
 
 export PYTHON ?= python3
 venv := .venv
@@ -17,11 +17,15 @@ setup:
 	.ci/tools
 	$(MAKE) $(venv)/ready
 
-$(venv)/ready: runner/tests/requirements.txt
-	rm -rf $(venv)
-	$(PYTHON) -m venv $(venv)
-	$(venv)/bin/pip install --quiet --disable-pip-version-check --requirement $<
+define environment
+	rm -rf $(@D)
+	$(PYTHON) -m venv $(@D)
+	$(@D)/bin/pip install --quiet --disable-pip-version-check --requirement $<
 	touch $@
+endef
+
+$(venv)/ready: runner/tests/requirements.txt
+	$(environment)
 
 # The tests of all crates, those of the documents among them.
 rust:
@@ -50,6 +54,13 @@ figures:
 	cargo run --release --locked --quiet -- run scenarios/fig2.toml --quiet -o "$$folder/fig2"; \
 	for name in force evolution; do cp "$$folder/fig2/$$name.svg" "docs/figures/fig2-$$name.svg"; done
 
-# How fast it is.
-bench:
-	cargo bench --package asperity --bench '*'
+# How fast it is, beside what one would write in Python.
+bench: $(venv)-peers/ready
+	PEERS_PYTHON=$(CURDIR)/$(venv)-peers/bin/python cargo bench --package asperity --bench '*'
+
+$(venv)-peers/ready: core/benches/peers/requirements.txt
+	$(environment)
+
+# The page docs/validation, anew. A test recomputes of it what is quick.
+validation:
+	cargo run --release --package asperity-cli --example validation

@@ -21,12 +21,16 @@ fn root() -> PathBuf {
 
 /// Every document with its text, by path from the root.
 fn documents() -> Vec<(String, String)> {
-    let mut paths: Vec<String> = names(&root()).into_iter().filter(|name| name.ends_with(".md")).collect();
-    paths.extend(
-        names(&root().join("docs")).iter().filter(|n| n.ends_with(".md")).map(|n| format!("docs/{n}")),
-    );
-    let read = |path: String| (path.clone(), std::fs::read_to_string(root().join(&path)).unwrap());
-    let found: Vec<_> = paths.into_iter().map(read).collect();
+    let pages = |folder: &str| {
+        let names = names(&root().join(folder)).into_iter().filter(|name| name.ends_with(".md"));
+        names.map(|name| format!("{folder}{name}")).collect::<Vec<_>>()
+    };
+    let parts =
+        names(&root().join("docs")).into_iter().filter(|name| root().join("docs").join(name).is_dir());
+    let folders =
+        ["".to_owned(), "docs/".to_owned()].into_iter().chain(parts.map(|name| format!("docs/{name}/")));
+    let found: Vec<_> =
+        folders.flat_map(|folder| pages(&folder)).map(|path| (path.clone(), document(&path))).collect();
     assert!(found.len() >= 7, "only {}", found.len());
     found
 }
