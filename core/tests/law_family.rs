@@ -243,7 +243,8 @@ fn between_breaks_a_density_is_smooth() {
         for cell in ends.windows(2).filter(|cell| cell[0] >= 1e-3) {
             let mut x = cell[0];
             while x < cell[1] {
-                let to = (x + law.zones().iter().map(|zone| 0.2 * zone.resolution).fold(0.5 * x, f64::min)).min(cell[1]);
+                let to = (x + law.zones().iter().map(|zone| 0.2 * zone.resolution).fold(0.5 * x, f64::min))
+                    .min(cell[1]);
                 let middle = 0.5 * (x + to);
                 let (whole, half) = (
                     RULE.integrate(x, to, |x| law.density(x)),

@@ -13,14 +13,15 @@ use crate::random::Stream;
 /// Lognormal of mean m and standard deviation σ, of the law itself, not of the logarithm:
 /// ln ξ is Gaussian of variance s² = ln(1 + σ²/m²) around ln M, M = m/√(1 + σ²/m²).
 ///
-/// Density and S are right to about 1e-15 (1 + z²/s) relative, z = ln(x/M)/s: an ulp of x is worth that.
+/// Density and S are right to about 1e-15 (1 + |ln S|) relative; z below is ln(x/M)/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lognormal {
     mean: f64,
     std: f64,
-    /// M and s.
+    /// M, s and m − M.
     median: f64,
     spread: f64,
+    offset: f64,
 }
 
 impl Lognormal {
@@ -31,13 +32,14 @@ impl Lognormal {
     pub fn new(mean: f64, std: f64) -> Result<Self> {
         let (mean, std) = (positive("mean", mean)?, positive("std", std)?);
         let variation = std / mean;
-        let median = mean / 1.0_f64.hypot(variation);
-        Ok(Self { mean, std, median, spread: (variation * variation).ln_1p().sqrt() })
+        let ratio = 1.0_f64.hypot(variation);
+        let (median, spread) = (mean / ratio, (variation * variation).ln_1p().sqrt());
+        Ok(Self { mean, std, median, spread, offset: median * variation * (variation / (1.0 + ratio)) })
     }
 
-    /// z for x > 0; ln(1 + u) keeps the digits of x − M in narrow laws.
+    /// z for x > 0; ln(1 + u) keeps the digits of x − M in narrow laws, whose M no double may be near enough.
     fn standard(&self, x: f64) -> f64 {
-        let u = (x - self.median) / self.median;
+        let u = (x - self.mean + self.offset) / self.median;
         (if u.abs() < 0.5 { u.ln_1p() } else { (x / self.median).ln() }) / self.spread
     }
 }
@@ -98,6 +100,10 @@ impl Law for Lognormal {
     /// None: the density and all its derivatives vanish at 0.
     fn breaks(&self) -> Vec<Break> {
         Vec::new()
+    }
+
+    fn laplace_is_closed(&self) -> bool {
+        false
     }
 
     fn decay_rate(&self) -> f64 {

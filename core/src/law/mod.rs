@@ -145,6 +145,11 @@ pub trait Law: Debug + Send + Sync {
         f64::INFINITY
     }
 
+    /// Whether [`Law::laplace`] is a closed form, not a quadrature.
+    fn laplace_is_closed(&self) -> bool {
+        true
+    }
+
     /// Laplace transform E[e^{−sξ}], continued analytically to Re s < 0 as far as it goes.
     fn laplace(&self, s: Complex64) -> Complex64;
 

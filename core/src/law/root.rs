@@ -252,6 +252,10 @@ impl Law for Root {
         self.areas.zones().into_iter().map(root).collect()
     }
 
+    fn laplace_is_closed(&self) -> bool {
+        false
+    }
+
     /// S(x) = S_A(x²/c²): the exponential tail of an area is a Gaussian one of its root; an area whose tail is heavier
     /// than exponential (λ = 0) is taken to leave a root with one, too.
     fn decay_rate(&self) -> f64 {

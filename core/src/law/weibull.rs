@@ -114,6 +114,10 @@ impl Law for Weibull {
         onset(self.shape - 1.0, libm::tgamma(self.shape + 1.0) / self.scale.powf(self.shape))
     }
 
+    fn laplace_is_closed(&self) -> bool {
+        false
+    }
+
     fn decay_rate(&self) -> f64 {
         match self.shape {
             shape if shape > 1.0 => f64::INFINITY,

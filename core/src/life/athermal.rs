@@ -129,7 +129,7 @@ impl<'a> Births<'a> {
             let breaks: Vec<f64> = births.start_breaks().iter().map(|b| b.position).collect();
             let edges = edges(&starts.zones(), &breaks, top);
             births.density = Piecewise::resolve(|r| starts.density(r) / over(r), &edges, top, RESOLUTION);
-            births.density.each_point(births.widest(), |r, weight| births.points.push((r, weight)));
+            births.points = births.density.points(births.widest());
             births.points.retain(|p| p.1 > 1e-3 * NEGLIGIBLE);
         }
         births

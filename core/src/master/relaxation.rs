@@ -5,7 +5,6 @@ use num_complex::Complex64;
 use crate::contacts::Contacts;
 use crate::law::SharedLaw;
 use crate::life::Life;
-use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
 /// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1 and
@@ -56,7 +55,7 @@ impl Relaxation {
             None => f64::NAN,
         };
         let terms = transform.terms(&roots, first);
-        let valid_from = valid_from(&terms, rate, first, reborn);
+        let valid_from = valid_from(&terms, &roots, rate, first, reborn);
         Self {
             terms: terms.into_iter().map(|t| Term { amplitude: stiffness * t.amplitude, ..t }).collect(),
             length: 1.0 / slowest,
@@ -94,59 +93,65 @@ impl Relaxation {
     }
 }
 
-/// Where the last term known, and an exponential tail of the thresholds, have faded.
-fn valid_from(terms: &[Term], rate: f64, first: &Life, reborn: &Life) -> f64 {
-    let tail = if rate > 0.0 { -LEFT_OUT.ln() / rate } else { f64::INFINITY };
-    let initial = first.breaking().curve().end();
-    if terms.iter().any(|t| -t.exponent.re < UNDAMPED * t.exponent.norm()) {
+/// Where the first term left out, and an exponential tail of the thresholds, have faded.
+fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, reborn: &Life) -> f64 {
+    let undamped = |s: &Complex64| -s.re < UNDAMPED * s.norm();
+    if rate == 0.0 || roots.iter().any(undamped) {
         return f64::INFINITY;
     }
-    let fade = |t: &Term| (t.amplitude.norm() / (LEFT_OUT * reborn.mean())).ln().max(0.0) / -t.exponent.re;
-    let last = terms.last().map_or(0.0, fade);
-    tail.max(last).max(initial)
+    // Amplitudes fall with the order of the root: that of the last term kept, or 1, bounds the next one's.
+    let size = terms.last().map_or(1.0, |t| t.amplitude.norm() / reborn.mean());
+    let next = roots.get(terms.len()).or(roots.last()).map_or(rate, |s| -s.re);
+    let fade = (size / LEFT_OUT).ln().max(0.0) / next;
+    let tail = -LEFT_OUT.ln() / rate;
+    tail.max(fade).max(first.breaking().curve().end())
 }
 
 /// φ̂ and what follows from it.
 struct Transform<'a> {
     reborn: &'a Life,
     mean: f64,
-    /// The law itself and the stretch r < all thresholds at which contacts re-form: φ̂ = e^{sr} P̂_c.
-    law: Option<(&'a SharedLaw, f64)>,
-    /// Whether the transform exists for Re s < 0 only by continuation: then only the pole nearest to that of the Gaussian
-    /// of equal mean and variance is looked for.
+    /// The law of thresholds, if no contact re-forms among them: φ̂ = ν̂(−s) P̂_c(s).
+    law: Option<&'a SharedLaw>,
+    /// Whether the transform exists for Re s < 0 only by continuation: then only the pole nearest to that of the
+    /// Gaussian of equal mean and variance is looked for.
     continued: bool,
-    /// Re s below which the transform is not to be trusted (or does not exist).
+    /// Re s down to which the life, known to where S = 1e-18, gives the transform.
+    known: f64,
+    /// Re s down to which there is a transform.
     leftmost: f64,
 }
 
 impl<'a> Transform<'a> {
     fn new(contacts: &'a Contacts, reborn: &'a Life) -> Self {
-        let law = &contacts.thresholds;
-        let atoms = contacts.reforming.atoms();
-        let single =
-            atoms.first().filter(|a| a.weight > 1.0 - 1e-15 && law.survival(a.position) > 1.0 - 1e-15);
-        let compact = law.upper_quantile(0.0).is_finite();
-        let rate = law.decay_rate();
-        // Lives are known to where S = 1e-18: of that, e^{8} times more is still 1e-14.
-        let numeric = if compact { -40.0 } else { -8.0 } / reborn.breaking().curve().end();
+        let (law, rate) = (&contacts.thresholds, contacts.thresholds.decay_rate());
+        let apart = 1.0 - law.survival(contacts.reforming.upper_quantile(1e-18)) < 1e-15;
+        let end = reborn.breaking().curve().end();
+        // Of 1e-18 left out, e^{8} times more is still 1e-14; nothing is left out of a compact law.
+        let known = if law.upper_quantile(0.0).is_finite() { -40.0 } else { -8.0 } / end;
         let continued = rate == 0.0;
         let analytic = if continued { f64::NEG_INFINITY } else { -rate };
-        let leftmost = if single.is_some() { analytic } else { numeric.max(analytic) };
-        Self { continued, reborn, mean: reborn.mean(), law: single.map(|a| (law, a.position)), leftmost }
+        let leftmost = if apart { analytic } else { analytic.max(1.5 * known) };
+        Self { reborn, mean: reborn.mean(), law: apart.then_some(law), continued, known, leftmost }
+    }
+
+    /// The law, where its own transform is to be used.
+    fn law_at(&self, s: Complex64) -> Option<&SharedLaw> {
+        self.law.filter(|law| law.laplace_is_closed() || s.re < self.known)
     }
 
     /// φ̂(s).
     fn breaking(&self, s: Complex64) -> Complex64 {
-        match self.law {
-            Some((law, r)) => law.laplace(s) * (s * r).exp(),
-            None => kernel_transform(self.reborn.breaking(), s),
+        match self.law_at(s) {
+            Some(law) => law.laplace(s) * self.reborn.births_transform(s),
+            None => kernel_transform(self.reborn.breaking(), s).0,
         }
     }
 
-    /// φ̂'(s); for a law by Cauchy's formula on eight points around s, exact to the eighth order.
+    /// φ̂'(s); of a law by Cauchy's formula on eight points around s, exact to the eighth order.
     fn slope(&self, s: Complex64) -> Complex64 {
-        if self.law.is_none() {
-            return kernel_slope(self.reborn.breaking(), s);
+        if self.law_at(s).is_none() {
+            return kernel_transform(self.reborn.breaking(), s).1;
         }
         let radius = 0.02 / self.mean;
         let around =
@@ -157,6 +162,11 @@ impl<'a> Transform<'a> {
     /// (1 − φ̂(s))/s, the transform of survival: its zeros are the roots, without the one at 0.
     fn survival(&self, s: Complex64) -> Complex64 {
         (1.0 - self.breaking(s)) / s
+    }
+
+    /// Where terms of the expansion stop: their amplitudes would be of what the lives leave out.
+    fn last_term(&self) -> f64 {
+        -25.0 / self.reborn.force().curve().end()
     }
 
     /// Newton's method from a guess; a root in the upper half plane left of the axis, right of `leftmost`.
@@ -184,12 +194,11 @@ impl<'a> Transform<'a> {
             return self.harmonics(3).filter_map(|guess| self.polish(guess)).take(1).collect();
         }
         let mut found: Vec<Complex64> = Vec::new();
-        for density in [1_u32, 4] {
+        for density in [1, 4] {
             for guess in self.guesses(density) {
-                if let Some(s) = self.polish(guess) {
-                    if !found.iter().any(|r| (r - s).norm() < 1e-6 / self.mean) {
-                        found.push(s);
-                    }
+                let new = |s: &Complex64| !found.iter().any(|r| (r - s).norm() < 1e-6 / self.mean);
+                if let Some(s) = self.polish(guess).filter(new) {
+                    found.push(s);
                 }
             }
             found.sort_by(|a, b| b.re.total_cmp(&a.re));
@@ -212,6 +221,7 @@ impl<'a> Transform<'a> {
         let mut guesses: Vec<_> =
             dips.map(|k| Complex64::new(-1e-3 / self.mean, (k + 1) as f64 * step)).collect();
         guesses.extend(self.harmonics(HARMONICS as u32));
+        guesses.retain(|s| density > 1 || s.re > self.last_term());
         if density > 1 {
             let grid = (1..60).flat_map(|k| [0.5, 1.0, 2.0, 4.0].map(|re| (re, f64::from(k) * 0.25)));
             guesses.extend(grid.map(|(re, im)| Complex64::new(-re, im) / self.mean));
@@ -230,8 +240,8 @@ impl<'a> Transform<'a> {
 
     /// Variance of the advance survived.
     fn variance(&self) -> f64 {
-        let mut second = 0.0;
-        self.reborn.survival().curve().each_point(f64::INFINITY, |u, weight| second += 2.0 * u * weight);
+        let points = self.reborn.survival().curve().points(f64::INFINITY);
+        let second: f64 = points.iter().map(|(u, weight)| 2.0 * u * weight).sum();
         (second - self.mean * self.mean).max(1e-12 * self.mean * self.mean)
     }
 
@@ -261,30 +271,18 @@ impl<'a> Transform<'a> {
         let end = first.breaking().curve().end().max(self.reborn.force().curve().end());
         let resolved = roots.iter().take_while(|s| -s.re * end < 25.0);
         let term = |&s: &Complex64| {
-            let source = kernel_transform(first.breaking(), s);
-            let force = curve_transform(self.reborn.force().curve(), s);
+            let source = kernel_transform(first.breaking(), s).0;
+            let force = self.reborn.force().curve().transform(s).0;
             Term { exponent: s, amplitude: -source * force / self.slope(s) }
         };
         resolved.map(term).collect()
     }
 }
 
-/// Transform of a density and its atoms.
-fn kernel_transform(kernel: &Kernel, s: Complex64) -> Complex64 {
-    let atoms: Complex64 = kernel.atoms().map(|a| a.weight * (-s * a.position).exp()).sum();
-    atoms + curve_transform(kernel.curve(), s)
-}
-
-/// The derivative of the transform of a density and its atoms.
-fn kernel_slope(kernel: &Kernel, s: Complex64) -> Complex64 {
-    let mut sum: Complex64 = kernel.atoms().map(|a| -a.position * a.weight * (-s * a.position).exp()).sum();
-    kernel.curve().each_point(6.0 / s.norm(), |u, weight| sum -= u * weight * (-s * u).exp());
-    sum
-}
-
-fn curve_transform(curve: &Piecewise, s: Complex64) -> Complex64 {
-    let mut sum = Complex64::ZERO;
-    // Sixteen Gauss points integrate six radians to rounding.
-    curve.each_point(6.0 / s.norm(), |u, weight| sum += weight * (-s * u).exp());
-    sum
+/// The transform of a density and its atoms, and its derivative.
+fn kernel_transform(kernel: &Kernel, s: Complex64) -> (Complex64, Complex64) {
+    kernel.atoms().fold(kernel.curve().transform(s), |sum, atom| {
+        let term = atom.weight * (-s * atom.position).exp();
+        (sum.0 + term, sum.1 - atom.position * term)
+    })
 }

@@ -85,7 +85,7 @@ def above(law, x, order):
     size = law.density(x)
     ratio = size / law.density(x + law.width / 1000)
     fall = law.width / 1000 / log(ratio) if ratio > 1 else law.width
-    step = min(fall, law.width)
+    step = min(fall, max(law.width, x / 20))
     low, total = x, mpf(0)
     while True:
         high = low + step
@@ -106,9 +106,9 @@ LAWS = [
 
 def solve(law, level, accuracy):
     """The x > 0 with S(x) = level."""
-    low, high = max(law.centre - 12 * law.width, mpf(0)), law.centre
+    low, high = max(law.centre - 12 * law.width, mpf(0)), law.centre + law.width
     while law.survival(high) > level:
-        low, high = high, high + (high - low) / 2 + law.width
+        low, high = high, high + 2 * (high - low)
     while high - low > accuracy * min(high, law.width):
         middle = (low + high) / 2
         low, high = (middle, high) if law.survival(middle) > level else (low, middle)
@@ -124,8 +124,9 @@ def points():
         for pair in sets:
             law = kind(*pair)
             for q in ("0.999999", "0.9", "0.3", "1e-3", "1e-10", "1e-50", "1e-150", "1e-299"):
-                # The exact abscissa is a double near the level.
-                x = float(solve(law, mpf(q), mpf("1e-3")))
+                # Some double near the level.
+                with mp.workdps(20):
+                    x = float(solve(law, mpf(q), mpf("1e-2")))
                 s = law.survival(mpf(x))
                 p = law.density(mpf(x))
                 row = [p, s, -log(s), p / s] + [above(law, x, n) for n in (1, 3)]

@@ -34,7 +34,7 @@ impl Grid {
         }
         let reach = laws.iter().map(|law| law.upper_quantile(BEYOND)).fold(0.0, f64::max);
         let top = 1.05 * reach.min(thresholds.quantile(1.0));
-        let widths = laws.iter().map(|law| law.resolution()).filter(|&width| width > 0.0);
+        let widths = laws.iter().flat_map(|law| law.zones()).map(|zone| zone.resolution);
         let resolution = widths.fold(top, f64::min);
         let steps = (FINENESS * top / resolution).clamp(STEPS.0, STEPS.1).ceil();
         let even = (0..=steps as usize).map(|i| top * (i as f64 / steps));
