@@ -51,7 +51,7 @@ const NEGLIGIBLE: f64 = 1e-12;
 const HELD: f64 = 1e-9;
 
 /// The narrowest law, relative to where it stands: below that, stretches differ by rounding.
-const NARROWEST: f64 = 1e-4;
+const NARROWEST: f64 = 5e-5;
 
 impl Contacts {
     /// Checks that contacts survive where they start and where they re-form: that S > 0 there (S ≥ 1e-9, to be

@@ -99,9 +99,12 @@ impl Pull {
         })
     }
 
-    /// ∫Q(x; X) dx, by a quadrature that shares nothing with the solution of the renewal equation but Γ: 1.
+    /// ∫Q(x; X) dx, after the break where contacts break together at X, by a quadrature that shares nothing with the
+    /// solution of the renewal equation but Γ: 1.
     pub fn total_probability(&self, position: f64) -> f64 {
-        self.solution.convolve_at(self.first.survival().curve(), self.reborn.survival(), position)
+        let start = self.force.boundaries[self.force.nearest(position)];
+        let past = if position < start * (1.0 + 1e-11) { start * (1.0 + 2e-11) } else { position };
+        self.solution.convolve_at(self.first.survival().curve(), self.reborn.survival(), past)
     }
 
     /// Q(x; X) at the given stretches, and its point masses.
@@ -223,8 +226,10 @@ impl Pull {
     pub(super) fn lost_probability(&self) -> f64 {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let end = self.force.end();
-        let spread = (1..=16).map(|k| end * (f64::from(k) * GOLDEN).fract());
-        spread.chain([end]).map(|x| (self.total_probability(x) - 1.0).abs()).fold(0.0, f64::max)
+        let spread = (1..=16).map(|k| end * (f64::from(k) * GOLDEN).fract()).chain([end]);
+        // In the middle of cells: atoms lie on their boundaries.
+        let points = spread.map(|x| self.force.cell(self.force.nearest(x)).0);
+        points.map(|x| (self.total_probability(x) - 1.0).abs()).fold(0.0, f64::max)
     }
 }
 

@@ -203,8 +203,7 @@ impl<'a> Transform<'a> {
                 }
             }
             found.sort_by(|a, b| b.re.total_cmp(&a.re));
-            let slowest = found.first().map_or(self.leftmost.max(-3.0 / self.mean), |s| s.re);
-            if self.zeros_right_of(0.98 * slowest) == 0 {
+            if found.first().is_some_and(|slowest| self.zeros_right_of(0.98 * slowest.re) == 0) {
                 break;
             }
         }
