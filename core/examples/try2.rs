@@ -27,6 +27,11 @@ fn main() {
         ),
         (gaussian(1.0, 0.05), point(0.0), gaussian(0.1, 0.025), 10000.0, 1e-10),
         (gaussian(1.0, 0.3), gaussian(0.2, 0.1), gaussian(0.1, 0.025), 50.0, 1e-10),
+        (gaussian(1.0, 1e-4), point(0.0), point(0.0), 50.0, 1e-10),
+        (gaussian(1.0, 1e-5), point(0.0), point(0.0), 50.0, 1e-10),
+        (gaussian(1.0, 1e-5), point(0.0), gaussian(0.1, 0.025), 20.0, 1e-10),
+        (weibull(0.3, 1.0), point(0.0), point(0.0), 50.0, 1e-10),
+        (gamma(1.0, 2.0), point(0.0), point(0.0), 50.0, 1e-10),
         (point(1.0), rectangular(0.0, 0.5), point(0.0), 50.0, 1e-10),
         (point(1.0), point(0.0), gaussian(0.1, 0.025), 50.0, 1e-10),
     ]

@@ -20,3 +20,12 @@ pub mod record;
 pub mod scenario;
 
 pub use error::{Error, Float, Result};
+
+/// What the documents show of this crate is run with its own examples.
+#[cfg(doctest)]
+mod documents {
+    #[doc = include_str!("../../README.md")]
+    struct Readme;
+    #[doc = include_str!("../../docs/theory.md")]
+    struct Theory;
+}

@@ -41,36 +41,69 @@ pub enum Purpose {
 pub struct Stream {
     key: u64,
     counter: [u64; 3],
-    words: [u64; 4],
+    words: [u64; 4 * AHEAD],
     used: usize,
+    filled: usize,
 }
+
+/// Most blocks computed ahead: their multiplications overlap.
+const AHEAD: usize = 4;
 
 impl Stream {
     /// The stream of `seed` for `purpose`, of the contact or cell number `index`.
     #[must_use]
     #[inline]
     pub fn new(seed: u64, purpose: Purpose, index: u64) -> Self {
-        Self { key: seed, counter: [0, index, purpose as u64], words: [0; 4], used: 4 }
+        Self { key: seed, counter: [0, index, purpose as u64], words: [0; 4 * AHEAD], used: 0, filled: 0 }
     }
 
     /// The next 64 random bits.
     #[inline]
     pub fn word(&mut self) -> u64 {
-        if self.used == 4 {
-            self.next_block();
+        if self.used == self.filled {
+            self.refill();
         }
-        let word = self.words[self.used & 3];
+        let word = self.words[self.used % (4 * AHEAD)];
         self.used += 1;
         word
     }
 
+    /// The words that come next, at least one of them; they are not taken.
+    #[inline]
+    pub(crate) fn coming(&mut self) -> &[u64] {
+        if self.used == self.filled {
+            self.refill();
+        }
+        &self.words[self.used..self.filled]
+    }
+
+    /// Takes words that [`Stream::coming`] has shown.
+    #[inline]
+    pub(crate) fn skip(&mut self, words: usize) {
+        self.used += words;
+    }
+
+    /// As many blocks as there have been: a short stream costs no more than it must.
+    ///
     /// Out of line, so that `word` is inlined where distributions draw.
     #[inline(never)]
-    fn next_block(&mut self) {
-        let [block, index, purpose] = &mut self.counter;
-        *block = block.wrapping_add(1);
-        self.words = philox([*block, *index, *purpose, 0], [self.key, 0]);
-        self.used = 0;
+    fn refill(&mut self) {
+        let [done, index, purpose] = self.counter;
+        let counter = |ahead: usize| [done.wrapping_add(1 + ahead as u64), index, purpose, 0];
+        let key = [self.key, 0];
+        let blocks = if done < AHEAD as u64 {
+            let [block] = philox([counter(0)], key);
+            self.words[..4].copy_from_slice(&block);
+            1
+        } else {
+            for half in 0..AHEAD / 2 {
+                let pair = philox([counter(2 * half), counter(2 * half + 1)], key);
+                self.words[8 * half..8 * half + 8].copy_from_slice(pair.as_flattened());
+            }
+            AHEAD
+        };
+        self.counter[0] = done.wrapping_add(blocks as u64);
+        (self.used, self.filled) = (0, 4 * blocks);
     }
 
     /// A uniform number in the open interval (0, 1), from 53 bits.
@@ -105,17 +138,19 @@ impl TryRng for Stream {
     }
 }
 
-/// Philox4x64-10: the image of `counter` under `key`.
-#[inline]
-fn philox(mut counter: [u64; 4], mut key: [u64; 2]) -> [u64; 4] {
+/// Philox4x64-10: the images of `counters` under `key`, side by side.
+#[inline(always)]
+fn philox<const N: usize>(mut counters: [[u64; 4]; N], mut key: [u64; 2]) -> [[u64; 4]; N] {
     for _ in 0..10 {
-        let (high0, low0) = multiply(0xD2E7_470E_E14C_6C93, counter[0]);
-        let (high1, low1) = multiply(0xCA5A_8263_9512_1157, counter[2]);
-        counter = [high1 ^ counter[1] ^ key[0], low1, high0 ^ counter[3] ^ key[1], low0];
+        for counter in &mut counters {
+            let (high0, low0) = multiply(0xD2E7_470E_E14C_6C93, counter[0]);
+            let (high1, low1) = multiply(0xCA5A_8263_9512_1157, counter[2]);
+            *counter = [high1 ^ counter[1] ^ key[0], low1, high0 ^ counter[3] ^ key[1], low0];
+        }
         key[0] = key[0].wrapping_add(0x9E37_79B9_7F4A_7C15);
         key[1] = key[1].wrapping_add(0xBB67_AE85_84CA_A73B);
     }
-    counter
+    counters
 }
 
 /// The high and the low word of a product.
@@ -151,7 +186,7 @@ mod tests {
             ),
         ];
         for (counter, key, image) in cases {
-            assert_eq!(philox(counter, key), image);
+            assert_eq!(philox([counter], key), [image]);
         }
     }
 }

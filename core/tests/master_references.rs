@@ -85,7 +85,7 @@ fn steady_states() {
     let rest = point(0.0);
     close(kinetic(&gaussian(1.0, 0.2), &rest), 0.519_999_994_053_1, 1e-13);
     close(kinetic(&rectangular(0.8, 1.2), &rectangular(0.0, 0.2)), 5.0 / 9.0, 1e-14);
-    close(kinetic(&rectangular(0.4, 1.6), &rectangular(0.0, 0.6)), 0.717_312_661_498_708_0, 1e-13);
+    close(kinetic(&rectangular(0.4, 1.6), &rectangular(0.0, 0.6)), 0.717_312_661_498_708, 1e-13);
     close(kinetic(&point(1.0), &rest), 0.5, 1e-15);
     for law in [gamma(1.0, 0.3), weibull(2.0, 1.0), weibull(0.7, 1.0), lognormal(1.0, 1.0)] {
         // ⟨x²⟩/(2⟨x⟩): moments in closed form, against integrals over the life.

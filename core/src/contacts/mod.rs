@@ -48,13 +48,13 @@ pub struct Initial {
 const NEGLIGIBLE: f64 = 1e-12;
 
 /// The smallest survival at which contacts may be placed: their thresholds are those of so few in all.
-const HELD: f64 = 1e-13;
+const HELD: f64 = 1e-9;
 
 /// The narrowest law, relative to where it stands: below that, stretches differ by rounding.
-const NARROWEST: f64 = 1e-7;
+const NARROWEST: f64 = 1e-4;
 
 impl Contacts {
-    /// Checks that contacts survive where they start and where they re-form: that S > 0 there (S ≥ 1e-13, to be
+    /// Checks that contacts survive where they start and where they re-form: that S > 0 there (S ≥ 1e-9, to be
     /// computable), and that no law is too narrow to be told from a point mass.
     ///
     /// # Errors
@@ -75,7 +75,7 @@ impl Contacts {
         }
     }
 
-    /// The stretch above which no contact is placed: S ≥ 1e-13 below it.
+    /// The stretch above which no contact is placed: S ≥ 1e-9 below it.
     pub(crate) fn highest_start(&self) -> f64 {
         self.thresholds.upper_quantile(HELD)
     }

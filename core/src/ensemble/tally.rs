@@ -101,19 +101,27 @@ impl<'a> Grid<'a> {
         let off = |(i, x): (usize, &f64)| (x - (first + i as f64 * step)).abs() > 1e-3 * step;
         let even = step > 0.0 && !values.iter().enumerate().any(off);
         // Never too high, as values are where they should be to a thousandth; hardly ever too low.
-        Self { values, even: even.then_some((1.0 / step, 0.998 - first / step)) }
+        Self { values, even: even.then_some((1.0 / step, 0.498 - first / step)) }
     }
 
     /// The index of the first value ≥ `x`, and that value; `x` is not above the last value.
     #[inline]
     pub(super) fn at_or_above(&self, x: f64) -> (usize, f64) {
         let guess = match self.even {
-            Some((density, offset)) => (x * density + offset) as u32 as usize,
+            Some((density, offset)) => nearest(x * density + offset),
             None => self.values.partition_point(|&value| value < x),
         };
         let value = self.values[guess];
         if value < x { (guess + 1, self.values[guess + 1]) } else { (guess, value) }
     }
+}
+
+/// The whole number next to `x` < 2³², 0 for negative ones: 2⁵² pushes the fraction out of the mantissa, in fewer
+/// instructions than a cast.
+#[inline]
+fn nearest(x: f64) -> usize {
+    const POWER: f64 = (1u64 << 52) as f64;
+    (x.max(0.0) + POWER).to_bits() as u32 as usize
 }
 
 /// The mean force of `size` contacts at each position, and its standard error.
@@ -135,4 +143,24 @@ pub(super) fn forces<C: Cell>(cells: &[C], positions: &[f64], size: usize) -> (V
         (mean, ((ff / n - mean * mean).max(0.0) / (n - 1.0)).sqrt())
     };
     cells.iter().zip(positions).map(point).unzip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest;
+
+    #[test]
+    fn nearest_whole_number() {
+        let cases = [
+            (-1e9, 0),
+            (-0.3, 0),
+            (0.49, 0),
+            (0.51, 1),
+            (2000.4999, 2000),
+            (4_294_967_295.0, u32::MAX as usize),
+        ];
+        for (x, whole) in cases {
+            assert_eq!(nearest(x), whole, "{x}");
+        }
+    }
 }

@@ -3,10 +3,10 @@
 use std::f64::consts::SQRT_2;
 
 use num_complex::Complex64;
-use rand_distr::{Distribution, StandardNormal};
 
 use super::{
     Break, Law, Parameter, SharedLaw, crossing, normal, not_negative, onset, positive, shared, unknown,
+    ziggurat,
 };
 use crate::Result;
 use crate::numerics::legendre::RULE;
@@ -148,15 +148,7 @@ impl Law for Gaussian {
 
     /// Rejection of draws below 0, at worst every other one.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
-        for x in out {
-            *x = loop {
-                let z: f64 = StandardNormal.sample(stream);
-                let x = self.mean + self.std * z;
-                if x >= 0.0 {
-                    break x;
-                }
-            };
-        }
+        ziggurat::fill(stream, out, |z| self.mean + self.std * z, |x| x >= 0.0);
     }
 }
 

@@ -20,6 +20,7 @@ mod rectangular;
 mod root;
 mod tabulated;
 mod weibull;
+mod ziggurat;
 
 pub use exponential::Exponential;
 pub use gamma::Gamma;

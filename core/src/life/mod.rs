@@ -3,6 +3,7 @@
 //! Everything that friction does follows from these curves, whatever the contacts are made of.
 
 mod athermal;
+mod births;
 
 pub use athermal::athermal;
 
@@ -71,7 +72,7 @@ impl Life {
 
     /// Density at stretch x of contacts that started u ago, per contact started; atoms not counted.
     pub fn stretch_density(&self, x: f64, u: f64) -> f64 {
-        self.births.value(x - u) * self.thresholds.survival(x)
+        self.births.value(x - u).max(0.0) * self.thresholds.survival(x)
     }
 
     /// Stretches of the contacts that started u ago at point masses, with the fraction still there.
@@ -95,7 +96,7 @@ impl Life {
         edges.retain(|&r| r > low && r < high);
         edges.extend([low, high]);
         edges.sort_by(f64::total_cmp);
-        let integrand = |r: f64| self.births.value(r) * rate(r);
+        let integrand = |r: f64| self.births.value(r).max(0.0) * rate(r);
         let rule = &crate::numerics::legendre::RULE;
         together + edges.windows(2).map(|pair| rule.integrate(pair[0], pair[1], integrand)).sum::<f64>()
     }

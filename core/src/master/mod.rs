@@ -20,7 +20,7 @@ use crate::law::Atom;
 use crate::life::{Life, athermal};
 use crate::monitor::Monitor;
 use crate::numerics::volterra::{Accuracy, solve};
-use crate::{Error, Result};
+use crate::{Error, Float, Result};
 
 /// The master equation of an interface and its start.
 #[derive(Debug, Clone)]
@@ -110,18 +110,32 @@ impl MasterEquation {
         if pull.lost_probability() <= tolerance {
             return Ok(pull);
         }
-        // Something narrow was stepped over: keep every cell as fine as the finest part of the life.
-        self.solved(distance, tolerance, 1e-4, monitor)
+        // Something narrow was stepped over: begin with cells as fine as the finest part of the life.
+        let pull = self.solved(distance, tolerance, 1e-4, monitor)?;
+        let reached = pull.lost_probability();
+        if reached <= tolerance {
+            return Ok(pull);
+        }
+        let what = format!("the probability of all stretches on a pull to {distance}");
+        Err(Error::Accuracy { what, reached: Float(reached), wanted: Float(tolerance) })
     }
 
+    /// The pull, with cells that begin as narrow as those that hold the fraction `light` of what breaks.
     fn solved(&self, distance: f64, tolerance: f64, light: f64, monitor: &mut dyn Monitor) -> Result<Pull> {
-        let mean = self.reborn.mean();
+        let (first, reborn) = (&self.first, &self.reborn);
+        let mean = reborn.mean();
         let end = distance.max(3.0 * mean);
         // Lives are resolved to about 1e-12 per mean life; what a cell leaves out grows as its width to the 16th power.
         let widening = (tolerance / 1e-12).powf(1.0 / 16.0);
-        let (density, mass, may_grow) = (0.3 * tolerance / mean, 3e-3 * tolerance, light > 0.01);
-        let accuracy = Accuracy { density, mass, widening, light, may_grow };
-        let solution = solve(self.first.breaking(), self.reborn.breaking(), end, accuracy, monitor)?;
+        let accuracy = Accuracy {
+            density: 0.3 * tolerance / mean,
+            mass: 3e-3 * tolerance,
+            kept: tolerance,
+            widening,
+            light,
+        };
+        let kept = (first.survival().curve(), reborn.survival());
+        let solution = solve(first.breaking(), reborn.breaking(), kept, end, accuracy, monitor)?;
         let force = solution.convolve(self.first.force().curve(), self.reborn.force(), monitor)?;
         let lives = (self.first.clone(), self.reborn.clone());
         Ok(Pull::new(lives, solution, force, self.stiffness(), distance, tolerance))

@@ -184,7 +184,7 @@ impl Pull {
         roots.chain([high]).map(|x| (x, self.force.value_in(cell, x))).collect()
     }
 
-    /// K_c = −min F' over X ≥ 0; infinite where the force jumps down.
+    /// K_c = max(0, −min F') over X ≥ 0; infinite where the force jumps down.
     pub fn critical_stiffness(&self) -> f64 {
         let jumps = self.solution.atoms.iter().filter(|a| a.position > 0.0 && a.position < self.force.end());
         let falls = |a: &Atom| {
@@ -197,7 +197,7 @@ impl Pull {
         }
         let steepest =
             (0..self.force.coefficients.len()).map(|cell| self.steepest(cell)).fold(f64::INFINITY, f64::min);
-        -self.stiffness * steepest
+        (-self.stiffness * steepest).max(0.0)
     }
 
     /// The least slope in a cell, its ends included.

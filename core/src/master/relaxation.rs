@@ -65,7 +65,8 @@ impl Relaxation {
         }
     }
 
-    /// Relaxation length X*, infinite where the force never settles.
+    /// Relaxation length X*, infinite where the force never settles; NaN where it is shorter than a tenth or so of the
+    /// longest life and contacts re-form among the thresholds, so that it cannot be told.
     pub fn length(&self) -> f64 {
         self.length
     }
@@ -131,7 +132,7 @@ impl<'a> Transform<'a> {
         let known = if law.upper_quantile(0.0).is_finite() { -40.0 } else { -8.0 } / end;
         let continued = rate == 0.0;
         let analytic = if continued { f64::NEG_INFINITY } else { -rate };
-        let leftmost = if apart { analytic } else { analytic.max(1.5 * known) };
+        let leftmost = if apart { analytic } else { analytic.max(3.4 * known) };
         Self { reborn, mean: reborn.mean(), law: apart.then_some(law), continued, known, leftmost }
     }
 

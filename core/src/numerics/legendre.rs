@@ -115,7 +115,7 @@ pub fn dot(a: &Nodal, b: &Nodal) -> f64 {
 pub fn series(coefficients: &Nodal, t: f64) -> f64 {
     let (mut next, mut last) = (0.0, 0.0);
     for n in (1..NODES).rev() {
-        let term = coefficients[n] + CLENSHAW[n].0 * t * next - CLENSHAW[n].1 * last;
+        let term = CLENSHAW[n].0 * t * next + (coefficients[n] - CLENSHAW[n].1 * last);
         (next, last) = (term, next);
     }
     coefficients[0] + t * next - 0.5 * last

@@ -52,7 +52,7 @@ fn stretches_where_no_contact_survives_are_refused_unless_they_may_break_at_once
     let (key, found) = refused(&scenario);
     assert_eq!(key, "contacts.reforming");
     assert!(found.starts_with("a share 0.5") && found.ends_with("of the contacts at or above it"), "{found}");
-    scenario.contacts.reforming = Law::Rectangular { min: 0.0, max: 1.0 };
+    scenario.contacts.reforming = Law::Rectangular { min: 0.0, max: 0.9 };
     scenario.build().unwrap();
 }
 

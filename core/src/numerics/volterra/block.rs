@@ -102,11 +102,13 @@ impl<'a> Blocks<'a> {
 /// out += block · values.
 #[inline]
 pub(super) fn apply(block: &Block, values: &Nodal, out: &mut Nodal) {
+    let mut sums = *out;
     for (column, value) in block.iter().zip(values) {
-        for (sum, entry) in out.iter_mut().zip(column) {
+        for (sum, entry) in sums.iter_mut().zip(column) {
             *sum += entry * value;
         }
     }
+    *out = sums;
 }
 
 /// Entries of a block below this are left out: a thousand such blocks would add 1e-16 of the solution.

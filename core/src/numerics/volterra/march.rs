@@ -14,7 +14,11 @@ use crate::{Error, Float, Result};
 struct March<'a> {
     source: &'a Kernel,
     kernel: &'a Kernel,
+    kept: (&'a Piecewise, &'a Kernel),
     accuracy: Accuracy,
+    kept_blocks: Blocks<'a>,
+    /// The width that needs no proof.
+    base: f64,
     kernel_atoms: Vec<Atom>,
     atoms: Vec<Atom>,
     mesh: Mesh,
@@ -28,12 +32,16 @@ struct March<'a> {
 
 /// Solves g = source + kernel ∗ g on [0, end].
 ///
+/// `kept` are a source and a kernel with source + kernel ∗ g = 1 (what has not gone into g yet): cells that outgrow the
+/// narrow ones are only taken where this holds, so that nothing is stepped over.
+///
 /// # Errors
 /// [`Error::Stopped`] by the monitor; [`Error::TooLarge`] for too many atoms; [`Error::Accuracy`] where cells would
 /// shrink beyond reason.
 pub fn solve(
     source: &Kernel,
     kernel: &Kernel,
+    kept: (&Piecewise, &Kernel),
     end: f64,
     accuracy: Accuracy,
     monitor: &mut dyn Monitor,
@@ -50,7 +58,10 @@ pub fn solve(
     let mut march = March {
         source,
         kernel,
+        kept,
+        kept_blocks: Blocks::new(kept.1),
         accuracy,
+        base: width,
         kernel_atoms: kernel.atoms().collect(),
         atoms: atoms.collect(),
         mesh: Mesh { boundaries: vec![0.0], ..Mesh::default() },
@@ -63,7 +74,7 @@ pub fn solve(
     let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).filter(|&x| x > 0.0 && x < end).collect();
     stops.push(end);
     stops.dedup_by(|b, a| same_position(*a, *b));
-    let mut pace = Pace { base: width, width, patience: 0 };
+    let mut pace = Pace { width, patience: 0 };
     for stop in stops {
         march.section(stop, end, &mut pace, monitor)?;
     }
@@ -71,9 +82,8 @@ pub fn solve(
     Ok(Solution { mesh, values, density, atoms, tail })
 }
 
-/// The width of cells: the base width, the one in use, and how many cells to leave it alone.
+/// The width of cells in use, and how many cells to leave it alone.
 struct Pace {
-    base: f64,
     width: f64,
     patience: usize,
 }
@@ -121,14 +131,19 @@ impl March<'_> {
         Ok(())
     }
 
-    /// Whether the next cell should be twice as wide: soon where a kink made cells small, late otherwise, since every
-    /// change of width costs new blocks.
+    /// Whether the next cell should be twice as wide: at once where nothing breaks, soon where a kink made cells small,
+    /// late otherwise, since every change of width costs new blocks.
     fn grows(&self, missing: f64, done: usize, left: f64, width: f64, pace: &Pace) -> bool {
         let limit = self.accuracy.density;
-        let loose = 0.05 * limit.max(self.accuracy.mass / width);
-        let recovering = width < 0.3 * pace.base && pace.patience == 0 && missing < loose;
+        let largest = self
+            .values
+            .last()
+            .map_or(0.0, |values| values.iter().fold(0.0, |most: f64, v| most.max(v.abs())));
+        let many = left.min(self.kernel.curve().end()) > 512.0 * self.base;
+        let quiet = many && largest * width < 1e-3 * self.accuracy.mass;
+        let recovering = width < 0.3 * self.base && missing < 0.05 * limit.max(self.accuracy.mass / width);
         let settled = done >= 256 && missing < 1e-5 * limit && left > 3072.0 * width;
-        recovering || self.accuracy.may_grow && settled
+        (quiet || recovering) && pace.patience == 0 || settled
     }
 
     /// Whether the solution so far, and as much again as its pace asks for, can be kept.
@@ -169,6 +184,7 @@ impl March<'_> {
         self.mesh.runs.push(Run { first: self.values.len(), start, width });
         self.inverse = None;
         self.blocks.reset(u32::MAX);
+        self.kept_blocks.reset(u32::MAX);
     }
 
     /// Solves the next cell of the run, up to `stop`; the size of its tail, or `None` where it is not resolved.
@@ -197,7 +213,27 @@ impl March<'_> {
         self.values.push(values);
         self.density.boundaries.push(stop);
         self.density.coefficients.push(coefficients);
+        if 2.0 * half > 1.01 * self.base && !self.keeps(middle, half) {
+            self.values.pop();
+            self.density.boundaries.pop();
+            self.density.coefficients.pop();
+            self.mesh.run_of.pop();
+            self.mesh.boundaries.pop();
+            return None;
+        }
         Some(if missing < rounding { 0.0 } else { missing })
+    }
+
+    /// Whether all that should be in g is there, at the points of the latest cell.
+    fn keeps(&mut self, middle: f64, half: f64) -> bool {
+        let (source, kernel) = self.kept;
+        let mut whole = RULE.nodes.map(|t| {
+            let x = middle + half * t;
+            source.value(x) + struck(kernel.curve(), &self.atoms, x)
+        });
+        let cell = self.values.len() - 1;
+        self.kept_blocks.add_history(&self.mesh, cell, &self.values, &self.density, &mut whole);
+        whole.iter().all(|w| (w - 1.0).abs() <= self.accuracy.kept)
     }
 
     /// Source and atoms at the Gauss points of a cell.

@@ -1,6 +1,7 @@
 //! The cells of a solution, in runs of equal width, and the past of a run in its own step.
 
-use crate::numerics::legendre::{NODES, Nodal, RULE};
+use super::kernel::Kernel;
+use crate::numerics::legendre::{NODES, Nodal, RULE, series};
 use crate::numerics::piecewise::Piecewise;
 
 /// Consecutive cells of one width.
@@ -28,6 +29,30 @@ impl Mesh {
     pub(super) fn cell(&self, cell: usize) -> (f64, f64) {
         let run = self.runs[self.run_of[cell] as usize];
         (run.start + ((cell - run.first) as f64 + 0.5) * run.width, 0.5 * run.width)
+    }
+
+    /// ∫₀^x of kernel(x − Y) density(Y), cell by cell.
+    pub(super) fn convolve_at(&self, density: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
+        let low = x - kernel.curve().end();
+        let first = self.boundaries.partition_point(|&b| b <= low).saturating_sub(1);
+        let cells = (first..self.cells()).take_while(|&cell| self.boundaries[cell] < x);
+        cells.map(|cell| self.convolve_cell(cell, density, kernel, x)).sum()
+    }
+
+    fn convolve_cell(&self, cell: usize, density: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
+        let (middle, half) = self.cell(cell);
+        let (low, high) = ((x - middle - half).max(0.0), x - middle + half);
+        let mut cuts = vec![low];
+        kernel.splits(low, high, 2.0 * half, &mut cuts);
+        cuts.push(high);
+        if cuts.len() == 2 && low > 0.0 {
+            // Far from a tiny cell, x − u would lose the place in it.
+            let part =
+                |t: f64| series(&density.coefficients[cell], t) * kernel.curve().value(x - middle - half * t);
+            return half * (0..NODES).map(|i| RULE.weights[i] * part(RULE.nodes[i])).sum::<f64>();
+        }
+        let integrand = |u: f64| density.value_in(cell, x - u) * kernel.curve().value(u);
+        cuts.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum()
     }
 }
 

@@ -17,7 +17,7 @@ pub use march::solve;
 use self::block::Blocks;
 use self::mesh::Mesh;
 use super::breaks::Atom;
-use super::legendre::{NODES, Nodal, RULE};
+use super::legendre::{Nodal, RULE};
 use super::piecewise::Piecewise;
 use crate::Result;
 use crate::monitor::{Monitor, report};
@@ -43,12 +43,12 @@ pub struct Accuracy {
     pub density: f64,
     /// … or this large times the cell's width.
     pub mass: f64,
+    /// How far source + kernel ∗ g may be from 1 where it should be 1.
+    pub kept: f64,
     /// Width of cells to begin with, in units of the narrow cells of source and kernel …
     pub widening: f64,
     /// … which together hold this fraction of their mass.
     pub light: f64,
-    /// Whether cells may outgrow the kernel's own.
-    pub may_grow: bool,
 }
 
 /// Σ over atoms at or before x of weight × curve(x − position).
@@ -89,26 +89,8 @@ impl Solution {
 
     /// (source + kernel ∗ g)(x) at one x by quadrature over the density, not by blocks.
     pub fn convolve_at(&self, source: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
-        let low = x - kernel.curve().end();
-        let first = self.mesh.boundaries.partition_point(|&b| b <= low).saturating_sub(1);
-        let cells = (first..self.values.len()).take_while(|&cell| self.mesh.boundaries[cell] < x);
-        let integral: f64 = cells.map(|cell| self.convolve_cell(cell, kernel, x)).sum();
-        source.value(x) + struck(kernel.curve(), &self.atoms, x) + integral
-    }
-
-    fn convolve_cell(&self, cell: usize, kernel: &Kernel, x: f64) -> f64 {
-        let (middle, half) = self.mesh.cell(cell);
-        let (low, high) = ((x - middle - half).max(0.0), x - middle + half);
-        let mut cuts = vec![low];
-        kernel.splits(low, high, 2.0 * half, &mut cuts);
-        cuts.push(high);
-        if cuts.len() == 2 && low > 0.0 {
-            // Far from a tiny cell, x − u would lose the place in it.
-            let at =
-                |i: usize| self.values[cell][i] * kernel.curve().value(x - middle - half * RULE.nodes[i]);
-            return half * (0..NODES).map(|i| RULE.weights[i] * at(i)).sum::<f64>();
-        }
-        let integrand = |u: f64| self.density.value_in(cell, x - u) * kernel.curve().value(u);
-        cuts.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum()
+        source.value(x)
+            + struck(kernel.curve(), &self.atoms, x)
+            + self.mesh.convolve_at(&self.density, kernel, x)
     }
 }

@@ -1,0 +1,119 @@
+//! A page of text, tables and pictures.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use kuva::backend::svg::SvgBackend;
+use kuva::render::layout::TickFormat;
+use kuva::render::render::Scene;
+
+const HEAD: &str = "\
+<!-- Written by `make validation`: change cli/examples/validation instead. -->
+# Validation
+
+How far the numbers can be trusted, and what they cost. `make validation` computes everything on this page; a test
+recomputes all of it but times and the finest grids. Lengths are in units of the mean threshold x̄, forces in
+units of N⟨k⟩x̄. Times are CPU seconds on the machine that made this page: compare them with each other.
+";
+
+/// What a page is made of.
+enum Line {
+    /// The same on any machine.
+    Lasting(String),
+    /// With times.
+    Timed(String),
+}
+
+/// A page and its pictures.
+#[derive(Default)]
+pub struct Page {
+    lines: Vec<Line>,
+    pictures: Vec<(String, String)>,
+}
+
+impl Page {
+    /// Lines that are the same on any machine.
+    pub fn text(&mut self, text: &str) {
+        self.lines.extend(text.trim_matches('\n').lines().map(|line| Line::Lasting(line.to_owned())));
+        self.lines.push(Line::Lasting(String::new()));
+    }
+
+    /// The head of a table.
+    pub fn head(&mut self, columns: &[&str]) {
+        let rule = columns.iter().enumerate().map(|(i, _)| if i == 0 { "---" } else { "---:" });
+        let rule = rule.collect::<Vec<_>>().join(" | ");
+        self.lines.push(Line::Lasting(format!("| {} |", columns.join(" | "))));
+        self.lines.push(Line::Lasting(format!("| {rule} |")));
+    }
+
+    /// A row of a table.
+    pub fn row(&mut self, cells: &[String]) {
+        self.lines.push(Line::Lasting(format!("| {} |", cells.join(" | "))));
+    }
+
+    /// A row of a table that holds times.
+    pub fn timed_row(&mut self, cells: &[String]) {
+        self.lines.push(Line::Timed(format!("| {} |", cells.join(" | "))));
+    }
+
+    /// Ends a table.
+    pub fn end(&mut self) {
+        self.lines.push(Line::Lasting(String::new()));
+    }
+
+    /// A picture with its caption.
+    pub fn picture(&mut self, name: &str, caption: &str, scene: &Scene) {
+        self.pictures.push((format!("{name}.svg"), SvgBackend::new().render_scene(scene)));
+        self.text(&format!("![{caption}]({name}.svg)\n\n*{caption}*"));
+    }
+
+    /// What is the same on any machine.
+    #[cfg(test)]
+    pub fn lasting(&self) -> impl Iterator<Item = &str> {
+        self.lines.iter().filter_map(|line| match line {
+            Line::Lasting(line) if !line.is_empty() => Some(line.as_str()),
+            _ => None,
+        })
+    }
+
+    /// Writes `index.md` and the pictures.
+    pub fn write(&self, folder: &Path) -> std::io::Result<()> {
+        fs::create_dir_all(folder)?;
+        for (name, picture) in &self.pictures {
+            fs::write(folder.join(name), picture)?;
+        }
+        let mut text = HEAD.to_owned();
+        for Line::Lasting(line) | Line::Timed(line) in &self.lines {
+            text += &format!("\n{line}");
+        }
+        fs::write(folder.join("index.md"), text.trim_end().to_owned() + "\n")
+    }
+}
+
+/// A number with two digits, as a power of ten where it is small.
+pub fn small(value: f64) -> String {
+    if value == 0.0 { "0".into() } else { format!("{value:.1e}") }
+}
+
+/// The power of ten that bounds an error, not below what roundings do: the same on any machine.
+pub fn below(error: f64) -> String {
+    let exponent = error.abs().max(1e-12).log10().ceil();
+    format!("< 1e{exponent:.0}")
+}
+
+/// Ticks of an axis that shows exponents of ten.
+pub fn decades() -> TickFormat {
+    TickFormat::Custom(Arc::new(power))
+}
+
+/// Ticks of a logarithmic axis.
+pub fn powers() -> TickFormat {
+    TickFormat::Custom(Arc::new(|value: f64| power(value.log10())))
+}
+
+fn power(exponent: f64) -> String {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| RAISED[digit as usize]);
+    format!("{exponent:.0}").chars().map(raise).fold("10".into(), |text, c| text + &c.to_string())
+}

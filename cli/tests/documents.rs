@@ -1,0 +1,309 @@
+//! What the documents show is run: every scenario, command, output, key, picture and link.
+//!
+//! Code blocks have a language. `toml` is a scenario that makes sense; one that begins with `# NAME` is kept under that
+//! name for the commands after it. `console` is commands (`$ …`) and what they print, to the letter; with `fails` behind
+//! it, of the errors too, and the exit code is not 0. `sh` is a command whose `make` target exists. `text` is not run, and
+//! `rust` is run with the documentation of the core.
+
+mod support;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+use support::{Folder, names, scenarios};
+
+/// The folder of the project.
+fn root() -> PathBuf {
+    scenarios().parent().unwrap().to_owned()
+}
+
+/// Every document with its text, by path from the root.
+fn documents() -> Vec<(String, String)> {
+    let pages = |folder: &str| {
+        let names = names(&root().join(folder)).into_iter().filter(|name| name.ends_with(".md"));
+        names.map(|name| format!("{folder}{name}")).collect::<Vec<_>>()
+    };
+    let parts =
+        names(&root().join("docs")).into_iter().filter(|name| root().join("docs").join(name).is_dir());
+    let folders =
+        ["".to_owned(), "docs/".to_owned()].into_iter().chain(parts.map(|name| format!("docs/{name}/")));
+    let found: Vec<_> =
+        folders.flat_map(|folder| pages(&folder)).map(|path| (path.clone(), document(&path))).collect();
+    assert!(found.len() >= 7, "only {}", found.len());
+    found
+}
+
+fn document(path: &str) -> String {
+    std::fs::read_to_string(root().join(path)).unwrap()
+}
+
+/// A block of code.
+struct Block {
+    /// Where it begins, `file:line`.
+    place: String,
+    /// The words behind the fence.
+    language: String,
+    text: String,
+}
+
+fn blocks(path: &str, text: &str) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut open = false;
+    for (number, line) in text.lines().enumerate() {
+        match line.strip_prefix("```") {
+            Some(_) if open => open = false,
+            Some(language) => {
+                let place = format!("{path}:{}", number + 1);
+                blocks.push(Block { place, language: language.to_owned(), text: String::new() });
+                open = true;
+            }
+            None if open => blocks.last_mut().unwrap().text += &format!("{line}\n"),
+            None => {}
+        }
+    }
+    assert!(!open, "{path}: a block without end");
+    blocks
+}
+
+/// An empty folder but for the shipped scenarios.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    let copy = folder.path().join("scenarios");
+    std::fs::create_dir(&copy).unwrap();
+    for name in names(&scenarios()).iter().filter(|name| name.contains('.')) {
+        std::fs::copy(scenarios().join(name), copy.join(name)).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn blocks_do_what_they_show() {
+    let mut ran = BTreeMap::new();
+    for (path, text) in documents() {
+        let folder = folder();
+        for Block { place, language, text } in blocks(&path, &text) {
+            match language.as_str() {
+                "toml" => makes_sense(&folder, &place, &text),
+                "console" => prints(&folder, &place, &text, true),
+                "console fails" => prints(&folder, &place, &text, false),
+                "sh" => text.lines().for_each(|line| is_a_target(&place, line)),
+                "rust" => assert!(document("core/src/lib.rs").contains(&path), "{place}: not run"),
+                "text" => {}
+                other => panic!("{place}: what kind of block is {other:?}?"),
+            }
+            *ran.entry(language).or_insert(0) += 1;
+        }
+    }
+    for language in ["toml", "console", "console fails", "sh", "rust"] {
+        assert!(ran.contains_key(language), "no {language} block at all: {ran:?}");
+    }
+}
+
+fn makes_sense(folder: &Folder, place: &str, text: &str) {
+    let name = text.lines().next().and_then(|line| line.strip_prefix("# ")).filter(|n| n.ends_with(".toml"));
+    let name = name.unwrap_or("block.toml");
+    folder.write(name, text);
+    let output = folder.run(&["check", name]);
+    assert!(output.status.success(), "{place}: {}", support::errors(&output));
+}
+
+/// Runs the commands of a block and compares what they print with what is shown behind each, if anything is.
+fn prints(folder: &Folder, place: &str, text: &str, succeeds: bool) {
+    assert!(text.starts_with("$ "), "{place}: no command");
+    for part in format!("\n{text}").split("\n$ ").skip(1) {
+        let (command, shown) = part.split_once('\n').unwrap_or((part, ""));
+        let output = shell(folder, command);
+        let (printed, errors) = [&output.stdout, &output.stderr].map(|b| String::from_utf8_lossy(b)).into();
+        assert_eq!(output.status.success(), succeeds, "{place}: {command}\n{errors}");
+        if !shown.trim().is_empty() {
+            let printed = if succeeds { printed } else { errors };
+            assert_eq!(trimmed(&printed), trimmed(shown), "{place}: {command}");
+        }
+    }
+}
+
+/// Runs a line in bash, with this build as `asperity` and for `cargo run --release --`.
+fn shell(folder: &Folder, line: &str) -> std::process::Output {
+    let program = Path::new(env!("CARGO_BIN_EXE_asperity")).parent().unwrap();
+    let paths = std::env::join_paths(
+        [program.to_owned()].into_iter().chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
+    );
+    let line = line.replace("cargo run --release --", "asperity");
+    let mut bash = Command::new("bash");
+    bash.args(["-c", &line]).current_dir(folder.path()).env("PATH", paths.unwrap()).output().unwrap()
+}
+
+/// Lines without the blanks at their ends, and without empty ones at either end.
+fn trimmed(text: &str) -> String {
+    let lines: Vec<_> = text.lines().map(str::trim_end).collect();
+    lines.join("\n").trim_matches('\n').to_owned()
+}
+
+fn is_a_target(place: &str, line: &str) {
+    let mut words = line.split_whitespace();
+    if words.next() == Some("make") {
+        let target = words.next().unwrap();
+        assert!(
+            document("Makefile").lines().any(|l| l.starts_with(&format!("{target}:"))),
+            "{place}: {line}"
+        );
+    }
+}
+
+#[test]
+fn two_commands_do_all_and_ci_runs_the_second() {
+    let readme = blocks("README.md", &document("README.md"));
+    let set_up: Vec<_> = readme.iter().filter(|block| block.language == "sh").collect();
+    assert_eq!(set_up.len(), 1, "one block of commands");
+    let commands: Vec<_> =
+        set_up[0].text.lines().map(|line| line.split('#').next().unwrap().trim()).collect();
+    assert_eq!(commands, ["cargo run --release -- run scenarios/fig2.toml", "make test"]);
+    assert_eq!(document(".ci/run").lines().last(), Some(commands[1]));
+    // What the first prints is shown, and so compared.
+    assert!(
+        readme.iter().any(|b| b.language == "console" && b.text.starts_with(&format!("$ {}\n", commands[0])))
+    );
+}
+
+#[test]
+fn links_lead_somewhere() {
+    for (path, text) in documents() {
+        let folder = root().join(&path).parent().unwrap().to_owned();
+        let targets = text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap());
+        for target in targets.filter(|target| !target.contains("://") && !target.starts_with('#')) {
+            let file = target.split('#').next().unwrap();
+            assert!(folder.join(file).exists(), "{path}: {target} is not there");
+        }
+    }
+}
+
+#[test]
+fn one_version_is_told_everywhere() {
+    let version = env!("CARGO_PKG_VERSION");
+    assert!(document("CITATION.cff").contains(&format!("\nversion: {version}\n")));
+    let changelog = document("CHANGELOG.md");
+    assert!(changelog.contains(&format!("## [{version}]")) || changelog.contains("## [Unreleased]"));
+}
+
+/// The first cells of the rows of tables that begin with code, with the second ones.
+fn rows(page: &str) -> BTreeMap<String, String> {
+    let cells = page.lines().filter_map(|line| line.strip_prefix("| `"));
+    let row = |line: &str| {
+        let (key, rest) = line.split_once("` |").unwrap_or_else(|| panic!("not a key alone: {line}"));
+        (key.to_owned(), rest.split(" |").next().unwrap().trim().to_owned())
+    };
+    cells.map(row).collect()
+}
+
+/// The schema of what `schema` refers to, be it optional.
+fn resolved<'a>(root: &'a Value, schema: &'a Value) -> (&'a Value, &'a str) {
+    let schema = schema["anyOf"].as_array().map_or(schema, |choices| &choices[0]);
+    let path = schema["$ref"].as_str().unwrap_or("#");
+    let name = path.rsplit('/').next().unwrap();
+    if path == "#" { (schema, "") } else { (root.pointer(&path[1..]).unwrap(), name) }
+}
+
+/// Every key below `schema` with what the page must say of its default.
+fn keys(root: &Value, schema: &Value, path: &str, found: &mut BTreeMap<String, String>) {
+    for (name, property) in schema["properties"].as_object().unwrap() {
+        let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        let (inner, definition) = resolved(root, property);
+        if inner["properties"].is_object() && definition != "Law" {
+            keys(root, inner, &path, found);
+            continue;
+        }
+        let required = schema["required"].as_array().is_some_and(|all| all.contains(&name.as_str().into()));
+        let default = match &property["default"] {
+            Value::Null if required => "required".to_owned(),
+            Value::Null => "–".to_owned(),
+            value => format!("`{}`", as_toml(value)),
+        };
+        found.insert(path, default);
+    }
+}
+
+/// A default as it would be written in a scenario.
+fn as_toml(value: &Value) -> String {
+    match value {
+        Value::Object(law) => {
+            let (name, parameters) = law.iter().next().unwrap();
+            let inside =
+                parameters.as_object().unwrap().iter().map(|(key, value)| format!("{key} = {value}"));
+            format!("{name} = {{ {} }}", inside.collect::<Vec<_>>().join(", "))
+        }
+        other => other.to_string(),
+    }
+}
+
+/// The parameters of every law, `gaussian.mean` or `mixture[].weight`.
+fn parameters(root: &Value, found: &mut BTreeMap<String, String>) {
+    for law in root["$defs"]["Law"]["oneOf"].as_array().unwrap() {
+        let (name, schema) = law["properties"].as_object().unwrap().iter().next().unwrap();
+        let list = schema["type"] == "array";
+        let (inner, _) = resolved(root, if list { &schema["items"] } else { schema });
+        keys(root, inner, &format!("{name}{}", if list { "[]" } else { "" }), found);
+    }
+}
+
+#[test]
+fn the_reference_names_every_key_with_its_default() {
+    let schema: Value = serde_json::from_str(&Folder::new().succeed(&["schema"])).unwrap();
+    let mut known = BTreeMap::new();
+    keys(&schema, &schema, "", &mut known);
+    parameters(&schema, &mut known);
+    assert!(known.len() > 30, "only {}", known.len());
+    let shown = rows(&document("docs/scenarios.md"));
+    let differing = known.keys().chain(shown.keys()).filter(|&key| known.get(key) != shown.get(key));
+    let differing: Vec<_> = differing.map(|key| (key, known.get(key), shown.get(key))).collect();
+    assert!(differing.is_empty(), "key, default in the schema, default on the page: {differing:#?}");
+}
+
+#[test]
+fn the_table_of_laws_is_complete() {
+    let schema: Value = serde_json::from_str(&Folder::new().succeed(&["schema"])).unwrap();
+    let laws = schema["$defs"]["Law"]["oneOf"].as_array().unwrap();
+    let known: Vec<_> = laws
+        .iter()
+        .map(|law| law["required"][0].as_str().unwrap().to_owned())
+        .collect::<std::collections::BTreeSet<_>>()
+        .into_iter()
+        .collect();
+    let shown: Vec<_> = rows(&document("docs/laws.md")).into_keys().collect();
+    assert_eq!(shown, known);
+}
+
+#[test]
+fn pictures_are_those_that_the_program_draws() {
+    let folder = folder();
+    folder.succeed(&["run", "scenarios/fig2.toml", "--quiet", "-o", "fig2"]);
+    for name in ["force", "evolution"] {
+        let kept = document(&format!("docs/figures/fig2-{name}.svg"));
+        let drawn = std::fs::read_to_string(folder.path().join(format!("fig2/{name}.svg"))).unwrap();
+        assert!(looks_like(&kept, &drawn), "docs/figures/fig2-{name}.svg is out of date: make figures");
+    }
+}
+
+/// Whether two drawings are the same to a tenth of a dot.
+fn looks_like(one: &str, other: &str) -> bool {
+    let (one, other) = (words(one), words(other));
+    let near = |(a, b): (&&str, &&str)| match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() <= 0.1,
+        _ => a == b,
+    };
+    one.len() == other.len() && one.iter().zip(&other).all(near)
+}
+
+/// Numbers, and what stands between them.
+fn words(text: &str) -> Vec<&str> {
+    let numeric = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
+    let mut words = Vec::new();
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let end = rest.find(|c| numeric(c) != numeric(first)).unwrap_or(rest.len());
+        words.push(&rest[..end]);
+        rest = &rest[end..];
+    }
+    words
+}

@@ -1,0 +1,80 @@
+//! Cost of the master equation in CPU time: Fig. 2 of the paper, and laws that are harder.
+
+#![allow(missing_docs)]
+
+use std::hint::black_box;
+use std::sync::Arc;
+
+use asperity::contacts::{Contacts, Initial, Start, Stiffness};
+use asperity::law::{Gaussian, Lognormal, Point, Rectangular, SharedLaw};
+use asperity::master::MasterEquation;
+use cpu_time::ThreadTime;
+use criterion::{Bencher, Criterion, criterion_group, criterion_main};
+
+struct Case {
+    thresholds: SharedLaw,
+    reforming: SharedLaw,
+    initial: SharedLaw,
+}
+
+impl Case {
+    fn equation(&self) -> MasterEquation {
+        let (thresholds, reforming) = (self.thresholds.clone(), self.reforming.clone());
+        let contacts = Contacts { count: 1.0, stiffness: Stiffness::Equal(1.0), thresholds, reforming };
+        let initial = Initial { law: self.initial.clone(), start: Start::Conditional };
+        MasterEquation::new(contacts, &initial).unwrap()
+    }
+}
+
+fn gaussian(mean: f64, std: f64) -> SharedLaw {
+    Arc::new(Gaussian::new(mean, std).unwrap())
+}
+
+fn rectangular(min: f64, max: f64) -> SharedLaw {
+    Arc::new(Rectangular::new(min, max).unwrap())
+}
+
+/// Times `work` by the clock of this thread, which stands still while others have the core.
+fn cpu<T>(bencher: &mut Bencher<'_>, work: impl Fn() -> T) {
+    bencher.iter_custom(|iterations| {
+        let begun = ThreadTime::now();
+        (0..iterations).for_each(|_| drop(black_box(work())));
+        begun.elapsed()
+    });
+}
+
+/// Lives, solution to X = 50 at 1e-10, force and breaking rate at 5001 positions.
+fn pulls(criterion: &mut Criterion) {
+    let positions: Vec<f64> = (0..=5000).map(|i| f64::from(i) * 0.01).collect();
+    let relaxed: SharedLaw = Arc::new(Point::new(0.0).unwrap());
+    let fig2 = || gaussian(1.0, 0.05);
+    let start = || gaussian(0.1, 0.025);
+    let lognormal: SharedLaw = Arc::new(Lognormal::new(1.0, 0.5).unwrap());
+    let cases = [
+        ("Fig. 2", fig2(), relaxed.clone(), start()),
+        ("lognormal, c.v. 0.5", lognormal, relaxed.clone(), relaxed.clone()),
+        ("rectangular 0.75 to 1.25", rectangular(0.75, 1.25), relaxed.clone(), relaxed.clone()),
+        ("broad reforming, below thresholds", fig2(), rectangular(0.0, 0.2), start()),
+        ("broad reforming, among thresholds", rectangular(0.4, 1.6), rectangular(0.0, 0.6), relaxed),
+    ];
+    let mut group = criterion.benchmark_group("pull to X = 50");
+    group.sample_size(20);
+    for (name, thresholds, reforming, initial) in cases {
+        let case = Case { thresholds, reforming, initial };
+        group.bench_function(format!("{name}, all"), |bencher| {
+            cpu(bencher, || {
+                let pull = case.equation().pull(50.0, 1e-10, &mut ()).unwrap();
+                positions.iter().map(|&x| pull.force(x) + pull.breaking_rate(x)).sum::<f64>()
+            });
+        });
+        let equation = case.equation();
+        group.bench_function(format!("{name}, lives"), |bencher| cpu(bencher, || case.equation()));
+        group.bench_function(format!("{name}, solution"), |bencher| {
+            cpu(bencher, || equation.pull(50.0, 1e-10, &mut ()).unwrap());
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, pulls);
+criterion_main!(benches);

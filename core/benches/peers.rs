@@ -1,0 +1,173 @@
+//! One table: this crate next to what a user would write in Python, run in turns in the same call.
+//!
+//! The interpreter is `$PEERS_PYTHON`; `core/benches/peers/requirements.txt` says what it needs. Times are CPU
+//! seconds but for the two threads, medians of turns; the peers have been compiled and warmed up.
+
+#![allow(missing_docs)]
+
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::Arc;
+use std::time::Instant;
+
+use asperity::contacts::{Contacts, Initial, Start, Stiffness};
+use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::law::{Gaussian, Point, SharedLaw};
+use asperity::master::MasterEquation;
+use cpu_time::{ProcessTime, ThreadTime};
+
+const TURNS: usize = 9;
+
+fn main() {
+    println!("Medians of {TURNS} turns; ratio = theirs/ours, with its quartiles\n");
+    println!("{:<62} {:>10} {:>10} {:>22} {:>8}", "", "ours", "theirs", "ratio", "wanted");
+    against_python();
+    alone();
+}
+
+/// The laws of Fig. 2.
+fn interface() -> (Contacts, Initial) {
+    let gaussian = |mean, std| -> SharedLaw { Arc::new(Gaussian::new(mean, std).unwrap()) };
+    let (thresholds, reforming) = (gaussian(1.0, 0.05), Arc::new(Point::new(0.0).unwrap()));
+    let contacts = Contacts { count: 1.0, stiffness: Stiffness::Equal(1.0), thresholds, reforming };
+    (contacts, Initial { law: gaussian(0.1, 0.025), start: Start::Conditional })
+}
+
+fn ensemble(size: usize) -> Ensemble {
+    let (contacts, initial) = interface();
+    Ensemble::new(contacts, initial, size, 1, Disorder::Annealed).unwrap()
+}
+
+/// i `step` for i = 0 … `last`/`step`.
+fn grid(last: f64, step: f64) -> Vec<f64> {
+    (0..=(last / step).round() as usize).map(|i| i as f64 * step).collect()
+}
+
+fn against_python() {
+    let fine = grid(20.0, 1e-3);
+    row("Fig. 2 to X = 20, 20 001 points, 1e-10 / NumPy shift grid", "shift_grid.py", None, || {
+        let (contacts, initial) = interface();
+        let pull = MasterEquation::new(contacts, &initial).unwrap().pull(20.0, 1e-10, &mut ()).unwrap();
+        let force: Vec<f64> = fine.iter().map(|&x| pull.force(x)).collect();
+        force[5000]
+    });
+    row("10 000 contacts to X = 20, 20 001 points / numba, stepped", "stepped.py", Some(50.0), || {
+        ensemble(10_000).pull(&fine, &Snapshots::default(), &mut ()).unwrap().force[5000]
+    });
+    let coarse = grid(100.0, 0.05);
+    let events = || ensemble(20_000).pull(&coarse, &Snapshots::default(), &mut ()).unwrap().force[100];
+    let name = |draws: &str| format!("20 000 contacts to X = 100 / numba, events, {draws}");
+    row(&name("np.random"), "event_driven.py twister", Some(1.5), events);
+    row(&name("Generator"), "event_driven.py pcg64", Some(1.5), events);
+}
+
+/// One line of the table, ours on this thread alone.
+fn row(name: &str, script: &str, wanted: Option<f64>, ours: impl Fn() -> f64 + Sync) {
+    let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let mut peer = Peer::start(script);
+    let turn = |_| {
+        let (ours, force) = single.install(|| {
+            let begun = ThreadTime::now();
+            let force = ours();
+            (begun.elapsed().as_secs_f64(), force)
+        });
+        let (theirs, their_force) = peer.run();
+        // 1e4 contacts scatter by 3e-3, the shift grid is wrong by 5e-3.
+        assert!((force - their_force).abs() < 0.02, "{name}: F(5) = {force} and {their_force}");
+        [ours, theirs, theirs / ours]
+    };
+    let turns: Vec<[f64; 3]> = (0..TURNS).map(turn).collect();
+    let [ours, theirs, ratio] = [0, 1, 2].map(|k| quartiles(turns.iter().map(|turn| turn[k])));
+    let wanted = wanted.map_or(String::new(), |wanted| format!("≥ {wanted}"));
+    let ratio = format!("{:.2} ({:.2} to {:.2})", ratio[1], ratio[0], ratio[2]);
+    println!("{name:<62} {:>7.3} ms {:>7.2} ms {ratio:>22} {wanted:>8}", 1e3 * ours[1], 1e3 * theirs[1]);
+}
+
+fn quartiles(values: impl Iterator<Item = f64>) -> [f64; 3] {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    [1, 2, 3].map(|k| values[k * (values.len() - 1) / 4])
+}
+
+/// A script that runs when it is told to.
+struct Peer {
+    process: Child,
+    to: Option<ChildStdin>,
+    from: BufReader<ChildStdout>,
+}
+
+impl Peer {
+    fn start(script: &str) -> Self {
+        let python = std::env::var("PEERS_PYTHON").unwrap_or_else(|_| "python3".into());
+        let (file, argument) = script.split_once(' ').unwrap_or((script, ""));
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/peers/").to_owned() + file;
+        let mut command = Command::new(python);
+        // One core for each side: NumPy would else take more.
+        command.env("OMP_NUM_THREADS", "1").env("OPENBLAS_NUM_THREADS", "1").args([&path, argument]);
+        let mut process = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        let (to, from) = (process.stdin.take(), BufReader::new(process.stdout.take().unwrap()));
+        let mut peer = Self { process, to, from };
+        assert_eq!(peer.line(), "ready\n", "{script} did not start");
+        peer
+    }
+
+    fn line(&mut self) -> String {
+        let mut line = String::new();
+        self.from.read_line(&mut line).unwrap();
+        line
+    }
+
+    /// CPU seconds and the force.
+    fn run(&mut self) -> (f64, f64) {
+        self.to.as_mut().unwrap().write_all(b"\n").unwrap();
+        let line = self.line();
+        let mut numbers = line.split_whitespace().map(|word| word.parse::<f64>().unwrap());
+        (numbers.next().unwrap(), numbers.next().unwrap())
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        // The end of its input is the end of the script.
+        self.to = None;
+        let _ = self.process.wait();
+    }
+}
+
+/// What there is no peer for: cost of a break, a second core, memory.
+fn alone() {
+    let positions = grid(100.0, 0.05);
+    let many = ensemble(20_000);
+    let [one, two] = [1, 2].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
+    // Wall and CPU seconds, breaks.
+    let timed = |pool: &rayon::ThreadPool| {
+        let (wall, cpu) = (Instant::now(), ProcessTime::now());
+        let breaks = pool.install(|| many.pull(&positions, &Snapshots::default(), &mut ()).unwrap().breaks);
+        (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64(), breaks as f64)
+    };
+    let turns: Vec<_> = (0..4 * TURNS).map(|_| (timed(&one), timed(&two))).collect();
+    let [cheap, cost, _] = quartiles(turns.iter().map(|(one, _)| 1e9 * one.1 / one.2));
+    println!("\nA break, Gaussian thresholds: {cost:.2} ns of CPU (lower quartile {cheap:.2}; wanted ≤ 5)");
+    let [_, faster, best] = quartiles(turns.iter().map(|(one, two)| one.0 / two.0));
+    println!(
+        "Two threads: {faster:.2} times as fast as one (upper quartile {best:.2}; wanted ≥ 1.8 on two free cores)"
+    );
+    let [_, more, _] = quartiles(turns.iter().map(|(one, two)| two.1 / one.1));
+    println!(
+        "Two threads: {more:.2} times the CPU of one (1 is no overhead; free cores make it {:.2} times as fast)",
+        2.0 / more
+    );
+    let memory = |last: f64| {
+        let pull = ensemble(1_000).pull(&grid(last, last / 1000.0), &Snapshots::default(), &mut ()).unwrap();
+        (pull.breaks, peak_memory())
+    };
+    let ((few, before), (more, after)) = (memory(100.0), memory(10_000.0));
+    println!("Peak memory: {before} kB after {few} breaks, {after} kB after {more} more");
+}
+
+/// Most memory this process has had, kB; 0 where the system does not tell.
+fn peak_memory() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find(|line| line.starts_with("VmHWM")).unwrap_or_default();
+    line.split_whitespace().nth(1).and_then(|kb| kb.parse().ok()).unwrap_or(0)
+}

@@ -1,0 +1,130 @@
+//! The rooms of `core/src` as ARCHITECTURE.md lists them: imports point down, and nothing is printed or read.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// What the core leaves to its front ends.
+const FOREIGN: [&str; 6] = ["print!", "println!", "dbg!", "std::fs", "std::env", "std::process"];
+
+/// The floor on which rooms may use each other.
+const GROUND: u32 = 0;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Floors by room, from the rows `| floor | rooms | … |` of the page.
+fn floors() -> BTreeMap<String, u32> {
+    let page = std::fs::read_to_string(root().join("../ARCHITECTURE.md")).unwrap();
+    let mut floors = BTreeMap::new();
+    for row in page.lines().filter_map(|line| line.strip_prefix("| ")) {
+        let mut cells = row.split(" | ");
+        let (Some(Ok(floor)), Some(rooms)) = (cells.next().map(str::parse), cells.next()) else { continue };
+        for room in rooms.split('`').skip(1).step_by(2) {
+            floors.insert(room.to_owned(), floor);
+        }
+    }
+    floors
+}
+
+/// Every file of a folder and of those in it.
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<_> =
+        entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect();
+    files.retain(|path| path.extension().is_some_and(|extension| extension == "rs"));
+    files
+}
+
+/// The code of a file, without comments.
+fn code(path: &Path) -> String {
+    let text = std::fs::read_to_string(path).unwrap();
+    text.lines().filter(|line| !line.trim_start().starts_with("//")).map(|line| format!("{line}\n")).collect()
+}
+
+/// The room in which a file stands.
+fn room(path: &Path) -> String {
+    let first = path.strip_prefix(root().join("src")).unwrap().components().next().unwrap();
+    first.as_os_str().to_str().unwrap().trim_end_matches(".rs").to_owned()
+}
+
+/// The rooms that `code` names behind `crate::`, in lists too.
+fn imports(code: &str) -> Vec<String> {
+    let starts = code.match_indices("crate::").map(|(at, found)| &code[at + found.len()..]);
+    starts.flat_map(|rest| rest.strip_prefix('{').map_or_else(|| vec![name(rest)], listed)).collect()
+}
+
+/// The names at the outer level of a list in braces, after its opening one.
+fn listed(list: &str) -> Vec<String> {
+    let (mut depth, mut expected, mut names) = (1, true, Vec::new());
+    for (at, letter) in list.char_indices() {
+        match letter {
+            '{' => depth += 1,
+            '}' if depth == 1 => break,
+            '}' => depth -= 1,
+            ',' if depth == 1 => expected = true,
+            _ if expected && !letter.is_whitespace() => {
+                names.push(name(&list[at..]));
+                expected = false;
+            }
+            _ => {}
+        }
+    }
+    names
+}
+
+fn name(text: &str) -> String {
+    text.chars().take_while(|letter| letter.is_alphanumeric() || *letter == '_').collect()
+}
+
+/// What is wrong with `from` using `to`, if anything.
+fn objection(floors: &BTreeMap<String, u32>, from: &str, to: &str) -> Option<String> {
+    let (Some(&above), Some(&below)) = (floors.get(from), floors.get(to)) else {
+        return Some(format!("{from} uses {to}: one of them is not in ARCHITECTURE.md"));
+    };
+    let down = below < above || from == to || (above, below) == (GROUND, GROUND);
+    (!down).then(|| format!("{from} on floor {above} uses {to} on floor {below}"))
+}
+
+#[test]
+fn imports_point_down() {
+    let floors = floors();
+    assert!(floors.len() > 10, "too few rooms in ARCHITECTURE.md: {floors:?}");
+    let mut objections = Vec::new();
+    for path in sources(&root().join("src")) {
+        let from = room(&path);
+        if from == "lib" {
+            continue;
+        }
+        // What the crate shows at its top is `error`.
+        let rooms = imports(&code(&path)).into_iter().map(|to| match to.as_str() {
+            "Error" | "Float" | "Result" => "error".to_owned(),
+            _ => to,
+        });
+        let found = rooms.filter_map(|to| objection(&floors, &from, &to));
+        objections.extend(found.map(|objection| format!("{}: {objection}", path.display())));
+    }
+    assert!(objections.is_empty(), "{}", objections.join("\n"));
+}
+
+#[test]
+fn the_core_neither_prints_nor_opens_files() {
+    for path in sources(&root().join("src")) {
+        let code = code(&path);
+        let found = FOREIGN.iter().find(|word| code.contains(*word));
+        assert_eq!(found, None, "{}", path.display());
+    }
+}
+
+#[test]
+fn imports_are_found_and_upward_ones_refused() {
+    let code = "use crate::{Error, law::{Law, Point}, master};\nlet x = crate::life::Life;";
+    assert_eq!(imports(code), ["Error", "law", "master", "life"]);
+    let floors = floors();
+    for (from, to) in [("law", "master"), ("ensemble", "master"), ("numerics", "law"), ("law", "cellar")] {
+        assert!(objection(&floors, from, to).is_some(), "{from} uses {to}");
+    }
+    for (from, to) in [("master", "life"), ("law", "law"), ("numerics", "monitor")] {
+        assert_eq!(objection(&floors, from, to), None);
+    }
+}
