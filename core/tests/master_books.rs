@@ -128,7 +128,7 @@ fn solve(case: &Case) -> (MasterEquation, Pull) {
     let start = if case.relaxed { Start::Relaxed } else { Start::Conditional };
     let initial = Initial { law: case.start.clone(), start };
     let master = MasterEquation::new(contacts(&case.thresholds, &case.reforming), &initial).unwrap();
-    let pull = master.pull(6.0, 1e-12, &mut ()).unwrap();
+    let pull = master.pull(6.0, 1e-12, &mut ()).unwrap_or_else(|e| panic!("{}: {e}", describe(case)));
     (master, pull)
 }
 
