@@ -11,7 +11,9 @@ use asperity::contacts::{Initial, Start, Stiffness};
 use asperity::exact;
 use asperity::law::{SharedLaw, Tabulated};
 use asperity::master::{MasterEquation, Pull, Stretches};
-use common::{contacts, exponential, gamma, gaussian, initial, lognormal, master, mixture, point, rectangular, weibull};
+use common::{
+    contacts, exponential, gamma, gaussian, initial, lognormal, master, mixture, point, rectangular, weibull,
+};
 
 fn rest() -> SharedLaw {
     point(0.0)
@@ -33,7 +35,8 @@ fn knots(law: &SharedLaw) -> Vec<f64> {
 /// Intervals of x on which Q(x; X) is smooth, but for weak breaks: it is not at thresholds' breaks, R's breaks, Q_ini's
 /// breaks moved by X, and where the rate of the births, X − Y = x − r, had breaks Y: sums of earlier ones.
 fn edges(case: &Case, position: f64, top: f64) -> Vec<f64> {
-    let (thresholds, reforming, start) = (knots(&case.thresholds), knots(&case.reforming), knots(&case.start));
+    let (thresholds, reforming, start) =
+        (knots(&case.thresholds), knots(&case.reforming), knots(&case.start));
     let reforming = if reforming.is_empty() { vec![0.0] } else { reforming };
     let mut broken: Vec<f64> =
         thresholds.iter().flat_map(|t| start.iter().map(move |q| t - q)).filter(|&y| y >= 0.0).collect();
@@ -95,7 +98,12 @@ fn cases() -> Vec<Case> {
         case(mixture(&[(0.3, point(0.7)), (0.7, point(1.1))]), rest(), start, 60),
         relaxed(case(gaussian(1.0, 0.1), gaussian(0.1, 0.02), gaussian(1.0, 0.2), 120)),
         relaxed(case(rectangular(0.5, 1.5), rest(), rectangular(0.0, 2.0), 60)),
-        relaxed(case(mixture(&[(0.5, point(0.8)), (0.5, rectangular(0.6, 1.2))]), rest(), rectangular(0.0, 1.0), 60)),
+        relaxed(case(
+            mixture(&[(0.5, point(0.8)), (0.5, rectangular(0.6, 1.2))]),
+            rest(),
+            rectangular(0.0, 1.0),
+            60,
+        )),
     ]
 }
 
@@ -120,7 +128,12 @@ fn sums<const K: usize>(
     };
     points.iter().zip(&state.density).for_each(|(p, q)| add(p.0, p.1 * q));
     state.atoms.iter().for_each(|a| add(a.position, a.weight));
-    let least = state.density.iter().copied().chain(state.atoms.iter().map(|a| a.weight)).fold(f64::INFINITY, f64::min);
+    let least = state
+        .density
+        .iter()
+        .copied()
+        .chain(state.atoms.iter().map(|a| a.weight))
+        .fold(f64::INFINITY, f64::min);
     (totals, least)
 }
 
@@ -224,7 +237,8 @@ fn late_distributions_are_steady() {
         let steady = master.steady_state();
         // Away from breaks, whose side rounding would decide.
         let places: Vec<f64> = (0..40).map(|k| 0.0137 + 0.0271 * f64::from(k)).collect();
-        let (late, settled) = (pull.stretch_density(30.0 * relaxation, &places), steady.stretch_density(&places));
+        let (late, settled) =
+            (pull.stretch_density(30.0 * relaxation, &places), steady.stretch_density(&places));
         for ((x, a), b) in places.iter().zip(&late.density).zip(&settled.density) {
             assert!((a - b).abs() < 1e-9, "{}: {a} and {b} at {x}", describe(&case));
         }
@@ -241,7 +255,9 @@ fn late_distributions_are_steady() {
 
 #[test]
 fn steady_moments_in_closed_form() {
-    for law in [gaussian(1.0, 0.2), gamma(1.0, 0.4), rectangular(0.5, 1.5), weibull(2.0, 1.0), exponential(1.0)] {
+    for law in
+        [gaussian(1.0, 0.2), gamma(1.0, 0.4), rectangular(0.5, 1.5), weibull(2.0, 1.0), exponential(1.0)]
+    {
         let steady = master(&law, &rest(), &rest()).steady_state();
         let variance = exact::steady_variance(law.as_ref());
         assert!((steady.force_std(7.0).powi(2) * 7.0 - variance).abs() < 1e-12, "{law:?}");
@@ -287,7 +303,9 @@ fn lengths_and_forces_have_no_unit_of_their_own() {
         (master.pull(20.0 * unit, 1e-10, &mut ()).unwrap(), length)
     };
     let (plain, length) = solve(1.0, 1.0, 1.0);
-    for (unit, count, stiffness) in [(1e-9, 1e6, 3.0), (1e-6, 1.0, 1e-4), (1e-3, 10.0, 1e9), (1e6, 100.0, 1.0)] {
+    for (unit, count, stiffness) in
+        [(1e-9, 1e6, 3.0), (1e-6, 1.0, 1e-4), (1e-3, 10.0, 1e9), (1e6, 100.0, 1.0)]
+    {
         let (scaled, scaled_length) = solve(unit, count, stiffness);
         let whole = count * stiffness * unit;
         assert!((scaled_length / (length * unit) - 1.0).abs() < 1e-10, "X* in units of {unit:e}");

@@ -80,7 +80,8 @@ fn roots_in_closed_form() {
         let error = (relaxation.length() / closed.relaxation_length() - 1.0).abs();
         assert!(error < 1e-10, "shape {shape}: X* off by {error:e}");
         for root in relaxation.roots() {
-            let nearest = (1..shape).map(|j| (closed.relaxation_root(j) - root).norm()).fold(f64::INFINITY, f64::min);
+            let nearest =
+                (1..shape).map(|j| (closed.relaxation_root(j) - root).norm()).fold(f64::INFINITY, f64::min);
             assert!(nearest < 1e-10 * root.norm(), "shape {shape}: {root} is no root");
         }
     }
@@ -179,7 +180,8 @@ fn broad_reforming_and_mixtures_find_the_slowest_root() {
         assert_eq!(zeros(&breaking, 0.999 * slowest, top), 0, "{name}: a root right of {slowest}");
         assert_eq!(zeros(&breaking, 1.001 * slowest, top), 1, "{name}: no root at {slowest}");
     }
-    let slowest = -1.0 / master(&rectangular(0.4, 1.6), &rectangular(0.0, 0.6), &rest()).relaxation().length();
+    let slowest =
+        -1.0 / master(&rectangular(0.4, 1.6), &rectangular(0.0, 0.6), &rest()).relaxation().length();
     assert_eq!(zeros(&overlapping, 0.999 * slowest, 60.0), 0, "overlap: a root right of {slowest}");
     assert_eq!(zeros(&overlapping, 1.001 * slowest, 60.0), 1, "overlap: no root at {slowest}");
 }
@@ -224,7 +226,10 @@ fn the_expansion_continues_the_pull() {
             let x = from + 0.2 * f64::from(k);
             let error = (relaxation.force(x) - pull.force(x)).abs();
             // Far more than the 1e-12 that a term left out may be, of which there are many.
-            assert!(error < 1e-10, "{thresholds:?}, {reforming:?}, {start:?}: {error:e} at {x}, valid from {from}");
+            assert!(
+                error < 1e-10,
+                "{thresholds:?}, {reforming:?}, {start:?}: {error:e} at {x}, valid from {from}"
+            );
         }
     }
 }
@@ -236,7 +241,8 @@ fn far_away_costs_microseconds() {
     let closed = exact::Gaussian::new(1.0, 1e-3);
     for x in [1e5 + 0.37, 3e5 + 0.81, 1e6] {
         assert!(x > relaxation.valid_from());
-        let expected = 0.5 * (1.0 + 1e-6) - (1..20).map(|j| closed.relaxation_root(j)).map(|s| 2.0 * ((s * x).exp() / s).re).sum::<f64>();
+        let expected = 0.5 * (1.0 + 1e-6)
+            - (1..20).map(|j| closed.relaxation_root(j)).map(|s| 2.0 * ((s * x).exp() / s).re).sum::<f64>();
         // s₁ X turns 1e6 times: 1e-16 of it is left of the phase, and Newton's last step.
         let error = (relaxation.force(x) - expected).abs();
         assert!(error < 1e-9, "{error:e} at {x}");

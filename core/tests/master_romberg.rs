@@ -67,7 +67,11 @@ fn romberg(laws: [&SharedLaw; 3], distance: f64, parts: usize) -> (Vec<f64>, f64
     for order in 1..counts.len() {
         let factor = 4.0_f64.powi(order as i32);
         let better = |pair: &[Vec<f64>]| -> Vec<f64> {
-            pair[1].iter().zip(&pair[0]).map(|(fine, coarse)| fine + (fine - coarse) / (factor - 1.0)).collect()
+            pair[1]
+                .iter()
+                .zip(&pair[0])
+                .map(|(fine, coarse)| fine + (fine - coarse) / (factor - 1.0))
+                .collect()
         };
         let last = table[table.len() - 1].clone();
         table = table.windows(2).map(better).collect();
