@@ -191,7 +191,7 @@ fn sums_of_exponentials() {
 fn contacts_without_memory_place_themselves_anywhere() {
     // Exponential thresholds break at the rate 1/x̄ whatever the stretch: F' = 1 − (F − r̄)/x̄, wherever R and Q_ini are.
     let laws =
-        [gamma(0.3, 0.1), rectangular(0.5, 2.5), weibull(0.8, 0.4), common::gaussian(1.5, 0.2), point(3.0)];
+        [gamma(0.3, 0.1), rectangular(0.5, 2.5), weibull(1.2, 0.4), common::gaussian(1.5, 0.2), point(3.0)];
     for (reforming, start) in laws.iter().zip(laws.iter().rev()) {
         let pull = pulled(&exponential(1.0), reforming, start, 20.0);
         let (settled, first) = (1.0 + reforming.mean(), start.mean());

@@ -1,6 +1,6 @@
 //! What an interface is: how many contacts, how stiff, when they break, how they re-form.
 
-use crate::law::{Law, SharedLaw};
+use crate::law::{Law, SharedLaw, Zone};
 use crate::{Error, Result};
 
 /// How stiff a contact is.
@@ -92,9 +92,10 @@ impl Contacts {
 }
 
 fn resolved(key: &str, law: &dyn Law) -> Result<()> {
-    let narrow = law.zones().into_iter().find(|zone| zone.resolution < NARROWEST * zone.high);
+    let width = |zone: &Zone| zone.resolution.min(zone.high - zone.low);
+    let narrow = law.zones().into_iter().find(|zone| width(zone) < NARROWEST * zone.high);
     narrow.map_or(Ok(()), |zone| {
         let expected = format!("a law wider than {NARROWEST:e} of its stretches (or a point)");
-        Err(Error::invalid(key, expected, format!("a width of {:e} near {}", zone.resolution, zone.high)))
+        Err(Error::invalid(key, expected, format!("a width of {:e} near {}", width(&zone), zone.high)))
     })
 }

@@ -36,7 +36,7 @@ struct Term {
 const UNDAMPED: f64 = 1e-12;
 
 /// Highest frequency searched, in units of 2π/(mean life).
-const HARMONICS: f64 = 16.0;
+const HARMONICS: f64 = 40.0;
 
 /// What the expansion may leave out of F/(N_c⟨k⟩ × mean life) where it is called valid.
 const LEFT_OUT: f64 = 1e-12;
@@ -100,10 +100,10 @@ fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, rebo
     if rate == 0.0 || roots.iter().any(undamped) {
         return f64::INFINITY;
     }
-    // Amplitudes fall with the order of the root: that of the last term kept, or 1, bounds the next one's.
-    let size = terms.last().map_or(1.0, |t| t.amplitude.norm() / reborn.mean());
+    // Roots beyond those known have amplitudes and rates like the last; a thousand of them would add up to 1e-12.
+    let size = terms.iter().map(|t| t.amplitude.norm() / reborn.mean()).fold(1.0, f64::max);
     let next = roots.get(terms.len()).or(roots.last()).map_or(rate, |s| -s.re);
-    let fade = (size / LEFT_OUT).ln().max(0.0) / next;
+    let fade = (1e3 * size / LEFT_OUT).ln().max(0.0) / next;
     let tail = -LEFT_OUT.ln() / rate;
     tail.max(fade).max(first.breaking().curve().end())
 }
@@ -247,7 +247,7 @@ impl<'a> Transform<'a> {
 
     /// Number of zeros of the transform of survival with Re s > `left`, 0 < Im s ≤ Ω, by the argument principle.
     fn zeros_right_of(&self, left: f64) -> i64 {
-        let top = 0.5 * std::f64::consts::TAU * (HARMONICS / 2.0 + 0.5) / self.mean;
+        let top = std::f64::consts::TAU * (HARMONICS + 0.5) / self.mean;
         let right = 1.0 / self.mean;
         let corners = [
             Complex64::new(right, 1e-9 / self.mean),

@@ -111,14 +111,14 @@ pub(super) fn apply(block: &Block, values: &Nodal, out: &mut Nodal) {
     *out = sums;
 }
 
-/// Entries of a block below this are left out: a thousand such blocks would add 1e-16 of the solution.
+/// Entries of a block below this, of the whole kernel, are left out: a thousand such blocks would add 1e-16 of the solution.
 const NEGLIGIBLE: f64 = 1e-20;
 
 /// The block ∫_source ℓ_j(Y) k(X_i − Y) dY for the Gauss points X_i of the cell `target`.
 pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> Lagged {
     let gap = target.0 - source.0;
     let reach = target.1 + source.1;
-    if 2.0 * source.1 * kernel.bound(gap - reach, gap + reach) < NEGLIGIBLE {
+    if 2.0 * source.1 * kernel.bound(gap - reach, gap + reach) < NEGLIGIBLE * kernel.size() {
         return Lagged { block: None, smooth: true };
     }
     let mut out = Box::new([[0.0; NODES]; NODES]);
@@ -148,7 +148,7 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
             largest = largest.max(row[j].abs());
         }
     }
-    Lagged { block: (largest > NEGLIGIBLE).then_some(out), smooth }
+    Lagged { block: (largest > NEGLIGIBLE * kernel.size()).then_some(out), smooth }
 }
 
 /// One row of a block whose integrand is smooth only between `cuts` in u.

@@ -12,6 +12,8 @@ pub struct Kernel {
     hard: Vec<bool>,
     /// For each cell of the curve: what it is at most.
     bounds: Vec<f64>,
+    /// ∫ of the curve: the scale of what is negligible.
+    size: f64,
 }
 
 impl Kernel {
@@ -21,7 +23,8 @@ impl Kernel {
         let is_break = |x: f64| breaks.get(next(x)).is_some_and(|b| same_position(b.position, x));
         let hard = curve.boundaries.iter().map(|&x| is_break(x)).collect();
         let bounds = curve.coefficients.iter().map(|c| c.iter().map(|c| c.abs()).sum()).collect();
-        Self { curve, breaks, hard, bounds }
+        let size = curve.integral().abs();
+        Self { curve, breaks, hard, bounds, size }
     }
 
     /// The density.
@@ -76,9 +79,9 @@ impl Kernel {
         })
     }
 
-    /// The mass of the density.
-    pub(super) fn mass(&self) -> f64 {
-        self.curve.integral()
+    /// |∫ of the curve|, the scale of what is negligible.
+    pub(super) fn size(&self) -> f64 {
+        self.size
     }
 
     /// The width below which the cells hold the fraction `light` of the mass.

@@ -48,7 +48,7 @@ pub fn solve(
 ) -> Result<Solution> {
     // Convolution only smooths: what follows a source with a density is no narrower than that.
     let own = source.narrow(accuracy.light);
-    let narrow = if source.mass() > 1e-3 { own } else { own.min(kernel.narrow(accuracy.light)) };
+    let narrow = if source.size() > 1e-3 { own } else { own.min(kernel.narrow(accuracy.light)) };
     let width = (accuracy.widening * narrow).min(end);
     let spacing = width / (2 * NODES) as f64;
     let matters = |b: &Break| b.weight(spacing) > 10.0 * accuracy.density;
@@ -123,6 +123,10 @@ impl March<'_> {
                 pace.width = 2.0 * width;
                 return Ok(());
             }
+            if !last && done.is_multiple_of(256) && self.is_flat() {
+                pace.width = stop - here;
+                return Ok(());
+            }
             if self.values.len().is_multiple_of(64) {
                 report(monitor, self.density.end() / end)?;
                 self.fits(end)?;
@@ -144,6 +148,17 @@ impl March<'_> {
         let recovering = width < 0.3 * self.base && missing < 0.05 * limit.max(self.accuracy.mass / width);
         let settled = done >= 256 && missing < 1e-5 * limit && left > 3072.0 * width;
         (quiet || recovering) && pace.patience == 0 || settled
+    }
+
+    /// Whether the density has not changed for as long as the kernel reaches: it never will again.
+    fn is_flat(&self) -> bool {
+        let (here, reach) = (self.density.end(), self.kernel.curve().end());
+        let back = self.density.boundaries.partition_point(|&b| b < here - reach).saturating_sub(1);
+        let cells = &self.density.coefficients[back..];
+        let level = cells[0][0];
+        let close = 0.1 * self.accuracy.density;
+        let flat = |c: &Nodal| (c[0] - level).abs() < close && c[1..].iter().all(|c| c.abs() < close);
+        here > self.source.curve().end() + reach && cells.iter().all(flat)
     }
 
     /// Whether the solution so far, and as much again as its pace asks for, can be kept.

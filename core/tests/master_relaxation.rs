@@ -1,0 +1,255 @@
+//! Relaxation to steady sliding: lengths and roots of the theory, roots counted by the argument principle, the expansion
+//! against the pull.
+
+mod common;
+
+use asperity::exact::{self, Erlang};
+use asperity::law::SharedLaw;
+use common::{exponential, gamma, gaussian, lognormal, master, mixture, point, rectangular, weibull};
+use num_complex::Complex64;
+
+fn rest() -> SharedLaw {
+    point(0.0)
+}
+
+fn length(thresholds: &SharedLaw) -> f64 {
+    master(thresholds, &rest(), &rest()).relaxation().length()
+}
+
+/// Mean 1 and a coefficient of variation of exactly 0.1: a shape of 12.153, unrounded.
+fn tenth_weibull() -> SharedLaw {
+    let moment = |shape: f64, n: f64| libm::tgamma(1.0 + n / shape);
+    let (mut low, mut high) = (12.0, 12.5);
+    for _ in 0..60 {
+        let shape = 0.5 * (low + high);
+        let square = moment(shape, 2.0) / moment(shape, 1.0).powi(2);
+        if square > 1.01 { low = shape } else { high = shape }
+    }
+    weibull(low, 1.0 / moment(low, 1.0))
+}
+
+#[test]
+fn lengths_of_the_theory() {
+    let known: [(SharedLaw, f64, f64); 10] = [
+        (gaussian(1.0, 0.05), 20.270_485_418_3, 1e-10),
+        (gaussian(1.0, 0.1), 5.090_975_936_8, 1e-10),
+        (gaussian(1.0, 0.2), 1.361_724_702_6, 1e-10),
+        (gamma(1.0, 0.1), 5.067_726_177_8, 1e-10),
+        (tenth_weibull(), 5.337_740_935_3, 1e-10),
+        (rectangular(0.9, 1.1), 15.004_490, 1e-6),
+        (rectangular(0.7, 1.3), 1.583_433, 1e-6),
+        (rectangular(0.5, 1.5), 0.823_987, 1e-6),
+        (rectangular(0.0, 2.0), 0.957_468, 1e-6),
+        (lognormal(1.0, 0.1), 5.067_801_966_6, 1e-10),
+    ];
+    for (law, expected, digits) in known {
+        let got = length(&law);
+        // The digits given.
+        assert!((got - expected).abs() < digits, "{law:?}: {got}, not {expected}");
+    }
+}
+
+#[test]
+fn the_papers_estimate_crosses_the_length_at_its_own_figure() {
+    let both = |std: f64| {
+        let relaxation = master(&gaussian(1.0, std), &rest(), &rest()).relaxation();
+        (relaxation.length(), relaxation.paper_estimate())
+    };
+    assert!((both(0.05).1 - 20.0).abs() < 1e-12);
+    assert!(both(0.0506).0 > both(0.0506).1 && both(0.0508).0 < both(0.0508).1);
+    // X* → x̄³/(2π²σ²), corrections of order σ².
+    let limit = 1e6 / (2.0 * std::f64::consts::PI.powi(2));
+    assert!((both(1e-3).0 / limit - 1.0).abs() < 1e-4);
+}
+
+#[test]
+fn roots_in_closed_form() {
+    for std in [0.02, 0.05, 0.1] {
+        let closed = exact::Gaussian::new(1.0, std);
+        let roots = master(&gaussian(1.0, std), &rest(), &rest()).relaxation().roots();
+        assert!(!roots.is_empty());
+        for (j, root) in (1..).zip(&roots) {
+            let error = (root - closed.relaxation_root(j)).norm();
+            assert!(error < 1e-11 * root.norm(), "σ = {std}, j = {j}: {root}, off by {error:e}");
+        }
+    }
+    for shape in [5_u32, 7, 16, 64] {
+        let closed = Erlang::with_mean(shape, 1.0);
+        let law = gamma(1.0, f64::from(shape).sqrt().recip());
+        let relaxation = master(&law, &rest(), &rest()).relaxation();
+        let error = (relaxation.length() / closed.relaxation_length() - 1.0).abs();
+        assert!(error < 1e-10, "shape {shape}: X* off by {error:e}");
+        for root in relaxation.roots() {
+            let nearest =
+                (1..shape).map(|j| (closed.relaxation_root(j) - root).norm()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-10 * root.norm(), "shape {shape}: {root} is no root");
+        }
+    }
+}
+
+#[test]
+fn a_tail_slower_than_every_root_rules() {
+    for shape in [0.5, 1.0, 1.5, 2.0, 3.0, 4.0] {
+        let std = 1.0 / f64::sqrt(shape);
+        // Rate λ = shape/mean.
+        let got = length(&gamma(1.0, std));
+        assert!((got * shape - 1.0).abs() < 1e-9, "shape {shape}: {got}");
+    }
+    assert!((length(&exponential(2.5)) - 2.5).abs() < 1e-12);
+    // A few long-lived contacts of another kind.
+    let law = mixture(&[(0.95, gaussian(1.0, 0.3)), (0.05, exponential(4.0))]);
+    assert!((length(&law) - 4.0).abs() < 1e-9);
+    // Heavier than any exponential: no length at all, and no expansion.
+    for heavy in [weibull(0.5, 1.0), weibull(0.9, 1.0), lognormal(1.0, 3.0)] {
+        let relaxation = master(&heavy, &rest(), &rest()).relaxation();
+        assert_eq!(relaxation.length(), f64::INFINITY, "{heavy:?}");
+        assert_eq!(relaxation.valid_from(), f64::INFINITY, "{heavy:?}");
+    }
+}
+
+#[test]
+fn lattices_never_settle() {
+    let two = |a: f64, b: f64| mixture(&[(0.5, point(a)), (0.5, point(b))]);
+    let three = mixture(&[(0.2, point(0.6)), (0.5, point(0.9)), (0.3, point(1.2))]);
+    let cases = [
+        (point(1.0), rest()),
+        (point(1.0), point(0.3)),
+        (two(1.0, 2.0), rest()),
+        (two(0.9, 1.1), rest()),
+        (three, rest()),
+        // Lengths 0.5 and 1: the thresholds alone share no lattice with 0.3.
+        (two(0.8, 1.3), point(0.3)),
+    ];
+    for (thresholds, reforming) in cases {
+        let relaxation = master(&thresholds, &reforming, &rest()).relaxation();
+        assert_eq!(relaxation.length(), f64::INFINITY, "{thresholds:?}, {reforming:?}");
+        assert_eq!(relaxation.valid_from(), f64::INFINITY);
+    }
+    // Identical thresholds with a broad R do converge: the advance 1 − r is uniform on [0.6, 1].
+    let broad = master(&point(1.0), &rectangular(0.0, 0.4), &rest()).relaxation().length();
+    assert!((broad / length(&rectangular(0.6, 1.0)) - 1.0).abs() < 1e-9, "{broad}");
+}
+
+/// Zeros with Re s > `left`, 0 < Im s < `top`, of the transform of survival (1 − φ̂)/s, by the argument principle.
+fn zeros(breaking: &dyn Fn(Complex64) -> Complex64, left: f64, top: f64) -> i64 {
+    let corners = [(2.0, 1e-6), (2.0, top), (left, top), (left, 1e-6)].map(|(re, im)| Complex64::new(re, im));
+    let survival = |s: Complex64| (1.0 - breaking(s)) / s;
+    let mut turned = 0.0;
+    for pair in corners.windows(2) {
+        let count = ((pair[1] - pair[0]).norm() / 0.01).ceil() as usize;
+        let at = |k: usize| survival(pair[0] + (pair[1] - pair[0]) * (k as f64 / count as f64));
+        turned += (0..count).map(|k| (at(k + 1) / at(k)).arg()).sum::<f64>();
+    }
+    // The real axis closes the path: on it the transform is real and positive.
+    (turned / std::f64::consts::TAU).round() as i64
+}
+
+/// φ̂(s) = ∫ R(r)/S(r) e^{sr} ∫_r^∞ e^{−sx} P_c(x) dx dr for R = U[0, 0.6], P_c = U[0.4, 1.6] by Simpson's rule.
+fn overlapping(s: Complex64) -> Complex64 {
+    let (low, high, top) = (0.4, 1.6, 0.6);
+    let tail = |x: f64| ((-s * x).exp() - (-s * high).exp()) / (s * (high - low));
+    let below = tail(low) * ((s * low).exp() - 1.0) / s;
+    let count = 400;
+    let step = (top - low) / f64::from(count);
+    let mut sum = Complex64::ZERO;
+    for k in 0..=count {
+        let r = low + f64::from(k) * step;
+        let weight = if k == 0 || k == count { 1.0 } else { f64::from(2 + 2 * (k % 2)) };
+        sum += weight * step / 3.0 * (s * r).exp() * tail(r) * (high - low) / (high - r);
+    }
+    (below + sum) / top
+}
+
+#[test]
+fn broad_reforming_and_mixtures_find_the_slowest_root() {
+    type Case = (&'static str, SharedLaw, SharedLaw, f64);
+    let near = |gap: f64, std: f64| mixture(&[(0.5, gaussian(1.0, std)), (0.5, gaussian(1.0 + gap, std))]);
+    let cases: [Case; 8] = [
+        ("gaussian R", gaussian(1.0, 0.05), gaussian(0.2, 0.03), 60.0),
+        ("rectangular R", gaussian(1.0, 0.08), rectangular(0.0, 0.3), 60.0),
+        ("point R", gaussian(1.0, 0.08), point(0.4), 60.0),
+        ("gamma R", gaussian(1.0, 0.05), gamma(0.05, 0.02), 60.0),
+        ("two kinds", mixture(&[(0.3, gaussian(0.5, 0.03)), (0.7, gaussian(1.2, 0.1))]), rest(), 60.0),
+        ("a jump", mixture(&[(0.5, rectangular(0.4, 0.6)), (0.5, gaussian(1.2, 0.1))]), rest(), 60.0),
+        ("points 1 and 1.1, blurred", near(0.1, 0.005), rest(), 80.0),
+        ("points 1 and 1.05, blurred", near(0.05, 0.001), rest(), 150.0),
+    ];
+    for (name, thresholds, reforming, top) in cases {
+        let slowest = -1.0 / master(&thresholds, &reforming, &rest()).relaxation().length();
+        let breaking = |s: Complex64| thresholds.laplace(s) * reforming.laplace(-s);
+        assert_eq!(zeros(&breaking, 0.999 * slowest, top), 0, "{name}: a root right of {slowest}");
+        assert_eq!(zeros(&breaking, 1.001 * slowest, top), 1, "{name}: no root at {slowest}");
+    }
+    let slowest =
+        -1.0 / master(&rectangular(0.4, 1.6), &rectangular(0.0, 0.6), &rest()).relaxation().length();
+    assert_eq!(zeros(&overlapping, 0.999 * slowest, 60.0), 0, "overlap: a root right of {slowest}");
+    assert_eq!(zeros(&overlapping, 1.001 * slowest, 60.0), 1, "overlap: no root at {slowest}");
+}
+
+#[test]
+fn a_length_is_there_however_deep_contacts_re_form() {
+    let cases = [(0.9, 0.05), (1.0, 0.05), (1.2, 0.01)];
+    for (mean, std) in cases {
+        let relaxation = master(&gaussian(1.0, 0.05), &gaussian(mean, std), &rest()).relaxation();
+        let length = relaxation.length();
+        assert!(length > 0.0 && length < 1.0, "R = G({mean}, {std}): X* = {length}");
+    }
+}
+
+#[test]
+fn the_expansion_continues_the_pull() {
+    let broad = gaussian(0.15, 0.02);
+    let cases = [
+        (gaussian(1.0, 0.05), rest(), rest()),
+        (gaussian(1.0, 0.05), rest(), gaussian(0.1, 0.025)),
+        (gaussian(1.0, 0.1), broad.clone(), rectangular(0.0, 0.3)),
+        (gaussian(1.0, 0.3), rest(), rest()),
+        (rectangular(0.9, 1.1), rest(), rest()),
+        (rectangular(0.9, 1.1), rectangular(0.0, 0.1), rectangular(0.05, 0.2)),
+        (rectangular(0.4, 1.6), rectangular(0.0, 0.6), rest()),
+        (gamma(1.0, 0.1), rest(), broad.clone()),
+        (gamma(1.0, 0.25), rest(), rest()),
+        (gamma(1.0, 1.0), rest(), point(0.5)),
+        (weibull(12.153, 1.0), rest(), rest()),
+        (weibull(1.5, 1.0), rest(), rest()),
+        (mixture(&[(0.3, gaussian(0.5, 0.03)), (0.7, gaussian(1.2, 0.1))]), rest(), rest()),
+        (mixture(&[(0.5, point(1.0)), (0.5, gaussian(0.7, 0.05))]), broad.clone(), rest()),
+        (gaussian(1.0, 0.15), gaussian(0.7, 0.07), gaussian(0.5, 0.05)),
+    ];
+    for (thresholds, reforming, start) in cases {
+        let master = master(&thresholds, &reforming, &start);
+        let relaxation = master.relaxation();
+        let from = relaxation.valid_from();
+        assert!(from < 60.0, "{thresholds:?}, {reforming:?}: valid from {from} only");
+        let pull = master.pull(from + 20.0, 1e-12, &mut ()).unwrap();
+        for k in 0..100_u32 {
+            let x = from + 0.2 * f64::from(k);
+            let error = (relaxation.force(x) - pull.force(x)).abs();
+            // Far more than the 1e-12 that a term left out may be, of which there are many.
+            assert!(
+                error < 1e-10,
+                "{thresholds:?}, {reforming:?}, {start:?}: {error:e} at {x}, valid from {from}"
+            );
+        }
+    }
+}
+
+#[test]
+fn far_away_costs_microseconds() {
+    // σ = 1e-3 oscillates until X* = 50661, with roots of unit residue.
+    let relaxation = master(&gaussian(1.0, 1e-3), &rest(), &rest()).relaxation();
+    let closed = exact::Gaussian::new(1.0, 1e-3);
+    for x in [1e5 + 0.37, 3e5 + 0.81, 1e6] {
+        assert!(x > relaxation.valid_from());
+        let expected = 0.5 * (1.0 + 1e-6)
+            - (1..20).map(|j| closed.relaxation_root(j)).map(|s| 2.0 * ((s * x).exp() / s).re).sum::<f64>();
+        // s₁ X turns 1e6 times: 1e-16 of it is left of the phase, and Newton's last step.
+        let error = (relaxation.force(x) - expected).abs();
+        assert!(error < 1e-9, "{error:e} at {x}");
+    }
+    let clock = std::time::Instant::now();
+    let sum: f64 = (0..1000).map(|k| relaxation.force(1e6 + f64::from(k))).sum();
+    assert!((sum / 1000.0 - relaxation.force(1e6)).abs() < 1e-6);
+    // Far above what it takes, far below what stepping there would.
+    assert!(clock.elapsed().as_secs_f64() < 0.1);
+}
