@@ -100,10 +100,10 @@ fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, rebo
     if rate == 0.0 || roots.iter().any(undamped) {
         return f64::INFINITY;
     }
-    // Roots beyond those known have amplitudes and rates like the last; a thousand of them would add up to 1e-12.
+    // Roots beyond those known have amplitudes and rates like the last; the margin is for their sum.
     let size = terms.iter().map(|t| t.amplitude.norm() / reborn.mean()).fold(1.0, f64::max);
     let next = roots.get(terms.len()).or(roots.last()).map_or(rate, |s| -s.re);
-    let fade = (1e3 * size / LEFT_OUT).ln().max(0.0) / next;
+    let fade = (1e5 * size / LEFT_OUT).ln().max(0.0) / next;
     let tail = -LEFT_OUT.ln() / rate;
     tail.max(fade).max(first.breaking().curve().end())
 }
