@@ -292,7 +292,8 @@ fn lattice(places: &[(usize, f64)], (reforming, start): (usize, usize), steps: u
 
 #[test]
 fn points_are_exact() {
-    let cases: [(&[(usize, f64)], (usize, usize)); 5] = [
+    type Places = &'static [(usize, f64)];
+    let cases: [(Places, (usize, usize)); 5] = [
         (&[(10, 1.0)], (0, 0)),
         (&[(10, 1.0)], (3, 8)),
         (&[(10, 0.5), (20, 0.5)], (0, 0)),

@@ -86,7 +86,7 @@ impl Rule {
         row.map(|term| term / sum)
     }
 
-    /// Σ_n moments[n] × the functional "n-th Legendre coefficient", as weights of the values at the points.
+    /// Σ_n `moments[n]` × the functional "n-th Legendre coefficient", as weights of the values at the points.
     pub fn functional(&self, moments: &Nodal) -> Nodal {
         let mut row = [0.0; NODES];
         for (moment, transform) in moments.iter().zip(&self.transform) {
@@ -121,7 +121,7 @@ pub fn series(coefficients: &Nodal, t: f64) -> f64 {
     coefficients[0] + t * next - 0.5 * last
 }
 
-/// moments[n] += weight × P_n(t).
+/// `moments[n]` += weight × P_n(t).
 #[inline]
 pub fn add_moments(t: f64, weight: f64, moments: &mut Nodal) {
     let (mut previous, mut current) = (0.0, weight);

@@ -63,7 +63,7 @@ impl Solution {
     /// source + kernel ∗ g on the mesh of g, atoms of g included; the kernel must have none of its own.
     ///
     /// # Errors
-    /// [`Error::Stopped`] by the monitor.
+    /// [`crate::Error::Stopped`] by the monitor.
     pub fn convolve(
         &self,
         source: &Piecewise,
