@@ -12,13 +12,16 @@ pub(super) type Block = [Nodal; NODES];
 pub(super) struct Lagged {
     /// `None` where the kernel vanishes.
     pub(super) block: Option<Box<Block>>,
-    /// Whether the kernel is smooth over the block, so that it sees of a source no more than a polynomial.
-    pub(super) smooth: bool,
+    /// What the kernel has over the block beyond a smooth function, which would see of a source no more than a
+    /// polynomial.
+    pub(super) rough: f64,
 }
 
 /// The blocks of one kernel on the latest run of a mesh, each computed once.
 pub(super) struct Blocks<'a> {
     kernel: &'a Kernel,
+    /// What the past may be rounded by.
+    slack: f64,
     /// By lag.
     cached: Vec<Lagged>,
     run: u32,
@@ -26,8 +29,9 @@ pub(super) struct Blocks<'a> {
 }
 
 impl<'a> Blocks<'a> {
-    pub(super) fn new(kernel: &'a Kernel) -> Self {
-        Self { kernel, cached: Vec::new(), run: u32::MAX, past: None }
+    /// Blocks for a convolution that may miss some 1e-4 of `density`, per unit kernel.
+    pub(super) fn new(kernel: &'a Kernel, density: f64) -> Self {
+        Self { slack: 1e-4 * density * kernel.size(), kernel, cached: Vec::new(), run: u32::MAX, past: None }
     }
 
     pub(super) fn reset(&mut self, run: u32) {
@@ -60,14 +64,16 @@ impl<'a> Blocks<'a> {
         if self.past.is_none() && ahead >= SHORT_RUN && run.first > 0 {
             self.past = Past::of(run, density, end);
         }
+        let slack = self.slack;
         let Some(past) = self.past.take() else {
             return self.add_cells(mesh, cell, &values[..run.first.min(values.len())], out);
         };
         for (k, source) in past.iter().enumerate().take_while(|(k, _)| near(ahead + 1 + k)) {
             let lagged = self.within_run(run.width, ahead + 1 + k);
             match &lagged.block {
-                Some(block) if lagged.smooth || source.parts.is_empty() => apply(block, &source.values, out),
-                _ if lagged.smooth => {}
+                block if source.rough * lagged.rough * run.width <= slack => {
+                    block.iter().for_each(|block| apply(block, &source.values, out));
+                }
                 _ => source.parts.iter().for_each(|(middle, half, values)| {
                     if let Some(block) = block(self.kernel, mesh.cell(cell), (*middle, *half)).block {
                         apply(&block, values, out);
@@ -119,10 +125,10 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
     let gap = target.0 - source.0;
     let reach = target.1 + source.1;
     if 2.0 * source.1 * kernel.bound(gap - reach, gap + reach) < NEGLIGIBLE * kernel.size() {
-        return Lagged { block: None, smooth: true };
+        return Lagged { block: None, rough: 0.0 };
     }
     let mut out = Box::new([[0.0; NODES]; NODES]);
-    let (mut largest, mut smooth) = (0.0_f64, true);
+    let (mut largest, mut split) = (0.0_f64, false);
     let mut cuts = Vec::new();
     for i in 0..NODES {
         let offset = gap + target.1 * RULE.nodes[i];
@@ -140,7 +146,7 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
                 row[j] = source.1 * RULE.weights[j] * kernel.curve().value(offset - source.1 * RULE.nodes[j]);
             }
         } else {
-            smooth = false;
+            split = true;
             row = split_row(kernel, offset, source.1, &cuts);
         }
         for j in 0..NODES {
@@ -148,7 +154,10 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
             largest = largest.max(row[j].abs());
         }
     }
-    Lagged { block: (largest > NEGLIGIBLE * kernel.size()).then_some(out), smooth }
+    let width = 2.0 * source.1;
+    let spacing = width / (2 * NODES) as f64;
+    let rough = if split { kernel.rough(gap - reach, gap + reach, width, spacing) } else { 0.0 };
+    Lagged { block: (largest > NEGLIGIBLE * kernel.size()).then_some(out), rough }
 }
 
 /// One row of a block whose integrand is smooth only between `cuts` in u.

@@ -71,6 +71,18 @@ impl Kernel {
         self.bounds[self.cells_within(low, high)].iter().fold(0.0, |most, &b| most.max(b))
     }
 
+    /// What a polynomial on cells of this width, with points spaced by `spacing`, misses of the curve on [low, high].
+    pub(super) fn rough(&self, low: f64, high: f64, width: f64, spacing: f64) -> f64 {
+        let first = self.breaks.partition_point(|b| b.position <= low);
+        let inside = self.breaks[first..].iter().take_while(|b| b.position < high).filter(|b| !b.is_atom());
+        let kinks = inside.map(|b| b.weight(spacing)).fold(0.0, f64::max);
+        let fine = |cell: &usize| {
+            2.0 * self.curve.cell(*cell).1 < 0.49 * width && !(self.hard[*cell] && self.hard[*cell + 1])
+        };
+        let cells = self.cells_within(low, high).filter(fine);
+        cells.map(|cell| self.bounds[cell]).fold(kinks, f64::max)
+    }
+
     /// Whether [low, high] holds cells of the curve much narrower than itself with a mass above `mass`.
     pub(super) fn hides(&self, low: f64, high: f64, mass: f64) -> bool {
         self.cells_within(low, high).any(|cell| {

@@ -59,7 +59,7 @@ pub fn solve(
         source,
         kernel,
         kept,
-        kept_blocks: Blocks::new(kept.1),
+        kept_blocks: Blocks::new(kept.1, accuracy.density),
         accuracy,
         base: width,
         kernel_atoms: kernel.atoms().collect(),
@@ -67,7 +67,7 @@ pub fn solve(
         mesh: Mesh { boundaries: vec![0.0], ..Mesh::default() },
         values: Vec::new(),
         density: Piecewise { boundaries: vec![0.0], coefficients: Vec::new() },
-        blocks: Blocks::new(kernel),
+        blocks: Blocks::new(kernel, accuracy.density),
         inverse: None,
         tail: 0.0,
     };
@@ -79,7 +79,7 @@ pub fn solve(
         march.section(stop, end, &mut pace, monitor)?;
     }
     let March { mesh, values, density, atoms, tail, .. } = march;
-    Ok(Solution { mesh, values, density, atoms, tail })
+    Ok(Solution { resolved: accuracy.density, mesh, values, density, atoms, tail })
 }
 
 /// The width of cells in use, and how many cells to leave it alone.

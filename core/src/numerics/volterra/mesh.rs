@@ -62,6 +62,8 @@ pub(super) struct Past {
     pub(super) values: Nodal,
     /// The cells it is made of, cut at its ends: middle, half width, Gauss values. Empty if the fit is the density.
     pub(super) parts: Vec<(f64, f64, Nodal)>,
+    /// What the fit misses of the density.
+    pub(super) rough: f64,
 }
 
 /// Runs longer than this have their past made ready in their own step.
@@ -95,7 +97,7 @@ impl Past {
             parts.push((m, h, RULE.nodes.map(|t| density.value_in(cell, m + h * t))));
         }
         if parts.len() == 1 && parts[0].1 > half * (1.0 - 1e-6) {
-            return Self { values: parts[0].2, parts: Vec::new() };
+            return Self { values: parts[0].2, parts: Vec::new(), rough: 0.0 };
         }
         let mut values = [0.0; NODES];
         for (m, h, part) in &parts {
@@ -106,6 +108,12 @@ impl Past {
             }
         }
         (0..NODES).for_each(|j| values[j] /= RULE.weights[j]);
-        Self { values, parts }
+        let fit = RULE.coefficients(&values);
+        let missed = |(m, h, part): &(f64, f64, Nodal)| {
+            let at = |i: usize| part[i] - series(&fit, (m + h * RULE.nodes[i] - middle) / half);
+            (0..NODES).map(|i| at(i).abs()).fold(0.0, f64::max)
+        };
+        let rough = parts.iter().map(missed).fold(0.0, f64::max);
+        Self { values, parts, rough }
     }
 }

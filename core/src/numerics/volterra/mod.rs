@@ -25,6 +25,8 @@ use crate::monitor::{Monitor, report};
 /// The solution g of g = source + kernel ∗ g on [0, end].
 #[derive(Debug, Clone)]
 pub struct Solution {
+    /// To what the density was to be resolved.
+    resolved: f64,
     mesh: Mesh,
     /// Gauss values of the density, cell by cell.
     values: Vec<Nodal>,
@@ -70,7 +72,7 @@ impl Solution {
         kernel: &Kernel,
         monitor: &mut dyn Monitor,
     ) -> Result<Piecewise> {
-        let mut blocks = Blocks::new(kernel);
+        let mut blocks = Blocks::new(kernel, self.resolved);
         let mut coefficients = Vec::with_capacity(self.values.len());
         for cell in 0..self.values.len() {
             let (middle, half) = self.mesh.cell(cell);
