@@ -56,11 +56,12 @@ figures:
 
 # How fast it is, beside what one would write in Python.
 bench: $(venv)-peers/ready
-	PEERS_PYTHON=$(CURDIR)/$(venv)-peers/bin/python cargo bench --package asperity --bench '*'
+	cargo bench --locked --package asperity --bench ensemble --bench master --bench scaling
+	PEERS_PYTHON=$(CURDIR)/$(venv)-peers/bin/python cargo bench --locked --package asperity --bench peers
 
 $(venv)-peers/ready: core/benches/peers/requirements.txt
 	$(environment)
 
 # The page docs/validation, anew. A test recomputes of it what is quick.
 validation:
-	cargo run --release --package asperity-cli --example validation
+	cargo run --release --locked --package asperity-cli --example validation

@@ -86,7 +86,12 @@ impl Contacts {
         if share <= NEGLIGIBLE {
             return Ok(());
         }
-        let expected = format!("stretches below {top}, the highest that contacts hold");
+        let highest = self.thresholds.quantile(1.0);
+        let expected = if highest.is_finite() {
+            format!("stretches below the highest threshold {highest}, where contacts still hold")
+        } else {
+            format!("stretches below {top:.6}, where one contact in {:e} still holds", 1.0 / HELD)
+        };
         Err(Error::invalid(key, expected, format!("a share {share} of the contacts at or above it")))
     }
 }
