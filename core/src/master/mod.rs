@@ -125,8 +125,8 @@ impl MasterEquation {
         let (first, reborn) = (&self.first, &self.reborn);
         let mean = reborn.mean();
         let end = distance.max(3.0 * mean);
-        // Lives are resolved to about 1e-12 per mean life; what a cell leaves out grows as its width to the 16th power.
-        let widening = (tolerance / 1e-12).powf(1.0 / 16.0);
+        // Lives are resolved to about 1e-13 per mean life; what a cell leaves out grows as its width to the 16th power.
+        let widening = (tolerance / 1e-13).powf(1.0 / 16.0);
         let accuracy = Accuracy {
             density: 0.3 * tolerance / mean,
             mass: 3e-3 * tolerance,

@@ -93,7 +93,7 @@ impl Piecewise {
     /// The cell that holds x, the right one at a boundary; `None` outside.
     #[inline]
     pub fn find(&self, x: f64) -> Option<usize> {
-        let above = self.boundaries.partition_point(|&b| b <= x);
+        let above = self.above(x);
         (above > 0 && above < self.boundaries.len()).then(|| above - 1)
     }
 
@@ -101,8 +101,18 @@ impl Piecewise {
     /// beyond, the first below the start.
     pub fn nearest(&self, x: f64) -> usize {
         let reach = x + 1e-12 * x.abs();
-        let above = self.boundaries.partition_point(|&b| b <= reach);
-        above.saturating_sub(1).min(self.coefficients.len() - 1)
+        self.above(reach).saturating_sub(1).min(self.coefficients.len() - 1)
+    }
+
+    /// Number of boundaries at or below x: guessed for even cells, else searched.
+    #[inline]
+    fn above(&self, x: f64) -> usize {
+        let cells = self.coefficients.len();
+        let guess = (x / self.end() * cells as f64) as usize;
+        if guess < cells && self.boundaries[guess] <= x && x < self.boundaries[guess + 1] {
+            return guess + 1;
+        }
+        self.boundaries.partition_point(|&b| b <= x)
     }
 
     /// Value at x; 0 outside the cells.
