@@ -1,17 +1,11 @@
 //! The life of contacts that know neither time nor temperature: they break when the stretch reaches the threshold.
 
 use super::Life;
-use super::births::Births;
+use super::births::{Births, MOMENTS, RESOLUTION};
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::{Atom, Break, SharedLaw};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
-
-/// What a curve leaves out, of a total of 1 (or of the mean life, force, …).
-pub(super) const RESOLUTION: f64 = 1e-14;
-
-/// Survival and starting mass below this are left out.
-pub(super) const NEGLIGIBLE: f64 = 1e-18;
 
 /// The life of contacts that start at stretches drawn from `starts`.
 ///
@@ -52,9 +46,6 @@ pub fn athermal(contacts: &Contacts, starts: &SharedLaw, conditional: bool) -> L
         thresholds: thresholds.clone(),
     }
 }
-
-/// Moments of the breaking stretches are kept up to the fourth.
-pub(super) const MOMENTS: usize = 5;
 
 /// What is carried, from what breaks: integrals from the end of life back to u.
 struct Carried<'a> {

@@ -1,10 +1,18 @@
 //! Where contacts start, and how they break from there: ν and its products with the law of thresholds.
 
-use super::athermal::{MOMENTS, NEGLIGIBLE, RESOLUTION};
 use crate::contacts::Contacts;
 use crate::law::{Atom, Break, Law, SharedLaw, Zone};
 use crate::numerics::legendre::RULE;
 use crate::numerics::piecewise::Piecewise;
+
+/// What a curve leaves out, of a total of 1 (or of the mean life, force, …).
+pub(super) const RESOLUTION: f64 = 1e-14;
+
+/// Survival and starting mass below this are left out.
+const NEGLIGIBLE: f64 = 1e-18;
+
+/// Moments of the breaking stretches are kept up to the fourth.
+pub(super) const MOMENTS: usize = 5;
 
 /// ν: the law of starting stretches, over their survival where conditional.
 pub(super) struct Births<'a> {
