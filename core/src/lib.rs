@@ -15,6 +15,7 @@ pub mod life;
 pub mod master;
 pub mod monitor;
 pub mod numerics;
+pub mod population;
 pub mod random;
 pub mod record;
 pub mod scenario;

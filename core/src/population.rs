@@ -1,0 +1,108 @@
+//! Contacts that move together, seen from outside: what a block or an elastic interface needs to know of them.
+//!
+//! A population has no time of its own: it is moved, and its force follows. Between two breaks (or kinks of the
+//! force) it goes a smooth way; whoever drives it looks ahead on that way, decides how far to go, and moves it there.
+
+use crate::Result;
+
+/// Which way the slider's bottom moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// Towards larger X.
+    Forward,
+    /// Towards smaller X.
+    Backward,
+}
+
+impl Direction {
+    /// +1 or −1.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Forward => 1.0,
+            Self::Backward => -1.0,
+        }
+    }
+
+    /// The other one.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        match self {
+            Self::Forward => Self::Backward,
+            Self::Backward => Self::Forward,
+        }
+    }
+}
+
+/// The way to the next break of a contact, or to the next kink of the force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way {
+    /// Its length, above 0; infinite where nothing can break any more.
+    pub length: f64,
+    /// Whether the force is a straight line on it.
+    pub straight: bool,
+}
+
+/// How a population answers to being moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// Force F.
+    pub force: f64,
+    /// Tangent dF/dX, on the way ahead.
+    pub tangent: f64,
+}
+
+/// What the contacts store and have lost, each summed on its own.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Books {
+    /// Elastic energy Σ ½k x² of the contacts, now.
+    pub elastic: f64,
+    /// Energy lost in breaks since the beginning: Σ over breaks of ½k x_b², less the ½k r² of what re-formed.
+    pub lost: f64,
+    /// Breaks since the beginning, per contact.
+    pub broken: f64,
+}
+
+/// Contacts that move together.
+///
+/// Forces are totals, in the unit of stiffness × length; positions X are lengths.
+pub trait Population: Send {
+    /// Position X of the slider's bottom.
+    fn position(&self) -> f64;
+
+    /// The way ahead in `direction`.
+    ///
+    /// # Errors
+    /// What looking further ahead may run into: accuracy not reached, too many point masses.
+    fn way(&mut self, direction: Direction) -> Result<Way>;
+
+    /// The response after a move of `by` (negative: backward) on the way last asked for in that direction;
+    /// nothing moves. At the end of the way the left limit, before anything breaks there.
+    fn ahead(&self, by: f64) -> Response;
+
+    /// Moves by `by`, on the way last asked for in that direction. At its end, what stands there breaks and re-forms.
+    ///
+    /// # Errors
+    /// Those of [`Population::way`].
+    fn advance(&mut self, by: f64) -> Result<()>;
+
+    /// Breaks every contact; all re-form as after a break in `direction`. The position stays.
+    ///
+    /// # Errors
+    /// Those of [`Population::way`].
+    fn reset(&mut self, direction: Direction) -> Result<()>;
+
+    /// From now on what breaks stays free and carries nothing, until [`Population::release`].
+    fn hold(&mut self);
+
+    /// What is free re-forms, as after a break in the direction of the last move.
+    ///
+    /// # Errors
+    /// Those of [`Population::way`].
+    fn release(&mut self) -> Result<()>;
+
+    /// Energies and breaks.
+    fn books(&self) -> Books;
+
+    /// A copy in its present state, to come back to.
+    fn copy(&self) -> Box<dyn Population>;
+}
