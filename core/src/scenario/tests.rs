@@ -90,7 +90,11 @@ fn every_table_is_found_with_its_key() {
 fn labels_keep_compound_units_together() {
     let units = Units { length: "m/s".into(), force: "N".into(), time: String::new() };
     assert_eq!(units.label(crate::record::Quantity::Stiffness), "N/(m/s)");
-    assert_eq!(Units::default().label(crate::record::Quantity::Force), "1");
+    assert_eq!(units.label(crate::record::Quantity::Energy), "N·m/s");
+    assert_eq!(units.label(crate::record::Quantity::Time), "1");
+    for quantity in crate::record::Quantity::ALL {
+        assert_eq!(Units::default().label(quantity), "1");
+    }
 }
 
 #[test]
