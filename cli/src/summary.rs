@@ -10,7 +10,7 @@ use asperity_runner::summary::{StaticFriction, Summary};
 pub fn readable(summary: &Summary) -> String {
     let value = |number: f64, quantity| {
         let unit = summary.units.label(quantity);
-        if unit == "1" { digits(number) } else { format!("{} {unit}", digits(number)) }
+        if unit == "1" || !number.is_finite() { digits(number) } else { format!("{} {unit}", digits(number)) }
     };
     let mut lines: Vec<(&str, String)> = Vec::new();
     lines.push((
