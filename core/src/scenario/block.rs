@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::positive;
-use crate::{Error, Result};
+use crate::{Error, Result, block};
 
 /// A slider whose top, moved by the drive, pulls its bottom through a stiffness.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -59,5 +59,16 @@ impl Block {
             }
         }
         Ok(())
+    }
+}
+
+impl From<Slip> for block::Slip {
+    fn from(slip: Slip) -> Self {
+        match slip {
+            Slip::Reset => Self::Reset,
+            Slip::Overdamped => Self::Overdamped,
+            Slip::Arrest => Self::Arrest,
+            Slip::Inertial { mass, damping } => Self::Inertial { mass, damping },
+        }
     }
 }

@@ -69,6 +69,7 @@ impl Setting<'_> {
             seed: scenario.ensemble.as_ref().map(|ensemble| ensemble.seed),
             disorder: scenario.ensemble.as_ref().map(|ensemble| ensemble.disorder),
             friction_coefficients: scenario.contacts.normal_load.map(coefficients),
+            sliding: None,
             compare: None,
         }
     }
