@@ -33,13 +33,15 @@ impl Direction {
     }
 }
 
-/// The way to the next break of a contact, or to the next kink of the force.
+/// The way to the next place where contacts break together, or where the force has a kink.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Way {
     /// Its length, above 0; infinite where nothing can break any more.
     pub length: f64,
-    /// Whether the force is a straight line on it.
+    /// Whether the force is a straight line on it; else it is as smooth as a polynomial of degree 15.
     pub straight: bool,
+    /// Whether contacts break together at its end, where the force jumps.
+    pub breaks: bool,
 }
 
 /// How a population answers to being moved.
@@ -79,13 +81,22 @@ pub trait Population: Send {
     /// nothing moves. At the end of the way the left limit, before anything breaks there.
     fn ahead(&self, by: f64) -> Response;
 
-    /// Moves by `by`, on the way last asked for in that direction. At its end, what stands there breaks and re-forms.
+    /// Moves by `by`, on the way last asked for in that direction. At an end that breaks, what stands there
+    /// still holds.
     ///
     /// # Errors
     /// Those of [`Population::way`].
     fn advance(&mut self, by: f64) -> Result<()>;
 
-    /// Breaks every contact; all re-form as after a break in `direction`. The position stays.
+    /// At the end of a way that breaks, before anything else: what stands there breaks and re-forms (or is free,
+    /// after [`Population::hold`]). The position stays.
+    ///
+    /// # Errors
+    /// Those of [`Population::way`].
+    fn cross(&mut self) -> Result<()>;
+
+    /// Breaks every contact that holds; all re-form as after a break in `direction`, those held free too, and
+    /// nothing is held any more. The position stays.
     ///
     /// # Errors
     /// Those of [`Population::way`].
