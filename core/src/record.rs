@@ -12,13 +12,16 @@ pub enum Quantity {
     PerLength,
     /// A force per length: stiffnesses.
     Stiffness,
+    /// A force times a length.
+    Energy,
     /// A pure number.
     Number,
 }
 
 impl Quantity {
     /// Every quantity, for tables of labels.
-    pub const ALL: [Self; 5] = [Self::Length, Self::Force, Self::PerLength, Self::Stiffness, Self::Number];
+    pub const ALL: [Self; 6] =
+        [Self::Length, Self::Force, Self::PerLength, Self::Stiffness, Self::Energy, Self::Number];
 
     /// Its name in files.
     pub fn name(self) -> &'static str {
@@ -27,6 +30,7 @@ impl Quantity {
             Self::Force => "force",
             Self::PerLength => "per_length",
             Self::Stiffness => "stiffness",
+            Self::Energy => "energy",
             Self::Number => "number",
         }
     }

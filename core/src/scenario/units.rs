@@ -33,8 +33,17 @@ impl Units {
             Quantity::Force => over(&self.force, ""),
             Quantity::PerLength => over("", &self.length),
             Quantity::Stiffness => over(&self.force, &self.length),
+            Quantity::Energy => times(&self.force, &self.length),
             Quantity::Number => over("", ""),
         }
+    }
+}
+
+fn times(one: &str, other: &str) -> String {
+    match (one, other) {
+        ("", "") => "1".to_owned(),
+        ("", unit) | (unit, "") => unit.to_owned(),
+        _ => format!("{one}·{other}"),
     }
 }
 
