@@ -2,6 +2,8 @@
 
 pub mod breaks;
 pub mod legendre;
+pub mod linear;
+pub mod motion;
 pub mod piecewise;
 pub mod roots;
 pub mod volterra;

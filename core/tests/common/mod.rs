@@ -1,6 +1,8 @@
 //! Short names for the tests of the master equation.
 #![allow(dead_code)]
 
+pub mod curve;
+
 use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial, Start, Stiffness};

@@ -1,0 +1,272 @@
+//! The inertial slip: a swing in time, from the loss of balance to the first arrest.
+//!
+//! MẌ = K(X_T − X) − F(X) − γẊ with X_T held. At a smooth instability X_1 the net force and its derivative vanish,
+//! so that a slider at rest there would stay for ever; the drive, however slow, pushes it past, and the motion is
+//! the one that leaves X_1 with no energy but what it gains. It is followed from where the work done on it since
+//! X_1 is 1e-14 of the elastic energy: no speed that it may have there changes its energy by more.
+
+use super::trace::{Course, Point};
+use super::walk::Walk;
+use crate::numerics::motion::{Body, Step, uniform};
+use crate::numerics::roots::brent_root;
+use crate::population::Direction;
+use crate::{Error, Float, Result};
+
+/// Work, of the elastic energy of the contacts, at which the motion is first followed.
+const UNSEEN: f64 = 1e-14;
+
+/// Error of the speed in a step, of the highest in it.
+const ACCURACY: f64 = 1e-12;
+
+/// A distance from the balance, of the way gone, at which a damped motion is at its end: the energy left is 1e-18.
+const SETTLED: f64 = 1e-9;
+
+/// Halvings of a step before it is given up.
+const MOST_HALVINGS: u32 = 60;
+
+/// How a swing ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Swung {
+    /// At rest.
+    Arrested,
+    /// Where it began: the slider is not pushed by more than rounding.
+    Still,
+    /// Nowhere.
+    Away,
+}
+
+/// How a step ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Ending {
+    /// On the way.
+    Under,
+    /// At the end of the way.
+    Through,
+    /// At rest.
+    Arrested,
+}
+
+/// The state of a swing on the way ahead.
+struct Swing {
+    body: Body,
+    drive: f64,
+    /// Since it was first followed.
+    time: f64,
+    /// The advance on the way ahead.
+    place: f64,
+    speed: f64,
+    /// Of the last step.
+    step: f64,
+    start: f64,
+    course: Option<Course>,
+}
+
+impl Walk<'_> {
+    /// Swings to the first arrest.
+    pub(super) fn swing(
+        &mut self,
+        drive: f64,
+        direction: Direction,
+        mass: f64,
+        damping: f64,
+    ) -> Result<Swung> {
+        let first = self.course.is_none();
+        let mut swing = Swing {
+            body: Body { mass, damping },
+            drive,
+            time: 0.0,
+            place: 0.0,
+            speed: 0.0,
+            step: f64::INFINITY,
+            start: self.look.position,
+            course: first.then(Course::default),
+        };
+        self.towards(direction)?;
+        if !self.leave(&mut swing) {
+            return Ok(Swung::Still);
+        }
+        let arrested = self.follow(&mut swing)?;
+        if let Some(mut course) = swing.course {
+            course.push(swing.time, 0.0, self.state(drive, 0.0));
+            course.begin();
+            self.course = Some(course);
+        }
+        Ok(if arrested { Swung::Arrested } else { Swung::Away })
+    }
+
+    /// Goes through way after way; whether there was an arrest.
+    fn follow(&mut self, swing: &mut Swing) -> Result<bool> {
+        loop {
+            let ending = self.step(swing)?;
+            let (sign, settled) = (self.look.sign(), self.is_settled(swing));
+            if ending == Ending::Under && !settled {
+                continue;
+            }
+            let breaks = self.look.way.breaks;
+            let (loading, drive) = (self.look.loading, swing.drive);
+            self.open.work += loading.work_at_rest(drive, sign * swing.place);
+            self.look.advance(swing.place)?;
+            if ending == Ending::Arrested || settled {
+                return Ok(true);
+            }
+            if self.is_gone() {
+                return Ok(false);
+            }
+            if breaks {
+                self.look.population.cross()?;
+            }
+            swing.place = 0.0;
+            self.towards(self.look.direction)?;
+        }
+    }
+
+    /// The first place and speed of a motion; `false` where no net force can be told from rounding.
+    ///
+    /// From a balance, at which the slider is not pushed, they solve (3/2) M v²/u + γ v = g: exact where the net force
+    /// g grows as u² and there is either no damping or little else.
+    fn leave(&self, swing: &mut Swing) -> bool {
+        let excess = |a: f64| self.look.excess(swing.drive, a);
+        if excess(0.0) > 0.0 && !self.is_balanced(swing.drive) {
+            return true;
+        }
+        let unseen = UNSEEN * self.look.population.books().elastic;
+        let visible = |place: f64| place > f64::EPSILON * self.look.position.abs();
+        let mut place = self.look.way.length.min(self.look.position.abs().max(1.0));
+        while visible(place) && !(excess(place) > 0.0 && place * excess(place) < unseen) {
+            place *= 0.5;
+        }
+        let Body { mass, damping } = swing.body;
+        let (push, inertia) = (excess(place), 1.5 * mass / place);
+        swing.place = place;
+        swing.speed = 2.0 * push / (damping + (damping * damping + 4.0 * inertia * push).sqrt());
+        visible(place)
+    }
+
+    /// Whether what is left of a damped motion cannot be seen.
+    fn is_settled(&self, swing: &Swing) -> bool {
+        let look = &self.look;
+        let resistance = look.loading.resistance(look.response(swing.place).tangent);
+        let gone = (look.position + look.sign() * swing.place - swing.start).abs();
+        let near = SETTLED * gone;
+        resistance > 0.0
+            && look.excess(swing.drive, swing.place).abs() <= near * resistance
+            && swing.body.mass * swing.speed * swing.speed <= near * near * resistance
+    }
+
+    fn step(&mut self, swing: &mut Swing) -> Result<Ending> {
+        if self.look.way.straight { Ok(self.straight(swing)) } else { self.curved(swing) }
+    }
+
+    /// A step where the force is a straight line.
+    fn straight(&mut self, swing: &mut Swing) -> Ending {
+        let resistance = self.look.loading.resistance(self.look.here.tangent);
+        let excess = self.look.excess(swing.drive, swing.place);
+        let left = self.look.way.length - swing.place;
+        let passage = swing.body.passage(swing.speed, excess, resistance, left);
+        self.open.viscous += swing.body.damping * passage.squared;
+        swing.time += passage.time;
+        swing.speed = passage.speed;
+        let through = passage.way == left;
+        swing.place = if through { self.look.way.length } else { swing.place + passage.way };
+        let state = self.state(swing.drive, swing.place);
+        if let Some(course) = &mut swing.course {
+            course.offer(swing.time, self.look.sign() * swing.speed, state);
+        }
+        match (through, swing.speed == 0.0) {
+            (true, _) => Ending::Through,
+            (_, true) => Ending::Arrested,
+            _ => Ending::Under,
+        }
+    }
+
+    /// A step on a smooth way, cut where the way or the motion ends.
+    fn curved(&mut self, swing: &mut Swing) -> Result<Ending> {
+        let end = self.look.way.length;
+        let begin = (self.look.excess(swing.drive, swing.place) - swing.body.damping * swing.speed)
+            / swing.body.mass;
+        let mut time = (1.2 * uniform(swing.speed, begin, end - swing.place)).min(4.0 * swing.step);
+        for _ in 0..MOST_HALVINGS {
+            let Some(step) = self.collocated(swing, time) else {
+                time *= 0.5;
+                continue;
+            };
+            let (share, ending) = first_ending(&step, end);
+            // Landed on what ends it, or nothing does.
+            if share < 1.0 {
+                time *= share;
+                continue;
+            }
+            swing.step = time;
+            self.accept(swing, &step, ending);
+            return Ok(ending);
+        }
+        let what = format!("a slip with inertia at X = {}", self.look.position);
+        Err(Error::Accuracy { what, reached: Float(time), wanted: Float(ACCURACY) })
+    }
+
+    /// The step of that duration, if it is accurate. Beyond the way the force goes on as its tangent, for a first
+    /// guess of when the end is reached.
+    fn collocated(&self, swing: &Swing, time: f64) -> Option<Step> {
+        let (look, end) = (&self.look, self.look.way.length);
+        let force = |u: f64| {
+            let within = u.clamp(0.0, end);
+            let resistance = look.loading.resistance(look.response(within).tangent);
+            (look.excess(swing.drive, within) - resistance * (u - within), -resistance)
+        };
+        let step = swing.body.step((swing.place, swing.speed), time, force)?;
+        let highest = step.speeds().iter().fold(swing.speed, |most, v| most.max(v.abs()));
+        (step.error() <= ACCURACY * highest).then_some(step)
+    }
+
+    fn accept(&mut self, swing: &mut Swing, step: &Step, ending: Ending) {
+        let sign = self.look.sign();
+        self.open.viscous += swing.body.damping * step.squared();
+        if let Some(mut course) = swing.course.take() {
+            let points = step.times().into_iter().zip(step.places()).zip(step.speeds());
+            for ((time, place), speed) in points {
+                course.offer(swing.time + time, sign * speed, self.state(swing.drive, place));
+            }
+            swing.course = Some(course);
+        }
+        let (place, speed) = step.at(1.0);
+        swing.time += step.time;
+        swing.place = if ending == Ending::Through { self.look.way.length } else { place };
+        swing.speed = if ending == Ending::Arrested { 0.0 } else { speed };
+    }
+
+    /// The state at an advance `a` on the way, at a given drive.
+    fn state(&self, drive: f64, a: f64) -> Point {
+        let position = self.look.position + self.look.sign() * a;
+        let force = self.look.response(a.clamp(0.0, self.look.way.length)).force;
+        Point { drive, position, force, spring_force: self.look.loading.pull(drive, position, force) }
+    }
+}
+
+/// How far an end may be missed: of the way, of the highest speed.
+const MISSED: f64 = 1e-13;
+
+/// The share of a step at which it first ends, and how; 1 where that is at its end, to rounding.
+fn first_ending(step: &Step, length: f64) -> (f64, Ending) {
+    let (places, speeds) = (step.places(), step.speeds());
+    let (place, speed) = step.at(1.0);
+    let highest = speeds.iter().fold(step.speed, |most: f64, v| most.max(v.abs()));
+    let stopped = speeds.iter().position(|v| *v < 0.0).map(|i| step.times()[i] / step.time);
+    let stopped = stopped.or((speed < 0.0).then_some(1.0));
+    // A motion that begins at rest is not at its end there.
+    let moving = speeds.iter().position(|v| *v > 0.0).map_or(0.0, |i| step.times()[i] / step.time);
+    let moving = if step.speed > 0.0 { 0.0 } else { moving };
+    let mut last = (1.0, if speed.abs() <= 1e-10 * highest { Ending::Arrested } else { Ending::Under });
+    if let Some(stopped) = stopped
+        && last.1 == Ending::Under
+    {
+        last = (brent_root(|s| step.at(s).1, moving, stopped, 0.0).unwrap_or(stopped), Ending::Arrested);
+    }
+    let farthest = if last.0 < 1.0 { step.at(last.0).0 } else { place };
+    if (farthest - length).abs() <= MISSED * length {
+        return (last.0, Ending::Through);
+    }
+    if farthest < length && places.iter().all(|u| *u < length) {
+        return last;
+    }
+    (brent_root(|s| step.at(s).0 - length, 0.0, last.0, 0.0).unwrap_or(last.0), Ending::Through)
+}

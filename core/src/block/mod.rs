@@ -1,0 +1,138 @@
+//! A slider block pulled over its contacts through a spring: stick-slip and smooth sliding.
+//!
+//! The bottom of the slider is at X, its top at X_T; the shear stiffness K of the block joins them:
+//!
+//! K(X_T − X) = F(X), X_T(X) = X + F(X)/K.
+//!
+//! The contacts are a [`Population`] and nothing else is known of them. While X_T rises slowly the slider creeps
+//! along X_T(X), which is stable where F' + K > 0. Where that is lost, or contacts break together, it moves on at
+//! fixed X_T, in a way that the rule [`Slip`] says, until it finds balance again. An imposed position of the
+//! bottom (K = ∞) and an imposed force (K → 0) are the same with another [`Loading`]; backward motion is the
+//! mirror image of forward motion.
+
+mod curves;
+mod energy;
+mod events;
+mod inertia;
+mod loading;
+mod look;
+mod regime;
+mod run;
+mod slip;
+mod trace;
+mod walk;
+
+pub use curves::{Curve, critical_stiffness};
+pub use energy::Energy;
+pub use events::{Event, Size, Sizes};
+pub use loading::Loading;
+pub use regime::{Missing, Regime};
+pub use run::{Drive, End, StickSlip};
+pub use trace::{Course, Point};
+
+use crate::monitor::Monitor;
+use crate::population::Population;
+use crate::{Error, Result};
+
+/// What a slider does when it has lost its balance, at fixed X_T.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Slip {
+    /// All contacts break, and re-form where the spring meets the force F_R that they then have, at
+    /// X = X_T − F_R/K: at X = X_T where contacts re-form relaxed.
+    Reset,
+    /// On to the next X with F(X) = K(X_T − X), contacts breaking and re-forming on the way.
+    Overdamped,
+    /// By MẌ = K(X_T − X) − F − γẊ to the first arrest Ẋ = 0; from there to the balance, without inertia.
+    Inertial {
+        /// M > 0, the mass.
+        mass: f64,
+        /// γ ≥ 0, the damping, force per velocity.
+        damping: f64,
+    },
+    /// On to the next X with F(X) = K(X_T − X), F being that of the contacts that have not broken since the slip
+    /// began; there, what has broken re-forms.
+    Arrest,
+}
+
+/// A slider block.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Block {
+    loading: Loading,
+    slip: Slip,
+    slip_fraction: Option<f64>,
+}
+
+/// The largest γ/√(MK). A slip lasts some γ/K, in which the speed follows the force within M/γ: following the one
+/// in steps of the other takes γ²/(MK) of them.
+const MOST_DAMPING: f64 = 1e3;
+
+impl Block {
+    /// A slider pulled by `loading`.
+    ///
+    /// `slip_fraction`: an event in which a larger share of the contacts breaks is a slip, what is smaller enters
+    /// the statistics of sizes alone. `None`: every event in which the slider moves a finite way, as it should be
+    /// for the master equation, whose contacts break one after another without any event.
+    ///
+    /// # Errors
+    /// Stiffness or mass not above 0, damping below 0 or above 10³√(MK); a fraction outside (0, 1].
+    pub fn new(loading: Loading, slip: Slip, slip_fraction: Option<f64>) -> Result<Self> {
+        loading.check()?;
+        if let Slip::Inertial { mass, damping } = slip {
+            inertial(loading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
+        }
+        if let Some(fraction) = slip_fraction.filter(|f| !(*f > 0.0 && *f <= 1.0)) {
+            return Err(Error::invalid("slip_fraction", "a number above 0, up to 1", fraction));
+        }
+        Ok(Self { loading, slip, slip_fraction })
+    }
+
+    /// What pulls it.
+    pub fn loading(&self) -> Loading {
+        self.loading
+    }
+
+    /// Its rule of slip.
+    pub fn slip(&self) -> Slip {
+        self.slip
+    }
+
+    /// Pulls the slider over `population` through the turning points of `drive`.
+    ///
+    /// # Errors
+    /// Turning points that do not turn; those of the population; stopped by the monitor.
+    pub fn pull(
+        &self,
+        population: &mut dyn Population,
+        drive: &Drive,
+        monitor: &mut dyn Monitor,
+    ) -> Result<StickSlip> {
+        run::pull(self, population, drive, monitor)
+    }
+}
+
+/// Whether the motion with that mass and damping can be followed.
+fn inertial(loading: Loading, mass: f64, damping: f64) -> Result<()> {
+    if !(mass > 0.0 && mass.is_finite()) {
+        return Err(Error::invalid("mass", "a finite mass above 0", mass));
+    }
+    if !(damping >= 0.0 && damping.is_finite()) {
+        return Err(Error::invalid("damping", "a finite damping, 0 or above", damping));
+    }
+    match loading {
+        Loading::Spring(stiffness) => bearable(stiffness, mass, damping),
+        Loading::Rigid | Loading::Force => Ok(()),
+    }
+}
+
+/// Whether γ ≤ 10³ √(MK).
+fn bearable(stiffness: f64, mass: f64, damping: f64) -> Result<()> {
+    let most = MOST_DAMPING * (mass * stiffness).sqrt();
+    if damping > most {
+        let expected = format!(
+            "a damping up to {MOST_DAMPING} √(mass × stiffness) = {most:.6}, as the time to integrate grows with \
+             its square (beyond, the slip is that of \"overdamped\" to 1e-6)"
+        );
+        return Err(Error::invalid("damping", expected, damping));
+    }
+    Ok(())
+}

@@ -1,0 +1,217 @@
+//! What happens at a fixed drive, from the loss of balance to the next one.
+
+use super::events::Event;
+use super::inertia::Swung;
+use super::walk::Walk;
+use super::{Loading, Point, Slip};
+use crate::Result;
+use crate::population::Direction;
+
+/// A lag of the drive, relative to what it is computed from, that is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// How a slide ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Slid {
+    /// In balance.
+    Balanced,
+    /// More contacts have broken than may.
+    Exceeded,
+    /// Nowhere.
+    Away,
+}
+
+impl Walk<'_> {
+    /// All that happens here at a fixed drive, after a loss of balance or, if it `breaks`, with the contacts that
+    /// break here. Whether the slider found a new balance.
+    pub fn event(&mut self, breaks: bool) -> Result<bool> {
+        let (before, direction) = (self.point(), self.look.direction);
+        let drive = before.drive;
+        let approach = self.closed(drive);
+        self.approach += approach;
+        let begun = self.look.population.books().broken;
+        if self.holds() {
+            self.look.population.hold();
+        }
+        let pushed = if breaks {
+            self.look.population.cross()?;
+            self.pushed(drive, direction)?
+        } else {
+            Some(direction)
+        };
+        let Some(turn) = self.slip(drive, pushed)? else { return Ok(false) };
+        self.look.towards(direction)?;
+        let broken = self.look.population.books().broken - begun;
+        self.account(before, turn, broken);
+        Ok(true)
+    }
+
+    /// Whether contacts that break at the start of an event stay free: in `arrest` until the slider is at rest, in
+    /// a `reset` until all re-form together.
+    fn holds(&self) -> bool {
+        match self.block.slip {
+            Slip::Arrest => true,
+            Slip::Reset => self.block.slip_fraction.is_none(),
+            Slip::Overdamped | Slip::Inertial { .. } => false,
+        }
+    }
+
+    /// Moves by the rule of slip, first in the direction `pushed`. Where the slider turned or came to rest; `None`
+    /// if it ran away.
+    fn slip(&mut self, drive: f64, pushed: Option<Direction>) -> Result<Option<f64>> {
+        let Some(direction) = pushed else {
+            self.let_go()?;
+            return Ok(Some(self.look.position));
+        };
+        let calm = match self.block.slip {
+            Slip::Reset => self.reset(drive, direction)?,
+            Slip::Overdamped | Slip::Arrest => self.settle(drive, Some(direction))?,
+            Slip::Inertial { mass, damping } => {
+                let next = match self.swing(drive, direction, mass, damping)? {
+                    Swung::Arrested => self.pushed(drive, direction)?,
+                    Swung::Still => Some(direction),
+                    Swung::Away => return Ok(None),
+                };
+                let turn = self.look.position;
+                return Ok(self.settle(drive, next)?.then_some(turn));
+            }
+        };
+        Ok(calm.then_some(self.look.position))
+    }
+
+    /// Slides without inertia, in one direction after the other, until there is balance; whether there is one.
+    fn settle(&mut self, drive: f64, mut next: Option<Direction>) -> Result<bool> {
+        while let Some(direction) = next {
+            if self.slide(drive, direction, None)? == Slid::Away {
+                return Ok(false);
+            }
+            self.let_go()?;
+            next = self.pushed(drive, direction)?;
+        }
+        Ok(true)
+    }
+
+    /// What is held free re-forms.
+    fn let_go(&mut self) -> Result<()> {
+        if self.holds() { self.look.population.release() } else { Ok(()) }
+    }
+
+    /// Slides until more contacts have broken than a slip needs; then all break, and re-form where the spring meets
+    /// their force.
+    fn reset(&mut self, drive: f64, direction: Direction) -> Result<bool> {
+        if let Some(most) = self.block.slip_fraction {
+            let mut next = Some(direction);
+            while let Some(direction) = next {
+                match self.slide(drive, direction, Some(most))? {
+                    Slid::Away => return Ok(false),
+                    Slid::Exceeded => return self.renew(drive, direction),
+                    Slid::Balanced => next = self.pushed(drive, direction)?,
+                }
+            }
+            return Ok(true);
+        }
+        self.renew(drive, direction)
+    }
+
+    fn renew(&mut self, drive: f64, direction: Direction) -> Result<bool> {
+        let loading = self.look.loading;
+        self.look.population.reset(direction)?;
+        self.look.towards(direction)?;
+        let Loading::Spring(stiffness) = loading else { return Ok(false) };
+        let position = drive - self.look.here.force / stiffness;
+        let released = loading.stored(drive, self.look.position) - loading.stored(drive, position);
+        self.open.slip += released;
+        self.look.carried += position - self.look.position;
+        self.look.position = position;
+        Ok(true)
+    }
+
+    /// The direction in which the slider is out of balance; looks ahead in it.
+    fn pushed(&mut self, drive: f64, direction: Direction) -> Result<Option<Direction>> {
+        self.look.towards(direction)?;
+        if self.is_balanced(drive) {
+            return Ok(None);
+        }
+        let behind = direction.sign() * (drive - self.look.drive_here()) > 0.0;
+        Ok(Some(if behind { direction } else { direction.reversed() }))
+    }
+
+    /// Whether the slider is in balance here at a given drive, but for rounding.
+    pub(super) fn is_balanced(&self, drive: f64) -> bool {
+        let here = self.look.drive_here();
+        (drive - here).abs() <= ROUNDING * (drive.abs() + self.look.position.abs() + here.abs())
+    }
+
+    /// Slides in one direction to the next balance at a fixed drive.
+    fn slide(&mut self, drive: f64, direction: Direction, most: Option<f64>) -> Result<Slid> {
+        let (loading, sign) = (self.look.loading, direction.sign());
+        loop {
+            self.towards(direction)?;
+            let rises = self.look.rises();
+            let ahead = sign * (self.look.drive_here() - drive) > 0.0;
+            if rises && (ahead || self.is_balanced(drive)) {
+                return Ok(Slid::Balanced);
+            }
+            let (a, found) = self.landing(sign * drive, rises);
+            if a.is_infinite() {
+                return Ok(Slid::Away);
+            }
+            self.open.work += loading.work_at_rest(drive, sign * a);
+            self.open.slip += sign * self.look.integral(a, |x, response| loading.excess(drive, x, response.force));
+            let breaks = self.look.way.breaks;
+            self.look.advance(a)?;
+            if found {
+                return Ok(Slid::Balanced);
+            }
+            if self.is_gone() {
+                return Ok(Slid::Away);
+            }
+            if breaks {
+                self.look.population.cross()?;
+            }
+            if most.is_some_and(|most| self.broken() > most) {
+                return Ok(Slid::Exceeded);
+            }
+        }
+    }
+
+    /// Where on the way ahead the drive in balance comes back to `drive` (signed), and whether it does; else the
+    /// end of the way.
+    fn landing(&self, drive: f64, rises: bool) -> (f64, bool) {
+        let (mut from, mut rising) = (0.0, rises);
+        loop {
+            let turn = self.look.turn(from, rising);
+            let to = turn.unwrap_or(self.look.way.length);
+            if rising && (to.is_infinite() || self.look.drive(to) >= drive) {
+                return (self.look.reaches(drive, from, to), true);
+            }
+            match turn {
+                Some(turn) => (from, rising) = (turn, !rising),
+                None => return (to, false),
+            }
+        }
+    }
+
+    /// Enters an event in the books; a slip is kept.
+    fn account(&mut self, before: Point, position_turn: f64, broken_fraction: f64) {
+        let drive = before.drive;
+        let energy = self.closed(drive);
+        let (position, force) = (self.look.position, self.look.here.force);
+        let spring_force = self.look.loading.pull(drive, position, force);
+        let after = Point { drive, position, force, spring_force };
+        let (slip, drop) = (position - before.position, before.force - force);
+        self.sizes.add(broken_fraction, slip, drop);
+        let shown = self.block.slip_fraction.is_none_or(|least| broken_fraction > least);
+        if !shown || (slip == 0.0 && drop == 0.0) {
+            self.approach += energy;
+            return;
+        }
+        self.trace.extend([before, after]);
+        if slip == 0.0 {
+            self.approach += energy;
+            return;
+        }
+        let approach = std::mem::take(&mut self.approach);
+        self.events.push(Event { before, after, position_turn, broken_fraction, energy, approach });
+    }
+}
