@@ -3,5 +3,6 @@
 pub mod breaks;
 pub mod legendre;
 pub mod piecewise;
+mod rearrange;
 pub mod roots;
 pub mod volterra;
