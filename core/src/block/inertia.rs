@@ -15,7 +15,8 @@ use crate::{Error, Float, Result};
 /// Work, of the elastic energy of the contacts, at which the motion is first followed.
 const UNSEEN: f64 = 1e-14;
 
-/// Error of the speed in a step, of the highest in it.
+/// Error of the speed in a step, of the one that the elastic energy of the contacts would give the slider: at lower
+/// speeds it matters less, and rounding of the forces shows.
 const ACCURACY: f64 = 1e-12;
 
 /// A distance from the balance, of the way gone, at which a damped motion is at its end: the energy left is 1e-18.
@@ -57,6 +58,8 @@ struct Swing {
     speed: f64,
     /// Of the last step.
     step: f64,
+    /// √(2E/M), E being the elastic energy of the contacts at the start.
+    fast: f64,
     start: f64,
     course: Option<Course>,
 }
@@ -78,6 +81,7 @@ impl Walk<'_> {
             place: 0.0,
             speed: 0.0,
             step: f64::INFINITY,
+            fast: (2.0 * self.look.population.books().elastic / mass).sqrt(),
             start: self.look.position,
             course: first.then(Course::default),
         };
@@ -214,8 +218,7 @@ impl Walk<'_> {
             (look.excess(swing.drive, within) - resistance * (u - within), -resistance)
         };
         let step = swing.body.step((swing.place, swing.speed), time, force)?;
-        let highest = step.speeds().iter().fold(swing.speed, |most, v| most.max(v.abs()));
-        (step.error() <= ACCURACY * highest).then_some(step)
+        (step.error() <= ACCURACY * swing.fast).then_some(step)
     }
 
     fn accept(&mut self, swing: &mut Swing, step: &Step, ending: Ending) {

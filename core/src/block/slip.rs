@@ -30,7 +30,7 @@ impl Walk<'_> {
         let approach = self.closed(drive);
         self.approach += approach;
         let begun = self.look.population.books().broken;
-        if self.holds() {
+        if self.holds(breaks) {
             self.look.population.hold();
         }
         let pushed = if breaks {
@@ -48,10 +48,10 @@ impl Walk<'_> {
 
     /// Whether contacts that break at the start of an event stay free: in `arrest` until the slider is at rest, in
     /// a `reset` until all re-form together.
-    fn holds(&self) -> bool {
+    fn holds(&self, breaks: bool) -> bool {
         match self.block.slip {
             Slip::Arrest => true,
-            Slip::Reset => self.block.slip_fraction.is_none(),
+            Slip::Reset => breaks && self.block.slip_fraction.is_none(),
             Slip::Overdamped | Slip::Inertial { .. } => false,
         }
     }
@@ -93,7 +93,7 @@ impl Walk<'_> {
 
     /// What is held free re-forms.
     fn let_go(&mut self) -> Result<()> {
-        if self.holds() { self.look.population.release() } else { Ok(()) }
+        if self.holds(true) { self.look.population.release() } else { Ok(()) }
     }
 
     /// Slides until more contacts have broken than a slip needs; then all break, and re-form where the spring meets

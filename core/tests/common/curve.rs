@@ -29,6 +29,9 @@ pub struct ClosedCurve {
     /// The tip, and how far back from it.
     tip: f64,
     back: f64,
+    /// Whether what breaks stays free, and whether all contacts are.
+    held: bool,
+    free: bool,
     /// ∫F dX, and lost and broken before the last reset.
     work: f64,
     before: f64,
@@ -74,6 +77,8 @@ impl ClosedCurve {
             direction: Direction::Forward,
             tip: 0.0,
             back: 0.0,
+            held: false,
+            free: false,
             work: 0.0,
             before: 0.0,
             broken: 0.0,
@@ -106,6 +111,9 @@ impl Population for ClosedCurve {
     }
 
     fn way(&mut self, direction: Direction) -> Result<Way> {
+        if self.free {
+            return Ok(Way { length: f64::INFINITY, straight: true, breaks: false });
+        }
         if self.tip == 0.0 && self.back == 0.0 {
             self.direction = direction;
         }
@@ -119,6 +127,9 @@ impl Population for ClosedCurve {
     }
 
     fn ahead(&self, by: f64) -> Response {
+        if self.free {
+            return Response { force: 0.0, tangent: 0.0 };
+        }
         let sign = self.direction.sign();
         let on = sign * by;
         let Response { force, tangent } = match (self.back > 0.0, on > 0.0) {
@@ -133,6 +144,10 @@ impl Population for ClosedCurve {
         let on = self.direction.sign() * by;
         self.work += RULE.integrate(0.0, by, |a| self.ahead(a).force);
         self.position += by;
+        if self.free {
+            return Ok(());
+        }
+        assert!(self.breaks || !self.held, "the curve does not tell which contacts have not broken since");
         if self.back > 0.0 || on < 0.0 {
             self.back = (self.back - on).max(0.0);
         } else {
@@ -146,22 +161,25 @@ impl Population for ClosedCurve {
 
     fn cross(&mut self) -> Result<()> {
         self.tip = self.next();
+        self.free = self.held;
         Ok(())
     }
 
     fn reset(&mut self, direction: Direction) -> Result<()> {
         self.before = self.books().lost + self.elastic();
-        self.broken = self.books().broken + 1.0;
+        self.broken = self.books().broken + if self.free { 0.0 } else { 1.0 };
+        (self.held, self.free) = (false, false);
         (self.tip, self.back, self.work, self.direction) = (0.0, 0.0, 0.0, direction);
         Ok(())
     }
 
     fn hold(&mut self) {
-        unimplemented!("the curve does not tell which contacts have not broken since")
+        self.held = true;
     }
 
     fn release(&mut self) -> Result<()> {
-        unimplemented!("nothing is held")
+        (self.held, self.free) = (false, false);
+        Ok(())
     }
 
     fn books(&self) -> Books {
