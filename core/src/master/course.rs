@@ -6,6 +6,7 @@ use super::leg::Leg;
 use crate::Result;
 use crate::contacts::Contacts;
 use crate::life::{Layer, Life, tidied};
+use crate::numerics::breaks::{Atom, same_position};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
@@ -92,14 +93,14 @@ impl Course {
         self.force().boundaries.get(cell + 1).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Whether contacts break together at the end of a cell, where the force then falls.
+    /// Whether contacts break together at the end of a cell.
     pub(super) fn breaks_after(&self, cell: usize) -> bool {
         let end = self.cell_end(cell);
-        if end.is_infinite() {
-            return false;
+        let there = |atom: &Atom| same_position(atom.position, end);
+        match &self.motion {
+            Motion::Renewed(leg) => leg.solution.atoms.iter().any(there),
+            Motion::Held { first, .. } => first.breaking().atoms().any(|atom| there(&atom)),
         }
-        let (before, after) = (self.response(end, cell).0, self.response(end, cell + 1).0);
-        before - after > 1e-12 * self.first().mean()
     }
 
     /// Force and slope at u by the polynomials of a cell.
