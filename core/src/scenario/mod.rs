@@ -56,6 +56,22 @@ pub struct Scenario {
     pub compare: Option<Compare>,
 }
 
+impl From<Contacts> for Scenario {
+    /// These contacts, everything else by default.
+    fn from(contacts: Contacts) -> Self {
+        Self {
+            title: String::new(),
+            contacts,
+            initial: Law::zero(),
+            pull: Pull::default(),
+            master_equation: MasterEquation::default(),
+            ensemble: None,
+            units: Units::default(),
+            compare: None,
+        }
+    }
+}
+
 impl Scenario {
     /// Checks every value and builds the contacts and their start.
     ///

@@ -2,16 +2,7 @@ use super::*;
 use crate::contacts::Stiffness;
 
 fn scenario(thresholds: Law) -> Scenario {
-    Scenario {
-        title: String::new(),
-        contacts: Contacts { thresholds: Some(thresholds), ..Contacts::default() },
-        initial: Law::zero(),
-        pull: Pull::default(),
-        master_equation: MasterEquation::default(),
-        ensemble: None,
-        units: Units::default(),
-        compare: None,
-    }
+    Contacts { thresholds: Some(thresholds), ..Contacts::default() }.into()
 }
 
 /// The key and what was found there.

@@ -15,8 +15,9 @@ use asperity::{Error, Result};
 use crate::input;
 use crate::output::{LARGEST, Outcome};
 use crate::summary::{Coefficients, Comparison, Extended, StaticFriction, Summary};
-use grid::Grid;
 use part::Part;
+
+pub use grid::Grid;
 
 /// Positions evaluated between two reports to the monitor.
 const ROUND: usize = 1024;
@@ -37,7 +38,8 @@ pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Outcome> {
     let pull =
         equation.pull(scenario.pull.distance, tolerance, &mut Part::new(monitor, 0.0, 0.6 * master))?;
     let mut record = Record::default();
-    along_the_pull(scenario, &pull, &mut record, &mut Part::new(monitor, 0.6 * master, 0.4 * master))?;
+    let part = &mut Part::new(monitor, 0.6 * master, 0.4 * master);
+    along_the_pull(&pull, scenario.pull.positions(), sample(scenario), &mut record, part)?;
     let compare = compared(scenario, &pull, &mut record);
     distribution::evolving(scenario, &pull, &grid, &mut record);
     let (steady, relaxation) = (equation.steady_state(), equation.relaxation());
@@ -76,13 +78,18 @@ fn sample(scenario: &Scenario) -> Option<f64> {
     scenario.ensemble.as_ref().map(|ensemble| ensemble.size as f64).or(counted)
 }
 
-fn along_the_pull(
-    scenario: &Scenario,
+/// Adds force and breaking rate at `positions` to `record`, the scatter of the force of `sample` contacts, and the
+/// positions at which contacts break together.
+///
+/// # Errors
+/// The monitor's wish to stop.
+pub fn along_the_pull(
     pull: &Pull,
+    positions: Vec<f64>,
+    sample: Option<f64>,
     record: &mut Record,
     monitor: &mut dyn Monitor,
 ) -> Result<()> {
-    let positions = scenario.pull.positions();
     let mut evaluate = |done: f64, function: &dyn Fn(f64) -> f64| -> Result<Vec<f64>> {
         let mut values = Vec::with_capacity(positions.len());
         for round in positions.chunks(ROUND) {
@@ -93,7 +100,7 @@ fn along_the_pull(
     };
     let force = evaluate(0.0, &|x| pull.force(x))?;
     let rate = evaluate(1.0, &|x| pull.breaking_rate(x))?;
-    let std = sample(scenario).map(|size| evaluate(2.0, &|x| pull.force_std(x, size))).transpose()?;
+    let std = sample.map(|size| evaluate(2.0, &|x| pull.force_std(x, size))).transpose()?;
     let along = &["position"];
     record.push("position", "position X of the slider's bottom", Quantity::Length, along, positions);
     record.push("force", "friction force", Quantity::Force, along, force);
