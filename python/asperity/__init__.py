@@ -8,6 +8,9 @@
 Lengths, forces and densities are in whatever units the description is in: numbers are never converted.
 """
 
+from collections.abc import Mapping
+
+from asperity import exact
 from asperity._bridge import law
 from asperity._core import (
     Areas,
@@ -22,6 +25,7 @@ from asperity._core import (
     Lognormal,
     MasterEquation,
     Mixture,
+    Model,
     Point,
     Pull,
     Record,
@@ -52,6 +56,7 @@ __all__ = [
     "Lognormal",
     "MasterEquation",
     "Mixture",
+    "Model",
     "Point",
     "Pull",
     "Record",
@@ -64,7 +69,10 @@ __all__ = [
     "Tabulated",
     "Weibull",
     "__version__",
+    "exact",
     "law",
     "open_result",
     "run",
 ]
+
+Mapping.register(Record)

@@ -33,11 +33,10 @@ def brief(value: object) -> str:
 
 
 def table(caption: str, rows: Mapping[str, str]) -> str:
-    cells = "".join(
-        f'<tr><th style="text-align:left">{escape(key)}</th><td style="text-align:left">{escape(value)}</td></tr>'
-        for key, value in rows.items()
-    )
-    return f"<table><caption>{escape(caption)}</caption>{cells}</table>"
+    left = 'style="text-align:left"'
+    cells = (f"<th {left}>{escape(key)}</th><td {left}>{escape(value)}</td>" for key, value in rows.items())
+    body = "".join(f"<tr>{cell}</tr>" for cell in cells)
+    return f"<table><caption>{escape(caption)}</caption>{body}</table>"
 
 
 def record(record: "Record") -> str:
@@ -53,14 +52,22 @@ def record_html(record: "Record") -> str:
 def rows(record: "Record") -> dict[str, str]:
     """The numbers people quote, and the variables with their shapes."""
     rows = {}
-    for name in ("title", "static_friction", "kinetic_friction", "relaxation_length", "critical_stiffness", "breaks"):
+    for name in (
+        "title",
+        "static_friction",
+        "kinetic_friction",
+        "relaxation_length",
+        "critical_stiffness",
+        "breaks",
+    ):
         value = getattr(record, name, "")
         if value is None:
             rows[name] = "not reached"
         elif value != "":
             rows[name] = number(value)
     for name, label in record.labels.items():
-        shape = ", ".join(f"{dimension}: {length}" for dimension, length in zip(label.dimensions, record[name].shape))
+        sizes = zip(label.dimensions, record[name].shape, strict=True)
+        shape = ", ".join(f"{dimension}: {length}" for dimension, length in sizes)
         rows[name] = f"({shape}) {label.long_name} [{label.units}]"
     return rows
 

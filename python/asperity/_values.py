@@ -1,17 +1,18 @@
 """Small results: named tuples."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class Atoms(NamedTuple):
     """Point masses, by rising position."""
 
-    position: NDArray[np.float64]
+    position: "NDArray[np.float64]"
     """Where they are, shape (n,), a length."""
-    weight: NDArray[np.float64]
+    weight: "NDArray[np.float64]"
     """Their weights, shape (n,)."""
 
 
@@ -27,9 +28,9 @@ class StaticFriction(NamedTuple):
 class StretchDensity(NamedTuple):
     """A distribution of stretches, or several."""
 
-    stretch: NDArray[np.float64]
+    stretch: "NDArray[np.float64]"
     """Stretches x, shape (n,), a length."""
-    density: NDArray[np.float64]
+    density: "NDArray[np.float64]"
     """The density there, per length: shape (n,), or (m, n) at a list of m positions."""
     atoms: Atoms | list[Atoms]
     """Stretches at which contacts are together, and fractions of them; one for each position of a list."""

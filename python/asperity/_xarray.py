@@ -14,7 +14,8 @@ def dataset(record: "Record") -> "Dataset":
         from xarray import Dataset
     except ImportError as error:
         raise ImportError("to_xarray() needs xarray: pip install 'asperity[xarray]'") from error
-    variables, coordinates = {}, {}
+    variables: dict[str, object] = {}
+    coordinates: dict[str, object] = {}
     for name, label in record.labels.items():
         attributes = {"long_name": label.long_name, "units": label.units}
         where = coordinates if label.dimensions == (name,) else variables

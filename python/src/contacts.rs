@@ -25,6 +25,33 @@ impl Areas {
         areas.build().map_err(|e| error::core(e.under("areas")))?;
         Ok(Description::new(Plain::Areas(areas)).add_subclass(Self))
     }
+
+    /// The law of areas, in units of length².
+    #[getter]
+    fn law<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        Plain::Law(Self::plain(slf).law.clone()).object(slf.py())
+    }
+
+    /// The stiffness per root of area, force per length².
+    #[getter]
+    fn modulus(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).modulus
+    }
+
+    /// The force per area at which a contact breaks.
+    #[getter]
+    fn strength(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).strength
+    }
+}
+
+impl Areas {
+    fn plain<'a>(areas: &'a Bound<'_, Self>) -> &'a scenario::Areas {
+        match areas.as_super().get().plain() {
+            Plain::Areas(areas) => areas,
+            _ => unreachable!("areas are described as areas"),
+        }
+    }
 }
 
 /// The arguments that make areas.
@@ -69,21 +96,50 @@ impl Contacts {
             stiffness_per_threshold,
             normal_load,
             thresholds: thresholds.map(|law| law.0),
-            areas: areas.map(|areas| match areas.as_super().get().plain() {
-                Plain::Areas(areas) => areas.clone(),
-                _ => unreachable!("areas are described as areas"),
-            }),
+            areas: areas.map(|areas| Areas::plain(areas).clone()),
             reforming: reforming.map_or_else(scenario::Law::zero, |law| law.0),
         };
         contacts.build().map_err(|e| error::core(e.under("contacts")))?;
         Ok(Description::new(Plain::Contacts(contacts)).add_subclass(Self))
     }
+
+    /// The law P_c of stretches at which contacts break; None for contacts described by their areas.
+    #[getter]
+    fn thresholds<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let law = Self::plain(slf).thresholds.clone();
+        law.map(|law| Plain::Law(law).object(slf.py())).transpose()
+    }
+
+    /// The law R of stretches at which contacts re-form.
+    #[getter]
+    fn reforming<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        Plain::Law(Self::plain(slf).reforming.clone()).object(slf.py())
+    }
+
+    /// The areas from which thresholds and stiffnesses follow, if they do.
+    #[getter]
+    fn areas<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let areas = Self::plain(slf).areas.clone();
+        areas.map(|areas| Plain::Areas(areas).object(slf.py())).transpose()
+    }
+
+    /// The number N_c of contacts.
+    #[getter]
+    fn count(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).count
+    }
+
+    /// The weight carried, a force, if it is known.
+    #[getter]
+    fn normal_load(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).normal_load
+    }
 }
 
 impl Contacts {
-    pub fn plain(contacts: &Bound<'_, Self>) -> scenario::Contacts {
+    pub fn plain<'a>(contacts: &'a Bound<'_, Self>) -> &'a scenario::Contacts {
         match contacts.as_super().get().plain() {
-            Plain::Contacts(contacts) => contacts.clone(),
+            Plain::Contacts(contacts) => contacts,
             _ => unreachable!("contacts are described as contacts"),
         }
     }

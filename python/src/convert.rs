@@ -1,9 +1,11 @@
 //! Between Python's values and those of the core: numbers and arrays, seeds, words, scenarios.
 
+use asperity::scenario::{Disorder, Start};
 use asperity_runner::input;
 use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDescrMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt as _;
+use pyo3::exceptions::{PyOverflowError, PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
@@ -80,7 +82,7 @@ fn as_floats<'py>(key: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, P
     if !matches!(array.cast::<PyUntypedArray>()?.dtype().kind(), b'i' | b'u' | b'f') {
         let found = array.getattr("dtype")?;
         let text = format!("{key}: expected numbers, got {} of dtype {found}", value.get_type().name()?);
-        return Err(pyo3::exceptions::PyTypeError::new_err(text));
+        return Err(PyTypeError::new_err(text));
     }
     array.call_method1("astype", ("float64",))
 }
@@ -146,7 +148,7 @@ pub fn contacts(key: &str, number: f64) -> PyResult<f64> {
 /// An array of the given shape that owns `values` and does not let them be changed.
 pub fn array<'py>(py: Python<'py>, shape: &[usize], values: Vec<f64>) -> PyResult<Bound<'py, PyAny>> {
     let array = ArrayD::from_shape_vec(IxDyn(shape), values)
-        .map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))?
+        .map_err(|e| PyRuntimeError::new_err(e.to_string()))?
         .into_pyarray(py)
         .into_any();
     array.call_method1("setflags", (false,))?;
@@ -181,6 +183,35 @@ impl<'py> FromPyObject<'_, 'py> for Seed {
     }
 }
 
+/// A whole number, 0 or above, or the text of one that is not.
+pub struct Whole(Result<usize, String>);
+
+impl Whole {
+    pub const fn new(number: usize) -> Self {
+        Self(Ok(number))
+    }
+
+    /// The number that stands under `key`.
+    pub fn get<T: TryFrom<usize>>(self, key: &str) -> PyResult<T> {
+        let number = self.0.and_then(|number| T::try_from(number).map_err(|_| number.to_string()));
+        number.map_err(|found| invalid(key, "a whole number, 0 or above, and not too large", found))
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for Whole {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        match value.extract() {
+            Ok(number) => Ok(Self(Ok(number))),
+            Err(error) if error.is_instance_of::<PyOverflowError>(value.py()) => {
+                Ok(Self(Err(value.str()?.to_string())))
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
+
 /// How many numbers are wanted: so many, or an array of a shape.
 pub struct Size(pub Vec<usize>);
 
@@ -190,7 +221,7 @@ impl<'py> FromPyObject<'_, 'py> for Size {
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         let refused = |error: PyErr| {
             let text = value.str().map_or_else(|_| "something else".into(), |text| text.to_string());
-            let whole = error.is_instance_of::<pyo3::exceptions::PyOverflowError>(value.py());
+            let whole = error.is_instance_of::<PyOverflowError>(value.py());
             let expected = "None, a whole number, 0 or above, or a tuple of them";
             if whole { invalid("size", expected, text) } else { wrong_type("size", expected, &value) }
         };
@@ -206,11 +237,27 @@ pub fn word<T: DeserializeOwned>(key: &str, word: &str) -> PyResult<T> {
     input::word(key, word).map_err(error::core)
 }
 
+/// The word for a start.
+pub fn start(start: Start) -> &'static str {
+    match start {
+        Start::Conditional => "conditional",
+        Start::Relaxed => "relaxed",
+    }
+}
+
+/// The word for a disorder.
+pub fn disorder(disorder: Disorder) -> &'static str {
+    match disorder {
+        Disorder::Annealed => "annealed",
+        Disorder::Quenched => "quenched",
+    }
+}
+
 /// A part of a scenario, made of dictionaries, lists, numbers, texts, arrays and descriptions.
 pub fn toml(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     let child = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
     if let Ok(described) = value.cast::<Description>() {
-        return described.get().toml();
+        return described.get().toml().ok_or_else(|| wrong_type(key, "a law, areas or contacts", value));
     }
     if let Ok(table) = value.cast::<PyDict>() {
         let entry = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {

@@ -4,7 +4,7 @@
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash as _, Hasher as _};
 
-use asperity::scenario::{Areas, Contacts, Law, Scenario};
+use asperity::scenario::{self, Areas, Contacts, Law, Start};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
@@ -20,9 +20,16 @@ pub enum Plain {
     Law(Law),
     Areas(Areas),
     Contacts(Contacts),
-    /// Of a scenario without ensemble, what the master equation needs.
-    MasterEquation(Scenario),
-    Ensemble(Scenario),
+    MasterEquation(Interface, scenario::MasterEquation),
+    Ensemble(Interface, scenario::Ensemble),
+}
+
+/// Contacts and how they start.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Interface {
+    pub contacts: Contacts,
+    pub initial: Law,
+    pub start: Start,
 }
 
 impl Plain {
@@ -36,8 +43,8 @@ impl Plain {
             Self::Law(law) => law::class(law, py),
             Self::Areas(_) => py.get_type::<contacts::Areas>(),
             Self::Contacts(_) => py.get_type::<contacts::Contacts>(),
-            Self::MasterEquation(_) => py.get_type::<equation::MasterEquation>(),
-            Self::Ensemble(_) => py.get_type::<ensemble::Ensemble>(),
+            Self::MasterEquation(..) => py.get_type::<equation::MasterEquation>(),
+            Self::Ensemble(..) => py.get_type::<ensemble::Ensemble>(),
         }
     }
 
@@ -48,8 +55,8 @@ impl Plain {
             Self::Law(law) => law::arguments(law, &arguments),
             Self::Areas(areas) => contacts::areas_arguments(areas, &arguments),
             Self::Contacts(contacts) => contacts::arguments(contacts, &arguments),
-            Self::MasterEquation(scenario) => equation::arguments(scenario, &arguments),
-            Self::Ensemble(scenario) => ensemble::arguments(scenario, &arguments),
+            Self::MasterEquation(interface, own) => equation::arguments(interface, own, &arguments),
+            Self::Ensemble(interface, own) => ensemble::arguments(interface, own, &arguments),
         }?;
         Ok(arguments)
     }
@@ -70,15 +77,15 @@ impl Description {
         &self.plain
     }
 
-    /// As it stands in a scenario.
-    pub fn toml(&self) -> PyResult<Value> {
+    /// As it stands in a scenario, if it has one place there.
+    pub fn toml(&self) -> Option<Value> {
         let value = match &self.plain {
             Plain::Law(law) => Value::try_from(law),
             Plain::Areas(areas) => Value::try_from(areas),
             Plain::Contacts(contacts) => Value::try_from(contacts),
-            Plain::MasterEquation(scenario) | Plain::Ensemble(scenario) => Value::try_from(scenario),
+            Plain::MasterEquation(..) | Plain::Ensemble(..) => return None,
         };
-        value.map_err(|error| PyValueError::new_err(error.to_string()))
+        value.ok()
     }
 
     fn json(&self) -> PyResult<String> {
@@ -88,6 +95,12 @@ impl Description {
 
 #[pymethods]
 impl Description {
+    /// The arguments that make it anew, by name; those that have their default are left out.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.plain.arguments(py)
+    }
+
     /// A copy with some of the arguments replaced.
     ///
     /// Raises ValueError or TypeError as the class itself does.

@@ -1,19 +1,18 @@
 //! The ensemble: contacts drawn at random and followed one by one.
 
-use asperity::contacts::{self, Initial};
 use asperity::ensemble::{self, Snapshots};
 use asperity::record::{self, Quantity};
-use asperity::scenario::{self, Scenario, Units};
+use asperity::scenario::{self, Units};
 use asperity_runner::task::Grid;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
-use crate::convert::{self, Seed};
-use crate::description::{Description, Plain};
-use crate::equation::{scenario, start_arguments};
+use crate::convert::{self, Seed, Whole};
+use crate::description::{Interface, Plain};
 use crate::error;
 use crate::law::{AnyLaw, given};
+use crate::model::{Model, interface, interface_arguments};
 use crate::record::Record;
 use crate::watch::watched;
 
@@ -25,34 +24,57 @@ use crate::watch::watched;
 /// re-forms gets a new threshold, as the master equation has it; "quenched" where it keeps its own.
 ///
 /// Raises ValueError for laws that leave a contact nowhere to be.
-#[pyclass(frozen, extends = Description, module = "asperity")]
+#[pyclass(frozen, extends = Model, module = "asperity")]
 pub struct Ensemble {
     ensemble: ensemble::Ensemble,
-    contacts: contacts::Contacts,
-    initial: Initial,
 }
 
 #[pymethods]
 impl Ensemble {
     #[new]
-    #[pyo3(signature = (
-        contacts, initial = None, *, size = 100_000, seed = Seed(1), disorder = "annealed", start = "conditional"
-    ))]
+    #[pyo3(
+        signature = (
+            contacts, initial = None, *, size = Whole::new(100_000), seed = Seed(1), disorder = "annealed",
+            start = "conditional"
+        ),
+        text_signature = "(contacts, initial=None, *, size=100000, seed=1, disorder='annealed', start='conditional')"
+    )]
     fn new(
         contacts: &Bound<'_, Contacts>,
         initial: Option<AnyLaw>,
-        size: usize,
+        size: Whole,
         seed: Seed,
         disorder: &str,
         start: &str,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let mut scenario = scenario(contacts, initial, start)?;
-        let disorder = convert::word("disorder", disorder)?;
-        let described = scenario::Ensemble { size, seed: seed.0, disorder };
-        scenario.ensemble = Some(described.clone());
-        let (contacts, initial) = scenario.build().map_err(error::core)?;
-        let ensemble = described.build(contacts.clone(), initial.clone()).map_err(error::core)?;
-        Ok(Description::new(Plain::Ensemble(scenario)).add_subclass(Self { ensemble, contacts, initial }))
+        let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
+        let (size, disorder) = (size.get("size")?, convert::word("disorder", disorder)?);
+        let own = scenario::Ensemble { size, seed: seed.0, disorder };
+        let build = || {
+            let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
+            own.build(contacts, initial)
+        };
+        let ensemble = build().map_err(error::core)?;
+        let plain = Plain::Ensemble(Interface { contacts, initial, start }, own);
+        Ok(Model::new(plain).add_subclass(Self { ensemble }))
+    }
+
+    /// The number of contacts followed.
+    #[getter]
+    fn size(slf: &Bound<'_, Self>) -> usize {
+        Self::plain(slf).size
+    }
+
+    /// The seed of the random numbers.
+    #[getter]
+    fn seed(slf: &Bound<'_, Self>) -> u64 {
+        Self::plain(slf).seed
+    }
+
+    /// "annealed" or "quenched".
+    #[getter]
+    fn disorder(slf: &Bound<'_, Self>) -> &'static str {
+        convert::disorder(Self::plain(slf).disorder)
     }
 
     /// Pulls the slider's bottom from X = 0 to distance, from break to break.
@@ -62,27 +84,36 @@ impl Ensemble {
     /// where hardly any contact holds. Ctrl-C stops it.
     ///
     /// Raises ValueError for values that make no sense, MemoryError for results that do not fit.
-    #[pyo3(signature = (distance = 20.0, points = 2001, *, snapshots = None, edges = None, progress = None))]
+    #[pyo3(
+        signature = (
+            distance = 20.0, points = Whole::new(2001), *, snapshots = None, edges = None, progress = None
+        ),
+        text_signature = "($self, distance=20.0, points=2001, *, snapshots=None, edges=None, progress=None)"
+    )]
     fn pull(
         slf: Bound<'_, Self>,
         distance: f64,
-        points: usize,
+        points: Whole,
         snapshots: Option<&Bound<'_, PyAny>>,
         edges: Option<&Bound<'_, PyAny>>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<EnsemblePull>> {
         let py = slf.py();
-        let mut scenario = Self::plain(&slf).clone();
-        (scenario.pull.distance, scenario.pull.points) = (distance, points);
-        scenario.pull.snapshots = snapshots.map_or(Ok(Vec::new()), |at| convert::list("snapshots", at))?;
-        scenario.pull.check().map_err(|e| error::core(e.under("pull")))?;
-        let Self { ensemble, contacts, initial } = slf.get();
+        let snapshots = snapshots.map_or(Ok(Vec::new()), |at| convert::list("snapshots", at))?;
+        let asked = scenario::Pull {
+            distance,
+            points: points.get("points")?,
+            snapshots,
+            ..scenario::Pull::default()
+        };
+        asked.check().map_err(|e| error::core(e.under("pull")))?;
+        let Self { ensemble } = slf.get();
         let edges = match edges {
             Some(edges) => convert::list("edges", edges)?,
-            None => Grid::new(contacts, initial, &[]).edges(&scenario),
+            None => Grid::new(ensemble.contacts(), ensemble.initial(), &[]).edges(ensemble.size()),
         };
-        let snapshots = Snapshots { positions: scenario.pull.snapshots.clone(), edges };
-        let positions = scenario.pull.positions();
+        let positions = asked.positions();
+        let snapshots = Snapshots { positions: asked.snapshots, edges };
         let pull = watched(progress, py, |monitor| ensemble.pull(&positions, &snapshots, monitor))?;
         let breaks = pull.breaks;
         let record = Record::new(py, columns(positions, snapshots, pull), Units::default())?;
@@ -91,21 +122,21 @@ impl Ensemble {
 }
 
 impl Ensemble {
-    fn plain<'a>(ensemble: &'a Bound<'_, Self>) -> &'a Scenario {
-        match ensemble.as_super().get().plain() {
-            Plain::Ensemble(scenario) => scenario,
+    fn plain<'a>(ensemble: &'a Bound<'_, Self>) -> &'a scenario::Ensemble {
+        match ensemble.as_super().as_super().get().plain() {
+            Plain::Ensemble(_, own) => own,
             _ => unreachable!("an ensemble is described as an ensemble"),
         }
     }
 }
 
 /// The arguments that make an ensemble.
-pub fn arguments(scenario: &Scenario, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    start_arguments(scenario, into)?;
-    let Some(scenario::Ensemble { size, seed, disorder }) = scenario.ensemble else { return Ok(()) };
-    into.set_item("size", size)?;
-    into.set_item("seed", seed)?;
-    given(into, "disorder", (disorder == scenario::Disorder::Quenched).then_some("quenched"))
+pub fn arguments(interface: &Interface, own: &scenario::Ensemble, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    interface_arguments(interface, into)?;
+    into.set_item("size", own.size)?;
+    into.set_item("seed", own.seed)?;
+    let disorder = (own.disorder != scenario::Disorder::default()).then(|| convert::disorder(own.disorder));
+    given(into, "disorder", disorder)
 }
 
 /// What a pull of the ensemble found, as columns; no stretches where no snapshots were asked for.

@@ -2,36 +2,19 @@
 
 use asperity::contacts::Initial;
 use asperity::master;
-use asperity::scenario::{self, Scenario};
+use asperity::scenario;
 use asperity_runner::task::Grid;
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
-use crate::convert::{self, Domain, evaluate};
-use crate::description::{Description, Plain};
+use crate::convert::{self, Domain, Whole, evaluate};
+use crate::description::{Interface, Plain};
 use crate::law::{AnyLaw, given};
+use crate::model::{Model, interface, interface_arguments};
 use crate::pull::Pull;
 use crate::{error, values};
-
-/// A scenario of contacts and their start, everything else by default.
-pub fn scenario(contacts: &Bound<'_, Contacts>, initial: Option<AnyLaw>, start: &str) -> PyResult<Scenario> {
-    let mut scenario = Scenario::from(Contacts::plain(contacts));
-    scenario.initial = initial.map_or_else(scenario::Law::zero, |law| law.0);
-    scenario.pull.start = convert::word("start", start)?;
-    Ok(scenario)
-}
-
-/// The arguments for [`scenario`].
-pub fn start_arguments(scenario: &Scenario, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    let py = into.py();
-    into.set_item("contacts", Plain::Contacts(scenario.contacts.clone()).object(py)?)?;
-    if scenario.initial != scenario::Law::zero() {
-        into.set_item("initial", Plain::Law(scenario.initial.clone()).object(py)?)?;
-    }
-    given(into, "start", (scenario.pull.start == scenario::Start::Relaxed).then_some("relaxed"))
-}
 
 /// The master equation of contacts and their start.
 ///
@@ -45,7 +28,7 @@ pub fn start_arguments(scenario: &Scenario, into: &Bound<'_, PyDict>) -> PyResul
 /// tolerance: error allowed in the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2.
 ///
 /// Raises ValueError for stretches at which no contact survives, and for laws too narrow to be told from a point.
-#[pyclass(frozen, extends = Description, module = "asperity")]
+#[pyclass(frozen, extends = Model, module = "asperity")]
 pub struct MasterEquation {
     pub equation: master::MasterEquation,
     pub initial: Initial,
@@ -62,14 +45,22 @@ impl MasterEquation {
         start: &str,
         tolerance: f64,
     ) -> PyResult<PyClassInitializer<Self>> {
-        let mut scenario = scenario(contacts, initial, start)?;
-        scenario.master_equation.tolerance = tolerance;
+        let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
+        let own = scenario::MasterEquation { tolerance };
         let build = || {
-            let (contacts, initial) = scenario.build()?;
+            own.check().map_err(|e| e.under("master_equation"))?;
+            let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
             Ok(Self { equation: master::MasterEquation::new(contacts, &initial)?, initial })
         };
         let equation = py.detach(build).map_err(error::core)?;
-        Ok(Description::new(Plain::MasterEquation(scenario)).add_subclass(equation))
+        let plain = Plain::MasterEquation(Interface { contacts, initial, start }, own);
+        Ok(Model::new(plain).add_subclass(equation))
+    }
+
+    /// Error allowed in the force per contact and per ⟨k⟩ × mean threshold.
+    #[getter]
+    fn tolerance(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).tolerance
     }
 
     /// Pulls the slider's bottom from X = 0 to distance.
@@ -80,14 +71,17 @@ impl MasterEquation {
     ///
     /// Raises ValueError for values that make no sense or too many point masses, RuntimeError where the tolerance is
     /// not reached.
-    #[pyo3(signature = (distance = 20.0, points = 2001, *, progress = None))]
+    #[pyo3(
+        signature = (distance = 20.0, points = Whole::new(2001), *, progress = None),
+        text_signature = "($self, distance=20.0, points=2001, *, progress=None)"
+    )]
     fn pull(
         slf: Bound<'_, Self>,
         distance: f64,
-        points: usize,
+        points: Whole,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Pull>> {
-        Pull::object(slf, distance, points, progress)
+        Pull::object(slf, distance, points.get("points")?, progress)
     }
 
     /// Steady sliding.
@@ -102,9 +96,9 @@ impl MasterEquation {
 }
 
 impl MasterEquation {
-    pub fn plain<'a>(equation: &'a Bound<'_, Self>) -> &'a Scenario {
-        match equation.as_super().get().plain() {
-            Plain::MasterEquation(scenario) => scenario,
+    pub fn plain<'a>(equation: &'a Bound<'_, Self>) -> &'a scenario::MasterEquation {
+        match equation.as_super().as_super().get().plain() {
+            Plain::MasterEquation(_, own) => own,
             _ => unreachable!("an equation is described as an equation"),
         }
     }
@@ -120,11 +114,13 @@ impl MasterEquation {
 }
 
 /// The arguments that make a master equation.
-pub fn arguments(scenario: &Scenario, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    start_arguments(scenario, into)?;
-    let tolerance = scenario.master_equation.tolerance;
-    let default = scenario::MasterEquation::default().tolerance;
-    given(into, "tolerance", Some(tolerance).filter(|&tolerance| tolerance != default))
+pub fn arguments(
+    interface: &Interface,
+    own: &scenario::MasterEquation,
+    into: &Bound<'_, PyDict>,
+) -> PyResult<()> {
+    interface_arguments(interface, into)?;
+    given(into, "tolerance", (*own != scenario::MasterEquation::default()).then_some(own.tolerance))
 }
 
 /// Steady sliding: the solution of the master equation that does not depend on X.

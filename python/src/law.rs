@@ -10,7 +10,7 @@ use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 
-use crate::convert::{self, Domain, Import, Seed, Size, evaluate};
+use crate::convert::{self, Domain, Import, Seed, Size, Whole, evaluate};
 use crate::description::{Description, Plain};
 use crate::{error, values};
 
@@ -33,16 +33,6 @@ fn describe(law: scenario::Law) -> PyResult<PyClassInitializer<Law>> {
 
 #[pymethods]
 impl Law {
-    /// The parameters by name, as the law was given them; empty for tables and mixtures.
-    #[getter]
-    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let parameters = PyDict::new(py);
-        for parameter in self.built.parameters() {
-            parameters.set_item(parameter.name, parameter.value)?;
-        }
-        Ok(parameters)
-    }
-
     /// The point masses: positions and weights, each an array of shape (n,).
     #[getter]
     fn atoms<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -116,7 +106,8 @@ impl Law {
     }
 
     /// The raw moment E[ξⁿ] of the law after the cut at 0, n up to 29, in units of lengthⁿ.
-    fn moment(&self, order: u32) -> PyResult<f64> {
+    fn moment(&self, order: Whole) -> PyResult<f64> {
+        let order = order.get("order")?;
         if order > 29 {
             return Err(error::invalid("order", "a whole number from 0 to 29", order));
         }
@@ -143,6 +134,11 @@ impl<'py> FromPyObject<'_, 'py> for AnyLaw {
         let made = MADE.get(value.py())?.call1((value,))?;
         Ok(Self(plain(made.cast::<Law>()?)))
     }
+}
+
+/// The law itself.
+pub fn built(law: AnyLaw) -> PyResult<SharedLaw> {
+    law.0.build().map_err(error::core)
 }
 
 fn plain(law: &Bound<'_, Law>) -> scenario::Law {

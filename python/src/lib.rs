@@ -8,7 +8,9 @@ mod description;
 mod ensemble;
 mod equation;
 mod error;
+mod exact;
 mod law;
+mod model;
 mod pull;
 mod record;
 mod result;
@@ -18,6 +20,10 @@ mod watch;
 /// The compiled part of asperity.
 #[pyo3::pymodule]
 mod _core {
+    use pyo3::prelude::*;
+
+    use crate::exact;
+
     #[pymodule_export]
     use crate::contacts::{Areas, Contacts};
     #[pymodule_export]
@@ -27,9 +33,15 @@ mod _core {
     #[pymodule_export]
     use crate::equation::{MasterEquation, Relaxation, SteadyState};
     #[pymodule_export]
+    use crate::exact::{
+        kinetic_friction, kinetic_friction_per_threshold, steady_variance, steady_variance_per_threshold,
+    };
+    #[pymodule_export]
     use crate::law::{
         Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Tabulated, Weibull,
     };
+    #[pymodule_export]
+    use crate::model::Model;
     #[pymodule_export]
     use crate::pull::Pull;
     #[pymodule_export]
@@ -40,4 +52,16 @@ mod _core {
     #[pymodule_export]
     #[expect(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    /// Closed forms have the names of laws, in a module of their own.
+    #[pymodule_init]
+    fn add_closed_forms(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let py = module.py();
+        module.add("ClosedForm", py.get_type::<exact::ClosedForm>())?;
+        module.add("ExactGaussian", py.get_type::<exact::Gaussian>())?;
+        module.add("ExactRectangular", py.get_type::<exact::Rectangular>())?;
+        module.add("ExactErlang", py.get_type::<exact::Erlang>())?;
+        module.add("ExactIdentical", py.get_type::<exact::Identical>())?;
+        module.add("ExactQuenched", py.get_type::<exact::Quenched>())
+    }
 }

@@ -2,7 +2,7 @@
 
 use asperity::master;
 use asperity::record;
-use asperity::scenario::Units;
+use asperity::scenario::{self, Units};
 use asperity_runner::task;
 use pyo3::prelude::*;
 
@@ -30,10 +30,9 @@ impl Pull {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Self>> {
         let py = equation.py();
-        let mut asked = MasterEquation::plain(&equation).pull.clone();
-        (asked.distance, asked.points) = (distance, points);
+        let asked = scenario::Pull { distance, points, ..scenario::Pull::default() };
         asked.check().map_err(|e| error::core(e.under("pull")))?;
-        let tolerance = MasterEquation::plain(&equation).master_equation.tolerance;
+        let tolerance = MasterEquation::plain(&equation).tolerance;
         let solver = &equation.get().equation;
         let (pull, record) = watched(progress, py, |monitor| {
             let pull = solver.pull(distance, tolerance, monitor)?;

@@ -104,15 +104,15 @@ impl Record {
         self.names().zip(self.values(py)).collect()
     }
 
-    /// The array called name, or default.
-    #[pyo3(signature = (name, default = None))]
+    /// The array called key, or default.
+    #[pyo3(signature = (key, default = None, /))]
     fn get<'py>(
         &self,
         py: Python<'py>,
-        name: &str,
+        key: &str,
         default: Option<Bound<'py, PyAny>>,
     ) -> Option<Bound<'py, PyAny>> {
-        self.__getitem__(py, name).ok().or(default)
+        self.__getitem__(py, key).ok().or(default)
     }
 
     /// Positions X of the slider's bottom: an array of shape (points,), a length.

@@ -140,7 +140,10 @@ impl Text {
         let path: PathBuf =
             scenario.extract().map_err(|_| error::wrong_type("scenario", expected, scenario))?;
         let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-        Ok(Self { text: std::fs::read_to_string(&path)?, name: path.display().to_string(), folder })
+        let unread =
+            |source| error::files(output::Error::System { path: path.clone(), action: "read", source });
+        let text = std::fs::read_to_string(&path).map_err(unread)?;
+        Ok(Self { text, name: path.display().to_string(), folder })
     }
 }
 

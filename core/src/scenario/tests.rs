@@ -2,7 +2,16 @@ use super::*;
 use crate::contacts::Stiffness;
 
 fn scenario(thresholds: Law) -> Scenario {
-    Contacts { thresholds: Some(thresholds), ..Contacts::default() }.into()
+    Scenario {
+        title: String::new(),
+        contacts: Contacts { thresholds: Some(thresholds), ..Contacts::default() },
+        initial: Law::zero(),
+        pull: Pull::default(),
+        master_equation: MasterEquation::default(),
+        ensemble: None,
+        units: Units::default(),
+        compare: None,
+    }
 }
 
 /// The key and what was found there.

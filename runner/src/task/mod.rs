@@ -62,8 +62,8 @@ pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Outcome> {
 fn fits(scenario: &Scenario, grid: &Grid) -> Result<()> {
     let pull = &scenario.pull;
     let densities = (pull.snapshots.len() + 3) * grid.stretches.len();
-    let histograms =
-        if scenario.ensemble.is_some() { (pull.snapshots.len() + 1) * grid.bins(scenario) } else { 0 };
+    let bins = scenario.ensemble.as_ref().map_or(0, |ensemble| grid.bins(ensemble.size));
+    let histograms = (pull.snapshots.len() + 1) * bins;
     let needed = ((pull.points * COLUMNS + densities + histograms) * size_of::<f64>()) as u64;
     if needed <= LARGEST {
         return Ok(());
