@@ -8,6 +8,8 @@ SHELL := bash
 
 export PYTHON ?= python3
 venv := .venv
+target := $(or $(CARGO_TARGET_DIR),target)
+site := $(target)/docs
 
 # Everything that must hold.
 test: setup rust results python lint docs
@@ -82,9 +84,16 @@ lint:
 	cargo fmt --all --check
 	cargo clippy --release --workspace --all-targets --locked -- -D warnings
 
-# The documentation of the crates.
-docs:
+# The site, documentation of the crates included, into target/docs; then what its pages show in Python is run.
+docs: $(venv)-docs/ready
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps --locked
+	$(venv)-docs/bin/sphinx-build -W --keep-going -n -q docs $(site)
+	rm -rf $(site)/rust
+	cp -r $(target)/doc $(site)/rust
+	$(venv)-docs/bin/python -m pytest -q -p no:cacheprovider docs
+
+$(venv)-docs/ready: docs/requirements.txt
+	$(environment)
 
 # The pictures of the README. Tests compare them with what is drawn.
 figures: $(venv)/installed
