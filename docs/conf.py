@@ -17,8 +17,18 @@ package = tomllib.loads((root / "Cargo.toml").read_text(encoding="utf-8"))["work
 project = "asperity"
 author = package["authors"][0]
 version = release = package["version"]
-extensions = ["myst_nb", "sphinx.ext.mathjax", "sphinxcontrib.bibtex"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinxcontrib.bibtex"]
 nitpicky = True
+default_role = "code"
+
+autodoc_default_options = {"members": True, "show-inheritance": True}
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+toc_object_entries_show_parents = "hide"
+
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
@@ -57,6 +67,17 @@ def cited(link: re.Match, keys: dict[str, str]) -> str:
     return f"{link[0]} {{cite:p}}`{keys[link[1]]}`" if link[1] in keys else link[0]
 
 
+def with_list(_, __, ___, documented, ____, lines):
+    """Makes the parameters that a docstring describes, `name: what it is.`, items of a list."""
+    names = re.findall(r"\w+", getattr(documented, "__text_signature__", None) or "")
+    item = rf"(?:^|(?<=\. ))((?:{'|'.join(names)})(?:, \w+)*): " if names else r"$^"
+    paragraphs = "\n".join(lines).split("\n\n")
+    described = [re.match(item, paragraph) for paragraph in paragraphs]
+    for index in [index for index, found in enumerate(described) if found]:
+        paragraphs[index] = re.sub(item, r"\n* **\1**: ", " ".join(paragraphs[index].split())).strip()
+    lines[:] = "\n\n".join(paragraphs).splitlines()
+
+
 def setup(app):
     keys = works()
 
@@ -64,3 +85,4 @@ def setup(app):
         source[0] = as_site(source[0], keys)
 
     app.connect("source-read", read)
+    app.connect("autodoc-process-docstring", with_list)

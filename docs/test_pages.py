@@ -11,6 +11,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import asperity
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -71,4 +72,10 @@ def converse(text: str, names: dict[str, object], page: Path, line: int) -> None
 
 
 def test_there_are_pages_in_python() -> None:
-    assert len(PAGES) >= 2
+    assert len(PAGES) >= 7
+
+
+def test_every_name_of_the_package_is_documented() -> None:
+    page = (ROOT / "docs" / "api" / "python.md").read_text(encoding="utf-8")
+    shown = re.findall(r":: asperity\.(\w+)$", page, re.MULTILINE)
+    assert sorted(shown) == sorted(set(asperity.__all__) - {"__version__"})
