@@ -4,13 +4,15 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results lint docs figures bench validation
+.PHONY: setup test rust results python lint docs figures stubs wheel bench validation
 
 export PYTHON ?= python3
 venv := .venv
+target := $(or $(CARGO_TARGET_DIR),target)
+site := $(target)/docs
 
 # Everything that must hold.
-test: setup rust results lint docs
+test: setup rust results python lint docs
 
 # Checks that the tools are there, and makes the Python environment that reads results.
 setup:
@@ -24,12 +26,15 @@ define environment
 	touch $@
 endef
 
-$(venv)/ready: runner/tests/requirements.txt
+$(venv)/ready: python/requirements.txt
 	$(environment)
 
-# The tests of all crates, those of the documents among them.
+$(venv)-oldest/ready: python/requirements-oldest.txt
+	$(environment)
+
+# The tests of all crates, those of the documents among them; the crate of the package is tested from Python.
 rust:
-	cargo test --release --workspace --locked
+	cargo test --release --locked
 
 # Results as users open them: every shipped scenario is run and read back with xarray.
 results: $(venv)/ready
@@ -39,20 +44,65 @@ results: $(venv)/ready
 	done; \
 	$(venv)/bin/python runner/tests/open_with_xarray.py "$$folder"/*
 
+# The Python package as users get it: a wheel where NumPy is the newest, the source distribution where it is the oldest.
+python: $(venv)/installed $(venv)-oldest/installed
+	$(venv)/bin/python -P -m pytest
+	$(venv)-oldest/bin/python -P -m pytest
+	$(venv)/bin/mypy python
+	$(venv)/bin/python -P -m mypy.stubtest asperity --allowlist python/tests/stubtest.txt
+	$(venv)/bin/ruff format --check python
+	$(venv)/bin/ruff check python
+
+sources := $(shell git ls-files 'core/src' 'runner/src' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml)
+
+$(venv)/installed: $(venv)/ready $(sources)
+	rm -rf target/wheels
+	$(venv)/bin/maturin build --release --locked --quiet --out target/wheels
+	$(venv)/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
+	touch $@
+
+$(venv)-oldest/installed: $(venv)-oldest/ready $(venv)/ready $(sources)
+	rm -rf target/sdist
+	$(venv)/bin/maturin sdist --out target/sdist
+	tar --extract --touch --file target/sdist/*.tar.gz --directory target/sdist
+	CARGO_TARGET_DIR=$(CURDIR)/target $(venv)-oldest/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/sdist/*/
+	touch $@
+
+# The documentation that Python shows, copied into the stubs. A test compares them.
+stubs: $(venv)/installed
+	$(venv)/bin/python -P python/tests/stubs.py
+
+# A wheel for any Linux since 2014.
+wheel: $(venv)-wheel/ready
+	$(venv)-wheel/bin/maturin build --release --locked --zig --compatibility manylinux2014 --out target/manylinux
+
+$(venv)-wheel/ready: python/requirements-wheel.txt
+	$(environment)
+
 # How the code is laid out, and what clippy has to say.
 lint:
 	cargo fmt --all --check
 	cargo clippy --release --workspace --all-targets --locked -- -D warnings
 
-# The documentation of the crates.
-docs:
+# The site, documentation of the crates included, into target/docs; then what its pages show in Python is run.
+docs: $(venv)-docs/ready
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps --locked
+	$(venv)-docs/bin/sphinx-build -W --keep-going -n -q docs $(site)
+	rm -rf $(site)/rust
+	cp -r $(target)/doc $(site)/rust
+	$(venv)-docs/bin/python -m pytest -q -p no:cacheprovider docs
 
-# The pictures of the README. A test compares them with what the program draws.
-figures:
+$(venv)-docs/ready: docs/requirements.txt
+	$(environment)
+
+# The pictures of the README. Tests compare them with what is drawn.
+figures: $(venv)/installed
 	folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	cargo run --release --locked --quiet -- run scenarios/fig2.toml --quiet -o "$$folder/fig2"; \
-	for name in force evolution; do cp "$$folder/fig2/$$name.svg" "docs/figures/fig2-$$name.svg"; done
+	for name in force evolution; do cp "$$folder/fig2/$$name.svg" "docs/figures/fig2-$$name.svg"; done; \
+	package=$(CURDIR)/$(venv)/bin/python; documents=$(CURDIR)/python/tests/documents.py; \
+	(cd "$$folder" && SOURCE_DATE_EPOCH=0 $$package -P "$$documents"); \
+	cp "$$folder/fig2.svg" docs/figures/fig2-python.svg
 
 # How fast it is, beside what one would write in Python.
 bench: $(venv)-peers/ready

@@ -2,8 +2,9 @@
 //!
 //! Code blocks have a language. `toml` is a scenario that makes sense; one that begins with `# NAME` is kept under that
 //! name for the commands after it. `console` is commands (`$ …`) and what they print, to the letter; with `fails` behind
-//! it, of the errors too, and the exit code is not 0. `sh` is a command whose `make` target exists. `text` is not run, and
-//! `rust` is run with the documentation of the core.
+//! it, of the errors too, and the exit code is not 0. `sh` is a command whose `make` target exists. `rust` is run with the
+//! documentation of the core, `python` with its `output` and `pycon` by the tests of the Python package and of the site.
+//! `text` and `math` are not run; what begins with a brace is for the site, and `make docs` sees to it.
 
 mod support;
 
@@ -90,7 +91,8 @@ fn blocks_do_what_they_show() {
                 "console fails" => prints(&folder, &place, &text, false),
                 "sh" => text.lines().for_each(|line| is_a_target(&place, line)),
                 "rust" => assert!(document("core/src/lib.rs").contains(&path), "{place}: not run"),
-                "text" => {}
+                "python" | "output" | "pycon" | "text" | "math" => {}
+                directive if directive.starts_with('{') => {}
                 other => panic!("{place}: what kind of block is {other:?}?"),
             }
             *ran.entry(language).or_insert(0) += 1;

@@ -40,7 +40,7 @@ pub fn section(mut page: Page, quick: bool) -> Page {
         "
 ## Error against cost
 
-The paper's Fig. 2: P_c = G(1, 0.05), Q_ini = G(0.1, 0.025), R = δ. Errors are against a closed form: contacts that
+The paper's Fig. 2: $P_c$ = G(1, 0.05), $Q_\\mathrm{ini}$ = G(0.1, 0.025), R = δ. Errors are against a closed form: contacts that
 all start at stretch y have F in closed form, and F of the figure is its mean over y ≥ 0. The stepping of Eq. (2),
 Q(x; X + ΔX) = Q(x − ΔX; X) − ΔQ₋ + ΔQ₊, is read in four ways:
 
@@ -198,7 +198,7 @@ fn picture(results: &[Vec<(f64, Measured)>]) -> Scene {
 fn unstable(page: &mut Page, exact: &[f64]) {
     page.text(
         "
-The literal reading of Eq. (2) is unstable: in the tail of P_c, where P ΔX > 1, more breaks than is there, and Q
+The literal reading of Eq. (2) is unstable: in the tail of $P_c$, where P ΔX > 1, more breaks than is there, and Q
 turns negative and grows. Every grid fails within the second cycle, the finest first: it resolves more of the tail.
 Only with the breaking limited to what is there, as in the shifted reading, does Eq. (2) become a method.
 ",
@@ -250,9 +250,9 @@ fn truncation(page: &mut Page, exact: &[f64]) {
     let largest = differences.fold(0.0, f64::max);
     page.text(&format!(
         "
-A Gaussian Q_ini has Φ(−4) = 3.2e-5 of its mass below 0, which no contact can have. The program leaves it out, as it must; the
+A Gaussian $Q_\\mathrm{{ini}}$ has Φ(−4) = 3.2e-5 of its mass below 0, which no contact can have. The program leaves it out, as it must; the
 closed form of `exact::Gaussian`, which keeps it, differs from the truth of this figure by up to {}. That is the mass
-below 0 at work, not an error of either; where Q_ini = δ they agree to rounding (below).
+below 0 at work, not an error of either; where $Q_\\mathrm{{ini}}$ = δ they agree to rounding (below).
 ",
         small(largest)
     ));

@@ -72,7 +72,7 @@ pub fn section(mut page: Page) -> Page {
 ## Relaxation length
 
 How far the slider moves until the memory of its start has faded by e: X* = −1/Re s₁, s₁ the slowest root of
-P̂_c(s) = 1, against the width of the law of thresholds. The paper estimates x̄²/σ; narrow laws obey x̄³/(2π²σ²).
+$\\hat P_c(s)$ = 1, against the width of the law of thresholds. The paper estimates x̄²/σ; narrow laws obey x̄³/(2π²σ²).
 ",
     );
     let names: Vec<String> = FAMILIES.iter().map(|family| format!("{}, X*/x̄", family.0)).collect();

@@ -186,8 +186,8 @@ impl Walk<'_> {
     /// A step on a smooth way, cut where the way or the motion ends.
     fn curved(&mut self, swing: &mut Swing) -> Result<Ending> {
         let end = self.look.way.length;
-        let begin = (self.look.excess(swing.drive, swing.place) - swing.body.damping * swing.speed)
-            / swing.body.mass;
+        let begin =
+            (self.look.excess(swing.drive, swing.place) - swing.body.damping * swing.speed) / swing.body.mass;
         let mut time = (1.2 * uniform(swing.speed, begin, end - swing.place)).min(4.0 * swing.step);
         for _ in 0..MOST_HALVINGS {
             let Some(step) = self.collocated(swing, time) else {

@@ -1,9 +1,9 @@
 //! Looking ahead on the way of a population: where a balance is lost, where it is found again.
 
+use crate::Result;
 use crate::numerics::legendre::{NODES, RULE};
 use crate::numerics::roots::{brent_minimum, brent_root};
 use crate::population::{Direction, Population, Response, Way};
-use crate::Result;
 
 use super::Loading;
 

@@ -157,7 +157,8 @@ impl Walk<'_> {
                 return Ok(Slid::Away);
             }
             self.open.work += loading.work_at_rest(drive, sign * a);
-            self.open.slip += sign * self.look.integral(a, |x, response| loading.excess(drive, x, response.force));
+            self.open.slip +=
+                sign * self.look.integral(a, |x, response| loading.excess(drive, x, response.force));
             let breaks = self.look.way.breaks;
             self.look.advance(a)?;
             if found {

@@ -59,7 +59,11 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    pub fn new(block: &Block, population: &'a mut dyn Population, monitor: &'a mut dyn Monitor) -> Result<Self> {
+    pub fn new(
+        block: &Block,
+        population: &'a mut dyn Population,
+        monitor: &'a mut dyn Monitor,
+    ) -> Result<Self> {
         let books = population.books();
         let look = Look::new(population, block.loading, Direction::Forward)?;
         let drive = look.drive_here();

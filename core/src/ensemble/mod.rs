@@ -64,6 +64,21 @@ impl Ensemble {
         }
         Ok(Self { contacts, initial, size, seed, disorder })
     }
+
+    /// Number of contacts drawn.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// The contacts, as described.
+    pub fn contacts(&self) -> &Contacts {
+        &self.contacts
+    }
+
+    /// How they start.
+    pub fn initial(&self) -> &Initial {
+        &self.initial
+    }
 }
 
 /// Whether a contact of any threshold can re-form below it.

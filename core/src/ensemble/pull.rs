@@ -1,6 +1,7 @@
 //! The pull of an ensemble by a rigid slider, in parallel and yet the same bits on any number of threads.
 
 use std::ops::Range;
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
@@ -13,6 +14,12 @@ use crate::{Error, Result};
 
 /// Most chunks of contacts between two reports to the monitor.
 const ROUND: usize = 64;
+
+/// Time between two reports to the monitor, if a chunk takes no longer.
+const PERIOD: Duration = Duration::from_millis(50);
+
+/// Breaks that take less than that, whatever the law.
+const QUICK: usize = 2_000_000;
 
 /// Bytes that a round of chunks may take, if it is more than one chunk.
 const ROUND_BYTES: usize = 512 << 20;
@@ -97,9 +104,10 @@ impl Ensemble {
         let plan = self.plan::<C>(positions, snapshots)?;
         let sweep = Sweep { ensemble: self, grid: Grid::new(positions), positions, snapshots };
         let mut total = sweep.nothing::<C>();
-        let mut done = 0;
+        let (mut done, mut round) = (0, plan.first());
         while done < self.size {
-            let end = self.size.min(done.saturating_add(plan.chunk * plan.round));
+            let begun = Instant::now();
+            let end = self.size.min(done.saturating_add(plan.chunk * round));
             let starts: Vec<usize> = (done..end).step_by(plan.chunk).collect();
             let chunk = |&start: &usize| sweep.chunk::<C>(start..end.min(start + plan.chunk), plan.expected);
             // Summed in the order of contacts, whichever thread was first.
@@ -107,6 +115,7 @@ impl Ensemble {
             chunks.iter().for_each(|chunk| total.merge(chunk));
             done = end;
             report(monitor, done as f64 / self.size as f64)?;
+            round = plan.next(round, begun.elapsed());
         }
         let scale = stiffness * self.contacts.count;
         let (mut force, mut error) = forces(&total.cells, positions, self.size);
@@ -143,10 +152,31 @@ impl Ensemble {
 struct Plan {
     /// Contacts in a chunk.
     chunk: usize,
-    /// Chunks in a round.
+    /// Most chunks in a round.
     round: usize,
     /// Draws that a contact is expected to need.
     expected: usize,
+}
+
+impl Plan {
+    /// Chunks of the first round.
+    fn first(&self) -> usize {
+        self.possible(QUICK / (self.chunk * self.expected.max(1)))
+    }
+
+    /// Chunks of the next round, after one of `round` chunks that took `elapsed`; no result depends on it.
+    fn next(&self, round: usize, elapsed: Duration) -> usize {
+        match elapsed {
+            short if short < PERIOD / 2 => self.possible(2 * round),
+            long if long > PERIOD => self.possible(round / 2),
+            _ => round,
+        }
+    }
+
+    /// At least one chunk for each thread.
+    fn possible(&self, round: usize) -> usize {
+        round.max(rayon::current_num_threads()).min(self.round)
+    }
 }
 
 /// Whether values are finite, not negative and never fall.

@@ -2,8 +2,9 @@
 
 use num_complex::Complex64;
 
-use super::ClosedForm;
 use super::extrema::{highest, steepest_fall, window};
+use super::{ClosedForm, positive};
+use crate::Result;
 
 /// P_c = λ^m x^{m−1} e^{−λx}/(m−1)!: the sum of m exponential lengths of mean 1/λ; R = Q_ini = δ.
 ///
@@ -56,6 +57,11 @@ impl Erlang {
 }
 
 impl ClosedForm for Erlang {
+    fn check(&self) -> Result<()> {
+        positive("shape", f64::from(self.shape))?;
+        positive("rate", self.rate)
+    }
+
     fn force(&self, position: f64) -> f64 {
         let pole = -f64::from(self.shape) * (-self.rate * position).exp_m1() / self.rate;
         pole - self.over_roots(|s| ((s * position).exp() - 1.0) / s)

@@ -2,8 +2,9 @@
 
 use num_complex::Complex64;
 
-use super::ClosedForm;
 use super::extrema::{highest, steepest_fall, window};
+use super::{ClosedForm, not_negative, positive};
+use crate::Result;
 
 /// P_c = G(x̄, σ) and Q_ini = G(x̄_i, σ_i), R = δ; masses below 0 are kept, not cut off.
 ///
@@ -92,6 +93,17 @@ impl Gaussian {
 }
 
 impl ClosedForm for Gaussian {
+    fn check(&self) -> Result<()> {
+        positive("mean", self.mean)?;
+        positive("std", self.std)?;
+        not_negative("initial_mean", self.initial_mean)?;
+        not_negative("initial_std", self.initial_std)
+    }
+
+    fn reach(&self) -> f64 {
+        1e5 * self.mean
+    }
+
     fn force(&self, position: f64) -> f64 {
         let var = self.std * self.std;
         let broken = self.breaks(position);

@@ -1,6 +1,7 @@
 //! Identical thresholds: the singular periodic solution.
 
-use super::ClosedForm;
+use super::{ClosedForm, positive};
+use crate::Result;
 
 /// P_c = δ(x − x_s), R = δ: every stretch is (y + X) mod x_s for ever, and nothing relaxes.
 ///
@@ -21,6 +22,10 @@ impl Identical {
 }
 
 impl ClosedForm for Identical {
+    fn check(&self) -> Result<()> {
+        positive("threshold", self.threshold)
+    }
+
     fn force(&self, position: f64) -> f64 {
         self.stretch(0.0, position)
     }

@@ -25,8 +25,21 @@ pub use steady::{
     kinetic_friction, kinetic_friction_per_threshold, steady_variance, steady_variance_per_threshold,
 };
 
+use crate::{Error, Result};
+
 /// A friction curve F(X) in closed form.
 pub trait ClosedForm {
+    /// Whether the parameters are those of a law.
+    ///
+    /// # Errors
+    /// The first that is not.
+    fn check(&self) -> Result<()>;
+
+    /// The position up to which the sums stay short, a length: far beyond it F is F_k to all digits.
+    fn reach(&self) -> f64 {
+        f64::MAX
+    }
+
     /// F(X)/(N_c⟨k⟩) for X ≥ 0; after the break where contacts break together.
     fn force(&self, position: f64) -> f64;
 
@@ -41,4 +54,16 @@ pub trait ClosedForm {
 
     /// K_c/(N_c⟨k⟩) = max(0, −min F'): a softer slider block is unstable; infinite where F jumps down.
     fn critical_stiffness(&self) -> f64;
+}
+
+/// Whether `value` is finite and, as `key` must be, above 0.
+fn positive(key: &str, value: f64) -> Result<()> {
+    let holds = value.is_finite() && value > 0.0;
+    if holds { Ok(()) } else { Err(Error::invalid(key, "a finite number above 0", value)) }
+}
+
+/// Whether `value` is finite and, as `key` must be, 0 or above.
+fn not_negative(key: &str, value: f64) -> Result<()> {
+    let holds = value.is_finite() && value >= 0.0;
+    if holds { Ok(()) } else { Err(Error::invalid(key, "a finite number, 0 or above", value)) }
 }

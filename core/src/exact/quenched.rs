@@ -37,6 +37,12 @@ impl Quenched {
         force - rest + end.powi(3) * law.density(end) / (24.0 * position)
     }
 
+    /// The position up to which the sum stays short, a length.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        1e4 * self.thresholds.mean()
+    }
+
     /// F_k/(N_c⟨k⟩) = x̄/2, to which F tends if P_c has no point masses.
     #[must_use]
     pub fn kinetic_friction(&self) -> f64 {

@@ -1,7 +1,8 @@
 //! Rectangular thresholds: sums of B-splines.
 
-use super::ClosedForm;
 use super::extrema::{highest, steepest_fall};
+use super::{ClosedForm, not_negative, positive};
+use crate::{Error, Result};
 
 /// P_c = 1/(b−a) on `[a, b]`, 0 ≤ a < b; R = Q_ini = δ.
 ///
@@ -51,6 +52,19 @@ impl Rectangular {
 }
 
 impl ClosedForm for Rectangular {
+    fn check(&self) -> Result<()> {
+        not_negative("min", self.min)?;
+        positive("max", self.max)?;
+        if self.max > self.min {
+            return Ok(());
+        }
+        Err(Error::invalid("max", format!("a number above min = {}", self.min), self.max))
+    }
+
+    fn reach(&self) -> f64 {
+        300.0 * self.mean()
+    }
+
     fn force(&self, position: f64) -> f64 {
         let mut force = position;
         for (n, t) in self.breaks(position) {

@@ -101,7 +101,7 @@ impl Law for Mixture {
     }
 
     fn ln_survival(&self, x: f64) -> f64 {
-        let below = self.sum(|law| -law.ln_survival(x).exp_m1());
+        let below = self.sum(|law| law.cumulative(x));
         if below <= 0.5 {
             return (-below).ln_1p();
         }

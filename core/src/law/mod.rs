@@ -106,6 +106,11 @@ pub trait Law: Debug + Send + Sync {
     /// ln S(x), right far into the tail; −∞ where S = 0.
     fn ln_survival(&self, x: f64) -> f64;
 
+    /// P(ξ ≤ x) = 1 − S(x), without cancellation where it is small.
+    fn cumulative(&self, x: f64) -> f64 {
+        -self.ln_survival(x).exp_m1()
+    }
+
     /// Hazard p(x)/S(x) of the part without point masses, right far into the tail; ∞ where S = 0.
     fn hazard(&self, x: f64) -> f64;
 

@@ -302,7 +302,11 @@ impl Population for Stock {
                 return Ok(Way { length: self.behind, straight: true, breaks: false });
             }
             let length = self.course.cell_end(self.cell) - self.furthest;
-            return Ok(Way { length, straight: length.is_infinite(), breaks: self.course.breaks_after(self.cell) });
+            return Ok(Way {
+                length,
+                straight: length.is_infinite(),
+                breaks: self.course.breaks_after(self.cell),
+            });
         }
         let behind = self.behind;
         let back = self.look_back()?;

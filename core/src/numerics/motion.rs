@@ -43,9 +43,8 @@ static INTEGRALS: LazyLock<Integrals> = LazyLock::new(|| {
     let moment = |i: usize, j: usize, weight: &dyn Fn(f64) -> f64| {
         RULE.integrate(0.0, point(i), |s| weight(point(i) - s) * RULE.cardinals(2.0 * s - 1.0)[j])
     };
-    let matrix = |weight: &dyn Fn(f64) -> f64| {
-        std::array::from_fn(|i| std::array::from_fn(|j| moment(i, j, weight)))
-    };
+    let matrix =
+        |weight: &dyn Fn(f64) -> f64| std::array::from_fn(|i| std::array::from_fn(|j| moment(i, j, weight)));
     Integrals { once: matrix(&|_| 1.0), twice: matrix(&|gap| gap) }
 });
 
@@ -168,7 +167,8 @@ impl Body {
         }
         let slope = |s: f64| (1..TERMS).rev().fold(0.0, |sum, n| sum * s + n as f64 * u[n]);
         let place = |s: f64| (1..TERMS).rev().fold(0.0, |sum, n| (sum + u[n]) * s);
-        let rest = if slope(1.0) < 0.0 { brent_root(slope, 0.0, 1.0, 0.0).filter(|s| *s > 0.0) } else { None };
+        let rest =
+            if slope(1.0) < 0.0 { brent_root(slope, 0.0, 1.0, 0.0).filter(|s| *s > 0.0) } else { None };
         let last = rest.unwrap_or(1.0);
         let arrives = place(last) >= length;
         let end =

@@ -66,7 +66,11 @@ impl Default for Contacts {
 }
 
 impl Contacts {
-    pub(super) fn build(&self) -> Result<contacts::Contacts> {
+    /// The contacts themselves.
+    ///
+    /// # Errors
+    /// A value that makes no sense; thresholds described twice, or not at all.
+    pub fn build(&self) -> Result<contacts::Contacts> {
         let count = positive("count", self.count)?;
         self.normal_load.map(|load| positive("normal_load", load)).transpose()?;
         let reforming = self.reforming.build().map_err(|e| e.under("reforming"))?;
@@ -115,7 +119,11 @@ impl Contacts {
 }
 
 impl Areas {
-    fn build(&self) -> Result<(Stiffness, SharedLaw)> {
+    /// The stiffness of contacts and the law of thresholds that follow.
+    ///
+    /// # Errors
+    /// A value that makes no sense.
+    pub fn build(&self) -> Result<(Stiffness, SharedLaw)> {
         let modulus = positive("modulus", self.modulus)?;
         let strength = positive("strength", self.strength)?;
         let areas = self.law.build().map_err(|e| e.under("law"))?;

@@ -20,7 +20,11 @@ impl Default for MasterEquation {
 }
 
 impl MasterEquation {
-    pub(super) fn check(&self) -> Result<()> {
+    /// Whether every value makes sense.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check(&self) -> Result<()> {
         if (1e-12..=1e-2).contains(&self.tolerance) {
             return Ok(());
         }

@@ -76,17 +76,14 @@ impl Scenario {
     /// # Errors
     /// The first value that makes no sense, or a task that would not fit in memory.
     pub fn build(&self) -> Result<(crate::contacts::Contacts, crate::contacts::Initial)> {
-        let contacts = self.contacts.build().map_err(|e| e.under("contacts"))?;
-        let law = self.initial.build().map_err(|e| e.under("initial"))?;
         let task = self.task()?;
+        let (contacts, initial) = interface(&self.contacts, &self.initial, task.start())?;
         task.check()?;
         self.check_block(task)?;
         self.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &self.compare {
             compare.check(task).map_err(|e| e.under("compare"))?;
         }
-        let initial = crate::contacts::Initial { law, start: task.start().into() };
-        contacts.check(&initial)?;
         if let Some(ensemble) = &self.ensemble {
             ensemble.build(contacts.clone(), initial.clone())?;
         }
@@ -122,6 +119,22 @@ impl Scenario {
         self.initial.tables("initial", &mut tables);
         tables
     }
+}
+
+/// The contacts that `contacts` describes, and how they start.
+///
+/// # Errors
+/// The first value that makes no sense, with its full path.
+pub fn interface(
+    contacts: &Contacts,
+    initial: &Law,
+    start: Start,
+) -> Result<(crate::contacts::Contacts, crate::contacts::Initial)> {
+    let contacts = contacts.build().map_err(|e| e.under("contacts"))?;
+    let law = initial.build().map_err(|e| e.under("initial"))?;
+    let initial = crate::contacts::Initial { law, start: start.into() };
+    contacts.check(&initial)?;
+    Ok((contacts, initial))
 }
 
 /// `value` if it is finite and above 0.

@@ -33,7 +33,11 @@ impl Pull {
         (0..self.points).map(|i| self.distance * (i as f64 / last)).collect()
     }
 
-    pub(super) fn check(&self) -> Result<()> {
+    /// Whether every value makes sense.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check(&self) -> Result<()> {
         positive("distance", self.distance)?;
         if self.points < 2 {
             return Err(Error::invalid("points", "2 points or more (both ends count)", self.points));

@@ -113,6 +113,13 @@ impl Place {
     }
 }
 
+impl From<&str> for Node {
+    /// A text that stands nowhere.
+    fn from(text: &str) -> Self {
+        Self { key: Place::end(""), value: Place::end(""), kind: Kind::Text(text.to_owned()) }
+    }
+}
+
 impl Node {
     pub fn read(key: Place, value: Spanned<DeValue<'_>>) -> Self {
         let source = key.source;

@@ -11,11 +11,12 @@ use std::path::Path;
 use asperity::master::MasterEquation;
 use asperity::scenario::Scenario;
 use serde::Deserialize as _;
+use serde::de::DeserializeOwned;
 
 pub use diagnostic::{Diagnostic, Mark, Source};
 
 use deserialise::{Fault, Reader};
-use document::Document;
+use document::{Document, Node};
 
 /// A scenario that makes sense, and the text it came from.
 #[derive(Debug)]
@@ -71,6 +72,15 @@ impl Input {
             other => Fault::new("a scenario that can be computed", &other.to_string()),
         })
     }
+}
+
+/// Reads a value that is one word of several, such as `quenched`.
+///
+/// # Errors
+/// Another word.
+pub fn word<T: DeserializeOwned>(key: &str, word: &str) -> asperity::Result<T> {
+    let refused = |fault: Fault| asperity::Error::invalid(key, fault.expected, fault.found);
+    T::deserialize(Reader(&Node::from(word))).map_err(refused)
 }
 
 /// The JSON Schema of scenarios.

@@ -40,7 +40,7 @@ impl Pulled<'_> {
         let mut positions = [asked.as_slice(), &last].concat();
         positions.sort_by(f64::total_cmp);
         positions.dedup();
-        let edges = self.grid.edges(self.scenario);
+        let edges = self.grid.edges(model.size());
         let centres = edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
         let snapshots = Snapshots { positions, edges };
         let pull = model.pull(&self.task.positions(), &snapshots, monitor)?;

@@ -2,7 +2,6 @@
 
 use asperity::contacts::{Contacts, Initial, Start};
 use asperity::law::Law;
-use asperity::scenario::Scenario;
 
 /// Share of contacts that may lie above the last stretch.
 const BEYOND: f64 = 1e-6;
@@ -46,16 +45,15 @@ impl Grid {
         Self { stretches, top, resolution }
     }
 
-    /// Number of bins of histograms: fine where many contacts are counted.
-    pub fn bins(&self, scenario: &Scenario) -> usize {
-        let size = scenario.ensemble.as_ref().map_or(0.0, |ensemble| ensemble.size as f64);
+    /// Number of bins of histograms of `size` contacts: fine where many are counted.
+    pub fn bins(&self, size: usize) -> usize {
         let fine = (2.5 * self.top / self.resolution).clamp(BINS.0, BINS.1);
-        fine.min(size.sqrt()).max(COARSE) as usize
+        fine.min((size as f64).sqrt()).max(COARSE) as usize
     }
 
     /// Edges of the bins, even from 0 up to the last stretch.
-    pub fn edges(&self, scenario: &Scenario) -> Vec<f64> {
-        let bins = self.bins(scenario);
+    pub fn edges(&self, size: usize) -> Vec<f64> {
+        let bins = self.bins(size);
         (0..=bins).map(|i| self.top * (i as f64 / bins as f64)).collect()
     }
 }

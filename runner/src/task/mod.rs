@@ -19,6 +19,9 @@ use crate::input;
 use crate::output::Outcome;
 use crate::summary::{Coefficients, Extended, StaticFriction, Summary};
 
+pub use grid::Grid;
+pub use pull::along_the_pull;
+
 /// Computes `scenario`.
 ///
 /// # Errors

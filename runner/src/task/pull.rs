@@ -34,7 +34,8 @@ pub fn run(
     let tolerance = scenario.master_equation.tolerance;
     let pull = equation.pull(task.distance, tolerance, &mut Part::new(monitor, 0.0, 0.6 * master))?;
     let mut record = Record::default();
-    along_the_pull(scenario, task, &pull, &mut record, &mut Part::new(monitor, 0.6 * master, 0.4 * master))?;
+    let part = &mut Part::new(monitor, 0.6 * master, 0.4 * master);
+    along_the_pull(&pull, task.positions(), sample(scenario), &mut record, part)?;
     let compare = compared(scenario, &pull, &mut record);
     distribution::evolving(task, &pull, &grid, &mut record);
     let (steady, relaxation) = (equation.steady_state(), equation.relaxation());
@@ -57,8 +58,8 @@ pub fn run(
 /// Refuses before any work what could not be written after it.
 fn fits(scenario: &Scenario, pull: &scenario::Pull, grid: &Grid) -> Result<()> {
     let densities = (pull.snapshots.len() + 3) * grid.stretches.len();
-    let histograms =
-        if scenario.ensemble.is_some() { (pull.snapshots.len() + 1) * grid.bins(scenario) } else { 0 };
+    let bins = scenario.ensemble.as_ref().map_or(0, |ensemble| grid.bins(ensemble.size));
+    let histograms = (pull.snapshots.len() + 1) * bins;
     let needed = ((pull.points * COLUMNS + densities + histograms) * size_of::<f64>()) as u64;
     if needed <= LARGEST {
         return Ok(());
@@ -67,14 +68,18 @@ fn fits(scenario: &Scenario, pull: &scenario::Pull, grid: &Grid) -> Result<()> {
     Err(Error::TooLarge { what, needed, allowed: LARGEST })
 }
 
-fn along_the_pull(
-    scenario: &Scenario,
-    task: &scenario::Pull,
+/// Adds force and breaking rate at `positions` to `record`, the scatter of the force of `sample` contacts, and the
+/// positions at which contacts break together.
+///
+/// # Errors
+/// The monitor's wish to stop.
+pub fn along_the_pull(
     pull: &Pull,
+    positions: Vec<f64>,
+    sample: Option<f64>,
     record: &mut Record,
     monitor: &mut dyn Monitor,
 ) -> Result<()> {
-    let positions = task.positions();
     let mut evaluate = |done: f64, function: &dyn Fn(f64) -> f64| -> Result<Vec<f64>> {
         let mut values = Vec::with_capacity(positions.len());
         for round in positions.chunks(ROUND) {
@@ -85,7 +90,7 @@ fn along_the_pull(
     };
     let force = evaluate(0.0, &|x| pull.force(x))?;
     let rate = evaluate(1.0, &|x| pull.breaking_rate(x))?;
-    let std = sample(scenario).map(|size| evaluate(2.0, &|x| pull.force_std(x, size))).transpose()?;
+    let std = sample.map(|size| evaluate(2.0, &|x| pull.force_std(x, size))).transpose()?;
     let along = &["position"];
     record.push("position", "position X of the slider's bottom", Quantity::Length, along, positions);
     record.push("force", "friction force", Quantity::Force, along, force);

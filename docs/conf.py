@@ -1,0 +1,88 @@
+"""The site made of the pages in this folder, as `make docs` builds it.
+
+The pages are plain Markdown, to be read anywhere: equations are ```math blocks whose \\tag is their name, `[(name)](…)`
+refers to one, and works are cited by a link to them. `as_site` turns these into numbered equations and citations.
+"""
+
+import re
+import tomllib
+from importlib.util import find_spec
+from pathlib import Path
+
+from pybtex.database import parse_file
+
+root = Path(__file__).parents[1]
+package = tomllib.loads((root / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]
+
+project = "asperity"
+author = package["authors"][0]
+version = release = package["version"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinxcontrib.bibtex"]
+nitpicky = True
+default_role = "code"
+
+autodoc_default_options = {"members": True, "show-inheritance": True}
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+toc_object_entries_show_parents = "hide"
+
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
+
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 3
+
+bibtex_bibfiles = ["references.bib"]
+bibtex_default_style = "unsrtalpha"
+bibtex_tooltips = False
+
+html_theme = "furo"
+html_title = f"asperity {version}"
+html_copy_source = False
+html_show_copyright = False
+# MathJax comes with the site, so that it can be read without a network.
+mathjax = Path(next(iter(find_spec("sphinx-mathjax-offline").submodule_search_locations)))
+html_static_path = ["site.css", str(mathjax / "static" / "mathjax" / "tex-svg.js")]
+html_css_files = ["site.css"]
+mathjax_path = "tex-svg.js"
+mathjax3_config = {"options": {"enableMenu": False}}
+
+
+def works() -> dict[str, str]:
+    """The keys of the bibliography by the links that stand for them in the pages."""
+    entries = parse_file(Path(__file__).parent / bibtex_bibfiles[0]).entries
+    links = {key: dict(entry.fields) for key, entry in entries.items()}
+    return {f.get("url") or f"https://doi.org/{f['doi']}": key for key, f in links.items()}
+
+
+def as_site(text: str, keys: dict[str, str]) -> str:
+    """Names of equations become their labels, links to works are followed by citations of them."""
+    text = re.sub(r"^```math\n(.*?)\n\\tag\{([^}]*)\}\n```", r"```{math}\n:label: \2\n\1\n```", text, flags=re.M | re.S)
+    text = re.sub(r"\[\(([^()\]]*)\)\]\([^)]*\)", r"{eq}`\1`", text)
+    return re.sub(r"\]\((https?://[^)]*)\)", lambda link: cited(link, keys), text)
+
+
+def cited(link: re.Match, keys: dict[str, str]) -> str:
+    return f"{link[0]} {{cite:p}}`{keys[link[1]]}`" if link[1] in keys else link[0]
+
+
+def with_list(_, __, ___, documented, ____, lines):
+    """Makes the parameters that a docstring describes, `name: what it is.`, items of a list."""
+    names = re.findall(r"\w+", getattr(documented, "__text_signature__", None) or "")
+    item = rf"(?:^|(?<=\. ))((?:{'|'.join(names)})(?:, \w+)*): " if names else r"$^"
+    paragraphs = "\n".join(lines).split("\n\n")
+    described = [re.match(item, paragraph) for paragraph in paragraphs]
+    for index in [index for index, found in enumerate(described) if found]:
+        paragraphs[index] = re.sub(item, r"\n* **\1**: ", " ".join(paragraphs[index].split())).strip()
+    lines[:] = "\n\n".join(paragraphs).splitlines()
+
+
+def setup(app):
+    keys = works()
+
+    def read(_, __, source):
+        source[0] = as_site(source[0], keys)
+
+    app.connect("source-read", read)
+    app.connect("autodoc-process-docstring", with_list)

@@ -1,0 +1,81 @@
+"""What the pages show in Python is run: the blocks of a page in order, in one folder and one namespace.
+
+`python` is a script, `pycon` a session whose output is compared. `toml` that begins with `# NAME` is kept under that name,
+and `console` is run in bash: what it prints is compared by cli/tests/documents.rs, which says more of such blocks.
+"""
+
+import doctest
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import asperity
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PYTHON = {"python", "pycon"}
+FENCED = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def blocks(page: Path) -> list[tuple[str, str, int]]:
+    """The language, the text and the line of each block of code."""
+    text = page.read_text(encoding="utf-8")
+    return [(found[1], found[2], text.count("\n", 0, found.start()) + 1) for found in FENCED.finditer(text)]
+
+
+PAGES = [
+    page
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    if PYTHON & {language for language, *_ in blocks(page)}
+]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder but for the shipped scenarios, entered, with `asperity` on the path."""
+    shutil.copytree(ROOT / "scenarios", tmp_path / "scenarios")
+    program = tmp_path / "bin" / "asperity"
+    program.parent.mkdir()
+    manifest = ROOT / "Cargo.toml"
+    program.write_text(f'#!/bin/sh\nexec cargo run --release --locked --quiet --manifest-path "{manifest}" -- "$@"\n')
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(program.parent), prepend=os.pathsep)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_python_of_a_page_runs(page: Path, folder: Path) -> None:
+    names: dict[str, object] = {"__name__": "__main__"}
+    for language, text, line in blocks(page):
+        if language == "python":
+            exec(compile("\n" * line + text, page, "exec"), names)
+        elif language == "pycon":
+            converse(text, names, page, line)
+        elif language == "toml" and (name := re.match(r"# (\S+\.toml)\n", text)):
+            (folder / name[1]).write_text(text, encoding="utf-8")
+        elif language == "console":
+            for command in re.findall(r"^\$ (.*)$", text, re.MULTILINE):
+                subprocess.run(["bash", "-c", command], check=True)
+
+
+def converse(text: str, names: dict[str, object], page: Path, line: int) -> None:
+    """Compares what a session prints with what is shown."""
+    session = doctest.DocTestParser().get_doctest(text, names, page.name, str(page), line)
+    report: list[str] = []
+    results = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(session, out=report.append, clear_globs=False)
+    names.update(session.globs)
+    assert results.attempted and not results.failed, "".join(report)
+
+
+def test_there_are_pages_in_python() -> None:
+    assert len(PAGES) >= 7
+
+
+def test_every_name_of_the_package_is_documented() -> None:
+    page = (ROOT / "docs" / "api" / "python.md").read_text(encoding="utf-8")
+    shown = re.findall(r":: asperity\.(\w+)$", page, re.MULTILINE)
+    assert sorted(shown) == sorted(set(asperity.__all__) - {"__version__"})

@@ -1,0 +1,767 @@
+"""The compiled part of asperity."""
+
+from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, Sequence
+from os import PathLike
+from typing import Any, Literal, Self, SupportsFloat, SupportsIndex, TypeAlias, final, overload
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats.distributions import rv_frozen
+from typing_extensions import disjoint_base
+from xarray import Dataset
+
+from asperity._values import Atoms, Label, StaticFriction, StretchDensity
+
+__version__: str
+_Array: TypeAlias = NDArray[np.float64]
+_Number: TypeAlias = SupportsFloat | SupportsIndex
+_AnyLaw: TypeAlias = Law | rv_frozen | NDArray[Any] | Sequence[float]
+_Seed: TypeAlias = SupportsIndex | np.random.Generator
+_Progress: TypeAlias = Callable[[float], object] | bool | None
+
+@disjoint_base
+class Description:
+    """A description in plain values: immutable, equal to those of equal values, printed as the Python that makes it anew."""
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The arguments that make it anew, by name; those that have their default are left out."""
+
+    def replace(self, **changes: Any) -> Self:
+        """A copy with some of the arguments replaced.
+
+        Raises ValueError or TypeError as the class itself does.
+        """
+
+    def __replace__(self, **changes: Any) -> Self: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def _repr_html_(self) -> str: ...
+    def __reduce__(self) -> tuple[Any, tuple[str, str]]: ...
+
+@disjoint_base
+class Law(Description):
+    """A probability law on x ≥ 0: a density, and perhaps point masses.
+
+    Methods have the names they have in scipy.stats. They take a number and return a float, or take anything that NumPy
+    makes an array of numbers of, and return an array of the same shape. Lengths are in the unit of the parameters.
+    A law that would have mass below 0 is cut there and renormalised: its parameters are those before the cut, its
+    mean() and std() those after it. NaN is refused with ValueError, what is not a number with TypeError.
+    """
+
+    @property
+    def atoms(self) -> Atoms:
+        """The point masses: positions and weights, each an array of shape (n,)."""
+
+    @overload
+    def pdf(self, x: float) -> float:
+        """The density p(x) without point masses, per length; 0 for x < 0."""
+
+    @overload
+    def pdf(self, x: ArrayLike) -> _Array: ...
+    @overload
+    def cdf(self, x: float) -> float:
+        """P(ξ ≤ x), with all its digits where it is small."""
+
+    @overload
+    def cdf(self, x: ArrayLike) -> _Array: ...
+    @overload
+    def sf(self, x: float) -> float:
+        """The survival S(x) = P(ξ > x), with all its digits where it is small."""
+
+    @overload
+    def sf(self, x: ArrayLike) -> _Array: ...
+    @overload
+    def logsf(self, x: float) -> float:
+        """ln S(x), right where S itself is too small for a number; -inf where it is 0."""
+
+    @overload
+    def logsf(self, x: ArrayLike) -> _Array: ...
+    @overload
+    def hazard(self, x: float) -> float:
+        """The hazard p(x)/S(x), per length: of contacts of stretch x, the share that breaks per length of advance
+        (Braun and Peyrard 2008, the P(x) of Eq. 3); inf where S is 0.
+        """
+
+    @overload
+    def hazard(self, x: ArrayLike) -> _Array: ...
+    @overload
+    def ppf(self, q: float) -> float:
+        """The quantile: the smallest x with P(ξ ≤ x) ≥ q, for q from 0 to 1."""
+
+    @overload
+    def ppf(self, q: ArrayLike) -> _Array: ...
+    @overload
+    def isf(self, q: float) -> float:
+        """The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; right for tiny q, where ppf(1 - q) is not."""
+
+    @overload
+    def isf(self, q: ArrayLike) -> _Array: ...
+    @overload
+    def rvs(self, size: None = None, *, seed: _Seed) -> float:
+        """Independent draws: a float for size None, an array of shape (size,) or size otherwise.
+
+        The seed is a whole number below 2^63, for which the numbers are always the same, or a numpy.random.Generator,
+        from which one such number is drawn.
+        """
+
+    @overload
+    def rvs(self, size: SupportsIndex | Sequence[SupportsIndex], *, seed: _Seed) -> _Array: ...
+    def mean(self) -> float:
+        """The mean of the law after the cut at 0, a length."""
+
+    def std(self) -> float:
+        """The standard deviation of the law after the cut at 0, a length."""
+
+    def moment(self, order: SupportsIndex) -> float:
+        """The raw moment E[ξⁿ] of the law after the cut at 0, n up to 29, in units of lengthⁿ."""
+
+    def support(self) -> tuple[float, float]:
+        """The lowest and the highest value; the highest may be inf."""
+
+@final
+class Gaussian(Law):
+    """The bell curve, cut at 0.
+
+    mean: the mean before the cut, 0 or above. std: the standard deviation before the cut, above 0.
+    """
+
+    def __new__(cls, mean: _Number, std: _Number) -> Self: ...
+
+@final
+class Gamma(Law):
+    """The gamma law of the given mean and standard deviation, both above 0."""
+
+    def __new__(cls, mean: _Number, std: _Number) -> Self: ...
+
+@final
+class Lognormal(Law):
+    """A law whose logarithm is Gaussian, of the given mean and standard deviation (its own), both above 0."""
+
+    def __new__(cls, mean: _Number, std: _Number) -> Self: ...
+
+@final
+class Rectangular(Law):
+    """The same density everywhere from min, 0 or above, to max, above min."""
+
+    def __new__(cls, min: _Number, max: _Number) -> Self: ...
+
+@final
+class Point(Law):
+    """One value only, 0 or above."""
+
+    def __new__(cls, at: _Number) -> Self: ...
+
+@final
+class Exponential(Law):
+    """The exponential law of the given mean, above 0."""
+
+    def __new__(cls, mean: _Number) -> Self: ...
+
+@final
+class Weibull(Law):
+    """The Weibull law: survival exp(-(x/scale)**shape), both above 0."""
+
+    def __new__(cls, shape: _Number, scale: _Number) -> Self: ...
+
+@final
+class Tabulated(Law):
+    """A measured law: a density given at rising stretches, or samples.
+
+    stretch, density: lists of equal length, the density linear between them, 0 outside, and normalised.
+    samples: a list of values, each as likely; the quantiles are linear between them (numpy.quantile's).
+    Either the two or the one are to be given.
+    """
+
+    def __new__(
+        cls,
+        *,
+        stretch: ArrayLike | None = None,
+        density: ArrayLike | None = None,
+        samples: ArrayLike | None = None,
+    ) -> Self: ...
+
+@final
+class Mixture(Law):
+    """A weighted sum of laws: a list of pairs (weight, law), weights above 0 that sum to 1."""
+
+    def __new__(cls, components: Sequence[tuple[_Number, _AnyLaw]]) -> Self: ...
+
+@final
+class Areas(Description):
+    """Contacts described by their areas A: of stiffness k = modulus √A, they break at the force strength × A.
+
+    So a contact breaks at the stretch x_s = (strength/modulus) √A, and k = κ x_s with κ = modulus²/strength.
+
+    law: the law of areas, in units of length². modulus: stiffness per root of area, force per length² (ρc² in Braun and
+    Peyrard 2008), above 0. strength: force per area at which a contact breaks, above 0.
+    """
+
+    def __new__(cls, law: _AnyLaw, modulus: _Number, strength: _Number) -> Self: ...
+    @property
+    def law(self) -> Law:
+        """The law of areas, in units of length²."""
+
+    @property
+    def modulus(self) -> float:
+        """The stiffness per root of area, force per length²."""
+
+    @property
+    def strength(self) -> float:
+        """The force per area at which a contact breaks."""
+
+@final
+class Contacts(Description):
+    """The contacts of an interface: when they break, how stiff they are, how they re-form.
+
+    thresholds: the law P_c of stretches at which contacts break; or areas, from which thresholds and stiffnesses follow.
+    reforming: the law R of stretches at which they re-form, all at 0 by default.
+    count: the number N_c of contacts, above 0; 1 gives forces per contact.
+    stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ of
+    stiffnesses k = κ x_s that grow with the threshold.
+    normal_load: the weight carried, a force; with it, results of scenarios have friction coefficients.
+
+    Laws may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
+    """
+
+    def __new__(
+        cls,
+        thresholds: _AnyLaw | None = None,
+        reforming: _AnyLaw | None = None,
+        *,
+        areas: Areas | None = None,
+        count: _Number = 1.0,
+        stiffness: _Number | None = None,
+        stiffness_per_threshold: _Number | None = None,
+        normal_load: _Number | None = None,
+    ) -> Self: ...
+    @property
+    def thresholds(self) -> Law | None:
+        """The law P_c of stretches at which contacts break; None for contacts described by their areas."""
+
+    @property
+    def reforming(self) -> Law:
+        """The law R of stretches at which contacts re-form."""
+
+    @property
+    def areas(self) -> Areas | None:
+        """The areas from which thresholds and stiffnesses follow, if they do."""
+
+    @property
+    def count(self) -> float:
+        """The number N_c of contacts."""
+
+    @property
+    def normal_load(self) -> float | None:
+        """The weight carried, a force, if it is known."""
+
+class Model(Description):
+    """Contacts and how they start, to be pulled."""
+
+    @property
+    def contacts(self) -> Contacts:
+        """The contacts."""
+
+    @property
+    def initial(self) -> Law:
+        """The law Q_ini of stretches at X = 0."""
+
+    @property
+    def start(self) -> Literal["conditional", "relaxed"]:
+        """ "conditional" or "relaxed"."""
+
+@final
+class MasterEquation(Model):
+    """The master equation of contacts and their start.
+
+    ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ for the density Q(x; X) of stretches x, with the hazard P of the
+    thresholds and the law R of re-formed stretches (O. M. Braun and M. Peyrard, Phys. Rev. Lett. 100, 125501 (2008),
+    Eq. 5), solved in renewal form.
+
+    contacts: the contacts. initial: the law Q_ini of stretches at X = 0, all at 0 by default.
+    start: "conditional" where contacts hold at X = 0, so that thresholds lie above stretches; "relaxed" where stretches
+    and thresholds are independent, so that what is above its threshold breaks at once.
+    tolerance: error allowed in the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2.
+
+    Raises ValueError for stretches at which no contact survives, and for laws too narrow to be told from a point.
+    """
+
+    def __new__(
+        cls,
+        contacts: Contacts,
+        initial: _AnyLaw | None = None,
+        *,
+        start: Literal["conditional", "relaxed"] = "conditional",
+        tolerance: _Number = 1e-10,
+    ) -> Self: ...
+    @property
+    def tolerance(self) -> float:
+        """Error allowed in the force per contact and per ⟨k⟩ × mean threshold."""
+
+    def pull(
+        self, distance: _Number = 20.0, points: SupportsIndex = 2001, *, progress: _Progress = None
+    ) -> Pull:
+        """Pulls the slider's bottom from X = 0 to distance.
+
+        distance: a length above 0. points: the number of positions of `position`, `force` and `breaking_rate`, evenly
+        spaced, both ends included; 2 or more. progress: a function that is called with the fraction done now and then,
+        or True for a bar (by tqdm). Ctrl-C stops it.
+
+        Raises ValueError for values that make no sense or too many point masses, RuntimeError where the tolerance is
+        not reached.
+        """
+
+    def steady_state(self) -> SteadyState:
+        """Steady sliding."""
+
+    def relaxation(self) -> Relaxation:
+        """The relaxation to steady sliding."""
+
+@final
+class Ensemble(Model):
+    """Contacts drawn at random and followed one by one: the earthquake-like model.
+
+    contacts, initial, start: as for MasterEquation. size: the number of contacts followed; forces are scaled to the
+    count of the contacts. seed: a whole number below 2^63, for which the numbers are always the same, on any number of
+    threads, or a numpy.random.Generator, from which one such number is drawn. disorder: "annealed" where a contact that
+    re-forms gets a new threshold, as the master equation has it; "quenched" where it keeps its own.
+
+    Raises ValueError for laws that leave a contact nowhere to be.
+    """
+
+    def __new__(
+        cls,
+        contacts: Contacts,
+        initial: _AnyLaw | None = None,
+        *,
+        size: SupportsIndex = 100000,
+        seed: _Seed = 1,
+        disorder: Literal["annealed", "quenched"] = "annealed",
+        start: Literal["conditional", "relaxed"] = "conditional",
+    ) -> Self: ...
+    @property
+    def size(self) -> int:
+        """The number of contacts followed."""
+
+    @property
+    def seed(self) -> int:
+        """The seed of the random numbers."""
+
+    @property
+    def disorder(self) -> Literal["annealed", "quenched"]:
+        """ "annealed" or "quenched"."""
+
+    def pull(
+        self,
+        distance: _Number = 20.0,
+        points: SupportsIndex = 2001,
+        *,
+        snapshots: ArrayLike | None = None,
+        edges: ArrayLike | None = None,
+        progress: _Progress = None,
+    ) -> EnsemblePull:
+        """Pulls the slider's bottom from X = 0 to distance, from break to break.
+
+        distance, points, progress: as for MasterEquation.pull. snapshots: a list of m positions, rising, at which the
+        stretches are counted. edges: a list of edges of the n bins to count them in, rising; by default even bins up to
+        where hardly any contact holds. Ctrl-C stops it.
+
+        Raises ValueError for values that make no sense, MemoryError for results that do not fit.
+        """
+
+@disjoint_base
+class Record(Mapping[str, _Array]):
+    """Results: a mapping from the names of variables to arrays, which cannot be changed."""
+
+    def __getitem__(self, name: str, /) -> _Array: ...
+    def __contains__(self, name: object, /) -> bool: ...
+    def __len__(self) -> int: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def keys(self) -> KeysView[str]:
+        """The names of the variables."""
+
+    def items(self) -> ItemsView[str, _Array]:
+        """Names and arrays of the variables."""
+
+    @property
+    def position(self) -> _Array:
+        """Positions X of the slider's bottom: an array of shape (points,), a length."""
+
+    @property
+    def force(self) -> _Array:
+        """The friction force F at the positions, shape (points,): that of all N_c contacts; where contacts break together,
+        after the break.
+        """
+
+    @property
+    def labels(self) -> dict[str, Label]:
+        """Dimensions, name for people and unit of each variable."""
+
+    def to_xarray(self) -> Dataset:
+        """An xarray.Dataset with named dimensions, long names and units. It needs xarray."""
+
+    def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
+        """Draws F(X) and returns the axes. It needs matplotlib.
+
+        ax: axes to draw on; new ones if None. Other arguments go to its plot().
+        """
+
+    def _repr_html_(self) -> str: ...
+
+@final
+class Pull(Record):
+    """A pull of the slider's bottom from X = 0, solved by the master equation. Forces are those of all N_c contacts.
+
+    Called with positions it is F(X): `pull(5.0)`, `pull([1.0, 2.0])`.
+    """
+
+    @property
+    def equation(self) -> MasterEquation:
+        """The master equation that was solved."""
+
+    @property
+    def breaking_rate(self) -> _Array:
+        """The fraction of contacts breaking per length at the positions, shape (points,), without those that break
+        together.
+        """
+
+    @property
+    def breaking_atoms(self) -> Atoms:
+        """Positions at which contacts break together, and the fractions of them that do, each of shape (n,)."""
+
+    @property
+    def distance(self) -> float:
+        """The distance of the pull, a length."""
+
+    @property
+    def static_friction(self) -> StaticFriction | None:
+        """The static friction F_s, the highest force of the pull, with its position X_s; None where the force still rises
+        at the end, or never falls.
+        """
+
+    @property
+    def kinetic_friction(self) -> float:
+        """The kinetic friction F_k, the force of steady sliding."""
+
+    @property
+    def critical_stiffness(self) -> float:
+        """The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips; inf where the
+        force jumps down.
+        """
+
+    @property
+    def relaxation_length(self) -> float:
+        """The relaxation length X*, over which the start is forgotten; inf where the force never settles, nan where it is
+        too short to be told.
+        """
+
+    @property
+    def accuracy(self) -> float:
+        """The estimated error of F/(N_c⟨k⟩), a length."""
+
+    @overload
+    def __call__(self, position: float) -> float: ...
+    @overload
+    def __call__(self, position: ArrayLike) -> _Array: ...
+    @overload
+    def force_at(self, position: float) -> float:
+        """F(X), for positions from 0 to the distance."""
+
+    @overload
+    def force_at(self, position: ArrayLike) -> _Array: ...
+    @overload
+    def slope_at(self, position: float) -> float:
+        """dF/dX from the right, force per length, for positions from 0 to the distance."""
+
+    @overload
+    def slope_at(self, position: ArrayLike) -> _Array: ...
+    @overload
+    def breaking_rate_at(self, position: float) -> float:
+        """The fraction of contacts breaking per length, for positions from 0 to the distance."""
+
+    @overload
+    def breaking_rate_at(self, position: ArrayLike) -> _Array: ...
+    @overload
+    def force_std(self, size: _Number, at: float) -> float:
+        """The standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c.
+
+        at: positions from 0 to the distance, or None for those of `position`. Contacts under a rigid drive are
+        independent, so that it is exact.
+        """
+
+    @overload
+    def force_std(self, size: _Number, at: ArrayLike | None = None) -> _Array: ...
+    def stretch_density(self, at: ArrayLike, stretches: ArrayLike | None = None) -> StretchDensity:
+        """The density Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
+
+        at: a position, or a list of m of them. stretches: a list of n stretches, or None for ones close enough to show
+        the densities. The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, where
+        contacts are together, at the position or for each of the list.
+        """
+
+@final
+class EnsemblePull(Record):
+    """A pull of an ensemble: the friction force with its standard error, and the stretches counted on the way.
+
+    Its variables are `position`, `force` and `force_error`; with snapshots also `snapshot` of shape (m,), `edge` of
+    shape (n + 1,), their middles `bin` of shape (n,), and `stretch_density` of shape (m, n), per length.
+    """
+
+    @property
+    def ensemble(self) -> Ensemble:
+        """The ensemble that was pulled."""
+
+    @property
+    def force_error(self) -> _Array:
+        """The standard error of the force, shape (points,), from the scatter of single contacts; nan for one contact."""
+
+    @property
+    def breaks(self) -> int:
+        """The number of breaks up to the end, those of a relaxed start included."""
+
+@final
+class SteadyState:
+    """Steady sliding: the solution of the master equation that does not depend on X.
+
+    Q_s(x) = Γ_s S(x) ∫₀ˣ R/S and F_k = N_c⟨k⟩ ∫x Q_s dx; where contacts re-form at 0, F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩)
+    (Braun and Peyrard 2008, Eqs. 11a and 11d).
+    """
+
+    @property
+    def kinetic_friction(self) -> float:
+        """The kinetic friction F_k, a force."""
+
+    @property
+    def breaking_rate(self) -> float:
+        """The breaking rate Γ_s, the fraction of contacts that break per length."""
+
+    def force_std(self, size: _Number) -> float:
+        """The standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c."""
+
+    def stretch_density(self, stretches: ArrayLike | None = None) -> StretchDensity:
+        """The density Q_s of stretches, per length.
+
+        stretches: a list of n stretches, or None for ones close enough to show it. The result has `stretch` and
+        `density` of shape (n,), and `atoms`.
+        """
+
+@final
+class Relaxation:
+    """The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1, φ̂ the Laplace
+    transform of the breaking density of re-formed contacts.
+    """
+
+    @property
+    def roots(self) -> NDArray[np.complex128]:
+        """The roots s_j with Im s_j > 0, slowest first: a complex array of shape (n,), per length."""
+
+    @property
+    def length(self) -> float:
+        """The relaxation length X* = -1/Re s_1, over which the start is forgotten; inf where the force never settles, nan
+        where it is too short to be told.
+        """
+
+    @property
+    def paper_estimate(self) -> float:
+        """The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds."""
+
+    @property
+    def valid_from(self) -> float:
+        """The position from which the terms left out of `force` are below 1e-12 of N_c⟨k⟩ × the mean life; inf where the
+        expansion does not hold.
+        """
+
+    @overload
+    def force(self, position: float) -> float:
+        """F(X) from the expansion, a force, for positions from `valid_from` on."""
+
+    @overload
+    def force(self, position: ArrayLike) -> _Array: ...
+
+@final
+class Result(Record):
+    """What a scenario gives: a mapping from the names of variables to arrays, and the numbers people quote.
+
+    The variables are those of `result.nc`: `position`, `force`, `breaking_rate`, `stretch_density`, …
+    """
+
+    @property
+    def scenario(self) -> str:
+        """The scenario, TOML, with all defaults filled in."""
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The numbers people quote, as in `summary.json`."""
+
+    @property
+    def title(self) -> str:
+        """The title of the scenario."""
+
+    @property
+    def static_friction(self) -> StaticFriction | None:
+        """The static friction F_s with its position X_s; None where the force still rises at the end, or never falls."""
+
+    @property
+    def kinetic_friction(self) -> float:
+        """The kinetic friction F_k, the force of steady sliding."""
+
+    @property
+    def critical_stiffness(self) -> float:
+        """The critical stiffness K_c, force per length; inf where the force jumps down."""
+
+    @property
+    def relaxation_length(self) -> float:
+        """The relaxation length X*; inf where the force never settles, nan where it is too short to be told."""
+
+    def save(self, folder: str | PathLike[str]) -> None:
+        """Writes the folder that `asperity run` would write, but for its pictures; open_result reads it.
+
+        Raises FileExistsError where a folder is in the way that asperity did not make, OSError where the system refuses.
+        """
+
+def run(
+    scenario: str | PathLike[str] | Mapping[str, Any],
+    overrides: Mapping[str, Any] | None = None,
+    *,
+    progress: _Progress = None,
+) -> Result:
+    """Computes a scenario.
+
+    scenario: the path of a file; or the text of one, told by an equals sign in it; or a dictionary of the same keys,
+    in which laws and contacts may be objects.
+    overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a law replaces the law that is
+    there. progress: as for MasterEquation.pull.
+
+    Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came; OSError for a
+    file that cannot be read; MemoryError for results that do not fit.
+    """
+
+def open_result(folder: str | PathLike[str]) -> Result:
+    """Reads what `asperity run` or Result.save wrote.
+
+    Raises OSError for a file that cannot be read, ValueError for one that is not what asperity writes.
+    """
+
+@disjoint_base
+class ClosedForm:
+    """A friction curve F(X) in closed form, per total stiffness: F/(N_c⟨k⟩), the mean stretch, a length.
+
+    All contacts start and re-form relaxed, at stretch 0, unless the form says otherwise. Positions X are lengths from 0
+    on, up to where sums would become long. For every density p of thresholds with n-fold convolutions p_n,
+    F'(X) = 1 - X Σ p_n(X)/n; each form is the sum of this series for one family, and none shares code with the solvers.
+    """
+
+    @overload
+    def force(self, position: float) -> float:
+        """F(X)/(N_c⟨k⟩), a length; after the break where contacts break together."""
+
+    @overload
+    def force(self, position: ArrayLike) -> _Array: ...
+    @overload
+    def slope(self, position: float) -> float:
+        """F'(X)/(N_c⟨k⟩) from the right, a number."""
+
+    @overload
+    def slope(self, position: ArrayLike) -> _Array: ...
+    @property
+    def kinetic_friction(self) -> float:
+        """F_k/(N_c⟨k⟩), the force of steady sliding, a length."""
+
+    @property
+    def static_friction(self) -> StaticFriction | None:
+        """The maximum F_s/(N_c⟨k⟩) with its position X_s, both lengths; None where F only rises."""
+
+    @property
+    def critical_stiffness(self) -> float:
+        """K_c/(N_c⟨k⟩) = max(0, -min F'), a number; inf where F jumps down."""
+
+@final
+class ExactGaussian(ClosedForm):
+    """Gaussian thresholds, and a Gaussian law of stretches at the start: Fig. 2 of Braun and Peyrard (2008).
+
+    mean, std: of the thresholds, above 0. initial_mean, initial_std: of the stretches at X = 0, 0 or above. Masses below
+    0 are kept, where the laws of the solvers are cut.
+    """
+
+    def __new__(
+        cls, mean: _Number, std: _Number, initial_mean: _Number = 0.0, initial_std: _Number = 0.0
+    ) -> Self: ...
+    @overload
+    def variance(self, position: float) -> float:
+        """The variance of the stretch of one contact at X, a length²: the force of N_c independent contacts scatters by
+        N_c⟨k⟩√(variance/N_c).
+        """
+
+    @overload
+    def variance(self, position: ArrayLike) -> _Array: ...
+    def relaxation_root(self, j: SupportsIndex) -> complex:
+        """The root s_j, j ≥ 1, of the relaxation spectrum, complex, per length: s_j = [x̄ - √(x̄² - 4πijσ²)]/σ²."""
+
+    @property
+    def relaxation_length(self) -> float:
+        """X* = -1/Re s_1, a length."""
+
+@final
+class ExactRectangular(ClosedForm):
+    """Thresholds of the same density everywhere from min, 0 or above, to max, above min."""
+
+    def __new__(cls, min: _Number, max: _Number) -> Self: ...
+
+@final
+class ExactErlang(ClosedForm):
+    """Erlang thresholds: sums of `shape` exponential lengths, each of mean 1/rate. shape 1 is the exponential law.
+
+    shape: a whole number, 1 or above. rate: per length, above 0.
+    """
+
+    def __new__(cls, shape: SupportsIndex, rate: _Number) -> Self: ...
+    @property
+    def relaxation_length(self) -> float:
+        """X*, a length: 1/[λ(1 - cos 2π/m)], but 1/λ for shapes m up to 4."""
+
+@final
+class ExactIdentical(ClosedForm):
+    """Identical thresholds: every stretch is (y + X) mod threshold for ever, and nothing relaxes.
+
+    threshold: a length above 0.
+    """
+
+    def __new__(cls, threshold: _Number) -> Self: ...
+
+@final
+class ExactQuenched:
+    """Quenched thresholds of any law: each contact keeps its own for ever.
+
+    F(X)/(N_c⟨k⟩) = ∫P_c(ξ)(X mod ξ)dξ; the master equation, which is about annealed thresholds, does not describe them.
+    """
+
+    def __new__(cls, thresholds: _AnyLaw) -> Self: ...
+    @overload
+    def force(self, position: float) -> float:
+        """F(X)/(N_c⟨k⟩), a length; after the break where contacts break together."""
+
+    @overload
+    def force(self, position: ArrayLike) -> _Array: ...
+    @property
+    def kinetic_friction(self) -> float:
+        """F_k/(N_c⟨k⟩), a length: half the mean threshold."""
+
+    @property
+    def dephasing_length(self) -> float:
+        """X_d = x̄²/(√2 πσ), a length: narrow Gaussian thresholds lose step as exp[-(X/X_d)²]."""
+
+def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> float:
+    """F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, where contacts re-form below all thresholds."""
+
+def kinetic_friction_per_threshold(thresholds: _AnyLaw) -> float:
+    """F_k/(N_c κ) = ⟨x_s³⟩/(2⟨x_s⟩), a length², for stiffnesses k = κ x_s, where contacts re-form at 0."""
+
+def steady_variance(thresholds: _AnyLaw) -> float:
+    """N Var(F/(N_c⟨k⟩)) = ⟨x_s³⟩/(3⟨x_s⟩) - F_k², a length², in steady sliding where contacts re-form at 0."""
+
+def steady_variance_per_threshold(thresholds: _AnyLaw) -> float:
+    """The same for stiffnesses k = κ x_s: N Var(F/(N_c κ)) = ⟨x_s⁵⟩/(3⟨x_s⟩) - F_k², a length⁴."""
+
+def _restore(version: str, description: str) -> Description: ...

@@ -1,0 +1,79 @@
+"""How descriptions and results are printed."""
+
+from collections.abc import Mapping
+from html import escape
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from asperity._core import Record
+
+MOST = 1000
+"""Items of a list that are printed, as many as NumPy prints."""
+
+
+def text(name: str, arguments: Mapping[str, object]) -> str:
+    """The Python that makes a description anew, but for lists too long to print."""
+    return f"{name}({', '.join(f'{key}={item(value)}' for key, value in arguments.items())})"
+
+
+def item(value: object) -> str:
+    if isinstance(value, list) and len(value) > MOST:
+        return f"[{', '.join(map(repr, value[:3]))}, ..., {', '.join(map(repr, value[-3:]))}]"
+    return repr(value)
+
+
+def html(name: str, arguments: Mapping[str, object]) -> str:
+    return table(name, {key: brief(value) for key, value in arguments.items()})
+
+
+def brief(value: object) -> str:
+    if isinstance(value, list) and len(value) > 6:
+        return f"{len(value)} items from {value[0]!r} to {value[-1]!r}"
+    return repr(value)
+
+
+def table(caption: str, rows: Mapping[str, str]) -> str:
+    left = 'style="text-align:left"'
+    cells = (f"<th {left}>{escape(key)}</th><td {left}>{escape(value)}</td>" for key, value in rows.items())
+    body = "".join(f"<tr>{cell}</tr>" for cell in cells)
+    return f"<table><caption>{escape(caption)}</caption>{body}</table>"
+
+
+def record(record: "Record") -> str:
+    lines = [f"<asperity.{type(record).__name__}>"]
+    lines += [f"  {key:<18} {value}" for key, value in rows(record).items()]
+    return "\n".join(lines)
+
+
+def record_html(record: "Record") -> str:
+    return table(type(record).__name__, rows(record))
+
+
+def rows(record: "Record") -> dict[str, str]:
+    """The numbers people quote, and the variables with their shapes."""
+    rows = {}
+    for name in (
+        "title",
+        "static_friction",
+        "kinetic_friction",
+        "relaxation_length",
+        "critical_stiffness",
+        "breaks",
+    ):
+        value = getattr(record, name, "")
+        if value is None:
+            rows[name] = "not reached"
+        elif value != "":
+            rows[name] = number(value)
+    for name, label in record.labels.items():
+        sizes = zip(label.dimensions, record[name].shape, strict=True)
+        shape = ", ".join(f"{dimension}: {length}" for dimension, length in sizes)
+        rows[name] = f"({shape}) {label.long_name} [{label.units}]"
+    return rows
+
+
+def number(value: object) -> str:
+    if isinstance(value, tuple):
+        force, position = value
+        return f"{force:.6g} at {position:.6g}"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,30 @@
+"""Closed forms: friction curves, steady states and noise that are known without solving anything.
+
+Forces are per total stiffness, F/(N_c⟨k⟩): the mean stretch of the contacts, in the unit of the thresholds.
+"""
+
+from asperity._core import (
+    ClosedForm,
+    ExactErlang as Erlang,
+    ExactGaussian as Gaussian,
+    ExactIdentical as Identical,
+    ExactQuenched as Quenched,
+    ExactRectangular as Rectangular,
+    kinetic_friction,
+    kinetic_friction_per_threshold,
+    steady_variance,
+    steady_variance_per_threshold,
+)
+
+__all__ = [
+    "ClosedForm",
+    "Erlang",
+    "Gaussian",
+    "Identical",
+    "Quenched",
+    "Rectangular",
+    "kinetic_friction",
+    "kinetic_friction_per_threshold",
+    "steady_variance",
+    "steady_variance_per_threshold",
+]

@@ -1,0 +1,163 @@
+//! What an interface is: contacts, or the areas they follow from.
+
+use asperity::scenario;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::description::{Description, Plain};
+use crate::error;
+use crate::law::{AnyLaw, given};
+
+/// Contacts described by their areas A: of stiffness k = modulus √A, they break at the force strength × A.
+///
+/// So a contact breaks at the stretch x_s = (strength/modulus) √A, and k = κ x_s with κ = modulus²/strength.
+///
+/// law: the law of areas, in units of length². modulus: stiffness per root of area, force per length² (ρc² in Braun and
+/// Peyrard 2008), above 0. strength: force per area at which a contact breaks, above 0.
+#[pyclass(frozen, extends = Description, module = "asperity")]
+pub struct Areas;
+
+#[pymethods]
+impl Areas {
+    #[new]
+    fn new(law: AnyLaw, modulus: f64, strength: f64) -> PyResult<PyClassInitializer<Self>> {
+        let areas = scenario::Areas { law: law.0, modulus, strength };
+        areas.build().map_err(|e| error::core(e.under("areas")))?;
+        Ok(Description::new(Plain::Areas(areas)).add_subclass(Self))
+    }
+
+    /// The law of areas, in units of length².
+    #[getter]
+    fn law<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        Plain::Law(Self::plain(slf).law.clone()).object(slf.py())
+    }
+
+    /// The stiffness per root of area, force per length².
+    #[getter]
+    fn modulus(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).modulus
+    }
+
+    /// The force per area at which a contact breaks.
+    #[getter]
+    fn strength(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).strength
+    }
+}
+
+impl Areas {
+    fn plain<'a>(areas: &'a Bound<'_, Self>) -> &'a scenario::Areas {
+        match areas.as_super().get().plain() {
+            Plain::Areas(areas) => areas,
+            _ => unreachable!("areas are described as areas"),
+        }
+    }
+}
+
+/// The arguments that make areas.
+pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    into.set_item("law", Plain::Law(areas.law.clone()).object(into.py())?)?;
+    into.set_item("modulus", areas.modulus)?;
+    into.set_item("strength", areas.strength)
+}
+
+/// The contacts of an interface: when they break, how stiff they are, how they re-form.
+///
+/// thresholds: the law P_c of stretches at which contacts break; or areas, from which thresholds and stiffnesses follow.
+/// reforming: the law R of stretches at which they re-form, all at 0 by default.
+/// count: the number N_c of contacts, above 0; 1 gives forces per contact.
+/// stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ of
+/// stiffnesses k = κ x_s that grow with the threshold.
+/// normal_load: the weight carried, a force; with it, results of scenarios have friction coefficients.
+///
+/// Laws may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
+#[pyclass(frozen, extends = Description, module = "asperity")]
+pub struct Contacts;
+
+#[pymethods]
+impl Contacts {
+    #[new]
+    #[pyo3(signature = (
+        thresholds = None, reforming = None, *, areas = None, count = 1.0, stiffness = None,
+        stiffness_per_threshold = None, normal_load = None
+    ))]
+    fn new(
+        thresholds: Option<AnyLaw>,
+        reforming: Option<AnyLaw>,
+        areas: Option<&Bound<'_, Areas>>,
+        count: f64,
+        stiffness: Option<f64>,
+        stiffness_per_threshold: Option<f64>,
+        normal_load: Option<f64>,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let contacts = scenario::Contacts {
+            count,
+            stiffness,
+            stiffness_per_threshold,
+            normal_load,
+            thresholds: thresholds.map(|law| law.0),
+            areas: areas.map(|areas| Areas::plain(areas).clone()),
+            reforming: reforming.map_or_else(scenario::Law::zero, |law| law.0),
+        };
+        contacts.build().map_err(|e| error::core(e.under("contacts")))?;
+        Ok(Description::new(Plain::Contacts(contacts)).add_subclass(Self))
+    }
+
+    /// The law P_c of stretches at which contacts break; None for contacts described by their areas.
+    #[getter]
+    fn thresholds<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let law = Self::plain(slf).thresholds.clone();
+        law.map(|law| Plain::Law(law).object(slf.py())).transpose()
+    }
+
+    /// The law R of stretches at which contacts re-form.
+    #[getter]
+    fn reforming<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        Plain::Law(Self::plain(slf).reforming.clone()).object(slf.py())
+    }
+
+    /// The areas from which thresholds and stiffnesses follow, if they do.
+    #[getter]
+    fn areas<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let areas = Self::plain(slf).areas.clone();
+        areas.map(|areas| Plain::Areas(areas).object(slf.py())).transpose()
+    }
+
+    /// The number N_c of contacts.
+    #[getter]
+    fn count(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).count
+    }
+
+    /// The weight carried, a force, if it is known.
+    #[getter]
+    fn normal_load(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).normal_load
+    }
+}
+
+impl Contacts {
+    pub fn plain<'a>(contacts: &'a Bound<'_, Self>) -> &'a scenario::Contacts {
+        match contacts.as_super().get().plain() {
+            Plain::Contacts(contacts) => contacts,
+            _ => unreachable!("contacts are described as contacts"),
+        }
+    }
+}
+
+/// The arguments that make contacts.
+pub fn arguments(contacts: &scenario::Contacts, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    let py = into.py();
+    let default = scenario::Contacts::default();
+    let law = |law: &scenario::Law| Plain::Law(law.clone()).object(py);
+    given(into, "thresholds", contacts.thresholds.as_ref().map(law).transpose()?)?;
+    if contacts.reforming != default.reforming {
+        into.set_item("reforming", law(&contacts.reforming)?)?;
+    }
+    let areas = contacts.areas.as_ref().map(|areas| Plain::Areas(areas.clone()).object(py));
+    given(into, "areas", areas.transpose()?)?;
+    given(into, "count", Some(contacts.count).filter(|&count| count != default.count))?;
+    given(into, "stiffness", contacts.stiffness)?;
+    given(into, "stiffness_per_threshold", contacts.stiffness_per_threshold)?;
+    given(into, "normal_load", contacts.normal_load)
+}

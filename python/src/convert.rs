@@ -1,0 +1,291 @@
+//! Between Python's values and those of the core: numbers and arrays, seeds, words, scenarios.
+
+use asperity::scenario::{Disorder, Start};
+use asperity_runner::input;
+use numpy::ndarray::{ArrayD, IxDyn};
+use numpy::{IntoPyArray, PyArrayDescrMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::IntoPyObjectExt as _;
+use pyo3::exceptions::{PyOverflowError, PyRuntimeError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use serde::de::DeserializeOwned;
+use toml::Value;
+
+use crate::description::Description;
+use crate::error::{self, invalid, wrong_type};
+
+/// Something of a Python module, looked up once.
+pub struct Import(PyOnceLock<Py<PyAny>>, &'static str, &'static str);
+
+impl Import {
+    pub const fn new(module: &'static str, name: &'static str) -> Self {
+        Self(PyOnceLock::new(), module, name)
+    }
+
+    pub fn get<'py>(&self, py: Python<'py>) -> PyResult<&Bound<'py, PyAny>> {
+        let look_up = || PyResult::Ok(py.import(self.1)?.getattr(self.2)?.unbind());
+        Ok(self.0.get_or_try_init(py, look_up)?.bind(py))
+    }
+}
+
+/// The numbers that make sense somewhere.
+pub struct Domain {
+    pub low: f64,
+    pub high: f64,
+    pub what: &'static str,
+}
+
+impl Domain {
+    pub const NUMBERS: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY, what: "a number" };
+    pub const PROBABILITIES: Self = Self { low: 0.0, high: 1.0, what: "a probability" };
+
+    /// Positions of a pull.
+    pub fn positions(distance: f64) -> Self {
+        Self { low: 0.0, high: distance, what: "a position" }
+    }
+
+    fn contains(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+
+    fn refuse(&self, key: &str, value: f64) -> PyErr {
+        let Self { low, high, what } = self;
+        let range = if low.is_finite() { format!(" from {low} to {high}") } else { String::new() };
+        invalid(key, format!("{what}{range}"), value)
+    }
+}
+
+/// A number, or an array of them.
+enum Numbers<'py> {
+    One(f64),
+    Many(PyReadonlyArrayDyn<'py, f64>),
+}
+
+impl<'py> Numbers<'py> {
+    /// Reads what NumPy makes an array of whole or real numbers of.
+    fn read(key: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        if value.is_instance_of::<PyFloat>() || value.is_instance_of::<PyInt>() {
+            return value.extract().map(Self::One);
+        }
+        let array: PyReadonlyArrayDyn<'py, f64> = match value.extract() {
+            Ok(array) => array,
+            Err(_) => as_floats(key, value)?.extract()?,
+        };
+        Ok(if array.ndim() == 0 { Self::One(array.as_array()[[].as_slice()]) } else { Self::Many(array) })
+    }
+}
+
+fn as_floats<'py>(key: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    static AS_ARRAY: Import = Import::new("numpy", "asarray");
+    let array = AS_ARRAY.get(value.py())?.call1((value,))?;
+    if !matches!(array.cast::<PyUntypedArray>()?.dtype().kind(), b'i' | b'u' | b'f') {
+        let found = array.getattr("dtype")?;
+        let text = format!("{key}: expected numbers, got {} of dtype {found}", value.get_type().name()?);
+        return Err(PyTypeError::new_err(text));
+    }
+    array.call_method1("astype", ("float64",))
+}
+
+/// `function` of a number as a float, of an array as an array of its shape.
+pub fn evaluate<'py>(
+    key: &str,
+    at: &Bound<'py, PyAny>,
+    domain: &Domain,
+    function: impl Fn(f64) -> f64 + Send + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = at.py();
+    match Numbers::read(key, at)? {
+        Numbers::One(value) if domain.contains(value) => function(value).into_bound_py_any(py),
+        Numbers::One(value) => Err(domain.refuse(key, value)),
+        Numbers::Many(values) => {
+            let values = values.as_array();
+            if let Some((place, &value)) = values.iter().enumerate().find(|(_, v)| !domain.contains(**v)) {
+                return Err(domain.refuse(&format!("{key}.{place}"), value));
+            }
+            Ok(py.detach(|| values.mapv(&function)).into_pyarray(py).into_any())
+        }
+    }
+}
+
+/// A list of numbers.
+pub fn list(key: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    match Numbers::read(key, values)? {
+        Numbers::Many(array) if array.ndim() == 1 => Ok(array.as_array().iter().copied().collect()),
+        Numbers::Many(array) => {
+            Err(invalid(key, "a list of numbers", format!("an array of shape {:?}", array.shape())))
+        }
+        Numbers::One(_) => Err(wrong_type(key, "a list of numbers", values)),
+    }
+}
+
+/// A list of numbers of a domain.
+pub fn list_within(key: &str, values: &Bound<'_, PyAny>, domain: &Domain) -> PyResult<Vec<f64>> {
+    let values = list(key, values)?;
+    match values.iter().position(|&value| !domain.contains(value)) {
+        Some(place) => Err(domain.refuse(&format!("{key}.{place}"), values[place])),
+        None => Ok(values),
+    }
+}
+
+/// A number of a domain, as a list, or a list of them; and whether it was one number.
+pub fn one_or_list(key: &str, values: &Bound<'_, PyAny>, domain: &Domain) -> PyResult<(Vec<f64>, bool)> {
+    match Numbers::read(key, values)? {
+        Numbers::One(value) if domain.contains(value) => Ok((vec![value], true)),
+        Numbers::One(value) => Err(domain.refuse(key, value)),
+        Numbers::Many(_) => Ok((list_within(key, values, domain)?, false)),
+    }
+}
+
+/// A number of contacts.
+pub fn contacts(key: &str, number: f64) -> PyResult<f64> {
+    if number.is_finite() && number > 0.0 {
+        return Ok(number);
+    }
+    Err(invalid(key, "a number of contacts above 0", number))
+}
+
+/// An array of the given shape that owns `values` and does not let them be changed.
+pub fn array<'py>(py: Python<'py>, shape: &[usize], values: Vec<f64>) -> PyResult<Bound<'py, PyAny>> {
+    let array = ArrayD::from_shape_vec(IxDyn(shape), values)
+        .map_err(|e| PyRuntimeError::new_err(e.to_string()))?
+        .into_pyarray(py)
+        .into_any();
+    array.call_method1("setflags", (false,))?;
+    Ok(array)
+}
+
+/// An array of one dimension that owns `values` and does not let them be changed.
+pub fn row(py: Python<'_>, values: Vec<f64>) -> PyResult<Bound<'_, PyAny>> {
+    array(py, &[values.len()], values)
+}
+
+/// A seed: a whole number, or a number drawn from a generator of NumPy.
+pub struct Seed(pub u64);
+
+impl<'py> FromPyObject<'_, 'py> for Seed {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        const EXPECTED: &str = "a whole number from 0 to 2^63 - 1, or a numpy.random.Generator";
+        static GENERATOR: Import = Import::new("numpy.random", "Generator");
+        let py = value.py();
+        if !value.hasattr("__index__")? {
+            if !value.is_instance(GENERATOR.get(py)?)? {
+                return Err(wrong_type("seed", EXPECTED, &value));
+            }
+            return value.call_method1("integers", (1_u64 << 63,))?.extract().map(Self);
+        }
+        match value.extract::<u64>() {
+            Ok(seed) if i64::try_from(seed).is_ok() => Ok(Self(seed)),
+            _ => Err(invalid("seed", EXPECTED, value.str()?)),
+        }
+    }
+}
+
+/// A whole number, 0 or above, or the text of one that is not.
+pub struct Whole(Result<usize, String>);
+
+impl Whole {
+    pub const fn new(number: usize) -> Self {
+        Self(Ok(number))
+    }
+
+    /// The number that stands under `key`.
+    pub fn get<T: TryFrom<usize>>(self, key: &str) -> PyResult<T> {
+        let number = self.0.and_then(|number| T::try_from(number).map_err(|_| number.to_string()));
+        number.map_err(|found| invalid(key, "a whole number, 0 or above, and not too large", found))
+    }
+}
+
+impl<'py> FromPyObject<'_, 'py> for Whole {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        match value.extract() {
+            Ok(number) => Ok(Self(Ok(number))),
+            Err(error) if error.is_instance_of::<PyOverflowError>(value.py()) => {
+                Ok(Self(Err(value.str()?.to_string())))
+            }
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// How many numbers are wanted: so many, or an array of a shape.
+pub struct Size(pub Vec<usize>);
+
+impl<'py> FromPyObject<'_, 'py> for Size {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        let refused = |error: PyErr| {
+            let text = value.str().map_or_else(|_| "something else".into(), |text| text.to_string());
+            let whole = error.is_instance_of::<PyOverflowError>(value.py());
+            let expected = "None, a whole number, 0 or above, or a tuple of them";
+            if whole { invalid("size", expected, text) } else { wrong_type("size", expected, &value) }
+        };
+        if value.hasattr("__index__")? {
+            return value.extract().map(|length| Self(vec![length])).map_err(refused);
+        }
+        value.extract().map(Self).map_err(refused)
+    }
+}
+
+/// One of several words.
+pub fn word<T: DeserializeOwned>(key: &str, word: &str) -> PyResult<T> {
+    input::word(key, word).map_err(error::core)
+}
+
+/// The word for a start.
+pub fn start(start: Start) -> &'static str {
+    match start {
+        Start::Conditional => "conditional",
+        Start::Relaxed => "relaxed",
+    }
+}
+
+/// The word for a disorder.
+pub fn disorder(disorder: Disorder) -> &'static str {
+    match disorder {
+        Disorder::Annealed => "annealed",
+        Disorder::Quenched => "quenched",
+    }
+}
+
+/// A part of a scenario, made of dictionaries, lists, numbers, texts, arrays and descriptions.
+pub fn toml(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    let child = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
+    if let Ok(described) = value.cast::<Description>() {
+        return described.get().toml().ok_or_else(|| wrong_type(key, "a law, areas or contacts", value));
+    }
+    if let Ok(table) = value.cast::<PyDict>() {
+        let entry = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+            let text: String = name.extract().map_err(|_| wrong_type(key, "keys that are texts", &name))?;
+            let value = toml(&child(&text), &value)?;
+            Ok((text, value))
+        };
+        return table.iter().map(entry).collect::<PyResult<toml::Table>>().map(Value::Table);
+    }
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        let items = value.try_iter()?.enumerate().map(|(i, item)| toml(&child(&i.to_string()), &item?));
+        return items.collect::<PyResult<_>>().map(Value::Array);
+    }
+    if value.is_instance_of::<PyBool>() {
+        return value.extract().map(Value::Boolean);
+    }
+    if value.is_instance_of::<PyInt>() {
+        let whole = value.extract().map(Value::Integer);
+        return whole.map_err(|_| invalid(key, "a whole number below 2^63", value));
+    }
+    if value.is_instance_of::<PyFloat>() {
+        return value.extract().map(Value::Float);
+    }
+    if value.is_instance_of::<PyString>() {
+        return value.extract().map(Value::String);
+    }
+    if value.hasattr("tolist")? {
+        return toml(key, &value.call_method0("tolist")?);
+    }
+    Err(wrong_type(key, "a table, a list, a number or a text", value))
+}

@@ -1,0 +1,172 @@
+//! What laws, contacts and models have in common: each is its description in plain values, and so can be compared,
+//! printed, copied with changes, and sent to another process.
+
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash as _, Hasher as _};
+
+use asperity::scenario::{self, Areas, Contacts, Law, Start};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple, PyType};
+use serde::{Deserialize, Serialize};
+use toml::Value;
+
+use crate::{contacts, ensemble, equation, law};
+
+/// The plain values of a description, as they stand in a scenario.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Plain {
+    Law(Law),
+    Areas(Areas),
+    Contacts(Contacts),
+    MasterEquation(Interface, scenario::MasterEquation),
+    Ensemble(Interface, scenario::Ensemble),
+}
+
+/// Contacts and how they start.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Interface {
+    pub contacts: Contacts,
+    pub initial: Law,
+    pub start: Start,
+}
+
+impl Plain {
+    /// The object that is described so.
+    pub fn object<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.class(py).call((), Some(&self.arguments(py)?))
+    }
+
+    fn class<'py>(&self, py: Python<'py>) -> Bound<'py, PyType> {
+        match self {
+            Self::Law(law) => law::class(law, py),
+            Self::Areas(_) => py.get_type::<contacts::Areas>(),
+            Self::Contacts(_) => py.get_type::<contacts::Contacts>(),
+            Self::MasterEquation(..) => py.get_type::<equation::MasterEquation>(),
+            Self::Ensemble(..) => py.get_type::<ensemble::Ensemble>(),
+        }
+    }
+
+    /// The arguments from which Python makes the same object; those that have their default are left out.
+    fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let arguments = PyDict::new(py);
+        match self {
+            Self::Law(law) => law::arguments(law, &arguments),
+            Self::Areas(areas) => contacts::areas_arguments(areas, &arguments),
+            Self::Contacts(contacts) => contacts::arguments(contacts, &arguments),
+            Self::MasterEquation(interface, own) => equation::arguments(interface, own, &arguments),
+            Self::Ensemble(interface, own) => ensemble::arguments(interface, own, &arguments),
+        }?;
+        Ok(arguments)
+    }
+}
+
+/// A description in plain values: immutable, equal to those of equal values, printed as the Python that makes it anew.
+#[pyclass(frozen, subclass, module = "asperity")]
+pub struct Description {
+    plain: Plain,
+}
+
+impl Description {
+    pub fn new(plain: Plain) -> PyClassInitializer<Self> {
+        Self { plain }.into()
+    }
+
+    pub fn plain(&self) -> &Plain {
+        &self.plain
+    }
+
+    /// As it stands in a scenario, if it has one place there.
+    pub fn toml(&self) -> Option<Value> {
+        let value = match &self.plain {
+            Plain::Law(law) => Value::try_from(law),
+            Plain::Areas(areas) => Value::try_from(areas),
+            Plain::Contacts(contacts) => Value::try_from(contacts),
+            Plain::MasterEquation(..) | Plain::Ensemble(..) => return None,
+        };
+        value.ok()
+    }
+
+    fn json(&self) -> PyResult<String> {
+        serde_json::to_string(&self.plain).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+}
+
+#[pymethods]
+impl Description {
+    /// The arguments that make it anew, by name; those that have their default are left out.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.plain.arguments(py)
+    }
+
+    /// A copy with some of the arguments replaced.
+    ///
+    /// Raises ValueError or TypeError as the class itself does.
+    #[pyo3(signature = (**changes))]
+    fn replace<'py>(
+        slf: &Bound<'py, Self>,
+        changes: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let arguments = slf.get().plain.arguments(slf.py())?;
+        if let Some(changes) = changes {
+            arguments.update(changes.as_mapping())?;
+        }
+        slf.get_type().call((), Some(&arguments))
+    }
+
+    #[pyo3(signature = (**changes))]
+    fn __replace__<'py>(
+        slf: &Bound<'py, Self>,
+        changes: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        Self::replace(slf, changes)
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.plain == other.plain
+    }
+
+    fn __hash__(&self) -> PyResult<u64> {
+        let mut hasher = DefaultHasher::new();
+        self.json()?.hash(&mut hasher);
+        Ok(hasher.finish())
+    }
+
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        show(slf, "text")
+    }
+
+    fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {
+        show(slf, "html")
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let restore = slf.py().import("asperity._core")?.getattr("_restore")?;
+        Ok((restore, (VERSION, slf.get().json()?).into_pyobject(slf.py())?))
+    }
+}
+
+/// Name and arguments, laid out by a function of the package.
+fn show(description: &Bound<'_, Description>, layout: &str) -> PyResult<String> {
+    let arguments = description.get().plain.arguments(description.py())?;
+    let name = description.get_type().name()?;
+    description.py().import("asperity._show")?.call_method1(layout, (name, arguments))?.extract()
+}
+
+/// The version that writes pickles, and the only one that they are read by.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The description that was pickled.
+#[pyfunction(name = "_restore")]
+pub fn restore<'py>(py: Python<'py>, version: &str, description: &str) -> PyResult<Bound<'py, PyAny>> {
+    if version != VERSION {
+        let text =
+            format!("pickle: expected one written by asperity {VERSION}, got one of asperity {version}");
+        return Err(PyValueError::new_err(text));
+    }
+    let plain: Plain = serde_json::from_str(description)
+        .map_err(|error| PyValueError::new_err(format!("pickle: expected a description, got {error}")))?;
+    plain.object(py)
+}

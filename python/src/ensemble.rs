@@ -1,0 +1,192 @@
+//! The ensemble: contacts drawn at random and followed one by one.
+
+use asperity::ensemble::{self, Snapshots};
+use asperity::record::{self, Quantity};
+use asperity::scenario::{self, Units};
+use asperity_runner::task::Grid;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::contacts::Contacts;
+use crate::convert::{self, Seed, Whole};
+use crate::description::{Interface, Plain};
+use crate::error;
+use crate::law::{AnyLaw, given};
+use crate::model::{Model, interface, interface_arguments};
+use crate::record::Record;
+use crate::watch::watched;
+
+/// Contacts drawn at random and followed one by one: the earthquake-like model.
+///
+/// contacts, initial, start: as for MasterEquation. size: the number of contacts followed; forces are scaled to the
+/// count of the contacts. seed: a whole number below 2^63, for which the numbers are always the same, on any number of
+/// threads, or a numpy.random.Generator, from which one such number is drawn. disorder: "annealed" where a contact that
+/// re-forms gets a new threshold, as the master equation has it; "quenched" where it keeps its own.
+///
+/// Raises ValueError for laws that leave a contact nowhere to be.
+#[pyclass(frozen, extends = Model, module = "asperity")]
+pub struct Ensemble {
+    ensemble: ensemble::Ensemble,
+}
+
+#[pymethods]
+impl Ensemble {
+    #[new]
+    #[pyo3(
+        signature = (
+            contacts, initial = None, *, size = Whole::new(100_000), seed = Seed(1), disorder = "annealed",
+            start = "conditional"
+        ),
+        text_signature = "(contacts, initial=None, *, size=100000, seed=1, disorder='annealed', start='conditional')"
+    )]
+    fn new(
+        contacts: &Bound<'_, Contacts>,
+        initial: Option<AnyLaw>,
+        size: Whole,
+        seed: Seed,
+        disorder: &str,
+        start: &str,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
+        let (size, disorder) = (size.get("size")?, convert::word("disorder", disorder)?);
+        let own = scenario::Ensemble { size, seed: seed.0, disorder };
+        let build = || {
+            let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
+            own.build(contacts, initial)
+        };
+        let ensemble = build().map_err(error::core)?;
+        let plain = Plain::Ensemble(Interface { contacts, initial, start }, own);
+        Ok(Model::new(plain).add_subclass(Self { ensemble }))
+    }
+
+    /// The number of contacts followed.
+    #[getter]
+    fn size(slf: &Bound<'_, Self>) -> usize {
+        Self::plain(slf).size
+    }
+
+    /// The seed of the random numbers.
+    #[getter]
+    fn seed(slf: &Bound<'_, Self>) -> u64 {
+        Self::plain(slf).seed
+    }
+
+    /// "annealed" or "quenched".
+    #[getter]
+    fn disorder(slf: &Bound<'_, Self>) -> &'static str {
+        convert::disorder(Self::plain(slf).disorder)
+    }
+
+    /// Pulls the slider's bottom from X = 0 to distance, from break to break.
+    ///
+    /// distance, points, progress: as for MasterEquation.pull. snapshots: a list of m positions, rising, at which the
+    /// stretches are counted. edges: a list of edges of the n bins to count them in, rising; by default even bins up to
+    /// where hardly any contact holds. Ctrl-C stops it.
+    ///
+    /// Raises ValueError for values that make no sense, MemoryError for results that do not fit.
+    #[pyo3(
+        signature = (
+            distance = 20.0, points = Whole::new(2001), *, snapshots = None, edges = None, progress = None
+        ),
+        text_signature = "($self, distance=20.0, points=2001, *, snapshots=None, edges=None, progress=None)"
+    )]
+    fn pull(
+        slf: Bound<'_, Self>,
+        distance: f64,
+        points: Whole,
+        snapshots: Option<&Bound<'_, PyAny>>,
+        edges: Option<&Bound<'_, PyAny>>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<EnsemblePull>> {
+        let py = slf.py();
+        let snapshots = snapshots.map_or(Ok(Vec::new()), |at| convert::list("snapshots", at))?;
+        let asked = scenario::Pull {
+            distance,
+            points: points.get("points")?,
+            snapshots,
+            ..scenario::Pull::default()
+        };
+        asked.check().map_err(|e| error::core(e.under("pull")))?;
+        let Self { ensemble } = slf.get();
+        let edges = match edges {
+            Some(edges) => convert::list("edges", edges)?,
+            None => Grid::new(ensemble.contacts(), ensemble.initial(), &[]).edges(ensemble.size()),
+        };
+        let positions = asked.positions();
+        let snapshots = Snapshots { positions: asked.snapshots, edges };
+        let pull = watched(progress, py, |monitor| ensemble.pull(&positions, &snapshots, monitor))?;
+        let breaks = pull.breaks;
+        let record = Record::new(py, columns(positions, snapshots, pull), Units::default())?;
+        Py::new(py, record.add_subclass(EnsemblePull { ensemble: slf.unbind(), breaks }))
+    }
+}
+
+impl Ensemble {
+    fn plain<'a>(ensemble: &'a Bound<'_, Self>) -> &'a scenario::Ensemble {
+        match ensemble.as_super().as_super().get().plain() {
+            Plain::Ensemble(_, own) => own,
+            _ => unreachable!("an ensemble is described as an ensemble"),
+        }
+    }
+}
+
+/// The arguments that make an ensemble.
+pub fn arguments(interface: &Interface, own: &scenario::Ensemble, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    interface_arguments(interface, into)?;
+    into.set_item("size", own.size)?;
+    into.set_item("seed", own.seed)?;
+    let disorder = (own.disorder != scenario::Disorder::default()).then(|| convert::disorder(own.disorder));
+    given(into, "disorder", disorder)
+}
+
+/// What a pull of the ensemble found, as columns; no stretches where no snapshots were asked for.
+fn columns(positions: Vec<f64>, snapshots: Snapshots, pull: ensemble::EnsemblePull) -> record::Record {
+    let Snapshots { positions: at, edges } = snapshots;
+    let density = (0..at.len()).flat_map(|i| pull.stretch_density(i..i + 1)).collect();
+    let mut record = record::Record::default();
+    let along = &["position"];
+    record.push("position", "position X of the slider's bottom", Quantity::Length, along, positions);
+    record.push("force", "friction force", Quantity::Force, along, pull.force);
+    record.push("force_error", "its standard error", Quantity::Force, along, pull.error);
+    if at.is_empty() {
+        return record;
+    }
+    let centres = edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    record.push("snapshot", "position X of the snapshot", Quantity::Length, &["snapshot"], at);
+    record.push("bin", "stretch at the middle of a bin", Quantity::Length, &["bin"], centres);
+    record.push("edge", "edge of the bins", Quantity::Length, &["edge"], edges);
+    let (words, along) = ("density of stretches", &["snapshot", "bin"]);
+    record.push("stretch_density", words, Quantity::PerLength, along, density);
+    record
+}
+
+/// A pull of an ensemble: the friction force with its standard error, and the stretches counted on the way.
+///
+/// Its variables are `position`, `force` and `force_error`; with snapshots also `snapshot` of shape (m,), `edge` of
+/// shape (n + 1,), their middles `bin` of shape (n,), and `stretch_density` of shape (m, n), per length.
+#[pyclass(frozen, extends = Record, module = "asperity")]
+pub struct EnsemblePull {
+    ensemble: Py<Ensemble>,
+    breaks: u64,
+}
+
+#[pymethods]
+impl EnsemblePull {
+    /// The ensemble that was pulled.
+    #[getter]
+    fn ensemble(&self, py: Python<'_>) -> Py<Ensemble> {
+        self.ensemble.clone_ref(py)
+    }
+
+    /// The standard error of the force, shape (points,), from the scatter of single contacts; nan for one contact.
+    #[getter]
+    fn force_error<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.get_item("force_error")
+    }
+
+    /// The number of breaks up to the end, those of a relaxed start included.
+    #[getter]
+    fn breaks(&self) -> u64 {
+        self.breaks
+    }
+}

@@ -1,0 +1,228 @@
+//! The master equation, and what follows from it without a pull.
+
+use asperity::contacts::Initial;
+use asperity::master;
+use asperity::scenario;
+use asperity_runner::task::Grid;
+use numpy::IntoPyArray as _;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::contacts::Contacts;
+use crate::convert::{self, Domain, Whole, evaluate};
+use crate::description::{Interface, Plain};
+use crate::law::{AnyLaw, given};
+use crate::model::{Model, interface, interface_arguments};
+use crate::pull::Pull;
+use crate::{error, values};
+
+/// The master equation of contacts and their start.
+///
+/// ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ for the density Q(x; X) of stretches x, with the hazard P of the
+/// thresholds and the law R of re-formed stretches (O. M. Braun and M. Peyrard, Phys. Rev. Lett. 100, 125501 (2008),
+/// Eq. 5), solved in renewal form.
+///
+/// contacts: the contacts. initial: the law Q_ini of stretches at X = 0, all at 0 by default.
+/// start: "conditional" where contacts hold at X = 0, so that thresholds lie above stretches; "relaxed" where stretches
+/// and thresholds are independent, so that what is above its threshold breaks at once.
+/// tolerance: error allowed in the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2.
+///
+/// Raises ValueError for stretches at which no contact survives, and for laws too narrow to be told from a point.
+#[pyclass(frozen, extends = Model, module = "asperity")]
+pub struct MasterEquation {
+    pub equation: master::MasterEquation,
+    pub initial: Initial,
+}
+
+#[pymethods]
+impl MasterEquation {
+    #[new]
+    #[pyo3(signature = (contacts, initial = None, *, start = "conditional", tolerance = 1e-10))]
+    fn new(
+        py: Python<'_>,
+        contacts: &Bound<'_, Contacts>,
+        initial: Option<AnyLaw>,
+        start: &str,
+        tolerance: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
+        let own = scenario::MasterEquation { tolerance };
+        let build = || {
+            own.check().map_err(|e| e.under("master_equation"))?;
+            let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
+            Ok(Self { equation: master::MasterEquation::new(contacts, &initial)?, initial })
+        };
+        let equation = py.detach(build).map_err(error::core)?;
+        let plain = Plain::MasterEquation(Interface { contacts, initial, start }, own);
+        Ok(Model::new(plain).add_subclass(equation))
+    }
+
+    /// Error allowed in the force per contact and per ⟨k⟩ × mean threshold.
+    #[getter]
+    fn tolerance(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).tolerance
+    }
+
+    /// Pulls the slider's bottom from X = 0 to distance.
+    ///
+    /// distance: a length above 0. points: the number of positions of `position`, `force` and `breaking_rate`, evenly
+    /// spaced, both ends included; 2 or more. progress: a function that is called with the fraction done now and then,
+    /// or True for a bar (by tqdm). Ctrl-C stops it.
+    ///
+    /// Raises ValueError for values that make no sense or too many point masses, RuntimeError where the tolerance is
+    /// not reached.
+    #[pyo3(
+        signature = (distance = 20.0, points = Whole::new(2001), *, progress = None),
+        text_signature = "($self, distance=20.0, points=2001, *, progress=None)"
+    )]
+    fn pull(
+        slf: Bound<'_, Self>,
+        distance: f64,
+        points: Whole,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<Pull>> {
+        Pull::object(slf, distance, points.get("points")?, progress)
+    }
+
+    /// Steady sliding.
+    fn steady_state(slf: Bound<'_, Self>) -> SteadyState {
+        SteadyState { steady: slf.get().equation.steady_state(), equation: slf.unbind() }
+    }
+
+    /// The relaxation to steady sliding.
+    fn relaxation(&self, py: Python<'_>) -> Relaxation {
+        Relaxation { relaxation: py.detach(|| self.equation.relaxation()) }
+    }
+}
+
+impl MasterEquation {
+    pub fn plain<'a>(equation: &'a Bound<'_, Self>) -> &'a scenario::MasterEquation {
+        match equation.as_super().as_super().get().plain() {
+            Plain::MasterEquation(_, own) => own,
+            _ => unreachable!("an equation is described as an equation"),
+        }
+    }
+
+    /// The stretches wanted, or ones close enough to show the distributions at X = `positions`.
+    pub fn stretches(&self, wanted: Option<&Bound<'_, PyAny>>, positions: &[f64]) -> PyResult<Vec<f64>> {
+        const STRETCHES: Domain = Domain { low: 0.0, high: f64::MAX, what: "a stretch" };
+        match wanted {
+            Some(stretches) => convert::list_within("stretches", stretches, &STRETCHES),
+            None => Ok(Grid::new(self.equation.contacts(), &self.initial, positions).stretches),
+        }
+    }
+}
+
+/// The arguments that make a master equation.
+pub fn arguments(
+    interface: &Interface,
+    own: &scenario::MasterEquation,
+    into: &Bound<'_, PyDict>,
+) -> PyResult<()> {
+    interface_arguments(interface, into)?;
+    given(into, "tolerance", (*own != scenario::MasterEquation::default()).then_some(own.tolerance))
+}
+
+/// Steady sliding: the solution of the master equation that does not depend on X.
+///
+/// Q_s(x) = Γ_s S(x) ∫₀ˣ R/S and F_k = N_c⟨k⟩ ∫x Q_s dx; where contacts re-form at 0, F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩)
+/// (Braun and Peyrard 2008, Eqs. 11a and 11d).
+#[pyclass(frozen, module = "asperity")]
+pub struct SteadyState {
+    steady: master::SteadyState,
+    equation: Py<MasterEquation>,
+}
+
+#[pymethods]
+impl SteadyState {
+    /// The kinetic friction F_k, a force.
+    #[getter]
+    fn kinetic_friction(&self) -> f64 {
+        self.steady.kinetic_friction()
+    }
+
+    /// The breaking rate Γ_s, the fraction of contacts that break per length.
+    #[getter]
+    fn breaking_rate(&self) -> f64 {
+        self.steady.breaking_rate()
+    }
+
+    /// The standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c.
+    fn force_std(&self, size: f64) -> PyResult<f64> {
+        Ok(self.steady.force_std(convert::contacts("size", size)?))
+    }
+
+    /// The density Q_s of stretches, per length.
+    ///
+    /// stretches: a list of n stretches, or None for ones close enough to show it. The result has `stretch` and
+    /// `density` of shape (n,), and `atoms`.
+    #[pyo3(signature = (stretches = None))]
+    fn stretch_density<'py>(
+        &self,
+        py: Python<'py>,
+        stretches: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let stretches = self.equation.get().stretches(stretches, &[])?;
+        let found = py.detach(|| self.steady.stretch_density(&stretches));
+        values::stretches(py, stretches, found)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<steady sliding: F_k = {}>", self.steady.kinetic_friction())
+    }
+}
+
+/// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1, φ̂ the Laplace
+/// transform of the breaking density of re-formed contacts.
+#[pyclass(frozen, module = "asperity")]
+pub struct Relaxation {
+    relaxation: master::Relaxation,
+}
+
+#[pymethods]
+impl Relaxation {
+    /// The roots s_j with Im s_j > 0, slowest first: a complex array of shape (n,), per length.
+    #[getter]
+    fn roots<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        self.relaxation.roots().into_pyarray(py).into_any()
+    }
+
+    /// The relaxation length X* = -1/Re s_1, over which the start is forgotten; inf where the force never settles, nan
+    /// where it is too short to be told.
+    #[getter]
+    fn length(&self) -> f64 {
+        self.relaxation.length()
+    }
+
+    /// The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds.
+    #[getter]
+    fn paper_estimate(&self) -> f64 {
+        self.relaxation.paper_estimate()
+    }
+
+    /// The position from which the terms left out of `force` are below 1e-12 of N_c⟨k⟩ × the mean life; inf where the
+    /// expansion does not hold.
+    #[getter]
+    fn valid_from(&self) -> f64 {
+        self.relaxation.valid_from()
+    }
+
+    /// F(X) from the expansion, a force, for positions from `valid_from` on.
+    fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let valid = self.relaxation.valid_from();
+        if valid.is_infinite() {
+            return Err(error::invalid(
+                "position",
+                "an expansion that holds somewhere",
+                "none for these contacts",
+            ));
+        }
+        let domain = Domain { low: valid, high: f64::MAX, what: "a position" };
+        evaluate("position", position, &domain, |x| self.relaxation.force(x))
+    }
+
+    fn __repr__(&self) -> String {
+        let (length, estimate) = (self.relaxation.length(), self.relaxation.paper_estimate());
+        format!("<relaxation: X* = {length} (the paper's estimate {estimate})>")
+    }
+}

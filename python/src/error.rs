@@ -1,0 +1,50 @@
+//! Rust errors as Python exceptions: the one place where it is decided which.
+
+use std::io::Error as IoError;
+
+use asperity::Error;
+use asperity_runner::{input, output};
+use pyo3::exceptions::{
+    PyFileExistsError, PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyTypeError, PyValueError,
+};
+use pyo3::prelude::*;
+
+/// Wrong values are `ValueError`, results that would not fit `MemoryError` (as in NumPy), an accuracy that was not
+/// reached `RuntimeError` (as in SciPy), a stop `KeyboardInterrupt`; the text is that of the core.
+pub fn core(error: Error) -> PyErr {
+    let text = error.to_string();
+    match error {
+        Error::Invalid { .. } => PyValueError::new_err(text),
+        Error::TooLarge { .. } => PyMemoryError::new_err(text),
+        Error::Stopped => PyKeyboardInterrupt::new_err(text),
+        _ => PyRuntimeError::new_err(text),
+    }
+}
+
+/// A scenario that makes no sense, `ValueError`.
+pub fn scenario(diagnostic: &input::Diagnostic) -> PyErr {
+    let help = diagnostic.help.as_ref().map_or(String::new(), |help| format!(" ({help})"));
+    PyValueError::new_err(format!("{diagnostic}{help}"))
+}
+
+/// Files that cannot be read or written: `OSError` of the right kind; those of others, `FileExistsError`.
+pub fn files(error: output::Error) -> PyErr {
+    let text = error.to_string();
+    match error {
+        output::Error::System { source, .. } => IoError::new(source.kind(), text).into(),
+        output::Error::Foreign { .. } => PyFileExistsError::new_err(text),
+        output::Error::TooLarge { .. } => PyMemoryError::new_err(text),
+        _ => PyValueError::new_err(text),
+    }
+}
+
+/// What was expected under `key`, and what came.
+pub fn invalid(key: &str, expected: impl Into<String>, found: impl ToString) -> PyErr {
+    core(Error::invalid(key, expected, found))
+}
+
+/// The same where the type is wrong, `TypeError`.
+pub fn wrong_type(key: &str, expected: &str, found: &Bound<'_, PyAny>) -> PyErr {
+    let name = found.get_type().name().map_or_else(|_| "something else".into(), |name| name.to_string());
+    PyTypeError::new_err(format!("{key}: expected {expected}, got {name}"))
+}

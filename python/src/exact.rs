@@ -1,0 +1,242 @@
+//! Closed forms.
+
+use asperity::exact::{self, ClosedForm as _};
+use asperity::law::SharedLaw;
+use asperity::scenario;
+use pyo3::prelude::*;
+use pyo3::types::PyComplex;
+
+use crate::convert::{Domain, Whole, evaluate};
+use crate::error;
+use crate::law::{AnyLaw, built};
+
+/// A friction curve F(X) in closed form, per total stiffness: F/(N_c⟨k⟩), the mean stretch, a length.
+///
+/// All contacts start and re-form relaxed, at stretch 0, unless the form says otherwise. Positions X are lengths from 0
+/// on, up to where sums would become long. For every density p of thresholds with n-fold convolutions p_n,
+/// F'(X) = 1 - X Σ p_n(X)/n; each form is the sum of this series for one family, and none shares code with the solvers.
+#[pyclass(frozen, subclass, module = "asperity.exact")]
+pub struct ClosedForm {
+    form: Box<dyn exact::ClosedForm + Send + Sync>,
+}
+
+/// The start of an object for `form`, checked.
+fn checked<F: exact::ClosedForm + Copy + Send + Sync + 'static>(
+    form: F,
+) -> PyResult<PyClassInitializer<ClosedForm>> {
+    form.check().map_err(error::core)?;
+    Ok(ClosedForm { form: Box::new(form) }.into())
+}
+
+#[pymethods]
+impl ClosedForm {
+    /// F(X)/(N_c⟨k⟩), a length; after the break where contacts break together.
+    fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("position", position, &Domain::positions(self.form.reach()), |x| self.form.force(x))
+    }
+
+    /// F'(X)/(N_c⟨k⟩) from the right, a number.
+    fn slope<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("position", position, &Domain::positions(self.form.reach()), |x| self.form.slope(x))
+    }
+
+    /// F_k/(N_c⟨k⟩), the force of steady sliding, a length.
+    #[getter]
+    fn kinetic_friction(&self) -> f64 {
+        self.form.kinetic_friction()
+    }
+
+    /// The maximum F_s/(N_c⟨k⟩) with its position X_s, both lengths; None where F only rises.
+    #[getter]
+    fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let peak = self.form.static_friction();
+        peak.map(|(position, force)| crate::values::static_friction(py, force, position)).transpose()
+    }
+
+    /// K_c/(N_c⟨k⟩) = max(0, -min F'), a number; inf where F jumps down.
+    #[getter]
+    fn critical_stiffness(&self) -> f64 {
+        self.form.critical_stiffness()
+    }
+}
+
+/// Gaussian thresholds, and a Gaussian law of stretches at the start: Fig. 2 of Braun and Peyrard (2008).
+///
+/// mean, std: of the thresholds, above 0. initial_mean, initial_std: of the stretches at X = 0, 0 or above. Masses below
+/// 0 are kept, where the laws of the solvers are cut.
+#[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
+pub struct Gaussian(exact::Gaussian);
+
+#[pymethods]
+impl Gaussian {
+    #[new]
+    #[pyo3(signature = (mean, std, initial_mean = 0.0, initial_std = 0.0))]
+    fn new(mean: f64, std: f64, initial_mean: f64, initial_std: f64) -> PyResult<PyClassInitializer<Self>> {
+        let form = exact::Gaussian { mean, std, initial_mean, initial_std };
+        Ok(checked(form)?.add_subclass(Self(form)))
+    }
+
+    /// The variance of the stretch of one contact at X, a length²: the force of N_c independent contacts scatters by
+    /// N_c⟨k⟩√(variance/N_c).
+    fn variance<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.variance(x))
+    }
+
+    /// The root s_j, j ≥ 1, of the relaxation spectrum, complex, per length: s_j = [x̄ - √(x̄² - 4πijσ²)]/σ².
+    fn relaxation_root<'py>(&self, py: Python<'py>, j: Whole) -> PyResult<Bound<'py, PyComplex>> {
+        let j = j.get("j")?;
+        if j == 0 {
+            return Err(error::invalid("j", "a whole number, 1 or above", j));
+        }
+        let root = self.0.relaxation_root(j);
+        Ok(PyComplex::from_doubles(py, root.re, root.im))
+    }
+
+    /// X* = -1/Re s_1, a length.
+    #[getter]
+    fn relaxation_length(&self) -> f64 {
+        self.0.relaxation_length()
+    }
+
+    fn __repr__(&self) -> String {
+        let exact::Gaussian { mean, std, initial_mean, initial_std } = self.0;
+        format!(
+            "Gaussian(mean={mean:?}, std={std:?}, initial_mean={initial_mean:?}, initial_std={initial_std:?})"
+        )
+    }
+}
+
+/// Thresholds of the same density everywhere from min, 0 or above, to max, above min.
+#[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
+pub struct Rectangular(exact::Rectangular);
+
+#[pymethods]
+impl Rectangular {
+    #[new]
+    fn new(min: f64, max: f64) -> PyResult<PyClassInitializer<Self>> {
+        let form = exact::Rectangular { min, max };
+        Ok(checked(form)?.add_subclass(Self(form)))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Rectangular(min={:?}, max={:?})", self.0.min, self.0.max)
+    }
+}
+
+/// Erlang thresholds: sums of `shape` exponential lengths, each of mean 1/rate. shape 1 is the exponential law.
+///
+/// shape: a whole number, 1 or above. rate: per length, above 0.
+#[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
+pub struct Erlang(exact::Erlang);
+
+#[pymethods]
+impl Erlang {
+    #[new]
+    fn new(shape: Whole, rate: f64) -> PyResult<PyClassInitializer<Self>> {
+        let form = exact::Erlang { shape: shape.get("shape")?, rate };
+        Ok(checked(form)?.add_subclass(Self(form)))
+    }
+
+    /// X*, a length: 1/[λ(1 - cos 2π/m)], but 1/λ for shapes m up to 4.
+    #[getter]
+    fn relaxation_length(&self) -> f64 {
+        self.0.relaxation_length()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Erlang(shape={}, rate={:?})", self.0.shape, self.0.rate)
+    }
+}
+
+/// Identical thresholds: every stretch is (y + X) mod threshold for ever, and nothing relaxes.
+///
+/// threshold: a length above 0.
+#[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
+pub struct Identical(exact::Identical);
+
+#[pymethods]
+impl Identical {
+    #[new]
+    fn new(threshold: f64) -> PyResult<PyClassInitializer<Self>> {
+        let form = exact::Identical { threshold };
+        Ok(checked(form)?.add_subclass(Self(form)))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Identical(threshold={:?})", self.0.threshold)
+    }
+}
+
+/// Quenched thresholds of any law: each contact keeps its own for ever.
+///
+/// F(X)/(N_c⟨k⟩) = ∫P_c(ξ)(X mod ξ)dξ; the master equation, which is about annealed thresholds, does not describe them.
+#[pyclass(frozen, module = "asperity.exact")]
+pub struct Quenched(exact::Quenched);
+
+#[pymethods]
+impl Quenched {
+    #[new]
+    fn new(thresholds: AnyLaw) -> PyResult<Self> {
+        Ok(Self(exact::Quenched { thresholds: built(thresholds)? }))
+    }
+
+    /// F(X)/(N_c⟨k⟩), a length; after the break where contacts break together.
+    fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.force(x))
+    }
+
+    /// F_k/(N_c⟨k⟩), a length: half the mean threshold.
+    #[getter]
+    fn kinetic_friction(&self) -> f64 {
+        self.0.kinetic_friction()
+    }
+
+    /// X_d = x̄²/(√2 πσ), a length: narrow Gaussian thresholds lose step as exp[-(X/X_d)²].
+    #[getter]
+    fn dephasing_length(&self) -> f64 {
+        self.0.dephasing_length()
+    }
+}
+
+/// A share of contacts that no digit of a moment shows.
+const NEGLIGIBLE: f64 = 1e-18;
+
+/// Laws of thresholds and of re-formed stretches.
+fn laws(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<(SharedLaw, SharedLaw)> {
+    let reforming = reforming.unwrap_or(AnyLaw(scenario::Law::zero()));
+    Ok((built(thresholds)?, built(reforming)?))
+}
+
+/// F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, where contacts re-form below all thresholds.
+#[pyfunction]
+#[pyo3(signature = (thresholds, reforming = None))]
+pub fn kinetic_friction(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<f64> {
+    let (thresholds, reforming) = laws(thresholds, reforming)?;
+    let highest = reforming.upper_quantile(NEGLIGIBLE);
+    if thresholds.cumulative(highest) > NEGLIGIBLE || thresholds.mean() <= highest {
+        return Err(error::invalid(
+            "reforming",
+            "stretches below all thresholds",
+            format!("some at {highest}"),
+        ));
+    }
+    Ok(exact::kinetic_friction(thresholds.as_ref(), reforming.as_ref()))
+}
+
+/// F_k/(N_c κ) = ⟨x_s³⟩/(2⟨x_s⟩), a length², for stiffnesses k = κ x_s, where contacts re-form at 0.
+#[pyfunction]
+pub fn kinetic_friction_per_threshold(thresholds: AnyLaw) -> PyResult<f64> {
+    Ok(exact::kinetic_friction_per_threshold(built(thresholds)?.as_ref()))
+}
+
+/// N Var(F/(N_c⟨k⟩)) = ⟨x_s³⟩/(3⟨x_s⟩) - F_k², a length², in steady sliding where contacts re-form at 0.
+#[pyfunction]
+pub fn steady_variance(thresholds: AnyLaw) -> PyResult<f64> {
+    Ok(exact::steady_variance(built(thresholds)?.as_ref()))
+}
+
+/// The same for stiffnesses k = κ x_s: N Var(F/(N_c κ)) = ⟨x_s⁵⟩/(3⟨x_s⟩) - F_k², a length⁴.
+#[pyfunction]
+pub fn steady_variance_per_threshold(thresholds: AnyLaw) -> PyResult<f64> {
+    Ok(exact::steady_variance_per_threshold(built(thresholds)?.as_ref()))
+}

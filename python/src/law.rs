@@ -1,0 +1,260 @@
+//! Laws, in the vocabulary of scipy.stats.
+
+use asperity::law::SharedLaw;
+use asperity::random::{Purpose, Stream};
+use asperity::scenario::{self, Component, Tabulated as Table};
+use numpy::IntoPyArray as _;
+use numpy::ndarray::{ArrayD, IxDyn};
+use pyo3::IntoPyObjectExt as _;
+use pyo3::exceptions::PyMemoryError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyType};
+
+use crate::convert::{self, Domain, Import, Seed, Size, Whole, evaluate};
+use crate::description::{Description, Plain};
+use crate::{error, values};
+
+/// A probability law on x ≥ 0: a density, and perhaps point masses.
+///
+/// Methods have the names they have in scipy.stats. They take a number and return a float, or take anything that NumPy
+/// makes an array of numbers of, and return an array of the same shape. Lengths are in the unit of the parameters.
+/// A law that would have mass below 0 is cut there and renormalised: its parameters are those before the cut, its
+/// mean() and std() those after it. NaN is refused with ValueError, what is not a number with TypeError.
+#[pyclass(frozen, subclass, extends = Description, module = "asperity")]
+pub struct Law {
+    built: SharedLaw,
+}
+
+/// The start of an object for `law`, checked and built.
+fn describe(law: scenario::Law) -> PyResult<PyClassInitializer<Law>> {
+    let built = law.build().map_err(error::core)?;
+    Ok(Description::new(Plain::Law(law)).add_subclass(Law { built }))
+}
+
+#[pymethods]
+impl Law {
+    /// The point masses: positions and weights, each an array of shape (n,).
+    #[getter]
+    fn atoms<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        values::atoms(py, &self.built.atoms())
+    }
+
+    /// The density p(x) without point masses, per length; 0 for x < 0.
+    fn pdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("x", x, &Domain::NUMBERS, |x| self.built.density(x))
+    }
+
+    /// P(ξ ≤ x), with all its digits where it is small.
+    fn cdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("x", x, &Domain::NUMBERS, |x| self.built.cumulative(x))
+    }
+
+    /// The survival S(x) = P(ξ > x), with all its digits where it is small.
+    fn sf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("x", x, &Domain::NUMBERS, |x| self.built.survival(x))
+    }
+
+    /// ln S(x), right where S itself is too small for a number; -inf where it is 0.
+    fn logsf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("x", x, &Domain::NUMBERS, |x| self.built.ln_survival(x))
+    }
+
+    /// The hazard p(x)/S(x), per length: of contacts of stretch x, the share that breaks per length of advance
+    /// (Braun and Peyrard 2008, the P(x) of Eq. 3); inf where S is 0.
+    fn hazard<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("x", x, &Domain::NUMBERS, |x| self.built.hazard(x))
+    }
+
+    /// The quantile: the smallest x with P(ξ ≤ x) ≥ q, for q from 0 to 1.
+    fn ppf<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.quantile(q))
+    }
+
+    /// The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; right for tiny q, where ppf(1 - q) is not.
+    fn isf<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.upper_quantile(q))
+    }
+
+    /// Independent draws: a float for size None, an array of shape (size,) or size otherwise.
+    ///
+    /// The seed is a whole number below 2^63, for which the numbers are always the same, or a numpy.random.Generator,
+    /// from which one such number is drawn.
+    #[pyo3(signature = (size = None, *, seed))]
+    fn rvs<'py>(&self, py: Python<'py>, size: Option<Size>, seed: Seed) -> PyResult<Bound<'py, PyAny>> {
+        let shape = size.map(|size| size.0);
+        let count = shape.iter().flatten().try_fold(1_usize, |count, &length| count.checked_mul(length));
+        let mut draws = Vec::new();
+        let count = count.filter(|&count| draws.try_reserve_exact(count).is_ok());
+        let count = count.ok_or_else(|| PyMemoryError::new_err("size: more numbers than fit in memory"))?;
+        py.detach(|| {
+            draws.resize(count, 0.0);
+            self.built.fill(&mut Stream::new(seed.0, Purpose::Sample, 0), &mut draws);
+        });
+        let Some(shape) = shape else { return draws[0].into_bound_py_any(py) };
+        let array = ArrayD::from_shape_vec(IxDyn(&shape), draws);
+        Ok(array.expect("as many numbers as the shape has").into_pyarray(py).into_any())
+    }
+
+    /// The mean of the law after the cut at 0, a length.
+    fn mean(&self) -> f64 {
+        self.built.mean()
+    }
+
+    /// The standard deviation of the law after the cut at 0, a length.
+    fn std(&self) -> f64 {
+        self.built.std()
+    }
+
+    /// The raw moment E[ξⁿ] of the law after the cut at 0, n up to 29, in units of lengthⁿ.
+    fn moment(&self, order: Whole) -> PyResult<f64> {
+        let order = order.get("order")?;
+        if order > 29 {
+            return Err(error::invalid("order", "a whole number from 0 to 29", order));
+        }
+        Ok(self.built.upper_moment(order, -1.0))
+    }
+
+    /// The lowest and the highest value; the highest may be inf.
+    fn support(&self) -> (f64, f64) {
+        (self.built.quantile(0.0), self.built.quantile(1.0))
+    }
+}
+
+/// A law as an argument: one of asperity, or one that asperity.law makes one of.
+pub struct AnyLaw(pub scenario::Law);
+
+impl<'py> FromPyObject<'_, 'py> for AnyLaw {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        static MADE: Import = Import::new("asperity._bridge", "law");
+        if let Ok(law) = value.cast::<Law>() {
+            return Ok(Self(plain(&law)));
+        }
+        let made = MADE.get(value.py())?.call1((value,))?;
+        Ok(Self(plain(made.cast::<Law>()?)))
+    }
+}
+
+/// The law itself.
+pub fn built(law: AnyLaw) -> PyResult<SharedLaw> {
+    law.0.build().map_err(error::core)
+}
+
+fn plain(law: &Bound<'_, Law>) -> scenario::Law {
+    match law.as_super().get().plain() {
+        Plain::Law(law) => law.clone(),
+        _ => unreachable!("a law is described as a law"),
+    }
+}
+
+/// The classes of laws, each the start of an object from its own arguments.
+macro_rules! laws {
+    ($($(#[doc = $doc:literal])+ $name:ident($($signature:tt)*) { $($argument:ident: $kind:ty),* } => $plain:expr;)+) => {$(
+        $(#[doc = $doc])+
+        #[pyclass(frozen, extends = Law, module = "asperity")]
+        pub struct $name;
+
+        #[pymethods]
+        impl $name {
+            #[new]
+            #[pyo3(signature = ($($signature)*))]
+            fn new($($argument: $kind),*) -> PyResult<PyClassInitializer<Self>> {
+                Ok(describe($plain)?.add_subclass(Self))
+            }
+        }
+    )+};
+}
+
+laws! {
+    /// The bell curve, cut at 0.
+    ///
+    /// mean: the mean before the cut, 0 or above. std: the standard deviation before the cut, above 0.
+    Gaussian(mean, std) { mean: f64, std: f64 } => scenario::Law::Gaussian { mean, std };
+    /// The gamma law of the given mean and standard deviation, both above 0.
+    Gamma(mean, std) { mean: f64, std: f64 } => scenario::Law::Gamma { mean, std };
+    /// A law whose logarithm is Gaussian, of the given mean and standard deviation (its own), both above 0.
+    Lognormal(mean, std) { mean: f64, std: f64 } => scenario::Law::Lognormal { mean, std };
+    /// The same density everywhere from min, 0 or above, to max, above min.
+    Rectangular(min, max) { min: f64, max: f64 } => scenario::Law::Rectangular { min, max };
+    /// One value only, 0 or above.
+    Point(at) { at: f64 } => scenario::Law::Point { at };
+    /// The exponential law of the given mean, above 0.
+    Exponential(mean) { mean: f64 } => scenario::Law::Exponential { mean };
+    /// The Weibull law: survival exp(-(x/scale)**shape), both above 0.
+    Weibull(shape, scale) { shape: f64, scale: f64 } => scenario::Law::Weibull { shape, scale };
+    /// A measured law: a density given at rising stretches, or samples.
+    ///
+    /// stretch, density: lists of equal length, the density linear between them, 0 outside, and normalised.
+    /// samples: a list of values, each as likely; the quantiles are linear between them (numpy.quantile's).
+    /// Either the two or the one are to be given.
+    Tabulated(*, stretch = None, density = None, samples = None) {
+        stretch: Option<Bound<'_, PyAny>>, density: Option<Bound<'_, PyAny>>, samples: Option<Bound<'_, PyAny>>
+    } => table(stretch, density, samples)?;
+    /// A weighted sum of laws: a list of pairs (weight, law), weights above 0 that sum to 1.
+    Mixture(components) { components: Vec<(f64, AnyLaw)> } => scenario::Law::Mixture(
+        components.into_iter().map(|(weight, law)| Component { weight, law: law.0 }).collect(),
+    );
+}
+
+fn table(
+    stretch: Option<Bound<'_, PyAny>>,
+    density: Option<Bound<'_, PyAny>>,
+    samples: Option<Bound<'_, PyAny>>,
+) -> PyResult<scenario::Law> {
+    let column = |key, values: Option<Bound<'_, PyAny>>| values.map(|v| convert::list(key, &v)).transpose();
+    Ok(scenario::Law::Tabulated(Table {
+        file: None,
+        samples: column("tabulated.samples", samples)?,
+        stretch: column("tabulated.stretch", stretch)?,
+        density: column("tabulated.density", density)?,
+    }))
+}
+
+/// The class of a law.
+pub fn class<'py>(law: &scenario::Law, py: Python<'py>) -> Bound<'py, PyType> {
+    match law {
+        scenario::Law::Gaussian { .. } => py.get_type::<Gaussian>(),
+        scenario::Law::Gamma { .. } => py.get_type::<Gamma>(),
+        scenario::Law::Lognormal { .. } => py.get_type::<Lognormal>(),
+        scenario::Law::Rectangular { .. } => py.get_type::<Rectangular>(),
+        scenario::Law::Point { .. } => py.get_type::<Point>(),
+        scenario::Law::Exponential { .. } => py.get_type::<Exponential>(),
+        scenario::Law::Weibull { .. } => py.get_type::<Weibull>(),
+        scenario::Law::Tabulated(_) => py.get_type::<Tabulated>(),
+        scenario::Law::Mixture(_) => py.get_type::<Mixture>(),
+    }
+}
+
+/// The arguments of its class that make a law.
+pub fn arguments(law: &scenario::Law, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    let numbers =
+        |pairs: &[(&str, f64)]| pairs.iter().try_for_each(|(name, value)| into.set_item(name, value));
+    match *law {
+        scenario::Law::Gaussian { mean, std }
+        | scenario::Law::Gamma { mean, std }
+        | scenario::Law::Lognormal { mean, std } => numbers(&[("mean", mean), ("std", std)]),
+        scenario::Law::Rectangular { min, max } => numbers(&[("min", min), ("max", max)]),
+        scenario::Law::Point { at } => numbers(&[("at", at)]),
+        scenario::Law::Exponential { mean } => numbers(&[("mean", mean)]),
+        scenario::Law::Weibull { shape, scale } => numbers(&[("shape", shape), ("scale", scale)]),
+        scenario::Law::Tabulated(Table { ref stretch, ref density, ref samples, .. }) => {
+            let columns = [("stretch", stretch), ("density", density), ("samples", samples)];
+            columns.into_iter().try_for_each(|(name, values)| given(into, name, values.as_ref()))
+        }
+        scenario::Law::Mixture(ref components) => {
+            let component =
+                |part: &Component| Ok((part.weight, Plain::Law(part.law.clone()).object(into.py())?));
+            into.set_item("components", components.iter().map(component).collect::<PyResult<Vec<_>>>()?)
+        }
+    }
+}
+
+/// Sets an argument that is not left out.
+pub fn given<'py, T: IntoPyObject<'py>>(
+    into: &Bound<'py, PyDict>,
+    name: &str,
+    value: Option<T>,
+) -> PyResult<()> {
+    value.map_or(Ok(()), |value| into.set_item(name, value))
+}

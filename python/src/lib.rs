@@ -1,0 +1,67 @@
+//! The Python package of asperity: what the core and the runner do, in the words of Python and NumPy.
+//!
+//! Nothing is computed here. What is documented here is what Python shows.
+
+mod contacts;
+mod convert;
+mod description;
+mod ensemble;
+mod equation;
+mod error;
+mod exact;
+mod law;
+mod model;
+mod pull;
+mod record;
+mod result;
+mod values;
+mod watch;
+
+/// The compiled part of asperity.
+#[pyo3::pymodule]
+mod _core {
+    use pyo3::prelude::*;
+
+    use crate::exact;
+
+    #[pymodule_export]
+    use crate::contacts::{Areas, Contacts};
+    #[pymodule_export]
+    use crate::description::{Description, restore};
+    #[pymodule_export]
+    use crate::ensemble::{Ensemble, EnsemblePull};
+    #[pymodule_export]
+    use crate::equation::{MasterEquation, Relaxation, SteadyState};
+    #[pymodule_export]
+    use crate::exact::{
+        kinetic_friction, kinetic_friction_per_threshold, steady_variance, steady_variance_per_threshold,
+    };
+    #[pymodule_export]
+    use crate::law::{
+        Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Tabulated, Weibull,
+    };
+    #[pymodule_export]
+    use crate::model::Model;
+    #[pymodule_export]
+    use crate::pull::Pull;
+    #[pymodule_export]
+    use crate::record::Record;
+    #[pymodule_export]
+    use crate::result::{Result, open_result, run};
+
+    #[pymodule_export]
+    #[expect(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    /// Closed forms have the names of laws, in a module of their own.
+    #[pymodule_init]
+    fn add_closed_forms(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let py = module.py();
+        module.add("ClosedForm", py.get_type::<exact::ClosedForm>())?;
+        module.add("ExactGaussian", py.get_type::<exact::Gaussian>())?;
+        module.add("ExactRectangular", py.get_type::<exact::Rectangular>())?;
+        module.add("ExactErlang", py.get_type::<exact::Erlang>())?;
+        module.add("ExactIdentical", py.get_type::<exact::Identical>())?;
+        module.add("ExactQuenched", py.get_type::<exact::Quenched>())
+    }
+}

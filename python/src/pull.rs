@@ -1,0 +1,172 @@
+//! A pull of the slider's bottom, computed.
+
+use asperity::master;
+use asperity::record;
+use asperity::scenario::{self, Units};
+use asperity_runner::task;
+use pyo3::prelude::*;
+
+use crate::convert::{self, Domain, evaluate};
+use crate::equation::MasterEquation;
+use crate::record::Record;
+use crate::watch::watched;
+use crate::{error, values};
+
+/// A pull of the slider's bottom from X = 0, solved by the master equation. Forces are those of all N_c contacts.
+///
+/// Called with positions it is F(X): `pull(5.0)`, `pull([1.0, 2.0])`.
+#[pyclass(frozen, extends = Record, module = "asperity")]
+pub struct Pull {
+    equation: Py<MasterEquation>,
+    pull: master::Pull,
+}
+
+impl Pull {
+    /// Pulls, and hands out what comes of it.
+    pub fn object(
+        equation: Bound<'_, MasterEquation>,
+        distance: f64,
+        points: usize,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<Self>> {
+        let py = equation.py();
+        let asked = scenario::Pull { distance, points, ..scenario::Pull::default() };
+        asked.check().map_err(|e| error::core(e.under("pull")))?;
+        let tolerance = MasterEquation::plain(&equation).tolerance;
+        let solver = &equation.get().equation;
+        let (pull, record) = watched(progress, py, |monitor| {
+            let pull = solver.pull(distance, tolerance, monitor)?;
+            let mut record = record::Record::default();
+            task::along_the_pull(&pull, asked.positions(), None, &mut record, monitor)?;
+            Ok((pull, record))
+        })?;
+        let record = Record::new(py, record, Units::default())?;
+        Py::new(py, record.add_subclass(Self { equation: equation.unbind(), pull }))
+    }
+
+    fn positions(&self) -> Domain {
+        Domain::positions(self.pull.distance())
+    }
+}
+
+#[pymethods]
+impl Pull {
+    /// The master equation that was solved.
+    #[getter]
+    fn equation(&self, py: Python<'_>) -> Py<MasterEquation> {
+        self.equation.clone_ref(py)
+    }
+
+    /// The fraction of contacts breaking per length at the positions, shape (points,), without those that break
+    /// together.
+    #[getter]
+    fn breaking_rate<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.get_item("breaking_rate")
+    }
+
+    /// Positions at which contacts break together, and the fractions of them that do, each of shape (n,).
+    #[getter]
+    fn breaking_atoms<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        values::atoms(py, self.pull.breaking_atoms())
+    }
+
+    /// The distance of the pull, a length.
+    #[getter]
+    fn distance(&self) -> f64 {
+        self.pull.distance()
+    }
+
+    /// The static friction F_s, the highest force of the pull, with its position X_s; None where the force still rises
+    /// at the end, or never falls.
+    #[getter]
+    fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let peak = py.detach(|| self.pull.static_friction());
+        peak.map(|peak| values::static_friction(py, peak.value, peak.position)).transpose()
+    }
+
+    /// The kinetic friction F_k, the force of steady sliding.
+    #[getter]
+    fn kinetic_friction(&self) -> f64 {
+        self.equation.get().equation.steady_state().kinetic_friction()
+    }
+
+    /// The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips; inf where the
+    /// force jumps down.
+    #[getter]
+    fn critical_stiffness(&self, py: Python<'_>) -> f64 {
+        py.detach(|| self.pull.critical_stiffness())
+    }
+
+    /// The relaxation length X*, over which the start is forgotten; inf where the force never settles, nan where it is
+    /// too short to be told.
+    #[getter]
+    fn relaxation_length(&self, py: Python<'_>) -> f64 {
+        py.detach(|| self.equation.get().equation.relaxation().length())
+    }
+
+    /// The estimated error of F/(N_c⟨k⟩), a length.
+    #[getter]
+    fn accuracy(&self, py: Python<'_>) -> f64 {
+        py.detach(|| self.pull.error_estimate())
+    }
+
+    /// F(X), for positions from 0 to the distance.
+    fn force_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("position", position, &self.positions(), |x| self.pull.force(x))
+    }
+
+    fn __call__<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        self.force_at(position)
+    }
+
+    /// dF/dX from the right, force per length, for positions from 0 to the distance.
+    fn slope_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("position", position, &self.positions(), |x| self.pull.slope(x))
+    }
+
+    /// The fraction of contacts breaking per length, for positions from 0 to the distance.
+    fn breaking_rate_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("position", position, &self.positions(), |x| self.pull.breaking_rate(x))
+    }
+
+    /// The standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c.
+    ///
+    /// at: positions from 0 to the distance, or None for those of `position`. Contacts under a rigid drive are
+    /// independent, so that it is exact.
+    #[pyo3(signature = (size, at = None))]
+    fn force_std<'py>(
+        slf: &Bound<'py, Self>,
+        size: f64,
+        at: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let size = convert::contacts("size", size)?;
+        let at = at.cloned().map_or_else(|| slf.get_item("position"), Ok)?;
+        let Self { pull, .. } = slf.get();
+        evaluate("at", &at, &slf.get().positions(), |x| pull.force_std(x, size))
+    }
+
+    /// The density Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
+    ///
+    /// at: a position, or a list of m of them. stretches: a list of n stretches, or None for ones close enough to show
+    /// the densities. The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, where
+    /// contacts are together, at the position or for each of the list.
+    #[pyo3(signature = (at, stretches = None))]
+    fn stretch_density<'py>(
+        &self,
+        py: Python<'py>,
+        at: &Bound<'py, PyAny>,
+        stretches: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (positions, single) = convert::one_or_list("at", at, &self.positions())?;
+        let stretches = self.equation.get().stretches(stretches, &positions)?;
+        let mut found = Vec::with_capacity(positions.len());
+        for &position in &positions {
+            found.push(py.detach(|| self.pull.stretch_density(position, &stretches)));
+            py.check_signals()?;
+        }
+        match found.pop() {
+            Some(only) if single => values::stretches(py, stretches, only),
+            last => values::evolution(py, stretches, found.into_iter().chain(last).collect()),
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Results as labelled columns, their values arrays of NumPy.
+
+use asperity::record::{self, Quantity, Variable};
+use asperity::scenario::Units;
+use numpy::PyReadonlyArrayDyn;
+use pyo3::exceptions::PyKeyError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::{convert, values};
+
+/// What the values of a column are, and the array that owns them.
+struct Column {
+    name: String,
+    long_name: String,
+    quantity: Quantity,
+    dimensions: Vec<String>,
+    values: Py<PyAny>,
+}
+
+/// Results: a mapping from the names of variables to arrays, which cannot be changed.
+#[pyclass(frozen, mapping, subclass, module = "asperity")]
+pub struct Record {
+    columns: Vec<Column>,
+    units: Units,
+}
+
+impl Record {
+    /// Hands the values of `record` over to NumPy.
+    pub fn new(py: Python<'_>, record: record::Record, units: Units) -> PyResult<PyClassInitializer<Self>> {
+        let lengths: Vec<(String, usize)> =
+            record.dimensions().into_iter().map(|(name, length)| (name.to_owned(), length)).collect();
+        let length = |name: &String| lengths.iter().find(|known| known.0 == *name).map_or(0, |known| known.1);
+        let column = |variable: Variable| {
+            let shape: Vec<usize> = variable.dimensions.iter().map(length).collect();
+            PyResult::Ok(Column {
+                values: convert::array(py, &shape, variable.values)?.unbind(),
+                name: variable.name,
+                long_name: variable.long_name,
+                quantity: variable.quantity,
+                dimensions: variable.dimensions,
+            })
+        };
+        let columns = record.variables.into_iter().map(column).collect::<PyResult<_>>()?;
+        Ok(Self { columns, units }.into())
+    }
+
+    /// The record of the core, its values copied.
+    pub fn copy(&self, py: Python<'_>) -> PyResult<record::Record> {
+        let variable = |column: &Column| {
+            let values: PyReadonlyArrayDyn<'_, f64> = column.values.bind(py).extract()?;
+            PyResult::Ok(Variable {
+                name: column.name.clone(),
+                long_name: column.long_name.clone(),
+                quantity: column.quantity,
+                dimensions: column.dimensions.clone(),
+                values: values.as_array().iter().copied().collect(),
+            })
+        };
+        let variables = self.columns.iter().map(variable).collect::<PyResult<_>>()?;
+        Ok(record::Record { variables })
+    }
+
+    fn names(&self) -> impl Iterator<Item = &str> {
+        self.columns.iter().map(|column| column.name.as_str())
+    }
+}
+
+#[pymethods]
+impl Record {
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let found = self.columns.iter().find(|column| column.name == name);
+        let unknown = || {
+            let names: Vec<_> = self.names().collect();
+            PyKeyError::new_err(format!("expected one of {}, got {name}", names.join(", ")))
+        };
+        found.map(|column| column.values.bind(py).clone()).ok_or_else(unknown)
+    }
+
+    fn __contains__(&self, name: &Bound<'_, PyAny>) -> bool {
+        name.extract::<String>().is_ok_and(|name| self.names().any(|known| known == name))
+    }
+
+    fn __len__(&self) -> usize {
+        self.columns.len()
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(self.keys().into_pyobject(py)?.try_iter()?.into_any())
+    }
+
+    /// The names of the variables.
+    fn keys(&self) -> Vec<&str> {
+        self.names().collect()
+    }
+
+    /// The arrays of the variables.
+    fn values<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyAny>> {
+        self.columns.iter().map(|column| column.values.bind(py).clone()).collect()
+    }
+
+    /// Names and arrays of the variables.
+    fn items<'py>(&self, py: Python<'py>) -> Vec<(&str, Bound<'py, PyAny>)> {
+        self.names().zip(self.values(py)).collect()
+    }
+
+    /// The array called key, or default.
+    #[pyo3(signature = (key, default = None, /))]
+    fn get<'py>(
+        &self,
+        py: Python<'py>,
+        key: &str,
+        default: Option<Bound<'py, PyAny>>,
+    ) -> Option<Bound<'py, PyAny>> {
+        self.__getitem__(py, key).ok().or(default)
+    }
+
+    /// Positions X of the slider's bottom: an array of shape (points,), a length.
+    #[getter]
+    fn position<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.__getitem__(py, "position")
+    }
+
+    /// The friction force F at the positions, shape (points,): that of all N_c contacts; where contacts break together,
+    /// after the break.
+    #[getter]
+    fn force<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.__getitem__(py, "force")
+    }
+
+    /// An xarray.Dataset with named dimensions, long names and units. It needs xarray.
+    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._xarray")?.call_method1("dataset", (slf,))
+    }
+
+    /// Draws F(X) and returns the axes. It needs matplotlib.
+    ///
+    /// ax: axes to draw on; new ones if None. Other arguments go to its plot().
+    #[pyo3(signature = (ax = None, **style))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("asperity._plot")?.call_method("force", (slf, ax), style)
+    }
+
+    /// Dimensions, name for people and unit of each variable.
+    #[getter]
+    fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let labels = PyDict::new(py);
+        for column in &self.columns {
+            let unit = self.units.label(column.quantity);
+            let label = values::label(py, &column.dimensions, &column.long_name, &unit)?;
+            labels.set_item(&column.name, label)?;
+        }
+        Ok(labels)
+    }
+
+    fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._show")?.call_method1("record", (slf,))?.extract()
+    }
+
+    fn _repr_html_(slf: &Bound<'_, Self>) -> PyResult<String> {
+        slf.py().import("asperity._show")?.call_method1("record_html", (slf,))?.extract()
+    }
+}

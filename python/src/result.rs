@@ -1,0 +1,163 @@
+//! Scenarios computed, and results read back.
+
+use std::path::{Path, PathBuf};
+
+use asperity_runner::output::{self, Outcome};
+use asperity_runner::summary::{StaticFriction, Summary};
+use asperity_runner::{input, task};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+
+use crate::record::Record;
+use crate::watch::watched;
+use crate::{convert, error, values};
+
+/// What a scenario gives: a mapping from the names of variables to arrays, and the numbers people quote.
+///
+/// The variables are those of `result.nc`: `position`, `force`, `breaking_rate`, `stretch_density`, …
+#[pyclass(frozen, extends = Record, module = "asperity")]
+pub struct Result {
+    scenario: String,
+    summary: Summary,
+}
+
+fn object(py: Python<'_>, outcome: Outcome) -> PyResult<Py<Result>> {
+    let Outcome { scenario, summary, record } = outcome;
+    let record = Record::new(py, record, summary.units.clone())?;
+    Py::new(py, record.add_subclass(Result { scenario, summary }))
+}
+
+#[pymethods]
+impl Result {
+    /// The scenario, TOML, with all defaults filled in.
+    #[getter]
+    fn scenario(&self) -> &str {
+        &self.scenario
+    }
+
+    /// The numbers people quote, as in `summary.json`.
+    #[getter]
+    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let json = serde_json::to_string(&self.summary).expect("a summary is plain data");
+        py.import("json")?.call_method1("loads", (json,))
+    }
+
+    /// The title of the scenario.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.summary.title
+    }
+
+    /// The static friction F_s with its position X_s; None where the force still rises at the end, or never falls.
+    #[getter]
+    fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        match self.summary.static_friction {
+            StaticFriction::NotReached => Ok(None),
+            StaticFriction::Reached { force, position } => {
+                values::static_friction(py, force, position).map(Some)
+            }
+        }
+    }
+
+    /// The kinetic friction F_k, the force of steady sliding.
+    #[getter]
+    fn kinetic_friction(&self) -> f64 {
+        self.summary.kinetic_friction
+    }
+
+    /// The critical stiffness K_c, force per length; inf where the force jumps down.
+    #[getter]
+    fn critical_stiffness(&self) -> f64 {
+        self.summary.critical_stiffness.0
+    }
+
+    /// The relaxation length X*; inf where the force never settles, nan where it is too short to be told.
+    #[getter]
+    fn relaxation_length(&self) -> f64 {
+        self.summary.relaxation_length.0
+    }
+
+    /// Writes the folder that `asperity run` would write, but for its pictures; open_result reads it.
+    ///
+    /// Raises FileExistsError where a folder is in the way that asperity did not make, OSError where the system refuses.
+    fn save(slf: &Bound<'_, Self>, folder: PathBuf) -> PyResult<()> {
+        let Self { scenario, summary } = slf.get();
+        let record = slf.as_super().get().copy(slf.py())?;
+        let outcome = Outcome { scenario: scenario.clone(), summary: summary.clone(), record };
+        slf.py().detach(|| output::write(&folder, &outcome, &[])).map_err(error::files)
+    }
+}
+
+/// Computes a scenario.
+///
+/// scenario: the path of a file; or the text of one, told by an equals sign in it; or a dictionary of the same keys,
+/// in which laws and contacts may be objects.
+/// overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a law replaces the law that is
+/// there. progress: as for MasterEquation.pull.
+///
+/// Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came; OSError for a
+/// file that cannot be read; MemoryError for results that do not fit.
+#[pyfunction]
+#[pyo3(signature = (scenario, overrides = None, *, progress = None))]
+pub fn run(
+    scenario: &Bound<'_, PyAny>,
+    overrides: Option<&Bound<'_, PyDict>>,
+    progress: Option<Bound<'_, PyAny>>,
+) -> PyResult<Py<Result>> {
+    let overrides = overrides.map(assignments).transpose()?.unwrap_or_default();
+    let Text { text, name, folder } = Text::of(scenario)?;
+    let input = input::parse(&text, &name, &folder, &overrides).map_err(|e| error::scenario(&e))?;
+    let outcome = watched(progress, scenario.py(), |monitor| task::run(&input.scenario, monitor))?;
+    object(scenario.py(), outcome)
+}
+
+/// Reads what `asperity run` or Result.save wrote.
+///
+/// Raises OSError for a file that cannot be read, ValueError for one that is not what asperity writes.
+#[pyfunction]
+pub fn open_result(py: Python<'_>, folder: PathBuf) -> PyResult<Py<Result>> {
+    object(py, py.detach(|| output::read(&folder)).map_err(error::files)?)
+}
+
+/// The text of a scenario, what messages call it, and the folder that its files are relative to.
+struct Text {
+    text: String,
+    name: String,
+    folder: PathBuf,
+}
+
+impl Text {
+    fn of(scenario: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let here = |text| Self { text, name: "the scenario".into(), folder: PathBuf::new() };
+        if scenario.is_instance_of::<PyDict>() {
+            return written(&convert::toml("", scenario)?).map(here);
+        }
+        if scenario.is_instance_of::<PyString>() && scenario.contains("=")? {
+            return scenario.extract().map(here);
+        }
+        let expected = "a path, the text of a scenario, or a dictionary";
+        let path: PathBuf =
+            scenario.extract().map_err(|_| error::wrong_type("scenario", expected, scenario))?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        let unread =
+            |source| error::files(output::Error::System { path: path.clone(), action: "read", source });
+        let text = std::fs::read_to_string(&path).map_err(unread)?;
+        Ok(Self { text, name: path.display().to_string(), folder })
+    }
+}
+
+fn written(value: &toml::Value) -> PyResult<String> {
+    toml::to_string(value).map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
+/// Overrides as the command line has them, `key=value`.
+fn assignments(overrides: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
+    let assignment = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let key: String =
+            key.extract().map_err(|_| error::wrong_type("overrides", "keys that are texts", &key))?;
+        let value = convert::toml(&key, &value)?;
+        Ok(format!("{key}={value}"))
+    };
+    overrides.iter().map(assignment).collect()
+}

@@ -1,0 +1,72 @@
+//! The watcher of long computations: Ctrl-C and progress, while other Python threads run.
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use asperity::monitor::Monitor;
+use asperity::{Error, Result};
+use pyo3::prelude::*;
+
+use crate::error;
+
+/// How often Python is asked for signals and told of the progress.
+const PERIOD: Duration = Duration::from_millis(20);
+
+struct Watch {
+    progress: Option<Py<PyAny>>,
+    asked: Instant,
+    raised: Option<PyErr>,
+}
+
+impl Watch {
+    fn look(&self, fraction: f64) -> PyResult<()> {
+        Python::attach(|py| {
+            py.check_signals()?;
+            self.progress.as_ref().map_or(Ok(()), |progress| progress.call1(py, (fraction,)).map(drop))
+        })
+    }
+}
+
+impl Monitor for Watch {
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        if self.asked.elapsed() < PERIOD {
+            return ControlFlow::Continue(());
+        }
+        self.raised = self.look(fraction).err();
+        self.asked = Instant::now();
+        if self.raised.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// Does `work` without holding the interpreter. `progress` is None or False, a function of the fraction done, or True
+/// for a bar.
+pub fn watched<T: Send>(
+    progress: Option<Bound<'_, PyAny>>,
+    py: Python<'_>,
+    work: impl FnOnce(&mut dyn Monitor) -> Result<T> + Send,
+) -> PyResult<T> {
+    let progress = progress.map(|wish| listener(wish)).transpose()?.flatten();
+    let mut watch = Watch { progress, asked: Instant::now(), raised: None };
+    let outcome = py.detach(|| work(&mut watch));
+    match (outcome, watch.raised.take()) {
+        (Err(Error::Stopped), Some(raised)) => Err(raised),
+        (Err(other), _) => Err(error::core(other)),
+        (Ok(done), _) => {
+            if watch.progress.is_some() {
+                watch.look(1.0)?;
+            }
+            Ok(done)
+        }
+    }
+}
+
+/// The function to call with the fraction done, if any.
+fn listener(wish: Bound<'_, PyAny>) -> PyResult<Option<Py<PyAny>>> {
+    let py = wish.py();
+    match wish.extract::<Option<bool>>() {
+        Ok(Some(true)) => Ok(Some(py.import("asperity._progress")?.call_method0("bar")?.unbind())),
+        Ok(_) => Ok(None),
+        Err(_) if wish.is_callable() => Ok(Some(wish.unbind())),
+        Err(_) => Err(error::wrong_type("progress", "a function of the fraction done, True or None", &wish)),
+    }
+}

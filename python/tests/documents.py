@@ -1,0 +1,39 @@
+"""The Python that documents show: blocks run in order; `output` is what the block before it prints."""
+
+import io
+import re
+from contextlib import redirect_stdout
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+BLOCK = re.compile(r"^```(\w+)[^\n]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def pages() -> list[Path]:
+    """Every document that shows Python."""
+    documents = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]
+    return [page for page in sorted(documents) if "\n```python\n" in page.read_text(encoding="utf-8")]
+
+
+def run(page: Path) -> list[tuple[str, str]]:
+    """Runs the blocks of a page in the working directory; gives what is printed and what is shown as such."""
+    names: dict[str, object] = {}
+    printed, compared = "", []
+    for language, text in BLOCK.findall(page.read_text(encoding="utf-8")):
+        if language == "python":
+            out = io.StringIO()
+            with redirect_stdout(out):
+                exec(compile(text, str(page), "exec"), names)
+            printed = out.getvalue()
+        elif language == "output":
+            compared.append((printed, text))
+    return compared
+
+
+if __name__ == "__main__":
+    # Into the working directory, the same bytes every time.
+    import matplotlib
+
+    matplotlib.use("agg")
+    matplotlib.rcParams["svg.hashsalt"] = "asperity"
+    run(ROOT / "README.md")

@@ -1,0 +1,33 @@
+"""What the documents show of Python is run, and prints and draws what they show."""
+
+import re
+from pathlib import Path
+
+import pytest
+from documents import ROOT, pages, run
+
+matplotlib = pytest.importorskip("matplotlib")
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: page.name)
+def test_blocks_print_what_is_shown(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for printed, shown in run(page):
+        assert printed == shown
+
+
+def test_the_readme_draws_its_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    run(ROOT / "README.md")
+    kept = (ROOT / "docs/figures/fig2-python.svg").read_text(encoding="utf-8")
+    drawn = (tmp_path / "fig2.svg").read_text(encoding="utf-8")
+    assert looks_like(kept, drawn), "docs/figures/fig2-python.svg is out of date: make figures"
+
+
+def looks_like(one: str, other: str) -> bool:
+    """Whether the curves of two drawings are the same to a tenth of a dot."""
+    paths = [re.findall(r' d="([^"]*)"', text) for text in (one, other)]
+    numbers = [[float(number) for number in re.findall(r"-?\d+\.?\d*", " ".join(path))] for path in paths]
+    return len(numbers[0]) == len(numbers[1]) > 1000 and all(
+        abs(a - b) <= 0.1 for a, b in zip(*numbers, strict=True)
+    )
