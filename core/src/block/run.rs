@@ -141,7 +141,8 @@ pub(super) fn length(start: f64, turning_points: &[f64]) -> f64 {
 /// Whether there are turning points, and the drive turns at each.
 fn turns(start: f64, turning_points: &[f64]) -> Result<()> {
     let wrong = |found: String| {
-        let expected = format!("finite values, each on the other side of the one before (the first is {start})");
+        let expected =
+            format!("finite values, each on the other side of the one before (the first is {start})");
         Err(Error::invalid("turning_points", expected, found))
     };
     let [first, ..] = turning_points else { return wrong("none".to_owned()) };

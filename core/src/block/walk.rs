@@ -59,7 +59,11 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    pub fn new(block: &Block, population: &'a mut dyn Population, monitor: &'a mut dyn Monitor) -> Result<Self> {
+    pub fn new(
+        block: &Block,
+        population: &'a mut dyn Population,
+        monitor: &'a mut dyn Monitor,
+    ) -> Result<Self> {
         let books = population.books();
         let look = Look::new(population, block.loading, Direction::Forward)?;
         let drive = look.drive_here();
@@ -203,8 +207,7 @@ impl<'a> Walk<'a> {
 
     /// The books since they were last closed; they are closed here, at a given drive.
     pub fn closed(&mut self, drive: f64) -> Energy {
-        let (books, stored) =
-            (self.look.population.books(), self.look.loading.stored(drive, self.look.position));
+        let (books, stored) = (self.look.books(), self.look.loading.stored(drive, self.look.position));
         let mut energy = std::mem::take(&mut self.open);
         energy.spring = stored - self.stored;
         energy.elastic = books.elastic - self.books.elastic;
@@ -216,7 +219,7 @@ impl<'a> Walk<'a> {
 
     /// Breaks since the books were last closed, per contact.
     pub fn broken(&self) -> f64 {
-        self.look.population.books().broken - self.books.broken
+        self.look.books().broken - self.books.broken
     }
 
     /// Closes the books at the end of the drive.

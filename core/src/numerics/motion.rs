@@ -43,9 +43,8 @@ static INTEGRALS: LazyLock<Integrals> = LazyLock::new(|| {
     let moment = |i: usize, j: usize, weight: &dyn Fn(f64) -> f64| {
         RULE.integrate(0.0, point(i), |s| weight(point(i) - s) * RULE.cardinals(2.0 * s - 1.0)[j])
     };
-    let matrix = |weight: &dyn Fn(f64) -> f64| {
-        std::array::from_fn(|i| std::array::from_fn(|j| moment(i, j, weight)))
-    };
+    let matrix =
+        |weight: &dyn Fn(f64) -> f64| std::array::from_fn(|i| std::array::from_fn(|j| moment(i, j, weight)));
     Integrals { once: matrix(&|_| 1.0), twice: matrix(&|gap| gap) }
 });
 
@@ -58,17 +57,18 @@ fn point(i: usize) -> f64 {
 const MOST_ITERATIONS: usize = 12;
 
 impl Body {
-    /// The step of that duration, `force` giving f and f'; `None` where Newton's method does not converge.
+    /// The step of that duration, `force` giving f and f'; `None` where Newton's method does not converge, or the
+    /// step leaves out more than `tolerance` of the speed.
     pub fn step(
         &self,
         (place, speed): (f64, f64),
         time: f64,
+        tolerance: f64,
         force: impl Fn(f64) -> (f64, f64),
     ) -> Option<Step> {
         let Self { mass, damping } = *self;
         let begin = (force(place).0 - damping * speed) / mass;
         let mut step = Step { time, place, speed, acceleration: [begin; NODES] };
-        let mut before = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
             let (places, speeds) = (step.places(), step.speeds());
             let mut matrix = [[0.0; NODES]; NODES];
@@ -86,12 +86,10 @@ impl Body {
             for (a, change) in step.acceleration.iter_mut().zip(&change) {
                 *a += change;
             }
-            let largest = |values: &Nodal| values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-            let (moved, size) = (largest(&change), largest(&step.acceleration));
-            if moved <= 1e-15 * size || moved >= 0.5 * before && moved <= 1e-11 * size {
-                return Some(step);
+            // The next change would be smaller than the square of this one.
+            if time * change.iter().fold(0.0, |most: f64, a| most.max(a.abs())) <= tolerance {
+                return (step.error() <= tolerance).then_some(step);
             }
-            before = moved;
         }
         None
     }
@@ -129,7 +127,7 @@ impl Step {
     }
 
     /// What the polynomial leaves out of the speed.
-    pub fn error(&self) -> f64 {
+    fn error(&self) -> f64 {
         self.time * super::piecewise::tail(&RULE.coefficients(&self.acceleration))
     }
 }
@@ -168,7 +166,8 @@ impl Body {
         }
         let slope = |s: f64| (1..TERMS).rev().fold(0.0, |sum, n| sum * s + n as f64 * u[n]);
         let place = |s: f64| (1..TERMS).rev().fold(0.0, |sum, n| (sum + u[n]) * s);
-        let rest = if slope(1.0) < 0.0 { brent_root(slope, 0.0, 1.0, 0.0).filter(|s| *s > 0.0) } else { None };
+        let rest =
+            if slope(1.0) < 0.0 { brent_root(slope, 0.0, 1.0, 0.0).filter(|s| *s > 0.0) } else { None };
         let last = rest.unwrap_or(1.0);
         let arrives = place(last) >= length;
         let end =
