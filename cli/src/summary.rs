@@ -4,14 +4,11 @@ use std::fmt::Write as _;
 
 use asperity::record::Quantity;
 use asperity::scenario::Disorder;
-use asperity_runner::summary::{StaticFriction, Summary};
+use asperity_runner::summary::{Place, Sliding, StaticFriction, Summary};
 
 /// Aligned lines: what it is, its value with its unit.
 pub fn readable(summary: &Summary) -> String {
-    let value = |number: f64, quantity| {
-        let unit = summary.units.label(quantity);
-        if unit == "1" { digits(number) } else { format!("{} {unit}", digits(number)) }
-    };
+    let value = |number: f64, quantity| with_unit(digits(number), number, &summary.units.label(quantity));
     let mut lines: Vec<(&str, String)> = Vec::new();
     lines.push((
         "static friction",
@@ -45,10 +42,16 @@ pub fn readable(summary: &Summary) -> String {
         let both = format!("static {at_rest}, kinetic {} (load {load})", digits(coefficients.kinetic));
         lines.push(("friction coefficients", both));
     }
+    if let Some(sliding) = &summary.sliding {
+        lines.extend(slid(summary, sliding));
+    }
     if let (Some(seed), Some(size)) = (summary.seed, summary.sample) {
         let quenched =
             if summary.disorder == Some(Disorder::Quenched) { "quenched thresholds, " } else { "" };
         lines.push(("ensemble", format!("{size} contacts, {quenched}seed {seed}")));
+    }
+    if let Some(sliding) = summary.sliding.as_ref().and_then(|sliding| sliding.ensemble.as_deref()) {
+        lines.extend(slid(summary, sliding));
     }
     if let Some(compared) = summary.compare {
         let rms = compared.residual_rms.map_or("no point within the pull".into(), |rms| {
@@ -61,6 +64,44 @@ pub fn readable(summary: &Summary) -> String {
         let _ = writeln!(text, "{name:<22} {value}");
     }
     text
+}
+
+/// How a driven slider slid.
+fn slid(summary: &Summary, sliding: &Sliding) -> Vec<(&'static str, String)> {
+    let value = |number: f64, quantity| with_unit(fine(number), number, &summary.units.label(quantity));
+    let place = |place: &Place| {
+        let at = (value(place.force, Quantity::Force), value(place.position, Quantity::Length));
+        format!("F = {} at X = {}", at.0, at.1)
+    };
+    let mut lines = vec![("sliding", sliding.reason.clone())];
+    if let Some(first) = &sliding.first_instability {
+        let drive = value(first.drive, Quantity::Length);
+        lines.push(("first slip", format!("{}, X_T = {drive}", place(first))));
+    }
+    if let Some(runaway) = &sliding.runaway {
+        lines.push(("runaway", place(runaway)));
+    }
+    if let Some(period) = sliding.period {
+        lines.push(("period", value(period, Quantity::Length)));
+    }
+    if let Some(drop) = sliding.mean_drop {
+        lines.push(("drop", value(drop, Quantity::Force)));
+    }
+    lines
+}
+
+fn with_unit(text: String, number: f64, unit: &str) -> String {
+    if unit == "1" || !number.is_finite() { text } else { format!("{text} {unit}") }
+}
+
+/// Seven decimals of a number of the size of 1, as many digits of others.
+fn fine(number: f64) -> String {
+    let magnitude = number.abs().log10().floor();
+    if !(-4.0..7.0).contains(&magnitude) {
+        return digits(number);
+    }
+    let decimals = (7.0 - magnitude.max(0.0)) as usize;
+    format!("{number:.decimals$}").trim_end_matches('0').trim_end_matches('.').into()
 }
 
 /// Six significant digits, no trailing zeros.
@@ -80,6 +121,19 @@ fn digits(number: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn periods_keep_seven_decimals() {
+        for (number, text) in [
+            (1.666198355430, "1.6661984"),
+            (0.7736105511280, "0.7736106"),
+            (120.0, "120"),
+            (1234.56789012, "1234.5679"),
+            (1e-9, "1.00000e-9"),
+        ] {
+            assert_eq!(fine(number), text);
+        }
+    }
 
     #[test]
     fn numbers_keep_six_digits() {

@@ -14,14 +14,26 @@ pub enum Quantity {
     Stiffness,
     /// A force times a length.
     Energy,
+    /// A time.
+    Time,
+    /// A length per time.
+    Velocity,
     /// A pure number.
     Number,
 }
 
 impl Quantity {
     /// Every quantity, for tables of labels.
-    pub const ALL: [Self; 6] =
-        [Self::Length, Self::Force, Self::PerLength, Self::Stiffness, Self::Energy, Self::Number];
+    pub const ALL: [Self; 8] = [
+        Self::Length,
+        Self::Force,
+        Self::PerLength,
+        Self::Stiffness,
+        Self::Energy,
+        Self::Time,
+        Self::Velocity,
+        Self::Number,
+    ];
 
     /// Its name in files.
     pub fn name(self) -> &'static str {
@@ -31,6 +43,8 @@ impl Quantity {
             Self::PerLength => "per_length",
             Self::Stiffness => "stiffness",
             Self::Energy => "energy",
+            Self::Time => "time",
+            Self::Velocity => "velocity",
             Self::Number => "number",
         }
     }

@@ -1,5 +1,6 @@
 //! The few numbers of a run that people quote: `summary.json`.
 
+use asperity::block::{End, Point, Regime, StickSlip};
 use asperity::scenario::{Disorder, Units};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -34,12 +35,109 @@ pub struct Summary {
     /// What became of thresholds in the ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disorder: Option<Disorder>,
+    /// How the slider slid, where its top was driven.
+    #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
+    pub sliding: Option<Sliding>,
     /// Forces over the normal load, where one is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_coefficients: Option<Coefficients>,
     /// How far the compared curve is from F(X).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compare: Option<Comparison>,
+}
+
+/// How a driven slider slid.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Sliding {
+    /// Smooth, or one of the kinds of stick-slip.
+    pub regime: Kind,
+    /// Why it is called so, in words.
+    pub reason: String,
+    /// Number of slips.
+    pub slips: usize,
+    /// Mean advance of the drive from slip to slip; absent where slips do not go on alike.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub period: Option<f64>,
+    /// Mean drop of the force in such a slip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_drop: Option<f64>,
+    /// Mean way of the slider in such a slip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_slip: Option<f64>,
+    /// Standard deviation of the advances from slip to slip over their mean.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<f64>,
+    /// Where balance was first lost; absent where it never was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_instability: Option<Place>,
+    /// Where the slider ran away under an imposed force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub runaway: Option<Place>,
+    /// The same of the ensemble.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ensemble: Option<Box<Sliding>>,
+}
+
+/// Kinds of sliding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// Without slips.
+    Smooth,
+    /// Slips, then none any more.
+    Transient,
+    /// Slips that go on alike.
+    Persistent,
+    /// An imposed force that the contacts could not carry.
+    Runaway,
+    /// The drive was too short to tell.
+    Undecided,
+}
+
+/// A state of the slider.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Position X of its bottom.
+    pub position: f64,
+    /// Friction force.
+    pub force: f64,
+    /// The drive: position X_T of its top, or the imposed force.
+    pub drive: f64,
+}
+
+impl Sliding {
+    /// What came of a drive.
+    pub fn new(run: &StickSlip) -> Self {
+        let place =
+            |point: &Point| Place { position: point.position, force: point.force, drive: point.drive };
+        let mut sliding = Self {
+            regime: Kind::Undecided,
+            reason: run.regime.to_string(),
+            slips: run.events.len(),
+            period: None,
+            mean_drop: None,
+            mean_slip: None,
+            scatter: None,
+            first_instability: run.events.first().map(|event| place(&event.before)),
+            runaway: None,
+            ensemble: None,
+        };
+        sliding.regime = match run.regime {
+            Regime::Smooth { .. } => Kind::Smooth,
+            Regime::Transient { .. } => Kind::Transient,
+            Regime::Persistent { period, drop, slip, scatter, .. } => {
+                (sliding.period, sliding.mean_drop) = (Some(period), Some(drop));
+                (sliding.mean_slip, sliding.scatter) = (Some(slip), Some(scatter));
+                Kind::Persistent
+            }
+            Regime::Runaway => Kind::Runaway,
+            Regime::Undecided { .. } => Kind::Undecided,
+        };
+        if let End::Runaway(point) = &run.end {
+            sliding.runaway = Some(place(point));
+        }
+        sliding
+    }
 }
 
 /// Static friction: the highest force of the pull.

@@ -52,9 +52,10 @@ fn the_resolved_text_of_every_shipped_scenario_gives_the_same_scenario_and_the_s
 #[test]
 fn defaults_are_those_of_the_contract() {
     let scenario = parse("contacts.thresholds.point.at = 1\n[pull]", &[]).unwrap().scenario;
-    assert_eq!((scenario.contacts.count, scenario.pull.points), (1.0, 2001));
+    let pull = scenario.pull.unwrap();
+    assert_eq!((scenario.contacts.count, pull.points), (1.0, 2001));
     assert_eq!((scenario.initial, scenario.contacts.reforming), (Law::zero(), Law::zero()));
-    assert_eq!((scenario.pull.start, scenario.master_equation.tolerance), (Start::Conditional, 1e-10));
+    assert_eq!((pull.start, scenario.master_equation.tolerance), (Start::Conditional, 1e-10));
     assert!(scenario.ensemble.is_none() && scenario.compare.is_none());
 }
 
@@ -81,7 +82,7 @@ fn an_override_on_a_law_replaces_the_law() {
 #[test]
 fn overrides_reach_into_lists_and_take_numbers_as_people_type_them() {
     let scenario = set(&["pull.snapshots.0=.5", "contacts.count=1e3"]).scenario;
-    assert_eq!((scenario.pull.snapshots, scenario.contacts.count), (vec![0.5, 20.0], 1000.0));
+    assert_eq!((scenario.pull.unwrap().snapshots, scenario.contacts.count), (vec![0.5, 20.0], 1000.0));
 }
 
 #[test]

@@ -157,7 +157,7 @@ fn a_compared_curve_is_kept_and_measured() {
 #[test]
 fn results_that_no_file_could_hold_are_refused_before_any_work() {
     let mut scenario = scenario(FIGURE_2);
-    scenario.pull.points = 10_500_000;
+    scenario.pull.as_mut().unwrap().points = 10_500_000;
     let error = task::run(&scenario, &mut Patience { left: 0, last: 0.0 }).unwrap_err();
     assert!(matches!(error, Error::TooLarge { needed: 504_000_000.., .. }), "{error}");
 }

@@ -18,6 +18,7 @@ const DOTS: &str = "3 3";
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let record = &outcome.record;
+    record.get("breaking_rate")?;
     let (position, force) = (record.values("position")?, record.values("force")?);
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
     band(outcome, position, force, &mut plots, &mut legend);

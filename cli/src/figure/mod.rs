@@ -3,8 +3,12 @@
 mod curve;
 mod dashes;
 mod distribution;
+mod equilibrium;
 mod evolution;
 mod force;
+mod potential;
+mod slip;
+mod stick_slip;
 mod style;
 
 use asperity_runner::output::{Attachment, Outcome};
@@ -23,6 +27,10 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("force", force::scene(outcome)),
         ("evolution", evolution::scene(outcome)),
         ("distribution", distribution::scene(outcome)),
+        stick_slip::scene(outcome),
+        ("equilibrium", equilibrium::scene(outcome)),
+        ("potential", potential::scene(outcome)),
+        ("slip", slip::scene(outcome)),
     ];
     let mut pictures = Vec::new();
     for (name, scene) in scenes {

@@ -1,7 +1,9 @@
 //! The life of contacts that know neither time nor temperature: they break when the stretch reaches the threshold.
 
 use super::Life;
-use super::births::{Births, MOMENTS, RESOLUTION};
+use super::breaking::{Breaking, MOMENTS};
+use super::cells::{NEGLIGIBLE, RESOLUTION};
+use super::layer::Layer;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::{Atom, Break, SharedLaw};
 use crate::numerics::piecewise::Piecewise;
@@ -12,76 +14,120 @@ use crate::numerics::volterra::Kernel;
 /// With `conditional`, the threshold of a contact that starts at r is drawn from P_c given x_s > r (equation:
 /// ν = R/S); otherwise stretch and threshold are independent, and the fraction ∫R(1 − S) breaks at u = 0.
 ///
-/// Only the moments b_n(u) = ∫ν(r) (r+u)ⁿ P_c(r+u) dr of what breaks are computed by quadrature; what is carried
-/// follows from what breaks later: with s the survival, m the force and q its square,
-/// s' = −b₀, m' = s − b₁, q' = 2m − b₂. For k = κ x_s, one order of ξ more: see `per_threshold`.
-///
 /// Contacts and starts are taken to have passed [`Contacts::check`].
 pub fn athermal(contacts: &Contacts, starts: &SharedLaw, conditional: bool) -> Life {
-    let Contacts { thresholds, stiffness, .. } = contacts;
-    let births = Births::new(contacts, starts, conditional);
-    let breaks = births.breaks();
-    let end = births.end();
-    let edges = births.edges(&breaks, end);
-    let moments = Piecewise::resolve_all(|u| births.breaking(u), &edges, end, RESOLUTION);
-    let carried = Carried { births: &births, moments: &moments, end };
+    let layer = Layer::placed(contacts, starts.as_ref(), conditional);
+    let law = contacts.thresholds.as_ref();
+    let unbroken = if conditional { 1.0 } else { Breaking::new(law, &layer).weighted(0.0, 0, 0) };
+    let broken = (1.0 - unbroken > NEGLIGIBLE).then_some(Atom { position: 0.0, weight: 1.0 - unbroken });
+    of_layers(contacts, vec![layer], broken)
+}
+
+/// The life of the contacts of some layers, and of those that have just `broken`.
+///
+/// Only the moments b_n(u) = ∫ν(x) (x+u)ⁿ P_c(x+u) dx of what breaks are computed by quadrature, over those x that go
+/// beyond where they have been; what is carried follows from what breaks later: with s the survival, m the force and q
+/// its square, s' = −b₀, m' = s − b₁, q' = 2m − b₂. For k = κ x_s, one order of ξ more: see `per_threshold`.
+pub(super) fn of_layers(contacts: &Contacts, layers: Vec<Layer>, broken: Option<Atom>) -> Life {
+    let law = contacts.thresholds.as_ref();
+    let breaking: Vec<_> = layers.iter().map(|layer| Breaking::new(law, layer)).collect();
+    let mut breaks: Vec<Break> = breaking.iter().flat_map(Breaking::breaks).collect();
+    breaks.extend(broken.map(Break::from));
+    breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
+    let end = breaking.iter().map(Breaking::end).fold(0.0, f64::max);
+    let stops = breaks.iter().map(|b| b.position);
+    let edges: Vec<f64> = breaking.iter().flat_map(|b| b.edges(end)).chain(stops).collect();
+    let moments = Piecewise::resolve_all(|u| sum(&breaking, u), &edges, end, RESOLUTION);
+    let carried = Carried::new(&breaking, &moments, end);
+    let smoother: Vec<_> = breaks.iter().map(|&b| Break { exponent: b.exponent + 1.0, ..b }).collect();
+    let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
     let survival = carried.survival();
-    let (force, square) = match *stiffness {
+    let Curves { stiffness, force, square, energy, breaking_energy } = match contacts.stiffness {
         Stiffness::Equal(_) => carried.equal(&survival),
         Stiffness::PerThreshold(_) => carried.per_threshold(),
     };
-    let smoother: Vec<_> = breaks.iter().map(|&b| Break { exponent: b.exponent + 1.0, ..b }).collect();
-    let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
-    let (survival, force, square) = (kernel(survival), kernel(force), kernel(square));
-    let [breaking, ..] = moments;
-    let breaking = Kernel::new(breaking, breaks);
-    let Births { density, atoms, .. } = births;
+    let [falls, ..] = moments;
     Life {
-        survival,
-        breaking,
-        force,
-        square,
-        births: density,
-        birth_atoms: atoms,
-        thresholds: thresholds.clone(),
+        survival: kernel(survival),
+        stiffness: kernel(stiffness),
+        force: kernel(force),
+        square: kernel(square),
+        energy: kernel(energy),
+        breaking_energy: kernel(breaking_energy),
+        breaking: Kernel::new(falls, breaks),
+        thresholds: contacts.thresholds.clone(),
+        layers,
     }
+}
+
+fn sum(breaking: &[Breaking<'_>], u: f64) -> [f64; MOMENTS] {
+    let mut sums = [0.0; MOMENTS];
+    for moments in breaking.iter().map(|b| b.moments(u)) {
+        sums.iter_mut().zip(moments).for_each(|(sum, moment)| *sum += moment);
+    }
+    sums
+}
+
+/// What the unbroken carry.
+struct Curves {
+    stiffness: Piecewise,
+    force: Piecewise,
+    square: Piecewise,
+    energy: Piecewise,
+    breaking_energy: Piecewise,
 }
 
 /// What is carried, from what breaks: integrals from the end of life back to u.
 struct Carried<'a> {
-    births: &'a Births<'a>,
+    breaking: &'a [Breaking<'a>],
     moments: &'a [Piecewise; MOMENTS],
     end: f64,
+    struck: Vec<(f64, Atom)>,
 }
 
-impl Carried<'_> {
-    /// ∫_u^∞ of `falls`, with the jumps b_order at atoms and the value at the end.
-    fn back(&self, falls: &Piecewise, order: i32, last: impl Fn(f64) -> f64) -> Piecewise {
+impl<'a> Carried<'a> {
+    fn new(breaking: &'a [Breaking<'a>], moments: &'a [Piecewise; MOMENTS], end: f64) -> Self {
+        let mut struck: Vec<_> = breaking.iter().flat_map(|b| b.struck.iter().copied()).collect();
+        struck.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self { breaking, moments, end, struck }
+    }
+
+    /// ∫_u^∞ of `falls`, with the jumps b_order at atoms and at the end ∫ν x^power M_moment.
+    fn back(&self, falls: &Piecewise, order: i32, (power, moment): (i32, u32)) -> Piecewise {
         let jump = |(u, b): &(f64, Atom)| (*u, b.weight * b.position.powi(order));
-        let jumps: Vec<_> = self.births.struck.iter().map(jump).collect();
-        falls.integrated_from_end(self.births.mean(last, self.end), &jumps)
+        let jumps: Vec<_> = self.struck.iter().map(jump).collect();
+        let last = |b: &Breaking<'_>| b.weighted(self.end, power, moment);
+        falls.integrated_from_end(self.breaking.iter().map(last).sum(), &jumps)
     }
 
     fn survival(&self) -> Piecewise {
-        self.back(&self.moments[0], 0, |x| self.births.thresholds.survival(x))
+        self.back(&self.moments[0], 0, (0, 0))
     }
 
-    /// Force and square: m' = s − b₁, q' = 2m − b₂.
-    fn equal(&self, survival: &Piecewise) -> (Piecewise, Piecewise) {
-        let law = self.births.thresholds;
-        let force = self.back(&self.moments[1].plus(-1.0, survival), 1, |x| x * law.survival(x));
-        let square = self.back(&self.moments[2].plus(-2.0, &force), 2, |x| x * x * law.survival(x));
-        (force, square)
+    /// m' = s − b₁, q' = 2m − b₂, and t₂' = −b₂ for t_n = ∫ν M_n.
+    fn equal(&self, survival: &Piecewise) -> Curves {
+        let force = self.back(&self.moments[1].plus(-1.0, survival), 1, (1, 0));
+        let square = self.back(&self.moments[2].plus(-2.0, &force), 2, (2, 0));
+        let broken = self.back(&self.moments[2], 2, (0, 2));
+        Curves {
+            stiffness: survival.clone(),
+            force,
+            energy: square.clone().scaled(0.5),
+            square,
+            breaking_energy: broken.scaled(0.5),
+        }
     }
 
-    /// With t_n = ∫ν M_n and w = ∫ν x M₂: t_n' = −b_n, m' = t₁ − b₂, w' = t₂ − b₃, q' = 2w − b₄.
-    fn per_threshold(&self) -> (Piecewise, Piecewise) {
-        let law = self.births.thresholds;
-        let first = self.back(&self.moments[1], 1, |x| law.upper_moment(1, x));
-        let force = self.back(&self.moments[2].plus(-1.0, &first), 2, |x| x * law.upper_moment(1, x));
-        let second = self.back(&self.moments[2], 2, |x| law.upper_moment(2, x));
-        let half = self.back(&self.moments[3].plus(-1.0, &second), 3, |x| x * law.upper_moment(2, x));
-        let square = self.back(&self.moments[4].plus(-2.0, &half), 4, |x| x * x * law.upper_moment(2, x));
-        (force, square)
+    /// With t_n = ∫ν M_n, e = ∫ν x² M₁ and w = ∫ν x M₂: t_n' = −b_n, m' = t₁ − b₂, e' = 2m − b₃, w' = t₂ − b₃,
+    /// q' = 2w − b₄.
+    fn per_threshold(&self) -> Curves {
+        let stiffness = self.back(&self.moments[1], 1, (0, 1));
+        let force = self.back(&self.moments[2].plus(-1.0, &stiffness), 2, (1, 1));
+        let energy = self.back(&self.moments[3].plus(-2.0, &force), 3, (2, 1));
+        let second = self.back(&self.moments[2], 2, (0, 2));
+        let half = self.back(&self.moments[3].plus(-1.0, &second), 3, (1, 2));
+        let square = self.back(&self.moments[4].plus(-2.0, &half), 4, (2, 2));
+        let broken = self.back(&self.moments[3], 3, (0, 3));
+        Curves { stiffness, force, square, energy: energy.scaled(0.5), breaking_energy: broken.scaled(0.5) }
     }
 }

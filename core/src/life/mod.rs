@@ -4,13 +4,20 @@
 
 mod athermal;
 mod births;
+mod breaking;
+mod cells;
+mod layer;
+mod panels;
+mod stock;
 
 pub use athermal::athermal;
+pub(crate) use births::Births;
+pub(crate) use layer::Layer;
+pub(crate) use stock::{life_of, tidied, unbroken};
 
 use num_complex::Complex64;
 
 use crate::law::{Atom, SharedLaw};
-use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
 /// The life of contacts that start together, as curves of the advance u, per contact started and per unit stiffness
@@ -21,19 +28,26 @@ use crate::numerics::volterra::Kernel;
 ///
 /// | curve | equation | k = κ x_s |
 /// |---|---|---|
-/// | survival | ∫ν(r) S(r+u) dr | the same |
-/// | breaking density | ∫ν(r) P_c(r+u) dr | the same |
-/// | carried force | ∫ν(r) x S(x) dr, x = r+u | ∫ν(r) x M₁(x) dr |
+/// | survival | ∫ν(r) S(x) dr, x = r+u | the same |
+/// | breaking density | ∫ν(r) P_c(x) dr | the same |
+/// | stiffness | ∫ν(r) S(x) dr | ∫ν(r) M₁(x) dr |
+/// | carried force | ∫ν(r) x S(x) dr | ∫ν(r) x M₁(x) dr |
 /// | its square | ∫ν(r) x² S(x) dr | ∫ν(r) x² M₂(x) dr |
+/// | elastic energy | ½∫ν(r) x² S(x) dr | ½∫ν(r) x² M₁(x) dr |
+/// | breaking energy | ½∫ν(r) M₂(x) dr | ½∫ν(r) M₃(x) dr |
+///
+/// Of contacts that have moved forth and back, S and M are taken at the largest |x| known, which may exceed x.
 #[derive(Debug, Clone)]
 pub struct Life {
     survival: Kernel,
     breaking: Kernel,
+    stiffness: Kernel,
     force: Kernel,
     square: Kernel,
-    /// ν: its density and its atoms.
-    births: Piecewise,
-    birth_atoms: Vec<Atom>,
+    energy: Kernel,
+    breaking_energy: Kernel,
+    /// The contacts at u = 0.
+    layers: Vec<Layer>,
     thresholds: SharedLaw,
 }
 
@@ -58,6 +72,31 @@ impl Life {
         &self.square
     }
 
+    /// The stiffness of the unbroken.
+    pub fn stiffness(&self) -> &Kernel {
+        &self.stiffness
+    }
+
+    /// Their elastic energy; an area (a volume where k = κ x_s).
+    pub fn energy(&self) -> &Kernel {
+        &self.energy
+    }
+
+    /// The elastic energy that the unbroken will have lost when all have broken, each at its threshold.
+    pub fn breaking_energy(&self) -> &Kernel {
+        &self.breaking_energy
+    }
+
+    /// The contacts at u = 0.
+    pub(crate) fn layers(&self) -> &[Layer] {
+        &self.layers
+    }
+
+    /// The layer that births form now, if each starts as the contacts of this life.
+    pub(crate) fn born(&self, births: &Births) -> Layer {
+        births.layer(&self.layers[0])
+    }
+
     /// The mean advance that a contact survives.
     pub fn mean(&self) -> f64 {
         self.survival.curve().integral()
@@ -65,40 +104,23 @@ impl Life {
 
     /// ∫ν(r) e^{sr} dr.
     pub(crate) fn births_transform(&self, s: Complex64) -> Complex64 {
-        let atoms: Complex64 =
-            self.birth_atoms.iter().map(|birth| birth.weight * (s * birth.position).exp()).sum();
-        atoms + self.births.transform(-s).0
+        self.layers.iter().map(|layer| layer.transform(-s)).sum()
     }
 
     /// Density at stretch x of contacts that started u ago, per contact started; atoms not counted.
     pub fn stretch_density(&self, x: f64, u: f64) -> f64 {
-        self.births.value(x - u).max(0.0) * self.thresholds.survival(x)
+        let unbroken =
+            |layer: &Layer| layer.density_at(x - u) * self.thresholds.survival(layer.largest(x - u, u));
+        self.layers.iter().map(unbroken).sum()
     }
 
     /// Stretches of the contacts that started u ago at point masses, with the fraction still there.
     pub fn stretch_atoms(&self, u: f64) -> impl Iterator<Item = Atom> + '_ {
-        self.birth_atoms.iter().map(move |birth| {
-            let position = birth.position + u;
-            Atom { position, weight: birth.weight * self.thresholds.survival(position) }
-        })
-    }
-
-    /// Σ over births of rate(r): the density at stretch x of contacts born at stretches r at the given rates is this
-    /// times S(x). `cuts` are stretches r at which the rate is not smooth.
-    fn born(&self, x: f64, rate: impl Fn(f64) -> f64, cuts: impl Iterator<Item = f64>) -> f64 {
-        let atoms = self.birth_atoms.iter().filter(|birth| birth.position <= x);
-        let together: f64 = atoms.map(|birth| birth.weight * rate(birth.position)).sum();
-        let (low, high) = (0.0, x.min(self.births.end()));
-        if high <= low {
-            return together;
-        }
-        let mut edges: Vec<f64> = self.births.boundaries.iter().copied().chain(cuts).collect();
-        edges.retain(|&r| r > low && r < high);
-        edges.extend([low, high]);
-        edges.sort_by(f64::total_cmp);
-        let integrand = |r: f64| self.births.value(r).max(0.0) * rate(r);
-        let rule = &crate::numerics::legendre::RULE;
-        together + edges.windows(2).map(|pair| rule.integrate(pair[0], pair[1], integrand)).sum::<f64>()
+        let unbroken = move |layer: &Layer, start: &Atom| {
+            let survival = self.thresholds.survival(layer.largest(start.position, u));
+            Atom { position: start.position + u, weight: start.weight * survival }
+        };
+        self.layers.iter().flat_map(move |layer| layer.atoms.iter().map(move |start| unbroken(layer, start)))
     }
 
     /// Density at stretch x of contacts that have been born at the rate `rate(advance)` per contact, the advance
@@ -113,6 +135,7 @@ impl Life {
         if survival == 0.0 {
             return 0.0;
         }
-        survival * self.born(x, |r| rate(x - r), cuts.map(|u| x - u))
+        let cuts: Vec<f64> = cuts.map(|u| x - u).collect();
+        survival * self.layers.iter().map(|layer| layer.sum_below(x, |r| rate(x - r), &cuts)).sum::<f64>()
     }
 }

@@ -3,15 +3,19 @@
 //! ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ, with the hazard P = P_c/S
 //! (O. M. Braun and M. Peyrard, Phys. Rev. Lett. 100, 125501 (2008), Eq. 5), solved in renewal form: see [`Pull`].
 
+mod course;
+mod leg;
 mod pull;
 mod relaxation;
 mod steady;
 mod stepping;
+mod stock;
 
 pub use pull::Pull;
 pub use relaxation::Relaxation;
 pub use steady::SteadyState;
 pub use stepping::{Stepping, Variant};
+pub use stock::Stock;
 
 use std::sync::Arc;
 
@@ -19,13 +23,14 @@ use crate::contacts::{Contacts, Initial, Start, Stiffness};
 use crate::law::Atom;
 use crate::life::{Life, athermal};
 use crate::monitor::Monitor;
-use crate::numerics::volterra::{Accuracy, solve};
-use crate::{Error, Float, Result};
+use crate::{Error, Result};
+use leg::Leg;
 
 /// The master equation of an interface and its start.
 #[derive(Debug, Clone)]
 pub struct MasterEquation {
     contacts: Contacts,
+    start: Start,
     /// The life of the contacts that are there at X = 0 …
     first: Arc<Life>,
     /// … and of those that re-form.
@@ -59,7 +64,7 @@ impl MasterEquation {
         contacts.check(initial)?;
         let reborn = athermal(&contacts, &contacts.reforming, true);
         let first = athermal(&contacts, &initial.law, initial.start == Start::Conditional);
-        Ok(Self { contacts, first: Arc::new(first), reborn: Arc::new(reborn) })
+        Ok(Self { contacts, start: initial.start, first: Arc::new(first), reborn: Arc::new(reborn) })
     }
 
     /// The contacts.
@@ -103,41 +108,17 @@ impl MasterEquation {
         if !(distance > 0.0 && distance.is_finite()) {
             return Err(Error::invalid("distance", "a finite length above 0", distance));
         }
-        if !(1e-12..=1e-2).contains(&tolerance) {
-            return Err(Error::invalid("tolerance", "a number from 1e-12 to 1e-2", tolerance));
-        }
-        let pull = self.solved(distance, tolerance, 0.1, monitor)?;
-        if pull.lost_probability() <= tolerance {
-            return Ok(pull);
-        }
-        // Something narrow was stepped over: begin with cells as fine as the finest part of the life.
-        let pull = self.solved(distance, tolerance, 1e-4, monitor)?;
-        let reached = pull.lost_probability();
-        if reached <= tolerance {
-            return Ok(pull);
-        }
-        let what = format!("the probability of all stretches on a pull to {distance}");
-        Err(Error::Accuracy { what, reached: Float(reached), wanted: Float(tolerance) })
+        check(tolerance)?;
+        let end = distance.max(3.0 * self.reborn.mean());
+        let leg = Leg::solve(&self.first, &self.reborn, end, tolerance, monitor)?;
+        Ok(Pull::new(leg, self.stiffness(), distance, tolerance))
     }
+}
 
-    /// The pull, with cells that begin as narrow as those that hold the fraction `light` of what breaks.
-    fn solved(&self, distance: f64, tolerance: f64, light: f64, monitor: &mut dyn Monitor) -> Result<Pull> {
-        let (first, reborn) = (&self.first, &self.reborn);
-        let mean = reborn.mean();
-        let end = distance.max(3.0 * mean);
-        // Lives are resolved to about 1e-13 per mean life; what a cell leaves out grows as its width to the 16th power.
-        let widening = (tolerance / 1e-13).powf(1.0 / 16.0);
-        let accuracy = Accuracy {
-            density: 0.3 * tolerance / mean,
-            mass: 3e-3 * tolerance,
-            kept: tolerance,
-            widening,
-            light,
-        };
-        let kept = (first.survival().curve(), reborn.survival());
-        let solution = solve(first.breaking(), reborn.breaking(), kept, end, accuracy, monitor)?;
-        let force = solution.convolve(self.first.force().curve(), self.reborn.force(), monitor)?;
-        let lives = (self.first.clone(), self.reborn.clone());
-        Ok(Pull::new(lives, solution, force, self.stiffness(), distance, tolerance))
+/// Refuses a tolerance that cannot be kept, or means nothing.
+fn check(tolerance: f64) -> Result<()> {
+    if (1e-12..=1e-2).contains(&tolerance) {
+        return Ok(());
     }
+    Err(Error::invalid("tolerance", "a number from 1e-12 to 1e-2", tolerance))
 }

@@ -1,14 +1,14 @@
 //! A pull of the slider's bottom from X = 0: force, breaking rate and distribution of stretches at any X.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
+use super::leg::Leg;
 use super::{Extremum, Stretches};
 use crate::law::Atom;
 use crate::life::Life;
 use crate::numerics::breaks::same_position;
 use crate::numerics::piecewise::{Piecewise, tail};
 use crate::numerics::roots::{brent_minimum, brent_root};
-use crate::numerics::volterra::Solution;
 
 /// The solution of a pull, functions of X in `[0, distance]`.
 ///
@@ -17,40 +17,17 @@ use crate::numerics::volterra::Solution;
 /// φ₀ and F₀ those of the initial ones. Forces are totals, N_c⟨k⟩ included.
 #[derive(Debug, Clone)]
 pub struct Pull {
-    first: Arc<Life>,
-    reborn: Arc<Life>,
-    solution: Solution,
+    leg: Leg,
     distance: f64,
     tolerance: f64,
     /// N_c⟨k⟩ or N_c κ.
     stiffness: f64,
-    force: Piecewise,
-    slope: Piecewise,
     square: OnceLock<Piecewise>,
 }
 
 impl Pull {
-    pub(super) fn new(
-        lives: (Arc<Life>, Arc<Life>),
-        solution: Solution,
-        force: Piecewise,
-        stiffness: f64,
-        distance: f64,
-        tolerance: f64,
-    ) -> Self {
-        let (first, reborn) = lives;
-        let slope = force.derivative();
-        Self {
-            first,
-            reborn,
-            solution,
-            distance,
-            tolerance,
-            stiffness,
-            force,
-            slope,
-            square: OnceLock::new(),
-        }
+    pub(super) fn new(leg: Leg, stiffness: f64, distance: f64, tolerance: f64) -> Self {
+        Self { leg, distance, tolerance, stiffness, square: OnceLock::new() }
     }
 
     /// The distance asked for; the solution may reach further.
@@ -60,51 +37,46 @@ impl Pull {
 
     /// Number of cells of the solution.
     pub fn cells(&self) -> usize {
-        self.force.coefficients.len()
+        self.leg.force.coefficients.len()
     }
 
     /// F(X), after the break where contacts break together at X.
     pub fn force(&self, position: f64) -> f64 {
-        self.stiffness * at(&self.force, position)
+        self.stiffness * at(&self.leg.force, position)
     }
 
     /// F'(X), from the right.
     pub fn slope(&self, position: f64) -> f64 {
-        self.stiffness * at(&self.slope, position)
+        self.stiffness * at(&self.leg.slope, position)
     }
 
     /// Density part of Γ(X), the fraction of contacts that break per unit length.
     pub fn breaking_rate(&self, position: f64) -> f64 {
-        at(&self.solution.density, position).max(0.0)
+        at(&self.leg.solution.density, position).max(0.0)
     }
 
     /// Atoms of Γ: positions at which a finite fraction of the contacts breaks together.
     pub fn breaking_atoms(&self) -> &[Atom] {
-        let within = self.solution.atoms.partition_point(|a| a.position <= self.distance * (1.0 + 1e-12));
-        &self.solution.atoms[..within]
+        let within = self.leg.solution.atoms.partition_point(|a| a.position <= self.distance * (1.0 + 1e-12));
+        &self.leg.solution.atoms[..within]
     }
 
     /// Standard deviation of the force where it is carried by `size` contacts drawn at random and scaled to N_c:
     /// contacts are independent under a rigid drive, so that it is N_c⟨k⟩ √([∫x²Q − (∫xQ)²]/size), exactly.
     pub fn force_std(&self, position: f64, size: f64) -> f64 {
-        let mean = at(&self.force, position);
+        let mean = at(&self.leg.force, position);
         let variance = at(self.square(), position) - mean * mean;
         self.stiffness * (variance.max(0.0) / size).sqrt()
     }
 
     fn square(&self) -> &Piecewise {
-        self.square.get_or_init(|| {
-            let first = self.first.square().curve();
-            self.solution.convolve(first, self.reborn.square(), &mut ()).unwrap_or_default()
-        })
+        self.square.get_or_init(|| self.leg.sum(Life::square))
     }
 
     /// ∫Q(x; X) dx, after the break where contacts break together at X, by a quadrature that shares nothing with the
     /// solution of the renewal equation but Γ: 1.
     pub fn total_probability(&self, position: f64) -> f64 {
-        let start = self.force.boundaries[self.force.nearest(position)];
-        let past = if position < start * (1.0 + 1e-11) { start * (1.0 + 2e-11) } else { position };
-        self.solution.convolve_at(self.first.survival().curve(), self.reborn.survival(), past)
+        self.leg.sum_at(Life::survival, position)
     }
 
     /// Q(x; X) at the given stretches, and its point masses.
@@ -116,27 +88,27 @@ impl Pull {
     fn density_at(&self, position: f64, x: f64) -> f64 {
         let past = self.struck_by(position);
         let single: f64 =
-            past.iter().map(|a| a.weight * self.reborn.stretch_density(x, position - a.position)).sum();
+            past.iter().map(|a| a.weight * self.leg.reborn.stretch_density(x, position - a.position)).sum();
         let rate = |u: f64| if u > position { 0.0 } else { self.breaking_rate(position - u) };
-        let edges = &self.solution.density.boundaries;
+        let edges = &self.leg.solution.density.boundaries;
         let recent = edges.partition_point(|&b| b < position - x);
         let cuts = edges[recent..].iter().take_while(|&&b| b < position).map(|b| position - b);
         let cuts = cuts.chain(std::iter::once(position));
-        self.first.stretch_density(x, position) + single + self.reborn.standing_density(x, rate, cuts)
+        self.leg.first.stretch_density(x, position) + single + self.leg.reborn.standing_density(x, rate, cuts)
     }
 
     /// Atoms of Γ at or before `position` from which something may still be unbroken there.
     fn struck_by(&self, position: f64) -> &[Atom] {
-        let end = self.reborn.survival().curve().end();
-        let last = self.solution.atoms.partition_point(|a| a.position <= position * (1.0 + 1e-12));
-        let first = self.solution.atoms.partition_point(|a| a.position < position - end);
-        &self.solution.atoms[first.min(last)..last]
+        let end = self.leg.reborn.survival().curve().end();
+        let last = self.leg.solution.atoms.partition_point(|a| a.position <= position * (1.0 + 1e-12));
+        let first = self.leg.solution.atoms.partition_point(|a| a.position < position - end);
+        &self.leg.solution.atoms[first.min(last)..last]
     }
 
     fn stretch_atoms(&self, position: f64) -> Vec<Atom> {
-        let mut atoms: Vec<Atom> = self.first.stretch_atoms(position).collect();
+        let mut atoms: Vec<Atom> = self.leg.first.stretch_atoms(position).collect();
         for birth in self.struck_by(position) {
-            let aged = self.reborn.stretch_atoms((position - birth.position).max(0.0));
+            let aged = self.leg.reborn.stretch_atoms((position - birth.position).max(0.0));
             atoms.extend(aged.map(|a| Atom { weight: a.weight * birth.weight, ..a }));
         }
         atoms.retain(|a| a.weight > 0.0);
@@ -153,7 +125,7 @@ impl Pull {
     /// F_s and X_s: the maximum of F on (0, distance) and its place, at a jump the left limit; the first of equals.
     /// `None` where F, to within the tolerance, does not fall from there, or ends higher.
     pub fn static_friction(&self) -> Option<Extremum> {
-        let slack = 10.0 * self.tolerance * self.reborn.mean();
+        let slack = 10.0 * self.tolerance * self.leg.reborn.mean();
         let cells = 0..=self.last_cell();
         let mut best = (0.0, f64::NEG_INFINITY, 0);
         for cell in cells.clone() {
@@ -165,48 +137,51 @@ impl Pull {
         }
         let (position, value, cell) = best;
         let ends = |later: usize| {
-            let edges = &self.force.boundaries;
+            let edges = &self.leg.force.boundaries;
             let from = if later == cell { position } else { edges[later] };
-            [from, edges[later + 1].min(self.distance)].map(|x| self.force.value_in(later, x))
+            [from, edges[later + 1].min(self.distance)].map(|x| self.leg.force.value_in(later, x))
         };
         let fallen = cells.skip(cell).any(|later| ends(later).into_iter().any(|force| force < value - slack));
         (fallen && position < self.distance).then_some(Extremum { position, value: self.stiffness * value })
     }
 
     fn last_cell(&self) -> usize {
-        let edges = &self.force.boundaries;
+        let edges = &self.leg.force.boundaries;
         edges.partition_point(|&b| b < self.distance * (1.0 - 1e-12)).saturating_sub(1).min(edges.len() - 2)
     }
 
     /// Local maxima of F in a cell: inside, and at its upper end.
     fn peaks(&self, cell: usize) -> Vec<(f64, f64)> {
-        let (low, high) = (self.force.boundaries[cell], self.force.boundaries[cell + 1].min(self.distance));
-        let slope = |x: f64| self.slope.value_in(cell, x);
+        let (low, high) =
+            (self.leg.force.boundaries[cell], self.leg.force.boundaries[cell + 1].min(self.distance));
+        let slope = |x: f64| self.leg.slope.value_in(cell, x);
         let inside = windows(low, high).filter(|&(a, b)| slope(a) > 0.0 && slope(b) <= 0.0);
         let roots = inside.filter_map(|(a, b)| brent_root(slope, a, b, 1e-15 * high));
-        roots.chain([high]).map(|x| (x, self.force.value_in(cell, x))).collect()
+        roots.chain([high]).map(|x| (x, self.leg.force.value_in(cell, x))).collect()
     }
 
     /// K_c = max(0, −min F') over X ≥ 0; infinite where the force jumps down.
     pub fn critical_stiffness(&self) -> f64 {
-        let jumps = self.solution.atoms.iter().filter(|a| a.position > 0.0 && a.position < self.force.end());
+        let jumps =
+            self.leg.solution.atoms.iter().filter(|a| a.position > 0.0 && a.position < self.leg.force.end());
         let falls = |a: &Atom| {
-            let after = self.force.nearest(a.position);
-            let before = self.force.value_in(after.saturating_sub(1), a.position);
-            before - self.force.value_in(after, a.position) > 1e-12 * self.reborn.mean()
+            let after = self.leg.force.nearest(a.position);
+            let before = self.leg.force.value_in(after.saturating_sub(1), a.position);
+            before - self.leg.force.value_in(after, a.position) > 1e-12 * self.leg.reborn.mean()
         };
         if jumps.into_iter().any(falls) {
             return f64::INFINITY;
         }
-        let steepest =
-            (0..self.force.coefficients.len()).map(|cell| self.steepest(cell)).fold(f64::INFINITY, f64::min);
+        let steepest = (0..self.leg.force.coefficients.len())
+            .map(|cell| self.steepest(cell))
+            .fold(f64::INFINITY, f64::min);
         (-self.stiffness * steepest).max(0.0)
     }
 
     /// The least slope in a cell, its ends included.
     fn steepest(&self, cell: usize) -> f64 {
-        let (low, high) = (self.force.boundaries[cell], self.force.boundaries[cell + 1]);
-        let slope = |x: f64| self.slope.value_in(cell, x);
+        let (low, high) = (self.leg.force.boundaries[cell], self.leg.force.boundaries[cell + 1]);
+        let slope = |x: f64| self.leg.slope.value_in(cell, x);
         let (mut least, mut near) = (slope(low), (low, low + (high - low) / 8.0));
         for (a, b) in windows(low, high) {
             if slope(b) < least {
@@ -218,18 +193,8 @@ impl Pull {
 
     /// Estimated error of F/(N_c⟨k⟩): what the polynomials of Γ and F leave out, and how far ∫Q is from 1.
     pub fn error_estimate(&self) -> f64 {
-        let left_out = self.force.coefficients.iter().map(tail).fold(0.0, f64::max);
-        left_out.max(self.lost_probability() * self.reborn.mean())
-    }
-
-    /// The largest |∫Q − 1| at points spread over the pull.
-    pub(super) fn lost_probability(&self) -> f64 {
-        const GOLDEN: f64 = 0.618_033_988_749_894_9;
-        let end = self.force.end();
-        let spread = (1..=16).map(|k| end * (f64::from(k) * GOLDEN).fract()).chain([end]);
-        // In the middle of cells: atoms lie on their boundaries.
-        let points = spread.map(|x| self.force.cell(self.force.nearest(x)).0);
-        points.map(|x| (self.total_probability(x) - 1.0).abs()).fold(0.0, f64::max)
+        let left_out = self.leg.force.coefficients.iter().map(tail).fold(0.0, f64::max);
+        left_out.max(self.leg.lost_probability() * self.leg.reborn.mean())
     }
 }
 

@@ -5,5 +5,6 @@ pub mod legendre;
 pub mod linear;
 pub mod motion;
 pub mod piecewise;
+mod rearrange;
 pub mod roots;
 pub mod volterra;

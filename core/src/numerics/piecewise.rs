@@ -128,6 +128,12 @@ impl Piecewise {
         series(&self.coefficients[cell], (x - middle) / half)
     }
 
+    /// The slope at x of the polynomial of a cell.
+    pub fn slope_in(&self, cell: usize, x: f64) -> f64 {
+        let (middle, half) = self.cell(cell);
+        series(&derivative(&self.coefficients[cell]), (x - middle) / half) / half
+    }
+
     /// The derivative.
     #[must_use]
     pub fn derivative(&self) -> Self {

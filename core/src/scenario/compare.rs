@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::exactly_one;
+use super::{Task, exactly_one};
 use crate::{Error, Result};
 
 /// A measured curve, drawn over F(X); the summary gives how far it is from it.
@@ -27,7 +27,11 @@ impl Compare {
         (self.position.as_deref().unwrap_or_default(), self.force.as_deref().unwrap_or_default())
     }
 
-    pub(super) fn check(&self) -> Result<()> {
+    pub(super) fn check(&self, task: Task<'_>) -> Result<()> {
+        if !matches!(task, Task::Pull(_)) {
+            let expected = "a compared curve only with the task [pull]";
+            return Err(Error::invalid("", expected, format!("one with [{}]", task.name())));
+        }
         let given = [
             ("file", self.file.is_some()),
             ("position and force", self.position.is_some() || self.force.is_some()),

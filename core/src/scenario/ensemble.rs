@@ -1,4 +1,4 @@
-//! `[ensemble]`: the same pull, contact by contact.
+//! `[ensemble]`: the same task, contact by contact.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

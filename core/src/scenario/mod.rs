@@ -4,26 +4,32 @@
 //! `file` keys by the values read before building ([`Scenario::tables`], [`Compare`]).
 //! Errors carry the full path of the key (`contacts.thresholds.gaussian.std`).
 
+mod block;
 mod compare;
 mod contacts;
+mod drive;
 mod ensemble;
 mod initial;
 mod law;
 mod master_equation;
 mod pull;
 mod size;
+mod task;
 mod units;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use block::{Block, Slip};
 pub use compare::Compare;
 pub use contacts::{Areas, Contacts};
+pub use drive::Drive;
 pub use ensemble::{Disorder, Ensemble};
 pub use initial::Start;
 pub use law::{Component, Law, Tabulated};
 pub use master_equation::MasterEquation;
 pub use pull::Pull;
+pub use task::Task;
 pub use units::Units;
 
 use crate::{Error, Result};
@@ -31,6 +37,7 @@ use crate::{Error, Result};
 /// A scenario: contacts, how they start, and the task to compute.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("oneOf" = [{ "required": ["pull"] }, { "required": ["drive"] }]))]
 pub struct Scenario {
     /// What the summary and the pictures are headed with.
     #[serde(default)]
@@ -40,12 +47,19 @@ pub struct Scenario {
     /// Law Q_ini of the stretches at X = 0; all at 0 by default.
     #[serde(default = "Law::zero")]
     pub initial: Law,
-    /// The task: the bottom of the slider is moved from X = 0.
-    pub pull: Pull,
+    /// A task: the bottom of the slider is moved from X = 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pull: Option<Pull>,
+    /// A task: the top of the slider is moved from X_T = 0, or a force imposed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive: Option<Drive>,
+    /// The slider between its top, which is driven, and its bottom; without this table it is rigid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub block: Option<Block>,
     /// How the master equation is solved.
     #[serde(default)]
     pub master_equation: MasterEquation,
-    /// The same pull, contact by contact; without this table no ensemble is run.
+    /// The same task, contact by contact; without this table no ensemble is run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Ensemble>,
     /// Labels of units on axes and in files.
@@ -64,17 +78,34 @@ impl Scenario {
     pub fn build(&self) -> Result<(crate::contacts::Contacts, crate::contacts::Initial)> {
         let contacts = self.contacts.build().map_err(|e| e.under("contacts"))?;
         let law = self.initial.build().map_err(|e| e.under("initial"))?;
-        self.pull.check().map_err(|e| e.under("pull"))?;
+        let task = self.task()?;
+        task.check()?;
+        self.check_block(task)?;
         self.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &self.compare {
-            compare.check().map_err(|e| e.under("compare"))?;
+            compare.check(task).map_err(|e| e.under("compare"))?;
         }
-        let initial = crate::contacts::Initial { law, start: self.pull.start.into() };
+        let initial = crate::contacts::Initial { law, start: task.start().into() };
         contacts.check(&initial)?;
         if let Some(ensemble) = &self.ensemble {
             ensemble.build(contacts.clone(), initial.clone())?;
         }
         Ok((contacts, initial))
+    }
+
+    fn check_block(&self, task: Task<'_>) -> Result<()> {
+        let Some(block) = &self.block else { return Ok(()) };
+        match task {
+            Task::Pull(_) => {
+                return Err(Error::invalid("block", "a block only with the task [drive]", "one with [pull]"));
+            }
+            Task::Drive(Drive { force_to: Some(_), .. }) => {
+                let expected = "no block where drive.force_to imposes a force";
+                return Err(Error::invalid("block", expected, "one"));
+            }
+            Task::Drive(_) => {}
+        }
+        block.check().map_err(|e| e.under("block"))
     }
 
     /// Every `tabulated` law with the path of its key, so that a reader of files can fill it in.

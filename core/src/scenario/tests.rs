@@ -6,7 +6,9 @@ fn scenario(thresholds: Law) -> Scenario {
         title: String::new(),
         contacts: Contacts { thresholds: Some(thresholds), ..Contacts::default() },
         initial: Law::zero(),
-        pull: Pull::default(),
+        pull: Some(Pull::default()),
+        drive: None,
+        block: None,
         master_equation: MasterEquation::default(),
         ensemble: None,
         units: Units::default(),
@@ -46,7 +48,7 @@ fn stretches_where_no_contact_survives_are_refused_unless_they_may_break_at_once
     let mut scenario = scenario(Law::Rectangular { min: 0.5, max: 1.0 });
     scenario.initial = Law::Point { at: 1.0 };
     assert_eq!(refused(&scenario).0, "initial");
-    scenario.pull.start = Start::Relaxed;
+    scenario.pull = Some(Pull { start: Start::Relaxed, ..Pull::default() });
     scenario.build().unwrap();
     scenario.contacts.reforming = Law::Rectangular { min: 0.0, max: 2.0 };
     let (key, found) = refused(&scenario);
@@ -59,7 +61,7 @@ fn stretches_where_no_contact_survives_are_refused_unless_they_may_break_at_once
 #[test]
 fn a_task_that_would_not_fit_says_what_it_needs() {
     let mut scenario = scenario(Law::Point { at: 1.0 });
-    scenario.pull.points = 1 << 40;
+    scenario.pull = Some(Pull { points: 1 << 40, ..Pull::default() });
     assert_eq!(
         refused(&scenario),
         ("pull.points".into(), "1099511627776, which would need 360.0 TiB".into())
@@ -88,5 +90,63 @@ fn every_table_is_found_with_its_key() {
 fn labels_keep_compound_units_together() {
     let units = Units { length: "m/s".into(), force: "N".into(), time: String::new() };
     assert_eq!(units.label(crate::record::Quantity::Stiffness), "N/(m/s)");
-    assert_eq!(Units::default().label(crate::record::Quantity::Force), "1");
+    assert_eq!(units.label(crate::record::Quantity::Energy), "N·m/s");
+    assert_eq!(units.label(crate::record::Quantity::Time), "1");
+    for quantity in crate::record::Quantity::ALL {
+        assert_eq!(Units::default().label(quantity), "1");
+    }
+}
+
+#[test]
+fn there_is_one_task() {
+    let mut scenario = scenario(Law::Point { at: 1.0 });
+    scenario.drive = Some(Drive::default());
+    assert_eq!(refused(&scenario), ("drive".into(), "drive beside pull".into()));
+    scenario.pull = None;
+    scenario.build().unwrap();
+    scenario.drive = None;
+    assert_eq!(refused(&scenario), ("pull".into(), "none".into()));
+}
+
+#[test]
+fn a_drive_turns_at_every_turning_point() {
+    let mut scenario = scenario(Law::Point { at: 1.0 });
+    scenario.pull = None;
+    let mut drive = |turning_points: &[f64]| {
+        scenario.drive = Some(Drive { turning_points: Some(turning_points.to_vec()), ..Drive::default() });
+        scenario.clone()
+    };
+    drive(&[3.0, -1.0, 3.0]).build().unwrap();
+    drive(&[-1.0]).build().unwrap();
+    for (turns, key) in [
+        (&[3.0, 4.0][..], "drive.turning_points.1"),
+        (&[0.0], "drive.turning_points.0"),
+        (&[1.0, 0.5, 0.25], "drive.turning_points.2"),
+        (&[1.0, f64::NAN], "drive.turning_points.1"),
+        (&[], "drive.turning_points"),
+    ] {
+        assert_eq!(refused(&drive(turns)).0, key, "{turns:?}");
+    }
+}
+
+#[test]
+fn a_block_needs_a_drive_that_moves_it() {
+    let mut scenario = scenario(Law::Point { at: 1.0 });
+    scenario.block = Some(Block { stiffness: 1.0, slip: Slip::Reset, slip_fraction: 0.05 });
+    assert_eq!(refused(&scenario).0, "block");
+    scenario.pull = None;
+    scenario.drive = Some(Drive { force_to: Some(1.0), ..Drive::default() });
+    assert_eq!(refused(&scenario).0, "block");
+    scenario.drive = Some(Drive::default());
+    scenario.build().unwrap();
+    let mut block = |block: Block| {
+        scenario.block = Some(block);
+        refused(&scenario).0
+    };
+    let block_of = |stiffness, slip, slip_fraction| Block { stiffness, slip, slip_fraction };
+    assert_eq!(block(block_of(0.0, Slip::Reset, 0.05)), "block.stiffness");
+    assert_eq!(block(block_of(1.0, Slip::Reset, 0.0)), "block.slip_fraction");
+    let inertial = |mass, damping| block_of(1.0, Slip::Inertial { mass, damping }, 0.05);
+    assert_eq!(block(inertial(0.0, 0.0)), "block.slip.inertial.mass");
+    assert_eq!(block(inertial(1.0, -1.0)), "block.slip.inertial.damping");
 }

@@ -34,16 +34,10 @@ impl Units {
             Quantity::PerLength => over("", &self.length),
             Quantity::Stiffness => over(&self.force, &self.length),
             Quantity::Energy => times(&self.force, &self.length),
+            Quantity::Time => over(&self.time, ""),
+            Quantity::Velocity => over(&self.length, &self.time),
             Quantity::Number => over("", ""),
         }
-    }
-}
-
-fn times(one: &str, other: &str) -> String {
-    match (one, other) {
-        ("", "") => "1".to_owned(),
-        ("", unit) | (unit, "") => unit.to_owned(),
-        _ => format!("{one}·{other}"),
     }
 }
 
@@ -53,5 +47,13 @@ fn over(numerator: &str, denominator: &str) -> String {
         "" => numerator.to_owned(),
         compound if compound.contains([' ', '/', '*', '·']) => format!("{numerator}/({compound})"),
         simple => format!("{numerator}/{simple}"),
+    }
+}
+
+fn times(one: &str, other: &str) -> String {
+    match (one, other) {
+        ("", "") => "1".to_owned(),
+        ("", unit) | (unit, "") => unit.to_owned(),
+        _ => format!("{one}·{other}"),
     }
 }

@@ -48,8 +48,7 @@ pub fn parse(
     for argument in overrides {
         overrides::apply(&mut document, argument)?;
     }
-    let scenario =
-        Scenario::deserialize(Reader(&document.root)).map_err(|fault| document.draw(task(fault)))?;
+    let scenario = Scenario::deserialize(Reader(&document.root)).map_err(|fault| document.draw(fault))?;
     let mut input = Input { scenario, document };
     tables::inline(&mut input.scenario, directory).map_err(|fault| input.document.draw(fault))?;
     let built = input.scenario.build();
@@ -83,12 +82,4 @@ pub fn schema() -> String {
 /// The text of a scenario, every value written out; reading it gives the same scenario.
 pub fn to_text(scenario: &Scenario) -> String {
     toml::to_string(scenario).expect("every scenario can be written as TOML")
-}
-
-/// Says what a task is where none was given.
-fn task(fault: Fault) -> Fault {
-    if fault.path == ["pull"] && fault.missing {
-        return Fault { expected: "a task: the table [pull]".into(), found: "none".into(), ..fault };
-    }
-    fault
 }

@@ -8,23 +8,73 @@ pub fn shortest(value: f64) -> String {
     if size == 0.0 || (1e-5..1e16).contains(&size) { value.to_string() } else { format!("{value:e}") }
 }
 
+/// Names of the columns of slips.
+const SLIP: [&str; 11] = [
+    "drive",
+    "position_before",
+    "position_after",
+    "position_turn",
+    "force_before",
+    "force_after",
+    "drop",
+    "slip",
+    "broken_fraction",
+    "dissipated_breaks",
+    "dissipated_slip",
+];
+
 /// The tables of a record: name and text of each that has any rows.
 pub(super) fn tables(record: &Record) -> impl Iterator<Item = (&'static str, String)> {
-    let force = table(record, &["position", "force", "breaking_rate"], &["ensemble_force", "ensemble_error"]);
-    [("force.csv", force), ("atoms.csv", atoms(record))]
-        .into_iter()
-        .filter_map(|(name, text)| text.map(|text| (name, text)))
+    let force = ["position", "force", "breaking_rate"].map(same);
+    let ensemble = ["ensemble_force", "ensemble_error"].map(same);
+    let tables = [
+        ("force.csv", table(record, &force, &ensemble)),
+        ("atoms.csv", atoms(record)),
+        ("trace.csv", trace(record, "")),
+        ("events.csv", events(record, "")),
+        ("ensemble_trace.csv", trace(record, "ensemble_")),
+        ("ensemble_events.csv", events(record, "ensemble_")),
+        ("sizes.csv", sizes(record)),
+    ];
+    tables.into_iter().filter_map(|(name, text)| text.map(|text| (name, text)))
 }
 
-/// The columns `required`, and those of `optional` that are there, under their names.
-fn table(record: &Record, required: &[&str], optional: &[&str]) -> Option<String> {
-    let needed: Option<Vec<_>> = required.iter().map(|name| record.get(name)).collect();
-    let columns: Vec<_> =
-        needed?.into_iter().chain(optional.iter().filter_map(|name| record.get(name))).collect();
-    let header: Vec<_> = columns.iter().map(|c| c.name.as_str()).collect();
+/// A column under the name of its variable.
+fn same(name: &str) -> (String, String) {
+    (name.to_owned(), name.to_owned())
+}
+
+fn trace(record: &Record, prefix: &str) -> Option<String> {
+    let column = |name: &str| (name.to_owned(), format!("{prefix}{name}"));
+    table(record, &["drive", "position", "force", "spring_force"].map(column), &[])
+}
+
+fn events(record: &Record, prefix: &str) -> Option<String> {
+    record.get(&format!("{prefix}spring_force"))?;
+    let columns = SLIP.map(|name| (name.to_owned(), format!("{prefix}event_{name}")));
+    let text = table(record, &columns, &[]).unwrap_or_else(|| SLIP.join(",") + "\n");
+    let numbered = text.lines().enumerate().map(|(row, line)| match row {
+        0 => format!("event,{line}\n"),
+        event => format!("{event},{line}\n"),
+    });
+    Some(numbered.collect())
+}
+
+fn sizes(record: &Record) -> Option<String> {
+    let column = |name: &str| (name.to_owned(), format!("size_{name}"));
+    let contacts = [("contacts".to_owned(), "size".to_owned())];
+    table(record, &[&contacts[..], &["events", "slip", "drop"].map(column)].concat(), &[])
+}
+
+/// The columns `required`, and those of `optional` that are there: their headers and the variables they hold.
+fn table(record: &Record, required: &[(String, String)], optional: &[(String, String)]) -> Option<String> {
+    let get = |(header, name): &(String, String)| record.get(name).map(|variable| (header.clone(), variable));
+    let needed: Option<Vec<_>> = required.iter().map(get).collect();
+    let columns: Vec<_> = needed?.into_iter().chain(optional.iter().filter_map(get)).collect();
+    let header: Vec<_> = columns.iter().map(|(header, _)| header.as_str()).collect();
     let mut text = header.join(",") + "\n";
-    for row in 0..columns[0].values.len() {
-        let cells: Vec<_> = columns.iter().map(|c| shortest(c.values[row])).collect();
+    for row in 0..columns[0].1.values.len() {
+        let cells: Vec<_> = columns.iter().map(|(_, column)| shortest(column.values[row])).collect();
         text += &cells.join(",");
         text.push('\n');
     }

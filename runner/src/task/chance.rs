@@ -1,8 +1,7 @@
 //! The same pull by the ensemble: contacts one by one, drawn at random.
 
 use asperity::Result;
-use asperity::contacts::{Contacts, Initial};
-use asperity::ensemble::{self, Ensemble, Snapshots};
+use asperity::ensemble::{Ensemble, Snapshots};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::scenario::{self, Scenario};
@@ -15,22 +14,12 @@ const SETTLED: (f64, f64) = (199.9, 5.0);
 /// Mean thresholds at the end of such a pull over which stretches are averaged, and snapshots for it.
 const AVERAGED: (f64, usize) = (10.0, 101);
 
-/// The ensemble that a scenario describes.
-///
-/// # Errors
-/// Laws that leave a contact nowhere to be.
-pub fn model(described: &scenario::Ensemble, contacts: Contacts, initial: Initial) -> Result<Ensemble> {
-    let disorder = match described.disorder {
-        scenario::Disorder::Annealed => ensemble::Disorder::Annealed,
-        scenario::Disorder::Quenched => ensemble::Disorder::Quenched,
-    };
-    Ensemble::new(contacts, initial, described.size, described.seed, disorder)
-}
-
 /// A pull of the ensemble.
 pub struct Pulled<'a> {
-    /// The task.
+    /// What the histograms are made for.
     pub scenario: &'a Scenario,
+    /// The task.
+    pub task: &'a scenario::Pull,
     /// Where histograms reach.
     pub grid: &'a Grid,
     /// Mean threshold.
@@ -45,7 +34,7 @@ impl Pulled<'_> {
     /// # Errors
     /// A job too big, or stopped by the monitor.
     pub fn record(&self, model: &Ensemble, record: &mut Record, monitor: &mut dyn Monitor) -> Result<()> {
-        let asked = &self.scenario.pull.snapshots;
+        let asked = &self.task.snapshots;
         let last = self.last_positions();
         // the two lists overlap: one histogram is taken at each position of either
         let mut positions = [asked.as_slice(), &last].concat();
@@ -54,7 +43,7 @@ impl Pulled<'_> {
         let edges = self.grid.edges(self.scenario);
         let centres = edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
         let snapshots = Snapshots { positions, edges };
-        let pull = model.pull(&self.scenario.pull.positions(), &snapshots, monitor)?;
+        let pull = model.pull(&self.task.positions(), &snapshots, monitor)?;
         let along = &["position"];
         let at = |x: &f64| snapshots.positions.partition_point(|p| p < x);
         record.push(
@@ -86,7 +75,7 @@ impl Pulled<'_> {
 
     /// Positions at the end of the pull, if it is long enough for contacts to have forgotten the start.
     fn last_positions(&self) -> Vec<f64> {
-        let end = self.scenario.pull.distance;
+        let end = self.task.distance;
         let settled = end >= SETTLED.0 * self.mean && end >= SETTLED.1 * self.memory;
         if !settled {
             return Vec::new();

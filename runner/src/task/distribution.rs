@@ -3,7 +3,7 @@
 use asperity::contacts::Contacts;
 use asperity::master::{Pull, SteadyState};
 use asperity::record::{Quantity, Record};
-use asperity::scenario::Scenario;
+use asperity::scenario;
 
 use super::grid::Grid;
 use super::{atoms, placed};
@@ -11,9 +11,9 @@ use super::{atoms, placed};
 const STRETCH: (&str, &str) = ("stretch", "stretch at which contacts are together");
 
 /// Q(x; X) at the snapshots.
-pub fn evolving(scenario: &Scenario, pull: &Pull, grid: &Grid, record: &mut Record) {
+pub fn evolving(task: &scenario::Pull, pull: &Pull, grid: &Grid, record: &mut Record) {
     record.push("stretch", "stretch x", Quantity::Length, &["stretch"], grid.stretches.clone());
-    let snapshots = &scenario.pull.snapshots;
+    let snapshots = &task.snapshots;
     if snapshots.is_empty() {
         return;
     }

@@ -79,7 +79,8 @@ pub fn solve(
         march.section(stop, end, &mut pace, monitor)?;
     }
     let March { mesh, values, density, atoms, tail, .. } = march;
-    Ok(Solution { resolved: accuracy.density, mesh, values, density, atoms, tail })
+    let breaks = breaks.into_iter().filter(|b| !b.is_atom()).collect();
+    Ok(Solution { resolved: accuracy.density, mesh, values, density, atoms, breaks, tail })
 }
 
 /// The width of cells in use, and how many cells to leave it alone.

@@ -1,0 +1,69 @@
+//! `slip`: the time course of the first inertial slip.
+
+use asperity::record::Record;
+use asperity_runner::output::Outcome;
+use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::layout::Layout;
+use kuva::render::render::Scene;
+
+use super::curve::{curve, line};
+use super::style::{self, BLUE, GREEN, Plots, RED};
+
+const HEIGHT: f64 = 190.0;
+/// Share of the way from which on a motion can be seen.
+const VISIBLE: f64 = 0.01;
+/// Height that the label of the lowest axis takes.
+const LABEL: f64 = 26.0;
+const MARGINS: (f64, f64) = (12.0, 24.0);
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let rows = [
+        panel(outcome, &[("slip_position", BLUE)], "Position X")?,
+        panel(outcome, &[("slip_velocity", GREEN)], "Velocity")?,
+        panel(outcome, &[("slip_force", BLUE), ("slip_spring_force", RED)], "Force")?,
+    ];
+    let (plots, mut layouts): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
+    let time = style::axis(outcome, "Time t", outcome.record.get("slip_time")?);
+    let lowest = layouts.pop()?.with_x_label(time).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL);
+    layouts.push(lowest);
+    let (title, size) = style::heading(&outcome.summary.title);
+    let legend =
+        vec![style::line("friction force F", BLUE, None), style::line("spring force K(X_T − X)", RED, None)];
+    let figure = Figure::new(3, 1)
+        .with_title(title)
+        .with_title_size(size)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(style::WIDTH, HEIGHT)
+        .with_row_height(2, HEIGHT + LABEL)
+        .with_spacing(6.0)
+        .with_shared_legend_entries(legend)
+        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
+    Some(figure.render())
+}
+
+fn panel(outcome: &Outcome, columns: &[(&str, &str)], words: &str) -> Option<(Plots, Layout)> {
+    let record = &outcome.record;
+    let time = record.values("slip_time")?;
+    let values: Option<Vec<_>> = columns.iter().map(|(name, _)| record.values(name)).collect();
+    let values = values?;
+    let (low, high) = style::range(values.iter().copied());
+    let air = 0.06 * (high - low).max(1e-12);
+    let plots =
+        values.iter().zip(columns).map(|(y, (_, color))| line(curve(time, y), color, 1.8, None)).collect();
+    let layout = style::layout((seen(record)?, *time.last()?), (low - air, high + air))
+        .with_y_label(style::axis(outcome, words, record.get(columns[0].0)?))
+        .with_ticks(4)
+        .with_force_margins_y(MARGINS.0, MARGINS.1)
+        .with_tick_size(11)
+        .with_label_size(13);
+    Some((plots, layout))
+}
+
+/// The time from which on the slider can be seen to move: it leaves the balance very slowly.
+fn seen(record: &Record) -> Option<f64> {
+    let (time, position) = (record.values("slip_time")?, record.values("slip_position")?);
+    let (first, way) = (position.first()?, position.last()? - position.first()?);
+    let row = position.iter().position(|x| (x - first) / way > VISIBLE)?;
+    Some(time[row.saturating_sub(1)])
+}

@@ -1,0 +1,61 @@
+//! `stick_slip`, `hysteresis`, `creep`: what a driven slider feels, against the drive.
+
+use asperity::record::{Quantity, Record};
+use asperity_runner::output::Outcome;
+use kuva::render::render::{Scene, render_multiple};
+
+use super::curve::{curve, line};
+use super::style::{self, BLUE, GREY, ORANGE, Plots};
+
+const DASHES: &str = "8 5";
+
+/// The picture, with the name that says what kind of drive it shows.
+pub fn scene(outcome: &Outcome) -> (&'static str, Option<Scene>) {
+    let record = &outcome.record;
+    let Some(drive) = record.get("drive") else { return ("stick_slip", None) };
+    if drive.quantity == Quantity::Force {
+        return ("creep", traces(outcome, ("position", "drive"), ("Position X", "Imposed force")));
+    }
+    let backward = |pair: &[f64]| pair[1] < pair[0];
+    let turns = drive.values.windows(2).any(backward);
+    let words = if record.get("branch_drive").is_some() {
+        ("Drive X_T", "Force of the spring")
+    } else {
+        ("Position X", "Friction force F")
+    };
+    let name = if turns { "hysteresis" } else { "stick_slip" };
+    (name, traces(outcome, ("drive", "spring_force"), words))
+}
+
+/// The traces of both models as curves of two of their variables.
+fn traces(outcome: &Outcome, names: (&str, &str), words: (&str, &str)) -> Option<Scene> {
+    let record = &outcome.record;
+    let (mut plots, mut legend) = (Plots::new(), Vec::new());
+    if let Some((x, y)) = columns(record, "ensemble_", names) {
+        plots.push(line(curve(x, y), ORANGE, 2.6, None));
+        legend.push(style::line(style::sized_ensemble(outcome), ORANGE, None));
+    }
+    let (x, y) = columns(record, "", names)?;
+    plots.push(line(curve(x, y), BLUE, 1.6, None));
+    legend.insert(0, style::line("master equation", BLUE, None));
+    let others = columns(record, "ensemble_", names);
+    let (left, right) = style::range(others.map(|o| o.0).into_iter().chain([x]));
+    let (low, high) = style::range(others.map(|o| o.1).into_iter().chain([y]));
+    if outcome.summary.kinetic_friction < high {
+        let kinetic = outcome.summary.kinetic_friction;
+        let unit = outcome.summary.units.label(Quantity::Force);
+        plots.push(line(vec![(left, kinetic), (right, kinetic)], GREY, 1.4, Some(DASHES)));
+        legend.push(style::line(format!("kinetic {}", style::with_unit(kinetic, &unit)), GREY, Some(DASHES)));
+    }
+    let bottom = if low < 0.0 { 1.08 * low } else { 0.0 };
+    let layout =
+        style::titled(style::layout((left, right), (bottom, style::headroom(high))), &outcome.summary.title)
+            .with_x_label(style::axis(outcome, words.0, record.get(names.0)?))
+            .with_y_label(style::axis(outcome, words.1, record.get(names.1)?));
+    Some(render_multiple(plots, style::legend_below(layout, legend)))
+}
+
+fn columns<'a>(record: &'a Record, prefix: &str, names: (&str, &str)) -> Option<(&'a [f64], &'a [f64])> {
+    let column = |name: &str| record.values(&format!("{prefix}{name}"));
+    Some((column(names.0)?, column(names.1)?))
+}

@@ -1,0 +1,183 @@
+//! How the contacts of a layer break as the slider goes on: integrals over ν.
+
+use super::cells::{CELL, NEGLIGIBLE, edges, scale, top, with_atoms};
+use super::layer::Layer;
+use super::panels::{Domain, Panels};
+use crate::law::{Atom, Break, Law, Zone};
+
+/// Moments of the breaking stretches are kept up to the fourth.
+pub(super) const MOMENTS: usize = 5;
+
+/// A layer and the law of the thresholds that its contacts have still to reach.
+pub(super) struct Breaking<'a> {
+    thresholds: &'a dyn Law,
+    layer: &'a Layer,
+    /// Breaks and atoms of P_c.
+    hazards: Vec<Break>,
+    /// Stretches between which contacts break, but for a negligible part.
+    window: (f64, f64),
+    /// ν in parts that resolve P_c, too.
+    panels: Panels<'a>,
+    /// Advances at which atoms of ν meet atoms of P_c: the threshold met, and the fraction that breaks there.
+    pub(super) struck: Vec<(f64, Atom)>,
+}
+
+impl<'a> Breaking<'a> {
+    pub(super) fn new(thresholds: &'a dyn Law, layer: &'a Layer) -> Self {
+        let mut breaking = Self {
+            thresholds,
+            layer,
+            hazards: with_atoms(thresholds),
+            window: (thresholds.quantile(NEGLIGIBLE), last_threshold(thresholds, layer)),
+            panels: Panels::new(&layer.density, &layer.breaks, CELL * scale(thresholds)),
+            struck: Vec::new(),
+        };
+        breaking.struck = breaking.struck();
+        breaking
+    }
+
+    fn struck(&self) -> Vec<(f64, Atom)> {
+        let meets = |r: &Atom, b: &Break| {
+            let met = Atom { position: b.position, weight: r.weight * b.amplitude };
+            let unbroken = self.snapped(self.layer.largest(r.position, 0.0)) < b.position;
+            unbroken.then_some((b.position - r.position, met))
+        };
+        let walls = self.hazards.iter().filter(|b| b.is_atom());
+        let mut struck: Vec<_> =
+            walls.flat_map(|b| self.layer.atoms.iter().filter_map(move |r| meets(r, b))).collect();
+        struck.sort_by(|a, b| a.0.total_cmp(&b.0));
+        struck
+    }
+
+    /// A stretch, moved to the threshold that many share if it is there up to the rounding of sums.
+    fn snapped(&self, y: f64) -> f64 {
+        let close = 1e-13 * self.thresholds.mean().max(y);
+        let walls = self.hazards.iter().filter(|b| b.is_atom());
+        walls.map(|b| b.position).find(|wall| (wall - y).abs() <= close).unwrap_or(y)
+    }
+
+    /// Breaks and atoms of the breaking density, as functions of the advance: where one of P_c meets one of ν, where the
+    /// last of those that have been further on the other side begin to break, and where the first do.
+    pub(super) fn breaks(&self) -> Vec<Break> {
+        let Layer { ahead, behind, .. } = *self.layer;
+        let atoms = self.layer.atoms.iter().map(|&a| Break::from(a));
+        let starts: Vec<Break> = self.layer.breaks.iter().copied().chain(atoms).collect();
+        let mut out: Vec<Break> =
+            self.struck.iter().map(|(u, met)| Atom { position: *u, weight: met.weight }.into()).collect();
+        for hazard in &self.hazards {
+            for start in &starts {
+                let position = hazard.position - start.position;
+                let within = position >= ahead && hazard.position + start.position >= behind;
+                if within && !(hazard.is_atom() && start.is_atom()) {
+                    out.push(Break { position, ..hazard.convolve(*start) });
+                }
+            }
+        }
+        let law = self.thresholds;
+        let later = |b: &Break, position: f64, factor: f64| {
+            let amplitude = b.amplitude * factor * 0.5_f64.powf(b.exponent + 1.0);
+            Break { position, exponent: b.exponent + 1.0, amplitude }
+        };
+        out.extend(starts.iter().map(|b| {
+            let u = behind - 2.0 * b.position;
+            later(b, u, law.density(b.position + u))
+        }));
+        out.extend(self.hazards.iter().map(|b| {
+            let u = 2.0 * b.position - behind;
+            later(b, u, self.layer.density.value(b.position - u))
+        }));
+        let [first, ..] = self.moments(ahead);
+        if first > 0.0 && first.is_finite() && !out.iter().any(|b| b.position == ahead) {
+            out.push(Break { position: ahead, exponent: 0.0, amplitude: first });
+        }
+        out.retain(|b| b.position >= ahead && b.amplitude != 0.0);
+        out
+    }
+
+    /// The advance after which nothing is left, nor of the second moment.
+    pub(super) fn end(&self) -> f64 {
+        self.layer.range().map_or(0.0, |(low, _)| self.window.1 - low)
+    }
+
+    /// Cell boundaries of the life to begin with: as narrow as P_c asks for, or as the starts that blur it.
+    pub(super) fn edges(&self, end: f64) -> Vec<f64> {
+        let Some((low, high)) = self.layer.range() else { return Vec::new() };
+        let blur = if self.layer.atoms.is_empty() { self.layer.resolution } else { 0.0 };
+        let ahead =
+            |z: Zone| Zone { low: z.low - high, high: z.high - low, resolution: z.resolution.max(blur) };
+        let zones: Vec<Zone> = self.thresholds.zones().into_iter().map(ahead).collect();
+        let mut breaks: Vec<f64> = self.breaks().iter().map(|b| b.position).collect();
+        // Where thresholds are shared, ν is seen as it is.
+        let walls = self.hazards.iter().filter(|b| b.is_atom()).map(|b| b.position);
+        breaks.extend(walls.flat_map(|wall| self.layer.density.boundaries.iter().map(move |r| wall - r)));
+        edges(&zones, &breaks, end)
+    }
+
+    /// ∫ν(x) weight(x + u, y) dx with y the largest stretch, atoms included.
+    fn mean(&self, u: f64, weight: impl Fn(f64, f64) -> f64) -> f64 {
+        let at = |x: f64| weight(x + u, self.snapped(self.layer.largest(x, u)));
+        let together: f64 = self.layer.atoms.iter().map(|a| a.weight * at(a.position)).sum();
+        let (forth, back) = (self.layer.ahead.max(u), self.layer.behind);
+        let walls = self.hazards.iter().flat_map(|b| [b.position - forth, back - b.position]);
+        let cuts = walls.chain([self.layer.lowest(u)]).collect();
+        let all = Domain { low: f64::NEG_INFINITY, high: f64::INFINITY, cuts, steep: Vec::new() };
+        let mut spread = 0.0;
+        self.panels.each(all, |x, w| spread += w * at(x));
+        together + spread
+    }
+
+    /// ∫ν(x) (x + u)^power M_moment(y) dx.
+    pub(super) fn weighted(&self, u: f64, power: i32, moment: u32) -> f64 {
+        let above = |y: f64| match moment {
+            0 => self.thresholds.survival(y),
+            _ => self.thresholds.upper_moment(moment, y),
+        };
+        self.mean(u, |x, y| x.powi(power) * above(y))
+    }
+
+    /// Moments of the stretches at which contacts break at the advance u, their density part.
+    pub(super) fn moments(&self, u: f64) -> [f64; MOMENTS] {
+        let mut sums = [0.0; MOMENTS];
+        if u < self.layer.ahead {
+            return sums;
+        }
+        let mut add = |x: f64, weight: f64| {
+            let mut power = weight;
+            for sum in &mut sums {
+                *sum += power;
+                power *= x;
+            }
+        };
+        let (law, lowest) = (self.thresholds, self.layer.lowest(u));
+        let atoms = self.layer.atoms.iter().filter(|a| a.position >= lowest);
+        atoms.for_each(|a| add(a.position + u, a.weight * law.density(a.position + u)));
+        let walls = self.hazards.iter().filter(|b| b.is_atom() && b.position - u >= lowest);
+        walls.for_each(|b| add(b.position, b.amplitude * self.layer.density.value(b.position - u)));
+        let place = |b: &Break| b.position - u;
+        let domain = Domain {
+            low: lowest.max(self.window.0 - u),
+            high: self.window.1 - u,
+            cuts: self.hazards.iter().filter(|b| !b.is_atom()).map(place).collect(),
+            steep: self.hazards.iter().filter(|b| is_steep(b)).map(place).collect(),
+        };
+        self.panels.each(domain, |x, w| add(x + u, w * law.density(x + u)));
+        sums
+    }
+}
+
+/// Whether Gauss points next to the break would miss it: a low power that is not whole.
+fn is_steep(b: &Break) -> bool {
+    b.exponent < 5.0 && b.exponent.fract() != 0.0
+}
+
+/// Where S and its second moment are negligible, also for what ν weighs.
+fn last_threshold(law: &dyn Law, layer: &Layer) -> f64 {
+    let whole = layer.density.integral() + layer.atoms.iter().map(|a| a.weight).sum::<f64>();
+    let left = 1.0 / whole.max(1.0);
+    let mut last = top(law, NEGLIGIBLE * left);
+    let second = law.upper_moment(2, -1.0);
+    while law.upper_moment(2, last) > 1e-16 * left * second {
+        last *= 1.25;
+    }
+    last
+}

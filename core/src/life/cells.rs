@@ -1,0 +1,58 @@
+//! Cells to begin with: where a law's density is to be looked for, and how finely.
+
+use crate::law::{Break, Law, Zone};
+
+/// What a curve leaves out, of a total of 1 (or of the mean life, force, …).
+pub(super) const RESOLUTION: f64 = 1e-14;
+
+/// Survival and starting mass below this are left out.
+pub(super) const NEGLIGIBLE: f64 = 1e-18;
+
+/// Width of the cells to begin with, in units of a zone's resolution: a Gaussian is then left out to 1e-14.
+pub(super) const CELL: f64 = 1.4;
+
+/// The top of a law's support where it has one, else where S falls to `left`.
+pub(super) fn top(law: &dyn Law, left: f64) -> f64 {
+    let end = law.upper_quantile(0.0);
+    if end.is_finite() { end } else { law.upper_quantile(left) }
+}
+
+/// The least length on which a law's density varies.
+pub(super) fn scale(law: &dyn Law) -> f64 {
+    law.zones()
+        .iter()
+        .map(|zone| zone.resolution.min(0.5 * (zone.high - zone.low)))
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// Cell boundaries on [0, end] to begin with: the breaks, and cells as narrow as the zones that they lie in ask for.
+pub(super) fn edges(zones: &[Zone], breaks: &[f64], end: f64) -> Vec<f64> {
+    let mut stops: Vec<f64> =
+        zones.iter().flat_map(|z| [z.low, z.high]).chain(breaks.iter().copied()).collect();
+    stops.retain(|&u| u > 0.0 && u < end);
+    stops.push(end);
+    stops.sort_by(f64::total_cmp);
+    let mut edges = vec![0.0];
+    for stop in stops {
+        let at = edges[edges.len() - 1];
+        let over = zones.iter().filter(|z| z.low < stop && z.high > at);
+        let Some(resolution) = over.map(|z| z.resolution).reduce(f64::min) else {
+            // A long tail, if anything: it varies on the scale of its distance.
+            edges.extend(
+                std::iter::successors(Some(2.0 * at), |u| Some(2.0 * u))
+                    .take_while(|&u| at > 0.0 && u < stop),
+            );
+            edges.push(stop);
+            continue;
+        };
+        let count = ((stop - at) / (CELL * resolution) - 1e-9).ceil().max(1.0);
+        let inner = (1..count as usize).map(|k| at + (stop - at) * k as f64 / count);
+        edges.extend(inner.chain([stop]));
+    }
+    edges
+}
+
+/// The breaks of a law, its atoms among them.
+pub(super) fn with_atoms(law: &dyn Law) -> Vec<Break> {
+    law.breaks().into_iter().chain(law.atoms().into_iter().map(Break::from)).collect()
+}

@@ -1,0 +1,100 @@
+//! Gauss points of a density, between given bounds and cuts.
+
+use super::cells::NEGLIGIBLE;
+use crate::law::Break;
+use crate::numerics::legendre::RULE;
+use crate::numerics::piecewise::Piecewise;
+
+/// A density in parts on which Gauss points resolve it, and what it is to be multiplied by.
+pub(super) struct Panels<'a> {
+    density: &'a Piecewise,
+    panels: Vec<Panel>,
+}
+
+/// A part, with its Gauss points: place and weight × density.
+struct Panel {
+    low: f64,
+    high: f64,
+    points: Vec<(f64, f64)>,
+}
+
+/// Where an integral is taken: between `low` and `high`, smooth between `cuts`, but for powers of the distance to those
+/// places that are `steep`.
+pub(super) struct Domain {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    pub(super) cuts: Vec<f64>,
+    pub(super) steep: Vec<f64>,
+}
+
+impl<'a> Panels<'a> {
+    /// The cells as panels no wider than twice `fine`, taken two by two where no break lies between, since a rule exact
+    /// to degree 31 integrates what a series of degree 15 interpolates on half the width.
+    pub(super) fn new(density: &'a Piecewise, breaks: &[Break], fine: f64) -> Self {
+        let edges = &density.boundaries;
+        let width = |k: usize| edges[k + 1] - edges[k];
+        let even = |k: usize| k + 2 < edges.len() && (width(k + 1) / width(k) - 1.0).abs() < 1e-6;
+        let broken = |k: usize| breaks.iter().any(|b| (b.position - edges[k]).abs() < 1e-9 * width(k - 1));
+        let (mut panels, mut k) = (Vec::new(), 0);
+        while k < density.coefficients.len() {
+            let next = k + if even(k) && !broken(k + 1) { 2 } else { 1 };
+            let parts = ((edges[next] - edges[k]) / (2.0 * fine)).ceil().max(1.0);
+            let at = |part: usize| edges[k] + (edges[next] - edges[k]) * part as f64 / parts;
+            panels.extend((0..parts as usize).map(|part| Panel::new(density, at(part), at(part + 1))));
+            k = next;
+        }
+        Self { density, panels }
+    }
+
+    /// Visits Gauss points in a domain, with their weights × density.
+    pub(super) fn each(&self, mut domain: Domain, mut visit: impl FnMut(f64, f64)) {
+        let (low, high) = (domain.low, domain.high);
+        domain.cuts.extend([low, high]);
+        domain.cuts.sort_by(f64::total_cmp);
+        let first = self.panels.partition_point(|panel| panel.high <= low);
+        for panel in self.panels[first..].iter().take_while(|panel| panel.low < high) {
+            let from = domain.cuts.partition_point(|&x| x <= panel.low);
+            let inside = &domain.cuts[from..domain.cuts.partition_point(|&x| x < panel.high).max(from)];
+            if inside.is_empty() && !near(&domain.steep, panel.low, panel.high) {
+                panel.points.iter().for_each(|&(x, weight)| visit(x, weight));
+                continue;
+            }
+            let mut start = panel.low;
+            for &stop in inside.iter().chain([&panel.high]) {
+                if start >= low && stop <= high {
+                    self.part(start, stop, &domain.steep, &mut visit);
+                }
+                start = stop;
+            }
+        }
+    }
+
+    /// Gauss points on part of a panel, halved until none is wider than its distance to what is steep.
+    fn part(&self, low: f64, high: f64, steep: &[f64], visit: &mut impl FnMut(f64, f64)) {
+        let width = high - low;
+        if width > 1e-15 * high.abs().max(low.abs()) && near(steep, low, high) {
+            let middle = 0.5 * (low + high);
+            self.part(low, middle, steep, visit);
+            return self.part(middle, high, steep, visit);
+        }
+        gauss(low, high).for_each(|(x, weight)| visit(x, weight * self.density.value(x)));
+    }
+}
+
+impl Panel {
+    fn new(density: &Piecewise, low: f64, high: f64) -> Self {
+        let points = gauss(low, high).map(|(x, weight)| (x, weight * density.value(x)));
+        Self { low, high, points: points.filter(|point| point.1.abs() > NEGLIGIBLE).collect() }
+    }
+}
+
+/// Whether one of the places is nearer to [low, high] than that is wide.
+fn near(places: &[f64], low: f64, high: f64) -> bool {
+    places.iter().any(|x| (low - x).max(x - high) < 0.99 * (high - low))
+}
+
+/// Gauss points and weights on [low, high].
+fn gauss(low: f64, high: f64) -> impl Iterator<Item = (f64, f64)> {
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    RULE.nodes.iter().zip(&RULE.weights).map(move |(t, w)| (middle + half * t, half * w))
+}

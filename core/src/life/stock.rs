@@ -1,0 +1,99 @@
+//! Layers put together: what has broken is left out, and what has been outdone is forgotten.
+
+use super::Life;
+use super::athermal::of_layers;
+use super::breaking::Breaking;
+use super::cells::{NEGLIGIBLE, RESOLUTION};
+use super::layer::Layer;
+use crate::contacts::Contacts;
+use crate::law::{Atom, Law};
+use crate::numerics::breaks::same_position;
+use crate::numerics::piecewise::Piecewise;
+
+/// Lengths that differ by less, relative to a mean threshold, differ by rounding.
+const SAME: f64 = 1e-13;
+
+/// The life of the contacts of some layers; what breaks stays broken.
+pub(crate) fn life_of(contacts: &Contacts, layers: Vec<Layer>) -> Life {
+    of_layers(contacts, layers, None)
+}
+
+/// The fraction of contacts that is unbroken.
+pub(crate) fn unbroken(layers: &[Layer], thresholds: &dyn Law) -> f64 {
+    layers.iter().map(|layer| Breaking::new(thresholds, layer).weighted(0.0, 0, 0)).sum()
+}
+
+/// The layers, without what is negligible; those with one and the same past, as far as it can still be felt, as one.
+pub(crate) fn tidied(layers: Vec<Layer>, thresholds: &dyn Law) -> Vec<Layer> {
+    let close = SAME * thresholds.mean();
+    let mut out: Vec<Layer> = Vec::new();
+    for mut layer in layers {
+        layer.trim(thresholds);
+        layer.forget();
+        if layer.range().is_none() {
+            continue;
+        }
+        let alike = |other: &&mut Layer| {
+            (other.ahead - layer.ahead).abs() <= close && (other.behind - layer.behind).abs() <= close
+        };
+        match out.iter_mut().find(alike) {
+            Some(other) => other.merge(layer),
+            None => out.push(layer),
+        }
+    }
+    out
+}
+
+impl Layer {
+    /// How far the slider may go on before a contact can break whose threshold is above `lowest`.
+    pub(crate) fn way_ahead(&self, lowest: f64) -> f64 {
+        let far = |(_, high): (f64, f64)| self.ahead.max(lowest - high).max(self.behind - 2.0 * high);
+        self.range().map_or(f64::INFINITY, far)
+    }
+
+    /// Leaves out what is negligible at either end.
+    fn trim(&mut self, thresholds: &dyn Law) {
+        let survival =
+            |low: f64, high: f64| thresholds.survival(self.largest(self.lowest(0.0).clamp(low, high), 0.0));
+        let kept = |cell: &usize| {
+            let (middle, half) = self.density.cell(*cell);
+            let most: f64 = self.density.coefficients[*cell].iter().map(|c| c.abs()).sum();
+            2.0 * half * most * survival(middle - half, middle + half) > NEGLIGIBLE
+        };
+        let cells = 0..self.density.coefficients.len();
+        let ends = cells.clone().find(kept).zip(cells.rev().find(kept));
+        let density = ends.map_or_else(Piecewise::default, |(first, last)| Piecewise {
+            boundaries: self.density.boundaries[first..=last + 1].to_vec(),
+            coefficients: self.density.coefficients[first..=last].to_vec(),
+        });
+        let left = |a: &Atom| a.weight * survival(a.position, a.position) > NEGLIGIBLE;
+        let atoms = self.atoms.iter().copied().filter(left).collect();
+        let (low, high) = (density.start(), density.end());
+        self.breaks.retain(|b| b.position >= low && b.position <= high);
+        (self.density, self.atoms) = (density, atoms);
+    }
+
+    /// Forgets the side on which the slider was less far than on the other, for every contact.
+    fn forget(&mut self) {
+        let Some((low, high)) = self.range() else { return };
+        if low >= self.lowest(0.0) {
+            self.behind = 0.0;
+        } else if high <= self.lowest(0.0) {
+            self.ahead = 0.0;
+        }
+    }
+
+    /// Adds contacts with the same past.
+    fn merge(&mut self, other: Self) {
+        self.density = self.density.added(&other.density, RESOLUTION);
+        self.atoms.extend(other.atoms);
+        self.atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        self.atoms.dedup_by(|b, a| {
+            let same = same_position(a.position, b.position);
+            a.weight += if same { b.weight } else { 0.0 };
+            same
+        });
+        self.breaks.extend(other.breaks);
+        self.resolution = self.resolution.min(other.resolution);
+    }
+}

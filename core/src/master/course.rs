@@ -1,0 +1,185 @@
+//! Force and books of contacts along one way of the slider, whether what breaks re-forms or stays free.
+
+use std::sync::{Arc, OnceLock};
+
+use super::leg::Leg;
+use crate::Result;
+use crate::contacts::Contacts;
+use crate::life::{Layer, Life, tidied};
+use crate::numerics::breaks::{Atom, same_position};
+use crate::numerics::piecewise::Piecewise;
+use crate::numerics::volterra::Kernel;
+
+/// What contacts do as the slider goes one way from where they are: curves of the advance u, per contact and per unit
+/// stiffness.
+#[derive(Debug)]
+pub(super) struct Course {
+    motion: Motion,
+    ledger: OnceLock<Ledger>,
+}
+
+/// What becomes of contacts that break.
+#[derive(Debug)]
+enum Motion {
+    /// They re-form.
+    Renewed(Box<Leg>),
+    /// They stay free.
+    Held { first: Arc<Life>, slope: Piecewise },
+}
+
+/// Energies and breaks along a course.
+#[derive(Debug)]
+struct Ledger {
+    energy: Piecewise,
+    /// Elastic energy that the unbroken will have lost when all have broken.
+    breaking_energy: Piecewise,
+    /// What breaks from u on.
+    yet_to_break: Piecewise,
+}
+
+/// Energies and breaks since the beginning of a course, per contact and per unit stiffness.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Account {
+    pub(super) elastic: f64,
+    pub(super) lost: f64,
+    pub(super) broken: f64,
+}
+
+impl Course {
+    /// The course on which what breaks re-forms, solved up to the advance `end`.
+    pub(super) fn renewed(first: Arc<Life>, reborn: &Arc<Life>, end: f64, tolerance: f64) -> Result<Self> {
+        let leg = Leg::solve(&first, reborn, end, tolerance, &mut ())?;
+        Ok(Self { motion: Motion::Renewed(Box::new(leg)), ledger: OnceLock::new() })
+    }
+
+    /// The course on which what breaks stays free.
+    pub(super) fn held(first: Arc<Life>) -> Self {
+        let slope = first.force().curve().derivative();
+        Self { motion: Motion::Held { first, slope }, ledger: OnceLock::new() }
+    }
+
+    /// The same course, solved up to `end`.
+    pub(super) fn extended(&self, end: f64, tolerance: f64) -> Result<Option<Self>> {
+        match &self.motion {
+            Motion::Renewed(leg) => Self::renewed(leg.first.clone(), &leg.reborn, end, tolerance).map(Some),
+            Motion::Held { .. } => Ok(None),
+        }
+    }
+
+    fn first(&self) -> &Life {
+        match &self.motion {
+            Motion::Renewed(leg) => &leg.first,
+            Motion::Held { first, .. } => first,
+        }
+    }
+
+    /// Where the solution ends; on a course where nothing re-forms, where nothing is left.
+    pub(super) fn end(&self) -> f64 {
+        self.force().end()
+    }
+
+    /// Whether what breaks stays free.
+    pub(super) fn is_held(&self) -> bool {
+        matches!(self.motion, Motion::Held { .. })
+    }
+
+    /// The cell that holds u, the right one at a boundary; one more than there are where nothing is left.
+    pub(super) fn cell(&self, u: f64) -> usize {
+        if u < self.end() { self.force().nearest(u) } else { self.force().coefficients.len() }
+    }
+
+    /// Where a cell ends; infinite where nothing is left.
+    pub(super) fn cell_end(&self, cell: usize) -> f64 {
+        self.force().boundaries.get(cell + 1).copied().unwrap_or(f64::INFINITY)
+    }
+
+    /// Whether contacts break together at the end of a cell.
+    pub(super) fn breaks_after(&self, cell: usize) -> bool {
+        let end = self.cell_end(cell);
+        let there = |atom: &Atom| same_position(atom.position, end);
+        match &self.motion {
+            Motion::Renewed(leg) => leg.solution.atoms.iter().any(there),
+            Motion::Held { first, .. } => first.breaking().atoms().any(|atom| there(&atom)),
+        }
+    }
+
+    /// Force and slope at u by the polynomials of a cell.
+    pub(super) fn response(&self, u: f64, cell: usize) -> (f64, f64) {
+        (at(self.force(), u, cell), at(self.slope(), u, cell))
+    }
+
+    /// The force: a polynomial on each of its cells.
+    fn force(&self) -> &Piecewise {
+        match &self.motion {
+            Motion::Renewed(leg) => &leg.force,
+            Motion::Held { first, .. } => first.force().curve(),
+        }
+    }
+
+    /// Its slope, on the same cells.
+    fn slope(&self) -> &Piecewise {
+        match &self.motion {
+            Motion::Renewed(leg) => &leg.slope,
+            Motion::Held { slope, .. } => slope,
+        }
+    }
+
+    /// The stiffness of what is unbroken at the advance u.
+    pub(super) fn stiffness(&self, u: f64, cell: usize) -> f64 {
+        match &self.motion {
+            Motion::Renewed(leg) => leg.sum_at(Life::stiffness, u),
+            Motion::Held { first, .. } => at(first.stiffness().curve(), u, cell),
+        }
+    }
+
+    /// Energies and breaks up to the advance u.
+    ///
+    /// What breaks at a threshold loses ½k x_s² there; what re-forms brings its ½k r².
+    pub(super) fn account(&self, u: f64, cell: usize) -> Account {
+        let ledger = self.ledger.get_or_init(|| self.ledger());
+        let at = |curve: &Piecewise| at(curve, u, cell);
+        let start = |kernel: &Kernel| self::at(kernel.curve(), 0.0, 0);
+        let doomed = start(self.first().breaking_energy());
+        let (broken, born) = match &self.motion {
+            Motion::Renewed(leg) => {
+                let broken = self::at(&ledger.yet_to_break, 0.0, 0) - at(&ledger.yet_to_break);
+                (broken, broken * (start(leg.reborn.breaking_energy()) - start(leg.reborn.energy())))
+            }
+            Motion::Held { first, .. } => (start(first.survival()) - at(&ledger.yet_to_break), 0.0),
+        };
+        let lost = doomed + born - at(&ledger.breaking_energy);
+        Account { elastic: at(&ledger.energy), lost, broken }
+    }
+
+    fn ledger(&self) -> Ledger {
+        match &self.motion {
+            Motion::Renewed(leg) => {
+                let atoms = leg.solution.atoms.iter().map(|a| (a.position, a.weight));
+                Ledger {
+                    energy: leg.sum(Life::energy),
+                    breaking_energy: leg.sum(Life::breaking_energy),
+                    yet_to_break: leg.solution.density.integrated_from_end(0.0, &atoms.collect::<Vec<_>>()),
+                }
+            }
+            Motion::Held { first, .. } => Ledger {
+                energy: first.energy().curve().clone(),
+                breaking_energy: first.breaking_energy().curve().clone(),
+                yet_to_break: first.survival().curve().clone(),
+            },
+        }
+    }
+
+    /// The contacts at the advance u, seen along the way.
+    pub(super) fn layers(&self, u: f64, cell: usize, contacts: &Contacts) -> Vec<Layer> {
+        let mut layers: Vec<_> = self.first().layers().iter().map(|layer| layer.advanced(u)).collect();
+        if let Motion::Renewed(leg) = &self.motion {
+            layers.push(leg.born(u, cell));
+        }
+        tidied(layers, contacts.thresholds.as_ref())
+    }
+}
+
+/// The value at u of the polynomial of a cell; 0 past the last.
+fn at(curve: &Piecewise, u: f64, cell: usize) -> f64 {
+    if cell < curve.coefficients.len() { curve.value_in(cell, u) } else { 0.0 }
+}

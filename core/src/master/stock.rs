@@ -1,0 +1,406 @@
+//! The contacts of a master equation, moved forth and back.
+
+use std::sync::{Arc, OnceLock};
+
+use super::course::{Account, Course};
+use super::{MasterEquation, check};
+use crate::contacts::{Contacts, Start};
+use crate::life::{Layer, Life, life_of, tidied, unbroken};
+use crate::population::{Books, Direction, Population, Response, Way};
+use crate::{Error, Float, Result};
+
+/// A course is first solved for this many mean lives, then for twice as many, and so on.
+const FIRST: f64 = 4.0;
+
+/// What lies nearer, in mean thresholds, is there.
+const NEAR: f64 = 1e-13;
+
+/// Thresholds below which there are fewer are not waited for.
+const FEW: f64 = 1e-18;
+
+/// What never changes, shared by copies.
+#[derive(Debug)]
+struct Interface {
+    contacts: Contacts,
+    reborn: Arc<Life>,
+    /// Total force per unit of the carried force of a life.
+    stiffness: f64,
+    tolerance: f64,
+    /// The course from where all contacts have just re-formed.
+    fresh: OnceLock<Arc<Course>>,
+}
+
+/// The contacts of a master equation as a [`Population`].
+///
+/// A course is solved from the stretches at the place where it begins. As long as the slider goes back from its furthest
+/// point on the course without breaking a contact, stretches only shift: the way back is a straight line, and so is the
+/// way forth again. Once a contact breaks on the way back, another course begins at the furthest point.
+#[derive(Debug, Clone)]
+pub struct Stock {
+    interface: Arc<Interface>,
+    course: Arc<Course>,
+    /// The way of the course, and the position at its beginning.
+    direction: Direction,
+    origin: f64,
+    /// The furthest advance on the course, the cell of the solution ahead of it, and how far the slider is behind it.
+    furthest: f64,
+    cell: usize,
+    behind: f64,
+    /// The way back from the furthest advance, once looked at.
+    back: Option<Back>,
+    moved: Direction,
+    looked: Direction,
+    /// What has broken before the course and stayed free.
+    free: f64,
+    /// Energy lost and breaks before the course, per contact and unit stiffness.
+    lost: f64,
+    broken: f64,
+}
+
+/// The way back from the furthest point of a course.
+#[derive(Debug, Clone)]
+struct Back {
+    /// How far it is straight, and how steep.
+    length: f64,
+    stiffness: f64,
+    /// The contacts at its beginning, seen along it.
+    layers: Vec<Layer>,
+    /// The course that it becomes, once looked at.
+    course: Option<Arc<Course>>,
+}
+
+impl MasterEquation {
+    /// The contacts at X = 0 as a population to be moved, F/(N_c⟨k⟩) to about `tolerance` × the mean threshold.
+    /// What breaks at once in a relaxed start has broken before.
+    ///
+    /// # Errors
+    /// A tolerance outside [1e-12, 1e-2]; too many point masses; accuracy not reached.
+    pub fn population(&self, tolerance: f64) -> Result<Stock> {
+        check(tolerance)?;
+        let interface = Interface {
+            contacts: self.contacts.clone(),
+            reborn: self.reborn.clone(),
+            stiffness: self.stiffness(),
+            tolerance,
+            fresh: OnceLock::new(),
+        };
+        let course = match self.start {
+            Start::Conditional => interface.course(self.first.clone())?,
+            Start::Relaxed => {
+                let mut layers = self.first.layers().to_vec();
+                let broken = 1.0 - unbroken(&layers, self.contacts.thresholds.as_ref());
+                layers.extend(self.reborn.layers().iter().map(|layer| layer.clone().scaled(broken)));
+                interface.renewed(layers)?
+            }
+        };
+        Ok(Stock {
+            interface: Arc::new(interface),
+            course: Arc::new(course),
+            direction: Direction::Forward,
+            origin: 0.0,
+            furthest: 0.0,
+            cell: 0,
+            behind: 0.0,
+            back: None,
+            moved: Direction::Forward,
+            looked: Direction::Forward,
+            free: 0.0,
+            lost: 0.0,
+            broken: 0.0,
+        })
+    }
+}
+
+impl Interface {
+    /// The course of contacts with this first life.
+    fn course(&self, first: Arc<Life>) -> Result<Course> {
+        Course::renewed(first, &self.reborn, FIRST * self.reborn.mean(), self.tolerance)
+    }
+
+    /// The course of contacts in these layers, whose breaking ones re-form.
+    ///
+    /// All of them should be there; what the tolerance of earlier courses leaves is made up for, lest it add up.
+    fn renewed(&self, layers: Vec<Layer>) -> Result<Course> {
+        let layers = tidied(layers, self.contacts.thresholds.as_ref());
+        let there = unbroken(&layers, self.contacts.thresholds.as_ref());
+        if (there - 1.0).abs() > self.tolerance {
+            let (reached, wanted) = (Float((there - 1.0).abs()), Float(self.tolerance));
+            return Err(Error::Accuracy { what: "the probability of all stretches".into(), reached, wanted });
+        }
+        let layers = layers.into_iter().map(|layer| layer.scaled(1.0 / there)).collect();
+        self.course(Arc::new(life_of(&self.contacts, layers)))
+    }
+
+    /// The course of contacts in these layers, whose breaking ones stay free.
+    fn held(&self, layers: Vec<Layer>) -> Course {
+        let layers = tidied(layers, self.contacts.thresholds.as_ref());
+        Course::held(Arc::new(life_of(&self.contacts, layers)))
+    }
+
+    /// The course of contacts that have all just re-formed.
+    fn fresh(&self) -> Result<Arc<Course>> {
+        if let Some(course) = self.fresh.get() {
+            return Ok(course.clone());
+        }
+        let course = Arc::new(self.course(self.reborn.clone())?);
+        Ok(self.fresh.get_or_init(|| course).clone())
+    }
+
+    /// Mean elastic energy of a contact that has just re-formed, per unit stiffness.
+    fn newborn_energy(&self) -> f64 {
+        self.reborn.energy().curve().value(0.0)
+    }
+
+    /// Lengths below this are rounding.
+    fn near(&self) -> f64 {
+        NEAR * self.contacts.thresholds.mean()
+    }
+}
+
+impl Stock {
+    /// Whether `direction` is the way of the course.
+    fn is_onward(&self, direction: Direction) -> bool {
+        direction == self.direction
+    }
+
+    /// The direction of a move, or, of none, that last looked in.
+    fn towards(&self, by: f64) -> Direction {
+        match by {
+            by if by > 0.0 => Direction::Forward,
+            by if by < 0.0 => Direction::Backward,
+            _ => self.looked,
+        }
+    }
+
+    /// Looks at the way back, as far as it has not been before.
+    fn look_back(&mut self) -> Result<&Back> {
+        let interface = &self.interface;
+        let back = match self.back.take() {
+            Some(back) => back,
+            None => {
+                let layers = self.course.layers(self.furthest, self.cell, &interface.contacts);
+                let layers: Vec<_> = layers.iter().map(Layer::mirrored).collect();
+                let lowest = interface.contacts.thresholds.quantile(FEW);
+                let length = layers.iter().map(|layer| layer.way_ahead(lowest)).fold(f64::INFINITY, f64::min);
+                let length = if length > interface.near() { length } else { 0.0 };
+                let stiffness = self.course.stiffness(self.furthest, self.cell);
+                Back { length, stiffness, layers, course: None }
+            }
+        };
+        let back = self.back.insert(back);
+        if back.course.is_none() && self.behind >= back.length {
+            let layers = back.layers.clone();
+            let course =
+                if self.course.is_held() { interface.held(layers) } else { interface.renewed(layers)? };
+            back.course = Some(Arc::new(course));
+        }
+        Ok(back)
+    }
+
+    /// Force and slope, per unit stiffness and seen along the course, after a move on by `by`, or back by −`by`.
+    fn response(&self, by: f64, onward: bool) -> (f64, f64) {
+        if onward && self.behind == 0.0 {
+            return self.course.response(self.furthest + by, self.cell);
+        }
+        let (force, slope) = self.course.response(self.furthest, self.cell);
+        match &self.back {
+            Some(Back { length, course: Some(course), .. }) if !onward && self.behind >= *length => {
+                let (force, slope) = course.response(self.behind - by, course.cell(self.behind));
+                (-force, slope)
+            }
+            Some(Back { stiffness, .. }) => (force - stiffness * (self.behind - by), *stiffness),
+            None => (force, slope),
+        }
+    }
+
+    /// Moves on along the course by `by`.
+    fn go_on(&mut self, by: f64) -> Result<()> {
+        self.back = None;
+        let (next, end) = (self.furthest + by, self.course.cell_end(self.cell));
+        if next < end - self.interface.near() {
+            self.furthest = next;
+            return Ok(());
+        }
+        self.furthest = end;
+        if self.course.breaks_after(self.cell) { Ok(()) } else { self.go_over() }
+    }
+
+    /// Goes over the end of a cell.
+    fn go_over(&mut self) -> Result<()> {
+        self.cell += 1;
+        if self.furthest >= self.course.end() {
+            self.look_further()?;
+        }
+        Ok(())
+    }
+
+    /// Solves the course for twice the way.
+    fn look_further(&mut self) -> Result<()> {
+        if let Some(course) = self.course.extended(2.0 * self.furthest, self.interface.tolerance)? {
+            self.cell = course.cell(self.furthest);
+            self.course = Arc::new(course);
+        }
+        Ok(())
+    }
+
+    /// Goes over to the course back from the furthest point.
+    fn turn(&mut self) -> Result<()> {
+        if let Some(course) = self.look_back()?.course.clone() {
+            let behind = std::mem::take(&mut self.behind);
+            self.settle();
+            self.begin(course, self.direction.reversed());
+            (self.furthest, self.cell) = (behind, self.course.cell(behind));
+        }
+        Ok(())
+    }
+
+    /// Begins another course where the slider is.
+    fn begin(&mut self, course: Arc<Course>, direction: Direction) {
+        (self.origin, self.direction) = (self.position(), direction);
+        (self.course, self.furthest, self.cell, self.behind) = (course, 0.0, 0, 0.0);
+        self.back = None;
+    }
+
+    /// Writes what has happened on the course to the books.
+    fn settle(&mut self) {
+        let account = self.account();
+        self.lost += account.lost;
+        self.broken += account.broken;
+        self.free += if self.course.is_held() { account.broken } else { 0.0 };
+    }
+
+    /// The books of the course.
+    fn account(&self) -> Account {
+        let account = self.course.account(self.furthest, self.cell);
+        let Some(Back { stiffness, .. }) = self.back.as_ref().filter(|_| self.behind > 0.0) else {
+            return account;
+        };
+        let (force, _) = self.course.response(self.furthest, self.cell);
+        let elastic = account.elastic - (force - 0.5 * stiffness * self.behind) * self.behind;
+        Account { elastic, ..account }
+    }
+
+    /// The contacts as they are, seen along the course.
+    fn layers(&self) -> Vec<Layer> {
+        let layers = self.course.layers(self.furthest, self.cell, &self.interface.contacts);
+        if self.behind == 0.0 {
+            return layers;
+        }
+        layers.iter().map(|layer| layer.mirrored().advanced(self.behind).mirrored()).collect()
+    }
+}
+
+impl Population for Stock {
+    fn position(&self) -> f64 {
+        self.origin + self.direction.sign() * (self.furthest - self.behind)
+    }
+
+    fn way(&mut self, direction: Direction) -> Result<Way> {
+        self.looked = direction;
+        if self.is_onward(direction) {
+            if self.behind > 0.0 {
+                return Ok(Way { length: self.behind, straight: true, breaks: false });
+            }
+            let length = self.course.cell_end(self.cell) - self.furthest;
+            return Ok(Way { length, straight: length.is_infinite(), breaks: self.course.breaks_after(self.cell) });
+        }
+        let behind = self.behind;
+        let back = self.look_back()?;
+        Ok(match &back.course {
+            Some(course) if behind >= back.length => {
+                let cell = course.cell(behind);
+                let length = course.cell_end(cell) - behind;
+                Way { length, straight: length.is_infinite(), breaks: course.breaks_after(cell) }
+            }
+            _ => Way { length: back.length - behind, straight: true, breaks: false },
+        })
+    }
+
+    fn ahead(&self, by: f64) -> Response {
+        let onward = self.is_onward(self.towards(by));
+        let (force, slope) = self.response(if onward { by.abs() } else { -by.abs() }, onward);
+        let stiffness = self.interface.stiffness;
+        Response { force: self.direction.sign() * stiffness * force, tangent: stiffness * slope }
+    }
+
+    fn advance(&mut self, by: f64) -> Result<()> {
+        if by == 0.0 {
+            return Ok(());
+        }
+        let direction = self.towards(by);
+        let way = self.way(direction)?;
+        let (by, near) = (by.abs().min(way.length), self.interface.near());
+        self.moved = direction;
+        if self.is_onward(direction) {
+            if self.behind == 0.0 {
+                return self.go_on(by);
+            }
+            self.behind = if by < self.behind - near { self.behind - by } else { 0.0 };
+            return Ok(());
+        }
+        let behind = self.behind + by;
+        let length = self.look_back()?.length;
+        if behind < length - near {
+            self.behind = behind;
+            return Ok(());
+        }
+        self.behind = length;
+        self.turn()?;
+        if length > 0.0 { Ok(()) } else { self.go_on(by) }
+    }
+
+    fn cross(&mut self) -> Result<()> {
+        self.go_over()
+    }
+
+    fn reset(&mut self, direction: Direction) -> Result<()> {
+        let fresh = self.interface.fresh()?;
+        let released = self.account().elastic - self.interface.newborn_energy();
+        self.settle();
+        self.lost += released;
+        self.broken += 1.0 - std::mem::take(&mut self.free);
+        self.begin(fresh, direction);
+        (self.moved, self.looked) = (direction, direction);
+        Ok(())
+    }
+
+    fn hold(&mut self) {
+        if !self.course.is_held() {
+            let course = self.interface.held(self.layers());
+            self.settle();
+            self.begin(Arc::new(course), self.direction);
+        }
+    }
+
+    fn release(&mut self) -> Result<()> {
+        if !self.course.is_held() {
+            return Ok(());
+        }
+        let mut layers = self.layers();
+        let free = self.free + self.account().broken;
+        let newborn = self.interface.reborn.layers().iter().map(|layer| {
+            let layer = layer.clone().scaled(free);
+            if self.moved == self.direction { layer } else { layer.mirrored() }
+        });
+        layers.extend(newborn);
+        let course = self.interface.renewed(layers)?;
+        self.settle();
+        self.lost -= std::mem::take(&mut self.free) * self.interface.newborn_energy();
+        self.begin(Arc::new(course), self.direction);
+        Ok(())
+    }
+
+    fn books(&self) -> Books {
+        let Account { elastic, lost, broken } = self.account();
+        let stiffness = self.interface.stiffness;
+        Books {
+            elastic: stiffness * elastic,
+            lost: stiffness * (self.lost + lost),
+            broken: self.broken + broken,
+        }
+    }
+
+    fn copy(&self) -> Box<dyn Population> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,74 @@
+//! `[block]`: the slider is pulled through its own stiffness.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::positive;
+use crate::{Error, Result, block};
+
+/// A slider whose top, moved by the drive, pulls its bottom through a stiffness.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Block {
+    /// Shear stiffness K of the slider, force per length.
+    pub stiffness: f64,
+    /// What happens when the slider has lost its balance.
+    #[serde(default)]
+    pub slip: Slip,
+    /// Share of the contacts that must break at once, at one position of the drive, for an event of the ensemble
+    /// to count as a slip.
+    #[serde(default = "Block::slip_fraction")]
+    pub slip_fraction: f64,
+}
+
+/// What happens from the moment at which the slider has lost its balance until it has found it again.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Slip {
+    /// All contacts break and re-form; the spring is relaxed.
+    #[default]
+    Reset,
+    /// The slider moves to the next position of balance, contacts breaking and re-forming on the way.
+    Overdamped,
+    /// Contacts that break stay free until the slider has stopped.
+    Arrest,
+    /// The slider moves by its inertia.
+    Inertial {
+        /// Mass of the slider, above 0.
+        mass: f64,
+        /// Viscous damping, force per velocity, 0 or above.
+        #[serde(default)]
+        damping: f64,
+    },
+}
+
+impl Block {
+    fn slip_fraction() -> f64 {
+        0.05
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
+        positive("stiffness", self.stiffness)?;
+        if !(self.slip_fraction > 0.0 && self.slip_fraction <= 1.0) {
+            return Err(Error::invalid("slip_fraction", "a share above 0, at most 1", self.slip_fraction));
+        }
+        if let Slip::Inertial { mass, damping } = self.slip {
+            positive("slip.inertial.mass", mass)?;
+            if !(damping.is_finite() && damping >= 0.0) {
+                return Err(Error::invalid("slip.inertial.damping", "a finite number, 0 or above", damping));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl From<Slip> for block::Slip {
+    fn from(slip: Slip) -> Self {
+        match slip {
+            Slip::Reset => Self::Reset,
+            Slip::Overdamped => Self::Overdamped,
+            Slip::Arrest => Self::Arrest,
+            Slip::Inertial { mass, damping } => Self::Inertial { mass, damping },
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! `[drive]`: the top of the slider is moved, or a force is imposed.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Start, positive, size};
+use crate::{Error, Result};
+
+/// Moves the top of the slider from X_T = 0 and records where its bottom follows.
+///
+/// Without `[block]` the slider is rigid, and its top is its bottom.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(extend("oneOf" = [
+    { "not": { "anyOf": [{ "required": ["turning_points"] }, { "required": ["force_to"] }] } },
+    { "required": ["turning_points"], "not": { "required": ["distance"] } },
+    { "required": ["force_to"], "not": { "required": ["distance"] } }
+]))]
+pub struct Drive {
+    /// How far it is moved; 20 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 20.0))]
+    pub distance: Option<f64>,
+    /// Positions X_T to which it is moved one after the other, forth and back; instead of `distance`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turning_points: Option<Vec<f64>>,
+    /// Force up to which the slider is pulled, whatever its position; instead of `distance`, and without `[block]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_to: Option<f64>,
+    /// Number of points at which the trace is given, evenly spaced along the drive, both ends included.
+    pub points: usize,
+    /// How the stretches at X = 0 and the thresholds go together.
+    pub start: Start,
+}
+
+/// How far the top is moved where nothing is said.
+const DISTANCE: f64 = 20.0;
+
+impl Default for Drive {
+    fn default() -> Self {
+        Self { distance: None, turning_points: None, force_to: None, points: 2001, start: Start::Conditional }
+    }
+}
+
+impl Drive {
+    /// Where the top turns and ends, in order, from X_T = 0; for an imposed force none.
+    pub fn turns(&self) -> Vec<f64> {
+        match (&self.turning_points, self.force_to) {
+            (Some(turns), _) => turns.clone(),
+            (None, Some(_)) => Vec::new(),
+            (None, None) => vec![self.distance.unwrap_or(DISTANCE)],
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
+        let given = [
+            ("distance", self.distance.is_some()),
+            ("turning_points", self.turning_points.is_some()),
+            ("force_to", self.force_to.is_some()),
+        ];
+        let mut given = given.into_iter().filter(|g| g.1).map(|g| g.0);
+        if let (Some(first), Some(second)) = (given.next(), given.next()) {
+            let expected = "only one of distance, turning_points and force_to";
+            return Err(Error::invalid(second, expected, format!("{second} beside {first}")));
+        }
+        self.distance.map(|distance| positive("distance", distance)).transpose()?;
+        self.force_to.map(|force| positive("force_to", force)).transpose()?;
+        self.turning_points.as_deref().map(turning).transpose()?;
+        if self.points < 2 {
+            return Err(Error::invalid("points", "2 points or more (both ends count)", self.points));
+        }
+        size::check("points", self.points, size::BYTES_PER_POINT)
+    }
+}
+
+/// Checks that every point but the last is a turn.
+fn turning(points: &[f64]) -> Result<()> {
+    if points.is_empty() {
+        return Err(Error::invalid("turning_points", "at least one position", "an empty list"));
+    }
+    let (mut before, mut sign) = (0.0, 0.0);
+    for (i, &point) in points.iter().enumerate() {
+        let move_to = point - before;
+        if !point.is_finite() || move_to == 0.0 || move_to * sign > 0.0 {
+            let side = if sign == 0.0 {
+                "apart from"
+            } else if sign > 0.0 {
+                "below"
+            } else {
+                "above"
+            };
+            let expected = format!("a position {side} {before}, where the drive turns");
+            return Err(Error::invalid(format!("turning_points.{i}"), expected, point));
+        }
+        (before, sign) = (point, move_to.signum());
+    }
+    Ok(())
+}

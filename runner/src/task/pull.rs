@@ -1,0 +1,112 @@
+//! `[pull]`: force, breaking rate and distributions as the bottom of the slider is moved.
+
+use asperity::master::{MasterEquation, Pull};
+use asperity::monitor::Monitor;
+use asperity::record::{Quantity, Record};
+use asperity::scenario::{self, Scenario};
+use asperity::{Error, Result};
+
+use super::grid::Grid;
+use super::part::{self, Part};
+use super::{Setting, atoms, chance, distribution, sample};
+use crate::output::LARGEST;
+use crate::summary::{Comparison, Summary};
+
+/// Positions evaluated between two reports to the monitor.
+const ROUND: usize = 1024;
+/// Variables along the positions, at most.
+const COLUMNS: usize = 6;
+
+/// Pulls the slider as `task` says.
+///
+/// # Errors
+/// Results too large for one file, or the monitor's wish to stop.
+pub fn run(
+    setting: &Setting<'_>,
+    task: &scenario::Pull,
+    monitor: &mut dyn Monitor,
+) -> Result<(Summary, Record)> {
+    let Setting { scenario, contacts, initial, .. } = setting;
+    let grid = Grid::new(contacts, initial, &task.snapshots);
+    fits(scenario, task, &grid)?;
+    let equation = MasterEquation::new(contacts.clone(), initial)?;
+    let master = if scenario.ensemble.is_some() { 0.5 } else { 1.0 };
+    let tolerance = scenario.master_equation.tolerance;
+    let pull = equation.pull(task.distance, tolerance, &mut Part::new(monitor, 0.0, 0.6 * master))?;
+    let mut record = Record::default();
+    along_the_pull(scenario, task, &pull, &mut record, &mut Part::new(monitor, 0.6 * master, 0.4 * master))?;
+    let compare = compared(scenario, &pull, &mut record);
+    distribution::evolving(task, &pull, &grid, &mut record);
+    let (steady, relaxation) = (equation.steady_state(), equation.relaxation());
+    distribution::steady(contacts, &steady, &grid, &mut record);
+    if let Some(ensemble) = &scenario.ensemble {
+        let model = ensemble.build(contacts.clone(), initial.clone())?;
+        let pulled = chance::Pulled {
+            scenario,
+            task,
+            grid: &grid,
+            mean: contacts.thresholds.mean(),
+            memory: relaxation.length(),
+        };
+        pulled.record(&model, &mut record, &mut Part::new(monitor, master, 1.0 - master))?;
+    }
+    let summary = setting.summary(&steady, &relaxation, &pull);
+    Ok((Summary { compare, ..summary }, record))
+}
+
+/// Refuses before any work what could not be written after it.
+fn fits(scenario: &Scenario, pull: &scenario::Pull, grid: &Grid) -> Result<()> {
+    let densities = (pull.snapshots.len() + 3) * grid.stretches.len();
+    let histograms =
+        if scenario.ensemble.is_some() { (pull.snapshots.len() + 1) * grid.bins(scenario) } else { 0 };
+    let needed = ((pull.points * COLUMNS + densities + histograms) * size_of::<f64>()) as u64;
+    if needed <= LARGEST {
+        return Ok(());
+    }
+    let what = format!("a result file of {} points and {} snapshots", pull.points, pull.snapshots.len());
+    Err(Error::TooLarge { what, needed, allowed: LARGEST })
+}
+
+fn along_the_pull(
+    scenario: &Scenario,
+    task: &scenario::Pull,
+    pull: &Pull,
+    record: &mut Record,
+    monitor: &mut dyn Monitor,
+) -> Result<()> {
+    let positions = task.positions();
+    let mut evaluate = |done: f64, function: &dyn Fn(f64) -> f64| -> Result<Vec<f64>> {
+        let mut values = Vec::with_capacity(positions.len());
+        for round in positions.chunks(ROUND) {
+            values.extend(round.iter().map(|&x| function(x)));
+            part::report(monitor, (done + values.len() as f64 / positions.len() as f64) / 3.0)?;
+        }
+        Ok(values)
+    };
+    let force = evaluate(0.0, &|x| pull.force(x))?;
+    let rate = evaluate(1.0, &|x| pull.breaking_rate(x))?;
+    let std = sample(scenario).map(|size| evaluate(2.0, &|x| pull.force_std(x, size))).transpose()?;
+    let along = &["position"];
+    record.push("position", "position X of the slider's bottom", Quantity::Length, along, positions);
+    record.push("force", "friction force", Quantity::Force, along, force);
+    let words = "fraction of contacts breaking per length, without those that break together";
+    record.push("breaking_rate", words, Quantity::PerLength, along, rate);
+    if let Some(std) = std {
+        let words = "standard deviation of the force of a finite number of contacts";
+        record.push("force_std", words, Quantity::Force, along, std);
+    }
+    let places = [("position", "position at which contacts break together")];
+    atoms(record, "breaking_atom", places, pull.breaking_atoms().iter().map(|a| ([a.position], a.weight)));
+    Ok(())
+}
+
+fn compared(scenario: &Scenario, pull: &Pull, record: &mut Record) -> Option<Comparison> {
+    let (positions, forces) = scenario.compare.as_ref()?.points();
+    let within = |x: &f64| (0.0..=pull.distance()).contains(x);
+    let residuals = positions.iter().zip(forces).filter(|(x, _)| within(x)).map(|(&x, f)| f - pull.force(x));
+    let (points, squares) = residuals.fold((0, 0.0), |(n, sum), r| (n + 1, sum + r * r));
+    let along = &["compared"];
+    record.push("compared_position", "measured position", Quantity::Length, along, positions.to_vec());
+    record.push("compared_force", "measured force", Quantity::Force, along, forces.to_vec());
+    Some(Comparison { points, residual_rms: (points > 0).then(|| (squares / points as f64).sqrt()) })
+}
