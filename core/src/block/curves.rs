@@ -171,7 +171,7 @@ fn along(
         let breaks = look.way.breaks;
         look.advance(length)?;
         if breaks {
-            look.population.cross()?;
+            look.cross()?;
         }
         look.towards(Direction::Forward)?;
         if ways.is_multiple_of(REPORT) {

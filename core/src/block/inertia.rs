@@ -81,7 +81,7 @@ impl Walk<'_> {
             place: 0.0,
             speed: 0.0,
             step: f64::INFINITY,
-            fast: (2.0 * self.look.population.books().elastic / mass).sqrt(),
+            fast: (2.0 * self.look.books().elastic / mass).sqrt(),
             start: self.look.position,
             course: first.then(Course::default),
         };
@@ -117,7 +117,7 @@ impl Walk<'_> {
                 return Ok(false);
             }
             if breaks {
-                self.look.population.cross()?;
+                self.look.cross()?;
             }
             swing.place = 0.0;
             self.towards(self.look.direction)?;
@@ -133,7 +133,7 @@ impl Walk<'_> {
         if excess(0.0) > 0.0 && !self.is_balanced(swing.drive) {
             return true;
         }
-        let unseen = UNSEEN * self.look.population.books().elastic;
+        let unseen = UNSEEN * self.look.books().elastic;
         let visible = |place: f64| place > f64::EPSILON * self.look.position.abs();
         let mut place = self.look.way.length.min(self.look.position.abs().max(1.0));
         while visible(place) && !(excess(place) > 0.0 && place * excess(place) < unseen) {
@@ -217,8 +217,7 @@ impl Walk<'_> {
             let resistance = look.loading.resistance(look.response(within).tangent);
             (look.excess(swing.drive, within) - resistance * (u - within), -resistance)
         };
-        let step = swing.body.step((swing.place, swing.speed), time, force)?;
-        (step.error() <= ACCURACY * swing.fast).then_some(step)
+        swing.body.step((swing.place, swing.speed), time, ACCURACY * swing.fast, force)
     }
 
     fn accept(&mut self, swing: &mut Swing, step: &Step, ending: Ending) {

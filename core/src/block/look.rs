@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::numerics::legendre::{NODES, RULE};
 use crate::numerics::roots::{brent_minimum, brent_root};
-use crate::population::{Direction, Population, Response, Way};
+use crate::population::{Books, Direction, Population, Response, Way};
 
 use super::Loading;
 
@@ -13,12 +13,14 @@ const MARGINAL: f64 = 1e-9;
 /// A population and what pulls it, with the way ahead; advances a ≥ 0 are counted in the direction of motion, and
 /// drives with its sign, so that backward motion is the mirror image of forward motion.
 pub(super) struct Look<'a> {
-    pub population: &'a mut dyn Population,
+    population: &'a mut dyn Population,
     pub loading: Loading,
     /// How far the slider was moved while no contact held.
-    pub carried: f64,
+    carried: f64,
     pub direction: Direction,
     pub way: Way,
+    /// Whether the way ahead is that from here.
+    current: bool,
     /// The response here.
     pub here: Response,
     /// Where the slider is.
@@ -33,17 +35,20 @@ impl<'a> Look<'a> {
         let way = Way { length: f64::INFINITY, straight: true, breaks: false };
         let position = population.position();
         let (here, points) = (nothing, [nothing; NODES]);
-        let mut look = Self { population, loading, carried: 0.0, direction, way, here, position, points };
+        let (carried, current) = (0.0, false);
+        let mut look = Self { population, loading, carried, direction, way, current, here, position, points };
         look.towards(direction)?;
         Ok(look)
     }
 
     /// Looks ahead from here.
     pub fn towards(&mut self, direction: Direction) -> Result<()> {
+        if self.current && self.direction == direction {
+            return Ok(());
+        }
         self.way = self.population.way(direction)?;
-        self.direction = direction;
-        self.position = self.population.position() + self.carried;
-        self.here = self.response(0.0);
+        (self.direction, self.current) = (direction, true);
+        self.here = self.population.ahead(0.0);
         if !self.way.straight {
             for (i, t) in RULE.nodes.iter().enumerate() {
                 self.points[i] = self.response(self.point(*t));
@@ -55,9 +60,45 @@ impl<'a> Look<'a> {
     /// Advances by `a`; the response here is then the one at the end, before anything breaks there.
     pub fn advance(&mut self, a: f64) -> Result<()> {
         self.here = self.response(a);
+        self.current = false;
         self.population.advance(self.sign() * a)?;
         self.position = self.population.position() + self.carried;
         Ok(())
+    }
+
+    /// Moves the slider to `position` while no contact holds it.
+    pub fn carry(&mut self, position: f64) {
+        self.carried += position - self.position;
+        self.position = position;
+    }
+
+    /// Breaks what stands at the end of the way.
+    pub fn cross(&mut self) -> Result<()> {
+        self.current = false;
+        self.population.cross()
+    }
+
+    /// Breaks all contacts.
+    pub fn reset(&mut self) -> Result<()> {
+        self.current = false;
+        self.population.reset(self.direction)
+    }
+
+    /// Lets what breaks stay free.
+    pub fn hold(&mut self) {
+        self.current = false;
+        self.population.hold();
+    }
+
+    /// Lets what is free re-form.
+    pub fn release(&mut self) -> Result<()> {
+        self.current = false;
+        self.population.release()
+    }
+
+    /// Energies and breaks of the contacts.
+    pub fn books(&self) -> Books {
+        self.population.books()
     }
 
     /// The Gauss point t of [−1, 1] on the way.
@@ -69,7 +110,12 @@ impl<'a> Look<'a> {
         self.direction.sign()
     }
 
+    /// The response at a.
     pub fn response(&self, a: f64) -> Response {
+        if self.way.straight {
+            let Response { force, tangent } = self.here;
+            return Response { force: force + self.sign() * a * tangent, tangent };
+        }
         self.population.ahead(self.sign() * a)
     }
 
@@ -97,15 +143,20 @@ impl<'a> Look<'a> {
     /// Whether the drive in balance rises ahead of here; where it is marginal, at the first point of the way.
     pub fn rises(&self) -> bool {
         let rise = self.loading.rise(self.here.tangent);
-        if self.way.straight {
+        if self.way.straight || !self.is_marginal(rise) {
             return rise > 0.0;
         }
-        let rises = self.points.map(|point| self.loading.rise(point.tangent));
-        let largest = rises.iter().fold(0.0, |most: f64, r| most.max(r.abs()));
-        if rise.abs() > MARGINAL * largest { rise > 0.0 } else { rises[0] > 0.0 }
+        self.loading.rise(self.points[0].tangent) > 0.0
     }
 
-    /// The first a > `from` at which the drive ceases to rise (or to fall); `None` where that is not on the way.
+    /// Whether a derivative of the drive on a smooth way cannot be told from 0.
+    fn is_marginal(&self, rise: f64) -> bool {
+        let rises = self.points.iter().map(|point| self.loading.rise(point.tangent).abs());
+        rise.abs() <= MARGINAL * rises.fold(0.0, f64::max)
+    }
+
+    /// The first a ≥ `from` at which the drive, which rises (or falls) from there, ceases to; `None` where that is
+    /// not on the way.
     ///
     /// The derivative is known at the Gauss points; a dip between them is looked for where a parabola through three
     /// of them comes close to 0.
@@ -114,19 +165,25 @@ impl<'a> Look<'a> {
             return None;
         }
         let sign = if rising { 1.0 } else { -1.0 };
-        // `from` may be a zero found before: what counts is the sign after it.
-        let start = (from, (sign * self.rise(from)).max(f64::MIN_POSITIVE));
-        let height = |a: f64| if a == from { start.1 } else { sign * self.rise(a) };
+        let height = |a: f64| sign * self.rise(a);
+        let precision = 1e-9 * self.way.length;
+        let start = (from, height(from));
         let inner = RULE.nodes.iter().zip(&self.points);
         let inner = inner.map(|(t, point)| (self.point(*t), sign * self.loading.rise(point.tangent)));
-        let end = (self.way.length, sign * self.rise(self.way.length));
+        let end = (self.way.length, height(self.way.length));
         let (mut before, mut last) = (start, start);
         for next in inner.chain([end]).filter(|next| next.0 > from) {
             if next.1 < 0.0 {
-                return brent_root(height, last.0, next.0, 0.0);
+                // What begins at a zero, and is past the next one already, has its height between.
+                let top = if last.0 == from && self.is_marginal(start.1) {
+                    brent_minimum(|a| -height(a), from, next.0, precision).0
+                } else {
+                    last.0
+                };
+                return Some(brent_root(height, top, next.0, 0.0).unwrap_or(from));
             }
             if dips(before, last, next) {
-                let (bottom, value) = brent_minimum(height, before.0, next.0, 1e-9 * self.way.length);
+                let (bottom, value) = brent_minimum(height, before.0, next.0, precision);
                 if value < 0.0 {
                     return brent_root(height, before.0, bottom, 0.0);
                 }

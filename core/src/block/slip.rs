@@ -29,20 +29,17 @@ impl Walk<'_> {
         let drive = before.drive;
         let approach = self.closed(drive);
         self.approach += approach;
-        let begun = self.look.population.books().broken;
         if self.holds(breaks) {
-            self.look.population.hold();
+            self.look.hold();
         }
         let pushed = if breaks {
-            self.look.population.cross()?;
+            self.look.cross()?;
             self.pushed(drive, direction)?
         } else {
             Some(direction)
         };
-        let Some(turn) = self.slip(drive, pushed)? else { return Ok(false) };
-        self.look.towards(direction)?;
-        let broken = self.look.population.books().broken - begun;
-        self.account(before, turn, broken);
+        let Some(turn) = self.slip(drive, pushed, !breaks)? else { return Ok(false) };
+        self.account(before, turn, self.broken());
         Ok(true)
     }
 
@@ -56,35 +53,37 @@ impl Walk<'_> {
         }
     }
 
-    /// Moves by the rule of slip, first in the direction `pushed`. Where the slider turned or came to rest; `None`
-    /// if it ran away.
-    fn slip(&mut self, drive: f64, pushed: Option<Direction>) -> Result<Option<f64>> {
+    /// Moves by the rule of slip, first in the direction `pushed`, from a balance that is `lost` there without a push
+    /// or with one. Where the slider turned or came to rest; `None` if it ran away.
+    fn slip(&mut self, drive: f64, pushed: Option<Direction>, lost: bool) -> Result<Option<f64>> {
         let Some(direction) = pushed else {
             self.let_go()?;
+            self.look.towards(self.look.direction)?;
             return Ok(Some(self.look.position));
         };
         let calm = match self.block.slip {
             Slip::Reset => self.reset(drive, direction)?,
-            Slip::Overdamped | Slip::Arrest => self.settle(drive, Some(direction))?,
+            Slip::Overdamped | Slip::Arrest => self.settle(drive, Some(direction), lost)?,
             Slip::Inertial { mass, damping } => {
-                let next = match self.swing(drive, direction, mass, damping)? {
-                    Swung::Arrested => self.pushed(drive, direction)?,
-                    Swung::Still => Some(direction),
+                let (next, lost) = match self.swing(drive, direction, mass, damping)? {
+                    Swung::Arrested => (self.pushed(drive, direction)?, false),
+                    Swung::Still => (Some(direction), true),
                     Swung::Away => return Ok(None),
                 };
                 let turn = self.look.position;
-                return Ok(self.settle(drive, next)?.then_some(turn));
+                return Ok(self.settle(drive, next, lost)?.then_some(turn));
             }
         };
         Ok(calm.then_some(self.look.position))
     }
 
     /// Slides without inertia, in one direction after the other, until there is balance; whether there is one.
-    fn settle(&mut self, drive: f64, mut next: Option<Direction>) -> Result<bool> {
+    fn settle(&mut self, drive: f64, mut next: Option<Direction>, mut lost: bool) -> Result<bool> {
         while let Some(direction) = next {
-            if self.slide(drive, direction, None)? == Slid::Away {
+            if self.slide(drive, direction, lost, None)? == Slid::Away {
                 return Ok(false);
             }
+            lost = false;
             self.let_go()?;
             next = self.pushed(drive, direction)?;
         }
@@ -93,7 +92,7 @@ impl Walk<'_> {
 
     /// What is held free re-forms.
     fn let_go(&mut self) -> Result<()> {
-        if self.holds(true) { self.look.population.release() } else { Ok(()) }
+        if self.holds(true) { self.look.release() } else { Ok(()) }
     }
 
     /// Slides until more contacts have broken than a slip needs; then all break, and re-form where the spring meets
@@ -102,7 +101,7 @@ impl Walk<'_> {
         if let Some(most) = self.block.slip_fraction {
             let mut next = Some(direction);
             while let Some(direction) = next {
-                match self.slide(drive, direction, Some(most))? {
+                match self.slide(drive, direction, false, Some(most))? {
                     Slid::Away => return Ok(false),
                     Slid::Exceeded => return self.renew(drive, direction),
                     Slid::Balanced => next = self.pushed(drive, direction)?,
@@ -115,18 +114,17 @@ impl Walk<'_> {
 
     fn renew(&mut self, drive: f64, direction: Direction) -> Result<bool> {
         let loading = self.look.loading;
-        self.look.population.reset(direction)?;
+        self.look.reset()?;
         self.look.towards(direction)?;
         let Loading::Spring(stiffness) = loading else { return Ok(false) };
         let position = drive - self.look.here.force / stiffness;
         let released = loading.stored(drive, self.look.position) - loading.stored(drive, position);
         self.open.slip += released;
-        self.look.carried += position - self.look.position;
-        self.look.position = position;
+        self.look.carry(position);
         Ok(true)
     }
 
-    /// The direction in which the slider is out of balance; looks ahead in it.
+    /// The direction in which the slider is out of balance, after a look ahead.
     fn pushed(&mut self, drive: f64, direction: Direction) -> Result<Option<Direction>> {
         self.look.towards(direction)?;
         if self.is_balanced(drive) {
@@ -142,12 +140,12 @@ impl Walk<'_> {
         (drive - here).abs() <= ROUNDING * (drive.abs() + self.look.position.abs() + here.abs())
     }
 
-    /// Slides in one direction to the next balance at a fixed drive.
-    fn slide(&mut self, drive: f64, direction: Direction, most: Option<f64>) -> Result<Slid> {
+    /// Slides in one direction to the next balance at a fixed drive, from one that is `lost` there or from none.
+    fn slide(&mut self, drive: f64, direction: Direction, mut lost: bool, most: Option<f64>) -> Result<Slid> {
         let (loading, sign) = (self.look.loading, direction.sign());
         loop {
             self.towards(direction)?;
-            let rises = self.look.rises();
+            let rises = !std::mem::take(&mut lost) && self.look.rises();
             let ahead = sign * (self.look.drive_here() - drive) > 0.0;
             if rises && (ahead || self.is_balanced(drive)) {
                 return Ok(Slid::Balanced);
@@ -168,7 +166,7 @@ impl Walk<'_> {
                 return Ok(Slid::Away);
             }
             if breaks {
-                self.look.population.cross()?;
+                self.look.cross()?;
             }
             if most.is_some_and(|most| self.broken() > most) {
                 return Ok(Slid::Exceeded);

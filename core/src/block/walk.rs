@@ -207,8 +207,7 @@ impl<'a> Walk<'a> {
 
     /// The books since they were last closed; they are closed here, at a given drive.
     pub fn closed(&mut self, drive: f64) -> Energy {
-        let (books, stored) =
-            (self.look.population.books(), self.look.loading.stored(drive, self.look.position));
+        let (books, stored) = (self.look.books(), self.look.loading.stored(drive, self.look.position));
         let mut energy = std::mem::take(&mut self.open);
         energy.spring = stored - self.stored;
         energy.elastic = books.elastic - self.books.elastic;
@@ -220,7 +219,7 @@ impl<'a> Walk<'a> {
 
     /// Breaks since the books were last closed, per contact.
     pub fn broken(&self) -> f64 {
-        self.look.population.books().broken - self.books.broken
+        self.look.books().broken - self.books.broken
     }
 
     /// Closes the books at the end of the drive.

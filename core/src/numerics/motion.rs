@@ -57,17 +57,18 @@ fn point(i: usize) -> f64 {
 const MOST_ITERATIONS: usize = 12;
 
 impl Body {
-    /// The step of that duration, `force` giving f and f'; `None` where Newton's method does not converge.
+    /// The step of that duration, `force` giving f and f'; `None` where Newton's method does not converge, or the
+    /// step leaves out more than `tolerance` of the speed.
     pub fn step(
         &self,
         (place, speed): (f64, f64),
         time: f64,
+        tolerance: f64,
         force: impl Fn(f64) -> (f64, f64),
     ) -> Option<Step> {
         let Self { mass, damping } = *self;
         let begin = (force(place).0 - damping * speed) / mass;
         let mut step = Step { time, place, speed, acceleration: [begin; NODES] };
-        let mut before = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
             let (places, speeds) = (step.places(), step.speeds());
             let mut matrix = [[0.0; NODES]; NODES];
@@ -85,12 +86,10 @@ impl Body {
             for (a, change) in step.acceleration.iter_mut().zip(&change) {
                 *a += change;
             }
-            let largest = |values: &Nodal| values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-            let (moved, size) = (largest(&change), largest(&step.acceleration));
-            if moved <= 1e-15 * size || moved >= 0.5 * before && moved <= 1e-11 * size {
-                return Some(step);
+            // The next change would be smaller than the square of this one.
+            if time * change.iter().fold(0.0, |most: f64, a| most.max(a.abs())) <= tolerance {
+                return (step.error() <= tolerance).then_some(step);
             }
-            before = moved;
         }
         None
     }
@@ -128,7 +127,7 @@ impl Step {
     }
 
     /// What the polynomial leaves out of the speed.
-    pub fn error(&self) -> f64 {
+    fn error(&self) -> f64 {
         self.time * super::piecewise::tail(&RULE.coefficients(&self.acceleration))
     }
 }

@@ -26,6 +26,7 @@ pub struct ClosedCurve {
     breaks: bool,
     position: f64,
     direction: Direction,
+    looked: Direction,
     /// The tip, and how far back from it.
     tip: f64,
     back: f64,
@@ -49,13 +50,15 @@ pub fn gaussian(std: f64) -> ClosedCurve {
     ClosedCurve::new(Arc::new(form), Arc::new(moments), Vec::new(), 0.5 * std)
 }
 
-/// The books of its contacts are not told.
+/// Of the energies of its contacts only the sum of stored and lost is right: it stores as if all were alike.
 pub fn rectangular(min: f64, max: f64) -> ClosedCurve {
     let edges = (1..40).flat_map(|n| (0..=n).map(move |k| f64::from(n - k) * min + f64::from(k) * max));
     let mut edges: Vec<f64> = edges.collect();
     edges.sort_by(f64::total_cmp);
     edges.dedup_by(|b, a| *b - *a < 1e-12);
-    ClosedCurve::new(Arc::new(Rectangular { min, max }), Arc::new(|_| (0.0, 0.0)), edges, 0.05)
+    let form = Rectangular { min, max };
+    let moments = move |u: f64| (form.force(u).powi(2), 0.0);
+    ClosedCurve::new(Arc::new(form), Arc::new(moments), edges, 0.05)
 }
 
 pub fn identical() -> ClosedCurve {
@@ -75,6 +78,7 @@ impl ClosedCurve {
             breaks: false,
             position: 0.0,
             direction: Direction::Forward,
+            looked: Direction::Forward,
             tip: 0.0,
             back: 0.0,
             held: false,
@@ -111,6 +115,7 @@ impl Population for ClosedCurve {
     }
 
     fn way(&mut self, direction: Direction) -> Result<Way> {
+        self.looked = direction;
         if self.free {
             return Ok(Way { length: f64::INFINITY, straight: true, breaks: false });
         }
@@ -132,10 +137,10 @@ impl Population for ClosedCurve {
         }
         let sign = self.direction.sign();
         let on = sign * by;
-        let Response { force, tangent } = match (self.back > 0.0, on > 0.0) {
-            (false, false) if on == 0.0 => self.on_curve(self.tip),
-            (false, true) => self.on_curve(self.tip + on),
-            _ => Response { force: self.form.force(self.tip) - self.back + on, tangent: 1.0 },
+        let Response { force, tangent } = if self.back == 0.0 && self.looked == self.direction {
+            self.on_curve(self.tip + on)
+        } else {
+            Response { force: self.form.force(self.tip) - self.back + on, tangent: 1.0 }
         };
         Response { force: sign * force, tangent }
     }
@@ -151,16 +156,15 @@ impl Population for ClosedCurve {
         if self.back > 0.0 || on < 0.0 {
             self.back = (self.back - on).max(0.0);
         } else {
-            self.tip = if on >= self.next() - self.tip { self.next() } else { self.tip + on };
-            if self.breaks && self.tip == self.next() {
-                self.tip = self.tip.next_down();
-            }
+            let end = self.next();
+            let left = if self.breaks { end.next_down() } else { end };
+            self.tip = if on >= end - self.tip { left } else { self.tip + on };
         }
         Ok(())
     }
 
     fn cross(&mut self) -> Result<()> {
-        self.tip = self.next();
+        self.tip = self.tip.next_up();
         self.free = self.held;
         Ok(())
     }

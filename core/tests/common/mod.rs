@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod curve;
+pub mod pulled;
 
 use std::sync::Arc;
 
