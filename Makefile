@@ -106,7 +106,7 @@ figures: $(venv)/installed
 
 # How fast it is, beside what one would write in Python.
 bench: $(venv)-peers/ready
-	cargo bench --locked --package asperity --bench ensemble --bench master --bench scaling
+	cargo bench --locked --package asperity --bench ensemble --bench master --bench population --bench scaling
 	PEERS_PYTHON=$(CURDIR)/$(venv)-peers/bin/python cargo bench --locked --package asperity --bench peers
 
 $(venv)-peers/ready: core/benches/peers/requirements.txt

@@ -44,6 +44,8 @@ pub struct Stream {
     words: [u64; 4 * AHEAD],
     used: usize,
     filled: usize,
+    /// Blocks before the first one computed.
+    begun: u64,
 }
 
 /// Most blocks computed ahead: their multiplications overlap.
@@ -54,7 +56,23 @@ impl Stream {
     #[must_use]
     #[inline]
     pub fn new(seed: u64, purpose: Purpose, index: u64) -> Self {
-        Self { key: seed, counter: [0, index, purpose as u64], words: [0; 4 * AHEAD], used: 0, filled: 0 }
+        let counter = [0, index, purpose as u64];
+        Self { key: seed, counter, words: [0; 4 * AHEAD], used: 0, filled: 0, begun: 0 }
+    }
+
+    /// Goes to the stream of another `index`, of the same seed and purpose, from which so many words have been taken.
+    #[inline]
+    pub(crate) fn seek(&mut self, index: u64, taken: u64) {
+        self.begun = taken / 4;
+        self.counter = [self.begun, index, self.counter[2]];
+        // The words of the block that lie before are passed over once it is computed.
+        (self.used, self.filled) = ((taken % 4) as usize, (taken % 4) as usize);
+    }
+
+    /// The words taken so far, by which [`Stream::seek`] comes back here.
+    #[inline]
+    pub(crate) fn taken(&self) -> u64 {
+        4 * self.counter[0] + self.used as u64 - 4 * (self.filled as u64 / 4)
     }
 
     /// The next 64 random bits.
@@ -91,7 +109,7 @@ impl Stream {
         let [done, index, purpose] = self.counter;
         let counter = |ahead: usize| [done.wrapping_add(1 + ahead as u64), index, purpose, 0];
         let key = [self.key, 0];
-        let blocks = if done < AHEAD as u64 {
+        let blocks = if done - self.begun < AHEAD as u64 {
             let [block] = philox([counter(0)], key);
             self.words[..4].copy_from_slice(&block);
             1
@@ -103,7 +121,7 @@ impl Stream {
             AHEAD
         };
         self.counter[0] = done.wrapping_add(blocks as u64);
-        (self.used, self.filled) = (0, 4 * blocks);
+        (self.used, self.filled) = (self.used % 4, 4 * blocks);
     }
 
     /// A uniform number in the open interval (0, 1), from 53 bits.
@@ -162,7 +180,24 @@ fn multiply(a: u64, b: u64) -> (u64, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::philox;
+    use super::{Purpose, Stream, philox};
+
+    #[test]
+    fn a_stream_goes_on_where_it_was_left() {
+        let mut whole = Stream::new(3, Purpose::Sample, 8);
+        let mut parts = Stream::new(3, Purpose::Sample, 0);
+        for length in (0..40).chain([1, 1, 1, 17]) {
+            let taken = whole.taken();
+            parts.seek(8, taken);
+            assert_eq!(parts.taken(), taken);
+            for _ in 0..length {
+                assert_eq!(parts.word(), whole.word());
+                assert_eq!(parts.taken(), whole.taken());
+            }
+            parts.seek(9, 2);
+            parts.word();
+        }
+    }
 
     /// `kat_vectors` of the Random123 distribution.
     #[test]

@@ -2,7 +2,7 @@
 
 use super::{Disorder, Ensemble};
 use crate::contacts::Start;
-use crate::law::Law;
+use crate::law::SharedLaw;
 use crate::random::{Purpose, Stream};
 
 /// Draws that may miss a condition before the law is inverted instead; either way the law is exact.
@@ -18,12 +18,20 @@ pub(super) struct Life {
     pub(super) threshold: f64,
 }
 
+/// How far a contact has come in its streams: the words taken from each, modulo 2³².
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Drawn {
+    thresholds: u32,
+    reforming: u32,
+    conditional: u32,
+}
+
 /// The lives of the contacts of an ensemble.
-pub(super) struct Lives<'a> {
-    ensemble: &'a Ensemble,
-    index: u64,
-    thresholds: Draws<'a>,
-    reforming: Draws<'a>,
+#[derive(Clone)]
+pub(super) struct Lives {
+    ensemble: Ensemble,
+    thresholds: Draws,
+    reforming: Draws,
     /// R, if it is a single point, where nothing need be drawn.
     point: Option<f64>,
     /// The threshold of this contact, if it is quenched.
@@ -31,39 +39,47 @@ pub(super) struct Lives<'a> {
     conditional: Stream,
 }
 
-impl<'a> Lives<'a> {
-    /// For contacts of whom each is expected to break `expected` times.
-    pub(super) fn new(ensemble: &'a Ensemble, expected: usize) -> Self {
+impl Lives {
+    /// For contacts followed one after another, of whom each is expected to break `expected` times.
+    pub(super) fn new(ensemble: &Ensemble, expected: usize) -> Self {
+        Self::drawing(ensemble, expected, BATCH)
+    }
+
+    /// For contacts whose lives are asked for in any order: nothing is drawn ahead.
+    pub(super) fn in_any_order(ensemble: &Ensemble) -> Self {
+        Self::drawing(ensemble, 1, 1)
+    }
+
+    fn drawing(ensemble: &Ensemble, expected: usize, most: usize) -> Self {
         let contacts = &ensemble.contacts;
         let atoms = contacts.reforming.atoms();
-        let draws = |law| Draws::new(law, Stream::new(0, Purpose::Thresholds, 0), expected);
+        let stream = |purpose| Stream::new(ensemble.seed, purpose, 0);
+        let draws = |law: &SharedLaw, purpose| Draws::new(law.clone(), stream(purpose), expected, most);
         Self {
-            ensemble,
-            index: 0,
-            thresholds: draws(contacts.thresholds.as_ref()),
-            reforming: draws(contacts.reforming.as_ref()),
+            thresholds: draws(&contacts.thresholds, Purpose::Thresholds),
+            reforming: draws(&contacts.reforming, Purpose::Reforming),
             point: atoms.first().filter(|a| a.weight == 1.0).map(|a| a.position),
             quenched: None,
-            conditional: Stream::new(0, Purpose::Conditional, 0),
+            conditional: stream(Purpose::Conditional),
+            ensemble: ensemble.clone(),
         }
     }
 
     /// Turns to contact number `index`, and gives its life at X = 0.
     pub(super) fn first(&mut self, index: u64) -> Life {
-        let Ensemble { seed, disorder, ref initial, .. } = *self.ensemble;
+        let Ensemble { seed, disorder, ref initial, .. } = self.ensemble;
         let stream = |purpose| Stream::new(seed, purpose, index);
         let (purpose, ahead) = match disorder {
             Disorder::Annealed => (Purpose::Thresholds, self.thresholds.expected),
             Disorder::Quenched => (Purpose::QuenchedThresholds, 1),
         };
-        self.index = index;
         self.thresholds.restart(stream(purpose), ahead);
         self.reforming.restart(stream(Purpose::Reforming), self.reforming.expected);
         self.conditional = stream(Purpose::Conditional);
         self.quenched = None;
         let mut stretch = [0.0];
         initial.law.fill(&mut stream(Purpose::Initial), &mut stretch);
-        let threshold = match initial.start {
+        let threshold = match self.ensemble.initial.start {
             Start::Conditional => self.threshold_above(stretch[0]),
             Start::Relaxed => self.thresholds.next(),
         };
@@ -71,6 +87,23 @@ impl<'a> Lives<'a> {
             self.quenched = Some(threshold);
         }
         Life { stretch: stretch[0], threshold }
+    }
+
+    /// How far the present contact has come, if nothing is drawn ahead.
+    pub(super) fn drawn(&self) -> Drawn {
+        Drawn {
+            thresholds: self.thresholds.stream.taken() as u32,
+            reforming: self.reforming.stream.taken() as u32,
+            conditional: self.conditional.taken() as u32,
+        }
+    }
+
+    /// Turns back to contact number `index`, which has come to `drawn` and just broke at `threshold`.
+    pub(super) fn resume(&mut self, index: u64, drawn: Drawn, threshold: f64) {
+        self.thresholds.seek(index, drawn.thresholds.into());
+        self.reforming.seek(index, drawn.reforming.into());
+        self.conditional.seek(index, drawn.conditional.into());
+        self.quenched = (self.ensemble.disorder == Disorder::Quenched).then_some(threshold);
     }
 
     /// The life after a break.
@@ -106,7 +139,7 @@ impl<'a> Lives<'a> {
     fn threshold_above(&mut self, stretch: f64) -> f64 {
         let drawn = (0..TRIES).map(|_| self.thresholds.next()).find(|&threshold| threshold > stretch);
         drawn.unwrap_or_else(|| {
-            let law = self.thresholds.law;
+            let law = &self.thresholds.law;
             law.upper_quantile(law.survival(stretch) * self.conditional.uniform())
         })
     }
@@ -118,7 +151,7 @@ impl<'a> Lives<'a> {
         }
         let drawn = (0..TRIES).map(|_| self.reforming.next()).find(|&stretch| stretch < threshold);
         drawn.unwrap_or_else(|| {
-            let law = self.reforming.law;
+            let law = &self.reforming.law;
             law.quantile((1.0 - law.survival(threshold.next_down())) * self.conditional.uniform())
         })
     }
@@ -126,8 +159,9 @@ impl<'a> Lives<'a> {
 
 /// Draws of a law from a stream, in batches. [`Law::fill`] takes draws in order, so that the sizes of
 /// batches do not change the values.
-struct Draws<'a> {
-    law: &'a dyn Law,
+#[derive(Clone)]
+struct Draws {
+    law: SharedLaw,
     stream: Stream,
     batch: [f64; BATCH],
     used: usize,
@@ -135,15 +169,24 @@ struct Draws<'a> {
     /// Draws a contact is expected to need; how many of them are still to be drawn.
     expected: usize,
     left: usize,
+    /// Most values drawn ahead.
+    most: usize,
 }
 
-impl<'a> Draws<'a> {
-    fn new(law: &'a dyn Law, stream: Stream, expected: usize) -> Self {
-        Self { law, stream, batch: [0.0; BATCH], used: 0, filled: 0, expected, left: 0 }
+impl Draws {
+    fn new(law: SharedLaw, stream: Stream, expected: usize, most: usize) -> Self {
+        Self { law, stream, batch: [0.0; BATCH], used: 0, filled: 0, expected, left: 0, most }
     }
 
     fn restart(&mut self, stream: Stream, expected: usize) {
         (self.stream, self.left) = (stream, expected);
+        (self.used, self.filled) = (0, 0);
+    }
+
+    /// Goes to where a contact has taken so many words.
+    #[inline]
+    fn seek(&mut self, index: u64, taken: u64) {
+        self.stream.seek(index, taken);
         (self.used, self.filled) = (0, 0);
     }
 
@@ -168,7 +211,7 @@ impl<'a> Draws<'a> {
 
     #[inline(never)]
     fn refill(&mut self) {
-        self.filled = self.left.clamp(1, BATCH);
+        self.filled = self.left.clamp(1, self.most);
         self.left = self.left.saturating_sub(self.filled).max(4);
         self.law.fill(&mut self.stream, &mut self.batch[..self.filled]);
         self.used = 0;

@@ -4,10 +4,14 @@
 //! nothing else. The pull goes from break to break, so that no step of X limits its accuracy.
 
 mod lives;
+mod population;
 mod pull;
+mod queue;
+mod sums;
 mod sweep;
 mod tally;
 
+pub use population::EnsemblePopulation;
 pub use pull::{EnsemblePull, Snapshots};
 
 use crate::contacts::{Contacts, Initial};

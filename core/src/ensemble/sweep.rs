@@ -70,7 +70,7 @@ impl Sweep<'_> {
     }
 
     /// One contact from X = 0 to the last position.
-    fn follow<C: Cell>(&self, first: Life, lives: &mut Lives<'_>, chunk: &mut Chunk<C>) {
+    fn follow<C: Cell>(&self, first: Life, lives: &mut Lives, chunk: &mut Chunk<C>) {
         let last = self.positions[self.positions.len() - 1];
         let mut life = first;
         // Only a relaxed start has contacts at or above their thresholds: they break where they are.

@@ -1,6 +1,7 @@
 //! Numerical methods that know no physics.
 
 pub mod breaks;
+pub mod compensated;
 pub mod legendre;
 pub mod linear;
 pub mod motion;

@@ -1,4 +1,4 @@
-//! Short names for the tests of the master equation.
+//! Short names for tests of either solver.
 #![allow(dead_code)]
 
 pub mod curve;

@@ -50,6 +50,15 @@ pub fn run(
         balance(&run, fresh.as_ref(), stiffness, LOADING * contacts.thresholds.mean(), &mut record)?;
     }
     let mut sliding = Sliding::new(&run);
+    if let Some(ensemble) = &scenario.ensemble {
+        let done = shares[0] + shares[1];
+        let mut part = Part::new(monitor, done, 1.0 - done);
+        let mut contacts = ensemble.build(contacts.clone(), initial.clone())?.population()?;
+        let run = slider(setting, task, true)?.pull(&mut contacts, &way, &mut part)?;
+        trace(&run, "ensemble_", &mut record);
+        sizes(&run, ensemble.size, &mut record);
+        sliding.ensemble = Some(Box::new(Sliding::new(&run)));
+    }
     let summary = setting.summary(&equation.steady_state(), &equation.relaxation(), &pull);
     Ok((Summary { sliding: Some(sliding), ..summary }, record))
 }

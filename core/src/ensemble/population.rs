@@ -1,0 +1,279 @@
+//! The contacts of an ensemble under one slider that may turn back, from break to break.
+
+use rayon::prelude::*;
+
+use super::Ensemble;
+use super::lives::Lives;
+use super::queue::{Contact, Queue};
+use super::sums::Sums;
+use crate::contacts::Stiffness;
+use crate::numerics::compensated::Compensated;
+use crate::population::{Books, Direction, Population, Response, Way};
+use crate::{Error, Result};
+
+/// Bytes that the contacts may take.
+const BYTES: usize = 16 << 30;
+
+/// Contacts drawn together by one thread.
+const CHUNK: usize = 1 << 12;
+
+/// Mean thresholds that the slider may go before the sums are made anew: so rarely that it costs nothing, so often
+/// that cancellation takes no more than two digits.
+const SPAN: f64 = 8.0;
+
+/// The contacts of an ensemble that move together.
+///
+/// Under a slider that only goes forward they live the very lives of [`Ensemble::pull`]. Where it turns back,
+/// stretches shrink; a contact breaks at −x_s too, and what breaks backward re-forms at −r, r ~ R. Contacts break
+/// together where they do so at exactly the same position; positions that differ by rounding are different ones.
+///
+/// A break takes the time of a few accesses to memory, and hardly more for more contacts; turning round, looking
+/// back and [`Population::reset`] pass over all of them. A contact takes 32 bytes, 80 while contacts are sorted.
+///
+/// Limits: positions are double precision numbers, so that at X stretches are right to 1e-16 X; the sums over
+/// contacts are right to 1e-12 after any number of breaks. Random numbers of a contact repeat after some 10⁹ lives.
+#[derive(Clone)]
+pub struct EnsemblePopulation {
+    lives: Lives,
+    size: usize,
+    /// Where the last move went. Everything below is seen in that direction, in which positions rise.
+    facing: Direction,
+    position: f64,
+    queue: Queue,
+    /// Contacts that carry nothing.
+    free: Vec<Contact>,
+    held: bool,
+    sums: Sums,
+    span: f64,
+    lost: Compensated,
+    breaks: u64,
+    /// From sums over the ensemble to the real contacts.
+    scale: f64,
+}
+
+impl Ensemble {
+    /// The contacts at X = 0, to be moved. What stands at its threshold in a relaxed start has broken.
+    ///
+    /// # Errors
+    /// More contacts than fit in 16 GiB.
+    pub fn population(&self) -> Result<EnsemblePopulation> {
+        let bytes = self.size.saturating_mul(size_of::<Contact>());
+        if bytes > BYTES {
+            let what = format!("a population of {} contacts", self.size);
+            return Err(Error::TooLarge { what, needed: bytes as u64, allowed: BYTES as u64 });
+        }
+        let (Stiffness::Equal(unit) | Stiffness::PerThreshold(unit)) = self.contacts.stiffness;
+        let mut population = EnsemblePopulation {
+            lives: Lives::in_any_order(self),
+            size: self.size,
+            facing: Direction::Forward,
+            position: 0.0,
+            queue: Queue::default(),
+            free: Vec::new(),
+            held: false,
+            sums: Sums::new(self.contacts.stiffness),
+            span: SPAN * self.contacts.thresholds.mean(),
+            lost: Compensated::default(),
+            breaks: 0,
+            scale: unit * self.contacts.count / self.size as f64,
+        };
+        population.place(newborn(&population.lives, self.size));
+        population.cross()?;
+        Ok(population)
+    }
+}
+
+/// Contacts as they are at X = 0.
+fn newborn(lives: &Lives, size: usize) -> Vec<Contact> {
+    let contact = |lives: &mut Lives, index: usize| {
+        let life = lives.first(index as u64);
+        Contact {
+            origin: -life.stretch,
+            threshold: life.threshold,
+            index: index as u32,
+            drawn: lives.drawn(),
+        }
+    };
+    (0..size).into_par_iter().with_min_len(CHUNK).map_init(|| lives.clone(), contact).collect()
+}
+
+/// Gives a contact that broke its next life, at a slider's position.
+#[inline]
+fn reform(contact: &mut Contact, lives: &mut Lives, position: f64) {
+    lives.resume(contact.index.into(), contact.drawn, contact.threshold);
+    let life = lives.next();
+    (contact.origin, contact.threshold) = (position - life.stretch, life.threshold);
+    contact.drawn = lives.drawn();
+}
+
+impl EnsemblePopulation {
+    /// Number of contacts followed.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Replaces what is attached.
+    fn place(&mut self, contacts: Vec<Contact>) {
+        self.sums.renew(self.position, contacts.iter());
+        self.queue = Queue::of(contacts);
+    }
+
+    /// Looks the other way: the mirror image of all there is.
+    fn turn(&mut self) {
+        self.facing = self.facing.reversed();
+        self.position = -self.position;
+        let mut contacts = self.queue.drain();
+        contacts.iter_mut().for_each(|contact| contact.origin = -contact.origin);
+        self.place(contacts);
+    }
+
+    /// Where the next break is in `direction`, seen in that direction, and the position.
+    ///
+    /// A contact that re-formed within rounding of its threshold breaks one number further on.
+    fn end(&mut self, direction: Direction) -> (f64, f64) {
+        let (position, end) = if direction == self.facing {
+            (self.position, self.queue.first().map(Contact::end))
+        } else {
+            let ends = self.queue.iter().map(|contact| contact.threshold - contact.origin);
+            (-self.position, ends.reduce(f64::min))
+        };
+        (position, end.map_or(f64::INFINITY, |end| end.max(position.next_up())))
+    }
+
+    /// A break, which leaves the contact free.
+    #[inline]
+    fn part(&mut self, contact: &Contact) {
+        self.sums.remove(contact);
+        self.lost.add(self.sums.energy(contact, self.position));
+        self.breaks += 1;
+    }
+
+    /// Re-forms what is free.
+    fn join(&mut self) {
+        let (lives, position) = (&mut self.lives, self.position);
+        if self.free.len() < CHUNK {
+            self.free.iter_mut().for_each(|contact| reform(contact, lives, position));
+        } else {
+            let own = || lives.clone();
+            let chunks = self.free.par_chunks_mut(CHUNK);
+            chunks.for_each_init(own, |lives, chunk| {
+                chunk.iter_mut().for_each(|contact| reform(contact, lives, position))
+            });
+        }
+        for contact in self.free.drain(..) {
+            self.lost.add(-self.sums.energy(&contact, position));
+            self.sums.add(&contact);
+            self.queue.push(contact);
+        }
+        self.free.shrink_to(CHUNK);
+    }
+}
+
+impl Population for EnsemblePopulation {
+    fn position(&self) -> f64 {
+        self.facing.sign() * self.position
+    }
+
+    fn way(&mut self, direction: Direction) -> Result<Way> {
+        let (position, end) = self.end(direction);
+        Ok(Way { length: end - position, straight: true, breaks: end < f64::INFINITY })
+    }
+
+    fn ahead(&self, by: f64) -> Response {
+        let sign = self.facing.sign();
+        let force = self.sums.force(self.position + sign * by);
+        Response { force: sign * self.scale * force, tangent: self.scale * self.sums.slope() }
+    }
+
+    fn advance(&mut self, by: f64) -> Result<()> {
+        if by * self.facing.sign() < 0.0 {
+            self.turn();
+        }
+        let (position, end) = self.end(self.facing);
+        self.position = if by.abs() < end - position { position + by.abs() } else { end };
+        if (self.position - self.sums.base).abs() > self.span {
+            self.sums.renew(self.position, self.queue.iter());
+        }
+        Ok(())
+    }
+
+    fn cross(&mut self) -> Result<()> {
+        while let Some(&contact) = self.queue.first().filter(|contact| contact.end() <= self.position) {
+            self.queue.pop();
+            self.part(&contact);
+            self.free.push(contact);
+        }
+        if !self.held {
+            self.join();
+        }
+        Ok(())
+    }
+
+    fn reset(&mut self, direction: Direction) -> Result<()> {
+        if direction != self.facing {
+            self.turn();
+        }
+        let mut contacts = self.queue.drain();
+        contacts.iter().for_each(|contact| self.part(contact));
+        contacts.append(&mut self.free);
+        self.free = contacts;
+        self.release()
+    }
+
+    fn hold(&mut self) {
+        self.held = true;
+    }
+
+    fn release(&mut self) -> Result<()> {
+        self.held = false;
+        self.join();
+        Ok(())
+    }
+
+    fn books(&self) -> Books {
+        Books {
+            elastic: self.scale * self.sums.elastic(self.position),
+            lost: self.scale * self.lost.value(),
+            broken: self.breaks as f64 / self.size as f64,
+        }
+    }
+
+    fn copy(&self) -> Box<dyn Population> {
+        Box::new(self.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::contacts::{Contacts, Initial, Start};
+    use crate::ensemble::Disorder;
+    use crate::law::{Gaussian, Rectangular, SharedLaw};
+
+    /// Sums over all breaks against sums over the contacts there are, to roundings of the latter.
+    #[test]
+    fn sums_do_not_drift() {
+        let thresholds: SharedLaw = Arc::new(Gaussian::new(1.0, 0.2).unwrap());
+        let reforming: SharedLaw = Arc::new(Rectangular::new(0.0, 0.2).unwrap());
+        let initial = Initial { law: reforming.clone(), start: Start::Conditional };
+        let contacts =
+            Contacts { count: 1.0, stiffness: Stiffness::PerThreshold(1.0), thresholds, reforming };
+        let ensemble = Ensemble::new(contacts, initial, 20_000, 1, Disorder::Annealed).unwrap();
+        let mut population = ensemble.population().unwrap();
+        population.span = 50.0;
+        while population.books().broken < 45.0 {
+            let way = population.way(Direction::Forward).unwrap();
+            population.advance(way.length).unwrap();
+            population.cross().unwrap();
+        }
+        let (position, mut renewed) = (population.position, population.sums.clone());
+        renewed.renew(position, population.queue.iter());
+        assert!(population.sums.base == 0.0 && renewed.base > 30.0);
+        let values = |sums: &Sums| [sums.slope(), sums.force(position), sums.elastic(position)];
+        for (sum, fresh) in values(&population.sums).into_iter().zip(values(&renewed)) {
+            assert!((sum / fresh - 1.0).abs() < 1e-12, "{sum} {fresh}");
+        }
+    }
+}

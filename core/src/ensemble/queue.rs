@@ -1,0 +1,153 @@
+//! Contacts in the order in which they break.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::mem;
+
+use super::lives::Drawn;
+
+/// Contacts on a rung, on average: so few that they are ordered in the nearest cache.
+const PER_RUNG: usize = 32;
+
+/// Most rungs: so few that their ends stay in cache while contacts are thrown onto them.
+const RUNGS: usize = 1 << 14;
+
+/// A contact between two breaks: its stretch is `position − origin`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Contact {
+    pub(super) origin: f64,
+    pub(super) threshold: f64,
+    pub(super) index: u32,
+    pub(super) drawn: Drawn,
+}
+
+impl Contact {
+    /// Where it breaks.
+    #[inline]
+    pub(super) fn end(&self) -> f64 {
+        self.origin + self.threshold
+    }
+}
+
+/// The greater breaks first, at the same position that of the smaller index.
+impl Ord for Contact {
+    #[inline]
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.end().total_cmp(&self.end()).then(other.index.cmp(&self.index))
+    }
+}
+
+impl PartialOrd for Contact {
+    #[inline]
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Contact {
+    #[inline]
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Contact {}
+
+/// Contacts by where they break: a ladder queue (W. T. Tang, R. S. M. Goh and I. L.-J. Thng, ACM Trans. Model.
+/// Comput. Simul. 15, 175 (2005)) of one ladder.
+///
+/// What breaks far ahead is unordered; when its turn comes it is thrown onto rungs of equal width, and a rung is
+/// ordered when it is reached. By Markov's inequality each throw places half of what is thrown or more, whatever
+/// the thresholds, so that a contact is moved a few times in its life. At worst, where all break together, the
+/// queue is a heap.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Queue {
+    /// What breaks before the rungs not yet taken.
+    near: BinaryHeap<Contact>,
+    rungs: Vec<Vec<Contact>>,
+    /// Rungs taken.
+    taken: usize,
+    /// Where the lowest rung begins, and rungs per length.
+    low: f64,
+    density: f64,
+    /// What breaks after all rungs.
+    beyond: Vec<Contact>,
+}
+
+impl Queue {
+    pub(super) fn of(contacts: Vec<Contact>) -> Self {
+        Self { beyond: contacts, ..Self::default() }
+    }
+
+    #[inline]
+    pub(super) fn push(&mut self, contact: Contact) {
+        let rung = ((contact.end() - self.low) * self.density) as usize;
+        if rung < self.taken {
+            self.near.push(contact);
+        } else if let Some(contacts) = self.rungs.get_mut(rung) {
+            contacts.push(contact);
+        } else {
+            self.beyond.push(contact);
+        }
+    }
+
+    /// The contact that breaks first.
+    #[inline]
+    pub(super) fn first(&mut self) -> Option<&Contact> {
+        if self.near.is_empty() {
+            self.descend();
+        }
+        self.near.peek()
+    }
+
+    #[inline]
+    pub(super) fn pop(&mut self) -> Option<Contact> {
+        self.first()?;
+        self.near.pop()
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Contact> {
+        self.near.iter().chain(self.rungs.iter().flatten()).chain(&self.beyond)
+    }
+
+    /// Takes every contact, in no order.
+    pub(super) fn drain(&mut self) -> Vec<Contact> {
+        let mut contacts = mem::take(&mut self.near).into_vec();
+        self.rungs.iter_mut().for_each(|rung| contacts.append(rung));
+        contacts.append(&mut self.beyond);
+        *self = Self::default();
+        contacts
+    }
+
+    /// Takes the next rung that is not empty.
+    #[cold]
+    fn descend(&mut self) {
+        while self.near.is_empty() {
+            if let Some(rung) = self.rungs.get_mut(self.taken) {
+                self.near = mem::take(rung).into();
+                self.taken += 1;
+            } else if self.beyond.is_empty() {
+                return;
+            } else {
+                self.raise();
+            }
+        }
+    }
+
+    /// Throws what is beyond onto new rungs, from the first break to as far above the mean as that is above the first.
+    fn raise(&mut self) {
+        let contacts = mem::take(&mut self.beyond);
+        let (mut low, mut sum) = (f64::INFINITY, 0.0);
+        for contact in &contacts {
+            low = low.min(contact.end());
+            sum += contact.end();
+        }
+        let rungs = (contacts.len() / PER_RUNG).clamp(1, RUNGS);
+        let width = 2.0 * (sum / contacts.len() as f64 - low) / rungs as f64;
+        // Contacts that all break together make it infinite; the first is then on the lowest rung all the same.
+        (self.low, self.density) = (low, width.max(0.0).recip());
+        self.taken = 0;
+        self.rungs.resize_with(rungs, Vec::new);
+        contacts.into_iter().for_each(|contact| self.push(contact));
+    }
+}
