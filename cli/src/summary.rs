@@ -10,6 +10,7 @@ use asperity_runner::summary::{Place, Sliding, StaticFriction, Summary};
 pub fn readable(summary: &Summary) -> String {
     let value = |number: f64, quantity| with_unit(digits(number), number, &summary.units.label(quantity));
     let mut lines: Vec<(&str, String)> = Vec::new();
+    let mut of_ensemble: Vec<(&str, String)> = Vec::new();
     lines.push((
         "static friction",
         match summary.static_friction {
@@ -62,6 +63,9 @@ pub fn readable(summary: &Summary) -> String {
     let mut text = if summary.title.is_empty() { String::new() } else { format!("{}\n\n", summary.title) };
     for (name, value) in lines {
         let _ = writeln!(text, "{name:<22} {value}");
+    }
+    for (name, value) in of_ensemble {
+        let _ = writeln!(text, "  {name:<20} {value}");
     }
     text
 }

@@ -143,13 +143,12 @@ fn mean(values: &[f64]) -> f64 {
 impl std::fmt::Display for Regime {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match *self {
-            Self::Smooth { slid } => write!(f, "smooth sliding: the slider slid by {slid:.6} without a slip"),
-            Self::Transient { slips, slid } => {
-                let s = if slips == 1 { "" } else { "s" };
-                write!(f, "transient stick-slip: {slips} slip{s}, then smooth sliding by {slid:.6}")
+            Self::Smooth { .. } => write!(f, "smooth sliding: no slip on a long way"),
+            Self::Transient { slips, .. } => {
+                write!(f, "transient stick-slip: {}, then smooth sliding", counted(slips))
             }
-            Self::Persistent { slips, period, .. } => {
-                write!(f, "persistent stick-slip: {slips} slips, the last ones alike, one every {period:.6}")
+            Self::Persistent { slips, .. } => {
+                write!(f, "persistent stick-slip: {}, the last ones alike", counted(slips))
             }
             Self::Runaway => write!(f, "runaway: the force is more than the contacts can carry"),
             Self::Undecided { slips, missing } => {
@@ -159,8 +158,12 @@ impl std::fmt::Display for Regime {
                     Missing::Constancy => "the slips still change in size",
                     Missing::Silence => "no slip for a while, but not long enough to call it smooth",
                 };
-                write!(f, "undecided after {slips} slips, the drive is too short: {why}")
+                write!(f, "undecided after {}, the drive is too short: {why}", counted(slips))
             }
         }
     }
+}
+
+fn counted(slips: usize) -> String {
+    format!("{slips} slip{}", if slips == 1 { "" } else { "s" })
 }

@@ -16,8 +16,6 @@ pub struct Fault {
     pub found: String,
     /// A known name that was probably meant.
     pub nearest: Option<&'static str>,
-    /// The key was missing.
-    pub missing: bool,
     /// The key itself is wrong, not its value.
     pub on_key: bool,
     /// Keys in the table at `path` that exclude one another.
@@ -84,7 +82,7 @@ impl Error for Fault {
     }
 
     fn missing_field(field: &'static str) -> Self {
-        Self { missing: true, ..Self::new(&format!("the key {field}"), "no such key") }.under(field)
+        Self::new(&format!("the key {field}"), "no such key").under(field)
     }
 }
 

@@ -4,7 +4,7 @@ use asperity::Result;
 use asperity::ensemble::{Ensemble, Snapshots};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
-use asperity::scenario::{self, Scenario};
+use asperity::scenario;
 
 use super::grid::Grid;
 
@@ -16,8 +16,6 @@ const AVERAGED: (f64, usize) = (10.0, 101);
 
 /// A pull of the ensemble.
 pub struct Pulled<'a> {
-    /// What the histograms are made for.
-    pub scenario: &'a Scenario,
     /// The task.
     pub task: &'a scenario::Pull,
     /// Where histograms reach.

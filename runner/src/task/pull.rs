@@ -43,7 +43,6 @@ pub fn run(
     if let Some(ensemble) = &scenario.ensemble {
         let model = ensemble.build(contacts.clone(), initial.clone())?;
         let pulled = chance::Pulled {
-            scenario,
             task,
             grid: &grid,
             mean: contacts.thresholds.mean(),
