@@ -10,7 +10,6 @@ use asperity_runner::summary::{Place, Sliding, StaticFriction, Summary};
 pub fn readable(summary: &Summary) -> String {
     let value = |number: f64, quantity| with_unit(digits(number), number, &summary.units.label(quantity));
     let mut lines: Vec<(&str, String)> = Vec::new();
-    let mut of_ensemble: Vec<(&str, String)> = Vec::new();
     lines.push((
         "static friction",
         match summary.static_friction {
@@ -51,9 +50,6 @@ pub fn readable(summary: &Summary) -> String {
             if summary.disorder == Some(Disorder::Quenched) { "quenched thresholds, " } else { "" };
         lines.push(("ensemble", format!("{size} contacts, {quenched}seed {seed}")));
     }
-    if let Some(sliding) = summary.sliding.as_ref().and_then(|sliding| sliding.ensemble.as_deref()) {
-        lines.extend(slid(summary, sliding));
-    }
     if let Some(compared) = summary.compare {
         let rms = compared.residual_rms.map_or("no point within the pull".into(), |rms| {
             format!("rms residual {} over {} points", value(rms, Quantity::Force), compared.points)
@@ -64,7 +60,8 @@ pub fn readable(summary: &Summary) -> String {
     for (name, value) in lines {
         let _ = writeln!(text, "{name:<22} {value}");
     }
-    for (name, value) in of_ensemble {
+    let ensemble = summary.sliding.as_ref().and_then(|sliding| sliding.ensemble.as_deref());
+    for (name, value) in ensemble.into_iter().flat_map(|sliding| slid(summary, sliding)) {
         let _ = writeln!(text, "  {name:<20} {value}");
     }
     text

@@ -7,6 +7,7 @@ mod equilibrium;
 mod evolution;
 mod force;
 mod potential;
+mod sizes;
 mod slip;
 mod stick_slip;
 mod style;
@@ -31,6 +32,7 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("equilibrium", equilibrium::scene(outcome)),
         ("potential", potential::scene(outcome)),
         ("slip", slip::scene(outcome)),
+        ("sizes", sizes::scene(outcome)),
     ];
     let mut pictures = Vec::new();
     for (name, scene) in scenes {

@@ -1,0 +1,54 @@
+//! `sizes`: how many events of the ensemble break how many contacts.
+
+use asperity_runner::output::Outcome;
+use kuva::plot::{MarkerShape, ScatterPlot};
+use kuva::render::plots::Plot;
+use kuva::render::render::{Scene, render_multiple};
+
+use super::curve::line;
+use super::style::{self, GREY, ORANGE, Plots};
+
+const DASHES: &str = "8 5";
+/// Bins per factor of ten.
+const PER_DECADE: f64 = 10.0;
+/// Exponent of sizes of a mean-field model swept to its instability (P. C. Hemmer and A. Hansen, 1992).
+const SWEPT: f64 = -2.5;
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let (sizes, events) = (record.values("size")?, record.values("size_events")?);
+    let points: Vec<(f64, f64)> =
+        sizes.iter().zip(events).map(|(&size, &count)| (size, count / whole_numbers(size))).collect();
+    let first = *points.first()?;
+    let last = points.last()?.0;
+    let (low, high) = (points.iter().map(|p| p.1).fold(f64::INFINITY, f64::min), first.1);
+    let guide = vec![first, (last, first.1 * (last / first.0).powf(SWEPT))];
+    let guide = clipped(guide, 0.5 * low);
+    let plots: Plots = vec![
+        line(guide, GREY, 1.4, Some(DASHES)),
+        Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(3.2)),
+    ];
+    let legend = vec![
+        style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle),
+        style::line("slope −5/2: mean field, swept up to instability", GREY, Some(DASHES)),
+    ];
+    let layout = style::layout((0.8 * first.0, 2.0 * last), (0.5 * low, 2.0 * high)).with_log_scale();
+    let layout = style::titled(layout, &outcome.summary.title)
+        .with_x_label("Contacts broken in an event")
+        .with_y_label("Events per number of contacts");
+    Some(render_multiple(plots, style::legend_below(layout, legend)))
+}
+
+/// Whole numbers in the bin around `size`.
+fn whole_numbers(size: f64) -> f64 {
+    let half = 10f64.powf(0.5 / PER_DECADE);
+    ((size * half).floor() - (size / half).ceil() + 1.0).max(1.0)
+}
+
+/// A line on logarithmic axes down to the height `low`.
+fn clipped(line: Vec<(f64, f64)>, low: f64) -> Vec<(f64, f64)> {
+    let (first, last) = (line[0], line[1]);
+    let steepness = (last.1 / first.1).ln() / (last.0 / first.0).ln();
+    let end = first.0 * ((low / first.1).ln() / steepness).exp();
+    if last.1 < low { vec![first, (end, low)] } else { line }
+}
