@@ -2,6 +2,9 @@
 //!
 //! The interpreter is `$PEERS_PYTHON`; `core/benches/peers/requirements.txt` says what it needs. Times are CPU
 //! seconds but for the two threads, medians of turns; the peers have been compiled and warmed up.
+//!
+//! The event-driven peers do less: one sequential generator for all contacts, the mean force alone. Ours are
+//! streams that each contact has for itself (the same numbers on any number of threads) and standard errors.
 
 #![allow(missing_docs)]
 
@@ -19,7 +22,10 @@ use cpu_time::{ProcessTime, ThreadTime};
 const TURNS: usize = 9;
 
 fn main() {
-    println!("Medians of {TURNS} turns; ratio = theirs/ours, with its quartiles\n");
+    println!("Medians of {TURNS} turns; ratio = theirs/ours, with its quartiles");
+    println!(
+        "Events: theirs is one sequential generator and the mean force; ours a stream for each contact, and errors\n"
+    );
     println!("{:<62} {:>10} {:>10} {:>22} {:>8}", "", "ours", "theirs", "ratio", "wanted");
     against_python();
     alone();
@@ -58,7 +64,7 @@ fn against_python() {
     let events = || ensemble(20_000).pull(&coarse, &Snapshots::default(), &mut ()).unwrap().force[100];
     let name = |draws: &str| format!("20 000 contacts to X = 100 / numba, events, {draws}");
     row(&name("np.random"), "event_driven.py twister", Some(1.5), events);
-    row(&name("Generator"), "event_driven.py pcg64", Some(1.5), events);
+    row(&name("PCG64"), "event_driven.py pcg64", Some(1.5), events);
 }
 
 /// One line of the table, ours on this thread alone.

@@ -48,8 +48,8 @@ pub struct Stream {
     begun: u64,
 }
 
-/// Most blocks computed ahead: their multiplications overlap.
-const AHEAD: usize = 4;
+/// Most blocks computed at once: their multiplications overlap, and what uses the words runs longer undisturbed.
+const AHEAD: usize = 16;
 
 impl Stream {
     /// The stream of `seed` for `purpose`, of the contact or cell number `index`.
@@ -76,21 +76,23 @@ impl Stream {
     }
 
     /// The next 64 random bits.
+    ///
+    /// Blocks are made as many at once as there have been: a short stream costs no more than it must.
     #[inline]
     pub fn word(&mut self) -> u64 {
         if self.used == self.filled {
-            self.refill();
+            self.refill((self.counter[0] - self.begun) as usize);
         }
         let word = self.words[self.used % (4 * AHEAD)];
         self.used += 1;
         word
     }
 
-    /// The words that come next, at least one of them; they are not taken.
+    /// The words that come next, at least one of them, hardly more than are `wanted`; they are not taken.
     #[inline]
-    pub(crate) fn coming(&mut self) -> &[u64] {
+    pub(crate) fn coming(&mut self, wanted: usize) -> &[u64] {
         if self.used == self.filled {
-            self.refill();
+            self.refill(wanted.div_ceil(4));
         }
         &self.words[self.used..self.filled]
     }
@@ -101,27 +103,28 @@ impl Stream {
         self.used += words;
     }
 
-    /// As many blocks as there have been: a short stream costs no more than it must.
+    /// Makes `blocks`, one at least and [`AHEAD`] at most; more than one in pairs, half as dear as single ones.
     ///
     /// Out of line, so that `word` is inlined where distributions draw.
     #[inline(never)]
-    fn refill(&mut self) {
+    fn refill(&mut self, blocks: usize) {
         let [done, index, purpose] = self.counter;
         let counter = |ahead: usize| [done.wrapping_add(1 + ahead as u64), index, purpose, 0];
         let key = [self.key, 0];
-        let blocks = if done - self.begun < AHEAD as u64 {
+        if blocks <= 1 {
             let [block] = philox([counter(0)], key);
             self.words[..4].copy_from_slice(&block);
-            1
+            self.filled = 4;
         } else {
-            for half in 0..AHEAD / 2 {
-                let pair = philox([counter(2 * half), counter(2 * half + 1)], key);
-                self.words[8 * half..8 * half + 8].copy_from_slice(pair.as_flattened());
+            let pairs = blocks.min(AHEAD).div_ceil(2);
+            for (i, words) in self.words.chunks_exact_mut(8).take(pairs).enumerate() {
+                let pair = philox([counter(2 * i), counter(2 * i + 1)], key);
+                words.copy_from_slice(pair.as_flattened());
             }
-            AHEAD
-        };
-        self.counter[0] = done.wrapping_add(blocks as u64);
-        (self.used, self.filled) = (self.used % 4, 4 * blocks);
+            self.filled = 8 * pairs;
+        }
+        self.used %= 4;
+        self.counter[0] = done.wrapping_add(self.filled as u64 / 4);
     }
 
     /// A uniform number in the open interval (0, 1), from 53 bits.

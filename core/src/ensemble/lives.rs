@@ -36,6 +36,7 @@ pub(super) struct Lives {
     point: Option<f64>,
     /// The threshold of this contact, if it is quenched.
     quenched: Option<f64>,
+    initial: Stream,
     conditional: Stream,
 }
 
@@ -54,12 +55,18 @@ impl Lives {
         let contacts = &ensemble.contacts;
         let atoms = contacts.reforming.atoms();
         let stream = |purpose| Stream::new(ensemble.seed, purpose, 0);
-        let draws = |law: &SharedLaw, purpose| Draws::new(law.clone(), stream(purpose), expected, most);
+        let (purpose, ahead) = match ensemble.disorder {
+            Disorder::Annealed => (Purpose::Thresholds, expected),
+            Disorder::Quenched => (Purpose::QuenchedThresholds, 1),
+        };
+        let draws =
+            |law: &SharedLaw, purpose, expected| Draws::new(law.clone(), stream(purpose), expected, most);
         Self {
-            thresholds: draws(&contacts.thresholds, Purpose::Thresholds),
-            reforming: draws(&contacts.reforming, Purpose::Reforming),
+            thresholds: draws(&contacts.thresholds, purpose, ahead),
+            reforming: draws(&contacts.reforming, Purpose::Reforming, expected),
             point: atoms.first().filter(|a| a.weight == 1.0).map(|a| a.position),
             quenched: None,
+            initial: stream(Purpose::Initial),
             conditional: stream(Purpose::Conditional),
             ensemble: ensemble.clone(),
         }
@@ -67,19 +74,15 @@ impl Lives {
 
     /// Turns to contact number `index`, and gives its life at X = 0.
     pub(super) fn first(&mut self, index: u64) -> Life {
-        let Ensemble { seed, disorder, ref initial, .. } = self.ensemble;
-        let stream = |purpose| Stream::new(seed, purpose, index);
-        let (purpose, ahead) = match disorder {
-            Disorder::Annealed => (Purpose::Thresholds, self.thresholds.expected),
-            Disorder::Quenched => (Purpose::QuenchedThresholds, 1),
-        };
-        self.thresholds.restart(stream(purpose), ahead);
-        self.reforming.restart(stream(Purpose::Reforming), self.reforming.expected);
-        self.conditional = stream(Purpose::Conditional);
+        let Ensemble { disorder, ref initial, .. } = self.ensemble;
+        self.thresholds.seek(index, 0);
+        self.reforming.seek(index, 0);
+        self.initial.seek(index, 0);
+        self.conditional.seek(index, 0);
         self.quenched = None;
         let mut stretch = [0.0];
-        initial.law.fill(&mut stream(Purpose::Initial), &mut stretch);
-        let threshold = match self.ensemble.initial.start {
+        initial.law.fill(&mut self.initial, &mut stretch);
+        let threshold = match initial.start {
             Start::Conditional => self.threshold_above(stretch[0]),
             Start::Relaxed => self.thresholds.next(),
         };
@@ -178,15 +181,11 @@ impl Draws {
         Self { law, stream, batch: [0.0; BATCH], used: 0, filled: 0, expected, left: 0, most }
     }
 
-    fn restart(&mut self, stream: Stream, expected: usize) {
-        (self.stream, self.left) = (stream, expected);
-        (self.used, self.filled) = (0, 0);
-    }
-
     /// Goes to where a contact has taken so many words.
     #[inline]
     fn seek(&mut self, index: u64, taken: u64) {
         self.stream.seek(index, taken);
+        self.left = self.expected;
         (self.used, self.filled) = (0, 0);
     }
 

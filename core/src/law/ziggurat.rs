@@ -33,7 +33,7 @@ pub fn fill(stream: &mut Stream, out: &mut [f64], scale: impl Fn(f64) -> f64, ac
     let edges = &*EDGES;
     let mut done = 0;
     while done < out.len() {
-        let words = stream.coming();
+        let words = stream.coming(out.len() - done);
         let mut taken = 0;
         for (x, &word) in out[done..].iter_mut().zip(words) {
             let layer = (word & 0xff) as usize;
