@@ -1,7 +1,8 @@
 //! The earthquake-like model: contacts one by one, each breaking at its own threshold.
 //!
 //! The answer of this module and that of the master equation share the description of the contacts and
-//! nothing else. The pull goes from break to break, so that no step of X limits its accuracy.
+//! nothing else. Contacts go from break to break, so that no step of X limits the accuracy: one after another in a
+//! [`Ensemble::pull`], together in an [`Ensemble::population`].
 
 mod lives;
 mod population;

@@ -54,7 +54,7 @@ impl PartialEq for Contact {
 impl Eq for Contact {}
 
 /// Contacts by where they break: a ladder queue (W. T. Tang, R. S. M. Goh and I. L.-J. Thng, ACM Trans. Model.
-/// Comput. Simul. 15, 175 (2005)) of one ladder.
+/// Comput. Simul. 15, 175 (2005), doi:10.1145/1103323.1103324) of one ladder.
 ///
 /// What breaks far ahead is unordered; when its turn comes it is thrown onto rungs of equal width, and a rung is
 /// ordered when it is reached. By Markov's inequality each throw places half of what is thrown or more, whatever
