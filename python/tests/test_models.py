@@ -1,5 +1,8 @@
 """The models: numbers of the theory, agreement of one with the other and with closed forms."""
 
+import sys
+from collections.abc import Callable, Mapping
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -148,8 +151,6 @@ def test_areas_give_thresholds_and_stiffnesses() -> None:
 
 
 def test_a_record_is_a_mapping(pull: asp.Pull) -> None:
-    from collections.abc import Mapping
-
     assert isinstance(pull, Mapping)
     assert list(pull) == list(pull.keys()) == ["position", "force", "breaking_rate"]
     assert len(pull) == 3
@@ -193,6 +194,26 @@ def test_a_bar_shows_progress(capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("tqdm")
     FIGURE_2.pull(progress=True)
     assert "100%" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("module", "call", "extra"),
+    [
+        ("tqdm.auto", lambda pull: pull.equation.pull(progress=True), "pip install tqdm"),
+        ("xarray", lambda pull: pull.to_xarray(), r"pip install 'asperity\[xarray\]'"),
+        ("matplotlib.pyplot", lambda pull: pull.plot(), r"pip install 'asperity\[plot\]'"),
+    ],
+)
+def test_what_is_missing_is_named(
+    module: str,
+    call: Callable[[asp.Pull], object],
+    extra: str,
+    pull: asp.Pull,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(ImportError, match=extra):
+        call(pull)
 
 
 def test_labelled_arrays(pull: asp.Pull) -> None:

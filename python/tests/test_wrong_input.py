@@ -139,7 +139,7 @@ CALLS: dict[str, Callable[[Any], object]] = {
     "MasterEquation.initial": lambda x: asp.MasterEquation(CONTACTS, x),
     "MasterEquation.start": lambda x: asp.MasterEquation(CONTACTS, start=x),
     "MasterEquation.tolerance": lambda x: asp.MasterEquation(CONTACTS, tolerance=x),
-    "pull.progress": lambda x: THEORY.pull(1.0, 3, progress=x),
+    "pull.progress": lambda x: THEORY.pull(1.0, 3, progress=None if x is True else x),
     "Ensemble.contacts": lambda x: asp.Ensemble(x),
     "Ensemble.initial": lambda x: asp.Ensemble(CONTACTS, x),
     "Ensemble.size": lambda x: asp.Ensemble(CONTACTS, size=x),
