@@ -35,7 +35,7 @@ def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
     if stats is not None and isinstance(x, stats.distributions.rv_frozen):
         return from_scipy(x)
     expected = "a law of asperity, a frozen distribution of scipy.stats, or samples"
-    if stats is not None and isinstance(x, stats.distributions.rv_generic):
+    if stats is not None and isinstance(x, (stats.rv_continuous, stats.rv_discrete)):
         raise TypeError(f"law: expected {expected}, got scipy.stats.{x.name}, which is not frozen")
     raise TypeError(f"law: expected {expected}, got {type(x).__name__}")
 

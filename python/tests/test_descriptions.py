@@ -1,0 +1,104 @@
+"""Descriptions are values: compared, printed, copied with changes, sent to other processes."""
+
+import pickle
+from typing import Any
+
+import asperity as asp
+import pytest
+
+LAWS: list[asp.Law] = [
+    asp.Gaussian(1.0, 0.05),
+    asp.Gamma(1.5, 0.1 + 0.2),
+    asp.Lognormal(1.0, 1.0 / 3.0),
+    asp.Rectangular(0.5, 1.5),
+    asp.Point(1.0),
+    asp.Exponential(0.7),
+    asp.Weibull(12.0, 1e-7),
+    asp.Tabulated(stretch=[0.0, 0.1, 1.0], density=[0.0, 3.0, 1.0]),
+    asp.Tabulated(samples=[0.9, 1.1, 1.0]),
+    asp.Mixture([(0.25, asp.Point(1.0)), (0.75, asp.Gaussian(2.0, 0.5))]),
+]
+AREAS = asp.Areas(asp.Gamma(1.0, 0.5), modulus=2.0, strength=3.0)
+CONTACTS = [
+    asp.Contacts(asp.Gaussian(1.0, 0.05)),
+    asp.Contacts(
+        asp.Gaussian(1.0, 0.05), asp.Rectangular(0.0, 0.1), count=100, stiffness=2.0, normal_load=5.0
+    ),
+    asp.Contacts(asp.Gamma(1.0, 0.2), stiffness_per_threshold=2.0),
+    asp.Contacts(areas=AREAS),
+]
+MODELS = [
+    asp.MasterEquation(CONTACTS[0]),
+    asp.MasterEquation(CONTACTS[1], asp.Gaussian(0.1, 0.025), start="relaxed", tolerance=1e-8),
+    asp.Ensemble(CONTACTS[0], size=10),
+    asp.Ensemble(CONTACTS[0], asp.Point(0.1), size=10, seed=2**63 - 1, disorder="quenched", start="relaxed"),
+]
+ALL = [*LAWS, AREAS, *CONTACTS, *MODELS]
+
+every_one = pytest.mark.parametrize("description", ALL, ids=lambda one: type(one).__name__)
+
+
+@every_one
+def test_pickles_are_equal(description: asp.Description) -> None:
+    copy = pickle.loads(pickle.dumps(description))
+    assert copy == description
+    assert type(copy) is type(description)
+    assert hash(copy) == hash(description)
+
+
+@every_one
+def test_what_is_printed_makes_it_anew(description: asp.Description) -> None:
+    assert eval(repr(description), vars(asp)) == description
+
+
+@every_one
+def test_parameters_make_it_anew(description: asp.Description) -> None:
+    kind: Any = type(description)
+    assert kind(**description.parameters) == description
+    assert description.replace() == description
+
+
+@every_one
+def test_notebooks_show_every_parameter(description: asp.Description) -> None:
+    html = description._repr_html_()
+    assert html.startswith("<table>")
+    assert all(f">{name}<" in html for name in description.parameters)
+
+
+def test_different_descriptions_differ() -> None:
+    assert len(set(ALL)) == len(ALL)
+    assert asp.Gaussian(1.0, 0.05) != asp.Gamma(1.0, 0.05)
+    assert asp.Point(1.0) != 1.0
+
+
+def test_replaced_values_are_checked() -> None:
+    theory = asp.MasterEquation(CONTACTS[0])
+    loose = theory.replace(tolerance=1e-6)
+    assert (loose.tolerance, loose.contacts, theory.tolerance) == (1e-6, theory.contacts, 1e-10)
+    with pytest.raises(ValueError, match=r"master_equation\.tolerance: expected .* got 1e0"):
+        theory.replace(tolerance=1.0)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'stiffness'"):
+        theory.replace(stiffness=1.0)
+
+
+def test_descriptions_cannot_be_changed() -> None:
+    contacts: Any = CONTACTS[0]
+    with pytest.raises(AttributeError):
+        contacts.count = 2.0
+
+
+def test_pickles_of_another_version_are_refused() -> None:
+    restore, (version, text) = asp.Point(1.0).__reduce__()
+    assert version == asp.__version__
+    with pytest.raises(ValueError, match=f"written by asperity {version}, got one of asperity 0.0.9"):
+        restore("0.0.9", text)
+    with pytest.raises(ValueError, match="expected a description"):
+        restore(version, "{}")
+    with pytest.raises(ValueError, match=r"point.at: expected .* got -1"):
+        restore(version, text.replace("1.0", "-1.0"))
+
+
+def test_long_lists_are_cut_short_in_print() -> None:
+    law = asp.Tabulated(samples=[i / 1e6 for i in range(1001)])
+    assert repr(law) == "Tabulated(samples=[0.0, 1e-06, 2e-06, ..., 0.000998, 0.000999, 0.001])"
+    assert "1001 items" in law._repr_html_()

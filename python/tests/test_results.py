@@ -1,0 +1,176 @@
+"""Scenarios: what Python computes is what the command writes, bit for bit."""
+
+import csv
+import json
+import os
+import shlex
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import asperity as asp
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+COMMAND = shlex.split(os.environ.get("ASPERITY", "cargo run --release --locked --quiet --"))
+SCENARIOS = sorted(ROOT.glob("scenarios/*.toml"))
+
+
+def identical(one: asp.Result, other: asp.Result) -> None:
+    assert list(one) == list(other)
+    for name in one:
+        # Bits, so that NaN is NaN.
+        np.testing.assert_array_equal(one[name].view(np.uint64), other[name].view(np.uint64), err_msg=name)
+    assert one.labels == other.labels
+    assert one.scenario == other.scenario
+    assert json.dumps(one.summary) == json.dumps(other.summary)
+
+
+@pytest.fixture(scope="module", params=SCENARIOS, ids=lambda path: path.stem)
+def written(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A scenario, and the folder that the command has written for it."""
+    folder = tmp_path_factory.mktemp("results") / request.param.stem
+    arguments = ["run", str(request.param), "--quiet", "-o", str(folder)]
+    subprocess.run([*COMMAND, *arguments], check=True, cwd=ROOT)
+    return request.param, folder
+
+
+def test_python_computes_what_the_command_does(written: tuple[Path, Path], tmp_path: Path) -> None:
+    scenario, folder = written
+    computed = asp.run(scenario)
+    identical(computed, asp.open_result(folder))
+    computed.save(tmp_path / "saved")
+    for name in ("result.nc", "force.csv", "scenario.toml", "summary.json"):
+        assert (tmp_path / "saved" / name).read_bytes() == (folder / name).read_bytes(), name
+
+
+def test_models_compute_what_scenarios_do() -> None:
+    result = asp.run(ROOT / "scenarios" / "fig2.toml")
+    contacts, initial = asp.Contacts(asp.Gaussian(1.0, 0.05)), asp.Gaussian(0.1, 0.025)
+    pull = asp.MasterEquation(contacts, initial).pull(20.0, 2001)
+    np.testing.assert_array_equal(pull.force, result.force)
+    np.testing.assert_array_equal(pull.breaking_rate, result["breaking_rate"])
+    np.testing.assert_array_equal(pull.force_std(100_000), result["force_std"])
+    assert pull.static_friction == result.static_friction
+    assert pull.kinetic_friction == result.kinetic_friction
+    assert pull.critical_stiffness == result.critical_stiffness
+    assert pull.relaxation_length == result.relaxation_length
+    at = pull.stretch_density(at=result["snapshot"], stretches=result["stretch"])
+    np.testing.assert_array_equal(at.density, result["stretch_density"])
+    ensemble = asp.Ensemble(contacts, initial, size=100_000, seed=1)
+    sample = ensemble.pull(20.0, 2001, snapshots=result["snapshot"])
+    np.testing.assert_array_equal(sample.force, result["ensemble_force"])
+    np.testing.assert_array_equal(sample.force_error, result["ensemble_error"])
+    np.testing.assert_array_equal(sample["stretch_density"], result["ensemble_stretch_density"])
+
+
+def test_tables_have_the_same_numbers(written: tuple[Path, Path]) -> None:
+    _scenario, folder = written
+    with open(folder / "force.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    result = asp.open_result(folder)
+    for name in rows[0]:
+        np.testing.assert_array_equal([float(row[name]) for row in rows], result[name], err_msg=name)
+
+
+TEXT = """
+title = "Rough contacts"
+contacts.thresholds.gamma = { mean = 1.5, std = 0.3 }
+pull = { distance = 6.0, points = 61 }
+units.length = "µm"
+"""
+TABLE: dict[str, Any] = {
+    "title": "Rough contacts",
+    "contacts": {"thresholds": asp.Gamma(1.5, 0.3)},
+    "pull": {"distance": 6.0, "points": 61},
+    "units": {"length": "µm"},
+}
+
+
+def test_scenarios_may_be_texts_or_dictionaries(tmp_path: Path) -> None:
+    path = tmp_path / "rough.toml"
+    path.write_text(TEXT, encoding="utf-8")
+    result = asp.run(TEXT)
+    for other in (TABLE, path, str(path)):
+        identical(asp.run(other), result)
+    assert result.title == "Rough contacts"
+    assert result.labels["position"].units == "µm"
+    array = np.array([0.9, 1.0, 1.1])
+    table = TABLE | {"contacts": {"thresholds": {"tabulated": {"samples": array}}, "count": np.int64(3)}}
+    assert asp.run(table).summary["contacts"] == 3.0
+
+
+def test_values_can_be_overridden() -> None:
+    wide = asp.run(TEXT, {"contacts.thresholds.gamma.std": 0.6, "pull.points": 31})
+    assert wide.scenario == asp.run(TEXT.replace("0.3", "0.6").replace("61", "31")).scenario
+    other = asp.run(TEXT, {"contacts.thresholds": asp.Weibull(3.0, 1.0), "title": "a = b"})
+    assert "[contacts.thresholds.weibull]" in other.scenario
+    assert other.title == "a = b"
+
+
+def test_summaries_have_words_for_what_is_no_number() -> None:
+    result = asp.run({"contacts": {"thresholds": asp.Point(1.0)}, "pull": {"distance": 0.5}})
+    assert result.static_friction is None
+    assert result.critical_stiffness == result.relaxation_length == np.inf
+    assert result.summary["static_friction"] == "not reached"
+    assert result.summary["critical_stiffness"] == "infinite"
+
+
+@pytest.mark.parametrize(
+    ("scenario", "overrides", "error", "text"),
+    [
+        ("nowhere.toml", None, FileNotFoundError, "nowhere.toml: cannot read"),
+        ("a = ", None, ValueError, "expected valid TOML"),
+        (TEXT.replace("gamma", "gama"), None, ValueError, r"got \"gama\" \(did you mean gamma\?\)"),
+        (TEXT, {"pull.points": 1}, ValueError, "pull.points: expected 2 points or more"),
+        (
+            TEXT,
+            {"pull.distance": float("nan")},
+            ValueError,
+            "pull.distance: expected a number above 0, got NaN",
+        ),
+        (TEXT, {"contacts.count": None}, TypeError, "contacts.count: expected a table, a list"),
+        (TEXT, {3: 4}, TypeError, "keys that are texts"),
+        ({"contacts": {3: 4}}, None, TypeError, "contacts: expected keys that are texts"),
+        ({"contacts": asp.MasterEquation(asp.Contacts(asp.Point(1.0)))}, None, TypeError, "a law, areas"),
+        ({"pull": {"points": 2**70}}, None, ValueError, "pull.points: expected a whole number below"),
+        (3, None, TypeError, "scenario: expected a path"),
+        ({}, None, ValueError, "contacts"),
+    ],
+)
+def test_wrong_scenarios_are_refused(
+    scenario: Any, overrides: Any, error: type[Exception], text: str
+) -> None:
+    with pytest.raises(error, match=text):
+        asp.run(scenario, overrides)
+
+
+@pytest.mark.parametrize("path", sorted(ROOT.glob("scenarios/invalid/*.toml")), ids=lambda path: path.stem)
+def test_scenarios_that_must_fail_fail(path: Path) -> None:
+    with pytest.raises(ValueError, match=r"expected .* got "):
+        asp.run(path)
+
+
+def test_folders_of_others_are_left_alone(tmp_path: Path) -> None:
+    result = asp.run(TEXT)
+    (tmp_path / "mine").mkdir()
+    with pytest.raises(FileExistsError, match="a folder that asperity did not make"):
+        result.save(tmp_path / "mine")
+    with pytest.raises(FileNotFoundError, match="cannot read"):
+        asp.open_result(tmp_path / "mine")
+    result.save(tmp_path / "ours")
+    (tmp_path / "ours" / "summary.json").write_text("{}", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"summary\.json: missing field"):
+        asp.open_result(tmp_path / "ours")
+
+
+def test_results_open_in_xarray_as_they_are(tmp_path: Path) -> None:
+    xarray = pytest.importorskip("xarray")
+    result = asp.run(ROOT / "scenarios" / "fig2.toml")
+    result.save(tmp_path / "fig2")
+    ours = result.to_xarray()
+    with xarray.open_dataset(tmp_path / "fig2" / "result.nc", engine="h5netcdf") as theirs:
+        for name in result:
+            xarray.testing.assert_equal(ours[name], theirs[name])
+            assert ours[name].attrs["units"] == theirs[name].attrs["units"]

@@ -1,0 +1,249 @@
+"""Wrong input is refused with ValueError or TypeError: never a panic, never a wrong number."""
+
+from collections.abc import Callable
+from typing import Any
+
+import asperity as asp
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings, strategies as st
+
+REFUSED = (ValueError, TypeError)
+# Machines differ in speed, and examples should not from run to run.
+settings.register_profile(
+    "asperity", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("asperity")
+
+anything = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(-(2**70), 2**70),
+    st.floats(),
+    st.complex_numbers(),
+    st.text(max_size=5),
+    st.binary(max_size=3),
+    st.lists(st.floats() | st.text(max_size=2), max_size=4),
+    st.lists(st.lists(st.floats(), max_size=3), max_size=3),
+    st.dictionaries(st.text(max_size=3), st.floats(), max_size=2),
+    st.sampled_from([np.array(["a"]), np.zeros((2, 2)), np.array([1j]), np.array([None]), object(), len]),
+)
+numbers = st.floats(allow_nan=True, allow_infinity=True)
+sizes = st.floats(1e-6, 1e6)
+
+CONTACTS = asp.Contacts(asp.Gaussian(1.0, 0.1))
+THEORY = asp.MasterEquation(CONTACTS)
+PULL = THEORY.pull(2.0, 11)
+LAW = asp.Gamma(1.0, 0.3)
+KINDS: list[Any] = [
+    asp.Gaussian,
+    asp.Gamma,
+    asp.Lognormal,
+    asp.Rectangular,
+    asp.Weibull,
+    asp.Point,
+    asp.Exponential,
+]
+FUNCTIONS = ["pdf", "cdf", "sf", "logsf", "hazard", "ppf", "isf"]
+
+
+def arguments(kind: Any, first: Any, second: Any) -> tuple[Any, ...]:
+    return (first,) if kind in (asp.Point, asp.Exponential) else (first, second)
+
+
+@given(kind=st.sampled_from(KINDS), first=anything, second=anything)
+def test_laws_of_anything(kind: Any, first: Any, second: Any) -> None:
+    try:
+        law = kind(*arguments(kind, first, second))
+    except REFUSED:
+        return
+    assert all(np.isfinite(value) for value in law.parameters.values())
+
+
+@given(kind=st.sampled_from(KINDS), first=sizes, second=sizes, x=numbers, q=st.floats(0.0, 1.0))
+def test_functions_of_laws_are_those_of_some_law(
+    kind: Any, first: float, second: float, x: float, q: float
+) -> None:
+    try:
+        law = kind(*arguments(kind, first, second))
+    except REFUSED:
+        return
+    if np.isnan(x):
+        with pytest.raises(ValueError, match="x: expected a number, got NaN"):
+            law.pdf(x)
+        return
+    below, above = law.cdf(x), law.sf(x)
+    assert 0.0 <= below <= 1.0
+    assert 0.0 <= above <= 1.0
+    # Rounding of S near its steepest, where x itself is a rounded number.
+    assert below + above == pytest.approx(1.0, abs=1e-9)
+    assert law.pdf(x) >= 0.0
+    assert law.logsf(x) <= 0.0
+    assert law.hazard(x) >= 0.0
+    low, high = law.support()
+    assert 0.0 <= low <= law.ppf(q) <= high
+    assert low <= law.isf(q) <= high
+    assert low <= law.mean() <= high
+
+
+@given(name=st.sampled_from(FUNCTIONS), x=anything)
+def test_functions_of_anything(name: str, x: Any) -> None:
+    try:
+        values = getattr(LAW, name)(x)
+    except REFUSED:
+        return
+    assert np.shape(values) == np.shape(x)
+    assert not np.any(np.isnan(values))
+
+
+@given(q=numbers)
+def test_quantiles_are_of_probabilities(q: float) -> None:
+    if 0.0 <= q <= 1.0:
+        assert LAW.ppf(q) >= 0.0
+    else:
+        with pytest.raises(ValueError, match=r"q: expected a probability from 0 to 1, got "):
+            LAW.ppf(q)
+
+
+@given(values=st.lists(numbers, max_size=6), others=st.lists(numbers, max_size=6))
+def test_tables_of_anything(values: list[float], others: list[float]) -> None:
+    columns = ({"samples": values}, {"stretch": sorted(values), "density": others})
+    for given_columns in (*columns, columns[0] | columns[1]):
+        try:
+            law = asp.Tabulated(**given_columns)
+        except REFUSED:
+            continue
+        assert law.cdf(law.support()[1]) == 1.0
+        assert 0.0 <= law.mean() < np.inf
+
+
+# Every argument of everything public, each called with only that argument wrong.
+CALLS: dict[str, Callable[[Any], object]] = {
+    "Mixture": lambda x: asp.Mixture(x),
+    "Mixture.weight": lambda x: asp.Mixture([(x, LAW)]),
+    "Mixture.law": lambda x: asp.Mixture([(1.0, x)]),
+    "Tabulated.samples": lambda x: asp.Tabulated(samples=x),
+    "Tabulated.stretch": lambda x: asp.Tabulated(stretch=x, density=[1.0, 1.0]),
+    "Tabulated.density": lambda x: asp.Tabulated(stretch=[0.0, 1.0], density=x),
+    "Areas.law": lambda x: asp.Areas(x, 1.0, 1.0),
+    "Areas.modulus": lambda x: asp.Areas(LAW, x, 1.0),
+    "Areas.strength": lambda x: asp.Areas(LAW, 1.0, x),
+    "Contacts.thresholds": lambda x: asp.Contacts(x),
+    "Contacts.reforming": lambda x: asp.Contacts(LAW, x),
+    "Contacts.areas": lambda x: asp.Contacts(areas=x),
+    "Contacts.count": lambda x: asp.Contacts(LAW, count=x),
+    "Contacts.stiffness": lambda x: asp.Contacts(LAW, stiffness=x),
+    "Contacts.stiffness_per_threshold": lambda x: asp.Contacts(LAW, stiffness_per_threshold=x),
+    "Contacts.normal_load": lambda x: asp.Contacts(LAW, normal_load=x),
+    "MasterEquation.contacts": lambda x: asp.MasterEquation(x),
+    "MasterEquation.initial": lambda x: asp.MasterEquation(CONTACTS, x),
+    "MasterEquation.start": lambda x: asp.MasterEquation(CONTACTS, start=x),
+    "MasterEquation.tolerance": lambda x: asp.MasterEquation(CONTACTS, tolerance=x),
+    "pull.progress": lambda x: THEORY.pull(1.0, 3, progress=None if x is True else x),
+    "Ensemble.contacts": lambda x: asp.Ensemble(x),
+    "Ensemble.initial": lambda x: asp.Ensemble(CONTACTS, x),
+    "Ensemble.size": lambda x: asp.Ensemble(CONTACTS, size=x),
+    "Ensemble.seed": lambda x: asp.Ensemble(CONTACTS, seed=x),
+    "Ensemble.disorder": lambda x: asp.Ensemble(CONTACTS, disorder=x),
+    "Ensemble.start": lambda x: asp.Ensemble(CONTACTS, start=x),
+    "Ensemble.pull.snapshots": lambda x: asp.Ensemble(CONTACTS, size=2).pull(2.0, 3, snapshots=x),
+    "Ensemble.pull.edges": lambda x: asp.Ensemble(CONTACTS, size=2).pull(2.0, 3, snapshots=[1.0], edges=x),
+    "force_at": lambda x: PULL.force_at(x),
+    "slope_at": lambda x: PULL.slope_at(x),
+    "breaking_rate_at": lambda x: PULL.breaking_rate_at(x),
+    "force_std.size": lambda x: PULL.force_std(x),
+    "force_std.at": lambda x: PULL.force_std(10, x),
+    "stretch_density.at": lambda x: PULL.stretch_density(x, [0.5]),
+    "stretch_density.stretches": lambda x: PULL.stretch_density(1.0, x),
+    "SteadyState.force_std": lambda x: THEORY.steady_state().force_std(x),
+    "SteadyState.stretch_density": lambda x: THEORY.steady_state().stretch_density(x),
+    "Relaxation.force": lambda x: THEORY.relaxation().force(x),
+    "rvs.seed": lambda x: LAW.rvs(2, seed=x),
+    "moment": lambda x: LAW.moment(x),
+    "law": lambda x: asp.law(x),
+    "run": lambda x: asp.run(x),
+    "exact.Gaussian.mean": lambda x: asp.exact.Gaussian(x, 0.1).force(2.0),
+    "exact.Gaussian.std": lambda x: asp.exact.Gaussian(1.0, x),
+    "exact.Gaussian.initial_mean": lambda x: asp.exact.Gaussian(1.0, 0.1, x, 0.1),
+    "exact.Gaussian.initial_std": lambda x: asp.exact.Gaussian(1.0, 0.1, 0.1, x),
+    "exact.Gaussian.relaxation_root": lambda x: asp.exact.Gaussian(1.0, 0.1).relaxation_root(x),
+    "exact.Gaussian.variance": lambda x: asp.exact.Gaussian(1.0, 0.1).variance(x),
+    "exact.Rectangular.min": lambda x: asp.exact.Rectangular(x, 1.0),
+    "exact.Rectangular.max": lambda x: asp.exact.Rectangular(0.5, x),
+    "exact.Rectangular.force": lambda x: asp.exact.Rectangular(0.5, 1.0).force(x),
+    "exact.Erlang.shape": lambda x: asp.exact.Erlang(x, 1.0),
+    "exact.Erlang.rate": lambda x: asp.exact.Erlang(2, x),
+    "exact.Identical": lambda x: asp.exact.Identical(x),
+    "exact.Quenched": lambda x: asp.exact.Quenched(x),
+    "exact.Quenched.force": lambda x: asp.exact.Quenched(LAW).force(x),
+    "exact.kinetic_friction": lambda x: asp.exact.kinetic_friction(x),
+    "exact.kinetic_friction.reforming": lambda x: asp.exact.kinetic_friction(LAW, x),
+    "exact.steady_variance": lambda x: asp.exact.steady_variance(x),
+}
+
+
+@pytest.mark.parametrize("call", CALLS.values(), ids=CALLS.keys())
+@given(x=anything)
+@settings(max_examples=60)
+def test_every_argument_of_anything(call: Callable[[Any], object], x: Any) -> None:
+    try:
+        call(x)
+    except (*REFUSED, FileNotFoundError, MemoryError):
+        # No file has a name by chance, and no machine holds some sizes.
+        pass
+
+
+@given(distance=anything, points=anything)
+def test_pulls_of_anything(distance: Any, points: Any) -> None:
+    # What makes sense and takes long is not asked for.
+    few = not isinstance(points, int) or not 1e4 < points < 1e7
+    short = not isinstance(distance, (int, float)) or not 1e3 < distance < np.inf
+    if not (few and short):
+        return
+    try:
+        pull = THEORY.pull(distance, points)
+    except (*REFUSED, MemoryError):
+        return
+    assert not np.any(np.isnan(pull.force))
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "text"),
+    [
+        (lambda: asp.Gaussian(1.0, -0.05), ValueError, r"gaussian\.std: expected a finite .* got -0\.05"),
+        (lambda: asp.Gaussian(float("nan"), 1.0), ValueError, r"gaussian\.mean: .* got NaN"),
+        (lambda: asp.Gaussian("1", 1.0), TypeError, "must be real number, not str"),  # type: ignore[arg-type]
+        (lambda: asp.Mixture([(0.5, LAW)]), ValueError, r"mixture.*sum"),
+        (lambda: LAW.pdf([1.0, np.nan]), ValueError, r"x\.1: expected a number, got NaN"),
+        (lambda: LAW.pdf(["a"]), TypeError, "x: expected numbers, got list of dtype <U1"),
+        (lambda: LAW.pdf(1j), TypeError, "x: expected numbers, got complex of dtype complex128"),
+        (lambda: LAW.ppf(1.5), ValueError, r"q: expected a probability from 0 to 1, got 1\.5"),
+        (lambda: LAW.rvs(2, seed=-1), ValueError, r"seed: expected a whole number from 0 to 2\^63 - 1"),
+        (lambda: LAW.rvs(2, seed=0.5), TypeError, "seed: expected a whole number"),  # type: ignore[call-overload]
+        (lambda: LAW.rvs(-2, seed=1), ValueError, "size: expected"),
+        (lambda: LAW.rvs(2**60, seed=1), MemoryError, "size: more numbers than fit"),
+        (lambda: LAW.moment(-1), ValueError, "order: expected a whole number"),
+        (lambda: asp.Contacts(), ValueError, r"contacts\.thresholds: expected a law"),
+        (lambda: asp.Contacts(LAW, count=0), ValueError, r"contacts\.count: expected .* above 0, got 0"),
+        (
+            lambda: asp.MasterEquation(asp.Contacts(asp.Rectangular(0.5, 1.0)), asp.Point(2.0)),
+            ValueError,
+            "initial: expected stretches below the highest threshold 1",
+        ),
+        (lambda: asp.MasterEquation(CONTACTS, start="rest"), ValueError, "one of conditional and relaxed"),  # type: ignore[arg-type]
+        (lambda: THEORY.pull(-1.0), ValueError, r"pull\.distance: expected a number above 0, got -1"),
+        (lambda: THEORY.pull(1.0, -1), ValueError, "points: expected a whole number, 0 or above, .* got -1"),
+        (lambda: THEORY.pull(1.0, 1), ValueError, r"pull\.points: expected 2 points or more"),
+        (lambda: THEORY.pull(1.0, 2**50), ValueError, r"pull\.points: expected at most"),
+        (lambda: THEORY.pull(1.0, progress=3), TypeError, "progress: expected a function"),  # type: ignore[arg-type]
+        (lambda: PULL(3.0), ValueError, "position: expected a position from 0 to 2, got 3"),
+        (lambda: PULL.stretch_density([[1.0]]), ValueError, "at: expected a list of numbers, got an array"),
+        (lambda: asp.Ensemble(CONTACTS, size=0), ValueError, r"ensemble\.size: expected 1 contact or more"),
+        (lambda: asp.exact.Rectangular(1.0, 0.5), ValueError, r"max: expected .* min = 1, got 0\.5"),
+    ],
+)  # fmt: skip
+def test_errors_say_what_was_expected_and_what_came(
+    call: Callable[[], object], error: type[Exception], text: str
+) -> None:
+    with pytest.raises(error, match=text):
+        call()
