@@ -50,8 +50,8 @@ python: $(venv)/installed $(venv)-oldest/installed
 	$(venv)-oldest/bin/python -P -m pytest
 	$(venv)/bin/mypy python
 	$(venv)/bin/python -P -m mypy.stubtest asperity --allowlist python/tests/stubtest.txt
-	$(venv)/bin/ruff format --check python
-	$(venv)/bin/ruff check python
+	$(venv)/bin/ruff format --check python docs
+	$(venv)/bin/ruff check python docs
 
 sources := $(shell git ls-files 'core/src' 'runner/src' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml)
 
@@ -84,13 +84,17 @@ lint:
 	cargo fmt --all --check
 	cargo clippy --release --workspace --all-targets --locked -- -D warnings
 
-# The site, documentation of the crates included, into target/docs; then what its pages show in Python is run.
-docs: $(venv)-docs/ready
+# The site into target/docs, documentation of the crates included; then what its pages show in Python is run.
+docs: $(venv)-docs/installed
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps --locked
 	$(venv)-docs/bin/sphinx-build -W --keep-going -n -q docs $(site)
 	rm -rf $(site)/rust
 	cp -r $(target)/doc $(site)/rust
-	$(venv)-docs/bin/python -m pytest -q -p no:cacheprovider docs
+	$(venv)-docs/bin/python -P -m pytest -q -p no:cacheprovider docs
+
+$(venv)-docs/installed: $(venv)-docs/ready $(venv)/installed
+	$(venv)-docs/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
+	touch $@
 
 $(venv)-docs/ready: docs/requirements.txt
 	$(environment)

@@ -1,9 +1,11 @@
 """The site made of the pages in this folder, as `make docs` builds it.
 
-The pages are plain Markdown, to be read anywhere: equations are ```math blocks whose \\tag is their name, `[(name)](…)`
-refers to one, and works are cited by a link to them. `as_site` turns these into numbered equations and citations.
+The pages are plain Markdown, to be read anywhere: equations are ```math blocks whose \\tag is their name,
+`[(name)](…)` refers to one, and works are cited by a link to them. `as_site` makes numbered equations and
+citations of these.
 """
 
+import logging
 import re
 import tomllib
 from importlib.util import find_spec
@@ -29,6 +31,8 @@ toc_object_entries_show_parents = "hide"
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
+nb_merge_streams = True
+logging.getLogger("traitlets").setLevel(logging.WARNING)
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
@@ -58,7 +62,9 @@ def works() -> dict[str, str]:
 
 def as_site(text: str, keys: dict[str, str]) -> str:
     """Names of equations become their labels, links to works are followed by citations of them."""
-    text = re.sub(r"^```math\n(.*?)\n\\tag\{([^}]*)\}\n```", r"```{math}\n:label: \2\n\1\n```", text, flags=re.M | re.S)
+    text = re.sub(
+        r"^```math\n(.*?)\n\\tag\{([^}]*)\}\n```", r"```{math}\n:label: \2\n\1\n```", text, flags=re.M | re.S
+    )
     text = re.sub(r"\[\(([^()\]]*)\)\]\([^)]*\)", r"{eq}`\1`", text)
     return re.sub(r"\]\((https?://[^)]*)\)", lambda link: cited(link, keys), text)
 

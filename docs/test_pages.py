@@ -1,7 +1,8 @@
 """What the pages show in Python is run: the blocks of a page in order, in one folder and one namespace.
 
-`python` is a script, `pycon` a session whose output is compared. `toml` that begins with `# NAME` is kept under that name,
-and `console` is run in bash: what it prints is compared by cli/tests/documents.rs, which says more of such blocks.
+`python` is a script, `pycon` a session whose output is compared. `toml` that begins with `# NAME` is kept
+under that name, and `console` is run in bash; what it prints is compared by cli/tests/documents.rs, which
+says more of such blocks.
 """
 
 import doctest
@@ -27,7 +28,7 @@ def blocks(page: Path) -> list[tuple[str, str, int]]:
 
 PAGES = [
     page
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    for page in sorted((ROOT / "docs").rglob("*.md"))
     if PYTHON & {language for language, *_ in blocks(page)}
 ]
 
@@ -39,7 +40,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     program = tmp_path / "bin" / "asperity"
     program.parent.mkdir()
     manifest = ROOT / "Cargo.toml"
-    program.write_text(f'#!/bin/sh\nexec cargo run --release --locked --quiet --manifest-path "{manifest}" -- "$@"\n')
+    program.write_text(
+        f'#!/bin/sh\nexec cargo run --release --locked --quiet --manifest-path "{manifest}" -- "$@"\n'
+    )
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(program.parent), prepend=os.pathsep)
     monkeypatch.setenv("MPLBACKEND", "agg")
@@ -66,9 +69,12 @@ def converse(text: str, names: dict[str, object], page: Path, line: int) -> None
     """Compares what a session prints with what is shown."""
     session = doctest.DocTestParser().get_doctest(text, names, page.name, str(page), line)
     report: list[str] = []
-    results = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(session, out=report.append, clear_globs=False)
+    results = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(
+        session, out=report.append, clear_globs=False
+    )
     names.update(session.globs)
-    assert results.attempted and not results.failed, "".join(report)
+    assert results.attempted > 0
+    assert results.failed == 0, "".join(report)
 
 
 def test_there_are_pages_in_python() -> None:

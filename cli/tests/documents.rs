@@ -3,7 +3,7 @@
 //! Code blocks have a language. `toml` is a scenario that makes sense; one that begins with `# NAME` is kept under that
 //! name for the commands after it. `console` is commands (`$ …`) and what they print, to the letter; with `fails` behind
 //! it, of the errors too, and the exit code is not 0. `sh` is a command whose `make` target exists. `rust` is run with the
-//! documentation of the core, `python` with its `output` and `pycon` by the tests of the Python package and of the site.
+//! documentation of the core, `python` with its `output` and `pycon` by python/tests and docs/test_pages.py.
 //! `text` and `math` are not run; what begins with a brace is for the site, and `make docs` sees to it.
 
 mod support;

@@ -1,4 +1,7 @@
-"""The Python that documents show: blocks run in order; `output` is what the block before it prints."""
+"""The Python that the README shows: blocks run in order; `output` is what the block before it prints.
+
+Pages of the site, which show the command line and sessions as well, are run by docs/test_pages.py.
+"""
 
 import io
 import re
@@ -10,9 +13,8 @@ BLOCK = re.compile(r"^```(\w+)[^\n]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def pages() -> list[Path]:
-    """Every document that shows Python."""
-    documents = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]
-    return [page for page in sorted(documents) if "\n```python\n" in page.read_text(encoding="utf-8")]
+    """The documents beside the README and itself, where they show Python."""
+    return [page for page in sorted(ROOT.glob("*.md")) if "\n```python\n" in page.read_text(encoding="utf-8")]
 
 
 def run(page: Path) -> list[tuple[str, str]]:
