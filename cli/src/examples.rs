@@ -12,7 +12,7 @@ macro_rules! shipped {
 }
 
 /// All of them, simple ones first; tables stand after the scenario that names them.
-const SHIPPED: [Shipped; 11] = shipped![
+const SHIPPED: [Shipped; 20] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -23,6 +23,15 @@ const SHIPPED: [Shipped; 11] = shipped![
     "areas.toml",
     "commensurate.toml",
     "compared.toml",
+    "stick-slip-reset.toml",
+    "stick-slip-overdamped.toml",
+    "stick-slip-arrest.toml",
+    "stick-slip-inertial.toml",
+    "smooth-sliding.toml",
+    "hysteresis.toml",
+    "imposed-force.toml",
+    "avalanches.toml",
+    "laboratory.toml",
     "first_loading.csv",
 ];
 
@@ -38,7 +47,7 @@ pub fn list() -> String {
         let name = file.strip_suffix(".toml").unwrap_or(file);
         let title = text.lines().find_map(|line| line.strip_prefix("title = "));
         let title = title.map_or("a table that a scenario reads", |title| title.trim_matches('"'));
-        let _ = writeln!(list, "{name:<18} {title}");
+        let _ = writeln!(list, "{name:<22} {title}");
     }
     list
 }

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::positive;
-use crate::{Error, Result, block};
+use crate::Result;
+use crate::block::{self, Loading};
 
 /// A slider whose top, moved by the drive, pulls its bottom through a stiffness.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -47,18 +47,12 @@ impl Block {
         0.05
     }
 
-    pub(super) fn check(&self) -> Result<()> {
-        positive("stiffness", self.stiffness)?;
-        if !(self.slip_fraction > 0.0 && self.slip_fraction <= 1.0) {
-            return Err(Error::invalid("slip_fraction", "a share above 0, at most 1", self.slip_fraction));
-        }
-        if let Slip::Inertial { mass, damping } = self.slip {
-            positive("slip.inertial.mass", mass)?;
-            if !(damping.is_finite() && damping >= 0.0) {
-                return Err(Error::invalid("slip.inertial.damping", "a finite number, 0 or above", damping));
-            }
-        }
-        Ok(())
+    /// The slider. Over the contacts of an ensemble, events that break few of them are no slips.
+    ///
+    /// # Errors
+    /// A value that makes no sense.
+    pub fn build(&self) -> Result<block::Block> {
+        block::Block::new(Loading::Spring(self.stiffness), self.slip.into(), Some(self.slip_fraction))
     }
 }
 

@@ -102,7 +102,7 @@ impl Scenario {
             }
             Task::Drive(_) => {}
         }
-        block.check().map_err(|e| e.under("block"))
+        block.build().map(|_| ()).map_err(|e| e.under("block"))
     }
 
     /// Every `tabulated` law with the path of its key, so that a reader of files can fill it in.

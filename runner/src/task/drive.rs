@@ -43,7 +43,8 @@ pub fn run(
     let mut record = Record::default();
     let fresh = population.copy();
     let master = slider(setting, task, false)?;
-    let run = master.pull(&mut population, &way, &mut Part::new(monitor, shares[0], shares[1]))?;
+    let run = master.pull(&mut population, &way, &mut Part::new(monitor, shares[0], shares[1]));
+    let run = run.map_err(|e| e.under("drive"))?;
     trace(&run, "", &mut record);
     course(&run, &mut record);
     if let Loading::Spring(stiffness) = master.loading() {
