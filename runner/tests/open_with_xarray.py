@@ -1,7 +1,7 @@
 """Opens a result folder as users do: python open_with_xarray.py DIR...
 
-With xarray, by either of its engines, result.nc holds the numbers of force.csv, units, long names,
-the scenario, the version and the seed of summary.json.
+With xarray, by either of its engines, result.nc holds the numbers of force.csv (of a drive: trace.csv), units,
+long names, the scenario, the version and the seed of summary.json.
 """
 
 import csv
@@ -15,13 +15,16 @@ import xarray as xr
 
 def check(folder: Path, engine: str) -> None:
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    with open(folder / "force.csv", newline="", encoding="utf-8") as file:
+    table, dimension = ("force.csv", "position")
+    if (folder / "trace.csv").exists():
+        table, dimension = ("trace.csv", "point")
+    with open(folder / table, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     with xr.open_dataset(folder / "result.nc", engine=engine) as data:
         for name in rows[0]:
             column = np.array([float(row[name]) for row in rows])
             assert np.array_equal(data[name].values, column, equal_nan=True), name
-            assert data[name].dims == ("position",), data[name].dims
+            assert data[name].dims == (dimension,), data[name].dims
         for name, variable in data.variables.items():
             assert variable.attrs["long_name"], name
             if name != "scenario":

@@ -1,0 +1,144 @@
+//! Drives computed: regimes, slips and files of a slider behind its block.
+
+use std::path::Path;
+
+use asperity_runner::output::Outcome;
+use asperity_runner::summary::{Kind, Sliding};
+use asperity_runner::{input, output, task};
+
+fn run(contacts: &str, rest: &str) -> Outcome {
+    let text = format!("contacts.thresholds.gaussian = {contacts}\n{rest}");
+    let input = input::parse(&text, "test", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
+    task::run(&input.scenario, &mut ()).unwrap()
+}
+
+fn sliding(outcome: &Outcome) -> &Sliding {
+    outcome.summary.sliding.as_ref().expect("a drive says how it slid")
+}
+
+/// Digits given in the literature of the values: half a unit of the last one.
+fn near(found: f64, expected: f64, digits: f64) {
+    assert!((found - expected).abs() <= digits, "{found} for {expected}");
+}
+
+const BROAD: &str = "{ mean = 1.0, std = 0.1 }";
+const NARROW: &str = "{ mean = 1.0, std = 0.05 }";
+
+#[test]
+fn resets_go_on_for_ever() {
+    let outcome = run(BROAD, "block = { stiffness = 1.0 }\ndrive = { distance = 12.0 }");
+    let sliding = sliding(&outcome);
+    assert_eq!(sliding.regime, Kind::Persistent);
+    // X_1 + F_1/K and F_1 of the reference values, located to 1e-9.
+    near(sliding.period.unwrap(), 1.666198355430, 1e-8);
+    near(sliding.mean_drop.unwrap(), 0.7736105511280, 1e-8);
+    let first = sliding.first_instability.unwrap();
+    near(first.position, 0.8925878043021, 1e-9);
+    near(first.drive, first.position + first.force, 1e-12);
+    near(outcome.summary.kinetic_friction, 0.505, 1e-9);
+}
+
+#[test]
+fn overdamped_slips_are_counted_and_end() {
+    let rest = "block = { stiffness = 1.0, slip = 'overdamped' }\ndrive = { distance = 40.0 }";
+    let outcome = run(NARROW, rest);
+    assert_eq!((sliding(&outcome).regime, sliding(&outcome).slips), (Kind::Transient, 15));
+    assert!(sliding(&outcome).period.is_none());
+}
+
+#[test]
+fn a_trace_has_a_point_before_and_after_every_slip_and_the_spring_carries_the_force() {
+    let outcome = run(BROAD, "block = { stiffness = 0.5 }\ndrive = { distance = 9.0, points = 11 }");
+    let column = |name: &str| outcome.record.values(name).unwrap();
+    let (drive, force, spring) = (column("drive"), column("force"), column("spring_force"));
+    for (k, &at) in column("event_drive").iter().enumerate() {
+        let rows: Vec<usize> = (0..drive.len()).filter(|&row| drive[row] == at).collect();
+        assert!(rows.len() >= 2, "slip {k}");
+        let (before, after) = (rows[0], rows[rows.len() - 1]);
+        near(force[before] - force[after], column("event_drop")[k], 1e-12);
+    }
+    // In balance, to the accuracy of the force.
+    force.iter().zip(spring).for_each(|(f, s)| near(*f, *s, 1e-9));
+    near(*drive.last().unwrap(), 9.0, 1e-12);
+}
+
+#[test]
+fn the_ensemble_slips_as_the_master_equation_does() {
+    let rest = "block = { stiffness = 1.0, slip = 'overdamped' }\ndrive = { distance = 8.0 }\n\
+                ensemble = { size = 100000, seed = 5 }";
+    let outcome = run(BROAD, rest);
+    let master = sliding(&outcome);
+    let ensemble = master.ensemble.as_deref().unwrap();
+    // A fourth dip of F is nearly steep enough, and for some draws of contacts is.
+    assert!(master.slips == 3 && (3..=4).contains(&ensemble.slips), "{}", ensemble.slips);
+    // The force at the first slip scatters as N^(−1/3), here 0.02 x̄⟨k⟩, and by a factor of order 1.
+    near(ensemble.first_instability.unwrap().force, master.first_instability.unwrap().force, 0.02);
+    // Single breaks are by far the most frequent events, and every contact broke many times.
+    let (size, events) =
+        (outcome.record.values("size").unwrap(), outcome.record.values("size_events").unwrap());
+    near(size[0], 1.0, 1e-9);
+    assert!(events[0] > 0.5 * events.iter().sum::<f64>());
+}
+
+#[test]
+fn an_imposed_force_runs_away_at_static_friction() {
+    let outcome = run(BROAD, "drive = { force_to = 1.0 }");
+    let runaway = sliding(&outcome).runaway.unwrap();
+    near(runaway.force, 0.7964360150770, 1e-9);
+    // The place of a maximum is known to the root of the accuracy of its value.
+    near(runaway.position, 0.8441642907576, 1e-6);
+    assert_eq!(sliding(&outcome).regime, Kind::Runaway);
+}
+
+#[test]
+fn a_rigid_slider_goes_forth_and_back_on_a_closed_loop() {
+    let rest = "drive = { turning_points = [4.0, -4.0, 4.0, -4.0], points = 2801 }";
+    let outcome = run("{ mean = 1.0, std = 0.2 }", rest);
+    let (drive, force) = (outcome.record.values("drive").unwrap(), outcome.record.values("force").unwrap());
+    let top = drive.iter().rposition(|&x| x == 4.0).unwrap();
+    let bottom = drive[..top].iter().rposition(|&x| x == -4.0).unwrap();
+    let (forth, back) = (bottom..top, top..drive.len());
+    let mirrored = drive[forth.clone()].iter().zip(&force[forth]).map(|(x, f)| (-x, -f));
+    // The start is forgotten over 8 = 6 X*: e^{−6} of 0.2 is left, of which the difference is less.
+    for ((x, f), (y, g)) in mirrored.zip(drive[back.clone()].iter().zip(&force[back])) {
+        near(x, *y, 1e-9);
+        near(f, *g, 1e-3);
+    }
+}
+
+#[test]
+fn inertial_slips_leave_their_time_course() {
+    let rest = "block = { stiffness = 1.0, slip.inertial = { mass = 2.0 } }\ndrive = { distance = 2.0 }";
+    let outcome = run(BROAD, rest);
+    let column = |name: &str| outcome.record.values(name).unwrap();
+    // Equal areas.
+    near(column("event_position_turn")[0], 1.599378752724, 1e-7);
+    assert!(column("event_position_after")[0] < column("event_position_turn")[0]);
+    let (time, velocity) = (column("slip_time"), column("slip_velocity"));
+    assert!(time.is_sorted() && time.len() == velocity.len());
+    near(*velocity.last().unwrap(), 0.0, 1e-6);
+}
+
+#[test]
+fn a_drive_that_never_slips_is_an_outcome() {
+    let outcome = run(BROAD, "block = { stiffness = 4.0, slip = 'arrest' }\ndrive = {}");
+    assert_eq!((sliding(&outcome).regime, sliding(&outcome).slips), (Kind::Smooth, 0));
+    assert!(sliding(&outcome).first_instability.is_none());
+}
+
+#[test]
+fn what_is_written_is_read_back() {
+    let rest = "block = { stiffness = 1.0 }\ndrive = { distance = 4.0 }\nensemble = { size = 1000 }";
+    let outcome = run(BROAD, rest);
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("drive");
+    output::write(&place, &outcome, &[]).unwrap();
+    assert_eq!(output::read(&place).unwrap(), outcome);
+    let events = std::fs::read_to_string(place.join("events.csv")).unwrap();
+    let header = "event,drive,position_before,position_after,position_turn,force_before,force_after,drop,slip,\
+                  broken_fraction,dissipated_breaks,dissipated_slip";
+    assert_eq!(events.lines().next(), Some(header));
+    assert_eq!(events.lines().count(), 1 + outcome.summary.sliding.unwrap().slips);
+    let trace = std::fs::read_to_string(place.join("trace.csv")).unwrap();
+    assert!(trace.starts_with("drive,position,force,spring_force\n"), "{}", &trace[..80]);
+}
