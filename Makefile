@@ -32,8 +32,12 @@ $(venv)/ready: python/requirements.txt
 $(venv)-oldest/ready: python/requirements-oldest.txt
 	$(environment)
 
+# Measured traces, for comparisons that are left out where there are none.
+export ASPERITY_LAB_DATA ?= $(abspath $(wildcard ../shared/data))
+
 # The tests of all crates, those of the documents among them; the crate of the package is tested from Python.
 rust:
+	@[ -n "$$ASPERITY_LAB_DATA" ] || echo "ASPERITY_LAB_DATA names no folder: comparisons with laboratory data are skipped"
 	cargo test --release --locked
 
 # Results as users open them: every shipped scenario is run and read back with xarray.
