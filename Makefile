@@ -91,7 +91,7 @@ lint:
 # The site into target/docs, documentation of the crates included; then what its pages show in Python is run.
 docs: $(venv)-docs/installed
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps --locked
-	$(venv)-docs/bin/sphinx-build -W --keep-going -n -q docs $(site)
+	$(venv)-docs/bin/sphinx-build -E -W --keep-going -n -q docs $(site)
 	rm -rf $(site)/rust
 	cp -r $(target)/doc $(site)/rust
 	$(venv)-docs/bin/python -P -m pytest -q -p no:cacheprovider docs

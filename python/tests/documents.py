@@ -13,7 +13,7 @@ BLOCK = re.compile(r"^```(\w+)[^\n]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def pages() -> list[Path]:
-    """The documents beside the README and itself, where they show Python."""
+    """The documents at the root that show Python."""
     return [page for page in sorted(ROOT.glob("*.md")) if "\n```python\n" in page.read_text(encoding="utf-8")]
 
 
