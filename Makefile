@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint docs figures stubs wheel bench validation
+.PHONY: setup test rust results python lint docs figures stubs wheel bench peers validation
 
 export PYTHON ?= python3
 venv := .venv
@@ -112,10 +112,19 @@ figures: $(venv)/installed
 	(cd "$$folder" && SOURCE_DATE_EPOCH=0 $$package -P "$$documents"); \
 	cp "$$folder/fig2.svg" docs/figures/fig2-python.svg
 
-# How fast it is, beside what one would write in Python.
-bench: $(venv)-peers/ready
+# How fast it is, and what a call from Python costs.
+bench: $(venv)/installed
 	cargo bench --locked --package asperity --bench ensemble --bench master --bench population --bench scaling
-	PEERS_PYTHON=$(CURDIR)/$(venv)-peers/bin/python cargo bench --locked --package asperity --bench peers
+	$(venv)/bin/python -P python/benches/overhead.py
+
+# The page of how fast it is next to what one would write in Python, anew.
+peers: $(venv)-peers/installed
+	PEERS_PYTHON=$(CURDIR)/$(venv)-peers/bin/python cargo bench --locked --package asperity --bench peers > target/peers.md
+	mv target/peers.md docs/validation/peers.md
+
+$(venv)-peers/installed: $(venv)-peers/ready $(venv)/installed
+	$(venv)-peers/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
+	touch $@
 
 $(venv)-peers/ready: core/benches/peers/requirements.txt
 	$(environment)
