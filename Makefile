@@ -108,6 +108,8 @@ figures: $(venv)/installed
 	folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	cargo run --release --locked --quiet -- run scenarios/fig2.toml --quiet -o "$$folder/fig2"; \
 	for name in force evolution; do cp "$$folder/fig2/$$name.svg" "docs/figures/fig2-$$name.svg"; done; \
+	cargo run --release --locked --quiet -- run scenarios/stick-slip-overdamped.toml --quiet -o "$$folder/stick-slip"; \
+	for name in stick_slip equilibrium; do cp "$$folder/stick-slip/$$name.svg" "docs/figures/stick-slip-$$name.svg"; done; \
 	package=$(CURDIR)/$(venv)/bin/python; documents=$(CURDIR)/python/tests/documents.py; \
 	(cd "$$folder" && SOURCE_DATE_EPOCH=0 $$package -P "$$documents"); \
 	cp "$$folder/fig2.svg" docs/figures/fig2-python.svg

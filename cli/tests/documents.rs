@@ -279,11 +279,16 @@ fn the_table_of_laws_is_complete() {
 #[test]
 fn pictures_are_those_that_the_program_draws() {
     let folder = folder();
-    folder.succeed(&["run", "scenarios/fig2.toml", "--quiet", "-o", "fig2"]);
-    for name in ["force", "evolution"] {
-        let kept = document(&format!("docs/figures/fig2-{name}.svg"));
-        let drawn = std::fs::read_to_string(folder.path().join(format!("fig2/{name}.svg"))).unwrap();
-        assert!(looks_like(&kept, &drawn), "docs/figures/fig2-{name}.svg is out of date: make figures");
+    for (scenario, short, names) in [
+        ("fig2", "fig2", ["force", "evolution"]),
+        ("stick-slip-overdamped", "stick-slip", ["stick_slip", "equilibrium"]),
+    ] {
+        folder.succeed(&["run", &format!("scenarios/{scenario}.toml"), "--quiet", "-o", short]);
+        for name in names {
+            let kept = document(&format!("docs/figures/{short}-{name}.svg"));
+            let drawn = std::fs::read_to_string(folder.path().join(format!("{short}/{name}.svg"))).unwrap();
+            assert!(looks_like(&kept, &drawn), "docs/figures/{short}-{name}.svg is out of date: make figures");
+        }
     }
 }
 
