@@ -33,7 +33,8 @@ impl Direction {
     }
 }
 
-/// The way to the next place where contacts break together, or where the force has a kink.
+/// The way to the next place where contacts break together, or where the force has a kink; it may end before, where
+/// nothing is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Way {
     /// Its length, above 0; infinite where nothing can break any more.

@@ -77,17 +77,34 @@ fn cases() -> Vec<Case> {
 
 /// One way or a part of it, towards `position`; the work done.
 fn step(population: &mut dyn Population, position: f64) -> f64 {
-    let rest = position - population.position();
-    let direction = if rest < 0.0 { Backward } else { Forward };
-    let way = population.way(direction).unwrap();
-    assert!(way.length > 0.0 && way.straight);
-    let by = direction.sign() * rest.abs().min(way.length);
-    let work = 0.5 * by * (population.ahead(0.0).force + population.ahead(by).force);
-    population.advance(by).unwrap();
-    if way.breaks && by.abs() == way.length {
-        population.cross().unwrap();
+    let mut work = 0.0;
+    while !arrived(population, position) {
+        let rest = position - population.position();
+        let direction = if rest < 0.0 { Backward } else { Forward };
+        let way = population.way(direction).unwrap();
+        assert!(way.length > 0.0 && way.straight);
+        let by = direction.sign() * rest.abs().min(way.length);
+        work += 0.5 * by * (population.ahead(0.0).force + population.ahead(by).force);
+        population.advance(by).unwrap();
+        if way.breaks && by.abs() == way.length {
+            population.cross().unwrap();
+            break;
+        }
     }
     work
+}
+
+/// How far it is to the next break: ways may end before, where nothing is.
+fn to_break(population: &dyn Population, direction: Direction) -> f64 {
+    let (mut copy, mut length) = (population.copy(), 0.0);
+    loop {
+        let way = copy.way(direction).unwrap();
+        length += way.length;
+        if way.breaks || way.length.is_infinite() {
+            return length;
+        }
+        copy.advance(direction.sign() * way.length).unwrap();
+    }
 }
 
 fn arrived(population: &dyn Population, position: f64) -> bool {
@@ -296,7 +313,7 @@ fn same(population: &mut dyn Population, singles: &OneByOne) {
     let tolerance = 1e-12;
     close(population.position(), singles.position, tolerance);
     for direction in [Forward, Backward] {
-        let (length, expected) = (population.way(direction).unwrap().length, singles.way(direction));
+        let (length, expected) = (to_break(population, direction), singles.way(direction));
         assert!(length == expected || (length - expected).abs() < tolerance, "{length} {expected}");
     }
     let response = population.ahead(0.0);
@@ -374,10 +391,15 @@ fn backward_is_the_mirror_image() {
     let (mut forth, mut back) = (case.population(), case.population());
     for i in 1..40 {
         let position = 0.25 * f64::from(i);
-        assert_eq!(go(&mut forth, position), go(&mut back, -position));
-        assert_eq!(forth.position(), -back.position());
-        assert_eq!(forth.ahead(0.0).force, -back.ahead(0.0).force);
-        assert_eq!(forth.books(), back.books());
+        // Sums over 200 contacts made in another order, once one breaks on the way back.
+        let rounding = 1e-13;
+        close(go(&mut forth, position), go(&mut back, -position), rounding);
+        close(forth.position(), -back.position(), rounding);
+        close(forth.ahead(0.0).force, -back.ahead(0.0).force, rounding);
+        let (forth, back) = (forth.books(), back.books());
+        close(forth.elastic, back.elastic, rounding);
+        close(forth.lost, back.lost, rounding);
+        assert_eq!(forth.broken, back.broken);
     }
 }
 

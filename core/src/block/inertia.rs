@@ -5,7 +5,7 @@
 //! the one that leaves X_1 with no energy but what it gains. It is followed from where the work done on it since
 //! X_1 is 1e-14 of the elastic energy: no speed that it may have there changes its energy by more.
 
-use super::trace::{Course, Point};
+use super::trace::Point;
 use super::walk::Walk;
 use crate::numerics::motion::{Body, Step, uniform};
 use crate::numerics::roots::brent_root;
@@ -61,7 +61,6 @@ struct Swing {
     /// √(2E/M), E being the elastic energy of the contacts at the start.
     fast: f64,
     start: f64,
-    course: Option<Course>,
 }
 
 impl Walk<'_> {
@@ -73,7 +72,7 @@ impl Walk<'_> {
         mass: f64,
         damping: f64,
     ) -> Result<Swung> {
-        let first = self.course.is_none();
+        self.offered.clear();
         let mut swing = Swing {
             body: Body { mass, damping },
             drive,
@@ -83,17 +82,14 @@ impl Walk<'_> {
             step: f64::INFINITY,
             fast: (2.0 * self.look.books().elastic / mass).sqrt(),
             start: self.look.position,
-            course: first.then(Course::default),
         };
         self.towards(direction)?;
         if !self.leave(&mut swing) {
             return Ok(Swung::Still);
         }
         let arrested = self.follow(&mut swing)?;
-        if let Some(mut course) = swing.course {
-            course.push(swing.time, 0.0, self.state(drive, 0.0));
-            course.begin();
-            self.course = Some(course);
+        if self.course.is_none() {
+            self.offered.push(swing.time, 0.0, self.state(drive, 0.0));
         }
         Ok(if arrested { Swung::Arrested } else { Swung::Away })
     }
@@ -172,10 +168,7 @@ impl Walk<'_> {
         swing.speed = passage.speed;
         let through = passage.way == left;
         swing.place = if through { self.look.way.length } else { swing.place + passage.way };
-        let state = self.state(swing.drive, swing.place);
-        if let Some(course) = &mut swing.course {
-            course.offer(swing.time, self.look.sign() * swing.speed, state);
-        }
+        self.offer(swing, swing.time, swing.place, swing.speed);
         match (through, swing.speed == 0.0) {
             (true, _) => Ending::Through,
             (_, true) => Ending::Arrested,
@@ -221,19 +214,22 @@ impl Walk<'_> {
     }
 
     fn accept(&mut self, swing: &mut Swing, step: &Step, ending: Ending) {
-        let sign = self.look.sign();
         self.open.viscous += swing.body.damping * step.squared();
-        if let Some(mut course) = swing.course.take() {
-            let points = step.times().into_iter().zip(step.places()).zip(step.speeds());
-            for ((time, place), speed) in points {
-                course.offer(swing.time + time, sign * speed, self.state(swing.drive, place));
-            }
-            swing.course = Some(course);
+        for ((time, place), speed) in step.times().into_iter().zip(step.places()).zip(step.speeds()) {
+            self.offer(swing, swing.time + time, place, speed);
         }
         let (place, speed) = step.at(1.0);
         swing.time += step.time;
         swing.place = if ending == Ending::Through { self.look.way.length } else { place };
         swing.speed = if ending == Ending::Arrested { 0.0 } else { speed };
+    }
+
+    /// Keeps a point of the time course, until there is one of a slip.
+    fn offer(&mut self, swing: &Swing, time: f64, place: f64, speed: f64) {
+        if self.course.is_none() {
+            let state = self.state(swing.drive, place);
+            self.offered.offer(time, self.look.sign() * speed, state);
+        }
     }
 
     /// The state at an advance `a` on the way, at a given drive.

@@ -210,6 +210,9 @@ impl Walk<'_> {
             self.approach += energy;
             return;
         }
+        if self.course.is_none() && matches!(self.block.slip, Slip::Inertial { .. }) {
+            self.course = Some(std::mem::take(&mut self.offered).begun());
+        }
         let approach = std::mem::take(&mut self.approach);
         self.events.push(Event { before, after, position_turn, broken_fraction, energy, approach });
     }

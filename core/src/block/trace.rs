@@ -40,15 +40,21 @@ pub struct Course {
 }
 
 impl Course {
+    /// Forgets all.
+    pub(super) fn clear(&mut self) {
+        self.columns().into_iter().for_each(Vec::clear);
+        (self.stride, self.offered) = (1, 0);
+    }
+
     /// Keeps a point, as far as there are not too many: then every other one is dropped.
     pub(super) fn offer(&mut self, time: f64, velocity: f64, point: Point) {
         self.offered += 1;
-        if !self.offered.is_multiple_of(self.stride.max(1)) {
+        if !self.offered.is_multiple_of(self.stride) {
             return;
         }
         if self.time.len() == MOST {
             self.columns().into_iter().for_each(|column| every_other(column));
-            self.stride = 2 * self.stride.max(1);
+            self.stride *= 2;
         }
         self.push(time, velocity, point);
     }
@@ -62,8 +68,8 @@ impl Course {
     }
 
     /// Drops what comes before the motion can be seen, and starts the clock there.
-    pub(super) fn begin(&mut self) {
-        let (Some(&first), Some(&last)) = (self.position.first(), self.position.last()) else { return };
+    pub(super) fn begun(mut self) -> Self {
+        let (Some(&first), Some(&last)) = (self.position.first(), self.position.last()) else { return self };
         let hidden = |x: &f64| (x - first).abs() < BEGUN * (last - first).abs();
         let skipped = self.position.iter().take_while(|x| hidden(x)).count();
         for column in self.columns() {
@@ -71,6 +77,7 @@ impl Course {
         }
         let start = self.time.first().copied().unwrap_or(0.0);
         self.time.iter_mut().for_each(|time| *time -= start);
+        self
     }
 
     fn columns(&mut self) -> [&mut Vec<f64>; 5] {

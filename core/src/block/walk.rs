@@ -36,6 +36,8 @@ pub(super) struct Walk<'a> {
     pub events: Vec<Event>,
     pub sizes: Sizes,
     pub course: Option<Course>,
+    /// The course of the last swing, as long as there is none of a slip.
+    pub offered: Course,
     /// All that is closed.
     pub energy: Energy,
     /// What is closed since the last slip.
@@ -77,6 +79,7 @@ impl<'a> Walk<'a> {
             events: Vec::new(),
             sizes: Sizes::default(),
             course: None,
+            offered: Course::default(),
             energy: Energy::default(),
             approach: Energy::default(),
             open: Energy::default(),

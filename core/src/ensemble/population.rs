@@ -27,8 +27,9 @@ const SPAN: f64 = 8.0;
 /// stretches shrink; a contact breaks at −x_s too, and what breaks backward re-forms at −r, r ~ R. Contacts break
 /// together where they do so at exactly the same position; positions that differ by rounding are different ones.
 ///
-/// A break takes the time of a few accesses to memory, and hardly more for more contacts; turning round, looking
-/// back and [`Population::reset`] pass over all of them. A contact takes 32 bytes, 80 while contacts are sorted.
+/// A break takes the time of a few accesses to memory, and hardly more for more contacts, and so does a way back on
+/// which nothing breaks. Breaking on a way back and [`Population::reset`] pass over all of them. A contact takes 32
+/// bytes, 80 while contacts are sorted.
 ///
 /// Limits: positions are double precision numbers, so that at X stretches are right to 1e-16 X; the sums over
 /// contacts are right to 1e-12 after any number of breaks. Random numbers of a contact repeat after some 10⁹ lives.
@@ -36,10 +37,14 @@ const SPAN: f64 = 8.0;
 pub struct EnsemblePopulation {
     lives: Lives,
     size: usize,
-    /// Where the last move went. Everything below is seen in that direction, in which positions rise.
+    /// Where contacts last broke. Everything below is seen in that direction, in which positions rise.
     facing: Direction,
+    /// Where the last move went.
+    moved: Direction,
     position: f64,
     queue: Queue,
+    /// No contact breaks on the way back to here.
+    back: f64,
     /// Contacts that carry nothing.
     free: Vec<Contact>,
     held: bool,
@@ -67,8 +72,10 @@ impl Ensemble {
             lives: Lives::in_any_order(self),
             size: self.size,
             facing: Direction::Forward,
+            moved: Direction::Forward,
             position: 0.0,
             queue: Queue::default(),
+            back: f64::NEG_INFINITY,
             free: Vec::new(),
             held: false,
             sums: Sums::new(self.contacts.stiffness),
@@ -116,6 +123,12 @@ impl EnsemblePopulation {
     fn place(&mut self, contacts: Vec<Contact>) {
         self.sums.renew(self.position, contacts.iter());
         self.queue = Queue::of(contacts);
+        self.look_back();
+    }
+
+    /// Finds where the next break is on the way back.
+    fn look_back(&mut self) {
+        self.back = self.queue.iter().map(Contact::back).fold(f64::NEG_INFINITY, f64::max);
     }
 
     /// Looks the other way: the mirror image of all there is.
@@ -127,17 +140,12 @@ impl EnsemblePopulation {
         self.place(contacts);
     }
 
-    /// Where the next break is in `direction`, seen in that direction, and the position.
+    /// Where the next break is ahead.
     ///
     /// A contact that re-formed within rounding of its threshold breaks one number further on.
-    fn end(&mut self, direction: Direction) -> (f64, f64) {
-        let (position, end) = if direction == self.facing {
-            (self.position, self.queue.first().map(Contact::end))
-        } else {
-            let ends = self.queue.iter().map(|contact| contact.threshold - contact.origin);
-            (-self.position, ends.reduce(f64::min))
-        };
-        (position, end.map_or(f64::INFINITY, |end| end.max(position.next_up())))
+    fn end(&mut self) -> f64 {
+        let end = self.queue.first().map(Contact::end);
+        end.map_or(f64::INFINITY, |end| end.max(self.position.next_up()))
     }
 
     /// A break, which leaves the contact free.
@@ -163,6 +171,7 @@ impl EnsemblePopulation {
         for contact in self.free.drain(..) {
             self.lost.add(-self.sums.energy(&contact, position));
             self.sums.add(&contact);
+            self.back = self.back.max(contact.back());
             self.queue.push(contact);
         }
         self.free.shrink_to(CHUNK);
@@ -175,8 +184,17 @@ impl Population for EnsemblePopulation {
     }
 
     fn way(&mut self, direction: Direction) -> Result<Way> {
-        let (position, end) = self.end(direction);
-        Ok(Way { length: end - position, straight: true, breaks: end < f64::INFINITY })
+        if direction != self.facing {
+            if self.position <= self.back {
+                self.look_back();
+            }
+            if self.position > self.back {
+                return Ok(Way { length: self.position - self.back, straight: true, breaks: false });
+            }
+            self.turn();
+        }
+        let end = self.end();
+        Ok(Way { length: end - self.position, straight: true, breaks: end < f64::INFINITY })
     }
 
     fn ahead(&self, by: f64) -> Response {
@@ -186,11 +204,16 @@ impl Population for EnsemblePopulation {
     }
 
     fn advance(&mut self, by: f64) -> Result<()> {
-        if by * self.facing.sign() < 0.0 {
-            self.turn();
+        if by != 0.0 {
+            self.moved = if by > 0.0 { Direction::Forward } else { Direction::Backward };
         }
-        let (position, end) = self.end(self.facing);
-        self.position = if by.abs() < end - position { position + by.abs() } else { end };
+        let by = by * self.facing.sign();
+        self.position = if by < 0.0 {
+            (self.position + by).max(self.back)
+        } else {
+            let end = self.end();
+            if by < end - self.position { self.position + by } else { end }
+        };
         if (self.position - self.sums.base).abs() > self.span {
             self.sums.renew(self.position, self.queue.iter());
         }
@@ -217,6 +240,7 @@ impl Population for EnsemblePopulation {
         contacts.iter().for_each(|contact| self.part(contact));
         contacts.append(&mut self.free);
         self.free = contacts;
+        (self.back, self.moved) = (f64::NEG_INFINITY, direction);
         self.release()
     }
 
@@ -226,6 +250,9 @@ impl Population for EnsemblePopulation {
 
     fn release(&mut self) -> Result<()> {
         self.held = false;
+        if self.moved != self.facing && !self.free.is_empty() {
+            self.turn();
+        }
         self.join();
         Ok(())
     }

@@ -27,6 +27,12 @@ impl Contact {
     pub(super) fn end(&self) -> f64 {
         self.origin + self.threshold
     }
+
+    /// Where it breaks on the way back.
+    #[inline]
+    pub(super) fn back(&self) -> f64 {
+        self.origin - self.threshold
+    }
 }
 
 /// The greater breaks first, at the same position that of the smaller index.
