@@ -287,7 +287,10 @@ fn pictures_are_those_that_the_program_draws() {
         for name in names {
             let kept = document(&format!("docs/figures/{short}-{name}.svg"));
             let drawn = std::fs::read_to_string(folder.path().join(format!("{short}/{name}.svg"))).unwrap();
-            assert!(looks_like(&kept, &drawn), "docs/figures/{short}-{name}.svg is out of date: make figures");
+            assert!(
+                looks_like(&kept, &drawn),
+                "docs/figures/{short}-{name}.svg is out of date: make figures"
+            );
         }
     }
 }

@@ -1,19 +1,17 @@
-//! The block over the master equation: what the closed forms cannot tell, and both together.
+//! The block over the master equation: with its accuracy, and where the closed forms cannot follow.
 
 mod common;
 
-use asperity::block::{Slip, StickSlip, critical_stiffness};
+use asperity::block::{Regime, Slip, StickSlip, critical_stiffness};
+use asperity::master::Stock;
 use common::pulled::{UNDAMPED, near, pull};
 use common::{gaussian, master, point};
 
-/// Relaxed contacts with Gaussian thresholds, forces to `TOLERANCE`.
-fn over(std: f64, stiffness: f64, slip: Slip, turning_points: &[f64]) -> StickSlip {
+/// Relaxed contacts with Gaussian thresholds.
+fn relaxed(std: f64, tolerance: f64) -> Stock {
     let relaxed = point(0.0);
-    let mut population = master(&gaussian(1.0, std), &relaxed, &relaxed).population(TOLERANCE).unwrap();
-    pull(&mut population, stiffness, slip, turning_points)
+    master(&gaussian(1.0, std), &relaxed, &relaxed).population(tolerance).unwrap()
 }
-
-const TOLERANCE: f64 = 1e-11;
 
 /// σ, K, X_1, F_1, X_2 overdamped and inertial.
 const FIRST_SLIPS: [[f64; 6]; 2] = [
@@ -23,39 +21,79 @@ const FIRST_SLIPS: [[f64; 6]; 2] = [
 
 #[test]
 fn first_slips_are_those_of_the_table() {
+    // Ten times the tolerance of the forces: the slope there is of order 1, F'' some 1/σ².
+    let accuracy = 1e-10;
     for [std, stiffness, x1, f1, overdamped, inertial] in FIRST_SLIPS {
-        let [reset, slow, swung] =
-            [Slip::Reset, Slip::Overdamped, UNDAMPED].map(|slip| over(std, stiffness, slip, &[4.0]));
-        for first in [&reset, &slow, &swung].map(|run| run.events[0]) {
-            // Where F'' is some 1/σ², an error of F' moves X_1 by less than itself.
-            near(first.before.position, x1, 1e-9);
-            near(first.before.force, f1, 1e-10);
+        let first = |slip| pull(&mut relaxed(std, 1e-11), stiffness, slip, &[2.0]).events[0];
+        let [reset, slow, swung] = [Slip::Reset, Slip::Overdamped, UNDAMPED].map(first);
+        for event in [reset, slow, swung] {
+            near(event.before.position, x1, accuracy);
+            near(event.before.force, f1, accuracy);
         }
-        near(slow.events[0].after.position, overdamped, 1e-9);
-        near(swung.events[0].position_turn, inertial, 1e-9);
-        println!("{:e}", swung.events[0].position_turn - inertial);
-        for run in [reset, slow, swung] {
-            for event in run.events {
-                println!("{:e} {:e}", event.energy.imbalance(), event.approach.imbalance());
-                near(event.energy.imbalance(), 0.0, 1e-9);
-                near(event.approach.imbalance(), 0.0, 1e-9);
-            }
-        }
+        near(reset.after.position, reset.before.drive, accuracy);
+        near(slow.after.position, overdamped, accuracy);
+        near(swung.position_turn, inertial, accuracy);
+    }
+    // Digits printed.
+    near(pull(&mut relaxed(0.1, 1e-11), 1.0, Slip::Overdamped, &[2.0]).events[0].energy.slip, 0.07085, 5e-6);
+}
+
+#[test]
+fn overdamped_slips_are_finitely_many() {
+    for (std, stiffness, expected) in [(0.05, 1.0, 15), (0.05, 0.5, 28), (0.1, 1.0, 3)] {
+        let run = pull(&mut relaxed(std, 1e-10), stiffness, Slip::Overdamped, &[60.0]);
+        assert!(matches!(run.regime, Regime::Transient { slips, .. } if slips == expected), "{}", run.regime);
     }
 }
 
 #[test]
-fn arrest_persists_below_a_second_stiffness() {
-    for std in [0.05, 0.1, 0.2] {
-        let relaxed = point(0.0);
-        let population = master(&gaussian(1.0, std), &relaxed, &relaxed).population(1e-8).unwrap();
+fn arrested_stick_slip_persists_below_a_second_critical_stiffness() {
+    // Drops of 40 slips, within a bracket of K_p/K_c.
+    for (std, below, above) in [(0.05, 0.2, 0.3), (0.1, 0.3, 0.4), (0.2, 0.5, 0.55)] {
+        let population = relaxed(std, 1e-10);
         let critical = critical_stiffness(&population, 5.0, &mut ()).unwrap();
-        for part in [0.2, 0.3, 0.4, 0.5, 0.55] {
-            let start = std::time::Instant::now();
-            let mut population = population.clone();
-            let run = pull(&mut population, part * critical, Slip::Arrest, &[40.0]);
-            let drops: Vec<_> = run.events.iter().map(|e| (1e4 * e.drop()).round() / 1e4).collect();
-            println!("{std} {part} {:?} {} {:?}", start.elapsed(), run.regime, drops);
-        }
+        let arrested = |part: f64| pull(&mut population.clone(), part * critical, Slip::Arrest, &[100.0]);
+        let (soft, stiff) = (arrested(below), arrested(above));
+        let last = &soft.events[39..];
+        assert!(
+            last.iter().all(|event| (event.drop() / last[0].drop() - 1.0).abs() < 1e-6 && event.drop() > 0.1)
+        );
+        assert!(matches!(soft.regime, Regime::Persistent { .. }), "{}", soft.regime);
+        assert!(matches!(stiff.regime, Regime::Transient { slips, .. } if slips < 40), "{}", stiff.regime);
     }
+}
+
+#[test]
+fn energies_balance_forth_and_back() {
+    let damped = Slip::Inertial { mass: 1.0, damping: 0.3 };
+    for (slip, accuracy) in [
+        (Slip::Reset, 1e-9),
+        (Slip::Overdamped, 1e-9),
+        (Slip::Arrest, 1e-9),
+        (UNDAMPED, 1e-7),
+        (damped, 1e-7),
+    ] {
+        let run = pull(&mut relaxed(0.1, 1e-10), 1.0, slip, &[2.0, -4.0, 4.0]);
+        let signs: Vec<f64> = run.events.iter().map(|event| event.slip().signum()).collect();
+        assert!(signs.contains(&1.0) && signs.contains(&-1.0), "{slip:?}");
+        for event in &run.events {
+            near(event.energy.imbalance(), 0.0, accuracy);
+            near(event.approach.imbalance(), 0.0, accuracy);
+        }
+        near(run.energy.imbalance(), 0.0, accuracy);
+    }
+}
+
+#[test]
+fn a_hysteresis_loop_closes_and_loses_its_area() {
+    // Stiffer than K_c, so that there is no slip; loops of this size settle as the contacts lose step.
+    let run: StickSlip =
+        pull(&mut relaxed(0.1, 1e-10), 4.0, Slip::Overdamped, &[20.0, 10.0, 20.0, 10.0, 20.0, 10.0]);
+    assert!(run.events.is_empty());
+    let turns: Vec<_> = run.trace.iter().filter(|p| p.drive == 10.0).map(|p| p.force).collect();
+    let last = turns[turns.len() - 2..].to_vec();
+    assert!(last.iter().all(|force| *force < -0.4), "{turns:?}");
+    near(last[0], last[1], 1e-2);
+    near(run.energy.imbalance(), 0.0, 1e-9);
+    near(run.energy.slip, 0.0, 0.0);
 }

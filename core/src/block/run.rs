@@ -95,6 +95,7 @@ pub(super) fn pull(
     for leg in &legs {
         first = walk.events.len();
         if let Some(point) = walk.leg(leg.direction, &leg.asked)? {
+            walk.trace.push(point);
             end = End::Runaway(point);
             break;
         }
@@ -153,7 +154,7 @@ fn turns(start: f64, turning_points: &[f64]) -> Result<()> {
         return wrong(first.to_string());
     }
     let all: Vec<f64> = std::iter::once(start).chain(turning_points.iter().copied()).collect();
-    match all.windows(3).find(|x| !((x[1] - x[0]) * (x[2] - x[1]) < 0.0)) {
+    match all.windows(3).find(|x| (x[1] - x[0]) * (x[2] - x[1]) >= 0.0) {
         Some(x) => wrong(format!("{} after {} and {}", x[2], x[0], x[1])),
         None => Ok(()),
     }

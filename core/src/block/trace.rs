@@ -19,12 +19,12 @@ pub struct Point {
 const MOST: usize = 4096;
 
 /// A share of the way below which a motion has not begun for the eye: it leaves an instability infinitely slowly.
-const BEGUN: f64 = 1e-3;
+const BEGUN: f64 = 1e-2;
 
 /// The time course of an inertial slip.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Course {
-    /// Time since the slider had moved by a thousandth of the way to its arrest.
+    /// Time since the slider had moved by a hundredth of the way to its arrest.
     pub time: Vec<f64>,
     /// X.
     pub position: Vec<f64>,
@@ -53,7 +53,7 @@ impl Course {
             return;
         }
         if self.time.len() == MOST {
-            self.columns().into_iter().for_each(|column| every_other(column));
+            self.columns().into_iter().for_each(every_other);
             self.stride *= 2;
         }
         self.push(time, velocity, point);
