@@ -48,28 +48,30 @@ results: $(venv)/ready
 	done; \
 	$(venv)/bin/python runner/tests/open_with_xarray.py "$$folder"/*
 
-# The Python package as users get it: a wheel where NumPy is the newest, the source distribution where it is the oldest.
+# The Python package as users get it, where NumPy is the newest and where it is the oldest.
 python: $(venv)/installed $(venv)-oldest/installed
 	$(venv)/bin/python -P -m pytest
-	$(venv)-oldest/bin/python -P -m pytest
+	$(venv)-oldest/bin/python -P -m pytest -k "not command"
 	$(venv)/bin/mypy python
 	$(venv)/bin/python -P -m mypy.stubtest asperity --allowlist python/tests/stubtest.txt
 	$(venv)/bin/ruff format --check python docs
 	$(venv)/bin/ruff check python docs
 
+# A wheel, from the source distribution. It has a target folder of its own: Cargo takes the crates of another copy
+# of the workspace for the same ones.
+package := target/package
 sources := $(shell git ls-files 'core/src' 'runner/src' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml)
 
-$(venv)/installed: $(venv)/ready $(sources)
-	rm -rf target/wheels
-	$(venv)/bin/maturin build --release --locked --quiet --out target/wheels
-	$(venv)/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
+$(package)/wheel: $(venv)/ready $(sources)
+	rm -rf $(package)/source $(package)/*.tar.gz target/wheels
+	mkdir -p $(package)/source
+	$(venv)/bin/maturin sdist --out $(package)
+	tar --extract --touch --file $(package)/asperity-*.tar.gz --directory $(package)/source --strip-components 1
+	CARGO_TARGET_DIR=$(CURDIR)/$(package)/build $(venv)/bin/pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir target/wheels $(package)/source
 	touch $@
 
-$(venv)-oldest/installed: $(venv)-oldest/ready $(venv)/ready $(sources)
-	rm -rf target/sdist
-	$(venv)/bin/maturin sdist --out target/sdist
-	tar --extract --touch --file target/sdist/*.tar.gz --directory target/sdist
-	CARGO_TARGET_DIR=$(CURDIR)/target $(venv)-oldest/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/sdist/*/
+$(addsuffix /installed,$(venv) $(venv)-oldest $(venv)-docs $(venv)-peers): %/installed: %/ready $(package)/wheel
+	$*/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
 	touch $@
 
 # The documentation that Python shows, copied into the stubs. A test compares them.
@@ -96,10 +98,6 @@ docs: $(venv)-docs/installed
 	cp -r $(target)/doc $(site)/rust
 	$(venv)-docs/bin/python -P -m pytest -q -p no:cacheprovider docs
 
-$(venv)-docs/installed: $(venv)-docs/ready $(venv)/installed
-	$(venv)-docs/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
-	touch $@
-
 $(venv)-docs/ready: docs/requirements.txt
 	$(environment)
 
@@ -123,10 +121,6 @@ bench: $(venv)/installed
 peers: $(venv)-peers/installed
 	PEERS_PYTHON=$(CURDIR)/$(venv)-peers/bin/python cargo bench --locked --package asperity --bench peers > target/peers.md
 	mv target/peers.md docs/validation/peers.md
-
-$(venv)-peers/installed: $(venv)-peers/ready $(venv)/installed
-	$(venv)-peers/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
-	touch $@
 
 $(venv)-peers/ready: core/benches/peers/requirements.txt
 	$(environment)

@@ -10,8 +10,8 @@ use asperity::exact::{
     ClosedForm, Erlang, Gaussian, Identical, Quenched, Rectangular, kinetic_friction,
     kinetic_friction_per_threshold, steady_variance, steady_variance_per_threshold,
 };
-use asperity::law;
 use asperity::numerics::roots::brent_root;
+use asperity::{Error, law};
 
 #[track_caller]
 fn close(value: f64, expected: f64, tolerance: f64) {
@@ -297,4 +297,30 @@ fn steady_sliding_from_moments() {
     close(steady_variance_per_threshold(&identical), 1.0 / 12.0, 1e-16);
     // Exponential: ⟨ξ⁵⟩/(3⟨ξ⟩) − (⟨ξ³⟩/2⟨ξ⟩)² = 40 − 9.
     close(steady_variance_per_threshold(&law::Exponential::new(1.0).unwrap()), 31.0, 1e-13);
+}
+
+#[test]
+fn forms_of_no_law_are_refused() {
+    let refused = |form: &dyn ClosedForm| match form.check() {
+        Err(Error::Invalid { key, .. }) => key,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(refused(&Gaussian::new(0.0, 0.1)), "mean");
+    assert_eq!(refused(&Gaussian::new(1.0, f64::NAN)), "std");
+    assert_eq!(refused(&Gaussian::new(1.0, 0.1).starting_from(-0.1, 0.1)), "initial_mean");
+    assert_eq!(refused(&Rectangular { min: 1.0, max: 1.0 }), "max");
+    assert_eq!(refused(&Erlang { shape: 0, rate: 1.0 }), "shape");
+    assert_eq!(refused(&Identical { threshold: f64::INFINITY }), "threshold");
+    let forms: [&dyn ClosedForm; 4] = [
+        &Gaussian::new(1.0, 0.1),
+        &Rectangular { min: 0.0, max: 1.0 },
+        &Erlang { shape: 1, rate: 1.0 },
+        &Identical { threshold: 1.0 },
+    ];
+    for form in forms {
+        form.check().unwrap();
+        // Within reach the force is that of steady sliding, or still swings about it.
+        let far = form.force(form.reach().min(1e5));
+        assert!((0.0..=2.0 * form.kinetic_friction()).contains(&far), "{far}");
+    }
 }

@@ -136,6 +136,22 @@ fn moments_are_integrals() {
 }
 
 #[test]
+fn the_cumulative_probability_is_the_integral_from_below() {
+    for law in family() {
+        let law = law.as_ref();
+        let low = law.quantile(0.0);
+        let lowest: f64 = law.atoms().iter().filter(|a| a.position == low).map(|a| a.weight).sum();
+        for x in places(law).into_iter().filter(|&x| x > low) {
+            let mass = lowest + integral(law, 200, low, x, |_| 1.0);
+            // As above, relative to what is below.
+            let ulps = 4e-16 * x * law.density(x);
+            assert_close("cumulative", law, law.cumulative(x), mass, 2e-13 * mass + ulps);
+        }
+        assert_eq!(law.cumulative(-1e-9), 0.0);
+    }
+}
+
+#[test]
 fn hazard_and_logarithm_belong_to_density_and_survival() {
     for law in family() {
         for x in places(law.as_ref()) {

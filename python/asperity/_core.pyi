@@ -387,12 +387,12 @@ class Record(Mapping[str, _Array]):
 
     @property
     def position(self) -> _Array:
-        """Positions X of the slider's bottom: an array of shape (points,), a length."""
+        """Positions X of the slider's bottom: an array of shape (n,), a length."""
 
     @property
     def force(self) -> _Array:
-        """The friction force F at the positions, shape (points,): that of all N_c contacts; where contacts break together,
-        after the break.
+        """The friction force F at the positions, shape (n,): that of all N_c contacts; where contacts break together, after
+        the break.
         """
 
     @property
@@ -403,7 +403,8 @@ class Record(Mapping[str, _Array]):
         """An xarray.Dataset with named dimensions, long names and units. It needs xarray."""
 
     def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
-        """Draws F(X) and returns the axes. It needs matplotlib.
+        """Draws the force along the pull or the drive, the kinetic friction, and on a pull the static one, where they are
+        known. Returns the axes. It needs matplotlib.
 
         ax: axes to draw on; new ones if None. Other arguments go to its plot().
         """

@@ -9,17 +9,18 @@ if TYPE_CHECKING:
 
 
 def force(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
-    """Draws F(X), its maximum as a dot and the kinetic friction as a dashed line, where they are known."""
+    """Draws the force along the pull or the drive, with the kinetic friction and on a pull the static one."""
     if ax is None:
         ax = new_axes()
-    (line,) = ax.plot(record.position, record.force, **style)
+    name, along = ("drive", "X_T") if "drive" in record else ("position", "X")
+    (line,) = ax.plot(record[name], record.force, **style)
     peak = getattr(record, "static_friction", None)
-    if peak is not None:
+    if peak is not None and name == "position":
         ax.plot(peak.position, peak.force, "o", color=line.get_color())
     steady = getattr(record, "kinetic_friction", None)
     if steady is not None:
         ax.axhline(steady, linestyle="--", linewidth=0.8, color=line.get_color())
-    ax.set_xlabel(axis("X", record.labels["position"].units))
+    ax.set_xlabel(axis(along, record.labels[name].units))
     ax.set_ylabel(axis("F", record.labels["force"].units))
     return ax
 

@@ -115,14 +115,14 @@ impl Record {
         self.__getitem__(py, key).ok().or(default)
     }
 
-    /// Positions X of the slider's bottom: an array of shape (points,), a length.
+    /// Positions X of the slider's bottom: an array of shape (n,), a length.
     #[getter]
     fn position<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.__getitem__(py, "position")
     }
 
-    /// The friction force F at the positions, shape (points,): that of all N_c contacts; where contacts break together,
-    /// after the break.
+    /// The friction force F at the positions, shape (n,): that of all N_c contacts; where contacts break together, after
+    /// the break.
     #[getter]
     fn force<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.__getitem__(py, "force")
@@ -133,7 +133,8 @@ impl Record {
         slf.py().import("asperity._xarray")?.call_method1("dataset", (slf,))
     }
 
-    /// Draws F(X) and returns the axes. It needs matplotlib.
+    /// Draws the force along the pull or the drive, the kinetic friction, and on a pull the static one, where they are
+    /// known. Returns the axes. It needs matplotlib.
     ///
     /// ax: axes to draw on; new ones if None. Other arguments go to its plot().
     #[pyo3(signature = (ax = None, **style))]
