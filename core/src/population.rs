@@ -85,7 +85,7 @@ pub trait Population: Send {
     /// Those of [`Population::way`].
     fn advance(&mut self, by: f64) -> Result<()>;
 
-    /// Breaks every contact; all re-form as after a break in `direction`. The position stays.
+    /// Breaks every contact; all re-form as after a break in `direction`. The position stays; a hold ends.
     ///
     /// # Errors
     /// Those of [`Population::way`].
