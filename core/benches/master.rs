@@ -1,4 +1,4 @@
-//! Cost of the master equation in CPU time: Fig. 2 of the paper, and laws that are harder.
+//! Cost of the master equation in CPU time: Fig. 2 of the paper, laws that are harder, contacts moved forth and back.
 
 #![allow(missing_docs)]
 
@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial, Start, Stiffness};
 use asperity::law::{Gaussian, Lognormal, Point, Rectangular, SharedLaw};
-use asperity::master::MasterEquation;
+use asperity::master::{MasterEquation, Stock};
+use asperity::population::{Direction, Population};
 use cpu_time::ThreadTime;
 use criterion::{Bencher, Criterion, criterion_group, criterion_main};
 
@@ -76,5 +77,52 @@ fn pulls(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, pulls);
+/// The contacts under a block: turned back so far that they break again, and a thousand cycles that end with a reset.
+fn ways(criterion: &mut Criterion) {
+    let relaxed: SharedLaw = Arc::new(Point::new(0.0).unwrap());
+    let cases = [
+        ("Gaussian", gaussian(1.0, 0.1), relaxed.clone()),
+        ("broad reforming, below thresholds", gaussian(1.0, 0.1), rectangular(0.0, 0.2)),
+        ("rectangular 0.75 to 1.25", rectangular(0.75, 1.25), relaxed.clone()),
+    ];
+    let mut group = criterion.benchmark_group("contacts moved");
+    group.sample_size(20);
+    for (name, thresholds, reforming) in cases {
+        let case = Case { thresholds, reforming, initial: relaxed.clone() };
+        let mut turned = case.equation().population(1e-10).unwrap();
+        advance(&mut turned, 1.4);
+        group.bench_function(format!("{name}, back by 1.5"), |bencher| {
+            cpu(bencher, || {
+                let mut stock = turned.clone();
+                advance(&mut stock, -1.5);
+                stock
+            });
+        });
+        let fresh = case.equation().population(1e-10).unwrap();
+        group.bench_function(format!("{name}, 1000 resets"), |bencher| {
+            cpu(bencher, || {
+                let mut stock = fresh.clone();
+                for _ in 0..1000 {
+                    advance(&mut stock, 0.89);
+                    black_box(stock.books());
+                    stock.reset(Direction::Forward).unwrap();
+                }
+                stock
+            });
+        });
+    }
+    group.finish();
+}
+
+fn advance(stock: &mut Stock, mut by: f64) {
+    let direction = if by > 0.0 { Direction::Forward } else { Direction::Backward };
+    while by != 0.0 {
+        let length = stock.way(direction).unwrap().length;
+        let step = direction.sign() * length.min(by.abs());
+        stock.advance(step).unwrap();
+        by -= step;
+    }
+}
+
+criterion_group!(benches, pulls, ways);
 criterion_main!(benches);

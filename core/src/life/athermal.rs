@@ -2,10 +2,10 @@
 
 use super::Life;
 use super::breaking::{Breaking, MOMENTS};
-use super::cells::{NEGLIGIBLE, RESOLUTION};
+use super::cells::{NEGLIGIBLE, ORDERS, RESOLUTION, edges, scale};
 use super::layer::Layer;
 use crate::contacts::{Contacts, Stiffness};
-use crate::law::{Atom, Break, SharedLaw};
+use crate::law::{Atom, Break, SharedLaw, Zone};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
@@ -32,12 +32,16 @@ pub(super) fn of_layers(contacts: &Contacts, layers: Vec<Layer>, broken: Option<
     let law = contacts.thresholds.as_ref();
     let breaking: Vec<_> = layers.iter().map(|layer| Breaking::new(law, layer)).collect();
     let mut breaks: Vec<Break> = breaking.iter().flat_map(Breaking::breaks).collect();
-    breaks.extend(broken.map(Break::from));
-    breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
+    let onsets: Vec<f64> = breaking.iter().map(Breaking::onset).collect();
     let end = breaking.iter().map(Breaking::end).fold(0.0, f64::max);
-    let stops = breaks.iter().map(|b| b.position);
-    let edges: Vec<f64> = breaking.iter().flat_map(|b| b.edges(end)).chain(stops).collect();
+    let stops = breaks.iter().map(|b| b.position).chain(onsets.iter().copied());
+    let stops: Vec<f64> = stops.chain(breaking.iter().flat_map(Breaking::seams)).collect();
+    let edges = edges(&zones(&breaking), &stops, end);
     let moments = Piecewise::resolve_all(|u| sum(&breaking, u), &edges, end, RESOLUTION);
+    breaks.extend(broken.map(Break::from));
+    let wide = 0.25 * scale(law);
+    onsets.into_iter().for_each(|onset| begin(&mut breaks, &moments[0], onset, wide));
+    breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
     let carried = Carried::new(&breaking, &moments, end);
     let smoother: Vec<_> = breaks.iter().map(|&b| Break { exponent: b.exponent + 1.0, ..b }).collect();
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
@@ -58,6 +62,39 @@ pub(super) fn of_layers(contacts: &Contacts, layers: Vec<Layer>, broken: Option<
         thresholds: contacts.thresholds.clone(),
         layers,
     }
+}
+
+/// Tells breaks at an onset by how the curve and its derivatives jump there, unless a power that is not whole does; by the
+/// value alone where a cell is not `wide`, since derivatives are lost there.
+fn begin(breaks: &mut Vec<Break>, curve: &Piecewise, onset: f64, wide: f64) {
+    let there = |b: &Break| b.position == onset && !b.is_atom();
+    let Some(cell) = curve.find(onset).filter(|_| !breaks.iter().any(|b| there(b) && b.is_steep())) else {
+        return;
+    };
+    breaks.retain(|b| !there(b));
+    let after: [f64; ORDERS] = curve.jet_in(cell, onset);
+    let before = cell.checked_sub(1).map_or([0.0; ORDERS], |left| curve.jet_in(left, onset));
+    let narrow =
+        [Some(cell), cell.checked_sub(1)].into_iter().flatten().any(|k| 2.0 * curve.cell(k).1 < wide);
+    let jumps = (0..if narrow { 1 } else { ORDERS }).map(|order| Break {
+        position: onset,
+        exponent: order as f64,
+        amplitude: after[order] - before[order],
+    });
+    breaks.extend(jumps.filter(|b| b.amplitude != 0.0));
+}
+
+/// Where contacts of all layers break: one zone for each of P_c.
+fn zones(breaking: &[Breaking<'_>]) -> Vec<Zone> {
+    let wider = |a: Zone, b: Zone| Zone {
+        low: a.low.min(b.low),
+        high: a.high.max(b.high),
+        resolution: a.resolution.min(b.resolution),
+    };
+    let all: Vec<Vec<Zone>> =
+        breaking.iter().map(Breaking::zones).filter(|zones| !zones.is_empty()).collect();
+    let count = all.first().map_or(0, Vec::len);
+    (0..count).filter_map(|k| all.iter().map(|zones| zones[k]).reduce(wider)).collect()
 }
 
 fn sum(breaking: &[Breaking<'_>], u: f64) -> [f64; MOMENTS] {

@@ -2,6 +2,7 @@
 
 use super::cells::{CELL, RESOLUTION};
 use super::layer::Layer;
+use super::panels::{Domain, Panels};
 use crate::law::{Atom, Break};
 use crate::numerics::piecewise::Piecewise;
 
@@ -25,7 +26,7 @@ impl Births {
             density = density.added(&moved, RESOLUTION);
         }
         let breaks = self.breaks(starts);
-        if !starts.density.coefficients.is_empty() {
+        if !starts.is_pointed() {
             density = density.added(&self.spread(starts, &breaks), RESOLUTION);
         }
         let pairs = self.atoms.iter().flat_map(|birth| {
@@ -53,15 +54,23 @@ impl Births {
     /// What starts spread over a density form.
     fn spread(&self, starts: &Layer, breaks: &[Break]) -> Piecewise {
         let latest = self.atoms.iter().map(|a| a.position).fold(self.rate.end(), f64::max);
-        let end = starts.density.end() + latest;
-        let mut edges: Vec<f64> = breaks.iter().map(|b| b.position).collect();
+        let (low, high) = (starts.density.start(), starts.density.end());
         let width = CELL * starts.resolution;
-        edges.extend((1..(end / width) as usize).map(|k| k as f64 * width));
+        let even = (1..((high + latest) / width) as usize).map(|k| k as f64 * width);
+        let edges: Vec<f64> = breaks.iter().map(|b| b.position).chain(even).collect();
+        let rate = Panels::new(&self.rate, 2.0 * width);
         let born = |x: f64| {
-            let together: f64 = self.atoms.iter().map(|a| a.weight * starts.density_at(x - a.position)).sum();
-            let cuts: Vec<f64> = self.rate.boundaries.iter().map(|age| x - age).collect();
-            together + starts.spread_below(x, |r| self.rate.value(x - r), &cuts)
+            let place = |b: &Break| x - b.position;
+            let domain = Domain {
+                low: x - high,
+                high: x - low,
+                cuts: starts.breaks.iter().map(place).collect(),
+                steep: starts.breaks.iter().filter(|b| b.is_steep()).map(place).collect(),
+            };
+            let mut sum = self.atoms.iter().map(|a| a.weight * starts.density_at(x - a.position)).sum();
+            rate.each(domain, |age, weight| sum += weight * starts.density_at(x - age));
+            sum
         };
-        Piecewise::resolve(born, &edges, end, RESOLUTION)
+        Piecewise::resolve(born, &edges, high + latest, RESOLUTION)
     }
 }

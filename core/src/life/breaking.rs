@@ -1,6 +1,6 @@
 //! How the contacts of a layer break as the slider goes on: integrals over ν.
 
-use super::cells::{CELL, NEGLIGIBLE, edges, scale, top, with_atoms};
+use super::cells::{CELL, NEGLIGIBLE, scale, top, with_atoms};
 use super::layer::Layer;
 use super::panels::{Domain, Panels};
 use crate::law::{Atom, Break, Law, Zone};
@@ -29,7 +29,7 @@ impl<'a> Breaking<'a> {
             layer,
             hazards: with_atoms(thresholds),
             window: (thresholds.quantile(NEGLIGIBLE), last_threshold(thresholds, layer)),
-            panels: Panels::new(&layer.density, &layer.breaks, CELL * scale(thresholds)),
+            panels: Panels::new(&layer.density, 2.0 * CELL * scale(thresholds)),
             struck: Vec::new(),
         };
         breaking.struck = breaking.struck();
@@ -56,8 +56,13 @@ impl<'a> Breaking<'a> {
         walls.map(|b| b.position).find(|wall| (wall - y).abs() <= close).unwrap_or(y)
     }
 
-    /// Breaks and atoms of the breaking density, as functions of the advance: where one of P_c meets one of ν, where the
-    /// last of those that have been further on the other side begin to break, and where the first do.
+    /// The advance at which the first contacts break.
+    pub(super) fn onset(&self) -> f64 {
+        self.layer.ahead
+    }
+
+    /// Breaks and atoms of the breaking density past its onset, as functions of the advance: where one of P_c meets one of
+    /// ν, and where one of either is passed by those who have been further on the other side.
     pub(super) fn breaks(&self) -> Vec<Break> {
         let Layer { ahead, behind, .. } = *self.layer;
         let atoms = self.layer.atoms.iter().map(|&a| Break::from(a));
@@ -66,30 +71,26 @@ impl<'a> Breaking<'a> {
             self.struck.iter().map(|(u, met)| Atom { position: *u, weight: met.weight }.into()).collect();
         for hazard in &self.hazards {
             for start in &starts {
-                let position = hazard.position - start.position;
-                let within = position >= ahead && hazard.position + start.position >= behind;
-                if within && !(hazard.is_atom() && start.is_atom()) {
-                    out.push(Break { position, ..hazard.convolve(*start) });
+                let met = hazard.convolve(start.mirrored());
+                let beyond = met.position >= ahead && hazard.position + start.position >= behind;
+                if beyond && !(hazard.is_atom() && start.is_atom()) {
+                    out.push(met);
                 }
             }
         }
-        let law = self.thresholds;
-        let later = |b: &Break, position: f64, factor: f64| {
+        // The bound of the integral passes them at half the pace of the slider.
+        let passed = |b: &Break, position: f64, factor: f64| {
             let amplitude = b.amplitude * factor * 0.5_f64.powf(b.exponent + 1.0);
             Break { position, exponent: b.exponent + 1.0, amplitude }
         };
         out.extend(starts.iter().map(|b| {
             let u = behind - 2.0 * b.position;
-            later(b, u, law.density(b.position + u))
+            passed(&b.mirrored(), u, self.thresholds.density(b.position + u))
         }));
         out.extend(self.hazards.iter().map(|b| {
             let u = 2.0 * b.position - behind;
-            later(b, u, self.layer.density.value(b.position - u))
+            passed(b, u, -self.layer.density.value(b.position - u))
         }));
-        let [first, ..] = self.moments(ahead);
-        if first > 0.0 && first.is_finite() && !out.iter().any(|b| b.position == ahead) {
-            out.push(Break { position: ahead, exponent: 0.0, amplitude: first });
-        }
         out.retain(|b| b.position >= ahead && b.amplitude != 0.0);
         out
     }
@@ -99,18 +100,22 @@ impl<'a> Breaking<'a> {
         self.layer.range().map_or(0.0, |(low, _)| self.window.1 - low)
     }
 
-    /// Cell boundaries of the life to begin with: as narrow as P_c asks for, or as the starts that blur it.
-    pub(super) fn edges(&self, end: f64) -> Vec<f64> {
-        let Some((low, high)) = self.layer.range() else { return Vec::new() };
+    /// Where contacts break, as advances: P_c as they see it, blurred by where they are.
+    pub(super) fn zones(&self) -> Vec<Zone> {
         let blur = if self.layer.atoms.is_empty() { self.layer.resolution } else { 0.0 };
-        let ahead =
-            |z: Zone| Zone { low: z.low - high, high: z.high - low, resolution: z.resolution.max(blur) };
-        let zones: Vec<Zone> = self.thresholds.zones().into_iter().map(ahead).collect();
-        let mut breaks: Vec<f64> = self.breaks().iter().map(|b| b.position).collect();
-        // Where thresholds are shared, ν is seen as it is.
+        let seen = |z: Zone, (low, high): (f64, f64)| Zone {
+            low: z.low - high,
+            high: z.high - low,
+            resolution: z.resolution.max(blur),
+        };
+        let zones = self.thresholds.zones().into_iter();
+        zones.filter_map(|zone| Some(seen(zone, self.layer.range()?))).collect()
+    }
+
+    /// Advances at which the cells of ν end for those who reach a threshold that many share.
+    pub(super) fn seams(&self) -> impl Iterator<Item = f64> {
         let walls = self.hazards.iter().filter(|b| b.is_atom()).map(|b| b.position);
-        breaks.extend(walls.flat_map(|wall| self.layer.density.boundaries.iter().map(move |r| wall - r)));
-        edges(&zones, &breaks, end)
+        walls.flat_map(|wall| self.layer.density.boundaries.iter().map(move |r| wall - r))
     }
 
     /// ∫ν(x) weight(x + u, y) dx with y the largest stretch, atoms included.
@@ -118,11 +123,15 @@ impl<'a> Breaking<'a> {
         let at = |x: f64| weight(x + u, self.snapped(self.layer.largest(x, u)));
         let together: f64 = self.layer.atoms.iter().map(|a| a.weight * at(a.position)).sum();
         let (forth, back) = (self.layer.ahead.max(u), self.layer.behind);
-        let walls = self.hazards.iter().flat_map(|b| [b.position - forth, back - b.position]);
-        let cuts = walls.chain([self.layer.lowest(u)]).collect();
-        let all = Domain { low: f64::NEG_INFINITY, high: f64::INFINITY, cuts, steep: Vec::new() };
+        let places = |b: &Break| [b.position - forth, back - b.position];
+        let everywhere = Domain {
+            low: f64::NEG_INFINITY,
+            high: f64::INFINITY,
+            cuts: self.hazards.iter().flat_map(places).chain([self.layer.lowest(u)]).collect(),
+            steep: self.hazards.iter().filter(|b| b.is_steep()).flat_map(places).collect(),
+        };
         let mut spread = 0.0;
-        self.panels.each(all, |x, w| spread += w * at(x));
+        self.panels.each(everywhere, |x, w| spread += w * at(x));
         together + spread
     }
 
@@ -153,21 +162,19 @@ impl<'a> Breaking<'a> {
         atoms.for_each(|a| add(a.position + u, a.weight * law.density(a.position + u)));
         let walls = self.hazards.iter().filter(|b| b.is_atom() && b.position - u >= lowest);
         walls.for_each(|b| add(b.position, b.amplitude * self.layer.density.value(b.position - u)));
+        if self.layer.is_pointed() {
+            return sums;
+        }
         let place = |b: &Break| b.position - u;
         let domain = Domain {
             low: lowest.max(self.window.0 - u),
             high: self.window.1 - u,
             cuts: self.hazards.iter().filter(|b| !b.is_atom()).map(place).collect(),
-            steep: self.hazards.iter().filter(|b| is_steep(b)).map(place).collect(),
+            steep: self.hazards.iter().filter(|b| b.is_steep()).map(place).collect(),
         };
         self.panels.each(domain, |x, w| add(x + u, w * law.density(x + u)));
         sums
     }
-}
-
-/// Whether Gauss points next to the break would miss it: a low power that is not whole.
-fn is_steep(b: &Break) -> bool {
-    b.exponent < 5.0 && b.exponent.fract() != 0.0
 }
 
 /// Where S and its second moment are negligible, also for what ν weighs.

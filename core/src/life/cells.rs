@@ -11,6 +11,9 @@ pub(super) const NEGLIGIBLE: f64 = 1e-18;
 /// Width of the cells to begin with, in units of a zone's resolution: a Gaussian is then left out to 1e-14.
 pub(super) const CELL: f64 = 1.4;
 
+/// Where a smooth curve begins or ends, breaks are told of this many derivatives, the value among them.
+pub(crate) const ORDERS: usize = 4;
+
 /// The top of a law's support where it has one, else where S falls to `left`.
 pub(super) fn top(law: &dyn Law, left: f64) -> f64 {
     let end = law.upper_quantile(0.0);

@@ -23,7 +23,7 @@ pub(crate) struct Layer {
     pub(super) density: Piecewise,
     /// … its atoms, …
     pub(super) atoms: Vec<Atom>,
-    /// … and where the density is not smooth; amplitudes up to their sign.
+    /// … and where the density is not smooth.
     pub(super) breaks: Vec<Break>,
     /// A length over which ν varies little between its breaks.
     pub(super) resolution: f64,
@@ -69,6 +69,11 @@ impl Layer {
         self.density.value(x).max(0.0)
     }
 
+    /// Whether ν is all atoms.
+    pub(super) fn is_pointed(&self) -> bool {
+        self.density.coefficients.is_empty()
+    }
+
     /// ∫ν(x) e^{−sx} dx.
     pub(super) fn transform(&self, s: Complex64) -> Complex64 {
         let atoms: Complex64 = self.atoms.iter().map(|a| a.weight * (-s * a.position).exp()).sum();
@@ -79,20 +84,15 @@ impl Layer {
     pub(super) fn sum_below(&self, x: f64, f: impl Fn(f64) -> f64, cuts: &[f64]) -> f64 {
         let atoms = self.atoms.iter().filter(|a| a.position <= x);
         let together: f64 = atoms.map(|a| a.weight * f(a.position)).sum();
-        together + self.spread_below(x, f, cuts)
-    }
-
-    /// The same without atoms.
-    pub(super) fn spread_below(&self, x: f64, f: impl Fn(f64) -> f64, cuts: &[f64]) -> f64 {
         let (low, high) = (self.density.start(), x.min(self.density.end()));
         if high <= low {
-            return 0.0;
+            return together;
         }
         let mut edges = [self.density.boundaries.as_slice(), cuts, &[low, high]].concat();
         edges.retain(|&r| r >= low && r <= high);
         edges.sort_by(f64::total_cmp);
         let integrand = |r: f64| self.density_at(r) * f(r);
-        edges.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum()
+        together + edges.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum::<f64>()
     }
 
     /// y(x), once the slider has gone on by `advance`; x is the stretch before.
@@ -144,7 +144,7 @@ impl Layer {
         Self {
             density: self.density.mirrored(),
             atoms: self.atoms.iter().rev().map(|a| Atom { position: -a.position, ..*a }).collect(),
-            breaks: self.breaks.iter().rev().map(|b| Break { position: -b.position, ..*b }).collect(),
+            breaks: self.breaks.iter().rev().map(|b| b.mirrored()).collect(),
             ahead: self.behind,
             behind: self.ahead,
             ..*self

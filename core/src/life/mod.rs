@@ -12,6 +12,7 @@ mod stock;
 
 pub use athermal::athermal;
 pub(crate) use births::Births;
+pub(crate) use cells::ORDERS;
 pub(crate) use layer::Layer;
 pub(crate) use stock::{life_of, tidied, unbroken};
 

@@ -1,7 +1,6 @@
 //! Gauss points of a density, between given bounds and cuts.
 
 use super::cells::NEGLIGIBLE;
-use crate::law::Break;
 use crate::numerics::legendre::RULE;
 use crate::numerics::piecewise::Piecewise;
 
@@ -28,22 +27,15 @@ pub(super) struct Domain {
 }
 
 impl<'a> Panels<'a> {
-    /// The cells as panels no wider than twice `fine`, taken two by two where no break lies between, since a rule exact
-    /// to degree 31 integrates what a series of degree 15 interpolates on half the width.
-    pub(super) fn new(density: &'a Piecewise, breaks: &[Break], fine: f64) -> Self {
-        let edges = &density.boundaries;
-        let width = |k: usize| edges[k + 1] - edges[k];
-        let even = |k: usize| k + 2 < edges.len() && (width(k + 1) / width(k) - 1.0).abs() < 1e-6;
-        let broken = |k: usize| breaks.iter().any(|b| (b.position - edges[k]).abs() < 1e-9 * width(k - 1));
-        let (mut panels, mut k) = (Vec::new(), 0);
-        while k < density.coefficients.len() {
-            let next = k + if even(k) && !broken(k + 1) { 2 } else { 1 };
-            let parts = ((edges[next] - edges[k]) / (2.0 * fine)).ceil().max(1.0);
-            let at = |part: usize| edges[k] + (edges[next] - edges[k]) * part as f64 / parts;
-            panels.extend((0..parts as usize).map(|part| Panel::new(density, at(part), at(part + 1))));
-            k = next;
-        }
-        Self { density, panels }
+    /// The cells, cut into panels no wider than `widest`.
+    pub(super) fn new(density: &'a Piecewise, widest: f64) -> Self {
+        let panels = density.boundaries.windows(2).flat_map(|cell| {
+            let parts = ((cell[1] - cell[0]) / widest).ceil().max(1.0);
+            let at = |part: usize| cell[0] + (cell[1] - cell[0]) * part as f64 / parts;
+            let ends = (0..parts as usize).map(move |part| (at(part), at(part + 1)));
+            ends.map(|(low, high)| Panel::new(density, low, high)).collect::<Vec<_>>()
+        });
+        Self { density, panels: panels.collect() }
     }
 
     /// Visits Gauss points in a domain, with their weights × density.
@@ -59,23 +51,23 @@ impl<'a> Panels<'a> {
                 panel.points.iter().for_each(|&(x, weight)| visit(x, weight));
                 continue;
             }
-            let mut start = panel.low;
+            let (mut start, least) = (panel.low, 1e-16 * (panel.high - panel.low));
             for &stop in inside.iter().chain([&panel.high]) {
                 if start >= low && stop <= high {
-                    self.part(start, stop, &domain.steep, &mut visit);
+                    self.part((start, stop), least, &domain.steep, &mut visit);
                 }
                 start = stop;
             }
         }
     }
 
-    /// Gauss points on part of a panel, halved until none is wider than its distance to what is steep.
-    fn part(&self, low: f64, high: f64, steep: &[f64], visit: &mut impl FnMut(f64, f64)) {
-        let width = high - low;
-        if width > 1e-15 * high.abs().max(low.abs()) && near(steep, low, high) {
-            let middle = 0.5 * (low + high);
-            self.part(low, middle, steep, visit);
-            return self.part(middle, high, steep, visit);
+    /// Gauss points on part of a panel, halved down to the width `least` as long as it is wider than its distance to what
+    /// is steep.
+    fn part(&self, (low, high): (f64, f64), least: f64, steep: &[f64], visit: &mut impl FnMut(f64, f64)) {
+        let middle = 0.5 * (low + high);
+        if high - low > least && low < middle && middle < high && near(steep, low, high) {
+            self.part((low, middle), least, steep, visit);
+            return self.part((middle, high), least, steep, visit);
         }
         gauss(low, high).for_each(|(x, weight)| visit(x, weight * self.density.value(x)));
     }

@@ -3,12 +3,16 @@
 use super::Life;
 use super::athermal::of_layers;
 use super::breaking::Breaking;
-use super::cells::{NEGLIGIBLE, RESOLUTION};
+use super::cells::{NEGLIGIBLE, RESOLUTION, scale};
 use super::layer::Layer;
 use crate::contacts::Contacts;
 use crate::law::{Atom, Law};
 use crate::numerics::breaks::same_position;
 use crate::numerics::piecewise::Piecewise;
+
+/// Breaks of which cells that resolve P_c, with points closer than a 32nd of its scale, miss no more than this per mean
+/// threshold are forgotten.
+const FAINT: f64 = 1e-11;
 
 /// Lengths that differ by less, relative to a mean threshold, differ by rounding.
 const SAME: f64 = 1e-13;
@@ -30,6 +34,8 @@ pub(crate) fn tidied(layers: Vec<Layer>, thresholds: &dyn Law) -> Vec<Layer> {
     for mut layer in layers {
         layer.trim(thresholds);
         layer.forget();
+        let spacing = scale(thresholds).min(thresholds.mean()) / 32.0;
+        layer.breaks.retain(|b| b.weight(spacing) * thresholds.mean() > FAINT);
         if layer.range().is_none() {
             continue;
         }
@@ -95,5 +101,36 @@ impl Layer {
         });
         self.breaks.extend(other.breaks);
         self.resolution = self.resolution.min(other.resolution);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::contacts::Stiffness;
+    use crate::law::Rectangular;
+
+    #[test]
+    fn a_larger_swing_wipes_out_a_smaller_one() {
+        let thresholds = Arc::new(Rectangular::new(0.9, 1.1).unwrap());
+        let reforming = Arc::new(Rectangular::new(0.0, 0.2).unwrap());
+        let contacts = Contacts {
+            count: 1.0,
+            stiffness: Stiffness::Equal(1.0),
+            thresholds,
+            reforming: reforming.clone(),
+        };
+        let law = contacts.thresholds.as_ref();
+        let born = Layer::placed(&contacts, reforming.as_ref(), true);
+        let back = born.advanced(0.5).mirrored().advanced(0.3).mirrored();
+        let layers = tidied(vec![back.scaled(0.5), born.scaled(0.5)], law);
+        assert_eq!(layers.len(), 2);
+        let moved = |by: f64| tidied(layers.iter().map(|layer| layer.advanced(by)).collect(), law);
+        assert_eq!((moved(0.2).len(), moved(0.4).len()), (2, 1));
+        // Below all thresholds nothing breaks.
+        assert!((unbroken(&moved(0.2), law) - 1.0).abs() < 1e-14);
+        assert!((moved(0.2)[0].way_ahead(0.9) - 0.3).abs() < 1e-14);
     }
 }

@@ -139,7 +139,7 @@ impl Course {
         let ledger = self.ledger.get_or_init(|| self.ledger());
         let at = |curve: &Piecewise| at(curve, u, cell);
         let start = |kernel: &Kernel| self::at(kernel.curve(), 0.0, 0);
-        let doomed = start(self.first().breaking_energy());
+        let doomed = self::at(&ledger.breaking_energy, 0.0, 0);
         let (broken, born) = match &self.motion {
             Motion::Renewed(leg) => {
                 let broken = self::at(&ledger.yet_to_break, 0.0, 0) - at(&ledger.yet_to_break);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::life::{Births, Layer, Life};
+use crate::life::{Births, Layer, Life, ORDERS};
 use crate::monitor::Monitor;
 use crate::numerics::breaks::{Atom, Break};
 use crate::numerics::piecewise::Piecewise;
@@ -103,12 +103,12 @@ impl Leg {
         let atoms = self.solution.atoms.iter().filter(|a| a.position >= past && a.position <= done);
         let atoms = atoms.map(|a| Atom { position: (u - a.position).max(0.0), ..*a }).collect();
         let breaks = self.solution.breaks.iter().filter(|b| b.position >= past && b.position < u);
-        let mut breaks: Vec<_> = breaks.map(|b| Break { position: u - b.position, ..*b }).collect();
-        let ends = [rate.value_in(cell, u), rate.slope_in(cell, u)];
-        breaks.extend((0..).zip(ends).map(|(order, amplitude)| Break {
+        let mut breaks: Vec<_> = breaks.map(|b| Break { position: u - b.position, ..b.mirrored() }).collect();
+        let end: [f64; ORDERS] = rate.jet_in(cell, u);
+        breaks.extend((0_i32..).zip(end).map(|(order, derivative)| Break {
             position: 0.0,
             exponent: f64::from(order),
-            amplitude,
+            amplitude: (-1.0_f64).powi(order) * derivative,
         }));
         let rate = rate.part(past, u).mirrored().shifted(u);
         self.reborn.born(&Births { rate, atoms, breaks })

@@ -4,6 +4,7 @@
 //! (O. M. Braun and M. Peyrard, Phys. Rev. Lett. 100, 125501 (2008), Eq. 5), solved in renewal form: see [`Pull`].
 
 mod course;
+mod interface;
 mod leg;
 mod pull;
 mod relaxation;

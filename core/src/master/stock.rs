@@ -1,34 +1,16 @@
 //! The contacts of a master equation, moved forth and back.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use super::course::{Account, Course};
+use super::interface::Interface;
 use super::{MasterEquation, check};
-use crate::contacts::{Contacts, Start};
-use crate::life::{Layer, Life, life_of, tidied, unbroken};
+use crate::Result;
+use crate::life::{Layer, unbroken};
 use crate::population::{Books, Direction, Population, Response, Way};
-use crate::{Error, Float, Result};
-
-/// A course is first solved for this many mean lives, then for twice as many, and so on.
-const FIRST: f64 = 4.0;
-
-/// What lies nearer, in mean thresholds, is there.
-const NEAR: f64 = 1e-13;
 
 /// Thresholds below which there are fewer are not waited for.
 const FEW: f64 = 1e-18;
-
-/// What never changes, shared by copies.
-#[derive(Debug)]
-struct Interface {
-    contacts: Contacts,
-    reborn: Arc<Life>,
-    /// Total force per unit of the carried force of a life.
-    stiffness: f64,
-    tolerance: f64,
-    /// The course from where all contacts have just re-formed.
-    fresh: OnceLock<Arc<Course>>,
-}
 
 /// The contacts of a master equation as a [`Population`].
 ///
@@ -64,7 +46,7 @@ struct Back {
     length: f64,
     stiffness: f64,
     /// The contacts at its beginning, seen along it.
-    layers: Vec<Layer>,
+    layers: Arc<[Layer]>,
     /// The course that it becomes, once looked at.
     course: Option<Arc<Course>>,
 }
@@ -77,22 +59,8 @@ impl MasterEquation {
     /// A tolerance outside [1e-12, 1e-2]; too many point masses; accuracy not reached.
     pub fn population(&self, tolerance: f64) -> Result<Stock> {
         check(tolerance)?;
-        let interface = Interface {
-            contacts: self.contacts.clone(),
-            reborn: self.reborn.clone(),
-            stiffness: self.stiffness(),
-            tolerance,
-            fresh: OnceLock::new(),
-        };
-        let course = match self.start {
-            Start::Conditional => interface.course(self.first.clone())?,
-            Start::Relaxed => {
-                let mut layers = self.first.layers().to_vec();
-                let broken = 1.0 - unbroken(&layers, self.contacts.thresholds.as_ref());
-                layers.extend(self.reborn.layers().iter().map(|layer| layer.clone().scaled(broken)));
-                interface.renewed(layers)?
-            }
-        };
+        let interface = Interface::of(self, tolerance);
+        let course = interface.first(self)?;
         Ok(Stock {
             interface: Arc::new(interface),
             course: Arc::new(course),
@@ -111,53 +79,13 @@ impl MasterEquation {
     }
 }
 
-impl Interface {
-    /// The course of contacts with this first life.
-    fn course(&self, first: Arc<Life>) -> Result<Course> {
-        Course::renewed(first, &self.reborn, FIRST * self.reborn.mean(), self.tolerance)
-    }
-
-    /// The course of contacts in these layers, whose breaking ones re-form.
-    ///
-    /// All of them should be there; what the tolerance of earlier courses leaves is made up for, lest it add up.
-    fn renewed(&self, layers: Vec<Layer>) -> Result<Course> {
-        let layers = tidied(layers, self.contacts.thresholds.as_ref());
-        let there = unbroken(&layers, self.contacts.thresholds.as_ref());
-        if (there - 1.0).abs() > self.tolerance {
-            let (reached, wanted) = (Float((there - 1.0).abs()), Float(self.tolerance));
-            return Err(Error::Accuracy { what: "the probability of all stretches".into(), reached, wanted });
-        }
-        let layers = layers.into_iter().map(|layer| layer.scaled(1.0 / there)).collect();
-        self.course(Arc::new(life_of(&self.contacts, layers)))
-    }
-
-    /// The course of contacts in these layers, whose breaking ones stay free.
-    fn held(&self, layers: Vec<Layer>) -> Course {
-        let layers = tidied(layers, self.contacts.thresholds.as_ref());
-        Course::held(Arc::new(life_of(&self.contacts, layers)))
-    }
-
-    /// The course of contacts that have all just re-formed.
-    fn fresh(&self) -> Result<Arc<Course>> {
-        if let Some(course) = self.fresh.get() {
-            return Ok(course.clone());
-        }
-        let course = Arc::new(self.course(self.reborn.clone())?);
-        Ok(self.fresh.get_or_init(|| course).clone())
-    }
-
-    /// Mean elastic energy of a contact that has just re-formed, per unit stiffness.
-    fn newborn_energy(&self) -> f64 {
-        self.reborn.energy().curve().value(0.0)
-    }
-
-    /// Lengths below this are rounding.
-    fn near(&self) -> f64 {
-        NEAR * self.contacts.thresholds.mean()
-    }
-}
-
 impl Stock {
+    /// The share of contacts that can be told where they are or that they are free, by quadrature over stretches: 1.
+    pub fn total_probability(&self) -> f64 {
+        let there = unbroken(&self.layers(), self.interface.contacts.thresholds.as_ref());
+        there + self.free + if self.course.is_held() { self.account().broken } else { 0.0 }
+    }
+
     /// Whether `direction` is the way of the course.
     fn is_onward(&self, direction: Direction) -> bool {
         direction == self.direction
@@ -179,7 +107,7 @@ impl Stock {
             Some(back) => back,
             None => {
                 let layers = self.course.layers(self.furthest, self.cell, &interface.contacts);
-                let layers: Vec<_> = layers.iter().map(Layer::mirrored).collect();
+                let layers: Arc<[_]> = layers.iter().map(Layer::mirrored).collect();
                 let lowest = interface.contacts.thresholds.quantile(FEW);
                 let length = layers.iter().map(|layer| layer.way_ahead(lowest)).fold(f64::INFINITY, f64::min);
                 let length = if length > interface.near() { length } else { 0.0 };
@@ -189,7 +117,7 @@ impl Stock {
         };
         let back = self.back.insert(back);
         if back.course.is_none() && self.behind >= back.length {
-            let layers = back.layers.clone();
+            let layers = back.layers.to_vec();
             let course =
                 if self.course.is_held() { interface.held(layers) } else { interface.renewed(layers)? };
             back.course = Some(Arc::new(course));

@@ -42,10 +42,27 @@ impl Break {
         }
     }
 
+    /// The break of f(−x), where f has this one: with t₊ⁿ = tⁿ − (−1)ⁿ(−t)₊ⁿ for a whole exponent n; of another, but for
+    /// its sign.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        let odd = self.exponent.rem_euclid(2.0) == 1.0;
+        Self {
+            position: -self.position,
+            amplitude: if odd { self.amplitude } else { -self.amplitude },
+            ..self
+        }
+    }
+
     /// What a polynomial cell loses that has the break inside and points spaced by `spacing`:
     /// about |amplitude| spacing^exponent / Γ(exponent + 1).
     pub fn weight(&self, spacing: f64) -> f64 {
         self.amplitude.abs() * spacing.powf(self.exponent) / libm::tgamma(self.exponent + 1.0)
+    }
+
+    /// Whether Gauss points beside it miss it: a low power that is not whole.
+    pub fn is_steep(&self) -> bool {
+        self.exponent < 5.0 && self.exponent.fract() != 0.0
     }
 
     /// Whether it is a point mass.

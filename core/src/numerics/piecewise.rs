@@ -128,10 +128,15 @@ impl Piecewise {
         series(&self.coefficients[cell], (x - middle) / half)
     }
 
-    /// The slope at x of the polynomial of a cell.
-    pub fn slope_in(&self, cell: usize, x: f64) -> f64 {
+    /// Value and first derivatives at x of the polynomial of a cell.
+    pub fn jet_in<const K: usize>(&self, cell: usize, x: f64) -> [f64; K] {
         let (middle, half) = self.cell(cell);
-        series(&derivative(&self.coefficients[cell]), (x - middle) / half) / half
+        let mut coefficients = self.coefficients[cell];
+        std::array::from_fn(|_| {
+            let value = series(&coefficients, (x - middle) / half);
+            coefficients = derivative(&coefficients).map(|c| c / half);
+            value
+        })
     }
 
     /// The derivative.

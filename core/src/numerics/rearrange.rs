@@ -81,9 +81,12 @@ impl Piecewise {
     /// The sum with another function, cells joined where one polynomial serves both to `tolerance` (in the mean).
     #[must_use]
     pub fn added(&self, other: &Self, tolerance: f64) -> Self {
+        if self.coefficients.is_empty() {
+            return other.clone();
+        }
         let mut boundaries = [self.boundaries.as_slice(), &other.boundaries].concat();
         boundaries.sort_by(f64::total_cmp);
-        boundaries.dedup_by(|b, a| *b - *a <= 4.0 * f64::EPSILON * a.abs());
+        boundaries.dedup();
         let on = |f: &Self, low: f64, high: f64| {
             f.find(0.5 * (low + high)).map_or([0.0; NODES], |cell| f.expanded(cell, low, high))
         };

@@ -1,0 +1,99 @@
+//! Courses of the contacts of one interface, wherever they begin.
+
+use std::sync::{Arc, OnceLock};
+
+use super::MasterEquation;
+use super::course::Course;
+use crate::contacts::{Contacts, Start};
+use crate::life::{Layer, Life, life_of, tidied, unbroken};
+use crate::{Error, Float, Result};
+
+/// A course is first solved for this many mean lives, then for twice as many, and so on.
+const FIRST: f64 = 2.0;
+
+/// Legs keep the probability of all stretches to their tolerance where they look; elsewhere to this many.
+const SLACK: f64 = 10.0;
+
+/// What lies nearer, in mean thresholds, is there.
+const NEAR: f64 = 1e-13;
+
+/// What all courses have in common.
+#[derive(Debug)]
+pub(super) struct Interface {
+    pub(super) contacts: Contacts,
+    pub(super) reborn: Arc<Life>,
+    /// Total force per unit of the carried force of a life.
+    pub(super) stiffness: f64,
+    pub(super) tolerance: f64,
+    /// The course from where all contacts have just re-formed.
+    fresh: OnceLock<Arc<Course>>,
+}
+
+impl Interface {
+    /// The interface of a master equation, its courses solved to `tolerance`.
+    pub(super) fn of(equation: &MasterEquation, tolerance: f64) -> Self {
+        Self {
+            contacts: equation.contacts.clone(),
+            reborn: equation.reborn.clone(),
+            stiffness: equation.stiffness(),
+            tolerance,
+            fresh: OnceLock::new(),
+        }
+    }
+
+    /// The course from X = 0, after what breaks there at once.
+    pub(super) fn first(&self, equation: &MasterEquation) -> Result<Course> {
+        if equation.start == Start::Conditional {
+            return self.course(equation.first.clone());
+        }
+        let mut layers = equation.first.layers().to_vec();
+        let broken = 1.0 - unbroken(&layers, self.contacts.thresholds.as_ref());
+        layers.extend(self.reborn.layers().iter().map(|layer| layer.clone().scaled(broken)));
+        self.renewed(layers)
+    }
+
+    /// The course of contacts with this first life.
+    fn course(&self, first: Arc<Life>) -> Result<Course> {
+        Course::renewed(first, &self.reborn, FIRST * self.reborn.mean(), self.tolerance)
+    }
+
+    /// The course of contacts in these layers, whose breaking ones re-form.
+    ///
+    /// All of them should be there; what the tolerance of earlier courses leaves is made up for, lest it add up.
+    pub(super) fn renewed(&self, layers: Vec<Layer>) -> Result<Course> {
+        let layers = tidied(layers, self.contacts.thresholds.as_ref());
+        let there = unbroken(&layers, self.contacts.thresholds.as_ref());
+        if (there - 1.0).abs() > SLACK * self.tolerance {
+            let (reached, wanted) = (Float((there - 1.0).abs()), Float(self.tolerance));
+            let what = "the probability of all stretches where the slider turned".into();
+            return Err(Error::Accuracy { what, reached, wanted });
+        }
+        let layers = layers.into_iter().map(|layer| layer.scaled(1.0 / there)).collect();
+        self.course(Arc::new(life_of(&self.contacts, layers)))
+    }
+
+    /// The course of contacts in these layers, whose breaking ones stay free.
+    pub(super) fn held(&self, layers: Vec<Layer>) -> Course {
+        let layers = tidied(layers, self.contacts.thresholds.as_ref());
+        Course::held(Arc::new(life_of(&self.contacts, layers)))
+    }
+
+    /// The course of contacts that have all just re-formed.
+    pub(super) fn fresh(&self) -> Result<Arc<Course>> {
+        if let Some(course) = self.fresh.get() {
+            return Ok(course.clone());
+        }
+        let course = Arc::new(self.course(self.reborn.clone())?);
+        Ok(self.fresh.get_or_init(|| course).clone())
+    }
+
+    /// Mean elastic energy of a contact that has just re-formed, per unit stiffness.
+    pub(super) fn newborn_energy(&self) -> f64 {
+        self.reborn.energy().curve().value(0.0)
+    }
+
+    /// Lengths below this are rounding.
+    pub(super) fn near(&self) -> f64 {
+        NEAR * self.contacts.thresholds.mean()
+    }
+}
