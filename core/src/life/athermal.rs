@@ -1,7 +1,7 @@
 //! The life of contacts that know neither time nor temperature: they break when the stretch reaches the threshold.
 
 use super::Life;
-use super::births::{Births, MOMENTS, RESOLUTION};
+use super::births::{BULK, Births, MOMENTS};
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::{Atom, Break, SharedLaw};
 use crate::numerics::piecewise::Piecewise;
@@ -19,11 +19,11 @@ use crate::numerics::volterra::Kernel;
 /// Contacts and starts are taken to have passed [`Contacts::check`].
 pub fn athermal(contacts: &Contacts, starts: &SharedLaw, conditional: bool) -> Life {
     let Contacts { thresholds, stiffness, .. } = contacts;
-    let births = Births::new(contacts, starts, conditional);
+    let births = Births::new(contacts, starts, conditional, BULK);
     let breaks = births.breaks();
     let end = births.end();
     let edges = births.edges(&breaks, end);
-    let moments = Piecewise::resolve_all(|u| births.breaking(u), &edges, end, RESOLUTION);
+    let moments = Piecewise::resolve_all(|u| births.breaking(u), &edges, end, BULK.resolution);
     let carried = Carried { births: &births, moments: &moments, end };
     let survival = carried.survival();
     let (force, square) = match *stiffness {

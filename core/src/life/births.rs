@@ -3,13 +3,25 @@
 use crate::contacts::Contacts;
 use crate::law::{Atom, Break, Law, SharedLaw, Zone};
 use crate::numerics::legendre::RULE;
-use crate::numerics::piecewise::Piecewise;
+use crate::numerics::piecewise::{Piecewise, Resolution};
 
-/// What a curve leaves out, of a total of 1 (or of the mean life, force, …).
-pub(super) const RESOLUTION: f64 = 1e-14;
+/// How closely starts and what breaks are followed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Detail {
+    pub(super) resolution: Resolution,
+    /// Survival and starting mass below this are left out.
+    negligible: f64,
+}
 
-/// Survival and starting mass below this are left out.
-const NEGLIGIBLE: f64 = 1e-18;
+/// Curves of a total of 1 (or of the mean life, force, …).
+pub(super) const BULK: Detail = Detail { resolution: Resolution::Mean(1e-14), negligible: 1e-18 };
+
+impl Detail {
+    /// Tails as well, each cell to 1e-13 of itself down to what is negligible.
+    pub(super) const fn tails(negligible: f64) -> Self {
+        Self { resolution: Resolution::Relative { fraction: 1e-13, negligible }, negligible }
+    }
+}
 
 /// Moments of the breaking stretches are kept up to the fourth.
 pub(super) const MOMENTS: usize = 5;
@@ -19,8 +31,9 @@ pub(super) struct Births<'a> {
     pub(super) thresholds: &'a dyn Law,
     starts: &'a dyn Law,
     conditional: bool,
+    detail: Detail,
     /// The highest start.
-    top: f64,
+    pub(super) top: f64,
     pub(super) density: Piecewise,
     pub(super) atoms: Vec<Atom>,
     /// Breaks and atoms of P_c.
@@ -36,9 +49,14 @@ pub(super) struct Births<'a> {
 }
 
 impl<'a> Births<'a> {
-    pub(super) fn new(contacts: &'a Contacts, starts: &'a SharedLaw, conditional: bool) -> Self {
+    pub(super) fn new(
+        contacts: &'a Contacts,
+        starts: &'a SharedLaw,
+        conditional: bool,
+        detail: Detail,
+    ) -> Self {
         let (thresholds, starts) = (contacts.thresholds.as_ref(), starts.as_ref());
-        let all = top(starts, NEGLIGIBLE);
+        let all = top(starts, detail.negligible);
         let top = if conditional { all.min(contacts.highest_start()) } else { all };
         let over = |r: f64| if conditional { thresholds.survival(r) } else { 1.0 };
         let atoms =
@@ -50,6 +68,7 @@ impl<'a> Births<'a> {
             thresholds,
             starts,
             conditional,
+            detail,
             top,
             density,
             atoms,
@@ -63,22 +82,21 @@ impl<'a> Births<'a> {
         if !starts.zones().is_empty() {
             let breaks: Vec<f64> = births.start_breaks().iter().map(|b| b.position).collect();
             let edges = edges(&starts.zones(), &breaks, top);
-            births.density = Piecewise::resolve(|r| starts.density(r) / over(r), &edges, top, RESOLUTION);
+            births.density =
+                Piecewise::resolve(|r| starts.density(r) / over(r), &edges, top, detail.resolution);
             if births.fine.0 < births.fine.1 {
                 births.narrow = Some(births.threshold_density());
             } else {
-                births.points = heavy(&births.density, &breaks, births.fine.0);
+                births.points = heavy(&births.density, &breaks, births.fine.0, detail.negligible);
             }
         }
         births
     }
 
     fn threshold_density(&self) -> (Piecewise, Vec<(f64, f64)>) {
+        let density = resolved(self.thresholds, self.detail);
         let breaks: Vec<f64> = self.hazards.iter().map(|b| b.position).collect();
-        let end = top(self.thresholds, NEGLIGIBLE);
-        let edges = edges(&self.thresholds.zones(), &breaks, end);
-        let density = Piecewise::resolve(|x| self.thresholds.density(x), &edges, end, RESOLUTION);
-        let points = heavy(&density, &breaks, self.fine.1);
+        let points = heavy(&density, &breaks, self.fine.1, self.detail.negligible);
         (density, points)
     }
 
@@ -113,19 +131,32 @@ impl<'a> Births<'a> {
         breaks
     }
 
-    /// Breaks and atoms of the breaking density: where one of P_c meets one of ν, and at u = 0.
-    pub(super) fn breaks(&self) -> Vec<Break> {
+    /// Where a break or atom of P_c meets one of ν.
+    fn meetings(&self) -> Vec<Break> {
         let starts = self.start_breaks();
         let meets = |b: &Break, r: &Break| Break { position: b.position - r.position, ..b.convolve(*r) };
-        let pairs = self.hazards.iter().flat_map(|b| starts.iter().map(move |r| meets(b, r)));
-        let mut out: Vec<_> =
-            pairs.filter(|met| met.position > 0.0 || met.position == 0.0 && !met.is_atom()).collect();
+        self.hazards.iter().flat_map(|b| starts.iter().map(move |r| meets(b, r))).collect()
+    }
+
+    /// Breaks and atoms of the breaking density continued to u < 0, as positions of −u, rising.
+    pub(super) fn breaks_before(&self) -> Vec<Break> {
+        let before = |met: Break| Break { position: -met.position, ..met };
+        let mut out: Vec<_> = self.meetings().into_iter().map(before).collect();
+        out.retain(|met| met.position >= 0.0);
+        out.sort_by(|a, b| a.position.total_cmp(&b.position));
+        out
+    }
+
+    /// Breaks and atoms of the breaking density: where one of P_c meets one of ν, and at u = 0.
+    pub(super) fn breaks(&self) -> Vec<Break> {
+        let mut out = self.meetings();
+        out.retain(|met| met.position > 0.0 || met.position == 0.0 && !met.is_atom());
         let [first, ..] = self.breaking(0.0);
         if first > 0.0 && first.is_finite() && !out.iter().any(|b| b.position == 0.0) {
             out.push(Break { position: 0.0, exponent: 0.0, amplitude: first });
         }
         let unbroken = if self.conditional { 1.0 } else { self.mean(|x| self.thresholds.survival(x), 0.0) };
-        if 1.0 - unbroken > NEGLIGIBLE {
+        if 1.0 - unbroken > self.detail.negligible {
             out.push(Atom { position: 0.0, weight: 1.0 - unbroken }.into());
         }
         out.sort_by(|a, b| a.position.total_cmp(&b.position));
@@ -135,7 +166,7 @@ impl<'a> Births<'a> {
     /// The advance after which nothing is left, nor of the second moment.
     pub(super) fn end(&self) -> f64 {
         let left = self.over(self.top);
-        let mut last = top(self.thresholds, NEGLIGIBLE * left);
+        let mut last = top(self.thresholds, self.detail.negligible * left);
         let whole = self.thresholds.upper_moment(2, -1.0);
         while self.thresholds.upper_moment(2, last) > 1e-16 * left * whole {
             last *= 1.25;
@@ -145,14 +176,22 @@ impl<'a> Births<'a> {
 
     /// Cell boundaries of the life to begin with: as narrow as P_c asks for, or as the starts that blur it.
     pub(super) fn edges(&self, breaks: &[Break], end: f64) -> Vec<f64> {
+        self.edges_where(breaks, end, |(low, high)| (low, high))
+    }
+
+    /// The same for the continuation to u < 0, on [0, top] of −u.
+    pub(super) fn edges_before(&self, breaks: &[Break]) -> Vec<f64> {
+        self.edges_where(breaks, self.top, |(low, high)| (-high, -low))
+    }
+
+    fn edges_where(&self, breaks: &[Break], end: f64, place: impl Fn((f64, f64)) -> (f64, f64)) -> Vec<f64> {
         let bottom = self.starts.quantile(0.0);
         let blur = if self.atoms.is_empty() { self.fine.1 / CELL } else { 0.0 };
-        let ahead = |z: Zone| Zone {
-            low: z.low - self.top,
-            high: z.high - bottom,
-            resolution: z.resolution.max(blur),
+        let placed = |z: Zone| {
+            let (low, high) = place((z.low - self.top, z.high - bottom));
+            Zone { low, high, resolution: z.resolution.max(blur) }
         };
-        let zones: Vec<Zone> = self.thresholds.zones().into_iter().map(ahead).collect();
+        let zones: Vec<Zone> = self.thresholds.zones().into_iter().map(placed).collect();
         let breaks: Vec<f64> = breaks.iter().map(|b| b.position).collect();
         edges(&zones, &breaks, end)
     }
@@ -199,6 +238,14 @@ impl<'a> Births<'a> {
     }
 }
 
+/// The density of a law.
+pub(super) fn resolved(law: &dyn Law, detail: Detail) -> Piecewise {
+    let breaks: Vec<f64> = with_atoms(law).iter().map(|b| b.position).collect();
+    let end = top(law, detail.negligible);
+    let edges = edges(&law.zones(), &breaks, end);
+    Piecewise::resolve(|x| law.density(x), &edges, end, detail.resolution)
+}
+
 /// Visits Gauss points of a density with their weights: the given ones, or others where `cuts` fall among its cells.
 fn each_point(
     density: &Piecewise,
@@ -227,9 +274,9 @@ fn each_point(
     }
 }
 
-/// Gauss points of a density that carry more than rounding: its cells taken two by two where `breaks` allow, since a
+/// Gauss points of a density that carry more than is negligible: its cells taken two by two where `breaks` allow, since a
 /// rule exact to degree 31 integrates what a series of degree 15 interpolates on half the width.
-fn heavy(density: &Piecewise, breaks: &[f64], widest: f64) -> Vec<(f64, f64)> {
+fn heavy(density: &Piecewise, breaks: &[f64], widest: f64, negligible: f64) -> Vec<(f64, f64)> {
     let edges = &density.boundaries;
     let mut panels = vec![0.0];
     let mut k = 0;
@@ -255,7 +302,7 @@ fn heavy(density: &Piecewise, breaks: &[f64], widest: f64) -> Vec<(f64, f64)> {
             }));
         }
     }
-    points.retain(|point| point.1 > NEGLIGIBLE);
+    points.retain(|point| point.1 > negligible);
     points
 }
 
@@ -303,6 +350,10 @@ fn edges(zones: &[Zone], breaks: &[f64], end: f64) -> Vec<f64> {
     edges
 }
 
-fn with_atoms(law: &dyn Law) -> Vec<Break> {
-    law.breaks().into_iter().chain(law.atoms().into_iter().map(Break::from)).collect()
+/// Atoms of a law, and its breaks where they are more than nothing.
+pub(super) fn with_atoms(law: &dyn Law) -> Vec<Break> {
+    const NOTHING: f64 = 1e-40;
+    let mean = law.mean();
+    let breaks = law.breaks().into_iter().filter(|b| b.weight(mean) * mean > NOTHING);
+    breaks.chain(law.atoms().into_iter().map(Break::from)).collect()
 }

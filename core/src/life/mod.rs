@@ -4,10 +4,10 @@
 
 mod athermal;
 mod births;
+mod continuation;
 
 pub use athermal::athermal;
-
-use num_complex::Complex64;
+pub(crate) use continuation::Continuation;
 
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::piecewise::Piecewise;
@@ -61,13 +61,6 @@ impl Life {
     /// The mean advance that a contact survives.
     pub fn mean(&self) -> f64 {
         self.survival.curve().integral()
-    }
-
-    /// ∫ν(r) e^{sr} dr.
-    pub(crate) fn births_transform(&self, s: Complex64) -> Complex64 {
-        let atoms: Complex64 =
-            self.birth_atoms.iter().map(|birth| birth.weight * (s * birth.position).exp()).sum();
-        atoms + self.births.transform(-s).0
     }
 
     /// Density at stretch x of contacts that started u ago, per contact started; atoms not counted.
