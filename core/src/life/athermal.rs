@@ -2,7 +2,7 @@
 
 use super::Life;
 use super::breaking::{Breaking, MOMENTS};
-use super::cells::{NEGLIGIBLE, ORDERS, RESOLUTION, edges, scale};
+use super::cells::{BULK, NEGLIGIBLE, ORDERS, edges, scale};
 use super::layer::Layer;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::{Atom, Break, SharedLaw, Zone};
@@ -16,9 +16,9 @@ use crate::numerics::volterra::Kernel;
 ///
 /// Contacts and starts are taken to have passed [`Contacts::check`].
 pub fn athermal(contacts: &Contacts, starts: &SharedLaw, conditional: bool) -> Life {
-    let layer = Layer::placed(contacts, starts.as_ref(), conditional);
+    let layer = Layer::placed(contacts, starts.as_ref(), conditional, BULK);
     let law = contacts.thresholds.as_ref();
-    let unbroken = if conditional { 1.0 } else { Breaking::new(law, &layer).weighted(0.0, 0, 0) };
+    let unbroken = if conditional { 1.0 } else { Breaking::new(law, &layer, BULK).weighted(0.0, 0, 0) };
     let broken = (1.0 - unbroken > NEGLIGIBLE).then_some(Atom { position: 0.0, weight: 1.0 - unbroken });
     of_layers(contacts, vec![layer], broken)
 }
@@ -30,14 +30,14 @@ pub fn athermal(contacts: &Contacts, starts: &SharedLaw, conditional: bool) -> L
 /// its square, s' = −b₀, m' = s − b₁, q' = 2m − b₂. For k = κ x_s, one order of ξ more: see `per_threshold`.
 pub(super) fn of_layers(contacts: &Contacts, layers: Vec<Layer>, broken: Option<Atom>) -> Life {
     let law = contacts.thresholds.as_ref();
-    let breaking: Vec<_> = layers.iter().map(|layer| Breaking::new(law, layer)).collect();
+    let breaking: Vec<_> = layers.iter().map(|layer| Breaking::new(law, layer, BULK)).collect();
     let mut breaks: Vec<Break> = breaking.iter().flat_map(Breaking::breaks).collect();
     let onsets: Vec<f64> = breaking.iter().map(Breaking::onset).collect();
     let end = breaking.iter().map(Breaking::end).fold(0.0, f64::max);
     let stops = breaks.iter().map(|b| b.position).chain(onsets.iter().copied());
     let stops: Vec<f64> = stops.chain(breaking.iter().flat_map(Breaking::seams)).collect();
     let edges = edges(&zones(&breaking), &stops, end);
-    let moments = Piecewise::resolve_all(|u| sum(&breaking, u), &edges, end, RESOLUTION);
+    let moments = Piecewise::resolve_all(|u| sum(&breaking, u), &edges, end, BULK.resolution);
     breaks.extend(broken.map(Break::from));
     let wide = 0.25 * scale(law);
     onsets.into_iter().for_each(|onset| begin(&mut breaks, &moments[0], onset, wide));

@@ -1,6 +1,6 @@
 //! Births along a leg, and the layer that they form.
 
-use super::cells::{CELL, RESOLUTION};
+use super::cells::{BULK, CELL, NEGLIGIBLE, RESOLUTION};
 use super::layer::Layer;
 use super::panels::{Domain, Panels};
 use crate::law::{Atom, Break};
@@ -58,7 +58,7 @@ impl Births {
         let width = CELL * starts.resolution;
         let even = (1..((high + latest) / width) as usize).map(|k| k as f64 * width);
         let edges: Vec<f64> = breaks.iter().map(|b| b.position).chain(even).collect();
-        let rate = Panels::new(&self.rate, 2.0 * width);
+        let rate = Panels::new(&self.rate, 2.0 * width, NEGLIGIBLE);
         let born = |x: f64| {
             let place = |b: &Break| x - b.position;
             let domain = Domain {
@@ -71,6 +71,6 @@ impl Births {
             rate.each(domain, |age, weight| sum += weight * starts.density_at(x - age));
             sum
         };
-        Piecewise::resolve(born, &edges, high + latest, RESOLUTION)
+        Piecewise::resolve(born, &edges, high + latest, BULK.resolution)
     }
 }

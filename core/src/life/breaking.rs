@@ -1,6 +1,6 @@
 //! How the contacts of a layer break as the slider goes on: integrals over ν.
 
-use super::cells::{CELL, NEGLIGIBLE, scale, top, with_atoms};
+use super::cells::{CELL, Detail, scale, top, with_atoms};
 use super::layer::Layer;
 use super::panels::{Domain, Panels};
 use crate::law::{Atom, Break, Law, Zone};
@@ -23,13 +23,14 @@ pub(super) struct Breaking<'a> {
 }
 
 impl<'a> Breaking<'a> {
-    pub(super) fn new(thresholds: &'a dyn Law, layer: &'a Layer) -> Self {
+    pub(super) fn new(thresholds: &'a dyn Law, layer: &'a Layer, detail: Detail) -> Self {
+        let Detail { negligible, .. } = detail;
         let mut breaking = Self {
             thresholds,
             layer,
             hazards: with_atoms(thresholds),
-            window: (thresholds.quantile(NEGLIGIBLE), last_threshold(thresholds, layer)),
-            panels: Panels::new(&layer.density, 2.0 * CELL * scale(thresholds)),
+            window: (thresholds.quantile(negligible), last_threshold(thresholds, layer, negligible)),
+            panels: Panels::new(&layer.density, 2.0 * CELL * scale(thresholds), negligible),
             struck: Vec::new(),
         };
         breaking.struck = breaking.struck();
@@ -178,10 +179,10 @@ impl<'a> Breaking<'a> {
 }
 
 /// Where S and its second moment are negligible, also for what ν weighs.
-fn last_threshold(law: &dyn Law, layer: &Layer) -> f64 {
+fn last_threshold(law: &dyn Law, layer: &Layer, negligible: f64) -> f64 {
     let whole = layer.density.integral() + layer.atoms.iter().map(|a| a.weight).sum::<f64>();
     let left = 1.0 / whole.max(1.0);
-    let mut last = top(law, NEGLIGIBLE * left);
+    let mut last = top(law, negligible * left);
     let second = law.upper_moment(2, -1.0);
     while law.upper_moment(2, last) > 1e-16 * left * second {
         last *= 1.25;

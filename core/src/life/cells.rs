@@ -1,12 +1,31 @@
 //! Cells to begin with: where a law's density is to be looked for, and how finely.
 
 use crate::law::{Break, Law, Zone};
+use crate::numerics::piecewise::{Piecewise, Resolution};
 
 /// What a curve leaves out, of a total of 1 (or of the mean life, force, …).
 pub(super) const RESOLUTION: f64 = 1e-14;
 
 /// Survival and starting mass below this are left out.
 pub(super) const NEGLIGIBLE: f64 = 1e-18;
+
+/// How closely starts and what breaks are followed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Detail {
+    pub(super) resolution: Resolution,
+    /// Survival and starting mass below this are left out.
+    pub(super) negligible: f64,
+}
+
+/// Curves of a total of 1 (or of the mean life, force, …).
+pub(super) const BULK: Detail = Detail { resolution: Resolution::Mean(RESOLUTION), negligible: NEGLIGIBLE };
+
+impl Detail {
+    /// Tails as well, each cell to 1e-13 of itself down to what is negligible.
+    pub(super) const fn tails(negligible: f64) -> Self {
+        Self { resolution: Resolution::Relative { fraction: 1e-13, negligible }, negligible }
+    }
+}
 
 /// Width of the cells to begin with, in units of a zone's resolution: a Gaussian is then left out to 1e-14.
 pub(super) const CELL: f64 = 1.4;
@@ -55,7 +74,18 @@ pub(super) fn edges(zones: &[Zone], breaks: &[f64], end: f64) -> Vec<f64> {
     edges
 }
 
-/// The breaks of a law, its atoms among them.
+/// The density of a law.
+pub(super) fn resolved(law: &dyn Law, detail: Detail) -> Piecewise {
+    let breaks: Vec<f64> = with_atoms(law).iter().map(|b| b.position).collect();
+    let end = top(law, detail.negligible);
+    let edges = edges(&law.zones(), &breaks, end);
+    Piecewise::resolve(|x| law.density(x), &edges, end, detail.resolution)
+}
+
+/// Atoms of a law, and its breaks where they are more than nothing.
 pub(super) fn with_atoms(law: &dyn Law) -> Vec<Break> {
-    law.breaks().into_iter().chain(law.atoms().into_iter().map(Break::from)).collect()
+    const NOTHING: f64 = 1e-40;
+    let mean = law.mean();
+    let breaks = law.breaks().into_iter().filter(|b| b.weight(mean) * mean > NOTHING);
+    breaks.chain(law.atoms().into_iter().map(Break::from)).collect()
 }

@@ -1,8 +1,6 @@
 //! Contacts born on one leg of motion: where they are, and how far they have been stretched.
 
-use num_complex::Complex64;
-
-use super::cells::{NEGLIGIBLE, RESOLUTION, edges, scale, top, with_atoms};
+use super::cells::{Detail, edges, scale, top, with_atoms};
 use crate::contacts::Contacts;
 use crate::law::{Atom, Break, Law};
 use crate::numerics::legendre::RULE;
@@ -36,10 +34,10 @@ impl Layer {
     ///
     /// With `conditional`, the threshold of a contact that starts at r is drawn from P_c given x_s > r (ν = R/S);
     /// otherwise stretch and threshold are independent.
-    pub(super) fn placed(contacts: &Contacts, starts: &dyn Law, conditional: bool) -> Self {
+    pub(super) fn placed(contacts: &Contacts, starts: &dyn Law, conditional: bool, detail: Detail) -> Self {
         let thresholds = contacts.thresholds.as_ref();
         let over = |r: f64| if conditional { thresholds.survival(r) } else { 1.0 };
-        let all = top(starts, NEGLIGIBLE);
+        let all = top(starts, detail.negligible);
         let end = if conditional { all.min(contacts.highest_start()) } else { all };
         let atoms =
             starts.atoms().into_iter().map(|a| Atom { weight: a.weight / over(a.position), ..a }).collect();
@@ -58,7 +56,7 @@ impl Layer {
         if !starts.zones().is_empty() {
             let stops: Vec<f64> = breaks.iter().map(|b| b.position).collect();
             let edges = edges(&starts.zones(), &stops, end);
-            density = Piecewise::resolve(|r| starts.density(r) / over(r), &edges, end, RESOLUTION);
+            density = Piecewise::resolve(|r| starts.density(r) / over(r), &edges, end, detail.resolution);
             density = density.part(starts.quantile(0.0), end);
         }
         Self { density, atoms, breaks, resolution: scale(starts), ..Self::default() }
@@ -72,12 +70,6 @@ impl Layer {
     /// Whether ν is all atoms.
     pub(super) fn is_pointed(&self) -> bool {
         self.density.coefficients.is_empty()
-    }
-
-    /// ∫ν(x) e^{−sx} dx.
-    pub(super) fn transform(&self, s: Complex64) -> Complex64 {
-        let atoms: Complex64 = self.atoms.iter().map(|a| a.weight * (-s * a.position).exp()).sum();
-        atoms + self.density.transform(s).0
     }
 
     /// ∫_{r ≤ x} ν(r) f(r) dr, atoms included; f is not smooth at `cuts`.

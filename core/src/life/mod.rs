@@ -6,6 +6,7 @@ mod athermal;
 mod births;
 mod breaking;
 mod cells;
+mod continuation;
 mod layer;
 mod panels;
 mod stock;
@@ -13,10 +14,9 @@ mod stock;
 pub use athermal::athermal;
 pub(crate) use births::Births;
 pub(crate) use cells::ORDERS;
+pub(crate) use continuation::Continuation;
 pub(crate) use layer::Layer;
 pub(crate) use stock::{life_of, tidied, unbroken};
-
-use num_complex::Complex64;
 
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::volterra::Kernel;
@@ -101,11 +101,6 @@ impl Life {
     /// The mean advance that a contact survives.
     pub fn mean(&self) -> f64 {
         self.survival.curve().integral()
-    }
-
-    /// ∫ν(r) e^{sr} dr.
-    pub(crate) fn births_transform(&self, s: Complex64) -> Complex64 {
-        self.layers.iter().map(|layer| layer.transform(-s)).sum()
     }
 
     /// Density at stretch x of contacts that started u ago, per contact started; atoms not counted.

@@ -1,6 +1,5 @@
 //! Gauss points of a density, between given bounds and cuts.
 
-use super::cells::NEGLIGIBLE;
 use crate::numerics::legendre::RULE;
 use crate::numerics::piecewise::Piecewise;
 
@@ -27,13 +26,13 @@ pub(super) struct Domain {
 }
 
 impl<'a> Panels<'a> {
-    /// The cells, cut into panels no wider than `widest`.
-    pub(super) fn new(density: &'a Piecewise, widest: f64) -> Self {
+    /// The cells, cut into panels no wider than `widest`, without points that carry less than is `negligible`.
+    pub(super) fn new(density: &'a Piecewise, widest: f64, negligible: f64) -> Self {
         let panels = density.boundaries.windows(2).flat_map(|cell| {
             let parts = ((cell[1] - cell[0]) / widest).ceil().max(1.0);
             let at = |part: usize| cell[0] + (cell[1] - cell[0]) * part as f64 / parts;
             let ends = (0..parts as usize).map(move |part| (at(part), at(part + 1)));
-            ends.map(|(low, high)| Panel::new(density, low, high)).collect::<Vec<_>>()
+            ends.map(|(low, high)| Panel::new(density, (low, high), negligible)).collect::<Vec<_>>()
         });
         Self { density, panels: panels.collect() }
     }
@@ -74,9 +73,9 @@ impl<'a> Panels<'a> {
 }
 
 impl Panel {
-    fn new(density: &Piecewise, low: f64, high: f64) -> Self {
+    fn new(density: &Piecewise, (low, high): (f64, f64), negligible: f64) -> Self {
         let points = gauss(low, high).map(|(x, weight)| (x, weight * density.value(x)));
-        Self { low, high, points: points.filter(|point| point.1.abs() > NEGLIGIBLE).collect() }
+        Self { low, high, points: points.filter(|point| point.1.abs() > negligible).collect() }
     }
 }
 

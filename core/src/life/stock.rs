@@ -3,7 +3,7 @@
 use super::Life;
 use super::athermal::of_layers;
 use super::breaking::Breaking;
-use super::cells::{NEGLIGIBLE, RESOLUTION, scale};
+use super::cells::{BULK, NEGLIGIBLE, RESOLUTION, scale};
 use super::layer::Layer;
 use crate::contacts::Contacts;
 use crate::law::{Atom, Law};
@@ -24,7 +24,7 @@ pub(crate) fn life_of(contacts: &Contacts, layers: Vec<Layer>) -> Life {
 
 /// The fraction of contacts that is unbroken.
 pub(crate) fn unbroken(layers: &[Layer], thresholds: &dyn Law) -> f64 {
-    layers.iter().map(|layer| Breaking::new(thresholds, layer).weighted(0.0, 0, 0)).sum()
+    layers.iter().map(|layer| Breaking::new(thresholds, layer, BULK).weighted(0.0, 0, 0)).sum()
 }
 
 /// The layers, without what is negligible; those with one and the same past, as far as it can still be felt, as one.
@@ -123,7 +123,7 @@ mod tests {
             reforming: reforming.clone(),
         };
         let law = contacts.thresholds.as_ref();
-        let born = Layer::placed(&contacts, reforming.as_ref(), true);
+        let born = Layer::placed(&contacts, reforming.as_ref(), true, BULK);
         let back = born.advanced(0.5).mirrored().advanced(0.3).mirrored();
         let layers = tidied(vec![back.scaled(0.5), born.scaled(0.5)], law);
         assert_eq!(layers.len(), 2);

@@ -3,9 +3,7 @@
 use num_complex::Complex64;
 
 use crate::contacts::Contacts;
-use crate::law::SharedLaw;
-use crate::life::Life;
-use crate::numerics::volterra::Kernel;
+use crate::life::{Continuation, Life};
 
 /// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1 and
 /// c_j = φ̂₀(s_j) m̂(s_j)/(−φ̂'(s_j)).
@@ -18,6 +16,8 @@ use crate::numerics::volterra::Kernel;
 /// tail takes over.
 #[derive(Debug, Clone)]
 pub struct Relaxation {
+    roots: Vec<Complex64>,
+    /// Those of the slowest roots that the lives resolve.
     terms: Vec<Term>,
     length: f64,
     paper_estimate: f64,
@@ -57,6 +57,7 @@ impl Relaxation {
         let terms = transform.terms(&roots, first);
         let valid_from = valid_from(&terms, &roots, rate, first, reborn);
         Self {
+            roots,
             terms: terms.into_iter().map(|t| Term { amplitude: stiffness * t.amplitude, ..t }).collect(),
             length: 1.0 / slowest,
             paper_estimate: law.mean() * law.mean() / law.std(),
@@ -65,8 +66,7 @@ impl Relaxation {
         }
     }
 
-    /// Relaxation length X*, infinite where the force never settles; NaN where it is shorter than a tenth or so of the
-    /// longest life and contacts re-form among the thresholds, so that it cannot be told.
+    /// Relaxation length X*, infinite where the force never settles; NaN where no root is found.
     pub fn length(&self) -> f64 {
         self.length
     }
@@ -76,9 +76,9 @@ impl Relaxation {
         self.paper_estimate
     }
 
-    /// Roots s_j with Im s_j > 0, slowest first, per length.
-    pub fn roots(&self) -> Vec<Complex64> {
-        self.terms.iter().map(|t| t.exponent).collect()
+    /// Roots s_j with Im s_j > 0, slowest first, per length; far from the axis some may be left out.
+    pub fn roots(&self) -> &[Complex64] {
+        &self.roots
     }
 
     /// F(X) from the expansion, a force; meaningful for X ≥ [`Relaxation::valid_from`].
@@ -112,8 +112,9 @@ fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, rebo
 struct Transform<'a> {
     reborn: &'a Life,
     mean: f64,
-    /// The law of thresholds, if no contact re-forms among them: φ̂ = ν̂(−s) P̂_c(s).
-    law: Option<&'a SharedLaw>,
+    continuation: Continuation,
+    /// Whether the continuation is exact everywhere: a closed form, and no contact re-forms among the thresholds.
+    everywhere: bool,
     /// Whether the transform exists for Re s < 0 only by continuation: then only the pole nearest to that of the
     /// Gaussian of equal mean and variance is looked for.
     continued: bool,
@@ -125,44 +126,35 @@ struct Transform<'a> {
 
 impl<'a> Transform<'a> {
     fn new(contacts: &'a Contacts, reborn: &'a Life) -> Self {
-        let (law, rate) = (&contacts.thresholds, contacts.thresholds.decay_rate());
+        let law = &contacts.thresholds;
         let apart = 1.0 - law.survival(contacts.reforming.upper_quantile(1e-18)) < 1e-15;
-        let end = reborn.breaking().curve().end();
-        // Of 1e-18 left out, e^{8} times more is still 1e-14; nothing is left out of a compact law.
-        let known = if law.upper_quantile(0.0).is_finite() { -40.0 } else { -8.0 } / end;
-        let continued = rate == 0.0;
-        let analytic = if continued { f64::NEG_INFINITY } else { -rate };
-        let leftmost = if apart { analytic } else { analytic.max(3.4 * known) };
-        Self { reborn, mean: reborn.mean(), law: apart.then_some(law), continued, known, leftmost }
-    }
-
-    /// The law, where its own transform is to be used.
-    fn law_at(&self, s: Complex64) -> Option<&SharedLaw> {
-        self.law.filter(|law| law.laplace_is_closed() || s.re < self.known)
-    }
-
-    /// φ̂(s).
-    fn breaking(&self, s: Complex64) -> Complex64 {
-        match self.law_at(s) {
-            Some(law) => law.laplace(s) * self.reborn.births_transform(s),
-            None => kernel_transform(self.reborn.breaking(), s).0,
+        let continued = law.decay_rate() == 0.0;
+        // Of 1e-18 left out, e^8 times more is still 1e-14.
+        let known = -8.0 / reborn.breaking().curve().end();
+        let continuation = Continuation::new(contacts, known);
+        Self {
+            reborn,
+            mean: reborn.mean(),
+            leftmost: continuation.leftmost(),
+            continuation,
+            everywhere: apart && law.laplace_is_closed(),
+            continued,
+            known,
         }
     }
 
-    /// φ̂'(s); of a law by Cauchy's formula on eight points around s, exact to the eighth order.
-    fn slope(&self, s: Complex64) -> Complex64 {
-        if self.law_at(s).is_none() {
-            return kernel_transform(self.reborn.breaking(), s).1;
+    /// φ̂(s) and φ̂'(s).
+    fn breaking(&self, s: Complex64) -> (Complex64, Complex64) {
+        if self.everywhere || s.re < self.known {
+            self.continuation.transform(s)
+        } else {
+            self.reborn.breaking().transform(s)
         }
-        let radius = 0.02 / self.mean;
-        let around =
-            (0..8).map(|k| Complex64::from_polar(radius, f64::from(k) * std::f64::consts::FRAC_PI_4));
-        around.map(|h| self.breaking(s + h) / h).sum::<Complex64>() / 8.0
     }
 
     /// (1 − φ̂(s))/s, the transform of survival: its zeros are the roots, without the one at 0.
     fn survival(&self, s: Complex64) -> Complex64 {
-        (1.0 - self.breaking(s)) / s
+        (1.0 - self.breaking(s).0) / s
     }
 
     /// Where terms of the expansion stop: their amplitudes would be of what the lives leave out.
@@ -170,11 +162,13 @@ impl<'a> Transform<'a> {
         -25.0 / self.reborn.force().curve().end()
     }
 
-    /// Newton's method from a guess; a root in the upper half plane left of the axis, right of `leftmost`.
+    /// Newton's method for ln φ̂, nearly a polynomial where φ̂ is large, from a guess; a root in the upper half plane left
+    /// of the axis, right of `leftmost`.
     fn polish(&self, guess: Complex64) -> Option<Complex64> {
         let mut s = guess;
         for _ in 0..40 {
-            let step = (self.breaking(s) - 1.0) / self.slope(s);
+            let (value, slope) = self.breaking(s);
+            let step = value.ln() * value / slope;
             if !step.is_finite() || step.norm() > 4.0 / self.mean {
                 return None;
             }
@@ -183,7 +177,7 @@ impl<'a> Transform<'a> {
                 break;
             }
         }
-        let residue = (self.breaking(s) - 1.0).norm();
+        let residue = (self.breaking(s).0 - 1.0).norm();
         let inside = s.im * self.mean > 1e-3 && s.re < 1e-9 / self.mean && s.re > self.leftmost;
         (inside && residue < 1e-10).then_some(s)
     }
@@ -214,7 +208,7 @@ impl<'a> Transform<'a> {
         let top = HARMONICS * std::f64::consts::TAU / self.mean;
         let step = 0.3 / (self.mean * f64::from(density));
         let axis: Vec<f64> = (0..=(top / step) as usize)
-            .map(|k| (1.0 - self.breaking(Complex64::new(0.0, (k + 1) as f64 * step))).norm())
+            .map(|k| (1.0 - self.breaking(Complex64::new(0.0, (k + 1) as f64 * step)).0).norm())
             .collect();
         let dips =
             (1..axis.len().saturating_sub(1)).filter(|&k| axis[k] <= axis[k - 1] && axis[k] < axis[k + 1]);
@@ -261,9 +255,27 @@ impl<'a> Transform<'a> {
 
     /// Change of the argument of the transform of survival on the way from a to b.
     fn turn(&self, a: Complex64, b: Complex64) -> f64 {
-        let steps = ((b - a).norm() * self.mean / 0.1).ceil() as usize;
-        let at = |k: usize| self.survival(a + (b - a) * (k as f64 / steps as f64));
-        (0..steps).map(|k| (at(k + 1) / at(k)).arg()).sum()
+        let steps = ((b - a).norm() * self.mean / 0.4).ceil() as usize;
+        let at = |k: usize| a + (b - a) * (k as f64 / steps as f64);
+        let mut before = self.survival(a);
+        let step = |k: usize| {
+            let after = self.survival(at(k + 1));
+            let turned = self.turn_within((at(k), before), (at(k + 1), after), 0);
+            before = after;
+            turned
+        };
+        (0..steps).map(step).sum()
+    }
+
+    /// The same on a step, halved until neither half turns by more than ½.
+    fn turn_within(&self, a: (Complex64, Complex64), b: (Complex64, Complex64), depth: u32) -> f64 {
+        let middle = 0.5 * (a.0 + b.0);
+        let middle = (middle, self.survival(middle));
+        let halves = [(middle.1 / a.1).arg(), (b.1 / middle.1).arg()];
+        if halves.iter().all(|turn| turn.abs() < 0.5) || depth > 10 {
+            return halves.iter().sum();
+        }
+        self.turn_within(a, middle, depth + 1) + self.turn_within(middle, b, depth + 1)
     }
 
     /// Amplitudes of the roots that the lives resolve, of F per unit stiffness.
@@ -271,18 +283,10 @@ impl<'a> Transform<'a> {
         let end = first.breaking().curve().end().max(self.reborn.force().curve().end());
         let resolved = roots.iter().take_while(|s| -s.re * end < 25.0);
         let term = |&s: &Complex64| {
-            let source = kernel_transform(first.breaking(), s).0;
+            let source = first.breaking().transform(s).0;
             let force = self.reborn.force().curve().transform(s).0;
-            Term { exponent: s, amplitude: -source * force / self.slope(s) }
+            Term { exponent: s, amplitude: -source * force / self.breaking(s).1 }
         };
         resolved.map(term).collect()
     }
-}
-
-/// The transform of a density and its atoms, and its derivative.
-fn kernel_transform(kernel: &Kernel, s: Complex64) -> (Complex64, Complex64) {
-    kernel.atoms().fold(kernel.curve().transform(s), |sum, atom| {
-        let term = atom.weight * (-s * atom.position).exp();
-        (sum.0 + term, sum.1 - atom.position * term)
-    })
 }

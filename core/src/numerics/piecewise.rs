@@ -13,6 +13,45 @@ pub struct Piecewise {
     pub coefficients: Vec<Nodal>,
 }
 
+/// How closely cells follow a function.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Resolution {
+    /// What a cell leaves out, times its half width, is at most this.
+    Mean(f64),
+    /// What a cell leaves out is at most a fraction of its largest value, or of a value that is negligible.
+    Relative {
+        /// The fraction.
+        fraction: f64,
+        /// The value.
+        negligible: f64,
+    },
+}
+
+impl Resolution {
+    /// What a cell misses by: at most `self.most()` where it is resolved.
+    fn missing(self, values: &Nodal, left_out: f64, half: f64) -> f64 {
+        match self {
+            Self::Mean(_) => left_out * half,
+            Self::Relative { negligible, .. } => {
+                left_out / values.iter().fold(negligible, |largest, v| largest.max(v.abs()))
+            }
+        }
+    }
+
+    fn most(self) -> f64 {
+        let (Self::Mean(most) | Self::Relative { fraction: most, .. }) = self;
+        most
+    }
+
+    /// Whether what is missing after so many bisections may be rounding.
+    fn may_be_rounding(self, left_out: f64, missing: f64, depth: u32) -> bool {
+        match self {
+            Self::Mean(_) => depth > 6 && left_out < 1e-9,
+            Self::Relative { .. } => depth > 1 && missing < 1e-9,
+        }
+    }
+}
+
 /// Magnitude of what a series leaves out: its last two terms, and one more step of the decay from the two before.
 pub fn tail(coefficients: &Nodal) -> f64 {
     let pair = |n: usize| coefficients[n].abs().max(coefficients[n - 1].abs());
@@ -21,10 +60,10 @@ pub fn tail(coefficients: &Nodal) -> f64 {
 }
 
 impl Piecewise {
-    /// Interpolates `f` on [0, end], cells bisected until each leaves out less than `tolerance` in the mean
-    /// (tail × half width), or no longer gains by bisection. `edges` are cell boundaries from the first.
-    pub fn resolve(f: impl Fn(f64) -> f64, edges: &[f64], end: f64, tolerance: f64) -> Self {
-        let [out] = Self::resolve_all(|x| [f(x)], edges, end, tolerance);
+    /// Interpolates `f` on [0, end], cells bisected until each is resolved, or no longer gains by bisection. `edges` are
+    /// cell boundaries from the first.
+    pub fn resolve(f: impl Fn(f64) -> f64, edges: &[f64], end: f64, resolution: Resolution) -> Self {
+        let [out] = Self::resolve_all(|x| [f(x)], edges, end, resolution);
         out
     }
 
@@ -33,7 +72,7 @@ impl Piecewise {
         f: impl Fn(f64) -> [f64; K],
         edges: &[f64],
         end: f64,
-        tolerance: f64,
+        resolution: Resolution,
     ) -> [Self; K] {
         let mut edges: Vec<f64> =
             edges.iter().copied().filter(|&x| x > 0.0 && x < end).chain([0.0, end]).collect();
@@ -41,7 +80,7 @@ impl Piecewise {
         edges.dedup_by(|b, a| *b - *a <= f64::EPSILON * end);
         let mut out = std::array::from_fn(|_| Self { boundaries: vec![0.0], coefficients: Vec::new() });
         for pair in edges.windows(2) {
-            bisect(&f, (pair[0], pair[1]), (f64::INFINITY, 0), tolerance, &mut out);
+            bisect(&f, (pair[0], pair[1]), (f64::INFINITY, 0), resolution, &mut out);
         }
         out
     }
@@ -226,24 +265,25 @@ fn bisect<const K: usize>(
     f: &impl Fn(f64) -> [f64; K],
     (a, b): (f64, f64),
     (before, depth): (f64, u32),
-    tolerance: f64,
+    resolution: Resolution,
     out: &mut [Piecewise; K],
 ) {
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
     let values = RULE.nodes.map(|t| f(middle + half * t));
     let coefficients = |k: usize| RULE.coefficients(&values.map(|v| v[k]));
     let left_out = tail(&coefficients(0));
-    let missing = left_out * half;
-    // Rounding in f halves with the width; anything that converges gains far more.
-    let noise = depth > 6 && missing > 0.4 * before && left_out < 1e-9;
-    if missing <= tolerance || noise || depth > MOST_BISECTIONS {
+    let missing = resolution.missing(&values.map(|v| v[0]), left_out, half);
+    // Rounding in f halves with the width, at best; anything that converges gains far more.
+    let noise = missing > 0.4 * before && resolution.may_be_rounding(left_out, missing, depth);
+    let narrowest = half <= 16.0 * f64::EPSILON * b;
+    if missing <= resolution.most() || noise || narrowest || depth > MOST_BISECTIONS {
         for (k, piecewise) in out.iter_mut().enumerate() {
             piecewise.boundaries.push(b);
             piecewise.coefficients.push(coefficients(k));
         }
     } else {
-        bisect(f, (a, middle), (missing, depth + 1), tolerance, out);
-        bisect(f, (middle, b), (missing, depth + 1), tolerance, out);
+        bisect(f, (a, middle), (missing, depth + 1), resolution, out);
+        bisect(f, (middle, b), (missing, depth + 1), resolution, out);
     }
 }
 
@@ -257,7 +297,7 @@ mod tests {
     #[test]
     fn a_smooth_function_with_a_jump_is_resolved() {
         let f = |x: f64| if x < 0.3 { x.sin() } else { 2.0 + x.cos() };
-        let p = Piecewise::resolve(f, &[0.3], 2.0, 1e-15);
+        let p = Piecewise::resolve(f, &[0.3], 2.0, Resolution::Mean(1e-15));
         for x in [0.0, 0.1, 0.3, 0.31, 1.9999] {
             assert!((p.value(x) - f(x)).abs() < 1e-14, "{x}");
         }
@@ -272,7 +312,7 @@ mod tests {
 
     #[test]
     fn transforms_agree_with_closed_forms_slow_and_fast() {
-        let p = Piecewise::resolve(|x: f64| (-x).exp(), &[0.4], 2.0, 1e-16);
+        let p = Piecewise::resolve(|x: f64| (-x).exp(), &[0.4], 2.0, Resolution::Mean(1e-16));
         for s in [
             Complex64::new(0.3, 0.0),
             Complex64::new(-1.0, 9.0),
@@ -290,7 +330,7 @@ mod tests {
 
     #[test]
     fn an_inverse_square_root_integrates() {
-        let p = Piecewise::resolve(|x: f64| 0.5 / x.sqrt(), &[], 1.0, 1e-16);
+        let p = Piecewise::resolve(|x: f64| 0.5 / x.sqrt(), &[], 1.0, Resolution::Mean(1e-16));
         // Each of about 100 graded cells leaves out at most 1e-16.
         assert!((p.integral() - 1.0).abs() < 1e-13, "{:e}", p.integral() - 1.0);
     }

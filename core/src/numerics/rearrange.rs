@@ -139,9 +139,10 @@ impl Piecewise {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::piecewise::Resolution;
 
     fn sine() -> Piecewise {
-        Piecewise::resolve(f64::sin, &[0.7, 1.1], 2.0, 1e-15)
+        Piecewise::resolve(f64::sin, &[0.7, 1.1], 2.0, Resolution::Mean(1e-15))
     }
 
     #[test]
@@ -156,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_singular_function_keeps_its_integral_when_moved() {
-        let steep = Piecewise::resolve(|x: f64| 0.5 / x.sqrt(), &[], 1.0, 1e-16);
+        let steep = Piecewise::resolve(|x: f64| 0.5 / x.sqrt(), &[], 1.0, Resolution::Mean(1e-16));
         for moved in [steep.shifted(1.0), steep.mirrored().shifted(7.0)] {
             // 119 graded cells, each right to rounding; those that differ by less than rounding are gone.
             assert!((moved.integral() - steep.integral()).abs() < 1e-13);
@@ -166,7 +167,8 @@ mod tests {
 
     #[test]
     fn a_sum_needs_no_more_cells_than_its_terms() {
-        let (whole, other) = (sine(), Piecewise::resolve(f64::cos, &[0.3, 1.3], 2.5, 1e-15));
+        let (whole, other) =
+            (sine(), Piecewise::resolve(f64::cos, &[0.3, 1.3], 2.5, Resolution::Mean(1e-15)));
         let sum = whole.added(&other, 1e-14);
         for x in [0.1, 0.69, 1.2, 1.99] {
             assert!((sum.value(x) - x.sin() - x.cos()).abs() < 1e-13, "{x}");

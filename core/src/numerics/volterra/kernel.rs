@@ -1,5 +1,7 @@
 //! The known function of the convolution: a density with its breaks and atoms.
 
+use num_complex::Complex64;
+
 use crate::numerics::breaks::{Atom, Break, same_position};
 use crate::numerics::piecewise::Piecewise;
 
@@ -41,6 +43,14 @@ impl Kernel {
     pub fn atoms(&self) -> impl Iterator<Item = Atom> + '_ {
         let atoms = self.breaks.iter().filter(|b| b.is_atom());
         atoms.map(|b| Atom { position: b.position, weight: b.amplitude })
+    }
+
+    /// ∫e^{−su} of the density and the point masses, and its derivative by s.
+    pub fn transform(&self, s: Complex64) -> (Complex64, Complex64) {
+        self.atoms().fold(self.curve.transform(s), |sum, atom| {
+            let term = atom.weight * (-s * atom.position).exp();
+            (sum.0 + term, sum.1 - atom.position * term)
+        })
     }
 
     /// Boundaries in (low, high) at which a quadrature over cells of width `width` must be split.

@@ -1,0 +1,121 @@
+//! The transform of the breaking density far left in the complex plane, where it hangs on the tails of the laws.
+
+use std::f64::consts::FRAC_PI_4;
+
+use num_complex::Complex64;
+
+use super::breaking::Breaking;
+use super::cells::{BULK, Detail, edges, resolved, with_atoms};
+use super::layer::Layer;
+use crate::contacts::Contacts;
+use crate::law::{Break, Law, SharedLaw, Zone};
+use crate::numerics::piecewise::Piecewise;
+use crate::numerics::volterra::Kernel;
+
+/// φ̂(s) of contacts that re-form, from the transform of the law of thresholds.
+///
+/// With φ(u) = ∫ν(r) P_c(r+u) dr taken for u < 0 too (starts above their thresholds), ν = R/S, the transform
+/// over all u is a product, so that φ̂(s) = P̂_c(s) ν̂(−s) − ∫_0^∞ e^{sv} φ(−v) dv.
+/// Analytic wherever P̂_c is. Where Re s ≥ 0 the difference cancels by 1/S; left of where e^{−sx} P_c(x) has its bulk
+/// above the starts it is exact to rounding.
+#[derive(Debug)]
+pub(crate) struct Continuation {
+    thresholds: Thresholds,
+    /// ν.
+    births: Kernel,
+    /// e^{edge·v} φ(−v).
+    before: Kernel,
+    edge: f64,
+}
+
+/// P_c as its transform is best found.
+#[derive(Debug)]
+enum Thresholds {
+    Law(SharedLaw),
+    /// Density and atoms, where the law's own transform is a quadrature.
+    Resolved(Kernel),
+}
+
+/// Starting mass down to which births are resolved, which e^{sr} lifts: of a Gaussian, 13 standard deviations.
+const LOWEST: f64 = 1e-40;
+
+/// Survival down to which thresholds are, which e^{−sx} lifts by far more.
+const DEEPEST: f64 = 1e-250;
+
+impl Continuation {
+    /// φ̂ for Re s ≤ `edge` < 0. Contacts are taken to have passed [`Contacts::check`].
+    pub(crate) fn new(contacts: &Contacts, edge: f64) -> Self {
+        let (thresholds, detail) = (contacts.thresholds.as_ref(), Detail::tails(LOWEST));
+        let placed = Layer::placed(contacts, contacts.reforming.as_ref(), true, detail);
+        // Thresholds below the stretches count as well.
+        let unbounded = Layer { ahead: f64::NEG_INFINITY, behind: f64::NEG_INFINITY, ..placed };
+        let breaking = Breaking::new(thresholds, &unbounded, detail);
+        let highest = unbounded.range().map_or(0.0, |range| range.1);
+        let faded = |b: Break| Break { amplitude: b.amplitude * (edge * b.position).exp(), ..b };
+        let breaks: Vec<_> = met_before(thresholds, &unbounded).into_iter().map(faded).collect();
+        let before = |z: Zone| Zone { low: -z.high, high: -z.low, ..z };
+        let zones: Vec<_> = breaking.zones().into_iter().map(before).collect();
+        let stops: Vec<_> = breaks.iter().map(|b| b.position).collect();
+        let fading = |v: f64| (edge * v).exp() * breaking.moments(-v)[0];
+        let curve = Piecewise::resolve(fading, &edges(&zones, &stops, highest), highest, BULK.resolution);
+        let before = Kernel::new(curve, breaks);
+        let atoms = unbounded.atoms.iter().map(|&atom| Break::from(atom)).collect();
+        let births = Kernel::new(unbounded.density, atoms);
+        Self { thresholds: Thresholds::new(&contacts.thresholds), births, before, edge }
+    }
+
+    /// φ̂(s) and φ̂'(s).
+    pub(crate) fn transform(&self, s: Complex64) -> (Complex64, Complex64) {
+        let (law, births) = (self.thresholds.transform(s), self.births.transform(-s));
+        let before = self.before.transform(self.edge - s);
+        (law.0 * births.0 - before.0, law.1 * births.0 - law.0 * births.1 + before.1)
+    }
+
+    /// Re s down to which it holds.
+    pub(crate) fn leftmost(&self) -> f64 {
+        match &self.thresholds {
+            Thresholds::Law(law) if law.decay_rate() > 0.0 => -law.decay_rate(),
+            Thresholds::Law(_) => f64::NEG_INFINITY,
+            // What is left out is 1e-16 of what e^{−sx} lifts.
+            Thresholds::Resolved(kernel) => (DEEPEST.ln() + 37.0) / kernel.curve().end(),
+        }
+    }
+}
+
+/// Where breaks and atoms of P_c meet those of ν at advances u ≤ 0, as positions of −u, rising.
+fn met_before(thresholds: &dyn Law, births: &Layer) -> Vec<Break> {
+    let starts: Vec<_> =
+        births.breaks.iter().copied().chain(births.atoms.iter().map(|&atom| Break::from(atom))).collect();
+    let hazards = with_atoms(thresholds);
+    let meetings =
+        hazards.iter().flat_map(|hazard| starts.iter().map(|start| start.convolve(hazard.mirrored())));
+    let mut before: Vec<_> = meetings.filter(|met| met.position >= 0.0).collect();
+    before.sort_by(|a, b| a.position.total_cmp(&b.position));
+    before
+}
+
+impl Thresholds {
+    fn new(law: &SharedLaw) -> Self {
+        if law.laplace_is_closed() || law.decay_rate().is_finite() {
+            return Self::Law(law.clone());
+        }
+        let mut breaks = with_atoms(law.as_ref());
+        breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Self::Resolved(Kernel::new(resolved(law.as_ref(), Detail::tails(DEEPEST)), breaks))
+    }
+
+    /// P̂_c(s) and P̂_c'(s).
+    fn transform(&self, s: Complex64) -> (Complex64, Complex64) {
+        match self {
+            Self::Law(law) => (law.laplace(s), slope(law.as_ref(), s)),
+            Self::Resolved(kernel) => kernel.transform(s),
+        }
+    }
+}
+
+/// P̂_c'(s) by Cauchy's formula on eight points around s, exact to the eighth order.
+fn slope(law: &dyn Law, s: Complex64) -> Complex64 {
+    let radius = 0.02 / law.mean();
+    let around = (0..8).map(|k| Complex64::from_polar(radius, f64::from(k) * FRAC_PI_4));
+    around.map(|h| law.laplace(s + h) / h).sum::<Complex64>() / 8.0
+}
