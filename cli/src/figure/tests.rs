@@ -44,6 +44,7 @@ fn outcome() -> Outcome {
         sample: Some(100.0),
         seed: Some(1),
         disorder: None,
+        sliding: None,
         friction_coefficients: None,
         compare: None,
     };
