@@ -80,7 +80,7 @@ stubs: $(venv)/installed
 
 # A wheel for any Linux since 2014.
 wheel: $(venv)-wheel/ready
-	$(venv)-wheel/bin/maturin build --release --locked --zig --compatibility manylinux2014 --out target/manylinux
+	PATH="$(CURDIR)/$(venv)-wheel/bin:$$PATH" maturin build --release --locked --zig --compatibility manylinux2014 --out target/manylinux
 
 $(venv)-wheel/ready: python/requirements-wheel.txt
 	$(environment)
