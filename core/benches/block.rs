@@ -68,7 +68,9 @@ fn breaks() {
     let damped = Slip::Inertial { mass: 1.0, damping: 0.5 };
     let undamped = Slip::Inertial { mass: 1.0, damping: 0.0 };
     let rules = [Slip::Reset, Slip::Overdamped, Slip::Arrest, undamped, damped];
-    println!("\nCPU time of a break under the block, ns, and its growth over that of log N\n{:>10}", "N");
+    println!("\nCPU time of a break under the block, ns, and its growth over that of log N");
+    let names = ["reset", "overdamped", "arrest", "inertial", "damped"];
+    println!("{:>10}{}", "N", names.map(|name| format!("{name:>15}")).concat());
     let mut before: Option<(Vec<f64>, f64)> = None;
     for size in [1_000_usize, 10_000, 100_000, 1_000_000, 10_000_000] {
         let (contacts, initial) = contacts();
@@ -81,9 +83,13 @@ fn breaks() {
             1e9 * time / (population.books().broken * size as f64)
         });
         let logarithm = (size as f64).ln();
-        let grown = |i: usize| before.as_ref().map_or(f64::NAN, |(t, l)| times[i] / t[i] / (logarithm / l));
-        let columns: String =
-            (0..rules.len()).map(|i| format!("{:>8.0} ({:.2})", times[i], grown(i))).collect();
+        let column = |i: usize| {
+            let growth = before.as_ref().map_or(String::new(), |(earlier, log): &(Vec<f64>, f64)| {
+                format!("({:.2})", times[i] / earlier[i] / (logarithm / log))
+            });
+            format!("{:>8.0} {growth:>6}", times[i])
+        };
+        let columns: String = (0..rules.len()).map(column).collect();
         println!("{size:>10}{columns}");
         before = Some((times.to_vec(), logarithm));
     }

@@ -15,8 +15,8 @@ use crate::{Error, Float, Result};
 /// Work, of the elastic energy of the contacts, at which the motion is first followed.
 const UNSEEN: f64 = 1e-14;
 
-/// Error of the speed in a step, of the one that the elastic energy of the contacts would give the slider: at lower
-/// speeds it matters less, and rounding of the forces shows.
+/// Error of the speed in a step, of the one that the elastic energy of the contacts would give the slider, or that
+/// its damping would let the pull have: at lower speeds it matters less, and rounding of the forces shows.
 const ACCURACY: f64 = 1e-12;
 
 /// A distance from the balance, of the way gone, at which a damped motion is at its end: the energy left is 1e-18.
@@ -58,8 +58,10 @@ struct Swing {
     speed: f64,
     /// Of the last step.
     step: f64,
-    /// √(2E/M), E being the elastic energy of the contacts at the start.
-    fast: f64,
+    /// Elastic energy of the contacts when balance was lost.
+    energy: f64,
+    /// The error of a speed.
+    accuracy: f64,
     start: f64,
 }
 
@@ -73,6 +75,8 @@ impl Walk<'_> {
         damping: f64,
     ) -> Result<Swung> {
         self.offered.clear();
+        let (energy, pull) = (self.stored_in_contacts(), self.state(drive, 0.0).spring_force.abs());
+        let fast = (2.0 * energy / mass).sqrt().min(pull / damping);
         let mut swing = Swing {
             body: Body { mass, damping },
             drive,
@@ -80,7 +84,8 @@ impl Walk<'_> {
             place: 0.0,
             speed: 0.0,
             step: f64::INFINITY,
-            fast: (2.0 * self.look.books().elastic / mass).sqrt(),
+            energy,
+            accuracy: ACCURACY * fast,
             start: self.look.position,
         };
         self.towards(direction)?;
@@ -129,7 +134,7 @@ impl Walk<'_> {
         if excess(0.0) > 0.0 && !self.is_balanced(swing.drive) {
             return true;
         }
-        let unseen = UNSEEN * self.look.books().elastic;
+        let unseen = UNSEEN * swing.energy;
         let visible = |place: f64| place > f64::EPSILON * self.look.position.abs();
         let mut place = self.look.way.length.min(self.look.position.abs().max(1.0));
         while visible(place) && !(excess(place) > 0.0 && place * excess(place) < unseen) {
@@ -187,7 +192,7 @@ impl Walk<'_> {
                 time *= 0.5;
                 continue;
             };
-            let (share, ending) = first_ending(&step, end);
+            let (share, ending) = first_ending(&step, end, swing.accuracy);
             // Landed on what ends it, or nothing does.
             if share < 1.0 {
                 time *= share;
@@ -210,7 +215,7 @@ impl Walk<'_> {
             let resistance = look.loading.resistance(look.response(within).tangent);
             (look.excess(swing.drive, within) - resistance * (u - within), -resistance)
         };
-        swing.body.step((swing.place, swing.speed), time, ACCURACY * swing.fast, force)
+        swing.body.step((swing.place, swing.speed), time, swing.accuracy, force)
     }
 
     fn accept(&mut self, swing: &mut Swing, step: &Step, ending: Ending) {
@@ -240,31 +245,38 @@ impl Walk<'_> {
     }
 }
 
-/// How far an end may be missed: of the way, of the highest speed.
+/// How far the end of a way may be missed, of its length.
 const MISSED: f64 = 1e-13;
 
-/// The share of a step at which it first ends, and how; 1 where that is at its end, to rounding.
-fn first_ending(step: &Step, length: f64) -> (f64, Ending) {
-    let (places, speeds) = (step.places(), step.speeds());
-    let (place, speed) = step.at(1.0);
-    let highest = speeds.iter().fold(step.speed, |most: f64, v| most.max(v.abs()));
-    let stopped = speeds.iter().position(|v| *v < 0.0).map(|i| step.times()[i] / step.time);
-    let stopped = stopped.or((speed < 0.0).then_some(1.0));
-    // A motion that begins at rest is not at its end there.
-    let moving = speeds.iter().position(|v| *v > 0.0).map_or(0.0, |i| step.times()[i] / step.time);
-    let moving = if step.speed > 0.0 { 0.0 } else { moving };
-    let mut last = (1.0, if speed.abs() <= 1e-10 * highest { Ending::Arrested } else { Ending::Under });
-    if let Some(stopped) = stopped
-        && last.1 == Ending::Under
-    {
-        last = (brent_root(|s| step.at(s).1, moving, stopped, 0.0).unwrap_or(stopped), Ending::Arrested);
-    }
-    let farthest = if last.0 < 1.0 { step.at(last.0).0 } else { place };
+/// Speeds below which a slider is at rest, of the highest in a step.
+const STILL: f64 = 1e-10;
+
+/// The share of a step at which it first ends, and how; 1 where that is at its end, to rounding and to the `accuracy`
+/// of the speed.
+fn first_ending(step: &Step, length: f64, accuracy: f64) -> (f64, Ending) {
+    let (share, ending) = first_rest(step, accuracy);
+    let farthest = step.at(share).0;
     if (farthest - length).abs() <= MISSED * length {
-        return (last.0, Ending::Through);
+        return (share, Ending::Through);
     }
-    if farthest < length && places.iter().all(|u| *u < length) {
-        return last;
+    if farthest < length {
+        return (share, ending);
     }
-    (brent_root(|s| step.at(s).0 - length, 0.0, last.0, 0.0).unwrap_or(last.0), Ending::Through)
+    (brent_root(|s| step.at(s).0 - length, 0.0, share, 0.0).unwrap_or(share), Ending::Through)
+}
+
+/// The share of a step at which the motion first comes to rest, if it does.
+fn first_rest(step: &Step, accuracy: f64) -> (f64, Ending) {
+    let (speeds, shares) = (step.speeds(), step.times().map(|time| time / step.time));
+    let last = step.at(1.0).1;
+    let highest = speeds.iter().fold(step.speed, |most: f64, v| most.max(*v));
+    let still = STILL * highest + 2.0 * accuracy;
+    let node = speeds.iter().position(|v| *v < -still).map(|i| shares[i]);
+    let Some(after) = node.or((last < -still).then_some(1.0)) else {
+        return (1.0, if last <= still { Ending::Arrested } else { Ending::Under });
+    };
+    // A motion that begins at rest is not at its end there.
+    let begun = speeds.iter().position(|v| *v > 0.0).map_or(0.0, |i| shares[i]);
+    let before = if step.speed > 0.0 { 0.0 } else { begun };
+    (brent_root(|s| step.at(s).1, before, after, 0.0).unwrap_or(after), Ending::Arrested)
 }

@@ -225,6 +225,11 @@ impl<'a> Walk<'a> {
         self.look.books().broken - self.books.broken
     }
 
+    /// Elastic energy of the contacts when the books were last closed.
+    pub fn stored_in_contacts(&self) -> f64 {
+        self.books.elastic
+    }
+
     /// Closes the books at the end of the drive.
     pub fn close(&mut self) {
         let drive = self.drive();
