@@ -11,7 +11,7 @@ from scipy.stats.distributions import rv_frozen
 from typing_extensions import disjoint_base
 from xarray import Dataset
 
-from asperity._values import Atoms, Label, StaticFriction, StretchDensity
+from asperity._values import Atoms, Course, Energy, Equilibria, Events, Label, Potential, Sizes, State, StaticFriction, StretchDensity
 
 __version__: str
 _Array: TypeAlias = NDArray[np.float64]
@@ -371,6 +371,44 @@ class Ensemble(Model):
         Raises ValueError for values that make no sense, MemoryError for results that do not fit.
         """
 
+@final
+class Inertial(Description):
+    def __new__(cls, mass: _Number, damping: _Number = 0.0) -> Self: ...
+    @property
+    def mass(self) -> float: ...
+    @property
+    def damping(self) -> float: ...
+
+@final
+class Block(Description):
+    def __new__(
+        cls,
+        model: Model,
+        stiffness: _Number | None,
+        slip: Literal["reset", "overdamped", "arrest"] | Inertial = "reset",
+        *,
+        slip_fraction: _Number = 0.05,
+    ) -> Self: ...
+    @property
+    def model(self) -> MasterEquation | Ensemble: ...
+    @property
+    def stiffness(self) -> float: ...
+    @property
+    def slip(self) -> Literal["reset", "overdamped", "arrest"] | Inertial: ...
+    @property
+    def slip_fraction(self) -> float: ...
+    def drive(
+        self,
+        distance: _Number | None = None,
+        points: SupportsIndex = 2001,
+        *,
+        turning_points: ArrayLike | None = None,
+        force_to: _Number | None = None,
+        progress: _Progress = None,
+    ) -> StickSlip: ...
+    def equilibrium(self, distance: _Number | None = None, points: SupportsIndex = 2001) -> Equilibria: ...
+    def potential(self, drive: ArrayLike, distance: _Number | None = None, points: SupportsIndex = 2001) -> Potential: ...
+
 @disjoint_base
 class Record(Mapping[str, _Array]):
     """Results: a mapping from the names of variables to arrays, which cannot be changed."""
@@ -521,6 +559,39 @@ class EnsemblePull(Record):
     @property
     def breaks(self) -> int:
         """The number of breaks up to the end, those of a relaxed start included."""
+
+@final
+class StickSlip(Record):
+    @property
+    def block(self) -> Block: ...
+    @property
+    def drive(self) -> _Array: ...
+    @property
+    def spring_force(self) -> _Array: ...
+    @property
+    def events(self) -> Events: ...
+    @property
+    def regime(self) -> Literal["smooth", "transient", "persistent", "runaway", "undecided"]: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def period(self) -> float | None: ...
+    @property
+    def mean_drop(self) -> float | None: ...
+    @property
+    def mean_slip(self) -> float | None: ...
+    @property
+    def scatter(self) -> float | None: ...
+    @property
+    def first_instability(self) -> State | None: ...
+    @property
+    def runaway(self) -> State | None: ...
+    @property
+    def energy(self) -> Energy: ...
+    @property
+    def sizes(self) -> Sizes | None: ...
+    @property
+    def slip_course(self) -> Course | None: ...
 
 @final
 class SteadyState:

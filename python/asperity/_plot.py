@@ -4,25 +4,45 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
 
     from asperity._core import Record
 
 
-def force(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
-    """Draws the force along the pull or the drive, with the kinetic friction and on a pull the static one."""
+def draw(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
+    """Draws the force along the pull or the drive, with the kinetic friction, where it is known."""
     if ax is None:
         ax = new_axes()
-    name, along = ("drive", "X_T") if "drive" in record else ("position", "X")
-    (line,) = ax.plot(record[name], record.force, **style)
-    peak = getattr(record, "static_friction", None)
-    if peak is not None and name == "position":
-        ax.plot(peak.position, peak.force, "o", color=line.get_color())
+    line = sliding(record, ax, **style) if "drive" in record else force(record, ax, **style)
     steady = getattr(record, "kinetic_friction", None)
     if steady is not None:
         ax.axhline(steady, linestyle="--", linewidth=0.8, color=line.get_color())
-    ax.set_xlabel(axis(along, record.labels[name].units))
-    ax.set_ylabel(axis("F", record.labels["force"].units))
     return ax
+
+
+def force(record: "Record", ax: "Axes", **style: Any) -> "Line2D":
+    """F(X), its maximum as a dot, where it is known."""
+    line = curve(record, ax, {"position": "X", "force": "F"}, **style)
+    peak = getattr(record, "static_friction", None)
+    if peak is not None:
+        ax.plot(peak.position, peak.force, "o", color=line.get_color())
+    return line
+
+
+def sliding(record: "Record", ax: "Axes", **style: Any) -> "Line2D":
+    """The force of the spring against the drive; an imposed force against the position."""
+    if record.labels["drive"].quantity == "force":
+        return curve(record, ax, {"position": "X", "drive": "F"}, **style)
+    return curve(record, ax, {"drive": "$X_T$", "spring_force": "F"}, **style)
+
+
+def curve(record: "Record", ax: "Axes", names: dict[str, str], **style: Any) -> "Line2D":
+    """The second of two variables against the first, under the names that axes have."""
+    x, y = names
+    (line,) = ax.plot(record[x], record[y], **style)
+    ax.set_xlabel(axis(names[x], record.labels[x].units))
+    ax.set_ylabel(axis(names[y], record.labels[y].units))
+    return line
 
 
 def new_axes() -> "Axes":

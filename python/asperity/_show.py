@@ -40,9 +40,12 @@ def table(caption: str, rows: Mapping[str, str]) -> str:
 
 
 def record(record: "Record") -> str:
-    lines = [f"<asperity.{type(record).__name__}>"]
-    lines += [f"  {key:<18} {value}" for key, value in rows(record).items()]
-    return "\n".join(lines)
+    return listed(f"<asperity.{type(record).__name__}>", rows(record))
+
+
+def listed(caption: str, rows: Mapping[str, str]) -> str:
+    width = max(map(len, rows))
+    return "\n".join([caption, *(f"  {key:<{width}} {value}" for key, value in rows.items())])
 
 
 def record_html(record: "Record") -> str:
@@ -52,6 +55,7 @@ def record_html(record: "Record") -> str:
 def rows(record: "Record") -> dict[str, str]:
     """The numbers people quote, and the variables with their shapes."""
     rows = {}
+    summary = getattr(record, "summary", {})
     for name in (
         "title",
         "static_friction",
@@ -59,11 +63,15 @@ def rows(record: "Record") -> dict[str, str]:
         "relaxation_length",
         "critical_stiffness",
         "breaks",
+        "reason",
+        "period",
+        "mean_drop",
+        "mean_slip",
     ):
-        value = getattr(record, name, "")
-        if value is None:
+        value = getattr(record, name, summary.get(name, ""))
+        if value is None and name == "static_friction":
             rows[name] = "not reached"
-        elif value != "":
+        elif value is not None and value != "":
             rows[name] = number(value)
     for name, label in record.labels.items():
         sizes = zip(label.dimensions, record[name].shape, strict=True)

@@ -1,6 +1,7 @@
-"""Small results: named tuples."""
+"""Small results: named tuples, and the table of slips."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple, SupportsIndex, overload
 
 if TYPE_CHECKING:
     import numpy as np
@@ -45,3 +46,150 @@ class Label(NamedTuple):
     """Its name for people."""
     units: str
     """Its unit, "1" where there is none."""
+    quantity: str
+    """What it measures: "length", "force", "per_length", "stiffness", "energy", "time", "velocity" or "number"."""
+
+
+class State(NamedTuple):
+    """A state of a slider in balance."""
+
+    drive: float
+    """The position X_T of the top, a length; or the imposed force."""
+    position: float
+    """The position X of the bottom, a length."""
+    force: float
+    """The friction force F."""
+
+
+class Event(NamedTuple):
+    """A slip, at a fixed drive."""
+
+    drive: float
+    """The drive, a length; or the imposed force."""
+    position_before: float
+    """The position X_1 at which balance was lost, a length."""
+    position_after: float
+    """The position at which it was found again, a length."""
+    position_turn: float
+    """The position X_2 at which an inertial slip first came to rest; else the one after. A length."""
+    force_before: float
+    """The force F_1 before."""
+    force_after: float
+    """The force after."""
+    drop: float
+    """The drop of the force."""
+    slip: float
+    """The way of the slider, a length."""
+    broken_fraction: float
+    """Breaks per contact; a contact that breaks twice counts twice."""
+    dissipated_breaks: float
+    """Energy lost in breaks."""
+    dissipated_slip: float
+    """Energy lost by the slider, by viscous damping or otherwise."""
+
+
+class Events(Sequence[Event]):
+    """The slips of a drive, in order: a table whose rows are Event, and whose columns are arrays.
+
+    `len(events)` is their number, `events[0]` the first of them, `events["drop"]` the drops of all, shape (n,). The
+    columns are named like the parts of an Event.
+    """
+
+    def __init__(self, columns: "Mapping[str, NDArray[np.float64]]") -> None:
+        self._columns = columns
+
+    def __len__(self) -> int:
+        return len(self._columns["drive"])
+
+    @overload
+    def __getitem__(self, key: str) -> "NDArray[np.float64]": ...
+    @overload
+    def __getitem__(self, key: SupportsIndex) -> Event: ...
+    @overload
+    def __getitem__(self, key: slice) -> "Events": ...
+    def __getitem__(self, key: "str | SupportsIndex | slice") -> "NDArray[np.float64] | Event | Events":
+        if isinstance(key, str):
+            return self._columns[key]
+        if isinstance(key, slice):
+            return Events({name: column[key] for name, column in self._columns.items()})
+        return Event(**{name: float(column[key]) for name, column in self._columns.items()})
+
+    def __repr__(self) -> str:
+        lines = [f"<asperity.Events: {len(self)}>"]
+        lines += [f"  {name:<18} {_shown(column)}" for name, column in self._columns.items()]
+        return "\n".join(lines)
+
+
+def _shown(column: "NDArray[np.float64]") -> str:
+    """The first and the last of the values."""
+    values = [f"{value:.6g}" for value in column]
+    return " ".join([*values[:3], "...", *values[-3:]] if len(values) > 7 else values)
+
+
+class Energy(NamedTuple):
+    """Where the work of a drive went; each part is computed on its own. Energies are forces times lengths."""
+
+    work: float
+    """The work of the drive."""
+    spring: float
+    """The change of the energy of the spring, ½K(X_T - X)²."""
+    elastic: float
+    """The change of the elastic energy of the contacts, Σ½kx²."""
+    breaks: float
+    """Lost in breaks."""
+    slip: float
+    """Lost by the slider in slips, where it has no inertia; of a reset the energy of the spring that is released."""
+    viscous: float
+    """Lost by viscous damping."""
+    imbalance: float
+    """The work less all the others: 0 but for rounding and the accuracy of the forces."""
+
+
+class Sizes(NamedTuple):
+    """How many events of an ensemble there were of each size: ten bins to a factor of ten; empty ones are left out."""
+
+    contacts: "NDArray[np.float64]"
+    """The number of contacts broken, in the middle of the bin, shape (n,)."""
+    events: "NDArray[np.float64]"
+    """The number of events, shape (n,)."""
+    slip: "NDArray[np.float64]"
+    """The mean way of the slider in such an event, shape (n,), a length."""
+    drop: "NDArray[np.float64]"
+    """The mean drop of the force, shape (n,)."""
+
+
+class Course(NamedTuple):
+    """The time course of an inertial slip: arrays of shape (n,)."""
+
+    time: "NDArray[np.float64]"
+    """The time since the slider had gone a hundredth of its way."""
+    position: "NDArray[np.float64]"
+    """The position X of the slider, a length."""
+    velocity: "NDArray[np.float64]"
+    """Its velocity."""
+    force: "NDArray[np.float64]"
+    """The friction force F."""
+    spring_force: "NDArray[np.float64]"
+    """The force K(X_T - X) of the spring."""
+
+
+class Equilibria(NamedTuple):
+    """Where a slider is in balance: arrays of shape (n,), by rising position."""
+
+    drive: "NDArray[np.float64]"
+    """The drive X_T at which it is, a length."""
+    position: "NDArray[np.float64]"
+    """The position X of its bottom, a length."""
+    force: "NDArray[np.float64]"
+    """The friction force F."""
+    stable: "NDArray[np.bool_]"
+    """Whether it stays there when it is pushed."""
+
+
+class Potential(NamedTuple):
+    """The potential of a slider and its contacts at one drive or several."""
+
+    position: "NDArray[np.float64]"
+    """Positions X, shape (n,), a length."""
+    energy: "NDArray[np.float64]"
+    """The potential V(X_T, X): shape (n,), or (m, n) for a list of m drives."""

@@ -2,8 +2,11 @@
 
 use asperity::scenario::{Disorder, Start};
 use asperity_runner::input;
+use asperity_runner::summary::Kind;
 use numpy::ndarray::{ArrayD, IxDyn};
-use numpy::{IntoPyArray, PyArrayDescrMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{
+    Element, IntoPyArray, PyArrayDescrMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::exceptions::{PyOverflowError, PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
@@ -146,7 +149,11 @@ pub fn contacts(key: &str, number: f64) -> PyResult<f64> {
 }
 
 /// An array of the given shape that owns `values` and does not let them be changed.
-pub fn array<'py>(py: Python<'py>, shape: &[usize], values: Vec<f64>) -> PyResult<Bound<'py, PyAny>> {
+pub fn array<'py, T: Element>(
+    py: Python<'py>,
+    shape: &[usize],
+    values: Vec<T>,
+) -> PyResult<Bound<'py, PyAny>> {
     let array = ArrayD::from_shape_vec(IxDyn(shape), values)
         .map_err(|e| PyRuntimeError::new_err(e.to_string()))?
         .into_pyarray(py)
@@ -156,7 +163,7 @@ pub fn array<'py>(py: Python<'py>, shape: &[usize], values: Vec<f64>) -> PyResul
 }
 
 /// An array of one dimension that owns `values` and does not let them be changed.
-pub fn row(py: Python<'_>, values: Vec<f64>) -> PyResult<Bound<'_, PyAny>> {
+pub fn row<T: Element>(py: Python<'_>, values: Vec<T>) -> PyResult<Bound<'_, PyAny>> {
     array(py, &[values.len()], values)
 }
 
@@ -253,11 +260,25 @@ pub fn disorder(disorder: Disorder) -> &'static str {
     }
 }
 
+/// The word for a kind of sliding.
+pub fn regime(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Smooth => "smooth",
+        Kind::Transient => "transient",
+        Kind::Persistent => "persistent",
+        Kind::Runaway => "runaway",
+        Kind::Undecided => "undecided",
+    }
+}
+
 /// A part of a scenario, made of dictionaries, lists, numbers, texts, arrays and descriptions.
 pub fn toml(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     let child = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
     if let Ok(described) = value.cast::<Description>() {
-        return described.get().toml().ok_or_else(|| wrong_type(key, "a law, areas or contacts", value));
+        return described
+            .get()
+            .toml()
+            .ok_or_else(|| wrong_type(key, "a law, areas, contacts or a slip rule", value));
     }
     if let Ok(table) = value.cast::<PyDict>() {
         let entry = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {

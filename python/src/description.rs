@@ -1,17 +1,17 @@
-//! What laws, contacts and models have in common: each is its description in plain values, and so can be compared,
+//! What laws, contacts, models and sliders have in common: each is its description in plain values, and so can be compared,
 //! printed, copied with changes, and sent to another process.
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash as _, Hasher as _};
 
-use asperity::scenario::{self, Areas, Contacts, Law, Start};
+use asperity::scenario::{self, Areas, Contacts, Law, Slip, Start};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
-use crate::{contacts, ensemble, equation, law};
+use crate::{block, contacts, ensemble, equation, law};
 
 /// The plain values of a description, as they stand in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,6 +22,8 @@ pub enum Plain {
     Contacts(Contacts),
     MasterEquation(Interface, scenario::MasterEquation),
     Ensemble(Interface, scenario::Ensemble),
+    Slip(Slip),
+    Block(Slider),
 }
 
 /// Contacts and how they start.
@@ -30,6 +32,16 @@ pub struct Interface {
     pub contacts: Contacts,
     pub initial: Law,
     pub start: Start,
+}
+
+/// A slider, and the model of the contacts under it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Slider {
+    pub model: Box<Plain>,
+    /// `None` where the slider is rigid.
+    pub stiffness: Option<f64>,
+    pub slip: Slip,
+    pub slip_fraction: f64,
 }
 
 impl Plain {
@@ -45,6 +57,8 @@ impl Plain {
             Self::Contacts(_) => py.get_type::<contacts::Contacts>(),
             Self::MasterEquation(..) => py.get_type::<equation::MasterEquation>(),
             Self::Ensemble(..) => py.get_type::<ensemble::Ensemble>(),
+            Self::Slip(_) => py.get_type::<block::Inertial>(),
+            Self::Block(_) => py.get_type::<block::Block>(),
         }
     }
 
@@ -57,6 +71,8 @@ impl Plain {
             Self::Contacts(contacts) => contacts::arguments(contacts, &arguments),
             Self::MasterEquation(interface, own) => equation::arguments(interface, own, &arguments),
             Self::Ensemble(interface, own) => ensemble::arguments(interface, own, &arguments),
+            Self::Slip(slip) => block::inertial_arguments(*slip, &arguments),
+            Self::Block(slider) => block::arguments(slider, &arguments),
         }?;
         Ok(arguments)
     }
@@ -83,7 +99,8 @@ impl Description {
             Plain::Law(law) => Value::try_from(law),
             Plain::Areas(areas) => Value::try_from(areas),
             Plain::Contacts(contacts) => Value::try_from(contacts),
-            Plain::MasterEquation(..) | Plain::Ensemble(..) => return None,
+            Plain::Slip(slip) => Value::try_from(slip),
+            Plain::MasterEquation(..) | Plain::Ensemble(..) | Plain::Block(_) => return None,
         };
         value.ok()
     }

@@ -26,7 +26,7 @@ use crate::watch::watched;
 /// Raises ValueError for laws that leave a contact nowhere to be.
 #[pyclass(frozen, extends = Model, module = "asperity")]
 pub struct Ensemble {
-    ensemble: ensemble::Ensemble,
+    pub ensemble: ensemble::Ensemble,
 }
 
 #[pymethods]

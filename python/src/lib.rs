@@ -2,6 +2,7 @@
 //!
 //! Nothing is computed here. What is documented here is what Python shows.
 
+mod block;
 mod contacts;
 mod convert;
 mod description;
@@ -14,6 +15,7 @@ mod model;
 mod pull;
 mod record;
 mod result;
+mod stick_slip;
 mod values;
 mod watch;
 
@@ -24,6 +26,8 @@ mod _core {
 
     use crate::exact;
 
+    #[pymodule_export]
+    use crate::block::{Block, Inertial};
     #[pymodule_export]
     use crate::contacts::{Areas, Contacts};
     #[pymodule_export]
@@ -48,6 +52,8 @@ mod _core {
     use crate::record::Record;
     #[pymodule_export]
     use crate::result::{Result, open_result, run};
+    #[pymodule_export]
+    use crate::stick_slip::StickSlip;
 
     #[pymodule_export]
     #[expect(non_upper_case_globals)]

@@ -1,12 +1,15 @@
 //! What the models have in common: contacts, and how they start.
 
-use asperity::scenario;
+use asperity::population::Population;
+use asperity::{Result, ensemble, master, scenario};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
 use crate::convert;
 use crate::description::{Description, Interface, Plain};
+use crate::ensemble::Ensemble;
+use crate::equation::MasterEquation;
 use crate::law::{AnyLaw, given};
 
 /// What a model is made of.
@@ -42,11 +45,53 @@ impl Model {
         Description::new(plain).add_subclass(Self)
     }
 
+    /// The model as the core has it.
+    pub fn solver<'a>(model: &'a Bound<'_, Self>) -> Solver<'a> {
+        if let Ok(ensemble) = model.cast::<Ensemble>() {
+            return Solver::Ensemble(&ensemble.get().ensemble);
+        }
+        let equation = model.cast::<MasterEquation>().expect("a model is a master equation or an ensemble");
+        Solver::MasterEquation(&equation.get().equation, MasterEquation::plain(equation).tolerance)
+    }
+
     fn plain<'a>(model: &'a Bound<'_, Self>) -> &'a Interface {
         match model.as_super().get().plain() {
             Plain::MasterEquation(interface, _) | Plain::Ensemble(interface, _) => interface,
             _ => unreachable!("a model is described as a model"),
         }
+    }
+}
+
+/// A model of the core.
+#[derive(Clone, Copy)]
+pub enum Solver<'a> {
+    /// With its tolerance.
+    MasterEquation(&'a master::MasterEquation, f64),
+    Ensemble(&'a ensemble::Ensemble),
+}
+
+impl<'a> Solver<'a> {
+    pub fn contacts(self) -> &'a asperity::contacts::Contacts {
+        match self {
+            Self::MasterEquation(equation, _) => equation.contacts(),
+            Self::Ensemble(ensemble) => ensemble.contacts(),
+        }
+    }
+
+    /// The number of contacts followed one by one, if they are.
+    pub fn size(self) -> Option<usize> {
+        match self {
+            Self::MasterEquation(..) => None,
+            Self::Ensemble(ensemble) => Some(ensemble.size()),
+        }
+    }
+
+    /// The contacts at X = 0, to be moved together.
+    pub fn population(self) -> Result<Box<dyn Population>> {
+        Ok(match self {
+            Self::MasterEquation(equation, tolerance) => Box::new(equation.population(tolerance)?),
+            Self::Ensemble(ensemble) => Box::new(ensemble.population()?),
+        })
     }
 }
 

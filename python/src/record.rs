@@ -61,7 +61,8 @@ impl Record {
         Ok(record::Record { variables })
     }
 
-    fn names(&self) -> impl Iterator<Item = &str> {
+    /// The names of the variables.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().map(|column| column.name.as_str())
     }
 }
@@ -133,8 +134,8 @@ impl Record {
         slf.py().import("asperity._xarray")?.call_method1("dataset", (slf,))
     }
 
-    /// Draws the force along the pull or the drive, the kinetic friction, and on a pull the static one, where they are
-    /// known. Returns the axes. It needs matplotlib.
+    /// Draws the force along the pull or the drive (of an imposed force, that against the position), the kinetic friction,
+    /// and on a pull the static one, where they are known. Returns the axes. It needs matplotlib.
     ///
     /// ax: axes to draw on; new ones if None. Other arguments go to its plot().
     #[pyo3(signature = (ax = None, **style))]
@@ -143,7 +144,7 @@ impl Record {
         ax: Option<&Bound<'py, PyAny>>,
         style: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("asperity._plot")?.call_method("force", (slf, ax), style)
+        slf.py().import("asperity._plot")?.call_method("draw", (slf, ax), style)
     }
 
     /// Dimensions, name for people and unit of each variable.
@@ -152,7 +153,7 @@ impl Record {
         let labels = PyDict::new(py);
         for column in &self.columns {
             let unit = self.units.label(column.quantity);
-            let label = values::label(py, &column.dimensions, &column.long_name, &unit)?;
+            let label = values::label(py, &column.dimensions, &column.long_name, &unit, column.quantity)?;
             labels.set_item(&column.name, label)?;
         }
         Ok(labels)

@@ -1,9 +1,12 @@
-//! Small results: named tuples of the package.
+//! Small results: named tuples and tables of the package.
 
+use asperity::block::{Curve, Energy};
 use asperity::law::Atom;
 use asperity::master::Stretches;
+use asperity::record::Quantity;
+use asperity_runner::summary::Place;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::convert::{Import, array, row};
 
@@ -11,6 +14,13 @@ static STATIC_FRICTION: Import = Import::new("asperity._values", "StaticFriction
 static ATOMS: Import = Import::new("asperity._values", "Atoms");
 static STRETCH_DENSITY: Import = Import::new("asperity._values", "StretchDensity");
 static LABEL: Import = Import::new("asperity._values", "Label");
+static STATE: Import = Import::new("asperity._values", "State");
+static ENERGY: Import = Import::new("asperity._values", "Energy");
+static EQUILIBRIA: Import = Import::new("asperity._values", "Equilibria");
+static POTENTIAL: Import = Import::new("asperity._values", "Potential");
+static EVENTS: Import = Import::new("asperity._values", "Events");
+static SIZES: Import = Import::new("asperity._values", "Sizes");
+static COURSE: Import = Import::new("asperity._values", "Course");
 
 /// F_s with X_s.
 pub fn static_friction(py: Python<'_>, force: f64, position: f64) -> PyResult<Bound<'_, PyAny>> {
@@ -43,6 +53,49 @@ pub fn label<'py>(
     dimensions: &[String],
     words: &str,
     unit: &str,
+    quantity: Quantity,
 ) -> PyResult<Bound<'py, PyAny>> {
-    LABEL.get(py)?.call1((PyTuple::new(py, dimensions)?, words, unit))
+    LABEL.get(py)?.call1((PyTuple::new(py, dimensions)?, words, unit, quantity.name()))
+}
+
+/// A state of a slider.
+pub fn state<'py>(py: Python<'py>, place: &Place) -> PyResult<Bound<'py, PyAny>> {
+    STATE.get(py)?.call1((place.drive, place.position, place.force))
+}
+
+/// The books of a drive.
+pub fn energy<'py>(py: Python<'py>, energy: &Energy) -> PyResult<Bound<'py, PyAny>> {
+    let Energy { work, spring, elastic, breaks, slip, viscous } = *energy;
+    ENERGY.get(py)?.call1((work, spring, elastic, breaks, slip, viscous, energy.imbalance()))
+}
+
+/// Where a slider of a stiffness is in balance.
+pub fn equilibria<'py>(py: Python<'py>, curve: Curve, stiffness: f64) -> PyResult<Bound<'py, PyAny>> {
+    let (drive, stable) = (curve.drive(stiffness), curve.stable(stiffness));
+    let Curve { position, force, .. } = curve;
+    EQUILIBRIA.get(py)?.call1((row(py, drive)?, row(py, position)?, row(py, force)?, row(py, stable)?))
+}
+
+/// Potentials at the positions of a curve.
+pub fn potential<'py>(
+    py: Python<'py>,
+    position: Vec<f64>,
+    energy: Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    POTENTIAL.get(py)?.call1((row(py, position)?, energy))
+}
+
+/// Slips, from columns by name.
+pub fn events<'py>(py: Python<'py>, columns: Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
+    EVENTS.get(py)?.call1((columns,))
+}
+
+/// How many events there were of each size, from columns.
+pub fn sizes<'py>(py: Python<'py>, columns: [Bound<'py, PyAny>; 4]) -> PyResult<Bound<'py, PyAny>> {
+    SIZES.get(py)?.call1(PyTuple::new(py, columns)?)
+}
+
+/// The time course of a slip, from columns.
+pub fn course<'py>(py: Python<'py>, columns: [Bound<'py, PyAny>; 5]) -> PyResult<Bound<'py, PyAny>> {
+    COURSE.get(py)?.call1(PyTuple::new(py, columns)?)
 }

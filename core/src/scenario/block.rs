@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::Result;
-use crate::block::{self, Loading};
+use crate::block;
 
 /// A slider whose top, moved by the drive, pulls its bottom through a stiffness.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -17,7 +16,7 @@ pub struct Block {
     pub slip: Slip,
     /// Share of the contacts that must break at once, at one position of the drive, for an event of the ensemble
     /// to count as a slip.
-    #[serde(default = "Block::slip_fraction")]
+    #[serde(default = "slip_fraction")]
     pub slip_fraction: f64,
 }
 
@@ -43,17 +42,12 @@ pub enum Slip {
 }
 
 impl Block {
-    fn slip_fraction() -> f64 {
-        0.05
-    }
+    /// The share that must break where nothing is said.
+    pub const SLIP_FRACTION: f64 = 0.05;
+}
 
-    /// The slider. Over the contacts of an ensemble, events that break few of them are no slips.
-    ///
-    /// # Errors
-    /// A value that makes no sense.
-    pub fn build(&self) -> Result<block::Block> {
-        block::Block::new(Loading::Spring(self.stiffness), self.slip.into(), Some(self.slip_fraction))
-    }
+fn slip_fraction() -> f64 {
+    Block::SLIP_FRACTION
 }
 
 impl From<Slip> for block::Slip {

@@ -3,7 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Start, positive, size};
+use super::{Block, Start, positive, size};
+use crate::block::{self, Loading};
 use crate::{Error, Result};
 
 /// Moves the top of the slider from X_T = 0 and records where its bottom follows.
@@ -52,7 +53,39 @@ impl Drive {
         }
     }
 
-    pub(super) fn check(&self) -> Result<()> {
+    /// The way of the drive, or of the force.
+    pub fn build(&self) -> block::Drive {
+        let turning_points = self.force_to.map_or_else(|| self.turns(), |force| vec![force]);
+        block::Drive { turning_points, points: self.points }
+    }
+
+    /// The slider that is driven, rigid without a `block`; over an `ensemble`, events that break few of its contacts
+    /// are no slips.
+    ///
+    /// # Errors
+    /// A block where a force is imposed, or one whose values make no sense.
+    pub fn slider(&self, block: Option<&Block>, ensemble: bool) -> Result<block::Block> {
+        let (loading, slip, fraction) = match (block, self.force_to) {
+            (Some(block), Some(_)) => {
+                let expected = "no block (an infinite stiffness) where drive.force_to imposes a force";
+                return Err(Error::invalid(
+                    "block",
+                    expected,
+                    format!("one of stiffness {}", block.stiffness),
+                ));
+            }
+            (Some(block), None) => (Loading::Spring(block.stiffness), block.slip.into(), block.slip_fraction),
+            (None, Some(_)) => (Loading::Force, block::Slip::Overdamped, 1.0),
+            (None, None) => (Loading::Rigid, block::Slip::Overdamped, 1.0),
+        };
+        block::Block::new(loading, slip, ensemble.then_some(fraction)).map_err(|e| e.under("block"))
+    }
+
+    /// Whether every value makes sense.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check(&self) -> Result<()> {
         let given = [
             ("distance", self.distance.is_some()),
             ("turning_points", self.turning_points.is_some()),

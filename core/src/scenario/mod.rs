@@ -91,18 +91,13 @@ impl Scenario {
     }
 
     fn check_block(&self, task: Task<'_>) -> Result<()> {
-        let Some(block) = &self.block else { return Ok(()) };
-        match task {
-            Task::Pull(_) => {
-                return Err(Error::invalid("block", "a block only with the task [drive]", "one with [pull]"));
+        match (task, &self.block) {
+            (Task::Pull(_), None) => Ok(()),
+            (Task::Pull(_), Some(_)) => {
+                Err(Error::invalid("block", "a block only with the task [drive]", "one with [pull]"))
             }
-            Task::Drive(Drive { force_to: Some(_), .. }) => {
-                let expected = "no block where drive.force_to imposes a force";
-                return Err(Error::invalid("block", expected, "one"));
-            }
-            Task::Drive(_) => {}
+            (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),
         }
-        block.build().map(|_| ()).map_err(|e| e.under("block"))
     }
 
     /// Every `tabulated` law with the path of its key, so that a reader of files can fill it in.

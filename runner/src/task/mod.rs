@@ -6,6 +6,7 @@ mod drive;
 mod grid;
 mod part;
 mod pull;
+pub mod sliding;
 
 use asperity::Result;
 use asperity::contacts::{Contacts, Initial};
@@ -19,6 +20,7 @@ use crate::input;
 use crate::output::Outcome;
 use crate::summary::{Coefficients, Extended, StaticFriction, Summary};
 
+pub use drive::first_loading;
 pub use grid::Grid;
 pub use pull::along_the_pull;
 

@@ -1,0 +1,279 @@
+//! A slider block over a model of its contacts.
+
+use asperity::block::{self, Curve, Loading};
+use asperity::scenario::{self, Slip};
+use asperity_runner::task::first_loading;
+use pyo3::IntoPyObjectExt as _;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
+
+use crate::convert::{self, Domain, Whole};
+use crate::description::{Description, Plain, Slider};
+use crate::law::given;
+use crate::model::Model;
+use crate::stick_slip::StickSlip;
+use crate::watch::watched;
+use crate::{error, values};
+
+/// The slip of a slider by its inertia, MẌ = K(X_T - X) - F - γẊ, from the loss of balance to the first arrest.
+///
+/// mass: the mass M, above 0. damping: the viscous damping γ, force per velocity, 0 or above. The time of the slip
+/// follows from the two; no rate of the drive enters.
+#[pyclass(frozen, extends = Description, module = "asperity")]
+pub struct Inertial;
+
+#[pymethods]
+impl Inertial {
+    #[new]
+    #[pyo3(signature = (mass, damping = 0.0))]
+    fn new(mass: f64, damping: f64) -> PyResult<PyClassInitializer<Self>> {
+        let slip = Slip::Inertial { mass, damping };
+        block::Block::new(Loading::Rigid, slip.into(), None).map_err(error::core)?;
+        Ok(Description::new(Plain::Slip(slip)).add_subclass(Self))
+    }
+
+    /// The mass M.
+    #[getter]
+    fn mass(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).0
+    }
+
+    /// The viscous damping γ, force per velocity.
+    #[getter]
+    fn damping(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).1
+    }
+}
+
+impl Inertial {
+    /// Mass and damping.
+    fn plain(slip: &Bound<'_, Self>) -> (f64, f64) {
+        match *slip.as_super().get().plain() {
+            Plain::Slip(Slip::Inertial { mass, damping }) => (mass, damping),
+            _ => unreachable!("an inertial slip is described as one"),
+        }
+    }
+}
+
+/// The arguments that make an inertial slip.
+pub fn inertial_arguments(slip: Slip, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    let Slip::Inertial { mass, damping } = slip else { return Ok(()) };
+    into.set_item("mass", mass)?;
+    given(into, "damping", (damping != 0.0).then_some(damping))
+}
+
+/// A slip rule: one of the words, or an inertial slip.
+struct Rule(Slip);
+
+impl<'py> FromPyObject<'_, 'py> for Rule {
+    type Error = PyErr;
+
+    fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(inertial) = value.cast::<Inertial>() {
+            let (mass, damping) = Inertial::plain(&inertial);
+            return Ok(Self(Slip::Inertial { mass, damping }));
+        }
+        if value.is_instance_of::<PyString>() {
+            return convert::word("slip", value.extract()?).map(Self);
+        }
+        Err(error::wrong_type("slip", "a word or asperity.Inertial", &value))
+    }
+}
+
+/// A slip rule as Python has it.
+fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+    match slip {
+        Slip::Reset => "reset".into_bound_py_any(py),
+        Slip::Overdamped => "overdamped".into_bound_py_any(py),
+        Slip::Arrest => "arrest".into_bound_py_any(py),
+        Slip::Inertial { .. } => Plain::Slip(slip).object(py),
+    }
+}
+
+/// A slider block: its top is driven, its bottom is held by contacts, and its shear stiffness K joins them.
+///
+/// K(X_T - X) = F(X). Where F falls more steeply than K rises, F' < -K, the slider loses its balance and slips at fixed
+/// X_T (Braun and Peyrard 2008, Eqs. 12 and 13).
+///
+/// model: the contacts, a MasterEquation or an Ensemble. stiffness: the stiffness K, force per length, above 0; None or
+/// inf for a rigid slider, which never loses its balance. slip: what happens in a slip:
+/// "reset" where all contacts break and re-form, and the spring is relaxed; "overdamped" where the slider moves to the
+/// next balance, contacts breaking and re-forming on the way; "arrest" where contacts that break stay free until it has
+/// stopped; Inertial where it moves by its mass. slip_fraction: the share of the contacts of an ensemble that must break
+/// at one drive for an event to count as a slip, above 0, up to 1.
+///
+/// Raises ValueError for values that make no sense, a damping with which a slip would take forever among them.
+#[pyclass(frozen, extends = Description, module = "asperity")]
+pub struct Block {
+    pub model: Py<Model>,
+}
+
+#[pymethods]
+impl Block {
+    #[new]
+    #[pyo3(
+        signature = (model, stiffness, slip = Rule(Slip::Reset), *, slip_fraction = scenario::Block::SLIP_FRACTION),
+        text_signature = "(model, stiffness, slip='reset', *, slip_fraction=0.05)"
+    )]
+    fn new(
+        model: Bound<'_, Model>,
+        stiffness: Option<f64>,
+        slip: Rule,
+        slip_fraction: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let stiffness = stiffness.filter(|&stiffness| stiffness != f64::INFINITY);
+        let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);
+        block::Block::new(loading, slip.0.into(), Some(slip_fraction))
+            .map_err(|e| error::core(e.under("block")))?;
+        let plain = Box::new(model.as_super().get().plain().clone());
+        let slider = Slider { model: plain, stiffness, slip: slip.0, slip_fraction };
+        Ok(Description::new(Plain::Block(slider)).add_subclass(Self { model: model.unbind() }))
+    }
+
+    /// The model of the contacts.
+    #[getter]
+    fn model(&self, py: Python<'_>) -> Py<Model> {
+        self.model.clone_ref(py)
+    }
+
+    /// The shear stiffness K, force per length; inf for a rigid slider.
+    #[getter]
+    fn stiffness(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).stiffness.unwrap_or(f64::INFINITY)
+    }
+
+    /// The slip rule: "reset", "overdamped", "arrest", or Inertial.
+    #[getter]
+    fn slip<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        rule(Self::plain(slf).slip, slf.py())
+    }
+
+    /// The share of the contacts of an ensemble that must break at one drive for an event to count as a slip.
+    #[getter]
+    fn slip_fraction(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).slip_fraction
+    }
+
+    /// Moves the top of the slider from X_T = 0, or imposes a force, and follows its bottom.
+    ///
+    /// distance: how far it is moved, a length above 0; 20 if nothing else is said. turning_points: positions X_T to
+    /// which it is moved one after the other, forth and back, instead. force_to: the force, above 0, up to which a slider
+    /// of infinite stiffness is pulled whatever its position, instead. points: the number of points of the trace, evenly
+    /// spaced along the drive, both ends included; 2 or more; turning points, and points before and after every slip,
+    /// come on top. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    ///
+    /// Raises ValueError for values that make no sense or too many point masses, MemoryError for results that do not fit,
+    /// RuntimeError where the tolerance is not reached.
+    #[pyo3(
+        signature = (
+            distance = None, points = Whole::new(2001), *, turning_points = None, force_to = None, progress = None
+        ),
+        text_signature = "($self, distance=None, points=2001, *, turning_points=None, force_to=None, progress=None)"
+    )]
+    fn drive(
+        slf: Bound<'_, Self>,
+        distance: Option<f64>,
+        points: Whole,
+        turning_points: Option<&Bound<'_, PyAny>>,
+        force_to: Option<f64>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<StickSlip>> {
+        let turning_points =
+            turning_points.map(|points| convert::list("turning_points", points)).transpose()?;
+        let points = points.get("points")?;
+        let asked =
+            scenario::Drive { distance, turning_points, force_to, points, ..scenario::Drive::default() };
+        asked.check().map_err(|e| error::core(e.under("drive")))?;
+        StickSlip::object(slf, &asked, progress)
+    }
+
+    /// The equilibria X_T(X) = X + F(X)/K of the first loading, before anything slips: drive, position, force, and whether
+    /// the slider is stable there, F' + K > 0.
+    ///
+    /// distance: how far the bottom is moved, a length above 0; by default 5 mean thresholds. points: the number of
+    /// positions, evenly spaced, both ends included; 2 or more; where the force jumps, its two sides come on top.
+    #[pyo3(
+        signature = (distance = None, points = Whole::new(2001)),
+        text_signature = "($self, distance=None, points=2001)"
+    )]
+    fn equilibrium<'py>(
+        slf: &Bound<'py, Self>,
+        distance: Option<f64>,
+        points: Whole,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let curve = Self::curve(slf, "equilibrium", distance, points)?;
+        values::equilibria(slf.py(), curve, Self::stiffness(slf))
+    }
+
+    /// The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading, whose minima are where the slider is in
+    /// balance (Braun and Peyrard 2008, Eq. 12).
+    ///
+    /// drive: a drive X_T, or a list of m of them. distance, points: as for equilibrium. The result has `position` of shape
+    /// (n,) and `energy` of shape (n,) or (m, n).
+    ///
+    /// Raises ValueError for a rigid slider, which has none.
+    #[pyo3(
+        signature = (drive, distance = None, points = Whole::new(2001)),
+        text_signature = "($self, drive, distance=None, points=2001)"
+    )]
+    fn potential<'py>(
+        slf: &Bound<'py, Self>,
+        drive: &Bound<'py, PyAny>,
+        distance: Option<f64>,
+        points: Whole,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        const DRIVES: Domain = Domain { what: "a drive", ..Domain::NUMBERS };
+        let (drives, single) = convert::one_or_list("drive", drive, &DRIVES)?;
+        let Some(stiffness) = Self::plain(slf).stiffness else {
+            return Err(error::invalid(
+                "block.stiffness",
+                "a finite stiffness for a potential",
+                f64::INFINITY,
+            ));
+        };
+        let curve = Self::curve(slf, "potential", distance, points)?;
+        let energy = drives.iter().flat_map(|&drive| curve.potential(stiffness, drive)).collect();
+        let shape = [drives.len(), curve.position.len()];
+        let energy = convert::array(slf.py(), if single { &shape[1..] } else { &shape }, energy)?;
+        values::potential(slf.py(), curve.position, energy)
+    }
+}
+
+impl Block {
+    pub fn plain<'a>(block: &'a Bound<'_, Self>) -> &'a Slider {
+        match block.as_super().get().plain() {
+            Plain::Block(slider) => slider,
+            _ => unreachable!("a block is described as a block"),
+        }
+    }
+
+    /// As it stands in a scenario; `None` where it is rigid.
+    pub fn table(block: &Bound<'_, Self>) -> Option<scenario::Block> {
+        let Slider { stiffness, slip, slip_fraction, .. } = *Self::plain(block);
+        stiffness.map(|stiffness| scenario::Block { stiffness, slip, slip_fraction })
+    }
+
+    /// The curve of the first loading, for the method called `name`.
+    fn curve(slf: &Bound<'_, Self>, name: &str, distance: Option<f64>, points: Whole) -> PyResult<Curve> {
+        let model = slf.get().model.bind(slf.py());
+        let solver = Model::solver(model);
+        let distance = distance.unwrap_or_else(|| first_loading(solver.contacts()));
+        let asked = scenario::Pull { distance, points: points.get("points")?, ..scenario::Pull::default() };
+        asked.check().map_err(|e| error::core(e.under(name)))?;
+        watched(None, slf.py(), |monitor| {
+            Curve::new(solver.population()?.as_ref(), asked.distance, asked.points, monitor)
+        })
+    }
+}
+
+/// The arguments that make a block.
+pub fn arguments(slider: &Slider, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    let py = into.py();
+    into.set_item("model", slider.model.object(py)?)?;
+    into.set_item("stiffness", slider.stiffness)?;
+    if slider.slip != Slip::default() {
+        into.set_item("slip", rule(slider.slip, py)?)?;
+    }
+    let fraction = slider.slip_fraction;
+    given(into, "slip_fraction", (fraction != scenario::Block::SLIP_FRACTION).then_some(fraction))
+}

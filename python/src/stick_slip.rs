@@ -1,0 +1,167 @@
+//! A drive of a slider, computed.
+
+use asperity::block::Energy;
+use asperity::scenario::{self, Units};
+use asperity_runner::summary::Sliding;
+use asperity_runner::task::sliding;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::block::Block;
+use crate::convert;
+use crate::model::Model;
+use crate::record::Record;
+use crate::watch::watched;
+use crate::{error, values};
+
+/// A drive of a slider: its trace, its slips, and what kind of sliding they make.
+///
+/// Its variables are those of the trace, `drive`, `position`, `force` and `spring_force`, all states of balance; those of
+/// the slips, `event_drive`, `event_drop`, …; for an inertial slip its course, `slip_time`, `slip_position`, …; for an
+/// ensemble the sizes of events, `size`, `size_events`, ….
+#[pyclass(frozen, extends = Record, module = "asperity")]
+pub struct StickSlip {
+    block: Py<Block>,
+    sliding: Sliding,
+    energy: Energy,
+}
+
+impl StickSlip {
+    /// Drives a block, and hands out what comes of it.
+    pub fn object(
+        block: Bound<'_, Block>,
+        asked: &scenario::Drive,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<Self>> {
+        let py = block.py();
+        let model = block.get().model.bind(py).clone();
+        let solver = Model::solver(&model);
+        let slider = asked.slider(Block::table(&block).as_ref(), solver.size().is_some());
+        let (slider, way) = (slider.map_err(error::core)?, asked.build());
+        let run = watched(progress, py, |monitor| {
+            slider.pull(solver.population()?.as_mut(), &way, monitor).map_err(|e| e.under("drive"))
+        })?;
+        let mut record = sliding::motion(&run);
+        record.variables.extend(sliding::course(&run).variables);
+        if let Some(size) = solver.size() {
+            record.variables.extend(sliding::sizes(&run, size).variables);
+        }
+        let found = Self { block: block.unbind(), sliding: Sliding::new(&run), energy: run.energy };
+        Py::new(py, Record::new(py, record, Units::default())?.add_subclass(found))
+    }
+}
+
+#[pymethods]
+impl StickSlip {
+    /// The block that was driven.
+    #[getter]
+    fn block(&self, py: Python<'_>) -> Py<Block> {
+        self.block.clone_ref(py)
+    }
+
+    /// The drive along the trace, shape (n,): the position X_T of the top, a length; or the imposed force.
+    #[getter]
+    fn drive<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.get_item("drive")
+    }
+
+    /// The force K(X_T - X) of the spring along the trace, shape (n,): F, as the slider is in balance.
+    #[getter]
+    fn spring_force<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.get_item("spring_force")
+    }
+
+    /// The slips.
+    #[getter]
+    fn events<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let columns = PyDict::new(slf.py());
+        for name in slf.as_super().get().names() {
+            if let Some(column) = name.strip_prefix("event_") {
+                columns.set_item(column, slf.get_item(name)?)?;
+            }
+        }
+        values::events(slf.py(), columns)
+    }
+
+    /// "smooth" without slips; "transient" where slips have ceased; "persistent" where they go on alike; "runaway" where
+    /// the contacts could not carry the imposed force; "undecided" where the drive was too short to tell. It is that of the
+    /// drive since it last turned.
+    #[getter]
+    fn regime(&self) -> &'static str {
+        convert::regime(self.sliding.regime)
+    }
+
+    /// The regime with its reason, in words.
+    #[getter]
+    fn reason(&self) -> &str {
+        &self.sliding.reason
+    }
+
+    /// The mean advance of the drive from slip to slip, a length; None unless slips go on alike, as for all such means.
+    #[getter]
+    fn period(&self) -> Option<f64> {
+        self.sliding.period
+    }
+
+    /// The mean drop of the force in a slip.
+    #[getter]
+    fn mean_drop(&self) -> Option<f64> {
+        self.sliding.mean_drop
+    }
+
+    /// The mean way of the slider in a slip, a length.
+    #[getter]
+    fn mean_slip(&self) -> Option<f64> {
+        self.sliding.mean_slip
+    }
+
+    /// The scatter of the period: the standard deviation of the advances from slip to slip over their mean.
+    #[getter]
+    fn scatter(&self) -> Option<f64> {
+        self.sliding.scatter
+    }
+
+    /// Where balance was first lost; None where it never was.
+    #[getter]
+    fn first_instability<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.sliding.first_instability.map(|place| values::state(py, &place)).transpose()
+    }
+
+    /// From where the slider ran away under an imposed force; None where it did not.
+    #[getter]
+    fn runaway<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.sliding.runaway.map(|place| values::state(py, &place)).transpose()
+    }
+
+    /// Where the work of the drive went, from its start to its end (of a runaway, to where it began).
+    #[getter]
+    fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        values::energy(py, &self.energy)
+    }
+
+    /// How many events of each size there were, those too small for a slip among them; None for the master equation.
+    #[getter]
+    fn sizes<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let names = ["size", "size_events", "size_slip", "size_drop"];
+        columns(slf, names)?.map(|columns| values::sizes(slf.py(), columns)).transpose()
+    }
+
+    /// The time course of the first inertial slip; None where there was none.
+    #[getter]
+    fn slip_course<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let names = ["slip_time", "slip_position", "slip_velocity", "slip_force", "slip_spring_force"];
+        columns(slf, names)?.map(|columns| values::course(slf.py(), columns)).transpose()
+    }
+}
+
+/// Arrays by name, if the first of them is there.
+fn columns<'py, const N: usize>(
+    run: &Bound<'py, StickSlip>,
+    names: [&str; N],
+) -> PyResult<Option<[Bound<'py, PyAny>; N]>> {
+    if !run.contains(names[0])? {
+        return Ok(None);
+    }
+    let columns: Vec<_> = names.iter().map(|name| run.get_item(name)).collect::<PyResult<_>>()?;
+    Ok(columns.try_into().ok())
+}
