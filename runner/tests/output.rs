@@ -42,6 +42,7 @@ fn outcome(seed: u64) -> Outcome {
             sample: None,
             seed: Some(u64::MAX - seed),
             disorder: None,
+            sliding: None,
             friction_coefficients: None,
             compare: None,
         },
