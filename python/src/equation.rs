@@ -4,7 +4,7 @@ use asperity::contacts::Initial;
 use asperity::master;
 use asperity::scenario;
 use asperity_runner::task::Grid;
-use numpy::IntoPyArray as _;
+use numpy::ToPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -184,7 +184,7 @@ impl Relaxation {
     /// The roots s_j with Im s_j > 0, slowest first: a complex array of shape (n,), per length.
     #[getter]
     fn roots<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        self.relaxation.roots().into_pyarray(py).into_any()
+        self.relaxation.roots().to_pyarray(py).into_any()
     }
 
     /// The relaxation length X* = -1/Re s_1, over which the start is forgotten; inf where the force never settles, nan
