@@ -492,8 +492,8 @@ class Pull(Record):
 
     @property
     def relaxation_length(self) -> float:
-        """The relaxation length X*, over which the start is forgotten; inf where the force never settles, nan where it is
-        too short to be told.
+        """The relaxation length X*, over which the start is forgotten; inf where the force never settles, nan where
+        no root is found.
         """
 
     @property
@@ -632,7 +632,7 @@ class Relaxation:
     @property
     def length(self) -> float:
         """The relaxation length X* = -1/Re s_1, over which the start is forgotten; inf where the force never settles, nan
-        where it is too short to be told.
+        where no root is found.
         """
 
     @property
@@ -685,7 +685,7 @@ class Result(Record):
 
     @property
     def relaxation_length(self) -> float:
-        """The relaxation length X*; inf where the force never settles, nan where it is too short to be told."""
+        """The relaxation length X*; inf where the force never settles, nan where no root is found."""
 
     def save(self, folder: str | PathLike[str]) -> None:
         """Writes the folder that `asperity run` would write, but for its pictures; open_result reads it.

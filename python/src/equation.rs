@@ -188,7 +188,7 @@ impl Relaxation {
     }
 
     /// The relaxation length X* = -1/Re s_1, over which the start is forgotten; inf where the force never settles, nan
-    /// where it is too short to be told.
+    /// where no root is found.
     #[getter]
     fn length(&self) -> f64 {
         self.relaxation.length()

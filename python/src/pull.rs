@@ -97,8 +97,8 @@ impl Pull {
         py.detach(|| self.pull.critical_stiffness())
     }
 
-    /// The relaxation length X*, over which the start is forgotten; inf where the force never settles, nan where it is
-    /// too short to be told.
+    /// The relaxation length X*, over which the start is forgotten; inf where the force never settles, nan where
+    /// no root is found.
     #[getter]
     fn relaxation_length(&self, py: Python<'_>) -> f64 {
         py.detach(|| self.equation.get().equation.relaxation().length())

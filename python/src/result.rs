@@ -72,7 +72,7 @@ impl Result {
         self.summary.critical_stiffness.0
     }
 
-    /// The relaxation length X*; inf where the force never settles, nan where it is too short to be told.
+    /// The relaxation length X*; inf where the force never settles, nan where no root is found.
     #[getter]
     fn relaxation_length(&self) -> f64 {
         self.summary.relaxation_length.0
