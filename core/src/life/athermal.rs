@@ -46,14 +46,13 @@ pub(super) fn of_layers(contacts: &Contacts, layers: Vec<Layer>, broken: Option<
     let smoother: Vec<_> = breaks.iter().map(|&b| Break { exponent: b.exponent + 1.0, ..b }).collect();
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
     let survival = carried.survival();
-    let Curves { stiffness, force, square, energy, breaking_energy } = match contacts.stiffness {
+    let Curves { force, square, energy, breaking_energy } = match contacts.stiffness {
         Stiffness::Equal(_) => carried.equal(&survival),
         Stiffness::PerThreshold(_) => carried.per_threshold(),
     };
     let [falls, ..] = moments;
     Life {
         survival: kernel(survival),
-        stiffness: kernel(stiffness),
         force: kernel(force),
         square: kernel(square),
         energy: kernel(energy),
@@ -107,7 +106,6 @@ fn sum(breaking: &[Breaking<'_>], u: f64) -> [f64; MOMENTS] {
 
 /// What the unbroken carry.
 struct Curves {
-    stiffness: Piecewise,
     force: Piecewise,
     square: Piecewise,
     energy: Piecewise,
@@ -146,25 +144,19 @@ impl<'a> Carried<'a> {
         let force = self.back(&self.moments[1].plus(-1.0, survival), 1, (1, 0));
         let square = self.back(&self.moments[2].plus(-2.0, &force), 2, (2, 0));
         let broken = self.back(&self.moments[2], 2, (0, 2));
-        Curves {
-            stiffness: survival.clone(),
-            force,
-            energy: square.clone().scaled(0.5),
-            square,
-            breaking_energy: broken.scaled(0.5),
-        }
+        Curves { force, energy: square.clone().scaled(0.5), square, breaking_energy: broken.scaled(0.5) }
     }
 
     /// With t_n = ∫ν M_n, e = ∫ν x² M₁ and w = ∫ν x M₂: t_n' = −b_n, m' = t₁ − b₂, e' = 2m − b₃, w' = t₂ − b₃,
     /// q' = 2w − b₄.
     fn per_threshold(&self) -> Curves {
-        let stiffness = self.back(&self.moments[1], 1, (0, 1));
-        let force = self.back(&self.moments[2].plus(-1.0, &stiffness), 2, (1, 1));
+        let first = self.back(&self.moments[1], 1, (0, 1));
+        let force = self.back(&self.moments[2].plus(-1.0, &first), 2, (1, 1));
         let energy = self.back(&self.moments[3].plus(-2.0, &force), 3, (2, 1));
         let second = self.back(&self.moments[2], 2, (0, 2));
         let half = self.back(&self.moments[3].plus(-1.0, &second), 3, (1, 2));
         let square = self.back(&self.moments[4].plus(-2.0, &half), 4, (2, 2));
         let broken = self.back(&self.moments[3], 3, (0, 3));
-        Curves { stiffness, force, square, energy: energy.scaled(0.5), breaking_energy: broken.scaled(0.5) }
+        Curves { force, square, energy: energy.scaled(0.5), breaking_energy: broken.scaled(0.5) }
     }
 }

@@ -1,7 +1,7 @@
 //! Births along a leg, and the layer that they form.
 
 use super::cells::{BULK, CELL, NEGLIGIBLE, RESOLUTION};
-use super::layer::Layer;
+use super::layer::{Layer, Lump};
 use super::panels::{Domain, Panels};
 use crate::law::{Atom, Break};
 use crate::numerics::piecewise::Piecewise;
@@ -21,7 +21,7 @@ impl Births {
     /// The contacts now, each of which started as in `starts`: ν(x) = ∫ν_R(r) rate(x − r) dr, atoms included.
     pub(super) fn layer(&self, starts: &Layer) -> Layer {
         let mut density = Piecewise::default();
-        for start in &starts.atoms {
+        for start in &starts.lumps {
             let moved = self.rate.shifted(start.position).scaled(start.weight);
             density = density.added(&moved, RESOLUTION);
         }
@@ -29,24 +29,20 @@ impl Births {
         if !starts.is_pointed() {
             density = density.added(&self.spread(starts, &breaks), RESOLUTION);
         }
-        let pairs = self.atoms.iter().flat_map(|birth| {
-            starts.atoms.iter().map(|start| Atom {
-                position: birth.position + start.position,
-                weight: birth.weight * start.weight,
-            })
+        let lumps = self.atoms.iter().flat_map(|birth| {
+            let born = |start: &Lump| Lump::new(birth.position + start.position, birth.weight * start.weight);
+            starts.lumps.iter().map(born)
         });
-        let smooth = starts.atoms.is_empty() && self.atoms.is_empty();
+        let smooth = starts.lumps.is_empty() && self.atoms.is_empty();
         let resolution = if smooth { starts.resolution } else { 0.0 };
-        Layer { density, atoms: pairs.collect(), breaks, resolution, ..Layer::default() }
+        Layer { density, lumps: lumps.collect(), breaks, resolution, ..Layer::default() }
     }
 
     /// Where breaks of the rate meet those of the starts.
     fn breaks(&self, starts: &Layer) -> Vec<Break> {
-        let with_atoms = |breaks: &[Break], atoms: &[Atom]| {
-            breaks.iter().copied().chain(atoms.iter().map(|&a| a.into())).collect::<Vec<Break>>()
-        };
-        let (births, starts) =
-            (with_atoms(&self.breaks, &self.atoms), with_atoms(&starts.breaks, &starts.atoms));
+        let atoms = self.atoms.iter().map(|&a| Break::from(a));
+        let births: Vec<_> = self.breaks.iter().copied().chain(atoms).collect();
+        let starts = starts.all_breaks();
         let pairs = births.iter().flat_map(|birth| starts.iter().map(|start| birth.convolve(*start)));
         pairs.filter(|b| !b.is_atom()).collect()
     }

@@ -1,7 +1,7 @@
 //! How the contacts of a layer break as the slider goes on: integrals over ν.
 
-use super::cells::{CELL, Detail, scale, top, with_atoms};
-use super::layer::Layer;
+use super::cells::{CELL, Detail, scale, top, walls, with_atoms};
+use super::layer::{Layer, Lump};
 use super::panels::{Domain, Panels};
 use crate::law::{Atom, Break, Law, Zone};
 
@@ -14,6 +14,8 @@ pub(super) struct Breaking<'a> {
     layer: &'a Layer,
     /// Breaks and atoms of P_c.
     hazards: Vec<Break>,
+    /// Thresholds that many share.
+    walls: Vec<f64>,
     /// Stretches between which contacts break, but for a negligible part.
     window: (f64, f64),
     /// ν in parts that resolve P_c, too.
@@ -29,6 +31,7 @@ impl<'a> Breaking<'a> {
             thresholds,
             layer,
             hazards: with_atoms(thresholds),
+            walls: walls(thresholds),
             window: (thresholds.quantile(negligible), last_threshold(thresholds, layer, negligible)),
             panels: Panels::new(&layer.density, 2.0 * CELL * scale(thresholds), negligible),
             struck: Vec::new(),
@@ -38,23 +41,16 @@ impl<'a> Breaking<'a> {
     }
 
     fn struck(&self) -> Vec<(f64, Atom)> {
-        let meets = |r: &Atom, b: &Break| {
-            let met = Atom { position: b.position, weight: r.weight * b.amplitude };
-            let unbroken = self.snapped(self.layer.largest(r.position, 0.0)) < b.position;
-            unbroken.then_some((b.position - r.position, met))
+        let meets = |lump: &Lump, wall: &Atom| {
+            let met = Atom { position: wall.position, weight: lump.weight * wall.weight };
+            let unbroken = self.layer.exceeded(lump, 0.0, &self.walls) < wall.position;
+            unbroken.then_some(((wall.position - lump.position).max(0.0), met))
         };
-        let walls = self.hazards.iter().filter(|b| b.is_atom());
-        let mut struck: Vec<_> =
-            walls.flat_map(|b| self.layer.atoms.iter().filter_map(move |r| meets(r, b))).collect();
+        let shared = self.thresholds.atoms();
+        let pairs = shared.iter().flat_map(|wall| self.layer.lumps.iter().map(move |lump| (lump, wall)));
+        let mut struck: Vec<_> = pairs.filter_map(|(lump, wall)| meets(lump, wall)).collect();
         struck.sort_by(|a, b| a.0.total_cmp(&b.0));
         struck
-    }
-
-    /// A stretch, moved to the threshold that many share if it is there up to the rounding of sums.
-    fn snapped(&self, y: f64) -> f64 {
-        let close = 1e-13 * self.thresholds.mean().max(y);
-        let walls = self.hazards.iter().filter(|b| b.is_atom());
-        walls.map(|b| b.position).find(|wall| (wall - y).abs() <= close).unwrap_or(y)
     }
 
     /// The advance at which the first contacts break.
@@ -66,8 +62,7 @@ impl<'a> Breaking<'a> {
     /// ν, and where one of either is passed by those who have been further on the other side.
     pub(super) fn breaks(&self) -> Vec<Break> {
         let Layer { ahead, behind, .. } = *self.layer;
-        let atoms = self.layer.atoms.iter().map(|&a| Break::from(a));
-        let starts: Vec<Break> = self.layer.breaks.iter().copied().chain(atoms).collect();
+        let starts = self.layer.all_breaks();
         let mut out: Vec<Break> =
             self.struck.iter().map(|(u, met)| Atom { position: *u, weight: met.weight }.into()).collect();
         for hazard in &self.hazards {
@@ -103,7 +98,7 @@ impl<'a> Breaking<'a> {
 
     /// Where contacts break, as advances: P_c as they see it, blurred by where they are.
     pub(super) fn zones(&self) -> Vec<Zone> {
-        let blur = if self.layer.atoms.is_empty() { self.layer.resolution } else { 0.0 };
+        let blur = if self.layer.lumps.is_empty() { self.layer.resolution } else { 0.0 };
         let seen = |z: Zone, (low, high): (f64, f64)| Zone {
             low: z.low - high,
             high: z.high - low,
@@ -115,14 +110,14 @@ impl<'a> Breaking<'a> {
 
     /// Advances at which the cells of ν end for those who reach a threshold that many share.
     pub(super) fn seams(&self) -> impl Iterator<Item = f64> {
-        let walls = self.hazards.iter().filter(|b| b.is_atom()).map(|b| b.position);
-        walls.flat_map(|wall| self.layer.density.boundaries.iter().map(move |r| wall - r))
+        self.walls.iter().flat_map(|wall| self.layer.density.boundaries.iter().map(move |r| wall - r))
     }
 
     /// ∫ν(x) weight(x + u, y) dx with y the largest stretch, atoms included.
     fn mean(&self, u: f64, weight: impl Fn(f64, f64) -> f64) -> f64 {
-        let at = |x: f64| weight(x + u, self.snapped(self.layer.largest(x, u)));
-        let together: f64 = self.layer.atoms.iter().map(|a| a.weight * at(a.position)).sum();
+        let exceeded = |lump: &Lump| self.layer.exceeded(lump, u, &self.walls);
+        let lumps = self.layer.lumps.iter();
+        let together: f64 = lumps.map(|l| l.weight * weight(l.position + u, exceeded(l))).sum();
         let (forth, back) = (self.layer.ahead.max(u), self.layer.behind);
         let places = |b: &Break| [b.position - forth, back - b.position];
         let everywhere = Domain {
@@ -132,7 +127,7 @@ impl<'a> Breaking<'a> {
             steep: self.hazards.iter().filter(|b| b.is_steep()).flat_map(places).collect(),
         };
         let mut spread = 0.0;
-        self.panels.each(everywhere, |x, w| spread += w * at(x));
+        self.panels.each(everywhere, |x, w| spread += w * weight(x + u, self.layer.largest(x, u)));
         together + spread
     }
 
@@ -159,8 +154,8 @@ impl<'a> Breaking<'a> {
             }
         };
         let (law, lowest) = (self.thresholds, self.layer.lowest(u));
-        let atoms = self.layer.atoms.iter().filter(|a| a.position >= lowest);
-        atoms.for_each(|a| add(a.position + u, a.weight * law.density(a.position + u)));
+        let lumps = self.layer.lumps.iter().filter(|l| l.position >= lowest);
+        lumps.for_each(|l| add(l.position + u, l.weight * law.density(l.position + u)));
         let walls = self.hazards.iter().filter(|b| b.is_atom() && b.position - u >= lowest);
         walls.for_each(|b| add(b.position, b.amplitude * self.layer.density.value(b.position - u)));
         if self.layer.is_pointed() {
@@ -180,7 +175,7 @@ impl<'a> Breaking<'a> {
 
 /// Where S and its second moment are negligible, also for what ν weighs.
 fn last_threshold(law: &dyn Law, layer: &Layer, negligible: f64) -> f64 {
-    let whole = layer.density.integral() + layer.atoms.iter().map(|a| a.weight).sum::<f64>();
+    let whole = layer.density.integral() + layer.lumps.iter().map(|l| l.weight).sum::<f64>();
     let left = 1.0 / whole.max(1.0);
     let mut last = top(law, negligible * left);
     let second = law.upper_moment(2, -1.0);

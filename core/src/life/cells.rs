@@ -89,3 +89,8 @@ pub(super) fn with_atoms(law: &dyn Law) -> Vec<Break> {
     let breaks = law.breaks().into_iter().filter(|b| b.weight(mean) * mean > NOTHING);
     breaks.chain(law.atoms().into_iter().map(Break::from)).collect()
 }
+
+/// Thresholds that many share: the atoms of a law.
+pub(crate) fn walls(law: &dyn Law) -> Vec<f64> {
+    law.atoms().iter().map(|a| a.position).collect()
+}

@@ -59,7 +59,7 @@ impl Continuation {
         let fading = |v: f64| (edge * v).exp() * breaking.moments(-v)[0];
         let curve = Piecewise::resolve(fading, &edges(&zones, &stops, highest), highest, BULK.resolution);
         let before = Kernel::new(curve, breaks);
-        let atoms = unbounded.atoms.iter().map(|&atom| Break::from(atom)).collect();
+        let atoms = unbounded.all_breaks().into_iter().filter(Break::is_atom).collect();
         let births = Kernel::new(unbounded.density, atoms);
         Self { thresholds: Thresholds::new(&contacts.thresholds), births, before, edge }
     }
@@ -84,8 +84,7 @@ impl Continuation {
 
 /// Where breaks and atoms of P_c meet those of ν at advances u ≤ 0, as positions of −u, rising.
 fn met_before(thresholds: &dyn Law, births: &Layer) -> Vec<Break> {
-    let starts: Vec<_> =
-        births.breaks.iter().copied().chain(births.atoms.iter().map(|&atom| Break::from(atom))).collect();
+    let starts = births.all_breaks();
     let hazards = with_atoms(thresholds);
     let meetings =
         hazards.iter().flat_map(|hazard| starts.iter().map(|start| start.convolve(hazard.mirrored())));

@@ -20,7 +20,7 @@ pub(crate) struct Layer {
     /// ν: its density, …
     pub(super) density: Piecewise,
     /// … its atoms, …
-    pub(super) atoms: Vec<Atom>,
+    pub(super) lumps: Vec<Lump>,
     /// … and where the density is not smooth.
     pub(super) breaks: Vec<Break>,
     /// A length over which ν varies little between its breaks.
@@ -28,6 +28,24 @@ pub(crate) struct Layer {
     pub(super) ahead: f64,
     pub(super) behind: f64,
 }
+
+/// Contacts at one and the same stretch, an atom of ν.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lump {
+    pub(super) position: f64,
+    pub(super) weight: f64,
+    /// Up to which threshold shared by many they have gone: those have broken, however y is rounded.
+    pub(super) passed: f64,
+}
+
+impl Lump {
+    pub(super) fn new(position: f64, weight: f64) -> Self {
+        Self { position, weight, passed: 0.0 }
+    }
+}
+
+/// Lengths that differ by less, relative to a mean threshold, differ by rounding.
+pub(super) const SAME: f64 = 1e-13;
 
 impl Layer {
     /// Contacts placed at stretches drawn from `starts`.
@@ -39,8 +57,7 @@ impl Layer {
         let over = |r: f64| if conditional { thresholds.survival(r) } else { 1.0 };
         let all = top(starts, detail.negligible);
         let end = if conditional { all.min(contacts.highest_start()) } else { all };
-        let atoms =
-            starts.atoms().into_iter().map(|a| Atom { weight: a.weight / over(a.position), ..a }).collect();
+        let lumps = starts.atoms().into_iter().map(|a| Lump::new(a.position, a.weight / over(a.position)));
         let mut breaks: Vec<_> = starts.breaks();
         breaks.iter_mut().for_each(|b| b.amplitude /= over(b.position));
         if conditional {
@@ -59,12 +76,18 @@ impl Layer {
             density = Piecewise::resolve(|r| starts.density(r) / over(r), &edges, end, detail.resolution);
             density = density.part(starts.quantile(0.0), end);
         }
-        Self { density, atoms, breaks, resolution: scale(starts), ..Self::default() }
+        Self { density, lumps: lumps.collect(), breaks, resolution: scale(starts), ..Self::default() }
     }
 
     /// ν(x), its density part.
     pub(super) fn density_at(&self, x: f64) -> f64 {
         self.density.value(x).max(0.0)
+    }
+
+    /// Breaks of ν, atoms among them.
+    pub(super) fn all_breaks(&self) -> Vec<Break> {
+        let lumps = self.lumps.iter().map(|l| Atom { position: l.position, weight: l.weight }.into());
+        self.breaks.iter().copied().chain(lumps).collect()
     }
 
     /// Whether ν is all atoms.
@@ -74,8 +97,8 @@ impl Layer {
 
     /// ∫_{r ≤ x} ν(r) f(r) dr, atoms included; f is not smooth at `cuts`.
     pub(super) fn sum_below(&self, x: f64, f: impl Fn(f64) -> f64, cuts: &[f64]) -> f64 {
-        let atoms = self.atoms.iter().filter(|a| a.position <= x);
-        let together: f64 = atoms.map(|a| a.weight * f(a.position)).sum();
+        let lumps = self.lumps.iter().filter(|l| l.position <= x);
+        let together: f64 = lumps.map(|l| l.weight * f(l.position)).sum();
         let (low, high) = (self.density.start(), x.min(self.density.end()));
         if high <= low {
             return together;
@@ -92,6 +115,24 @@ impl Layer {
         (x + self.ahead.max(advance)).max(self.behind - x)
     }
 
+    /// What the thresholds of a lump exceed, once the slider has gone on by `advance`, where many share the `walls`. One
+    /// that y equals but for rounding is above, unless it has been passed; after an advance, it is not.
+    pub(super) fn exceeded(&self, lump: &Lump, advance: f64, walls: &[f64]) -> f64 {
+        let y = self.largest(lump.position, advance);
+        let near = |wall: &&f64| (y - **wall).abs() <= SAME * y;
+        let side = |wall: &f64| if advance > 0.0 { *wall } else { wall.next_down() };
+        walls.iter().find(near).map_or(y, side).max(lump.passed)
+    }
+
+    /// Lets lumps pass the walls that they reached when the slider was `since` back on its way, or before.
+    pub(crate) fn pass(&mut self, walls: &[f64], since: f64) {
+        for lump in &mut self.lumps {
+            let reached = lump.position - since;
+            let passed = walls.iter().filter(|&&wall| wall <= reached + SAME * wall);
+            lump.passed = passed.copied().fold(lump.passed, f64::max);
+        }
+    }
+
     /// Where y stops to fall with x and rises.
     pub(super) fn lowest(&self, advance: f64) -> f64 {
         0.5 * (self.behind - self.ahead.max(advance))
@@ -101,7 +142,7 @@ impl Layer {
     pub(crate) fn range(&self) -> Option<(f64, f64)> {
         let density = [self.density.start(), self.density.end()].into_iter();
         let density = density.take(2 * self.density.coefficients.len());
-        let all = density.chain(self.atoms.iter().map(|a| a.position));
+        let all = density.chain(self.lumps.iter().map(|l| l.position));
         all.fold(None, |range, x| match range {
             None => Some((x, x)),
             Some((low, high)) => Some((f64::min(low, x), f64::max(high, x))),
@@ -112,7 +153,7 @@ impl Layer {
     #[must_use]
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.density = self.density.scaled(factor);
-        self.atoms.iter_mut().for_each(|a| a.weight *= factor);
+        self.lumps.iter_mut().for_each(|l| l.weight *= factor);
         self.breaks.iter_mut().for_each(|b| b.amplitude *= factor);
         self
     }
@@ -122,7 +163,7 @@ impl Layer {
     pub(crate) fn advanced(&self, by: f64) -> Self {
         Self {
             density: self.density.shifted(by),
-            atoms: self.atoms.iter().map(|a| Atom { position: a.position + by, ..*a }).collect(),
+            lumps: self.lumps.iter().map(|l| Lump { position: l.position + by, ..*l }).collect(),
             breaks: self.breaks.iter().map(|b| Break { position: b.position + by, ..*b }).collect(),
             ahead: (self.ahead - by).max(0.0),
             behind: self.behind + by,
@@ -135,7 +176,7 @@ impl Layer {
     pub(crate) fn mirrored(&self) -> Self {
         Self {
             density: self.density.mirrored(),
-            atoms: self.atoms.iter().rev().map(|a| Atom { position: -a.position, ..*a }).collect(),
+            lumps: self.lumps.iter().rev().map(|l| Lump { position: -l.position, ..*l }).collect(),
             breaks: self.breaks.iter().rev().map(|b| b.mirrored()).collect(),
             ahead: self.behind,
             behind: self.ahead,

@@ -13,10 +13,11 @@ mod stock;
 
 pub use athermal::athermal;
 pub(crate) use births::Births;
-pub(crate) use cells::ORDERS;
+pub(crate) use cells::{ORDERS, walls};
 pub(crate) use continuation::Continuation;
 pub(crate) use layer::Layer;
-pub(crate) use stock::{life_of, tidied, unbroken};
+use layer::Lump;
+pub(crate) use stock::{Sums, life_of, strikes, tidied};
 
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::volterra::Kernel;
@@ -31,7 +32,6 @@ use crate::numerics::volterra::Kernel;
 /// |---|---|---|
 /// | survival | ∫ν(r) S(x) dr, x = r+u | the same |
 /// | breaking density | ∫ν(r) P_c(x) dr | the same |
-/// | stiffness | ∫ν(r) S(x) dr | ∫ν(r) M₁(x) dr |
 /// | carried force | ∫ν(r) x S(x) dr | ∫ν(r) x M₁(x) dr |
 /// | its square | ∫ν(r) x² S(x) dr | ∫ν(r) x² M₂(x) dr |
 /// | elastic energy | ½∫ν(r) x² S(x) dr | ½∫ν(r) x² M₁(x) dr |
@@ -42,7 +42,6 @@ use crate::numerics::volterra::Kernel;
 pub struct Life {
     survival: Kernel,
     breaking: Kernel,
-    stiffness: Kernel,
     force: Kernel,
     square: Kernel,
     energy: Kernel,
@@ -73,12 +72,7 @@ impl Life {
         &self.square
     }
 
-    /// The stiffness of the unbroken.
-    pub fn stiffness(&self) -> &Kernel {
-        &self.stiffness
-    }
-
-    /// Their elastic energy; an area (a volume where k = κ x_s).
+    /// The elastic energy of the unbroken; an area (a volume where k = κ x_s).
     pub fn energy(&self) -> &Kernel {
         &self.energy
     }
@@ -112,11 +106,11 @@ impl Life {
 
     /// Stretches of the contacts that started u ago at point masses, with the fraction still there.
     pub fn stretch_atoms(&self, u: f64) -> impl Iterator<Item = Atom> + '_ {
-        let unbroken = move |layer: &Layer, start: &Atom| {
+        let unbroken = move |layer: &Layer, start: &Lump| {
             let survival = self.thresholds.survival(layer.largest(start.position, u));
             Atom { position: start.position + u, weight: start.weight * survival }
         };
-        self.layers.iter().flat_map(move |layer| layer.atoms.iter().map(move |start| unbroken(layer, start)))
+        self.layers.iter().flat_map(move |layer| layer.lumps.iter().map(move |start| unbroken(layer, start)))
     }
 
     /// Density at stretch x of contacts that have been born at the rate `rate(advance)` per contact, the advance

@@ -3,10 +3,10 @@
 use super::Life;
 use super::athermal::of_layers;
 use super::breaking::Breaking;
-use super::cells::{BULK, NEGLIGIBLE, RESOLUTION, scale};
-use super::layer::Layer;
-use crate::contacts::Contacts;
-use crate::law::{Atom, Law};
+use super::cells::{BULK, NEGLIGIBLE, RESOLUTION, scale, walls};
+use super::layer::{Layer, Lump, SAME};
+use crate::contacts::{Contacts, Stiffness};
+use crate::law::Law;
 use crate::numerics::breaks::same_position;
 use crate::numerics::piecewise::Piecewise;
 
@@ -14,25 +14,50 @@ use crate::numerics::piecewise::Piecewise;
 /// threshold are forgotten.
 const FAINT: f64 = 1e-11;
 
-/// Lengths that differ by less, relative to a mean threshold, differ by rounding.
-const SAME: f64 = 1e-13;
-
 /// The life of the contacts of some layers; what breaks stays broken.
 pub(crate) fn life_of(contacts: &Contacts, layers: Vec<Layer>) -> Life {
     of_layers(contacts, layers, None)
 }
 
-/// The fraction of contacts that is unbroken.
-pub(crate) fn unbroken(layers: &[Layer], thresholds: &dyn Law) -> f64 {
-    layers.iter().map(|layer| Breaking::new(thresholds, layer, BULK).weighted(0.0, 0, 0)).sum()
+/// What the contacts of some layers are together, per unit stiffness.
+pub(crate) struct Sums {
+    /// The fraction that is unbroken.
+    pub(crate) unbroken: f64,
+    pub(crate) stiffness: f64,
+    /// As in a [`Life`].
+    pub(crate) breaking_energy: f64,
+}
+
+impl Sums {
+    pub(crate) fn of(layers: &[Layer], contacts: &Contacts) -> Self {
+        let thresholds = contacts.thresholds.as_ref();
+        let breaking: Vec<_> = layers.iter().map(|layer| Breaking::new(thresholds, layer, BULK)).collect();
+        let sum = |moment: u32| breaking.iter().map(|b| b.weighted(0.0, 0, moment)).sum::<f64>();
+        let unbroken = sum(0);
+        let (stiffness, energy) = match contacts.stiffness {
+            Stiffness::Equal(_) => (unbroken, sum(2)),
+            Stiffness::PerThreshold(_) => (sum(1), sum(3)),
+        };
+        Self { unbroken, stiffness, breaking_energy: 0.5 * energy }
+    }
+}
+
+/// Whether a lump reaches a threshold that many share when the slider has gone on by `advance`.
+pub(crate) fn strikes(layers: &[Layer], thresholds: &dyn Law, advance: f64) -> bool {
+    let close = SAME * thresholds.mean();
+    let struck = |layer: &Layer| {
+        let breaking = Breaking::new(thresholds, layer, BULK);
+        breaking.struck.iter().any(|(u, _)| (u - advance).abs() <= close)
+    };
+    !thresholds.atoms().is_empty() && layers.iter().any(struck)
 }
 
 /// The layers, without what is negligible; those with one and the same past, as far as it can still be felt, as one.
 pub(crate) fn tidied(layers: Vec<Layer>, thresholds: &dyn Law) -> Vec<Layer> {
     let close = SAME * thresholds.mean();
-    let mut out: Vec<Layer> = Vec::new();
+    let (mut out, walls): (Vec<Layer>, _) = (Vec::new(), walls(thresholds));
     for mut layer in layers {
-        layer.trim(thresholds);
+        layer.trim(thresholds, &walls);
         layer.forget();
         let spacing = scale(thresholds).min(thresholds.mean()) / 32.0;
         layer.breaks.retain(|b| b.weight(spacing) * thresholds.mean() > FAINT);
@@ -58,7 +83,7 @@ impl Layer {
     }
 
     /// Leaves out what is negligible at either end.
-    fn trim(&mut self, thresholds: &dyn Law) {
+    fn trim(&mut self, thresholds: &dyn Law, walls: &[f64]) {
         let survival =
             |low: f64, high: f64| thresholds.survival(self.largest(self.lowest(0.0).clamp(low, high), 0.0));
         let kept = |cell: &usize| {
@@ -72,11 +97,11 @@ impl Layer {
             boundaries: self.density.boundaries[first..=last + 1].to_vec(),
             coefficients: self.density.coefficients[first..=last].to_vec(),
         });
-        let left = |a: &Atom| a.weight * survival(a.position, a.position) > NEGLIGIBLE;
-        let atoms = self.atoms.iter().copied().filter(left).collect();
+        let left = |l: &Lump| l.weight * thresholds.survival(self.exceeded(l, 0.0, walls)) > NEGLIGIBLE;
+        let lumps = self.lumps.iter().copied().filter(left).collect();
         let (low, high) = (density.start(), density.end());
         self.breaks.retain(|b| b.position >= low && b.position <= high);
-        (self.density, self.atoms) = (density, atoms);
+        (self.density, self.lumps) = (density, lumps);
     }
 
     /// Forgets the side on which the slider was less far than on the other, for every contact.
@@ -92,10 +117,10 @@ impl Layer {
     /// Adds contacts with the same past.
     fn merge(&mut self, other: Self) {
         self.density = self.density.added(&other.density, RESOLUTION);
-        self.atoms.extend(other.atoms);
-        self.atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
-        self.atoms.dedup_by(|b, a| {
-            let same = same_position(a.position, b.position);
+        self.lumps.extend(other.lumps);
+        self.lumps.sort_by(|a, b| a.position.total_cmp(&b.position));
+        self.lumps.dedup_by(|b, a| {
+            let same = same_position(a.position, b.position) && a.passed == b.passed;
             a.weight += if same { b.weight } else { 0.0 };
             same
         });
@@ -109,7 +134,6 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::contacts::Stiffness;
     use crate::law::Rectangular;
 
     #[test]
@@ -130,7 +154,7 @@ mod tests {
         let moved = |by: f64| tidied(layers.iter().map(|layer| layer.advanced(by)).collect(), law);
         assert_eq!((moved(0.2).len(), moved(0.4).len()), (2, 1));
         // Below all thresholds nothing breaks.
-        assert!((unbroken(&moved(0.2), law) - 1.0).abs() < 1e-14);
+        assert!((Sums::of(&moved(0.2), &contacts).unbroken - 1.0).abs() < 1e-14);
         assert!((moved(0.2)[0].way_ahead(0.9) - 0.3).abs() < 1e-14);
     }
 }

@@ -5,8 +5,8 @@ use std::sync::{Arc, OnceLock};
 use super::leg::Leg;
 use crate::Result;
 use crate::contacts::Contacts;
-use crate::life::{Layer, Life, tidied};
-use crate::numerics::breaks::{Atom, same_position};
+use crate::life::{Layer, Life, tidied, walls};
+use crate::numerics::breaks::same_position;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
@@ -95,11 +95,15 @@ impl Course {
 
     /// Whether contacts break together at the end of a cell.
     pub(super) fn breaks_after(&self, cell: usize) -> bool {
-        let end = self.cell_end(cell);
-        let there = |atom: &Atom| same_position(atom.position, end);
+        let (end, before) = (self.cell_end(cell), self.force().boundaries.get(cell).copied().unwrap_or(0.0));
+        let near = |x: f64| x > before && same_position(x, end);
         match &self.motion {
-            Motion::Renewed(leg) => leg.solution.atoms.iter().any(there),
-            Motion::Held { first, .. } => first.breaking().atoms().any(|atom| there(&atom)),
+            Motion::Renewed(leg) => {
+                let atoms = &leg.solution.atoms;
+                let first = atoms.partition_point(|a| a.position <= before);
+                atoms.get(first).is_some_and(|a| near(a.position))
+            }
+            Motion::Held { first, .. } => first.breaking().atoms().any(|a| near(a.position)),
         }
     }
 
@@ -121,14 +125,6 @@ impl Course {
         match &self.motion {
             Motion::Renewed(leg) => &leg.slope,
             Motion::Held { slope, .. } => slope,
-        }
-    }
-
-    /// The stiffness of what is unbroken at the advance u.
-    pub(super) fn stiffness(&self, u: f64, cell: usize) -> f64 {
-        match &self.motion {
-            Motion::Renewed(leg) => leg.sum_at(Life::stiffness, u),
-            Motion::Held { first, .. } => at(first.stiffness().curve(), u, cell),
         }
     }
 
@@ -169,12 +165,17 @@ impl Course {
         }
     }
 
-    /// The contacts at the advance u, seen along the way.
-    pub(super) fn layers(&self, u: f64, cell: usize, contacts: &Contacts) -> Vec<Layer> {
+    /// The contacts at the advance u, seen along the way; at the end of the cell, those that break together there have
+    /// `crossed` it or not, but none has re-formed.
+    pub(super) fn layers(&self, u: f64, cell: usize, crossed: bool, contacts: &Contacts) -> Vec<Layer> {
         let mut layers: Vec<_> = self.first().layers().iter().map(|layer| layer.advanced(u)).collect();
         if let Motion::Renewed(leg) = &self.motion {
             layers.push(leg.born(u, cell));
         }
+        let walls = walls(contacts.thresholds.as_ref());
+        let begun = self.force().boundaries.get(cell).copied().unwrap_or(u);
+        let since = if crossed { 0.0 } else { (u - begun).max(0.0) };
+        layers.iter_mut().for_each(|layer| layer.pass(&walls, since));
         tidied(layers, contacts.thresholds.as_ref())
     }
 }

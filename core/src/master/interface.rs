@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::MasterEquation;
 use super::course::Course;
 use crate::contacts::{Contacts, Start};
-use crate::life::{Layer, Life, life_of, tidied, unbroken};
+use crate::life::{Layer, Life, Sums, life_of, tidied};
 use crate::{Error, Float, Result};
 
 /// A course is first solved for this many mean lives, then for twice as many, and so on.
@@ -47,7 +47,7 @@ impl Interface {
             return self.course(equation.first.clone());
         }
         let mut layers = equation.first.layers().to_vec();
-        let broken = 1.0 - unbroken(&layers, self.contacts.thresholds.as_ref());
+        let broken = 1.0 - Sums::of(&layers, &self.contacts).unbroken;
         layers.extend(self.reborn.layers().iter().map(|layer| layer.clone().scaled(broken)));
         self.renewed(layers)
     }
@@ -62,7 +62,7 @@ impl Interface {
     /// All of them should be there; what the tolerance of earlier courses leaves is made up for, lest it add up.
     pub(super) fn renewed(&self, layers: Vec<Layer>) -> Result<Course> {
         let layers = tidied(layers, self.contacts.thresholds.as_ref());
-        let there = unbroken(&layers, self.contacts.thresholds.as_ref());
+        let there = Sums::of(&layers, &self.contacts).unbroken;
         if (there - 1.0).abs() > SLACK * self.tolerance {
             let (reached, wanted) = (Float((there - 1.0).abs()), Float(self.tolerance));
             let what = "the probability of all stretches where the slider turned".into();

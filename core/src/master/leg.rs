@@ -98,7 +98,9 @@ impl Leg {
 
     /// The contacts born up to the advance `u` in the given cell, and still there.
     pub(super) fn born(&self, u: f64, cell: usize) -> Layer {
-        let (rate, past) = (&self.solution.density, (u - self.reborn.survival().curve().end()).max(0.0));
+        let rate = &self.solution.density;
+        // What was born a life ago may just be about to break.
+        let past = (u - self.reborn.survival().curve().end() * (1.0 + 1e-12)).max(0.0);
         let done = self.force.boundaries[cell] * (1.0 + 1e-12);
         let atoms = self.solution.atoms.iter().filter(|a| a.position >= past && a.position <= done);
         let atoms = atoms.map(|a| Atom { position: (u - a.position).max(0.0), ..*a }).collect();

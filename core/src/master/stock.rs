@@ -6,7 +6,7 @@ use super::course::{Account, Course};
 use super::interface::Interface;
 use super::{MasterEquation, check};
 use crate::Result;
-use crate::life::{Layer, unbroken};
+use crate::life::{Layer, Sums, strikes};
 use crate::population::{Books, Direction, Population, Response, Way};
 
 /// Thresholds below which there are fewer are not waited for.
@@ -32,6 +32,8 @@ pub struct Stock {
     back: Option<Back>,
     moved: Direction,
     looked: Direction,
+    /// Whether what is about to break together will stay free.
+    holding: bool,
     /// What has broken before the course and stayed free.
     free: f64,
     /// Energy lost and breaks before the course, per contact and unit stiffness.
@@ -42,9 +44,10 @@ pub struct Stock {
 /// The way back from the furthest point of a course.
 #[derive(Debug, Clone)]
 struct Back {
-    /// How far it is straight, and how steep.
+    /// How far it is straight, how steep, and whether contacts break together at its end.
     length: f64,
     stiffness: f64,
+    breaks: bool,
     /// The contacts at its beginning, seen along it.
     layers: Arc<[Layer]>,
     /// The course that it becomes, once looked at.
@@ -72,6 +75,7 @@ impl MasterEquation {
             back: None,
             moved: Direction::Forward,
             looked: Direction::Forward,
+            holding: false,
             free: 0.0,
             lost: 0.0,
             broken: 0.0,
@@ -82,7 +86,7 @@ impl MasterEquation {
 impl Stock {
     /// The share of contacts that can be told where they are or that they are free, by quadrature over stretches: 1.
     pub fn total_probability(&self) -> f64 {
-        let there = unbroken(&self.layers(), self.interface.contacts.thresholds.as_ref());
+        let there = Sums::of(&self.layers(), &self.interface.contacts).unbroken;
         there + self.free + if self.course.is_held() { self.account().broken } else { 0.0 }
     }
 
@@ -106,13 +110,15 @@ impl Stock {
         let back = match self.back.take() {
             Some(back) => back,
             None => {
-                let layers = self.course.layers(self.furthest, self.cell, &interface.contacts);
+                let contacts = &interface.contacts;
+                let layers = self.course.layers(self.furthest, self.cell, false, contacts);
                 let layers: Arc<[_]> = layers.iter().map(Layer::mirrored).collect();
-                let lowest = interface.contacts.thresholds.quantile(FEW);
+                let thresholds = contacts.thresholds.as_ref();
+                let lowest = thresholds.quantile(FEW);
                 let length = layers.iter().map(|layer| layer.way_ahead(lowest)).fold(f64::INFINITY, f64::min);
                 let length = if length > interface.near() { length } else { 0.0 };
-                let stiffness = self.course.stiffness(self.furthest, self.cell);
-                Back { length, stiffness, layers, course: None }
+                let Sums { stiffness, .. } = Sums::of(&layers, contacts);
+                Back { length, stiffness, breaks: strikes(&layers, thresholds, length), layers, course: None }
             }
         };
         let back = self.back.insert(back);
@@ -171,13 +177,40 @@ impl Stock {
         Ok(())
     }
 
-    /// Goes over to the course back from the furthest point.
+    /// Whether contacts here are about to break together.
+    fn stands(&self) -> bool {
+        self.behind == 0.0
+            && self.furthest == self.course.cell_end(self.cell)
+            && self.course.breaks_after(self.cell)
+    }
+
+    /// Breaks what breaks together here, and leaves it free.
+    fn part(&mut self) {
+        let contacts = &self.interface.contacts;
+        let [before, after] =
+            [false, true].map(|crossed| self.course.layers(self.furthest, self.cell, crossed, contacts));
+        let course = self.interface.held(after.clone());
+        let [before, after] = [before, after].map(|layers| Sums::of(&layers, contacts));
+        let broken = before.unbroken - after.unbroken;
+        self.settle();
+        self.lost += before.breaking_energy - after.breaking_energy;
+        self.broken += broken;
+        self.free += broken;
+        self.begin(Arc::new(course), self.direction);
+    }
+
+    /// Goes over to the course back from the furthest point, where its straight part ends.
     fn turn(&mut self) -> Result<()> {
-        if let Some(course) = self.look_back()?.course.clone() {
-            let behind = std::mem::take(&mut self.behind);
+        if let Back { course: Some(course), length, breaks, .. } = self.look_back()?.clone() {
+            self.behind = 0.0;
             self.settle();
             self.begin(course, self.direction.reversed());
-            (self.furthest, self.cell) = (behind, self.course.cell(behind));
+            self.furthest = length;
+            self.cell = self.course.cell(length);
+            if breaks && self.cell > 0 {
+                self.cell -= 1;
+                self.furthest = self.course.cell_end(self.cell);
+            }
         }
         Ok(())
     }
@@ -210,7 +243,7 @@ impl Stock {
 
     /// The contacts as they are, seen along the course.
     fn layers(&self) -> Vec<Layer> {
-        let layers = self.course.layers(self.furthest, self.cell, &self.interface.contacts);
+        let layers = self.course.layers(self.furthest, self.cell, false, &self.interface.contacts);
         if self.behind == 0.0 {
             return layers;
         }
@@ -225,9 +258,13 @@ impl Population for Stock {
 
     fn way(&mut self, direction: Direction) -> Result<Way> {
         self.looked = direction;
+        if self.stands() && (self.holding || self.is_onward(direction)) {
+            self.cross()?;
+        }
         if self.is_onward(direction) {
             if self.behind > 0.0 {
-                return Ok(Way { length: self.behind, straight: true, breaks: false });
+                let breaks = self.furthest == self.course.cell_end(self.cell);
+                return Ok(Way { length: self.behind, straight: true, breaks });
             }
             let length = self.course.cell_end(self.cell) - self.furthest;
             return Ok(Way {
@@ -244,7 +281,7 @@ impl Population for Stock {
                 let length = course.cell_end(cell) - behind;
                 Way { length, straight: length.is_infinite(), breaks: course.breaks_after(cell) }
             }
-            _ => Way { length: back.length - behind, straight: true, breaks: false },
+            _ => Way { length: back.length - behind, straight: true, breaks: back.breaks },
         })
     }
 
@@ -282,6 +319,13 @@ impl Population for Stock {
     }
 
     fn cross(&mut self) -> Result<()> {
+        if !self.stands() {
+            return Ok(());
+        }
+        if std::mem::take(&mut self.holding) {
+            self.part();
+            return Ok(());
+        }
         self.go_over()
     }
 
@@ -292,12 +336,13 @@ impl Population for Stock {
         self.lost += released;
         self.broken += 1.0 - std::mem::take(&mut self.free);
         self.begin(fresh, direction);
-        (self.moved, self.looked) = (direction, direction);
+        (self.moved, self.looked, self.holding) = (direction, direction, false);
         Ok(())
     }
 
     fn hold(&mut self) {
-        if !self.course.is_held() {
+        self.holding = !self.course.is_held() && self.stands();
+        if !self.course.is_held() && !self.holding {
             let course = self.interface.held(self.layers());
             self.settle();
             self.begin(Arc::new(course), self.direction);
@@ -305,9 +350,11 @@ impl Population for Stock {
     }
 
     fn release(&mut self) -> Result<()> {
+        self.holding = false;
         if !self.course.is_held() {
             return Ok(());
         }
+        self.cross()?;
         let mut layers = self.layers();
         let free = self.free + self.account().broken;
         let newborn = self.interface.reborn.layers().iter().map(|layer| {

@@ -33,24 +33,28 @@ pub fn integral(a: f64, b: f64, knots: &[f64], parts: u32, mut f: impl FnMut(f64
         .sum()
 }
 
-/// Moves to `position`, way by way; the work done on the population.
+/// Moves to `position`, way by way; what stands at its threshold there breaks. The work done on the population.
 pub fn drive(population: &mut dyn Population, position: f64) -> f64 {
     let mut work = 0.0;
     loop {
         let left = position - population.position();
         let direction = if left > 0.0 { Direction::Forward } else { Direction::Backward };
-        let length = population.way(direction).unwrap().length;
-        let last = left.abs() <= length;
-        let by = if last { left } else { direction.sign() * length };
+        let way = population.way(direction).unwrap();
+        // Ends that break are here up to the rounding of positions.
+        let ends = left.abs() > way.length - if way.breaks { 1e-12 } else { 0.0 };
+        let by = if ends { direction.sign() * way.length } else { left };
         work += gauss(0.0, by, |x| population.ahead(x).force);
         population.advance(by).unwrap();
-        if last {
+        if ends && way.breaks {
+            population.cross().unwrap();
+        }
+        if (position - population.position()).abs() < 1e-12 {
             return work;
         }
     }
 }
 
-/// The force now; where contacts break together, after that.
+/// The force now.
 pub fn force(population: &mut dyn Population) -> f64 {
     population.way(Direction::Forward).unwrap();
     population.ahead(0.0).force
