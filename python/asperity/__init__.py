@@ -42,13 +42,12 @@ from asperity._core import (
     open_result,
     run,
 )
+from asperity._events import Event, Events
 from asperity._values import (
     Atoms,
     Course,
     Energy,
     Equilibria,
-    Event,
-    Events,
     Label,
     Potential,
     Sizes,

@@ -11,7 +11,19 @@ from scipy.stats.distributions import rv_frozen
 from typing_extensions import disjoint_base
 from xarray import Dataset
 
-from asperity._values import Atoms, Course, Energy, Equilibria, Events, Label, Potential, Sizes, State, StaticFriction, StretchDensity
+from asperity._events import Events
+from asperity._values import (
+    Atoms,
+    Course,
+    Energy,
+    Equilibria,
+    Label,
+    Potential,
+    Sizes,
+    State,
+    StaticFriction,
+    StretchDensity,
+)
 
 __version__: str
 _Array: TypeAlias = NDArray[np.float64]
@@ -373,14 +385,38 @@ class Ensemble(Model):
 
 @final
 class Inertial(Description):
+    """The slip of a slider by its inertia, MẌ = K(X_T - X) - F - γẊ, from the loss of balance to the first arrest.
+
+    mass: the mass M, above 0. damping: the viscous damping γ, force per velocity, 0 or above. The time of the slip
+    follows from the two; no rate of the drive enters.
+    """
+
     def __new__(cls, mass: _Number, damping: _Number = 0.0) -> Self: ...
     @property
-    def mass(self) -> float: ...
+    def mass(self) -> float:
+        """The mass M."""
+
     @property
-    def damping(self) -> float: ...
+    def damping(self) -> float:
+        """The viscous damping γ, force per velocity."""
 
 @final
 class Block(Description):
+    """A slider block: its top is driven, its bottom is held by contacts, and its shear stiffness K joins them.
+
+    K(X_T - X) = F(X). Where F falls more steeply than K rises, F' < -K, the slider loses its balance and slips at fixed
+    X_T (Braun and Peyrard 2008, Eqs. 12 and 13).
+
+    model: the contacts, a MasterEquation or an Ensemble. stiffness: the stiffness K, force per length, above 0; None or
+    inf for a rigid slider, which never loses its balance. slip: what happens in a slip:
+    "reset" where all contacts break and re-form, and the spring is relaxed; "overdamped" where the slider moves to the
+    next balance, contacts breaking and re-forming on the way; "arrest" where contacts that break stay free until it has
+    stopped; Inertial where it moves by its mass. slip_fraction: the share of the contacts of an ensemble that must break
+    at one drive for an event to count as a slip, above 0, up to 1.
+
+    Raises ValueError for values that make no sense, a damping with which a slip would take forever among them.
+    """
+
     def __new__(
         cls,
         model: Model,
@@ -390,13 +426,21 @@ class Block(Description):
         slip_fraction: _Number = 0.05,
     ) -> Self: ...
     @property
-    def model(self) -> MasterEquation | Ensemble: ...
+    def model(self) -> MasterEquation | Ensemble:
+        """The model of the contacts."""
+
     @property
-    def stiffness(self) -> float: ...
+    def stiffness(self) -> float:
+        """The shear stiffness K, force per length; inf for a rigid slider."""
+
     @property
-    def slip(self) -> Literal["reset", "overdamped", "arrest"] | Inertial: ...
+    def slip(self) -> Literal["reset", "overdamped", "arrest"] | Inertial:
+        """The slip rule: "reset", "overdamped", "arrest", or Inertial."""
+
     @property
-    def slip_fraction(self) -> float: ...
+    def slip_fraction(self) -> float:
+        """The share of the contacts of an ensemble that must break at one drive for an event to count as a slip."""
+
     def drive(
         self,
         distance: _Number | None = None,
@@ -405,9 +449,38 @@ class Block(Description):
         turning_points: ArrayLike | None = None,
         force_to: _Number | None = None,
         progress: _Progress = None,
-    ) -> StickSlip: ...
-    def equilibrium(self, distance: _Number | None = None, points: SupportsIndex = 2001) -> Equilibria: ...
-    def potential(self, drive: ArrayLike, distance: _Number | None = None, points: SupportsIndex = 2001) -> Potential: ...
+    ) -> StickSlip:
+        """Moves the top of the slider from X_T = 0, or imposes a force, and follows its bottom.
+
+        distance: how far it is moved, a length above 0; 20 if nothing else is said. turning_points: positions X_T to
+        which it is moved one after the other, forth and back, instead. force_to: the force, above 0, up to which a slider
+        of infinite stiffness is pulled whatever its position, instead. points: the number of points of the trace, evenly
+        spaced along the drive, both ends included; 2 or more; turning points, and points before and after every slip,
+        come on top. progress: as for MasterEquation.pull. Ctrl-C stops it.
+
+        Raises ValueError for values that make no sense or too many point masses, MemoryError for results that do not fit,
+        RuntimeError where the tolerance is not reached.
+        """
+
+    def equilibrium(self, distance: _Number | None = None, points: SupportsIndex = 2001) -> Equilibria:
+        """The equilibria X_T(X) = X + F(X)/K of the first loading, before anything slips: drive, position, force, and whether
+        the slider is stable there, F' + K > 0.
+
+        distance: how far the bottom is moved, a length above 0; by default 5 mean thresholds. points: the number of
+        positions, evenly spaced, both ends included; 2 or more; where the force jumps, its two sides come on top.
+        """
+
+    def potential(
+        self, drive: ArrayLike, distance: _Number | None = None, points: SupportsIndex = 2001
+    ) -> Potential:
+        """The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading, whose minima are where the slider is in
+        balance (Braun and Peyrard 2008, Eq. 12).
+
+        drive: a drive X_T, or a list of m of them. distance, points: as for equilibrium. The result has `position` of shape
+        (n,) and `energy` of shape (n,) or (m, n).
+
+        Raises ValueError for a rigid slider, which has none.
+        """
 
 @disjoint_base
 class Record(Mapping[str, _Array]):
@@ -441,8 +514,8 @@ class Record(Mapping[str, _Array]):
         """An xarray.Dataset with named dimensions, long names and units. It needs xarray."""
 
     def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
-        """Draws the force along the pull or the drive, the kinetic friction, and on a pull the static one, where they are
-        known. Returns the axes. It needs matplotlib.
+        """Draws the force along the pull or the drive (of an imposed force, that against the position), the kinetic friction,
+        and on a pull the static one, where they are known. Returns the axes. It needs matplotlib.
 
         ax: axes to draw on; new ones if None. Other arguments go to its plot().
         """
@@ -562,36 +635,75 @@ class EnsemblePull(Record):
 
 @final
 class StickSlip(Record):
+    """A drive of a slider: its trace, its slips, and what kind of sliding they make.
+
+    Its variables are those of the trace, `drive`, `position`, `force` and `spring_force`, all states of balance; those of
+    the slips, `event_drive`, `event_drop`, …; for an inertial slip its course, `slip_time`, `slip_position`, …; for an
+    ensemble the sizes of events, `size`, `size_events`, ….
+    """
+
     @property
-    def block(self) -> Block: ...
+    def block(self) -> Block:
+        """The block that was driven."""
+
     @property
-    def drive(self) -> _Array: ...
+    def drive(self) -> _Array:
+        """The drive along the trace, shape (n,): the position X_T of the top, a length; or the imposed force."""
+
     @property
-    def spring_force(self) -> _Array: ...
+    def spring_force(self) -> _Array:
+        """The force K(X_T - X) of the spring along the trace, shape (n,): F, as the slider is in balance."""
+
     @property
-    def events(self) -> Events: ...
+    def events(self) -> Events:
+        """The slips."""
+
     @property
-    def regime(self) -> Literal["smooth", "transient", "persistent", "runaway", "undecided"]: ...
+    def regime(self) -> Literal["smooth", "transient", "persistent", "runaway", "undecided"]:
+        """ "smooth" without slips; "transient" where slips have ceased; "persistent" where they go on alike; "runaway" where
+        the contacts could not carry the imposed force; "undecided" where the drive was too short to tell. It is that of the
+        drive since it last turned.
+        """
+
     @property
-    def reason(self) -> str: ...
+    def reason(self) -> str:
+        """The regime with its reason, in words."""
+
     @property
-    def period(self) -> float | None: ...
+    def period(self) -> float | None:
+        """The mean advance of the drive from slip to slip, a length; None unless slips go on alike, as for all such means."""
+
     @property
-    def mean_drop(self) -> float | None: ...
+    def mean_drop(self) -> float | None:
+        """The mean drop of the force in a slip."""
+
     @property
-    def mean_slip(self) -> float | None: ...
+    def mean_slip(self) -> float | None:
+        """The mean way of the slider in a slip, a length."""
+
     @property
-    def scatter(self) -> float | None: ...
+    def scatter(self) -> float | None:
+        """The scatter of the period: the standard deviation of the advances from slip to slip over their mean."""
+
     @property
-    def first_instability(self) -> State | None: ...
+    def first_instability(self) -> State | None:
+        """Where balance was first lost; None where it never was."""
+
     @property
-    def runaway(self) -> State | None: ...
+    def runaway(self) -> State | None:
+        """From where the slider ran away under an imposed force; None where it did not."""
+
     @property
-    def energy(self) -> Energy: ...
+    def energy(self) -> Energy:
+        """Where the work of the drive went, from its start to its end (of a runaway, to where it began)."""
+
     @property
-    def sizes(self) -> Sizes | None: ...
+    def sizes(self) -> Sizes | None:
+        """How many events of each size there were, those too small for a slip among them; None for the master equation."""
+
     @property
-    def slip_course(self) -> Course | None: ...
+    def slip_course(self) -> Course | None:
+        """The time course of the first inertial slip; None where there was none."""
 
 @final
 class SteadyState:

@@ -5,6 +5,9 @@ from html import escape
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from asperity._core import Record
 
 MOST = 1000
@@ -48,13 +51,19 @@ def listed(caption: str, rows: Mapping[str, str]) -> str:
     return "\n".join([caption, *(f"  {key:<{width}} {value}" for key, value in rows.items())])
 
 
+def numbers(values: "NDArray[np.float64]") -> str:
+    """The first and the last of them."""
+    texts = [f"{value:.6g}" for value in values]
+    return " ".join([*texts[:3], "...", *texts[-3:]] if len(texts) > 7 else texts)
+
+
 def record_html(record: "Record") -> str:
     return table(type(record).__name__, rows(record))
 
 
 def rows(record: "Record") -> dict[str, str]:
     """The numbers people quote, and the variables with their shapes."""
-    rows = {}
+    rows: dict[str, str] = {}
     summary = getattr(record, "summary", {})
     for name in (
         "title",

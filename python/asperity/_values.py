@@ -1,7 +1,6 @@
-"""Small results: named tuples, and the table of slips."""
+"""Small results: named tuples."""
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple, SupportsIndex, overload
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     import numpy as np
@@ -47,7 +46,7 @@ class Label(NamedTuple):
     units: str
     """Its unit, "1" where there is none."""
     quantity: str
-    """What it measures: "length", "force", "per_length", "stiffness", "energy", "time", "velocity" or "number"."""
+    """What it measures: "length", "force", "stiffness", "energy", "time", "velocity", …"""
 
 
 class State(NamedTuple):
@@ -59,71 +58,6 @@ class State(NamedTuple):
     """The position X of the bottom, a length."""
     force: float
     """The friction force F."""
-
-
-class Event(NamedTuple):
-    """A slip, at a fixed drive."""
-
-    drive: float
-    """The drive, a length; or the imposed force."""
-    position_before: float
-    """The position X_1 at which balance was lost, a length."""
-    position_after: float
-    """The position at which it was found again, a length."""
-    position_turn: float
-    """The position X_2 at which an inertial slip first came to rest; else the one after. A length."""
-    force_before: float
-    """The force F_1 before."""
-    force_after: float
-    """The force after."""
-    drop: float
-    """The drop of the force."""
-    slip: float
-    """The way of the slider, a length."""
-    broken_fraction: float
-    """Breaks per contact; a contact that breaks twice counts twice."""
-    dissipated_breaks: float
-    """Energy lost in breaks."""
-    dissipated_slip: float
-    """Energy lost by the slider, by viscous damping or otherwise."""
-
-
-class Events(Sequence[Event]):
-    """The slips of a drive, in order: a table whose rows are Event, and whose columns are arrays.
-
-    `len(events)` is their number, `events[0]` the first of them, `events["drop"]` the drops of all, shape (n,). The
-    columns are named like the parts of an Event.
-    """
-
-    def __init__(self, columns: "Mapping[str, NDArray[np.float64]]") -> None:
-        self._columns = columns
-
-    def __len__(self) -> int:
-        return len(self._columns["drive"])
-
-    @overload
-    def __getitem__(self, key: str) -> "NDArray[np.float64]": ...
-    @overload
-    def __getitem__(self, key: SupportsIndex) -> Event: ...
-    @overload
-    def __getitem__(self, key: slice) -> "Events": ...
-    def __getitem__(self, key: "str | SupportsIndex | slice") -> "NDArray[np.float64] | Event | Events":
-        if isinstance(key, str):
-            return self._columns[key]
-        if isinstance(key, slice):
-            return Events({name: column[key] for name, column in self._columns.items()})
-        return Event(**{name: float(column[key]) for name, column in self._columns.items()})
-
-    def __repr__(self) -> str:
-        lines = [f"<asperity.Events: {len(self)}>"]
-        lines += [f"  {name:<18} {_shown(column)}" for name, column in self._columns.items()]
-        return "\n".join(lines)
-
-
-def _shown(column: "NDArray[np.float64]") -> str:
-    """The first and the last of the values."""
-    values = [f"{value:.6g}" for value in column]
-    return " ".join([*values[:3], "...", *values[-3:]] if len(values) > 7 else values)
 
 
 class Energy(NamedTuple):
@@ -138,7 +72,7 @@ class Energy(NamedTuple):
     breaks: float
     """Lost in breaks."""
     slip: float
-    """Lost by the slider in slips, where it has no inertia; of a reset the energy of the spring that is released."""
+    """Lost by the slider in slips, where it has no inertia; in a reset, what the spring releases."""
     viscous: float
     """Lost by viscous damping."""
     imbalance: float
@@ -146,7 +80,7 @@ class Energy(NamedTuple):
 
 
 class Sizes(NamedTuple):
-    """How many events of an ensemble there were of each size: ten bins to a factor of ten; empty ones are left out."""
+    """How many events of an ensemble there were of each size: ten bins to a factor of ten, none empty."""
 
     contacts: "NDArray[np.float64]"
     """The number of contacts broken, in the middle of the bin, shape (n,)."""

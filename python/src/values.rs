@@ -18,7 +18,7 @@ static STATE: Import = Import::new("asperity._values", "State");
 static ENERGY: Import = Import::new("asperity._values", "Energy");
 static EQUILIBRIA: Import = Import::new("asperity._values", "Equilibria");
 static POTENTIAL: Import = Import::new("asperity._values", "Potential");
-static EVENTS: Import = Import::new("asperity._values", "Events");
+static EVENTS: Import = Import::new("asperity._events", "Events");
 static SIZES: Import = Import::new("asperity._values", "Sizes");
 static COURSE: Import = Import::new("asperity._values", "Course");
 

@@ -1,5 +1,6 @@
 """Descriptions are values: compared, printed, copied with changes, sent to other processes."""
 
+import math
 import pickle
 from typing import Any
 
@@ -33,7 +34,16 @@ MODELS = [
     asp.Ensemble(CONTACTS[0], size=10),
     asp.Ensemble(CONTACTS[0], asp.Point(0.1), size=10, seed=2**63 - 1, disorder="quenched", start="relaxed"),
 ]
-ALL = [*LAWS, AREAS, *CONTACTS, *MODELS]
+SLIDERS = [
+    asp.Inertial(2.0),
+    asp.Inertial(2.0, damping=0.5),
+    asp.Block(MODELS[0], 1.0),
+    asp.Block(MODELS[0], 1.0, "overdamped", slip_fraction=0.1),
+    asp.Block(MODELS[1], 0.1 + 0.2, asp.Inertial(2.0, 0.5)),
+    asp.Block(MODELS[2], None),
+    asp.Block(MODELS[3], 1e-7, "arrest"),
+]
+ALL = [*LAWS, AREAS, *CONTACTS, *MODELS, *SLIDERS]
 
 every_one = pytest.mark.parametrize("description", ALL, ids=lambda one: type(one).__name__)
 
@@ -79,6 +89,15 @@ def test_replaced_values_are_checked() -> None:
         theory.replace(tolerance=1.0)
     with pytest.raises(TypeError, match="unexpected keyword argument 'stiffness'"):
         theory.replace(stiffness=1.0)
+
+
+def test_sliders_are_replaced_in_part() -> None:
+    block = asp.Block(MODELS[0], 1.0, "overdamped")
+    rigid = block.replace(stiffness=math.inf)
+    assert (rigid.model, rigid.slip, rigid.stiffness) == (block.model, "overdamped", math.inf)
+    assert rigid == block.replace(stiffness=None)
+    assert rigid.replace(stiffness=1.0) == block
+    assert asp.Block(MODELS[0], 1.0, asp.Inertial(2.0)).slip == asp.Inertial(2.0, 0.0)
 
 
 def test_descriptions_cannot_be_changed() -> None:

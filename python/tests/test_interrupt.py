@@ -11,6 +11,7 @@ import pytest
 
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "fig2.toml"
 GAUSSIAN = asp.Contacts(asp.Gaussian(1.0, 0.05))
+EVEN = asp.Contacts(asp.Exponential(1.0))
 SOON = 0.2
 
 LONG: dict[str, Callable[[], object]] = {
@@ -19,6 +20,10 @@ LONG: dict[str, Callable[[], object]] = {
     "far": lambda: asp.Ensemble(GAUSSIAN, size=10**6).pull(1e6),
     "gamma": lambda: asp.Ensemble(asp.Contacts(asp.Gamma(1.0, 0.5)), size=10**9).pull(100.0),
     "master equation": lambda: asp.MasterEquation(GAUSSIAN, tolerance=1e-12).pull(1e7, 100_001),
+    "block": lambda: asp.Block(asp.MasterEquation(GAUSSIAN), 1.0, "overdamped").drive(1e7),
+    "inertial block": lambda: asp.Block(asp.MasterEquation(GAUSSIAN), 1.0, asp.Inertial(1.0)).drive(1e7),
+    "avalanches": lambda: asp.Block(asp.Ensemble(GAUSSIAN, size=10**6), 1.0, "arrest").drive(1e7),
+    "imposed force": lambda: asp.Block(asp.Ensemble(EVEN, size=10**6), None).drive(force_to=0.999),
     "scenario": lambda: asp.run(SCENARIO, {"ensemble.size": 10**9}),
 }
 

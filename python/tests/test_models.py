@@ -161,7 +161,7 @@ def test_a_record_is_a_mapping(pull: asp.Pull) -> None:
     assert dict(pull.items())["force"] is pull.force
     with pytest.raises(KeyError, match="expected one of position, force, breaking_rate, got nothing"):
         pull["nothing"]
-    assert pull.labels["force"] == (("position",), "friction force", "1")
+    assert pull.labels["force"] == (("position",), "friction force", "1", "force")
 
 
 def test_results_are_shown(pull: asp.Pull) -> None:

@@ -5,6 +5,7 @@ import json
 import os
 import shlex
 import subprocess
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 COMMAND = shlex.split(os.environ.get("ASPERITY", "cargo run --release --locked --quiet --"))
 SCENARIOS = sorted(ROOT.glob("scenarios/*.toml"))
+DRIVES = [
+    path
+    for path in SCENARIOS
+    if path.stem.startswith("stick-slip") or path.stem in ("hysteresis", "imposed-force", "smooth-sliding")
+]
 
 
 def identical(one: asp.Result, other: asp.Result) -> None:
@@ -66,6 +72,51 @@ def test_models_compute_what_scenarios_do() -> None:
     np.testing.assert_array_equal(sample.force, result["ensemble_force"])
     np.testing.assert_array_equal(sample.force_error, result["ensemble_error"])
     np.testing.assert_array_equal(sample["stretch_density"], result["ensemble_stretch_density"])
+
+
+@pytest.mark.parametrize("written", DRIVES, ids=lambda path: path.stem, indirect=True)
+def test_blocks_are_driven_as_by_the_command(written: tuple[Path, Path]) -> None:
+    _, folder = written
+    scenario = tomllib.loads((folder / "scenario.toml").read_text(encoding="utf-8"))
+    contacts = asp.Contacts(asp.Gaussian(**scenario["contacts"]["thresholds"]["gaussian"]))
+    models: dict[str, asp.Model] = {"": asp.MasterEquation(contacts)}
+    if "ensemble" in scenario:
+        models["ensemble_"] = asp.Ensemble(contacts, **scenario["ensemble"])
+    for prefix, model in models.items():
+        run = slider(model, scenario).drive(**without(scenario["drive"], "start"))
+        same(run, folder / f"{prefix}trace.csv")
+        same(run.events, folder / f"{prefix}events.csv")
+        if run.sizes is not None and (folder / "sizes.csv").exists():
+            same(run.sizes._asdict(), folder / "sizes.csv")
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        told = summary["ensemble"] if prefix else summary
+        assert (run.regime, run.reason, len(run.events)) == (told["regime"], told["reason"], told["slips"])
+        for name in ("period", "mean_drop", "mean_slip", "scatter"):
+            assert getattr(run, name) == told.get(name)
+        for name in ("first_instability", "runaway"):
+            state = getattr(run, name)
+            assert (state and state._asdict()) == told.get(name)
+
+
+def slider(model: asp.Model, scenario: dict[str, Any]) -> asp.Block:
+    """The block of a scenario, its defaults filled in."""
+    block = scenario.get("block", {"stiffness": None})
+    if isinstance(block.get("slip"), dict):
+        block["slip"] = asp.Inertial(**block["slip"]["inertial"])
+    return asp.Block(model, **block)
+
+
+def without(table: dict[str, Any], name: str) -> dict[str, Any]:
+    return {key: value for key, value in table.items() if key != name}
+
+
+def same(columns: Any, path: Path) -> None:
+    """The columns of a table, but for the numbers of its rows."""
+    with open(path, newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    for name, *values in zip(header, *rows, strict=True):
+        if name != "event":
+            np.testing.assert_array_equal([float(value) for value in values], columns[name], err_msg=name)
 
 
 def test_tables_of_the_command_have_the_same_numbers(written: tuple[Path, Path]) -> None:

@@ -1,5 +1,6 @@
 """Wrong input is refused with ValueError or TypeError: never a panic, never a wrong number."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -34,6 +35,8 @@ sizes = st.floats(1e-6, 1e6)
 CONTACTS = asp.Contacts(asp.Gaussian(1.0, 0.1))
 THEORY = asp.MasterEquation(CONTACTS)
 PULL = THEORY.pull(2.0, 11)
+BLOCK = asp.Block(THEORY, 1.0, "overdamped")
+RIGID = asp.Block(THEORY, None)
 LAW = asp.Gamma(1.0, 0.3)
 KINDS: list[Any] = [
     asp.Gaussian,
@@ -44,6 +47,7 @@ KINDS: list[Any] = [
     asp.Point,
     asp.Exponential,
 ]
+RULES: list[Any] = ["reset", "overdamped", "arrest", None]
 FUNCTIONS = ["pdf", "cdf", "sf", "logsf", "hazard", "ppf", "isf"]
 
 
@@ -148,6 +152,15 @@ CALLS: dict[str, Callable[[Any], object]] = {
     "Ensemble.start": lambda x: asp.Ensemble(CONTACTS, start=x),
     "Ensemble.pull.snapshots": lambda x: asp.Ensemble(CONTACTS, size=2).pull(2.0, 3, snapshots=x),
     "Ensemble.pull.edges": lambda x: asp.Ensemble(CONTACTS, size=2).pull(2.0, 3, snapshots=[1.0], edges=x),
+    "Inertial.mass": lambda x: asp.Inertial(x),
+    "Inertial.damping": lambda x: asp.Inertial(1.0, x),
+    "Block.model": lambda x: asp.Block(x, 1.0),
+    "Block.stiffness": lambda x: asp.Block(THEORY, x, "overdamped").drive(3.0, 11),
+    "Block.slip": lambda x: asp.Block(THEORY, 1.0, x),
+    "Block.slip_fraction": lambda x: asp.Block(THEORY, 1.0, slip_fraction=x),
+    "Block.drive.force_to": lambda x: RIGID.drive(force_to=x),
+    "Block.drive.progress": lambda x: BLOCK.drive(1.0, 3, progress=None if x is True else x),
+    "Block.potential": lambda x: BLOCK.potential(x, 1.0, 3),
     "force_at": lambda x: PULL.force_at(x),
     "slope_at": lambda x: PULL.slope_at(x),
     "breaking_rate_at": lambda x: PULL.breaking_rate_at(x),
@@ -193,18 +206,63 @@ def test_every_argument_of_anything(call: Callable[[Any], object], x: Any) -> No
         pass
 
 
+def quick(distance: Any, points: Any) -> bool:
+    """Whether it makes no sense or takes no time."""
+    few = not isinstance(points, int) or not 1e4 < points < 1e7
+    return few and (not isinstance(distance, (int, float)) or not 1e3 < abs(distance) < np.inf)
+
+
 @given(distance=anything, points=anything)
 def test_pulls_of_anything(distance: Any, points: Any) -> None:
-    # What makes sense and takes long is not asked for.
-    few = not isinstance(points, int) or not 1e4 < points < 1e7
-    short = not isinstance(distance, (int, float)) or not 1e3 < distance < np.inf
-    if not (few and short):
+    if not quick(distance, points):
+        return
+    for pull in (THEORY.pull, BLOCK.drive, RIGID.drive):
+        try:
+            pulled = pull(distance, points)
+        except (*REFUSED, MemoryError):
+            continue
+        assert not any(np.any(np.isnan(values)) for values in pulled.values())
+
+
+@given(distance=anything, points=anything)
+def test_equilibria_of_anything(distance: Any, points: Any) -> None:
+    if not quick(distance, points):
         return
     try:
-        pull = THEORY.pull(distance, points)
+        equilibria, potential = (
+            BLOCK.equilibrium(distance, points),
+            BLOCK.potential([1.0, 2.0], distance, points),
+        )
     except (*REFUSED, MemoryError):
         return
-    assert not np.any(np.isnan(pull.force))
+    assert not np.any(np.isnan(equilibria.drive))
+    assert potential.energy.shape == (2, equilibria.position.size)
+
+
+@given(turning_points=anything | st.lists(st.floats(-10.0, 10.0) | numbers, max_size=4))
+def test_turning_points_of_anything(turning_points: Any) -> None:
+    if isinstance(turning_points, list) and not all(quick(point, 11) for point in turning_points):
+        return
+    try:
+        run = BLOCK.drive(points=11, turning_points=turning_points)
+    except (*REFUSED, MemoryError):
+        return
+    assert run.drive[-1] == (20.0 if turning_points is None else turning_points[-1])
+    assert not any(np.any(np.isnan(values)) for values in run.values())
+
+
+@given(stiffness=sizes, mass=sizes, damping=st.floats(0.0, 1e3), slip=st.sampled_from(RULES))
+def test_sliders_of_any_kind(stiffness: float, mass: float, damping: float, slip: Any) -> None:
+    rule = slip or asp.Inertial(mass, damping)
+    if rule == asp.Inertial(mass, damping) and damping > 1e3 * math.sqrt(mass * stiffness):
+        with pytest.raises(ValueError, match="damping: expected a damping up to"):
+            asp.Block(THEORY, stiffness, rule)
+        return
+    run = asp.Block(THEORY, stiffness, rule).drive(4.0, 11)
+    assert not any(np.any(np.isnan(values)) for values in run.values())
+    assert np.all(run.events["drop"] >= 0.0)
+    # The books of an inertial slip are closed to 1e-7 of the energies that pass through them.
+    assert abs(run.energy.imbalance) <= 1e-7 * max(1.0, run.energy.work)
 
 
 @pytest.mark.parametrize(
@@ -239,6 +297,29 @@ def test_pulls_of_anything(distance: Any, points: Any) -> None:
         (lambda: PULL(3.0), ValueError, "position: expected a position from 0 to 2, got 3"),
         (lambda: PULL.stretch_density([[1.0]]), ValueError, "at: expected a list of numbers, got an array"),
         (lambda: asp.Ensemble(CONTACTS, size=0), ValueError, r"ensemble\.size: expected 1 contact or more"),
+        (lambda: asp.Block(THEORY, -1.0), ValueError, r"block\.stiffness: expected .* above 0, got -1"),
+        (lambda: asp.Block(THEORY, np.nan), ValueError, r"block\.stiffness: expected a finite .* got NaN"),
+        (lambda: asp.Block(THEORY, 1.0, "sticky"), ValueError, "slip: expected one of reset, .* \"sticky\""),  # type: ignore[arg-type]
+        (lambda: asp.Block(THEORY, 1.0, 3), TypeError, "slip: expected a word or asperity.Inertial, got int"),  # type: ignore[arg-type]
+        (lambda: asp.Block(CONTACTS, 1.0), TypeError, "'Contacts' object is not an instance of 'Model'"),  # type: ignore[arg-type]
+        (lambda: asp.Block(THEORY, 1.0, slip_fraction=0), ValueError, r"slip_fraction: expected .* got 0"),
+        (lambda: asp.Inertial(0.0), ValueError, r"slip\.inertial\.mass: expected .* above 0, got 0"),
+        (
+            lambda: asp.Block(THEORY, 1.0, asp.Inertial(1.0, 1e6)),
+            ValueError,
+            r"block\.slip\.inertial\.damping: expected a damping up to 1000 .* got 1000000",
+        ),
+        (lambda: BLOCK.drive(-1.0), ValueError, r"drive\.distance: expected a number above 0, got -1"),
+        (lambda: BLOCK.drive(points=1), ValueError, r"drive\.points: expected 2 points or more"),
+        (lambda: BLOCK.drive(turning_points=[3.0, 4.0]), ValueError, r"drive\.turning_points\.1: .* below 3"),
+        (lambda: BLOCK.drive(turning_points=[]), ValueError, r"drive\.turning_points: expected at least one"),
+        (lambda: BLOCK.drive(turning_points=3.0), TypeError, "turning_points: expected a list of numbers"),
+        (lambda: BLOCK.drive(3.0, turning_points=[3.0]), ValueError, "only one of distance, turning_points"),
+        (lambda: BLOCK.drive(force_to=1.0), ValueError, r"block: expected no block .* of stiffness 1"),
+        (lambda: RIGID.drive(force_to=-1.0), ValueError, r"drive\.force_to: expected a number above 0"),
+        (lambda: RIGID.potential(1.0), ValueError, r"block\.stiffness: expected a finite .* got inf"),
+        (lambda: BLOCK.potential(np.nan), ValueError, "drive: expected a drive, got NaN"),
+        (lambda: BLOCK.equilibrium(0.0), ValueError, r"equilibrium\.distance: expected .* above 0, got 0"),
         (lambda: asp.exact.Rectangular(1.0, 0.5), ValueError, r"max: expected .* min = 1, got 0\.5"),
     ],
 )  # fmt: skip

@@ -114,7 +114,7 @@ impl Walk<'_> {
             if ending == Ending::Arrested || settled {
                 return Ok(true);
             }
-            if self.is_gone() {
+            if self.is_gone(swing.drive) {
                 return Ok(false);
             }
             if breaks {

@@ -162,7 +162,7 @@ impl Walk<'_> {
             if found {
                 return Ok(Slid::Balanced);
             }
-            if self.is_gone() {
+            if self.is_gone(drive) {
                 return Ok(Slid::Away);
             }
             if breaks {

@@ -49,7 +49,7 @@ pub(super) struct Walk<'a> {
     stored: f64,
     /// Where the drive last turned.
     pub leg_start: Point,
-    /// How far the slider may go from where it last was at rest.
+    /// How far the slider may go from where it last was at rest, for each unit of the force imposed.
     reach: f64,
     rest: f64,
     pub monitor: &'a mut dyn Monitor,
@@ -136,9 +136,8 @@ impl<'a> Walk<'a> {
     /// Brings the drive through the values asked for; where the slider runs away on the way, from where.
     pub fn leg(&mut self, direction: Direction, asked: &[f64]) -> Result<Option<Point>> {
         self.leg_start = self.point();
-        if let (Loading::Force, Some(&end)) = (self.block.loading, asked.last()) {
-            let largest = end.abs().max(self.look.here.force.abs());
-            self.reach = RUNAWAY * largest / self.unloading()?;
+        if self.block.loading == Loading::Force {
+            self.reach = RUNAWAY / self.unloading()?;
         }
         let mut asked = asked;
         self.rest = self.look.position;
@@ -179,7 +178,7 @@ impl<'a> Walk<'a> {
                 (true, ..) => Some(Stop::Reached),
                 (_, true, _) => Some(Stop::Unstable),
                 (_, _, true) => Some(Stop::Break),
-                _ => self.is_gone().then_some(Stop::Runaway),
+                _ => self.is_gone(self.drive()).then_some(Stop::Runaway),
             };
             self.glide(if asked.is_empty() { reached } else { end })?;
             if let Some(stop) = stop {
@@ -188,9 +187,10 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Whether the slider is too far from where it was at rest.
-    pub fn is_gone(&self) -> bool {
-        (self.look.position - self.rest).abs() > self.reach
+    /// Whether the slider is too far from where it was at rest for a drive, or for the one that the leg began at.
+    pub fn is_gone(&self, drive: f64) -> bool {
+        let largest = drive.abs().max(self.leg_start.drive.abs());
+        (self.look.position - self.rest).abs() > self.reach * largest
     }
 
     /// Keeps the state of balance at an advance `a` for the trace.

@@ -1,0 +1,73 @@
+"""The slips of a drive, as a table."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple, SupportsIndex, overload
+
+from asperity import _show
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+class Event(NamedTuple):
+    """A slip, at a fixed drive."""
+
+    drive: float
+    """The drive, a length; or the imposed force."""
+    position_before: float
+    """The position X_1 at which balance was lost, a length."""
+    position_after: float
+    """The position at which it was found again, a length."""
+    position_turn: float
+    """The position X_2 at which an inertial slip first came to rest; else the one after. A length."""
+    force_before: float
+    """The force F_1 before."""
+    force_after: float
+    """The force after."""
+    drop: float
+    """The drop of the force."""
+    slip: float
+    """The way of the slider, a length."""
+    broken_fraction: float
+    """Breaks per contact; a contact that breaks twice counts twice."""
+    dissipated_breaks: float
+    """Energy lost in breaks."""
+    dissipated_slip: float
+    """Energy lost by the slider, by viscous damping or otherwise."""
+
+
+class Events(Sequence[Event]):
+    """The slips of a drive, in order: a table whose rows are Event, and whose columns are arrays.
+
+    `len(events)` is their number, `events[0]` the first, `events["drop"]` an array of the drops, shape (n,).
+    Columns are named like the parts of an Event.
+    """
+
+    def __init__(self, columns: "Mapping[str, NDArray[np.float64]]") -> None:
+        self._columns = columns
+
+    def __len__(self) -> int:
+        return len(self._columns["drive"])
+
+    @overload
+    def __getitem__(self, key: str) -> "NDArray[np.float64]": ...
+    @overload
+    def __getitem__(self, key: SupportsIndex) -> Event: ...
+    @overload
+    def __getitem__(self, key: slice) -> "Events": ...
+    def __getitem__(self, key: "str | SupportsIndex | slice") -> "NDArray[np.float64] | Event | Events":
+        if isinstance(key, str):
+            return self._columns[key]
+        if isinstance(key, slice):
+            return Events({name: column[key] for name, column in self._columns.items()})
+        return Event(**{name: float(column[key]) for name, column in self._columns.items()})
+
+    def __repr__(self) -> str:
+        return _show.listed(f"<asperity.Events: {len(self)}>", self._rows())
+
+    def _repr_html_(self) -> str:
+        return _show.table(f"Events: {len(self)}", self._rows())
+
+    def _rows(self) -> dict[str, str]:
+        return {name: _show.numbers(column) for name, column in self._columns.items()}
