@@ -2,15 +2,13 @@
 
 use std::sync::Arc;
 
+use super::back::Back;
 use super::course::{Account, Course};
 use super::interface::Interface;
 use super::{MasterEquation, check};
 use crate::Result;
-use crate::life::{Layer, Sums, strikes};
+use crate::life::{Layer, Sums};
 use crate::population::{Books, Direction, Population, Response, Way};
-
-/// Thresholds below which there are fewer are not waited for.
-const FEW: f64 = 1e-18;
 
 /// The contacts of a master equation as a [`Population`].
 ///
@@ -39,19 +37,6 @@ pub struct Stock {
     /// Energy lost and breaks before the course, per contact and unit stiffness.
     lost: f64,
     broken: f64,
-}
-
-/// The way back from the furthest point of a course.
-#[derive(Debug, Clone)]
-struct Back {
-    /// How far it is straight, how steep, and whether contacts break together at its end.
-    length: f64,
-    stiffness: f64,
-    breaks: bool,
-    /// The contacts at its beginning, seen along it.
-    layers: Arc<[Layer]>,
-    /// The course that it becomes, once looked at.
-    course: Option<Arc<Course>>,
 }
 
 impl MasterEquation {
@@ -106,27 +91,13 @@ impl Stock {
 
     /// Looks at the way back, as far as it has not been before.
     fn look_back(&mut self) -> Result<&Back> {
-        let interface = &self.interface;
         let back = match self.back.take() {
             Some(back) => back,
-            None => {
-                let contacts = &interface.contacts;
-                let layers = self.course.layers(self.furthest, self.cell, false, contacts);
-                let layers: Arc<[_]> = layers.iter().map(Layer::mirrored).collect();
-                let thresholds = contacts.thresholds.as_ref();
-                let lowest = thresholds.quantile(FEW);
-                let length = layers.iter().map(|layer| layer.way_ahead(lowest)).fold(f64::INFINITY, f64::min);
-                let length = if length > interface.near() { length } else { 0.0 };
-                let Sums { stiffness, .. } = Sums::of(&layers, contacts);
-                Back { length, stiffness, breaks: strikes(&layers, thresholds, length), layers, course: None }
-            }
+            None => Back::new(&self.course, (self.furthest, self.cell), &self.interface),
         };
         let back = self.back.insert(back);
-        if back.course.is_none() && self.behind >= back.length {
-            let layers = back.layers.to_vec();
-            let course =
-                if self.course.is_held() { interface.held(layers) } else { interface.renewed(layers)? };
-            back.course = Some(Arc::new(course));
+        if self.behind >= back.length {
+            back.solve(self.course.is_held(), &self.interface)?;
         }
         Ok(back)
     }

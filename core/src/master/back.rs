@@ -1,0 +1,49 @@
+//! The way back from the furthest point of a course.
+
+use std::sync::Arc;
+
+use super::course::Course;
+use super::interface::Interface;
+use crate::Result;
+use crate::life::{Layer, Sums, strikes};
+
+/// Thresholds below which there are fewer are not waited for.
+const FEW: f64 = 1e-18;
+
+/// The way back: straight until a contact breaks, from there a course of its own.
+#[derive(Debug, Clone)]
+pub(super) struct Back {
+    /// How far it is straight, how steep, and whether contacts break together at its end.
+    pub(super) length: f64,
+    pub(super) stiffness: f64,
+    pub(super) breaks: bool,
+    /// The contacts at its beginning, seen along it.
+    layers: Arc<[Layer]>,
+    /// The course, from where the way back begins, once it is needed.
+    pub(super) course: Option<Arc<Course>>,
+}
+
+impl Back {
+    /// The way back from the furthest advance on a course, in front of a cell of it.
+    pub(super) fn new(course: &Course, (furthest, cell): (f64, usize), interface: &Interface) -> Self {
+        let contacts = &interface.contacts;
+        let thresholds = contacts.thresholds.as_ref();
+        let layers = course.layers(furthest, cell, false, contacts);
+        let layers: Arc<[_]> = layers.iter().map(Layer::mirrored).collect();
+        let lowest = thresholds.quantile(FEW);
+        let length = layers.iter().map(|layer| layer.way_ahead(lowest)).fold(f64::INFINITY, f64::min);
+        let length = if length > interface.near() { length } else { 0.0 };
+        let Sums { stiffness, .. } = Sums::of(&layers, contacts);
+        Self { length, stiffness, breaks: strikes(&layers, thresholds, length), layers, course: None }
+    }
+
+    /// Solves the course, on which what breaks is `held` free or re-forms.
+    pub(super) fn solve(&mut self, held: bool, interface: &Interface) -> Result<()> {
+        if self.course.is_none() {
+            let layers = self.layers.to_vec();
+            let course = if held { interface.held(layers) } else { interface.renewed(layers)? };
+            self.course = Some(Arc::new(course));
+        }
+        Ok(())
+    }
+}
