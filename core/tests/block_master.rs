@@ -102,3 +102,17 @@ fn a_hysteresis_loop_closes_and_loses_its_area() {
     near(run.energy.imbalance(), 0.0, 1e-9);
     near(run.energy.slip, 0.0, 0.0);
 }
+
+/// Contacts of one threshold that turn back break after 1.8, twice their mean life of 0.9, all together.
+#[test]
+fn a_straight_way_back_may_be_as_long_as_lives() {
+    let re_formed = point(0.1);
+    let mut population = master(&point(1.0), &re_formed, &re_formed).population(1e-10).unwrap();
+    let run = pull(&mut population, 0.3, Slip::Overdamped, &[9.0, -5.0, 8.0]);
+    for event in &run.events {
+        // All break at 1 and re-form at 0.1; sliding on, F rises by 1 and the spring falls by K per length.
+        near(event.before.force.abs(), 1.0, 1e-12);
+        near(event.slip().abs(), 0.9 / 1.3, 1e-12);
+        near(event.energy.imbalance(), 0.0, 1e-12);
+    }
+}

@@ -42,7 +42,13 @@ impl Back {
         if self.course.is_none() {
             let layers = self.layers.to_vec();
             let course = if held { interface.held(layers) } else { interface.renewed(layers)? };
-            self.course = Some(Arc::new(course));
+            // What breaks at the end of the straight part must lie within what is solved.
+            let further = if 2.0 * self.length > course.end() {
+                course.extended(4.0 * self.length, interface.tolerance)?
+            } else {
+                None
+            };
+            self.course = Some(Arc::new(further.unwrap_or(course)));
         }
         Ok(())
     }
