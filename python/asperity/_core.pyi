@@ -387,8 +387,9 @@ class Ensemble(Model):
 class Inertial(Description):
     """The slip of a slider by its inertia, MẌ = K(X_T - X) - F - γẊ, from the loss of balance to the first arrest.
 
-    mass: the mass M, above 0. damping: the viscous damping γ, force per velocity, 0 or above. The time of the slip
-    follows from the two; no rate of the drive enters.
+    X_T is held meanwhile; what is left of the swing then dies, and the slider comes to rest in balance.
+
+    mass: the mass M, above 0. damping: the viscous damping γ, force per velocity, 0 or above.
     """
 
     def __new__(cls, mass: _Number, damping: _Number = 0.0) -> Self: ...
@@ -404,8 +405,8 @@ class Inertial(Description):
 class Block(Description):
     """A slider block: its top is driven, its bottom is held by contacts, and its shear stiffness K joins them.
 
-    K(X_T - X) = F(X). Where F falls more steeply than K rises, F' < -K, the slider loses its balance and slips at fixed
-    X_T (Braun and Peyrard 2008, Eqs. 12 and 13).
+    K(X_T - X) = F(X). Where F falls more steeply than the force of the spring, F' < -K, the slider loses its balance and
+    slips at fixed X_T (Braun and Peyrard 2008).
 
     model: the contacts, a MasterEquation or an Ensemble. stiffness: the stiffness K, force per length, above 0; None or
     inf for a rigid slider, which never loses its balance. slip: what happens in a slip:
@@ -473,8 +474,7 @@ class Block(Description):
     def potential(
         self, drive: ArrayLike, distance: _Number | None = None, points: SupportsIndex = 2001
     ) -> Potential:
-        """The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading, whose minima are where the slider is in
-        balance (Braun and Peyrard 2008, Eq. 12).
+        """The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; where it is least, the slider is in balance.
 
         drive: a drive X_T, or a list of m of them. distance, points: as for equilibrium. The result has `position` of shape
         (n,) and `energy` of shape (n,) or (m, n).
