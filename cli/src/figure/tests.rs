@@ -18,6 +18,7 @@ fn outcome() -> Outcome {
     record.push("ensemble_error", "error", Quantity::Force, &["position"], vec![0.02; 200]);
     record.push("position", "position", Quantity::Length, &["position"], position);
     record.push("force", "force", Quantity::Force, &["position"], force);
+    record.push("breaking_rate", "rate", Quantity::PerLength, &["position"], vec![1.0; 200]);
     record.push("snapshot", "position", Quantity::Length, &["snapshot"], vec![0.0, 1.5]);
     record.push(
         "stretch_density",
