@@ -116,3 +116,24 @@ fn a_straight_way_back_may_be_as_long_as_lives() {
         near(event.energy.imbalance(), 0.0, 1e-12);
     }
 }
+
+/// A slider that turns back meets every break, wherever the solution had ended before it was continued.
+#[test]
+fn no_break_is_passed_over() {
+    let unstretched = point(0.0);
+    let mut population = master(&point(1.0), &unstretched, &unstretched).population(1e-10).unwrap();
+    let run = pull(&mut population, 2.0, Slip::Overdamped, &[9.0, -5.0, 8.0]);
+    let (forth, rest) = run.events.split_at(8);
+    let (back, again) = rest.split_at(12);
+    assert_eq!(again.len(), 11);
+    for leg in [forth, back, again] {
+        // One threshold after the other.
+        for pair in leg.windows(2) {
+            near((pair[1].before.position - pair[0].before.position).abs(), 1.0, 1e-12);
+        }
+    }
+    for event in &run.events {
+        near(event.energy.imbalance(), 0.0, 1e-12);
+        near(event.approach.imbalance(), 0.0, 1e-12);
+    }
+}

@@ -127,24 +127,32 @@ impl Stock {
             return Ok(());
         }
         self.furthest = end;
-        if self.course.breaks_after(self.cell) { Ok(()) } else { self.go_over() }
+        if self.course.breaks_after(self.cell) { Ok(()) } else { self.go_over(false) }
     }
 
-    /// Goes over the end of a cell.
-    fn go_over(&mut self) -> Result<()> {
+    /// Goes over the end of a cell, where what breaks together has `crossed` or nothing is known to.
+    fn go_over(&mut self, crossed: bool) -> Result<()> {
         self.cell += 1;
         if self.furthest >= self.course.end() {
-            self.look_further()?;
+            self.look_further(crossed)?;
         }
         Ok(())
     }
 
-    /// Solves the course for twice the way.
-    fn look_further(&mut self) -> Result<()> {
-        if let Some(course) = self.course.extended(2.0 * self.furthest, self.interface.tolerance)? {
-            self.cell = course.cell(self.furthest);
-            self.course = Arc::new(course);
+    /// Solves the course for twice the way. What breaks together where it ended is known only then.
+    fn look_further(&mut self, crossed: bool) -> Result<()> {
+        let Some(course) = self.course.extended(2.0 * self.furthest, self.interface.tolerance)? else {
+            return Ok(());
+        };
+        self.cell = course.cell(self.furthest);
+        if let Some(before) =
+            self.cell.checked_sub(1).filter(|&before| !crossed && course.breaks_after(before))
+            && (course.cell_end(before) - self.furthest).abs() <= self.interface.near()
+        {
+            // In front of it, for whoever moves the contacts has not been told.
+            (self.cell, self.furthest) = (before, self.furthest.min(course.cell_end(before).next_down()));
         }
+        self.course = Arc::new(course);
         Ok(())
     }
 
@@ -297,7 +305,7 @@ impl Population for Stock {
             self.part();
             return Ok(());
         }
-        self.go_over()
+        self.go_over(true)
     }
 
     fn reset(&mut self, direction: Direction) -> Result<()> {
