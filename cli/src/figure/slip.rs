@@ -1,6 +1,5 @@
 //! `slip`: the time course of the first inertial slip.
 
-use asperity::record::Record;
 use asperity_runner::output::Outcome;
 use kuva::render::figure::{Figure, FigureLegendPosition};
 use kuva::render::layout::Layout;
@@ -10,8 +9,6 @@ use super::curve::{curve, line};
 use super::style::{self, BLUE, GREEN, Plots, RED};
 
 const HEIGHT: f64 = 190.0;
-/// Share of the way from which on a motion can be seen.
-const VISIBLE: f64 = 0.01;
 /// Height that the label of the lowest axis takes.
 const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (12.0, 24.0);
@@ -51,19 +48,11 @@ fn panel(outcome: &Outcome, columns: &[(&str, &str)], words: &str) -> Option<(Pl
     let air = 0.06 * (high - low).max(1e-12);
     let plots =
         values.iter().zip(columns).map(|(y, (_, color))| line(curve(time, y), color, 1.8, None)).collect();
-    let layout = style::layout((seen(record)?, *time.last()?), (low - air, high + air))
+    let layout = style::layout((0.0, *time.last()?), (low - air, high + air))
         .with_y_label(style::axis(outcome, words, record.get(columns[0].0)?))
         .with_ticks(4)
         .with_force_margins_y(MARGINS.0, MARGINS.1)
         .with_tick_size(11)
         .with_label_size(13);
     Some((plots, layout))
-}
-
-/// The time from which on the slider can be seen to move: it leaves the balance very slowly.
-fn seen(record: &Record) -> Option<f64> {
-    let (time, position) = (record.values("slip_time")?, record.values("slip_position")?);
-    let (first, way) = (position.first()?, position.last()? - position.first()?);
-    let row = position.iter().position(|x| (x - first) / way > VISIBLE)?;
-    Some(time[row.saturating_sub(1)])
 }

@@ -8,6 +8,8 @@ use super::curve::{curve, line};
 use super::style::{self, BLUE, GREY, ORANGE, Plots};
 
 const DASHES: &str = "8 5";
+/// A lowest force, of the highest, above which 0 is not shown.
+const SMALL: f64 = 0.7;
 
 /// The picture, with the name that says what kind of drive it shows.
 pub fn scene(outcome: &Outcome) -> (&'static str, Option<Scene>) {
@@ -47,15 +49,22 @@ fn traces(outcome: &Outcome, names: (&str, &str), words: (&str, &str)) -> Option
         plots.push(line(vec![(left, kinetic), (right, kinetic)], GREY, 1.4, Some(DASHES)));
         legend.push(style::line(format!("kinetic {}", style::with_unit(kinetic, &unit)), GREY, Some(DASHES)));
     }
-    let bottom = if low < 0.0 { 1.08 * low } else { 0.0 };
-    let layout =
-        style::titled(style::layout((left, right), (bottom, style::headroom(high))), &outcome.summary.title)
-            .with_x_label(style::axis(outcome, words.0, record.get(names.0)?))
-            .with_y_label(style::axis(outcome, words.1, record.get(names.1)?));
+    let layout = style::titled(style::layout((left, right), heights(low, high)), &outcome.summary.title)
+        .with_x_label(style::axis(outcome, words.0, record.get(names.0)?))
+        .with_y_label(style::axis(outcome, words.1, record.get(names.1)?));
     Some(render_multiple(plots, style::legend_below(layout, legend)))
 }
 
 fn columns<'a>(record: &'a Record, prefix: &str, names: (&str, &str)) -> Option<(&'a [f64], &'a [f64])> {
     let column = |name: &str| record.values(&format!("{prefix}{name}"));
     Some((column(names.0)?, column(names.1)?))
+}
+
+/// The heights of the axis: from 0, if what is shown would not be squeezed to a line.
+fn heights(low: f64, high: f64) -> (f64, f64) {
+    if low > SMALL * high {
+        let air = 0.3 * (high - low);
+        return (low - air, high + air);
+    }
+    (1.08 * low.min(0.0), style::headroom(high))
 }
