@@ -31,7 +31,7 @@ fn contacts() -> (Contacts, Initial) {
     let relaxed: SharedLaw = Arc::new(Point::new(0.0).unwrap());
     let thresholds = Arc::new(Gaussian::new(1.0, 0.1).unwrap());
     let stiffness = Stiffness::Equal(1.0);
-    let contacts = Contacts { count: 1.0, stiffness, thresholds, reforming: relaxed.clone() };
+    let contacts = Contacts { stiffness, ..Contacts::new(thresholds, relaxed.clone()) };
     (contacts, Initial { law: relaxed, start: Start::Conditional })
 }
 

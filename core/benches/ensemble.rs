@@ -13,7 +13,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 fn ensemble(reforming: SharedLaw, stiffness: Stiffness, disorder: Disorder) -> Ensemble {
     let thresholds: SharedLaw = Arc::new(Gaussian::new(1.0, 0.05).unwrap());
     let initial = Initial { law: Arc::new(Point::new(0.0).unwrap()), start: Start::Conditional };
-    let contacts = Contacts { count: 1.0, stiffness, thresholds, reforming };
+    let contacts = Contacts { stiffness, ..Contacts::new(thresholds, reforming) };
     Ensemble::new(contacts, initial, 20_000, 1, disorder).unwrap()
 }
 

@@ -21,7 +21,7 @@ struct Case {
 impl Case {
     fn equation(&self) -> MasterEquation {
         let (thresholds, reforming) = (self.thresholds.clone(), self.reforming.clone());
-        let contacts = Contacts { count: 1.0, stiffness: Stiffness::Equal(1.0), thresholds, reforming };
+        let contacts = Contacts::new(thresholds, reforming);
         let initial = Initial { law: self.initial.clone(), start: Start::Conditional };
         MasterEquation::new(contacts, &initial).unwrap()
     }

@@ -47,7 +47,7 @@ fn main() {
 fn interface() -> (Contacts, Initial) {
     let gaussian = |mean, std| -> SharedLaw { Arc::new(Gaussian::new(mean, std).unwrap()) };
     let (thresholds, reforming) = (gaussian(1.0, 0.05), Arc::new(Point::new(0.0).unwrap()));
-    let contacts = Contacts { count: 1.0, stiffness: Stiffness::Equal(1.0), thresholds, reforming };
+    let contacts = Contacts::new(thresholds, reforming);
     (contacts, Initial { law: gaussian(0.1, 0.025), start: Start::Conditional })
 }
 

@@ -23,7 +23,7 @@ fn main() {
     let broad: SharedLaw = Arc::new(Rectangular::new(0.0, 0.2).unwrap());
     let contacts = |thresholds: &SharedLaw, reforming: &SharedLaw, stiffness| {
         let (thresholds, reforming) = (thresholds.clone(), reforming.clone());
-        Contacts { count: 1.0, stiffness, thresholds, reforming }
+        Contacts { stiffness, ..Contacts::new(thresholds, reforming) }
     };
     let (equal, per_threshold) = (Stiffness::Equal(1.0), Stiffness::PerThreshold(1.0));
     println!(

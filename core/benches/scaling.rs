@@ -43,7 +43,7 @@ fn table(name: &str, thresholds: &SharedLaw, reforming: &SharedLaw, initial: &Sh
 /// CPU seconds of everything, and of what comes after the solution.
 fn run(thresholds: SharedLaw, reforming: SharedLaw, initial: SharedLaw, n: usize) -> [f64; 2] {
     let begun = ThreadTime::now();
-    let contacts = Contacts { count: 1.0, stiffness: Stiffness::Equal(1.0), thresholds, reforming };
+    let contacts = Contacts::new(thresholds, reforming);
     let initial = Initial { law: initial, start: Start::Conditional };
     let pull =
         MasterEquation::new(contacts, &initial).unwrap().pull(n as f64 * STEP, 1e-10, &mut ()).unwrap();

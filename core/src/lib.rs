@@ -11,6 +11,7 @@ pub mod contacts;
 pub mod ensemble;
 mod error;
 pub mod exact;
+pub mod history;
 pub mod law;
 pub mod life;
 pub mod master;

@@ -54,7 +54,7 @@ impl Case {
 
     fn build(&self) -> Result<Ensemble> {
         let Self { thresholds, reforming, stiffness, initial, start, disorder, size, seed } = self.clone();
-        let contacts = Contacts { count: 1.0, stiffness, thresholds, reforming };
+        let contacts = Contacts { stiffness, ..Contacts::new(thresholds, reforming) };
         Ensemble::new(contacts, Initial { law: initial, start }, size, seed, disorder)
     }
 

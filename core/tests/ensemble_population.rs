@@ -45,7 +45,7 @@ impl Case {
 
     fn ensemble(&self) -> Ensemble {
         let Self { thresholds, reforming, stiffness, initial, start, disorder, size } = self.clone();
-        let contacts = Contacts { count: 1.0, stiffness, thresholds, reforming };
+        let contacts = Contacts { stiffness, ..Contacts::new(thresholds, reforming) };
         Ensemble::new(contacts, Initial { law: initial, start }, size, SEED, disorder).unwrap()
     }
 

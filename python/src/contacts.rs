@@ -98,6 +98,7 @@ impl Contacts {
             thresholds: thresholds.map(|law| law.0),
             areas: areas.map(|areas| Areas::plain(areas).clone()),
             reforming: reforming.map_or_else(scenario::Law::zero, |law| law.0),
+            ..scenario::Contacts::default()
         };
         contacts.build().map_err(|e| error::core(e.under("contacts")))?;
         Ok(Description::new(Plain::Contacts(contacts)).add_subclass(Self))

@@ -19,7 +19,7 @@ mod style;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use asperity::contacts::{Contacts, Initial, Start, Stiffness};
+use asperity::contacts::{Contacts, Initial, Start};
 use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
 use asperity::master::MasterEquation;
 
@@ -51,7 +51,7 @@ fn point(at: f64) -> SharedLaw {
 /// Contacts of equal stiffness, N_c⟨k⟩ = 1.
 fn equal(thresholds: &SharedLaw, reforming: &SharedLaw) -> Contacts {
     let (thresholds, reforming) = (thresholds.clone(), reforming.clone());
-    Contacts { count: 1.0, stiffness: Stiffness::Equal(1.0), thresholds, reforming }
+    Contacts::new(thresholds, reforming)
 }
 
 fn start(law: &SharedLaw) -> Initial {

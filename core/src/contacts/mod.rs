@@ -1,4 +1,10 @@
-//! What an interface is: how many contacts, how stiff, when they break, how they re-form.
+//! What an interface is: how many contacts, how stiff, when they break, how they re-form, and what time does to them.
+
+mod ageing;
+mod temperature;
+
+pub use ageing::Ageing;
+pub use temperature::{Barrier, Temperature};
 
 use crate::law::{Law, SharedLaw, Zone};
 use crate::{Error, Result};
@@ -23,6 +29,57 @@ pub struct Contacts {
     pub thresholds: SharedLaw,
     /// Law R of the stretches at which contacts re-form.
     pub reforming: SharedLaw,
+    /// What time does to them; nothing by default.
+    pub rules: Rules,
+}
+
+/// The microscopic rules by which contacts know time. All may be combined but [`Ageing::MeanField`] with temperature.
+#[derive(Debug, Clone, Default)]
+pub struct Rules {
+    /// Breaking below the threshold.
+    pub temperature: Option<Temperature>,
+    /// Thresholds that change with the age of the contact; P_c is then the law of newborn contacts.
+    pub ageing: Option<Ageing>,
+    /// τ: how long a broken contact is free before it re-forms.
+    pub delay: f64,
+}
+
+impl Rules {
+    /// Whether it matters how fast the slider moves.
+    pub fn know_time(&self) -> bool {
+        self.temperature.is_some() || self.ageing.is_some() || self.delay > 0.0
+    }
+
+    /// The first rule that is there, as a key of a scenario.
+    pub fn first(&self) -> Option<&'static str> {
+        let rules = [
+            ("temperature", self.temperature.is_some()),
+            ("ageing", self.ageing.is_some()),
+            ("delay", self.delay > 0.0),
+        ];
+        rules.into_iter().find(|rule| rule.1).map(|rule| rule.0)
+    }
+
+    fn check(&self, newborn: &SharedLaw) -> Result<()> {
+        if let Some(temperature) = &self.temperature {
+            temperature.check().map_err(|e| e.under("temperature"))?;
+            if matches!(self.ageing, Some(Ageing::MeanField { .. })) {
+                let expected = "no temperature beside ageing.mean_field, a steady closure without a rule for one contact";
+                return Err(Error::invalid(
+                    "temperature",
+                    expected,
+                    format!("an energy of {}", temperature.energy),
+                ));
+            }
+        }
+        if let Some(ageing) = &self.ageing {
+            ageing.check(newborn).map_err(|e| e.under(ageing.name()).under("ageing"))?;
+        }
+        if !(self.delay.is_finite() && self.delay >= 0.0) {
+            return Err(Error::invalid("time", "a finite number, 0 or above", self.delay).under("delay"));
+        }
+        Ok(())
+    }
 }
 
 /// How the law of initial stretches is read (physics: the threshold of a contact found at stretch x).
@@ -54,12 +111,19 @@ const HELD: f64 = 1e-9;
 const NARROWEST: f64 = 5e-5;
 
 impl Contacts {
+    /// One contact of stiffness 1 that knows no time: results are per contact and unit stiffness.
+    pub fn new(thresholds: SharedLaw, reforming: SharedLaw) -> Self {
+        Self { count: 1.0, stiffness: Stiffness::Equal(1.0), thresholds, reforming, rules: Rules::default() }
+    }
+
     /// Checks that contacts survive where they start and where they re-form: that S > 0 there (S ≥ 1e-9, to be
     /// computable), and that no law is too narrow to be told from a point mass.
     ///
     /// # Errors
-    /// Thresholds at 0; stretches at or above every threshold; narrow laws. Keys are those of a scenario.
+    /// Thresholds at 0; stretches at or above every threshold; narrow laws; rules that make no sense, or not together. Keys
+    /// are those of a scenario.
     pub fn check(&self, initial: &Initial) -> Result<()> {
+        self.rules.check(&self.thresholds).map_err(|e| e.under("contacts"))?;
         let at_once = 1.0 - self.thresholds.survival(0.0);
         if at_once > NEGLIGIBLE {
             let found = format!("a share {at_once} of the contacts with threshold 0");

@@ -286,7 +286,7 @@ mod tests {
         let reforming: SharedLaw = Arc::new(Rectangular::new(0.0, 0.2).unwrap());
         let initial = Initial { law: reforming.clone(), start: Start::Conditional };
         let contacts =
-            Contacts { count: 1.0, stiffness: Stiffness::PerThreshold(1.0), thresholds, reforming };
+            Contacts { stiffness: Stiffness::PerThreshold(1.0), ..Contacts::new(thresholds, reforming) };
         let ensemble = Ensemble::new(contacts, initial, 20_000, 1, Disorder::Annealed).unwrap();
         let mut population = ensemble.population().unwrap();
         population.span = 50.0;

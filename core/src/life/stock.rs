@@ -140,12 +140,7 @@ mod tests {
     fn a_larger_swing_wipes_out_a_smaller_one() {
         let thresholds = Arc::new(Rectangular::new(0.9, 1.1).unwrap());
         let reforming = Arc::new(Rectangular::new(0.0, 0.2).unwrap());
-        let contacts = Contacts {
-            count: 1.0,
-            stiffness: Stiffness::Equal(1.0),
-            thresholds,
-            reforming: reforming.clone(),
-        };
+        let contacts = Contacts::new(thresholds, reforming.clone());
         let law = contacts.thresholds.as_ref();
         let born = Layer::placed(&contacts, reforming.as_ref(), true, BULK);
         let back = born.advanced(0.5).mirrored().advanced(0.3).mirrored();

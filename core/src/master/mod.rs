@@ -61,9 +61,13 @@ impl MasterEquation {
     /// The master equation of contacts that start from `initial`.
     ///
     /// # Errors
-    /// Those of [`Contacts::check`].
+    /// Those of [`Contacts::check`]; contacts that know time.
     pub fn new(contacts: Contacts, initial: &Initial) -> Result<Self> {
         contacts.check(initial)?;
+        if let Some(rule) = contacts.rules.first() {
+            let expected = format!("a velocity above 0, since contacts.{rule} knows time");
+            return Err(Error::invalid("velocity", expected, "none"));
+        }
         let reborn = athermal(&contacts, &contacts.reforming, true);
         let first = athermal(&contacts, &initial.law, initial.start == Start::Conditional);
         Ok(Self { contacts, start: initial.start, first: Arc::new(first), reborn: Arc::new(reborn) })

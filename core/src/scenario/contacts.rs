@@ -5,7 +5,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Law, positive};
+use super::{Ageing, Delay, Law, Temperature, positive};
 use crate::contacts::Stiffness;
 use crate::law::{Root, SharedLaw};
 use crate::{Error, Result, contacts};
@@ -35,6 +35,15 @@ pub struct Contacts {
     pub areas: Option<Areas>,
     /// Law R of the stretches at which contacts re-form.
     pub reforming: Law,
+    /// Contacts break below their thresholds, too; without this table they do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<Temperature>,
+    /// Thresholds change with the age of a contact, `thresholds` being the law of the newborn; without it they do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ageing: Option<Ageing>,
+    /// A broken contact is free for a while; without this table it re-forms at once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay: Option<Delay>,
 }
 
 /// Contacts of area A with stiffness k = modulus √A and strength f_s = strength A.
@@ -61,6 +70,9 @@ impl Default for Contacts {
             thresholds: None,
             areas: None,
             reforming: Law::zero(),
+            temperature: None,
+            ageing: None,
+            delay: None,
         }
     }
 }
@@ -91,7 +103,16 @@ impl Contacts {
                 return Err(Error::invalid("thresholds", expected, "none"));
             }
         };
-        Ok(contacts::Contacts { count, stiffness, thresholds, reforming })
+        Ok(contacts::Contacts { count, stiffness, thresholds, reforming, rules: self.rules()? })
+    }
+
+    fn rules(&self) -> Result<contacts::Rules> {
+        let ageing = self.ageing.as_ref().map(|ageing| ageing.build().map_err(|e| e.under("ageing")));
+        Ok(contacts::Rules {
+            temperature: self.temperature.map(Temperature::build),
+            ageing: ageing.transpose()?,
+            delay: self.delay.map_or(0.0, |delay| delay.time),
+        })
     }
 
     fn stiffness(&self) -> Result<Stiffness> {

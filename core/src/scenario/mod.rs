@@ -13,6 +13,7 @@ mod initial;
 mod law;
 mod master_equation;
 mod pull;
+mod rules;
 mod size;
 mod task;
 mod units;
@@ -29,6 +30,7 @@ pub use initial::Start;
 pub use law::{Component, Law, Tabulated};
 pub use master_equation::MasterEquation;
 pub use pull::Pull;
+pub use rules::{Ageing, Barrier, Delay, Temperature};
 pub use task::Task;
 pub use units::Units;
 
@@ -111,6 +113,9 @@ impl Scenario {
             areas.law.tables("contacts.areas.law", &mut tables);
         }
         contacts.reforming.tables("contacts.reforming", &mut tables);
+        if let Some(ageing) = &mut contacts.ageing {
+            ageing.tables("contacts.ageing", &mut tables);
+        }
         self.initial.tables("initial", &mut tables);
         tables
     }

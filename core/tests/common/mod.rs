@@ -46,12 +46,7 @@ pub fn mixture(parts: &[(f64, SharedLaw)]) -> SharedLaw {
 
 /// One contact of unit stiffness.
 pub fn contacts(thresholds: &SharedLaw, reforming: &SharedLaw) -> Contacts {
-    Contacts {
-        count: 1.0,
-        stiffness: Stiffness::Equal(1.0),
-        thresholds: thresholds.clone(),
-        reforming: reforming.clone(),
-    }
+    Contacts::new(thresholds.clone(), reforming.clone())
 }
 
 pub fn initial(law: &SharedLaw) -> Initial {

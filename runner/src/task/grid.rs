@@ -83,7 +83,7 @@ mod tests {
 
     fn grid(thresholds: SharedLaw, initial: SharedLaw, snapshots: &[f64]) -> Grid {
         let reforming = Arc::new(Point::new(0.0).unwrap());
-        let contacts = Contacts { count: 1.0, stiffness: Stiffness::Equal(1.0), thresholds, reforming };
+        let contacts = Contacts::new(thresholds, reforming);
         Grid::new(&contacts, &Initial { law: initial, start: Start::Conditional }, snapshots)
     }
 

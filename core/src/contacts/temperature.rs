@@ -1,0 +1,59 @@
+//! Temperature: contacts below their thresholds break at a rate.
+
+use crate::{Error, Result};
+
+/// The barrier that holds a contact of stretch x below its threshold x_s, of height E_0 at x = 0; E_0 = ½k x_s².
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Barrier {
+    /// ΔE = ½k(x_s² − x²): the energy that is missing.
+    #[default]
+    Elastic,
+    /// ΔE = E_0(1 − x/x_s) (G. I. Bell, Science 200, 618 (1978)).
+    Bell,
+    /// ΔE = E_0(1 − x/x_s)^{3/2}: two extrema that meet, as in every fold catastrophe.
+    Catastrophe,
+}
+
+/// Thermal breaking: at the rate w = ω e^{−ΔE/T} below the threshold, at once when the stretch reaches it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Temperature {
+    /// T, an energy.
+    pub energy: f64,
+    /// ω, per time.
+    pub attempt_rate: f64,
+    /// ΔE.
+    pub barrier: Barrier,
+}
+
+impl Barrier {
+    /// ΔE/E_0 at the fraction y = |x|/x_s of the threshold; 0 from y = 1 on.
+    pub fn height(self, y: f64) -> f64 {
+        let missing = (1.0 - y).max(0.0);
+        match self {
+            Self::Elastic => missing * (1.0 + y),
+            Self::Bell => missing,
+            Self::Catastrophe => missing * missing.sqrt(),
+        }
+    }
+}
+
+impl Temperature {
+    /// Breaking rate w of a contact of the stretch x below its threshold x_s, per time; `stiffness` is its own k.
+    pub fn rate(&self, stretch: f64, threshold: f64, stiffness: f64) -> f64 {
+        let whole = 0.5 * stiffness * threshold * threshold;
+        self.attempt_rate * (-whole / self.energy * self.barrier.height(stretch.abs() / threshold)).exp()
+    }
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// An energy or a rate that is not a finite number above 0.
+    pub(super) fn check(&self) -> Result<()> {
+        for (key, value) in [("energy", self.energy), ("attempt_rate", self.attempt_rate)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(Error::invalid(key, "a finite number above 0", value));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,90 @@
+//! The way of a slider in time: pieces of constant velocity, one after another.
+
+use crate::{Error, Result};
+
+/// Motion at one velocity, or rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Piece {
+    /// Velocity v, 0 or above; a length per time.
+    pub velocity: f64,
+    /// How long it lasts.
+    pub duration: f64,
+}
+
+/// Motion from X = 0 at t = 0: X is continuous, its velocity constant on each piece.
+#[derive(Debug, Clone, PartialEq)]
+pub struct History {
+    pieces: Vec<Piece>,
+    /// Time and position at the start of each piece, and at the end.
+    knots: Vec<(f64, f64)>,
+}
+
+impl History {
+    /// Motion in these pieces.
+    ///
+    /// # Errors
+    /// No pieces; a velocity below 0; a duration that is not a finite number above 0.
+    pub fn new(pieces: Vec<Piece>) -> Result<Self> {
+        if pieces.is_empty() {
+            return Err(Error::invalid("protocol", "at least one step", "none"));
+        }
+        let (mut at, mut knots) = ((0.0, 0.0), vec![(0.0, 0.0)]);
+        for (i, &Piece { velocity, duration }) in pieces.iter().enumerate() {
+            if !(velocity.is_finite() && velocity >= 0.0) {
+                return Err(Error::invalid(format!("{i}.velocity"), "a finite number, 0 or above", velocity));
+            }
+            if !(duration.is_finite() && duration > 0.0) {
+                return Err(Error::invalid(format!("{i}.duration"), "a finite number above 0", duration));
+            }
+            at = (at.0 + duration, at.1 + velocity * duration);
+            knots.push(at);
+        }
+        Ok(Self { pieces, knots })
+    }
+
+    /// The pieces.
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// Time and position at the start of each piece, and at the end.
+    pub fn knots(&self) -> &[(f64, f64)] {
+        &self.knots
+    }
+
+    /// When the motion ends.
+    pub fn duration(&self) -> f64 {
+        self.knots[self.pieces.len()].0
+    }
+
+    /// The number of the piece at a time; from the right where two meet.
+    pub fn piece_at(&self, time: f64) -> usize {
+        (self.knots.partition_point(|knot| knot.0 <= time).max(1) - 1).min(self.pieces.len() - 1)
+    }
+
+    /// X at a time from 0 to the end.
+    pub fn position(&self, time: f64) -> f64 {
+        let piece = self.piece_at(time);
+        self.knots[piece].1 + self.pieces[piece].velocity * (time - self.knots[piece].0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_follow_the_pieces() {
+        let piece = |velocity, duration| Piece { velocity, duration };
+        let history = History::new(vec![piece(2.0, 1.0), piece(0.0, 3.0), piece(0.5, 2.0)]).unwrap();
+        assert_eq!(history.duration(), 6.0);
+        assert_eq!(
+            [0.0, 0.5, 1.0, 3.0, 4.0, 5.0, 6.0].map(|t| history.position(t)),
+            [0.0, 1.0, 2.0, 2.0, 2.0, 2.5, 3.0]
+        );
+        assert_eq!(history.piece_at(1.0), 1);
+        assert!(History::new(Vec::new()).is_err());
+        assert!(History::new(vec![piece(-1.0, 1.0)]).is_err());
+        assert!(History::new(vec![piece(1.0, 0.0)]).is_err());
+    }
+}
