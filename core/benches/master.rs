@@ -5,7 +5,7 @@
 use std::hint::black_box;
 use std::sync::Arc;
 
-use asperity::contacts::{Contacts, Initial, Start, Stiffness};
+use asperity::contacts::{Contacts, Initial, Start};
 use asperity::law::{Gaussian, Lognormal, Point, Rectangular, SharedLaw};
 use asperity::master::{MasterEquation, Stock};
 use asperity::population::{Direction, Population};

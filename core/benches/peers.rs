@@ -13,7 +13,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity::contacts::{Contacts, Initial, Start, Stiffness};
+use asperity::contacts::{Contacts, Initial, Start};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::{Gaussian, Point, SharedLaw};
 use asperity::master::MasterEquation;

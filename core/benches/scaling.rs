@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use asperity::contacts::{Contacts, Initial, Start, Stiffness};
+use asperity::contacts::{Contacts, Initial, Start};
 use asperity::law::{Gaussian, Lognormal, Point, SharedLaw};
 use asperity::master::MasterEquation;
 use cpu_time::ThreadTime;

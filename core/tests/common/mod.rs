@@ -6,7 +6,7 @@ pub mod pulled;
 
 use std::sync::Arc;
 
-use asperity::contacts::{Contacts, Initial, Start, Stiffness};
+use asperity::contacts::{Contacts, Initial, Start};
 use asperity::law::{
     Exponential, Gamma, Gaussian, Lognormal, Mixture, Point, Rectangular, SharedLaw, Weibull,
 };

@@ -76,7 +76,6 @@ fn jumps<'a>(
 mod tests {
     use std::sync::Arc;
 
-    use asperity::contacts::Stiffness;
     use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
 
     use super::*;
