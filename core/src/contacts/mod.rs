@@ -1,9 +1,11 @@
 //! What an interface is: how many contacts, how stiff, when they break, how they re-form, and what time does to them.
 
 mod ageing;
+mod strength;
 mod temperature;
 
 pub use ageing::Ageing;
+pub use strength::{Aged, Strength};
 pub use temperature::{Barrier, Temperature};
 
 use crate::law::{Law, SharedLaw, Zone};
