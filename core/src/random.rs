@@ -31,6 +31,10 @@ pub enum Purpose {
     Cells = 6,
     /// Draws of a law for their own sake: samples, tests, pictures.
     Sample = 7,
+    /// How much of its rate of breaking by heat a contact survives, anew in each life.
+    Breaking = 8,
+    /// The way of a threshold that diffuses.
+    Diffusion = 9,
 }
 
 /// A stream of random words, addressed by seed, purpose and index.

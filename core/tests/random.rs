@@ -2,7 +2,7 @@
 
 use asperity::random::{Purpose, Stream};
 
-const PURPOSES: [Purpose; 7] = [
+const PURPOSES: [Purpose; 9] = [
     Purpose::Thresholds,
     Purpose::Reforming,
     Purpose::Initial,
@@ -10,6 +10,8 @@ const PURPOSES: [Purpose; 7] = [
     Purpose::QuenchedThresholds,
     Purpose::Cells,
     Purpose::Sample,
+    Purpose::Breaking,
+    Purpose::Diffusion,
 ];
 
 /// The table freezes the layout too: a stream that moved would no longer meet it.

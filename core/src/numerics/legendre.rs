@@ -166,6 +166,16 @@ pub fn derivative(coefficients: &Nodal) -> Nodal {
     out
 }
 
+/// Coefficients of a primitive (with respect to t) of a Legendre series c: ∫₋₁^t is c_0 and its value at t. The term of
+/// degree 16 is left out: it is below what the series leaves out.
+pub fn primitive(coefficients: &Nodal) -> Nodal {
+    let c = coefficients;
+    // ∫P_n = (P_{n+1} − P_{n−1})/(2n + 1).
+    let below = |n: usize| if n == 0 { 0.0 } else { c[n - 1] / (2 * n - 1) as f64 };
+    let over = |n: usize| c.get(n + 1).map_or(0.0, |c| c / (2 * n + 3) as f64);
+    std::array::from_fn(|n| below(n) - over(n))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -187,6 +197,8 @@ mod tests {
             assert!((series(&coefficients, t) - t.exp()).abs() < 1e-14);
             assert!((dot(&RULE.cardinals(t), &values) - t.exp()).abs() < 1e-14);
             assert!((series(&derivative(&coefficients), t) - t.exp()).abs() < 1e-12);
+            let integral = coefficients[0] + series(&primitive(&coefficients), t);
+            assert!((integral - (t.exp() - (-1.0_f64).exp())).abs() < 1e-14);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Numerical methods that know no physics.
 
+pub mod accumulation;
 pub mod breaks;
 pub mod compensated;
 pub mod legendre;

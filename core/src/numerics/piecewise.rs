@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::legendre::{NODES, Nodal, RULE, derivative, series};
+use super::legendre::{NODES, Nodal, RULE, derivative, primitive, series};
 
 /// A function on [start, end], a polynomial of degree 15 on each cell, 0 elsewhere.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -97,10 +97,7 @@ impl Piecewise {
                 above += jump.1;
             }
             let c = &self.coefficients[cell];
-            // ∫P_n = (P_{n+1} − P_{n−1})/(2n + 1); the term of degree 16 is below what the series leaves out.
-            let below = |n: usize| if n == 0 { 0.0 } else { c[n - 1] / (2 * n - 1) as f64 };
-            let over = |n: usize| c.get(n + 1).map_or(0.0, |c| c / (2 * n + 3) as f64);
-            out.coefficients[cell] = std::array::from_fn(|n| half * (over(n) - below(n)));
+            out.coefficients[cell] = primitive(c).map(|term| -half * term);
             out.coefficients[cell][0] += above + half * c[0];
             above += 2.0 * half * c[0];
         }
