@@ -4,16 +4,20 @@
 //! nothing else. Contacts go from break to break, so that no step of X limits the accuracy: one after another in a
 //! [`Ensemble::pull`], together in an [`Ensemble::population`].
 
+mod diffusion;
 mod lives;
+mod passage;
 mod population;
 mod pull;
 mod queue;
 mod sums;
 mod sweep;
 mod tally;
+mod timed;
 
 pub use population::EnsemblePopulation;
 pub use pull::{EnsemblePull, Snapshots};
+pub use timed::EnsembleTrace;
 
 use crate::contacts::{Contacts, Initial};
 use crate::law::Law;

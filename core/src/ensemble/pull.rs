@@ -180,7 +180,7 @@ impl Plan {
 }
 
 /// Whether values are finite, not negative and never fall.
-fn rising(key: &str, values: &[f64]) -> Result<()> {
+pub(super) fn rising(key: &str, values: &[f64]) -> Result<()> {
     let expected = "finite values that rise from 0 or above";
     if let Some(bad) = values.iter().find(|x| !x.is_finite() || **x < 0.0) {
         return Err(Error::invalid(key, expected, bad));

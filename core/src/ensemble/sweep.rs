@@ -8,7 +8,7 @@ use super::{Ensemble, Snapshots};
 
 /// Breaks closer to a position than this, relatively, are at it: contacts that break together do so
 /// where they should, whatever the rounding of sums of thresholds. Continuous laws do not notice.
-const TOGETHER: f64 = 1e-12;
+pub(super) const TOGETHER: f64 = 1e-12;
 
 /// What one chunk of contacts adds.
 pub(super) struct Chunk<C> {

@@ -20,7 +20,8 @@ pub fn used_up(f: impl Fn(f64) -> f64, length: f64, left: &mut f64) -> Option<f6
         let coefficients = RULE.coefficients(&RULE.nodes.map(|t| f(from + half * (1.0 + t))));
         let left_out = tail(&coefficients);
         let whole = width * coefficients[0];
-        if left_out * half > ERROR.0 && left_out > ERROR.1 * coefficients[0] && width > f64::EPSILON * length {
+        if left_out * half > ERROR.0 && left_out > ERROR.1 * coefficients[0] && width > f64::EPSILON * length
+        {
             width = half;
             continue;
         }

@@ -1,0 +1,297 @@
+//! Contacts whose thresholds diffuse: dh = −D U'(h) dt + √(2D) dW, U = −ln P_cf, until stretch and threshold meet.
+//!
+//! On a step Δ the drift is taken as a straight line in h: the transition is Gaussian, and exact where P_cf is
+//! (T. Ozaki, Stat. Sin. 2, 113 (1992)). Between its ends the threshold is a Brownian bridge, which meets the stretch,
+//! a straight line, with probability exp(−2 d_0 d_1/s²) (d_0, d_1 the gaps at the ends, s² the variance) and for the first
+//! time after a fraction f of the step for which f/(1 − f) has an inverse Gaussian law of mean d_0/|d_1| and shape d_0²/s².
+//! Steps are long where nothing can meet.
+
+use rand_distr::{Distribution, StandardNormal};
+
+use super::passage::{Held, legs, stiffness};
+use super::sweep::TOGETHER;
+use crate::contacts::{Contacts, Stiffness, Temperature};
+use crate::history::History;
+use crate::law::Law;
+use crate::random::Stream;
+
+/// Nodes in the table of a drift.
+const NODES: usize = 2048;
+
+/// How far thresholds go on a step where they may meet the stretch, of the length over which P_cf changes: first passages
+/// are then those of shorter steps to 1e-4 of that length.
+const FINEST: f64 = 0.25;
+
+/// Standard deviations beyond which a step does not reach: once in 10⁹.
+const REACH: f64 = 6.0;
+
+/// By how much the breaking rate may grow on a step, at most, and a probability of breaking that needs no such care.
+const GROWTH: f64 = 8.0;
+const UNLIKELY: f64 = 1e-7;
+
+/// An exponent of a probability that is never met.
+const NEVER: f64 = 45.0;
+
+/// The end of lives whose thresholds diffuse.
+#[derive(Debug, Clone)]
+pub(super) struct Diffusion {
+    /// D.
+    rate: f64,
+    drift: Drift,
+    /// Support of P_cf.
+    low: f64,
+    high: f64,
+    /// A length over which P_cf changes.
+    resolution: f64,
+    temperature: Option<Temperature>,
+    stiffness: Stiffness,
+}
+
+/// A threshold on its way.
+struct State {
+    time: f64,
+    threshold: f64,
+    /// The step last taken.
+    step: f64,
+}
+
+/// One step of a threshold.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    span: f64,
+    /// Mean and standard deviation at the end.
+    mean: f64,
+    std: f64,
+    /// Variance of the bridge.
+    bridge: f64,
+}
+
+/// Where a contact is and goes: its stretch and velocity.
+#[derive(Clone, Copy)]
+struct Way {
+    stretch: f64,
+    velocity: f64,
+}
+
+impl Way {
+    fn after(&self, span: f64) -> f64 {
+        self.stretch + self.velocity * span
+    }
+}
+
+impl Diffusion {
+    pub(super) fn new(contacts: &Contacts, mature: &dyn Law, rate: f64) -> Self {
+        let (low, high) = (mature.quantile(0.0), mature.upper_quantile(0.0));
+        let resolution = mature.zones().iter().map(|zone| zone.resolution).fold(f64::INFINITY, f64::min);
+        let drift = Drift::new(mature, rate);
+        let Contacts { stiffness, ref rules, .. } = *contacts;
+        Self { rate, drift, low, high, resolution, temperature: rules.temperature, stiffness }
+    }
+
+    /// When a contact breaks that survives `endurance` = ∫w dt, if before the last of the `marks`, which rise; infinite if
+    /// not. Tells the `thresholds` at the marks, if there are any.
+    pub(super) fn end(
+        &self,
+        held: &Held,
+        history: &History,
+        until: f64,
+        mut endurance: f64,
+        stream: &mut Stream,
+        mut marks: &[f64],
+        mut tell: impl FnMut(f64),
+    ) -> f64 {
+        let mut state = State { time: held.birth, threshold: held.newborn, step: f64::INFINITY };
+        for leg in legs(history, held.birth..until) {
+            state.time = leg.start;
+            while state.time < leg.end {
+                while let Some((_, rest)) = marks.split_first().filter(|(mark, _)| **mark <= state.time) {
+                    tell(state.threshold);
+                    marks = rest;
+                }
+                if state.time >= until {
+                    return f64::INFINITY;
+                }
+                let way = Way { stretch: leg.position(state.time) - held.origin, velocity: leg.velocity };
+                let stop = marks.first().map_or(leg.end, |mark| mark.min(leg.end));
+                let begun = state.time;
+                if let Some(span) = self.go(&mut state, way, stop, &mut endurance, stream) {
+                    return begun + span;
+                }
+            }
+        }
+        f64::INFINITY
+    }
+
+    /// One step, up to `stop` at most; after which time the contact breaks, if it does.
+    fn go(
+        &self,
+        state: &mut State,
+        way: Way,
+        stop: f64,
+        endurance: &mut f64,
+        stream: &mut Stream,
+    ) -> Option<f64> {
+        let State { time, threshold, step } = *state;
+        let step = self.step(threshold, way, (2.0 * step).min(stop - time));
+        let normal: f64 = StandardNormal.sample(stream);
+        let next = step.mean + step.std * normal;
+        let end = way.after(step.span);
+        let gaps = (threshold - way.stretch, next - end);
+        let meets = end > self.low && meets(gaps, step.bridge, stream);
+        let span = if meets { step.span * meeting(gaps, step.bridge, stream) } else { step.span };
+        let after = if meets { way.after(span) } else { self.reflected(next) };
+        if let Some(fired) = self.fires((way.stretch, threshold), (way.after(span), after), span, endurance) {
+            return Some(fired);
+        }
+        // Stops are met exactly.
+        let time = if step.span < stop - time { time + step.span } else { stop };
+        *state = State { time, threshold: after, step: step.span };
+        meets.then_some(span)
+    }
+
+    /// When heat breaks the contact on the way between two stretches and thresholds: the rate is a straight line there.
+    fn fires(&self, from: (f64, f64), to: (f64, f64), span: f64, endurance: &mut f64) -> Option<f64> {
+        let (first, last) = (self.heat(from.0, from.1), self.heat(to.0, to.1));
+        let used = 0.5 * span * (first + last);
+        if used < *endurance {
+            *endurance -= used;
+            return None;
+        }
+        let slope = (last - first) / span;
+        let root = (first * first + 2.0 * slope * *endurance).max(0.0).sqrt();
+        Some((2.0 * *endurance / (first + root)).min(span))
+    }
+
+    /// Breaking rate.
+    fn heat(&self, stretch: f64, threshold: f64) -> f64 {
+        let own = stiffness(self.stiffness, threshold);
+        self.temperature.map_or(0.0, |temperature| temperature.rate(stretch, threshold, own))
+    }
+
+    /// The longest of `most`, ½ `most`, ¼ `most`, … on which the transition is right.
+    fn step(&self, threshold: f64, way: Way, most: f64) -> Step {
+        let entry = (self.low * (1.0 - TOGETHER) - way.stretch) / way.velocity;
+        let mut span = if entry > 0.0 { most.min(entry) } else { most };
+        loop {
+            let step = self.drift.step(threshold, self.rate, span);
+            if self.is_right(threshold, way, &step) {
+                return step;
+            }
+            span *= 0.5;
+        }
+    }
+
+    fn is_right(&self, threshold: f64, way: Way, step: &Step) -> bool {
+        let (end, reach) = (way.after(step.span), REACH * step.std);
+        let lowest = (threshold.min(step.mean) - reach).max(self.low);
+        let fine = step.std <= FINEST * self.resolution.min(self.high - end);
+        let free = self.drift.is_straight() && (end < lowest || end <= self.low);
+        (fine || free) && self.is_cool(threshold, way, step, lowest)
+    }
+
+    /// Whether the breaking rate hardly changes on a step that goes down to a threshold of `lowest`.
+    fn is_cool(&self, threshold: f64, way: Way, step: &Step, lowest: f64) -> bool {
+        if self.temperature.is_none() {
+            return true;
+        }
+        let most = self.heat(way.after(step.span), lowest);
+        most * step.span <= UNLIKELY || most <= GROWTH * self.heat(way.stretch, threshold)
+    }
+
+    /// The threshold, folded back into the support of P_cf.
+    fn reflected(&self, threshold: f64) -> f64 {
+        let mut folded = threshold;
+        while folded < self.low || folded > self.high {
+            folded = if folded < self.low { 2.0 * self.low - folded } else { 2.0 * self.high - folded };
+        }
+        folded
+    }
+}
+
+/// Whether a bridge between two gaps, the first above 0, meets 0.
+fn meets((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> bool {
+    if last <= 0.0 {
+        return true;
+    }
+    let exponent = 2.0 * first * last / variance;
+    exponent < NEVER && stream.uniform() < (-exponent).exp()
+}
+
+/// The fraction of the time after which such a bridge first does.
+///
+/// Draws of the inverse Gaussian law after J. R. Michael, W. R. Schucany and R. W. Haas, Am. Stat. 30, 88 (1976).
+fn meeting((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> f64 {
+    let (mean, shape) = (first / last.abs().max(f64::MIN_POSITIVE), first * first / variance);
+    let normal: f64 = StandardNormal.sample(stream);
+    let half = 0.5 * mean * normal * normal / shape;
+    let smaller = mean / (1.0 + half + (half * (2.0 + half)).sqrt());
+    let odds = if stream.uniform() * (mean + smaller) <= mean { smaller } else { mean / smaller * mean };
+    if odds.is_finite() { odds / (1.0 + odds) } else { 1.0 }
+}
+
+/// −D U'(h).
+#[derive(Debug, Clone)]
+enum Drift {
+    /// Straight: P_cf is Gaussian, or constant. Slope, and a place with the value there.
+    Straight { slope: f64, at: f64, value: f64 },
+    /// At places a constant distance apart.
+    Table { start: f64, density: f64, values: Vec<f64> },
+}
+
+impl Drift {
+    fn new(mature: &dyn Law, rate: f64) -> Self {
+        let parameter = |name| mature.parameters().iter().find(|p| p.name == name).map(|p| p.value);
+        match (mature.name(), parameter("mean"), parameter("std")) {
+            ("gaussian", Some(at), Some(std)) => {
+                Self::Straight { slope: -rate / (std * std), at, value: 0.0 }
+            }
+            ("rectangular", ..) => Self::Straight { slope: 0.0, at: 0.0, value: 0.0 },
+            _ => Self::table(mature, rate),
+        }
+    }
+
+    fn table(mature: &dyn Law, rate: f64) -> Self {
+        let zones = mature.zones();
+        let start = zones.iter().map(|zone| zone.low).fold(f64::INFINITY, f64::min);
+        let end = zones.iter().map(|zone| zone.high).fold(0.0, f64::max);
+        let spacing = (end - start) / NODES as f64;
+        // Differences over a whole spacing, at its middle.
+        let slope = |node: usize| {
+            let low = start + spacing * node as f64;
+            let slope = rate * (mature.density(low + spacing).ln() - mature.density(low).ln()) / spacing;
+            if slope.is_finite() { slope } else { 0.0 }
+        };
+        let values = (0..NODES).map(slope).collect();
+        Self::Table { start: start + 0.5 * spacing, density: 1.0 / spacing, values }
+    }
+
+    fn is_straight(&self) -> bool {
+        matches!(self, Self::Straight { .. })
+    }
+
+    /// Value and slope.
+    fn at(&self, threshold: f64) -> (f64, f64) {
+        match self {
+            &Self::Straight { slope, at, value } => (value + slope * (threshold - at), slope),
+            Self::Table { start, density, values } => {
+                let place = ((threshold - start) * density).clamp(0.0, (NODES - 2) as f64);
+                let node = (place as usize).min(NODES - 2);
+                let rise = values[node + 1] - values[node];
+                (values[node] + rise * (place - node as f64), rise * density)
+            }
+        }
+    }
+
+    fn step(&self, threshold: f64, rate: f64, span: f64) -> Step {
+        let (value, slope) = self.at(threshold);
+        let growth = slope * span;
+        let mean = threshold + value * span * growth_ratio(growth);
+        let variance = 2.0 * rate * span * growth_ratio(2.0 * growth);
+        Step { span, mean, std: variance.sqrt(), bridge: variance * (-growth).exp() }
+    }
+}
+
+/// (eˣ − 1)/x.
+fn growth_ratio(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { x.exp_m1() / x }
+}

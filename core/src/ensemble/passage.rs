@@ -1,0 +1,177 @@
+//! How a life in time ends: the stretch meets the present threshold, or heat breaks the contact before.
+
+use std::ops::Range;
+
+use super::Ensemble;
+use super::diffusion::Diffusion;
+use super::sweep::TOGETHER;
+use crate::Result;
+use crate::contacts::{Ageing, Stiffness, Strength, Temperature};
+use crate::history::History;
+use crate::numerics::accumulation::used_up;
+use crate::numerics::roots::brent_root;
+
+/// Parts into which e^{−t/τ} is cut where the thresholds of `frozen_rank` may fall and rise again.
+const PARTS: u32 = 32;
+
+/// A contact that holds: its stretch is X − `origin`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Held {
+    /// When it formed.
+    pub(super) birth: f64,
+    pub(super) origin: f64,
+    /// The threshold that it had then.
+    pub(super) newborn: f64,
+}
+
+/// A part of a history, at one velocity.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Leg {
+    pub(super) start: f64,
+    pub(super) end: f64,
+    /// X at the start.
+    pub(super) position: f64,
+    pub(super) velocity: f64,
+}
+
+impl Leg {
+    #[inline]
+    pub(super) fn position(&self, time: f64) -> f64 {
+        self.position + self.velocity * (time - self.start)
+    }
+}
+
+/// The legs of a history that overlap with a range of times, the first one from its start.
+pub(super) fn legs(history: &History, range: Range<f64>) -> impl Iterator<Item = Leg> {
+    let (pieces, knots) = (history.pieces(), history.knots());
+    let leg = move |i: usize| {
+        let ((begin, position), velocity) = (knots[i], pieces[i].velocity);
+        let start = begin.max(range.start);
+        Leg { start, end: knots[i + 1].0, position: position + velocity * (start - begin), velocity }
+    };
+    let last = history.piece_at(range.end);
+    (history.piece_at(range.start)..=last).map(leg)
+}
+
+/// Stiffness of a contact of this threshold.
+pub(super) fn stiffness(stiffness: Stiffness, threshold: f64) -> f64 {
+    match stiffness {
+        Stiffness::Equal(k) => k,
+        Stiffness::PerThreshold(factor) => factor * threshold,
+    }
+}
+
+/// How contacts break.
+#[derive(Debug, Clone)]
+pub(super) enum Passage {
+    /// Their thresholds follow from their ages.
+    Known(Known),
+    /// Their thresholds diffuse.
+    Diffusing(Diffusion),
+}
+
+impl Passage {
+    /// # Errors
+    /// Ageing by a rule that single contacts cannot follow.
+    pub(super) fn of(ensemble: &Ensemble) -> Result<Self> {
+        let contacts = &ensemble.contacts;
+        if let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing {
+            return Ok(Self::Diffusing(Diffusion::new(contacts, mature.as_ref(), *diffusion)));
+        }
+        Ok(Self::Known(Known {
+            strength: Strength::of(contacts)?,
+            temperature: contacts.rules.temperature,
+            stiffness: contacts.stiffness,
+            turns: turns(contacts.rules.ageing.as_ref()),
+        }))
+    }
+}
+
+/// Ages between which the rate at which a threshold changes does so once at most.
+fn turns(ageing: Option<&Ageing>) -> Vec<f64> {
+    let Some(&Ageing::FrozenRank { time, .. }) = ageing else { return Vec::new() };
+    (1..PARTS).map(|part| -time * (-f64::from(part) / f64::from(PARTS)).ln_1p()).collect()
+}
+
+/// The end of lives whose thresholds follow from their ages.
+#[derive(Debug, Clone)]
+pub(super) struct Known {
+    strength: Strength,
+    temperature: Option<Temperature>,
+    stiffness: Stiffness,
+    turns: Vec<f64>,
+}
+
+impl Known {
+    /// The present threshold.
+    pub(super) fn threshold(&self, held: &Held, time: f64) -> f64 {
+        self.strength.threshold(held.newborn, time - held.birth)
+    }
+
+    /// When a contact breaks that survives `endurance` = ∫w dt, if before `until`; infinite if not.
+    pub(super) fn end(&self, held: &Held, history: &History, until: f64, mut endurance: f64) -> f64 {
+        for leg in legs(history, held.birth..until) {
+            let meeting = self.meeting(held, &leg);
+            if let Some(end) = self.fires(held, &leg, meeting, &mut endurance) {
+                return end;
+            }
+            if meeting <= leg.end {
+                return meeting;
+            }
+        }
+        f64::INFINITY
+    }
+
+    /// When the stretch meets the threshold, if the leg goes on for so long; infinite, or for a constant threshold after
+    /// the end of the leg, if not.
+    fn meeting(&self, held: &Held, leg: &Leg) -> f64 {
+        let gap = |time| (held.origin + self.threshold(held, time)) * (1.0 - TOGETHER) - leg.position(time);
+        let (mut from, mut ahead) = (leg.start, gap(leg.start));
+        if ahead <= 0.0 {
+            return from;
+        }
+        if self.strength.is_constant() {
+            return from + ahead / leg.velocity;
+        }
+        let closing = |time: f64| self.strength.at(time - held.birth).drift(held.newborn) - leg.velocity;
+        let turns = self.turns.iter().map(|age| held.birth + age);
+        let turns = turns.filter(|turn| (leg.start..leg.end).contains(turn));
+        for until in turns.chain([leg.end]) {
+            // Where the gap falls and grows again it may close in between.
+            let lowest = if closing(from) < 0.0 && closing(until) > 0.0 {
+                brent_root(closing, from, until, 0.0).filter(|&lowest| gap(lowest) <= 0.0)
+            } else {
+                None
+            };
+            let until = lowest.unwrap_or(until);
+            ahead = gap(until);
+            if ahead <= 0.0 {
+                return brent_root(gap, from, until, 0.0).unwrap_or(until);
+            }
+            from = until;
+        }
+        f64::INFINITY
+    }
+
+    /// When heat breaks the contact, if on this leg and before the meeting.
+    ///
+    /// Near the meeting barriers are powers of √(time left), which is why that is the variable of integration.
+    fn fires(&self, held: &Held, leg: &Leg, meeting: f64, endurance: &mut f64) -> Option<f64> {
+        let temperature = self.temperature?;
+        let rate = |elapsed: f64| {
+            let time = leg.start + elapsed;
+            let threshold = self.threshold(held, time);
+            let own = stiffness(self.stiffness, threshold);
+            temperature.rate(leg.position(time) - held.origin, threshold, own)
+        };
+        let span = meeting.min(leg.end) - leg.start;
+        if meeting.is_infinite() {
+            return used_up(rate, span, endurance).map(|elapsed| leg.start + elapsed);
+        }
+        let root = (meeting - leg.start).sqrt();
+        let length = span / (root + (meeting - leg.start - span).sqrt());
+        let elapsed = |y: f64| y * (2.0 * root - y);
+        let end = used_up(|y| 2.0 * (root - y) * rate(elapsed(y)), length, endurance);
+        end.map(|y| leg.start + elapsed(y))
+    }
+}
