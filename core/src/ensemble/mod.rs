@@ -2,7 +2,7 @@
 //!
 //! The answer of this module and that of the master equation share the description of the contacts and
 //! nothing else. Contacts go from break to break, so that no step of X limits the accuracy: one after another in a
-//! [`Ensemble::pull`], together in an [`Ensemble::population`].
+//! [`Ensemble::pull`] or, in time, when they are to [`Ensemble::follow`] a history; together in an [`Ensemble::population`].
 
 mod diffusion;
 mod lives;
@@ -19,7 +19,7 @@ pub use population::EnsemblePopulation;
 pub use pull::{EnsemblePull, Snapshots};
 pub use timed::EnsembleTrace;
 
-use crate::contacts::{Contacts, Initial};
+use crate::contacts::{Ageing, Contacts, Initial};
 use crate::law::Law;
 use crate::{Error, Result};
 
@@ -55,7 +55,7 @@ impl Ensemble {
     ///
     /// # Errors
     /// No contacts; or laws that leave a contact nowhere to be: R (and, for a conditional start, Q_ini)
-    /// with mass where no contact survives; quenched thresholds where no contact can re-form.
+    /// with mass where no contact survives; quenched thresholds where no contact can re-form; ageing by mean field.
     pub fn new(
         contacts: Contacts,
         initial: Initial,
@@ -67,11 +67,21 @@ impl Ensemble {
             return Err(Error::invalid("size", "at least one contact", size));
         }
         contacts.check(&initial)?;
+        if let Some(Ageing::MeanField { .. }) = contacts.rules.ageing {
+            let expected =
+                "ageing by a rule for single contacts; the closure is one for all of them, in steady sliding";
+            return Err(Error::invalid("contacts.ageing.mean_field", expected, "a closure"));
+        }
         if disorder == Disorder::Quenched {
             reforms(contacts.reforming.as_ref(), contacts.thresholds.as_ref())
                 .map_err(|e| e.under("contacts"))?;
         }
         Ok(Self { contacts, initial, size, seed, disorder })
+    }
+
+    /// The rule by which the contacts know time, if any, as a key of a scenario.
+    fn rule_of_time(&self) -> Option<String> {
+        self.contacts.rules.first().map(|rule| format!("contacts.{rule}"))
     }
 
     /// Number of contacts drawn.

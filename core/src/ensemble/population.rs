@@ -62,6 +62,10 @@ impl Ensemble {
     /// # Errors
     /// More contacts than fit in 16 GiB.
     pub fn population(&self) -> Result<EnsemblePopulation> {
+        if let Some(rule) = self.rule_of_time() {
+            let expected = "contacts that know no time, since a population is moved without one";
+            return Err(Error::invalid(rule, expected, "a rule of time"));
+        }
         let bytes = self.size.saturating_mul(size_of::<Contact>());
         if bytes > BYTES {
             let what = format!("a population of {} contacts", self.size);

@@ -74,13 +74,16 @@ impl Ensemble {
     /// Pulls the slider through `positions` X ≥ 0, rising, and takes `snapshots` on the way.
     ///
     /// # Errors
-    /// Positions or edges that do not rise, or are not finite; a job too big; stopped by `monitor`.
+    /// Contacts that know time; positions or edges that do not rise, or are not finite; a job too big; stopped by `monitor`.
     pub fn pull(
         &self,
         positions: &[f64],
         snapshots: &Snapshots,
         monitor: &mut dyn Monitor,
     ) -> Result<EnsemblePull> {
+        if let Some(rule) = self.rule_of_time() {
+            return Err(Error::invalid("velocity", format!("a velocity, since {rule} knows time"), "none"));
+        }
         rising("positions", positions)?;
         let last = *positions.last().ok_or_else(|| Error::invalid("positions", "at least one", "none"))?;
         rising("snapshots", &snapshots.positions)?;
