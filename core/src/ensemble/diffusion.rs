@@ -25,8 +25,10 @@ const FINEST: f64 = 0.25;
 /// Standard deviations beyond which a step does not reach: once in 10⁹.
 const REACH: f64 = 6.0;
 
-/// By how much the breaking rate may grow on a step, at most, and a probability of breaking that needs no such care.
-const GROWTH: f64 = 8.0;
+/// By how much the breaking rate may grow on a step, for thresholds that fall by so many standard deviations: Simpson's rule
+/// is then right to 4e-4. A probability of breaking that needs no such care.
+const GROWTH: f64 = std::f64::consts::E;
+const FALL: f64 = 2.0;
 const UNLIKELY: f64 = 1e-7;
 
 /// An exponent of a probability that is never met.
@@ -55,7 +57,7 @@ struct State {
     step: f64,
 }
 
-/// One step of a threshold.
+/// A step that a threshold may take.
 #[derive(Debug, Clone, Copy)]
 struct Step {
     span: f64,
@@ -64,6 +66,8 @@ struct Step {
     std: f64,
     /// Variance of the bridge.
     bridge: f64,
+    /// Whether it is too far from the stretch to meet it.
+    free: bool,
 }
 
 /// Where a contact is and goes: its stretch and velocity.
@@ -119,6 +123,7 @@ impl Diffusion {
                 }
             }
         }
+        marks.iter().for_each(|_| tell(state.threshold));
         f64::INFINITY
     }
 
@@ -137,10 +142,10 @@ impl Diffusion {
         let next = step.mean + step.std * normal;
         let end = way.after(step.span);
         let gaps = (threshold - way.stretch, next - end);
-        let meets = end > self.low && meets(gaps, step.bridge, stream);
+        let meets = !step.free && meets(gaps, step.bridge, stream);
         let span = if meets { step.span * meeting(gaps, step.bridge, stream) } else { step.span };
         let after = if meets { way.after(span) } else { self.reflected(next) };
-        if let Some(fired) = self.fires((way.stretch, threshold), (way.after(span), after), span, endurance) {
+        if let Some(fired) = self.fires(way, (threshold, after), span, endurance, stream) {
             return Some(fired);
         }
         // Stops are met exactly.
@@ -149,17 +154,31 @@ impl Diffusion {
         meets.then_some(span)
     }
 
-    /// When heat breaks the contact on the way between two stretches and thresholds: the rate is a straight line there.
-    fn fires(&self, from: (f64, f64), to: (f64, f64), span: f64, endurance: &mut f64) -> Option<f64> {
-        let (first, last) = (self.heat(from.0, from.1), self.heat(to.0, to.1));
-        let used = 0.5 * span * (first + last);
+    /// When heat breaks the contact on a way on which its threshold changes, by Simpson's rule: rates at points of the way
+    /// of a threshold are right on average. Between the ends the rate is taken as an exponential.
+    fn fires(
+        &self,
+        way: Way,
+        thresholds: (f64, f64),
+        span: f64,
+        endurance: &mut f64,
+        stream: &mut Stream,
+    ) -> Option<f64> {
+        self.temperature?;
+        let normal: f64 = StandardNormal.sample(stream);
+        let middle = 0.5 * (thresholds.0 + thresholds.1) + (0.5 * self.rate * span).sqrt() * normal;
+        let first = self.heat(way.stretch, thresholds.0);
+        let between = self.heat(way.after(0.5 * span), self.reflected(middle));
+        let last = self.heat(way.after(span), thresholds.1);
+        let used = span / 6.0 * (first + 4.0 * between + last);
         if used < *endurance {
             *endurance -= used;
             return None;
         }
-        let slope = (last - first) / span;
-        let root = (first * first + 2.0 * slope * *endurance).max(0.0).sqrt();
-        Some((2.0 * *endurance / (first + root)).min(span))
+        let growth = (last / first).ln();
+        let share = *endurance / used;
+        let fraction = if growth == 0.0 { share } else { (share * growth.exp_m1()).ln_1p() / growth };
+        Some(span * fraction.min(1.0))
     }
 
     /// Breaking rate.
@@ -173,29 +192,30 @@ impl Diffusion {
         let entry = (self.low * (1.0 - TOGETHER) - way.stretch) / way.velocity;
         let mut span = if entry > 0.0 { most.min(entry) } else { most };
         loop {
-            let step = self.drift.step(threshold, self.rate, span);
-            if self.is_right(threshold, way, &step) {
+            let mut step = self.drift.step(threshold, self.rate, span);
+            let end = way.after(span);
+            let lowest = self.lowest(threshold, &step, REACH);
+            step.free = end < lowest || end <= self.low;
+            let fine = step.std <= FINEST * self.resolution.min(self.high - end);
+            if (fine || step.free && self.drift.is_straight()) && self.is_cool(threshold, way, &step) {
                 return step;
             }
             span *= 0.5;
         }
     }
 
-    fn is_right(&self, threshold: f64, way: Way, step: &Step) -> bool {
-        let (end, reach) = (way.after(step.span), REACH * step.std);
-        let lowest = (threshold.min(step.mean) - reach).max(self.low);
-        let fine = step.std <= FINEST * self.resolution.min(self.high - end);
-        let free = self.drift.is_straight() && (end < lowest || end <= self.low);
-        (fine || free) && self.is_cool(threshold, way, step, lowest)
+    /// The lowest threshold on a step that goes so many standard deviations down.
+    fn lowest(&self, threshold: f64, step: &Step, deviations: f64) -> f64 {
+        (threshold.min(step.mean) - deviations * step.std).max(self.low)
     }
 
-    /// Whether the breaking rate hardly changes on a step that goes down to a threshold of `lowest`.
-    fn is_cool(&self, threshold: f64, way: Way, step: &Step, lowest: f64) -> bool {
+    /// Whether the breaking rate hardly changes on a step.
+    fn is_cool(&self, threshold: f64, way: Way, step: &Step) -> bool {
         if self.temperature.is_none() {
             return true;
         }
-        let most = self.heat(way.after(step.span), lowest);
-        most * step.span <= UNLIKELY || most <= GROWTH * self.heat(way.stretch, threshold)
+        let most = |deviations| self.heat(way.after(step.span), self.lowest(threshold, step, deviations));
+        most(REACH) * step.span <= UNLIKELY || most(FALL) <= GROWTH * self.heat(way.stretch, threshold)
     }
 
     /// The threshold, folded back into the support of P_cf.
@@ -287,7 +307,7 @@ impl Drift {
         let growth = slope * span;
         let mean = threshold + value * span * growth_ratio(growth);
         let variance = 2.0 * rate * span * growth_ratio(2.0 * growth);
-        Step { span, mean, std: variance.sqrt(), bridge: variance * (-growth).exp() }
+        Step { span, mean, std: variance.sqrt(), bridge: variance * (-growth).exp(), free: false }
     }
 }
 

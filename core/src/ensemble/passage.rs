@@ -125,13 +125,16 @@ impl Known {
     /// When the stretch meets the threshold, if the leg goes on for so long; infinite, or for a constant threshold after
     /// the end of the leg, if not.
     fn meeting(&self, held: &Held, leg: &Leg) -> f64 {
-        let gap = |time| (held.origin + self.threshold(held, time)) * (1.0 - TOGETHER) - leg.position(time);
-        let (mut from, mut ahead) = (leg.start, gap(leg.start));
-        if ahead <= 0.0 {
+        let gap = |time| held.origin + self.threshold(held, time) - leg.position(time);
+        let mut from = leg.start;
+        if gap(from) <= 0.0 {
             return from;
         }
         if self.strength.is_constant() {
-            return from + ahead / leg.velocity;
+            let meeting = from + gap(from) / leg.velocity;
+            // What breaks together does so before a hold, too, whatever the rounding.
+            let late = gap(leg.end) > TOGETHER * leg.position(leg.end);
+            return if late { meeting } else { meeting.min(leg.end) };
         }
         let closing = |time: f64| self.strength.at(time - held.birth).drift(held.newborn) - leg.velocity;
         let turns = self.turns.iter().map(|age| held.birth + age);
@@ -144,8 +147,7 @@ impl Known {
                 None
             };
             let until = lowest.unwrap_or(until);
-            ahead = gap(until);
-            if ahead <= 0.0 {
+            if gap(until) <= 0.0 {
                 return brent_root(gap, from, until, 0.0).unwrap_or(until);
             }
             from = until;
