@@ -93,37 +93,34 @@ impl Diffusion {
     }
 
     /// When a contact breaks that survives `endurance` = ∫w dt, if before the last of the `marks`, which rise; infinite if
-    /// not. Tells the `thresholds` at the marks, if there are any.
+    /// not. Where stiffness follows the threshold, `thresholds` are those at the marks.
     pub(super) fn end(
         &self,
         held: &Held,
         history: &History,
-        until: f64,
+        marks: &[f64],
         mut endurance: f64,
         stream: &mut Stream,
-        mut marks: &[f64],
-        mut tell: impl FnMut(f64),
+        thresholds: &mut Vec<f64>,
     ) -> f64 {
+        let until = marks[marks.len() - 1];
+        // Else steps do not know of them, nor do the ways of thresholds.
+        let marks = if let Stiffness::PerThreshold(_) = self.stiffness { marks } else { &[] };
         let mut state = State { time: held.birth, threshold: held.newborn, step: f64::INFINITY };
         for leg in legs(history, held.birth..until) {
             state.time = leg.start;
-            while state.time < leg.end {
-                while let Some((_, rest)) = marks.split_first().filter(|(mark, _)| **mark <= state.time) {
-                    tell(state.threshold);
-                    marks = rest;
-                }
-                if state.time >= until {
-                    return f64::INFINITY;
-                }
+            while state.time < leg.end.min(until) {
+                let passed = marks[thresholds.len()..].iter().take_while(|mark| **mark <= state.time).count();
+                thresholds.resize(thresholds.len() + passed, state.threshold);
+                let mark = marks.get(thresholds.len()).copied().unwrap_or(f64::INFINITY);
                 let way = Way { stretch: leg.position(state.time) - held.origin, velocity: leg.velocity };
-                let stop = marks.first().map_or(leg.end, |mark| mark.min(leg.end));
                 let begun = state.time;
-                if let Some(span) = self.go(&mut state, way, stop, &mut endurance, stream) {
+                if let Some(span) = self.go(&mut state, way, leg.end.min(mark), &mut endurance, stream) {
                     return begun + span;
                 }
             }
         }
-        marks.iter().for_each(|_| tell(state.threshold));
+        thresholds.resize(marks.len(), state.threshold);
         f64::INFINITY
     }
 
@@ -142,7 +139,8 @@ impl Diffusion {
         let next = step.mean + step.std * normal;
         let end = way.after(step.span);
         let gaps = (threshold - way.stretch, next - end);
-        let meets = !step.free && meets(gaps, step.bridge, stream);
+        let passed = gaps.1 <= 0.0 && end > self.low;
+        let meets = passed || !step.free && touches(gaps, step.bridge, stream);
         let span = if meets { step.span * meeting(gaps, step.bridge, stream) } else { step.span };
         let after = if meets { way.after(span) } else { self.reflected(next) };
         if let Some(fired) = self.fires(way, (threshold, after), span, endurance, stream) {
@@ -228,16 +226,13 @@ impl Diffusion {
     }
 }
 
-/// Whether a bridge between two gaps, the first above 0, meets 0.
-fn meets((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> bool {
-    if last <= 0.0 {
-        return true;
-    }
+/// Whether a bridge between two gaps above 0 touches 0.
+fn touches((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> bool {
     let exponent = 2.0 * first * last / variance;
     exponent < NEVER && stream.uniform() < (-exponent).exp()
 }
 
-/// The fraction of the time after which such a bridge first does.
+/// The fraction of the time after which a bridge, from a gap above 0 to one on either side, first touches 0, given that it does.
 ///
 /// Draws of the inverse Gaussian law after J. R. Michael, W. R. Schucany and R. W. Haas, Am. Stat. 30, 88 (1976).
 fn meeting((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> f64 {

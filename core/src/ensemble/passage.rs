@@ -108,9 +108,10 @@ impl Known {
         self.strength.threshold(held.newborn, time - held.birth)
     }
 
-    /// When a contact breaks that survives `endurance` = ∫w dt, if before `until`; infinite if not.
-    pub(super) fn end(&self, held: &Held, history: &History, until: f64, mut endurance: f64) -> f64 {
-        for leg in legs(history, held.birth..until) {
+    /// When a contact breaks that survives `endurance` = ∫w dt, if before the last of the `marks`, which rise; infinite if
+    /// not.
+    pub(super) fn end(&self, held: &Held, history: &History, marks: &[f64], mut endurance: f64) -> f64 {
+        for leg in legs(history, held.birth..marks[marks.len() - 1]) {
             let meeting = self.meeting(held, &leg);
             if let Some(end) = self.fires(held, &leg, meeting, &mut endurance) {
                 return end;

@@ -49,8 +49,39 @@ pub struct EnsemblePull {
     pub breaks: u64,
     /// Contacts in each bin at each snapshot.
     pub histograms: Vec<Vec<u64>>,
-    edges: Vec<f64>,
-    size: usize,
+    pub(super) edges: Vec<f64>,
+    pub(super) size: usize,
+}
+
+impl Snapshots {
+    /// One histogram for each position.
+    pub(super) fn histograms(&self) -> Vec<Vec<u64>> {
+        vec![vec![0; self.edges.len().saturating_sub(1)]; self.positions.len()]
+    }
+
+    /// Counts a contact of this stretch.
+    pub(super) fn count(&self, stretch: f64, histogram: &mut [u64]) {
+        // Just re-formed contacts may lie below 0 by rounding.
+        let stretch = stretch.max(0.0);
+        let above = self.edges.partition_point(|&edge| edge < stretch);
+        if let Some(bin) = histogram.get_mut(above.max(1) - 1)
+            && stretch >= self.edges[0]
+        {
+            *bin += 1;
+        }
+    }
+
+    /// Checks them for a pull through `positions`, and gives the last of these.
+    pub(super) fn check(&self, positions: &[f64]) -> Result<f64> {
+        rising("positions", positions)?;
+        let last = *positions.last().ok_or_else(|| Error::invalid("positions", "at least one", "none"))?;
+        rising("snapshots", &self.positions)?;
+        rising("edges", &self.edges)?;
+        match self.positions.last().filter(|&&x| x > last) {
+            Some(beyond) => Err(Error::invalid("snapshots", format!("positions up to {last}"), beyond)),
+            None => Ok(last),
+        }
+    }
 }
 
 impl EnsemblePull {
@@ -84,13 +115,7 @@ impl Ensemble {
         if let Some(rule) = self.rule_of_time() {
             return Err(Error::invalid("velocity", format!("a velocity, since {rule} knows time"), "none"));
         }
-        rising("positions", positions)?;
-        let last = *positions.last().ok_or_else(|| Error::invalid("positions", "at least one", "none"))?;
-        rising("snapshots", &snapshots.positions)?;
-        rising("edges", &snapshots.edges)?;
-        if let Some(beyond) = snapshots.positions.last().filter(|&&x| x > last) {
-            return Err(Error::invalid("snapshots", format!("positions up to {last}"), beyond));
-        }
+        snapshots.check(positions)?;
         match self.contacts.stiffness {
             Stiffness::Equal(stiffness) => self.run::<Equal>(stiffness, positions, snapshots, monitor),
             Stiffness::PerThreshold(factor) => self.run::<Different>(factor, positions, snapshots, monitor),

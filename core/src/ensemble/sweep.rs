@@ -51,12 +51,8 @@ pub(super) struct Sweep<'a> {
 
 impl Sweep<'_> {
     pub(super) fn nothing<C: Cell>(&self) -> Chunk<C> {
-        let bins = self.snapshots.edges.len().saturating_sub(1);
-        Chunk {
-            cells: vec![C::ZERO; self.positions.len()],
-            histograms: vec![vec![0; bins]; self.snapshots.positions.len()],
-            breaks: 0,
-        }
+        let cells = vec![C::ZERO; self.positions.len()];
+        Chunk { cells, histograms: self.snapshots.histograms(), breaks: 0 }
     }
 
     pub(super) fn chunk<C: Cell>(&self, contacts: Range<usize>, expected: usize) -> Chunk<C> {
@@ -89,7 +85,7 @@ impl Sweep<'_> {
             chunk.breaks += taken as u64;
             let end = contact.end();
             while let Some((position, histogram)) = snapshots.next_if(|(position, _)| **position < end) {
-                self.record(position - contact.origin, histogram);
+                self.snapshots.count(position - contact.origin, histogram);
             }
             if end > last {
                 return;
@@ -127,17 +123,5 @@ impl Sweep<'_> {
         let (before, after) = (position - contact.origin, position - origin);
         cells[cell].replace((before, contact.threshold), (after, next.threshold));
         Contact { origin, threshold: next.threshold }
-    }
-
-    fn record(&self, stretch: f64, histogram: &mut [u64]) {
-        let edges = &self.snapshots.edges;
-        // Just re-formed contacts may lie below 0 by rounding.
-        let stretch = stretch.max(0.0);
-        let above = edges.partition_point(|&edge| edge < stretch);
-        if let Some(bin) = histogram.get_mut(above.max(1) - 1)
-            && stretch >= edges[0]
-        {
-            *bin += 1;
-        }
     }
 }

@@ -4,14 +4,13 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::Ensemble;
 use super::lives::{Life, Lives};
 use super::passage::{Held, Passage};
 use super::pull::rising;
 use super::sweep::TOGETHER;
-
-use crate::contacts::Stiffness;
-use crate::history::History;
+use super::{Ensemble, EnsemblePull, Snapshots};
+use crate::contacts::{Contacts, Stiffness};
+use crate::history::{History, Piece};
 use crate::monitor::{Monitor, report};
 use crate::random::{Purpose, Stream};
 use crate::{Error, Result};
@@ -23,7 +22,7 @@ const FEWEST: usize = 16;
 /// Draws made ahead for a contact.
 const AHEAD: usize = 8;
 
-/// The outcome of following an ensemble in time; a breaking contact counts as broken at the time at which it breaks.
+/// The outcome of following an ensemble in time; what breaks at a time has broken then.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnsembleTrace {
     /// The times t.
@@ -62,20 +61,56 @@ impl Ensemble {
             let expected = format!("times up to the end of the protocol at {}", history.duration());
             return Err(Error::invalid("times", expected, last));
         }
-        let positions = times.iter().map(|&time| history.position(time)).collect();
-        let follow = Follow { ensemble: self, passage: Passage::of(self)?, history, times, positions, last };
-        let mut total = follow.nothing();
-        let size = self.size.div_ceil(CHUNKS).max(FEWEST);
-        let starts: Vec<usize> = (0..self.size).step_by(size).collect();
-        for round in starts.chunks(rayon::current_num_threads()) {
-            let end = |start: usize| self.size.min(start + size);
-            // Summed in the order of contacts, whichever thread was first.
-            let chunks: Vec<Chunk> = round.par_iter().map(|&start| follow.chunk(start..end(start))).collect();
-            chunks.iter().for_each(|chunk| total.merge(chunk));
-            report(monitor, end(round[round.len() - 1]) as f64 / self.size as f64)?;
-        }
-        Ok(follow.trace(total))
+        let nothing = Snapshots::default();
+        let follow = Follow::new(self, history, times, (&nothing, &[]))?;
+        let total = follow.run(monitor)?;
+        let (force, error) = follow.forces(&total);
+        let free = total.sums.iter().map(|sums| sums.free / self.size as f64).collect();
+        let position = times.iter().map(|&time| history.position(time)).collect();
+        Ok(EnsembleTrace { time: times.to_vec(), position, force, error, free, breaks: total.breaks })
     }
+
+    /// The pull of [`Ensemble::pull`] at a velocity, for contacts that know time.
+    ///
+    /// # Errors
+    /// A velocity that is not a finite number above 0; positions or edges that do not rise, or are not finite; ageing by a
+    /// rule that single contacts cannot follow; stopped by `monitor`.
+    pub fn pull_at(
+        &self,
+        velocity: f64,
+        positions: &[f64],
+        snapshots: &Snapshots,
+        monitor: &mut dyn Monitor,
+    ) -> Result<EnsemblePull> {
+        if !(velocity.is_finite() && velocity > 0.0) {
+            return Err(Error::invalid("velocity", "a finite number above 0", velocity));
+        }
+        let last = snapshots.check(positions)?;
+        let duration = if last > 0.0 { last / velocity } else { 1.0 };
+        let history = History::new(vec![Piece { velocity, duration }])?;
+        let times = |positions: &[f64]| positions.iter().map(|x| x / velocity).collect::<Vec<_>>();
+        let shots = times(&snapshots.positions);
+        let follow = Follow::new(self, &history, &times(positions), (snapshots, &shots))?;
+        let total = follow.run(monitor)?;
+        let (force, error) = follow.forces(&total);
+        let Chunk { histograms, breaks, .. } = total;
+        Ok(EnsemblePull { force, error, breaks, histograms, edges: snapshots.edges.clone(), size: self.size })
+    }
+}
+
+/// A time at which contacts are looked at.
+#[derive(Debug, Clone, Copy)]
+struct Mark {
+    time: f64,
+    position: f64,
+    look: Look,
+}
+
+/// What is seen of a contact, and where it is added.
+#[derive(Debug, Clone, Copy)]
+enum Look {
+    Force(usize),
+    Stretch(usize),
 }
 
 /// Sums over contacts at one time.
@@ -89,6 +124,7 @@ struct Sums {
 /// What one chunk of contacts adds.
 struct Chunk {
     sums: Vec<Sums>,
+    histograms: Vec<Vec<u64>>,
     breaks: u64,
 }
 
@@ -99,6 +135,8 @@ impl Chunk {
             sums.square += more.square;
             sums.free += more.free;
         }
+        let counts = self.histograms.iter_mut().flatten();
+        counts.zip(other.histograms.iter().flatten()).for_each(|(count, more)| *count += more);
         self.breaks += other.breaks;
     }
 }
@@ -114,14 +152,47 @@ struct Follow<'a> {
     ensemble: &'a Ensemble,
     passage: Passage,
     history: &'a History,
-    times: &'a [f64],
-    positions: Vec<f64>,
-    last: f64,
+    snapshots: &'a Snapshots,
+    marks: Vec<Mark>,
+    /// Their times.
+    times: Vec<f64>,
 }
 
-impl Follow<'_> {
+impl<'a> Follow<'a> {
+    /// Forces at `times`, the stretches of `snapshots` at the times `shots`.
+    fn new(
+        ensemble: &'a Ensemble,
+        history: &'a History,
+        times: &[f64],
+        (snapshots, shots): (&'a Snapshots, &[f64]),
+    ) -> Result<Self> {
+        let mark = |time, look| Mark { time, position: history.position(time), look };
+        let forces = times.iter().enumerate().map(|(i, &time)| mark(time, Look::Force(i)));
+        let stretches = shots.iter().enumerate().map(|(i, &time)| mark(time, Look::Stretch(i)));
+        let mut marks: Vec<Mark> = forces.chain(stretches).collect();
+        marks.sort_by(|a, b| a.time.total_cmp(&b.time));
+        let times = marks.iter().map(|mark| mark.time).collect();
+        Ok(Self { ensemble, passage: Passage::of(ensemble)?, history, snapshots, marks, times })
+    }
+
+    fn run(&self, monitor: &mut dyn Monitor) -> Result<Chunk> {
+        let all = self.ensemble.size;
+        let mut total = self.nothing();
+        let size = all.div_ceil(CHUNKS).max(FEWEST);
+        let starts: Vec<usize> = (0..all).step_by(size).collect();
+        for round in starts.chunks(rayon::current_num_threads()) {
+            let chunk = |&start: &usize| self.chunk(start..all.min(start + size));
+            // Summed in the order of contacts, whichever thread was first.
+            let chunks: Vec<Chunk> = round.par_iter().map(chunk).collect();
+            chunks.iter().for_each(|chunk| total.merge(chunk));
+            report(monitor, all.min(round[round.len() - 1] + size) as f64 / all as f64)?;
+        }
+        Ok(total)
+    }
+
     fn nothing(&self) -> Chunk {
-        Chunk { sums: vec![Sums::default(); self.times.len()], breaks: 0 }
+        let forces = self.marks.len() - self.snapshots.positions.len();
+        Chunk { sums: vec![Sums::default(); forces], histograms: self.snapshots.histograms(), breaks: 0 }
     }
 
     fn chunk(&self, contacts: Range<usize>) -> Chunk {
@@ -133,7 +204,7 @@ impl Follow<'_> {
         chunk
     }
 
-    /// One contact from t = 0 to the last time.
+    /// One contact from t = 0 to the last mark.
     fn contact(&self, index: u64, lives: &mut Lives, chunk: &mut Chunk) {
         let draws = |purpose| Stream::new(self.ensemble.seed, purpose, index);
         let mut draws = Draws { breaking: draws(Purpose::Breaking), diffusion: draws(Purpose::Diffusion) };
@@ -143,10 +214,10 @@ impl Follow<'_> {
             (birth, next) = self.wait(0.0, 0, chunk);
             life = lives.next();
         }
-        while next < self.times.len() {
+        while next < self.marks.len() {
             let end;
-            (end, next) = self.hold(birth, life, next, &mut draws, &mut chunk.sums);
-            if end > self.last {
+            (end, next) = self.hold(birth, life, next, &mut draws, chunk);
+            if next == self.marks.len() {
                 return;
             }
             (birth, next) = self.wait(end, next, chunk);
@@ -154,75 +225,86 @@ impl Follow<'_> {
         }
     }
 
-    /// A broken contact: when it re-forms, and the next time to tell of.
-    fn wait(&self, broken: f64, mut next: usize, chunk: &mut Chunk) -> (f64, usize) {
-        chunk.breaks += 1;
-        let birth = broken + self.ensemble.contacts.rules.delay;
-        while self.times.get(next).is_some_and(|time| *time < birth * (1.0 - TOGETHER)) {
-            chunk.sums[next].free += 1.0;
-            next += 1;
-        }
-        (birth, next)
+    /// The marks from `next` on that come before an event, but for rounding.
+    fn before(&self, event: f64, next: usize) -> Range<usize> {
+        let reached = |time: &&f64| **time < event * (1.0 - TOGETHER);
+        next..next + self.times[next..].iter().take_while(reached).count()
     }
 
-    /// A contact that holds: when it breaks, and the next time to tell of.
+    /// A broken contact: when it re-forms, and the next mark.
+    fn wait(&self, broken: f64, next: usize, chunk: &mut Chunk) -> (f64, usize) {
+        chunk.breaks += 1;
+        let birth = broken + self.ensemble.contacts.rules.delay;
+        let passed = self.before(birth, next);
+        for mark in &self.marks[passed.clone()] {
+            if let Look::Force(i) = mark.look {
+                chunk.sums[i].free += 1.0;
+            }
+        }
+        (birth, passed.end)
+    }
+
+    /// A contact that holds: when it breaks, and the next mark.
     fn hold(
         &self,
         birth: f64,
         life: Life,
-        mut next: usize,
+        next: usize,
         draws: &mut Draws,
-        sums: &mut [Sums],
+        chunk: &mut Chunk,
     ) -> (f64, usize) {
+        let Contacts { stiffness, ref rules, .. } = self.ensemble.contacts;
         let held =
             Held { birth, origin: self.history.position(birth) - life.stretch, newborn: life.threshold };
-        let endurance = match self.ensemble.contacts.rules.temperature {
+        let endurance = match rules.temperature {
             Some(_) => -draws.breaking.uniform().ln(),
             None => f64::INFINITY,
         };
-        // Stiffnesses, in the unit of `Stiffness`, matter where they differ.
-        let differ = matches!(self.ensemble.contacts.stiffness, Stiffness::PerThreshold(_));
-        let mut diffused = Vec::new();
+        let marks = &self.times[next..];
+        let mut thresholds = Vec::new();
         let end = match &self.passage {
-            Passage::Known(known) => known.end(&held, self.history, self.last, endurance),
+            Passage::Known(known) => known.end(&held, self.history, marks, endurance),
             Passage::Diffusing(diffusion) => {
-                let marks = if differ { &self.times[next..] } else { &[] };
-                let until = self.last;
                 let stream = &mut draws.diffusion;
-                diffusion.end(&held, self.history, until, endurance, stream, marks, |h| diffused.push(h))
+                diffusion.end(&held, self.history, marks, endurance, stream, &mut thresholds)
             }
         };
-        let first = next;
-        while self.times.get(next).is_some_and(|time| *time < end * (1.0 - TOGETHER)) {
-            let stiffness = match &self.passage {
-                _ if !differ => 1.0,
-                Passage::Known(known) => known.threshold(&held, self.times[next]),
-                Passage::Diffusing(_) => diffused[next - first],
-            };
-            let force = stiffness * (self.positions[next] - held.origin);
-            sums[next].force += force;
-            sums[next].square += force * force;
-            next += 1;
+        let passed = self.before(end, next);
+        for (place, mark) in self.marks[passed.clone()].iter().enumerate() {
+            let stretch = mark.position - held.origin;
+            match (mark.look, stiffness) {
+                (Look::Stretch(i), _) => self.snapshots.count(stretch, &mut chunk.histograms[i]),
+                (Look::Force(i), Stiffness::Equal(_)) => chunk.sums[i].add(stretch),
+                (Look::Force(i), Stiffness::PerThreshold(_)) => {
+                    let threshold = match &self.passage {
+                        Passage::Known(known) => known.threshold(&held, mark.time),
+                        Passage::Diffusing(_) => thresholds[place],
+                    };
+                    chunk.sums[i].add(threshold * stretch);
+                }
+            }
         }
-        (end, next)
+        (end, passed.end)
     }
 
-    fn trace(self, total: Chunk) -> EnsembleTrace {
+    /// Mean forces and their standard errors.
+    fn forces(&self, total: &Chunk) -> (Vec<f64>, Vec<f64>) {
         let contacts = &self.ensemble.contacts;
         let (Stiffness::Equal(unit) | Stiffness::PerThreshold(unit)) = contacts.stiffness;
         let (scale, size) = (unit * contacts.count, self.ensemble.size as f64);
-        let mean = |sums: &Sums| scale * sums.force / size;
-        let error = |sums: &Sums| {
-            let variance = sums.square / size - (sums.force / size).powi(2);
-            scale * (variance.max(0.0) / (size - 1.0)).sqrt()
+        let force = |sums: &Sums| {
+            let mean = sums.force / size;
+            let variance = (sums.square / size - mean * mean).max(0.0);
+            (scale * mean, scale * (variance / (size - 1.0)).sqrt())
         };
-        EnsembleTrace {
-            time: self.times.to_vec(),
-            force: total.sums.iter().map(mean).collect(),
-            error: total.sums.iter().map(error).collect(),
-            free: total.sums.iter().map(|sums| sums.free / size).collect(),
-            position: self.positions,
-            breaks: total.breaks,
-        }
+        total.sums.iter().map(force).unzip()
+    }
+}
+
+impl Sums {
+    /// Adds the force of a contact, in the unit of its stiffness.
+    fn add(&mut self, force: f64) {
+        self.force += force;
+        self.square += force * force;
     }
 }
