@@ -15,8 +15,9 @@ use crate::history::History;
 use crate::law::Law;
 use crate::random::Stream;
 
-/// Nodes in the table of a drift.
-const NODES: usize = 2048;
+/// Nodes in the table of a drift: for each length over which P_cf changes, and the fewest and most in all.
+const PER_RESOLUTION: f64 = 64.0;
+const NODES: (f64, f64) = (1024.0, 1e6);
 
 /// How far thresholds go on a step where they may meet the stretch, of the length over which P_cf changes: first passages
 /// are then those of shorter steps to 1e-4 of that length.
@@ -25,10 +26,12 @@ const FINEST: f64 = 0.25;
 /// Standard deviations beyond which a step does not reach: once in 10⁹.
 const REACH: f64 = 6.0;
 
-/// By how much the breaking rate may grow on a step, for thresholds that fall by so many standard deviations: Simpson's rule
-/// is then right to 4e-4. A probability of breaking that needs no such care.
+/// By how much the breaking rate may grow on a step, for a threshold that falls by two standard deviations: Simpson's rule is
+/// then right to 4e-4.
 const GROWTH: f64 = std::f64::consts::E;
-const FALL: f64 = 2.0;
+
+/// A probability of breaking on a step for which that is to hold only on average, and one for which it need not.
+const SELDOM: f64 = 1e-2;
 const UNLIKELY: f64 = 1e-7;
 
 /// An exponent of a probability that is never met.
@@ -86,8 +89,8 @@ impl Way {
 impl Diffusion {
     pub(super) fn new(contacts: &Contacts, mature: &dyn Law, rate: f64) -> Self {
         let (low, high) = (mature.quantile(0.0), mature.upper_quantile(0.0));
-        let resolution = mature.zones().iter().map(|zone| zone.resolution).fold(f64::INFINITY, f64::min);
-        let drift = Drift::new(mature, rate);
+        let resolution = resolution(mature);
+        let drift = Drift::new(contacts.thresholds.as_ref(), mature, rate);
         let Contacts { stiffness, ref rules, .. } = *contacts;
         Self { rate, drift, low, high, resolution, temperature: rules.temperature, stiffness }
     }
@@ -134,7 +137,7 @@ impl Diffusion {
         stream: &mut Stream,
     ) -> Option<f64> {
         let State { time, threshold, step } = *state;
-        let step = self.step(threshold, way, (2.0 * step).min(stop - time));
+        let step = self.step(threshold, way, step, stop - time);
         let normal: f64 = StandardNormal.sample(stream);
         let next = step.mean + step.std * normal;
         let end = way.after(step.span);
@@ -185,20 +188,21 @@ impl Diffusion {
         self.temperature.map_or(0.0, |temperature| temperature.rate(stretch, threshold, own))
     }
 
-    /// The longest of `most`, ½ `most`, ¼ `most`, … on which the transition is right.
-    fn step(&self, threshold: f64, way: Way, most: f64) -> Step {
+    /// A step up to `most`, after one of a length `before`: as long as is right, if it is too far from the stretch to meet it
+    /// and the drift is straight, or else so short that it is right everywhere.
+    fn step(&self, threshold: f64, way: Way, before: f64, most: f64) -> Step {
         let entry = (self.low * (1.0 - TOGETHER) - way.stretch) / way.velocity;
-        let mut span = if entry > 0.0 { most.min(entry) } else { most };
+        let most = if entry > 0.0 { most.min(entry) } else { most };
+        let fine = (FINEST * self.resolution.min(self.high - way.stretch)).powi(2) / (2.0 * self.rate);
+        let mut span = if self.drift.is_straight() { most.min(2.0 * before) } else { most.min(fine) };
         loop {
             let mut step = self.drift.step(threshold, self.rate, span);
             let end = way.after(span);
-            let lowest = self.lowest(threshold, &step, REACH);
-            step.free = end < lowest || end <= self.low;
-            let fine = step.std <= FINEST * self.resolution.min(self.high - end);
-            if (fine || step.free && self.drift.is_straight()) && self.is_cool(threshold, way, &step) {
+            step.free = end <= self.low || end < self.lowest(threshold, &step, REACH);
+            if (step.free || span <= fine) && self.is_cool(threshold, way, &step) {
                 return step;
             }
-            span *= 0.5;
+            span = if span > fine { fine.max(0.5 * span) } else { 0.5 * span };
         }
     }
 
@@ -207,13 +211,17 @@ impl Diffusion {
         (threshold.min(step.mean) - deviations * step.std).max(self.low)
     }
 
-    /// Whether the breaking rate hardly changes on a step.
+    /// Whether the breaking rate does not change too much on a step, or hardly ever breaks the contact.
     fn is_cool(&self, threshold: f64, way: Way, step: &Step) -> bool {
         if self.temperature.is_none() {
             return true;
         }
         let most = |deviations| self.heat(way.after(step.span), self.lowest(threshold, step, deviations));
-        most(REACH) * step.span <= UNLIKELY || most(FALL) <= GROWTH * self.heat(way.stretch, threshold)
+        let grown = GROWTH * self.heat(way.stretch, threshold);
+        let likely = most(2.0);
+        likely <= grown
+            || likely * step.span <= SELDOM && most(1.0) <= grown
+            || most(REACH) * step.span <= UNLIKELY
     }
 
     /// The threshold, folded back into the support of P_cf.
@@ -244,40 +252,47 @@ fn meeting((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> f64
     if odds.is_finite() { odds / (1.0 + odds) } else { 1.0 }
 }
 
+/// A length over which the density changes, everywhere.
+fn resolution(law: &dyn Law) -> f64 {
+    law.zones().iter().map(|zone| zone.resolution).fold(f64::INFINITY, f64::min)
+}
+
 /// −D U'(h).
 #[derive(Debug, Clone)]
 enum Drift {
     /// Straight: P_cf is Gaussian, or constant. Slope, and a place with the value there.
     Straight { slope: f64, at: f64, value: f64 },
-    /// At places a constant distance apart.
+    /// At places a constant distance apart, straight between them and beyond.
     Table { start: f64, density: f64, values: Vec<f64> },
 }
 
 impl Drift {
-    fn new(mature: &dyn Law, rate: f64) -> Self {
+    fn new(newborn: &dyn Law, mature: &dyn Law, rate: f64) -> Self {
         let parameter = |name| mature.parameters().iter().find(|p| p.name == name).map(|p| p.value);
         match (mature.name(), parameter("mean"), parameter("std")) {
             ("gaussian", Some(at), Some(std)) => {
                 Self::Straight { slope: -rate / (std * std), at, value: 0.0 }
             }
             ("rectangular", ..) => Self::Straight { slope: 0.0, at: 0.0, value: 0.0 },
-            _ => Self::table(mature, rate),
+            _ => Self::table(newborn, mature, rate),
         }
     }
 
-    fn table(mature: &dyn Law, rate: f64) -> Self {
-        let zones = mature.zones();
-        let start = zones.iter().map(|zone| zone.low).fold(f64::INFINITY, f64::min);
-        let end = zones.iter().map(|zone| zone.high).fold(0.0, f64::max);
-        let spacing = (end - start) / NODES as f64;
+    /// Where thresholds are born or mature, and the density of the mature ones can be told from 0.
+    fn table(newborn: &dyn Law, mature: &dyn Law, rate: f64) -> Self {
+        let zones = || newborn.zones().into_iter().chain(mature.zones());
+        let start = zones().map(|zone| zone.low).fold(f64::INFINITY, f64::min).max(mature.quantile(0.0));
+        let end = zones().map(|zone| zone.high).fold(0.0, f64::max).min(mature.upper_quantile(0.0));
+        let nodes =
+            ((end - start) / resolution(mature) * PER_RESOLUTION).clamp(NODES.0, NODES.1).ceil() as usize;
+        let spacing = (end - start) / nodes as f64;
         // Differences over a whole spacing, at its middle.
-        let slope = |node: usize| {
-            let low = start + spacing * node as f64;
-            let slope = rate * (mature.density(low + spacing).ln() - mature.density(low).ln()) / spacing;
-            if slope.is_finite() { slope } else { 0.0 }
-        };
-        let values = (0..NODES).map(slope).collect();
-        Self::Table { start: start + 0.5 * spacing, density: 1.0 / spacing, values }
+        let place = |node: usize| start + spacing * node as f64;
+        let slope = |node: usize| (mature.density(place(node + 1)) / mature.density(place(node))).ln();
+        let known = |node: &usize| slope(*node).is_finite();
+        let first = (0..nodes).find(known).unwrap_or(0);
+        let values = (first..nodes).map(|node| rate / spacing * slope(node)).take_while(|v| v.is_finite());
+        Self::Table { start: place(first) + 0.5 * spacing, density: 1.0 / spacing, values: values.collect() }
     }
 
     fn is_straight(&self) -> bool {
@@ -289,8 +304,8 @@ impl Drift {
         match self {
             &Self::Straight { slope, at, value } => (value + slope * (threshold - at), slope),
             Self::Table { start, density, values } => {
-                let place = ((threshold - start) * density).clamp(0.0, (NODES - 2) as f64);
-                let node = (place as usize).min(NODES - 2);
+                let place = (threshold - start) * density;
+                let node = (place as usize).min(values.len().saturating_sub(2));
                 let rise = values[node + 1] - values[node];
                 (values[node] + rise * (place - node as f64), rise * density)
             }

@@ -1,6 +1,6 @@
 //! Where the integral of a function reaches a value.
 
-use super::legendre::{RULE, primitive, series};
+use super::legendre::{NODES, RULE, primitive, series};
 use super::piecewise::tail;
 use super::roots::brent_root;
 
@@ -9,8 +9,8 @@ const ERROR: (f64, f64) = (1e-11, 1e-13);
 
 /// The place in [0, `length`] where the integral of `f` ≥ 0 from 0 has used up what is `left`, a number of order 1.
 ///
-/// If it is not used up, `left` is what remains. Panels of 16 Gauss points are halved until they follow `f`, and grow
-/// again where they do.
+/// If it is not used up, `left` is what remains. Panels of 16 Gauss points are as wide as is right, by the decay of the
+/// coefficients of a smooth function.
 pub fn used_up(f: impl Fn(f64) -> f64, length: f64, left: &mut f64) -> Option<f64> {
     // Where f does not fall, it is used up before.
     let mut width = (2.0 * *left / f(0.0)).min(length);
@@ -18,11 +18,11 @@ pub fn used_up(f: impl Fn(f64) -> f64, length: f64, left: &mut f64) -> Option<f6
     while from < length {
         let half = 0.5 * width;
         let coefficients = RULE.coefficients(&RULE.nodes.map(|t| f(from + half * (1.0 + t))));
-        let left_out = tail(&coefficients);
         let whole = width * coefficients[0];
-        if left_out * half > ERROR.0 && left_out > ERROR.1 * coefficients[0] && width > f64::EPSILON * length
-        {
-            width = half;
+        let excess = tail(&coefficients) * half / ERROR.0.max(ERROR.1 * whole);
+        let next = width * (0.9 * excess.powf(-1.0 / NODES as f64)).clamp(0.2, 4.0);
+        if excess > 1.0 && width > f64::EPSILON * length {
+            width = next;
             continue;
         }
         if whole >= *left {
@@ -33,7 +33,7 @@ pub fn used_up(f: impl Fn(f64) -> f64, length: f64, left: &mut f64) -> Option<f6
         }
         *left -= whole;
         from += width;
-        width = (2.0 * width).min(length - from);
+        width = next.min(length - from);
     }
     None
 }
