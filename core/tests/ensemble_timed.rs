@@ -15,6 +15,11 @@ fn gaussian(mean: f64, std: f64) -> SharedLaw {
     Arc::new(Gaussian::new(mean, std).unwrap())
 }
 
+fn twice(mean: f64, std: f64) -> SharedLaw {
+    let half = || (0.5, gaussian(mean, std));
+    Arc::new(Mixture::new(vec![half(), half()]).unwrap())
+}
+
 fn rectangular(min: f64, max: f64) -> SharedLaw {
     Arc::new(Rectangular::new(min, max).unwrap())
 }
@@ -81,7 +86,7 @@ impl Case {
     /// That is ⟨x_b²⟩/2⟨x_b⟩ of the stretches x_b at which they break, of which the error follows, as ⟨x_bⁿ⟩ = n∫xⁿ⁻¹S.
     #[track_caller]
     fn lives(&self, velocity: f64, highest: f64, expected: f64) {
-        const POINTS: usize = 2000;
+        const POINTS: usize = 1000;
         let mut case = self.clone();
         case.contacts.rules.delay = 1e3 * highest / velocity;
         case.size = 100_000;
@@ -221,6 +226,14 @@ fn diffusing_thresholds() {
     for (velocity, force) in [(10.0, 0.2720), (1.0, 0.38468), (0.1, 0.49031), (0.01, 0.46235)] {
         let case = diffusing(gaussian(0.5, 0.1), gaussian(1.0, 0.05), 0.0025);
         case.lives(velocity, 1.4, force);
+    }
+}
+
+/// A mixture of a Gaussian with itself is no Gaussian to the solver, which then tabulates U'.
+#[test]
+fn diffusing_thresholds_in_a_tabulated_potential() {
+    for (velocity, force) in [(10.0, 0.2720), (1.0, 0.38468), (0.1, 0.49031)] {
+        diffusing(gaussian(0.5, 0.1), twice(1.0, 0.05), 0.0025).lives(velocity, 1.4, force);
     }
 }
 
@@ -384,11 +397,10 @@ fn first_passages_of_a_brownian_threshold() {
 }
 
 /// A stretch held at the mean of P_cf: by reflection a threshold z_0 standard deviations above it survives
-/// 2Φ(z_0 e^{−κt}/√(1 − e^{−2κt})) − 1. A mixture of a Gaussian with itself is no Gaussian to the solver.
+/// 2Φ(z_0 e^{−κt}/√(1 − e^{−2κt})) − 1.
 #[test]
 fn first_passages_of_a_threshold_in_a_parabola() {
-    let twice = Mixture::new(vec![(0.5, gaussian(1.0, 0.05)), (0.5, gaussian(1.0, 0.05))]).unwrap();
-    for mature in [gaussian(1.0, 0.05), Arc::new(twice)] {
+    for mature in [gaussian(1.0, 0.05), twice(1.0, 0.05)] {
         let case = Case { initial: point(1.0), ..diffusing(point(1.1), mature, 0.0025) };
         let shares = [0.1, 0.3, 1.0, 2.5].map(|time: f64| {
             let z = 2.0 * (-time).exp() / (-(-2.0 * time).exp_m1()).sqrt();
@@ -430,6 +442,22 @@ fn heat_breaks_at_the_mean_rate_of_diffusing_thresholds() {
     for (free, share) in trace.free.iter().zip([30.0, 60.0, 100.0].map(share)) {
         let error = (share * (1.0 - share) / case.size as f64).sqrt();
         assert!((1.0 - free - share).abs() < 4.0 * error, "{} survive, not {share}", 1.0 - free);
+    }
+}
+
+/// A barrier of ½k h² with k = κh: one threshold 1.25 and κ = 0.8 are k = 1.
+#[test]
+fn barriers_have_the_stiffness_of_the_contact() {
+    let history = pieces(&[(0.01, 300.0), (0.0, 100.0)]);
+    for barrier in [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe] {
+        let equal = heated(point(1.25), 0.05, barrier);
+        let mut different = equal.clone();
+        different.contacts.stiffness = Stiffness::PerThreshold(0.8);
+        let (equal, different) =
+            (equal.follow(&history, &[200.0, 400.0]), different.follow(&history, &[200.0, 400.0]));
+        assert_eq!(equal.breaks, different.breaks);
+        // Roundings of k.
+        assert!(equal.force.iter().zip(different.force).all(|(a, b)| (a - b).abs() < 1e-9));
     }
 }
 

@@ -19,8 +19,8 @@ use crate::random::Stream;
 const PER_RESOLUTION: f64 = 64.0;
 const NODES: (f64, f64) = (1024.0, 1e6);
 
-/// How far thresholds go on a step where they may meet the stretch, of the length over which P_cf changes: first passages
-/// are then those of shorter steps to 1e-4 of that length.
+/// How far thresholds go on a step where they may meet the stretch, of the length over which P_cf changes: stretches at
+/// which contacts break are then right on average to 1e-3 of that length.
 const FINEST: f64 = 0.25;
 
 /// Standard deviations beyond which a step does not reach: once in 10⁹.
@@ -149,8 +149,8 @@ impl Diffusion {
         if let Some(fired) = self.fires(way, (threshold, after), span, endurance, stream) {
             return Some(fired);
         }
-        // Stops are met exactly.
-        let time = if step.span < stop - time { time + step.span } else { stop };
+        // Stops are met exactly, and steps below rounding go on.
+        let time = if step.span < stop - time { (time + step.span).max(time.next_up()) } else { stop };
         *state = State { time, threshold: after, step: step.span };
         meets.then_some(span)
     }
@@ -191,8 +191,9 @@ impl Diffusion {
     /// A step up to `most`, after one of a length `before`: as long as is right, if it is too far from the stretch to meet it
     /// and the drift is straight, or else so short that it is right everywhere.
     fn step(&self, threshold: f64, way: Way, before: f64, most: f64) -> Step {
-        let entry = (self.low * (1.0 - TOGETHER) - way.stretch) / way.velocity;
-        let most = if entry > 0.0 { most.min(entry) } else { most };
+        // Below the support nothing can meet, whatever is reflected: a step does not go on into it.
+        let outside = way.stretch < self.low * (1.0 - TOGETHER);
+        let most = if outside { most.min((self.low - way.stretch) / way.velocity) } else { most };
         let fine = (FINEST * self.resolution.min(self.high - way.stretch)).powi(2) / (2.0 * self.rate);
         let mut span = if self.drift.is_straight() { most.min(2.0 * before) } else { most.min(fine) };
         loop {
@@ -226,11 +227,11 @@ impl Diffusion {
 
     /// The threshold, folded back into the support of P_cf.
     fn reflected(&self, threshold: f64) -> f64 {
-        let mut folded = threshold;
-        while folded < self.low || folded > self.high {
-            folded = if folded < self.low { 2.0 * self.low - folded } else { 2.0 * self.high - folded };
+        let (above, width) = ((threshold - self.low).abs(), self.high - self.low);
+        if above <= width {
+            return self.low + above;
         }
-        folded
+        self.low + width - (above.rem_euclid(2.0 * width) - width).abs()
     }
 }
 
@@ -252,16 +253,16 @@ fn meeting((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> f64
     if odds.is_finite() { odds / (1.0 + odds) } else { 1.0 }
 }
 
-/// A length over which the density changes, everywhere.
+/// A length over which the density changes, wherever it does.
 fn resolution(law: &dyn Law) -> f64 {
-    law.zones().iter().map(|zone| zone.resolution).fold(f64::INFINITY, f64::min)
+    law.zones().iter().map(|zone| zone.resolution).fold(law.std(), f64::min)
 }
 
 /// −D U'(h).
 #[derive(Debug, Clone)]
 enum Drift {
-    /// Straight: P_cf is Gaussian, or constant. Slope, and a place with the value there.
-    Straight { slope: f64, at: f64, value: f64 },
+    /// Straight, and 0 at a place: P_cf is Gaussian, or constant.
+    Straight { slope: f64, zero: f64 },
     /// At places a constant distance apart, straight between them and beyond.
     Table { start: f64, density: f64, values: Vec<f64> },
 }
@@ -270,10 +271,8 @@ impl Drift {
     fn new(newborn: &dyn Law, mature: &dyn Law, rate: f64) -> Self {
         let parameter = |name| mature.parameters().iter().find(|p| p.name == name).map(|p| p.value);
         match (mature.name(), parameter("mean"), parameter("std")) {
-            ("gaussian", Some(at), Some(std)) => {
-                Self::Straight { slope: -rate / (std * std), at, value: 0.0 }
-            }
-            ("rectangular", ..) => Self::Straight { slope: 0.0, at: 0.0, value: 0.0 },
+            ("gaussian", Some(zero), Some(std)) => Self::Straight { slope: -rate / (std * std), zero },
+            ("rectangular", ..) => Self::Straight { slope: 0.0, zero: 0.0 },
             _ => Self::table(newborn, mature, rate),
         }
     }
@@ -302,7 +301,7 @@ impl Drift {
     /// Value and slope.
     fn at(&self, threshold: f64) -> (f64, f64) {
         match self {
-            &Self::Straight { slope, at, value } => (value + slope * (threshold - at), slope),
+            &Self::Straight { slope, zero } => (slope * (threshold - zero), slope),
             Self::Table { start, density, values } => {
                 let place = (threshold - start) * density;
                 let node = (place as usize).min(values.len().saturating_sub(2));
