@@ -161,11 +161,12 @@ impl Known {
     /// Near the meeting barriers are powers of √(time left), which is why that is the variable of integration.
     fn fires(&self, held: &Held, leg: &Leg, meeting: f64, endurance: &mut f64) -> Option<f64> {
         let temperature = self.temperature?;
+        let constant = self.strength.is_constant().then_some(held.newborn);
+        let stretch = leg.position - held.origin;
         let rate = |elapsed: f64| {
-            let time = leg.start + elapsed;
-            let threshold = self.threshold(held, time);
+            let threshold = constant.unwrap_or_else(|| self.threshold(held, leg.start + elapsed));
             let own = stiffness(self.stiffness, threshold);
-            temperature.rate(leg.position(time) - held.origin, threshold, own)
+            temperature.rate(stretch + leg.velocity * elapsed, threshold, own)
         };
         let span = meeting.min(leg.end) - leg.start;
         if meeting.is_infinite() {

@@ -5,7 +5,7 @@ use super::piecewise::tail;
 use super::roots::brent_root;
 
 /// Error allowed in the integral over a panel, absolute and relative.
-const ERROR: (f64, f64) = (1e-11, 1e-13);
+const ERROR: (f64, f64) = (1e-10, 1e-12);
 
 /// The place in [0, `length`] where the integral of `f` ≥ 0 from 0 has used up what is `left`, a number of order 1.
 ///
@@ -47,13 +47,13 @@ mod tests {
     fn places_are_those_of_closed_forms() {
         for goal in [1e-6, 0.3, 2.0, 9.0] {
             let place = |f: &dyn Fn(f64) -> f64, length| used_up(f, length, &mut goal.clone()).unwrap();
-            assert!((place(&|_| 2.0, 1e9) - 0.5 * goal).abs() < 1e-11);
-            // The integral is right to 1e-11; where it is reached, to that over the rate.
+            // The integral is right to 1e-10 on every panel; where it is reached, to that over the rate.
+            assert!((place(&|_| 2.0, 1e9) - 0.5 * goal).abs() < 1e-10);
             let exponential = place(&|x: f64| 1e-6 * (20.0 * x).exp(), 2.0);
             let exact = (20e6 * goal).ln_1p() / 20.0;
-            assert!((exponential - exact).abs() < 1e-10 / (1e-6 * (20.0 * exact).exp()));
+            assert!((exponential - exact).abs() < 1e-9 / (1e-6 * (20.0 * exact).exp()));
             let line = place(&|x: f64| 2.0 * x, 1e3);
-            assert!((line - goal.sqrt()).abs() < 1e-10 / goal.sqrt());
+            assert!((line - goal.sqrt()).abs() < 1e-9 / goal.sqrt());
         }
     }
 
