@@ -8,7 +8,7 @@ use std::sync::Arc;
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiffness, Temperature};
 use asperity::ensemble::{Disorder, Ensemble, EnsembleTrace, Snapshots};
 use asperity::history::{History, Piece};
-use asperity::law::{Exponential, Gaussian, Mixture, Point, Rectangular, SharedLaw};
+use asperity::law::{Exponential, Gamma, Gaussian, Mixture, Point, Rectangular, SharedLaw};
 use asperity::{Error, Result};
 
 fn gaussian(mean: f64, std: f64) -> SharedLaw {
@@ -235,6 +235,15 @@ fn diffusing_thresholds_in_a_tabulated_potential() {
     for (velocity, force) in [(10.0, 0.2720), (1.0, 0.38468), (0.1, 0.49031)] {
         diffusing(gaussian(0.5, 0.1), twice(1.0, 0.05), 0.0025).lives(velocity, 1.4, force);
     }
+}
+
+/// Newborn thresholds in the steep part of the potential of a gamma law: survival by the Fokker–Planck equation, to 5e-5.
+#[test]
+fn diffusing_thresholds_in_a_curved_potential() {
+    let mature = Arc::new(Gamma::new(1.0, 0.2).unwrap());
+    let case = diffusing(gaussian(0.5, 0.1), mature, 0.04);
+    let shares = [(4.0, 0.7792), (5.0, 0.5458), (6.0, 0.3161), (7.0, 0.1528)];
+    case.survives(&pieces(&[(1.0, 1.3)]), &shares.map(|(twelfths, share)| (1.3 * twelfths / 12.0, share)));
 }
 
 /// Alternating renewal: the time between two breaks is longer by τ.

@@ -1,7 +1,7 @@
 //! Contacts whose thresholds diffuse: dh = −D U'(h) dt + √(2D) dW, U = −ln P_cf, until stretch and threshold meet.
 //!
-//! On a step Δ the drift is taken as a straight line in h: the transition is Gaussian, and exact where P_cf is
-//! (T. Ozaki, Stat. Sin. 2, 113 (1992)). Between its ends the threshold is a Brownian bridge, which meets the stretch,
+//! On a step Δ the drift is taken as a straight line in h, its curvature only in the mean: the transition is Gaussian, and
+//! exact where P_cf is (T. Ozaki, Stat. Sin. 2, 113 (1992)). Between its ends the threshold is a Brownian bridge, which meets the stretch,
 //! a straight line, with probability exp(−2 d_0 d_1/s²) (d_0, d_1 the gaps at the ends, s² the variance) and for the first
 //! time after a fraction f of the step for which f/(1 − f) has an inverse Gaussian law of mean d_0/|d_1| and shape d_0²/s².
 //! Steps are long where nothing can meet.
@@ -19,7 +19,7 @@ use crate::random::Stream;
 const PER_RESOLUTION: f64 = 64.0;
 const NODES: (f64, f64) = (1024.0, 1e6);
 
-/// How far thresholds go on a step where they may meet the stretch, of the length over which P_cf changes: stretches at
+/// How far thresholds go on a step where they may meet the stretch, of the length √(D/|U''|) over which P_cf changes: stretches at
 /// which contacts break are then right on average to 1e-3 of that length.
 const FINEST: f64 = 0.25;
 
@@ -194,7 +194,9 @@ impl Diffusion {
         // Below the support nothing can meet, whatever is reflected: a step does not go on into it.
         let outside = way.stretch < self.low * (1.0 - TOGETHER);
         let most = if outside { most.min((self.low - way.stretch) / way.velocity) } else { most };
-        let fine = (FINEST * self.resolution.min(self.high - way.stretch)).powi(2) / (2.0 * self.rate);
+        let length = self.resolution.min(self.high - way.stretch);
+        let local = self.rate / self.drift.at(threshold).slope.abs();
+        let fine = FINEST * FINEST * local.min(length * length) / (2.0 * self.rate);
         let mut span = if self.drift.is_straight() { most.min(2.0 * before) } else { most.min(fine) };
         loop {
             let mut step = self.drift.step(threshold, self.rate, span);
@@ -258,12 +260,19 @@ fn resolution(law: &dyn Law) -> f64 {
     law.zones().iter().map(|zone| zone.resolution).fold(law.std(), f64::min)
 }
 
+/// Value and derivatives at a place.
+struct Jet {
+    value: f64,
+    slope: f64,
+    curvature: f64,
+}
+
 /// −D U'(h).
 #[derive(Debug, Clone)]
 enum Drift {
     /// Straight, and 0 at a place: P_cf is Gaussian, or constant.
     Straight { slope: f64, zero: f64 },
-    /// At places a constant distance apart, straight between them and beyond.
+    /// At places a constant distance apart, parabolas between them and beyond.
     Table { start: f64, density: f64, values: Vec<f64> },
 }
 
@@ -298,23 +307,32 @@ impl Drift {
         matches!(self, Self::Straight { .. })
     }
 
-    /// Value and slope.
-    fn at(&self, threshold: f64) -> (f64, f64) {
+    fn at(&self, threshold: f64) -> Jet {
         match self {
-            &Self::Straight { slope, zero } => (slope * (threshold - zero), slope),
+            &Self::Straight { slope, zero } => {
+                Jet { value: slope * (threshold - zero), slope, curvature: 0.0 }
+            }
             Self::Table { start, density, values } => {
                 let place = (threshold - start) * density;
-                let node = (place as usize).min(values.len().saturating_sub(2));
-                let rise = values[node + 1] - values[node];
-                (values[node] + rise * (place - node as f64), rise * density)
+                let node = (place as usize).min(values.len().saturating_sub(3));
+                let along = place - node as f64;
+                let [first, second, third] = [values[node], values[node + 1], values[node + 2]];
+                let (rise, bend) = (second - first, third - 2.0 * second + first);
+                Jet {
+                    value: first + along * (rise + 0.5 * (along - 1.0) * bend),
+                    slope: (rise + (along - 0.5) * bend) * density,
+                    curvature: bend * density * density,
+                }
             }
         }
     }
 
+    /// A step with the drift at its start as a straight line, and with what its curvature adds to the mean
+    /// (I. Shoji and T. Ozaki, Stoch. Anal. Appl. 16, 733 (1998)).
     fn step(&self, threshold: f64, rate: f64, span: f64) -> Step {
-        let (value, slope) = self.at(threshold);
+        let Jet { value, slope, curvature } = self.at(threshold);
         let growth = slope * span;
-        let mean = threshold + value * span * growth_ratio(growth);
+        let mean = threshold + value * span * growth_ratio(growth) + 0.5 * rate * curvature * span * span;
         let variance = 2.0 * rate * span * growth_ratio(2.0 * growth);
         Step { span, mean, std: variance.sqrt(), bridge: variance * (-growth).exp(), free: false }
     }
