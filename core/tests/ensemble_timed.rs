@@ -242,7 +242,7 @@ fn diffusing_thresholds_in_a_tabulated_potential() {
 fn diffusing_thresholds_in_a_curved_potential() {
     let mature = Arc::new(Gamma::new(1.0, 0.2).unwrap());
     let case = diffusing(gaussian(0.5, 0.1), mature, 0.04);
-    let shares = [(4.0, 0.7792), (5.0, 0.5458), (6.0, 0.3161), (7.0, 0.1528)];
+    let shares = [(6.0, 0.7792), (7.0, 0.5458), (8.0, 0.3161), (9.0, 0.1528)];
     case.survives(&pieces(&[(1.0, 1.3)]), &shares.map(|(twelfths, share)| (1.3 * twelfths / 12.0, share)));
 }
 

@@ -19,8 +19,8 @@ use crate::random::Stream;
 const PER_RESOLUTION: f64 = 64.0;
 const NODES: (f64, f64) = (1024.0, 1e6);
 
-/// How far thresholds go on a step where they may meet the stretch, of the length √(D/|U''|) over which P_cf changes: stretches at
-/// which contacts break are then right on average to 1e-3 of that length.
+/// How far thresholds go on a step where they may meet the stretch, of the length 1/√|U''| over which P_cf changes:
+/// stretches at which contacts break are then right on average to 1e-3 of that length.
 const FINEST: f64 = 0.25;
 
 /// Standard deviations beyond which a step does not reach: once in 10⁹.
