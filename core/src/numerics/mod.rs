@@ -2,6 +2,7 @@
 
 pub mod breaks;
 pub mod compensated;
+pub mod dawson;
 pub mod legendre;
 pub mod linear;
 pub mod motion;
