@@ -3,6 +3,7 @@
 pub mod breaks;
 pub mod compensated;
 pub mod dawson;
+pub mod diffusion;
 pub mod legendre;
 pub mod linear;
 pub mod motion;
