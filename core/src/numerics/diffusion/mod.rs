@@ -8,10 +8,14 @@
 
 mod factors;
 mod floor;
+mod follow;
+mod potential;
 mod step;
 
 pub use factors::Factors;
 use floor::Cut;
+pub use follow::{Followed, Rise, Sink};
+pub use potential::{Potential, continued};
 pub use step::{Lost, Step, Work};
 
 /// The operator L = D∂_h[U' + ∂_h] on cells.
@@ -67,6 +71,11 @@ impl Diffusion {
         factors.solve(self, &Cut::none(self), None, &right, masses);
     }
 
+    /// The middles of all cells.
+    pub fn middles(&self) -> Vec<f64> {
+        (0..self.cells()).map(|cell| self.centre(cell)).collect()
+    }
+
     /// Slope of the potential at a cell, per length.
     fn slope(&self, cell: usize) -> f64 {
         let rise = self.rises.get(cell).or(self.rises.last());
@@ -76,5 +85,28 @@ impl Diffusion {
 
 /// B(z) = z/(e^z − 1).
 fn bernoulli(z: f64) -> f64 {
-    if z == 0.0 { 1.0 } else { z / z.exp_m1() }
+    /// The series misses z¹⁰/5e7 of it.
+    const SMALL: f64 = 0.2;
+    if z.abs() > SMALL {
+        return z / z.exp_m1();
+    }
+    let square = z * z;
+    1.0 - 0.5 * z + square / 12.0 * (1.0 - square / 60.0 * (1.0 - square / 42.0 * (1.0 - square / 40.0)))
+}
+
+/// Masses on cells with these `middles`, of points with masses: each is shared between the two cells whose middles it lies
+/// between, so that the mean is kept however rough the law that they stand for.
+pub fn shared(middles: &[f64], points: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+    let mut masses = vec![0.0; middles.len()];
+    for (place, mass) in points {
+        let above = middles.partition_point(|&middle| middle <= place);
+        if above == 0 || above == middles.len() {
+            masses[above.min(middles.len() - 1)] += mass;
+            continue;
+        }
+        let part = (place - middles[above - 1]) / (middles[above] - middles[above - 1]);
+        masses[above - 1] += mass * (1.0 - part);
+        masses[above] += mass * part;
+    }
+    masses
 }

@@ -6,10 +6,10 @@ use super::floor::{Cut, place};
 use super::{Diffusion, Factors};
 
 /// √2.
-const SQRT_2: f64 = std::f64::consts::SQRT_2;
+pub(super) const SQRT_2: f64 = std::f64::consts::SQRT_2;
 
 /// γ = 1 − 1/√2.
-const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 /// A step of one duration t, in which an absorbing floor may rise.
 ///
