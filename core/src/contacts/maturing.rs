@@ -1,6 +1,5 @@
 //! Thresholds that diffuse from the law of newborn contacts towards that of mature ones.
 
-use super::{Ageing, Contacts};
 use crate::law::{Law, SharedLaw};
 use crate::numerics::diffusion::{Diffusion, Potential, continued, shared};
 use crate::numerics::legendre::RULE;
@@ -20,23 +19,12 @@ pub struct Maturing {
 }
 
 impl Maturing {
-    /// How the thresholds of these contacts mature; `None` where ageing knows no mature law. For [`Ageing::FrozenRank`] it is
-    /// the law that does, with D = σ_f²/`time`.
-    ///
-    /// Contacts are taken to have passed [`Contacts::check`].
-    pub fn of(contacts: &Contacts) -> Option<Self> {
-        let (mature, diffusion) = match contacts.rules.ageing.as_ref()? {
-            Ageing::Smoluchowski { mature, diffusion } | Ageing::MeanField { mature, diffusion } => {
-                (mature, *diffusion)
-            }
-            Ageing::FrozenRank { mature, time } => (mature, mature.std().powi(2) / time),
-            Ageing::Logarithmic { .. } => return None,
-        };
-        let newborn = contacts.thresholds.clone();
+    /// Thresholds that mature with the diffusion D. The laws are taken to have passed [`super::Contacts::check`].
+    pub fn new(newborn: SharedLaw, mature: SharedLaw, diffusion: f64) -> Self {
         let (low, end) = (mature.quantile(0.0), mature.upper_quantile(0.0));
         let far = |law: &SharedLaw| law.upper_quantile(NEGLIGIBLE);
-        let high = if end.is_finite() { end } else { far(mature).max(far(&newborn)) };
-        Some(Self { newborn, mature: mature.clone(), diffusion, support: (low, high) })
+        let high = if end.is_finite() { end } else { far(&mature).max(far(&newborn)) };
+        Self { newborn, mature, diffusion, support: (low, high) }
     }
 
     /// The operator on so many cells of one width. Masses of P_cf do not move.
@@ -55,6 +43,12 @@ impl Maturing {
     pub fn potential(&self) -> Potential {
         const POINTS: usize = 8192;
         Potential::of(|h| self.mature.density(h), self.support, POINTS)
+    }
+
+    /// The density of newborn thresholds; if they are `ageing`, that of mature ones where it is higher.
+    pub fn density(&self, threshold: f64, ageing: bool) -> f64 {
+        let mature = if ageing { self.mature.density(threshold) } else { 0.0 };
+        self.newborn.density(threshold).max(mature)
     }
 
     /// Masses of the newborn thresholds above a stretch, in cells with these middles between a floor and the upper end;

@@ -5,6 +5,7 @@
 mod athermal;
 mod births;
 mod breaking;
+mod caught;
 mod cells;
 mod cohorts;
 mod continuation;

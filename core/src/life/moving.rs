@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::caught::Diffusing;
 use super::cohorts::of_cohorts;
 use super::timed::Timed;
 use super::{Life, athermal};
@@ -26,7 +27,11 @@ pub fn moving(
     let rules = &contacts.rules;
     let thermal = rules.temperature.is_some_and(|temperature| is_felt(&temperature, contacts, velocity));
     let life = match &rules.ageing {
-        Some(ageing @ (Ageing::Smoluchowski { .. } | Ageing::MeanField { .. })) => {
+        Some(Ageing::Smoluchowski { mature, diffusion }) => {
+            let diffusing = Arc::new(Diffusing::new(contacts, (mature, *diffusion), velocity));
+            of_cohorts(contacts, diffusing, starts.as_ref(), conditional)
+        }
+        Some(ageing @ Ageing::MeanField { .. }) => {
             let key = format!("contacts.ageing.{}", ageing.name());
             return Err(Error::invalid(key, "ageing of single contacts by a law of their own", "diffusion"));
         }

@@ -3,8 +3,8 @@
 //! On [x, H], H at rest, the faces are h_i = x + (H − x)φ_i with fixed fractions φ_i, denser towards the floor, so that the
 //! layer of width D/v above it is resolved however thin, and nothing ever jumps: errors are even powers of the width of the
 //! cells and whole ones of the length of a step, from the second on, and can be extrapolated away. Through a face that
-//! moves at the speed w_i the flux is that of Scharfetter and Gummel less w_i times the density there, between the two
-//! cells. In exchange, cells whose content is rough may turn slightly negative.
+//! moves at the speed w_i the flux is that of Scharfetter and Gummel less w_i times the mean of the two densities, by which
+//! what is carried neither grows nor decays. In exchange, cells whose content is rough may turn slightly negative.
 
 use super::step::{GAMMA, SQRT_2};
 use super::{Potential, bernoulli};
@@ -25,8 +25,6 @@ struct Cell {
     inverse: f64,
     /// 1/(distance of the next middle).
     next: f64,
-    /// Weight of the next cell's density at the face between.
-    beyond: f64,
     /// 1 − φ of the upper face: its speed over that of the floor.
     lag: f64,
 }
@@ -56,20 +54,17 @@ pub struct Rise {
 pub type Sink<'a> = &'a dyn Fn(f64, f64) -> f64;
 
 impl Followed {
-    /// So many cells, the lowest about `finest` times as wide as even ones: φ = sinh(bξ)/sinh b.
+    /// So many cells, the lowest about `finest` times as wide as even ones. Half of them lie evenly, half crowd towards the
+    /// floor: ξ = ½φ + ½ ln(1 + φ/δ)/ln(1 + 1/δ) for the fraction ξ of the cells below φ.
     pub fn new(cells: usize, finest: f64) -> Self {
-        let bend = bend(finest);
-        let face = |i: usize| {
-            let part = i as f64 / cells as f64;
-            if bend > 0.0 { (bend * part).sinh() / bend.sinh() } else { part }
-        };
+        let crowd = crowd(finest);
+        let face = |i: usize| place(i as f64 / cells as f64, crowd);
         let width = |i: usize| face(i + 1) - face(i);
         let middle = |i: usize| 0.5 * (face(i) + face(i + 1));
         let cell = |i: usize| Cell {
             middle: middle(i),
             inverse: 1.0 / width(i),
             next: 1.0 / (middle(i + 1) - middle(i)),
-            beyond: width(i) / (width(i) + width(i + 1)),
             lag: 1.0 - face(i + 1),
         };
         Self {
@@ -147,11 +142,11 @@ impl Followed {
         for i in 0..self.cells.len() - 1 {
             let (cell, next) = (&self.cells[i], &self.cells[i + 1]);
             let high = at(next);
-            let (rise, rate, carried) = (high - low, spread * cell.next * per_length, travel * cell.lag);
+            let (rise, rate, carried) =
+                (high - low, spread * cell.next * per_length, 0.5 * travel * cell.lag);
             let gentle = bernoulli(rise);
-            self.rows[i].up = (rate * gentle - carried * (1.0 - cell.beyond)) * cell.inverse * per_length;
-            self.rows[i + 1].down =
-                (rate * (gentle + rise) + carried * cell.beyond) * next.inverse * per_length;
+            self.rows[i].up = (rate * gentle - carried) * cell.inverse * per_length;
+            self.rows[i + 1].down = (rate * (gentle + rise) + carried) * next.inverse * per_length;
             low = high;
         }
         let last = self.rows.len() - 1;
@@ -159,8 +154,23 @@ impl Followed {
     }
 }
 
-/// b with b/sinh b = `finest`; 0 for 1 and above.
-fn bend(finest: f64) -> f64 {
-    let over = |bend: f64| bend - finest * bend.sinh();
-    if finest >= 1.0 { 0.0 } else { brent_root(over, 1e-9, 100.0, 0.0).unwrap_or(0.0) }
+/// δ for a lowest cell of `finest` times the width of even ones; infinite for even cells.
+fn crowd(finest: f64) -> f64 {
+    let wanted = finest / (2.0 - finest);
+    let over = |log: f64| log.exp() * (-log).exp().ln_1p() - wanted;
+    if finest >= 1.0 {
+        f64::INFINITY
+    } else {
+        brent_root(over, -100.0, 40.0, 0.0).map_or(f64::INFINITY, f64::exp)
+    }
+}
+
+/// φ of a fraction ξ of the cells.
+fn place(part: f64, crowd: f64) -> f64 {
+    if !crowd.is_finite() || part == 0.0 {
+        return part;
+    }
+    let whole = crowd.recip().ln_1p();
+    let over = |place: f64| 0.5 * (place + (place / crowd).ln_1p() / whole) - part;
+    brent_root(over, 0.0, 2.0, 0.0).unwrap_or(part)
 }
