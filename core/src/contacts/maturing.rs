@@ -1,6 +1,6 @@
 //! Thresholds that diffuse from the law of newborn contacts towards that of mature ones.
 
-use crate::law::{Law, SharedLaw};
+use crate::law::{Break, Law, SharedLaw};
 use crate::numerics::diffusion::{Diffusion, Potential, continued, shared};
 use crate::numerics::legendre::RULE;
 
@@ -49,6 +49,19 @@ impl Maturing {
     pub fn density(&self, threshold: f64, ageing: bool) -> f64 {
         let mature = if ageing { self.mature.density(threshold) } else { 0.0 };
         self.newborn.density(threshold).max(mature)
+    }
+
+    /// A length on which both laws vary little.
+    pub fn resolution(&self) -> f64 {
+        let zones = self.newborn.zones().into_iter().chain(self.mature.zones());
+        zones.map(|zone| zone.resolution.min(zone.high - zone.low)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Where (1 − aL)⁻¹ P_ci is not smooth where P_ci is not: two derivatives higher, by −1/(aD); `spread` is aD.
+    pub fn breaks(&self, spread: f64) -> Vec<Break> {
+        let atoms = self.newborn.atoms().into_iter().map(Break::from);
+        let smoother = |b: Break| Break { exponent: b.exponent + 2.0, amplitude: -b.amplitude / spread, ..b };
+        self.newborn.breaks().into_iter().chain(atoms).map(smoother).collect()
     }
 
     /// Masses of the newborn thresholds above a stretch, in cells with these middles between a floor and the upper end;

@@ -1,11 +1,13 @@
 //! What an interface is: how many contacts, how stiff, when they break, how they re-form, and what time does to them.
 
 mod ageing;
+mod closure;
 mod maturing;
 mod strength;
 mod temperature;
 
 pub use ageing::Ageing;
+pub use closure::Closure;
 pub use maturing::Maturing;
 pub use strength::{Aged, Strength};
 pub use temperature::{Barrier, Temperature};

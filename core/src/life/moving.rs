@@ -6,9 +6,9 @@ use super::caught::Diffusing;
 use super::cohorts::of_cohorts;
 use super::timed::Timed;
 use super::{Life, athermal};
-use crate::contacts::{Ageing, Contacts, Stiffness, Temperature};
+use crate::Result;
+use crate::contacts::{Ageing, Closure, Contacts, Maturing, Stiffness, Temperature};
 use crate::law::SharedLaw;
-use crate::{Error, Result};
 
 /// The life, at the velocity v, of contacts that start at stretches drawn from `starts` at age 0, read as in
 /// [`athermal`]; with `delayed`, of contacts that have just broken and are free for the time τ before they start.
@@ -31,9 +31,10 @@ pub fn moving(
             let diffusing = Arc::new(Diffusing::new(contacts, (mature, *diffusion), velocity));
             of_cohorts(contacts, diffusing, starts.as_ref(), conditional)
         }
-        Some(ageing @ Ageing::MeanField { .. }) => {
-            let key = format!("contacts.ageing.{}", ageing.name());
-            return Err(Error::invalid(key, "ageing of single contacts by a law of their own", "diffusion"));
+        Some(Ageing::MeanField { mature, diffusion }) => {
+            let maturing = Maturing::new(contacts.thresholds.clone(), mature.clone(), *diffusion);
+            let thresholds = Closure { maturing: &maturing, velocity }.law();
+            athermal(&Contacts { thresholds, ..contacts.clone() }, starts, conditional)
         }
         None if !thermal => athermal(contacts, starts, conditional),
         _ => {
