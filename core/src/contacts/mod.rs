@@ -3,6 +3,7 @@
 mod ageing;
 mod closure;
 mod maturing;
+mod ranks;
 mod strength;
 mod temperature;
 

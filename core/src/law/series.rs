@@ -151,7 +151,8 @@ mod tests {
             assert!((law.density(x) - exact.density(x)).abs() < 1e-13);
             assert!((law.survival(x) - exact.survival(x)).abs() < 1e-14);
             assert!((law.upper_moment(2, x) - exact.upper_moment(2, x)).abs() < 1e-14);
-            assert!((law.upper_moment(5, x) - exact.upper_moment(5, x)).abs() < 1e-14);
+            // Beyond 1.8 there is 6e-16 of the law, and 1.8⁵ times that of the moment.
+            assert!((law.upper_moment(5, x) - exact.upper_moment(5, x)).abs() < 1e-13);
         }
         assert!((law.std() - 0.1).abs() < 1e-14);
         assert!((law.quantile(0.3) - exact.quantile(0.3)).abs() < 1e-13);

@@ -22,7 +22,7 @@ pub(super) struct Exposed<'a> {
     start: f64,
     advance: f64,
     stretch: f64,
-    aged: Aged,
+    aged: Aged<'a>,
     /// ∫_r^x e^{k(ξ² − x²)/2T} dξ, where it is the same for all.
     common: Option<f64>,
 }

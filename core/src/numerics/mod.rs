@@ -10,4 +10,5 @@ pub mod motion;
 pub mod piecewise;
 mod rearrange;
 pub mod roots;
+pub mod stencil;
 pub mod volterra;
