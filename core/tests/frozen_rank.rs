@@ -22,7 +22,6 @@ fn a_mixture_of_one_gaussian_ages_like_that_gaussian() {
     let mixture: SharedLaw = Arc::new(Mixture::new(vec![(1.0, gaussian(0.5, 0.1))]).unwrap());
     for (velocity, expected) in [(10.0, 0.2721367872), (1.0, 0.3867782523), (0.1, 0.5012378105)] {
         let found = kinetic_friction(&mixture, &gaussian(1.0, 0.05), velocity);
-        println!("{velocity} {:e}", found - expected);
         // What the newborn law has below 0 is cut off, of 2.9e-7, and thresholds are known to 1e-7.
         assert!((found - expected).abs() < 3.9e-7, "{velocity} {found}");
     }
@@ -37,7 +36,6 @@ fn friction_weakens_from_that_of_the_mature_law_to_that_of_the_newborn_one() {
     for (newborn, mature) in laws {
         let still = |law: &SharedLaw| law.upper_moment(2, -1.0) / (2.0 * law.mean());
         let found = [1e-3, 0.2, 1.0, 1e6].map(|velocity| kinetic_friction(&newborn, &mature, velocity));
-        println!("{found:?} {} {}", still(&mature), still(&newborn));
         // Ages of a thousand times τ, and of a millionth.
         assert!((found[0] - still(&mature)).abs() < 1e-7);
         assert!((found[3] - still(&newborn)).abs() < 3e-6);

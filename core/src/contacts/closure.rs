@@ -7,6 +7,7 @@ use crate::law::{Break, Series, SharedLaw};
 use crate::numerics::diffusion::Diffusion;
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::roots::brent_root;
+use crate::numerics::stencil::{POINTS, Stencil};
 
 /// Cells at the coarsest of three levels, and in all of which densities are told.
 const COARSEST: usize = 512;
@@ -84,23 +85,16 @@ fn extrapolated([coarse, fine, finest]: [f64; 3]) -> f64 {
     best + (best - better) / 15.0
 }
 
-/// The density, per cell, that even cells of these masses have at a place counted in cells: the slope of the polynomial
-/// through their sums at eleven edges around.
+/// The density, per cell, that even cells of these masses have at a place counted in cells: the slope of their sums.
 fn density(masses: &[f64], place: f64) -> f64 {
-    const CELLS: usize = 10;
-    let first = (place - 0.5 * CELLS as f64).round().clamp(0.0, (masses.len() - CELLS) as f64);
-    let (place, mut sum, mut slope) = (place - first, 0.0, 0.0);
-    for k in 0..=CELLS {
-        slope += sum * cardinal_slope(k, CELLS, place);
-        sum += masses.get(first as usize + k).copied().unwrap_or(0.0);
+    let stencil = Stencil::at(place, masses.len() + 1);
+    // Counted from the first edge of the stencil, so that in a tail nothing is lost against what is far away.
+    let edges =
+        masses[stencil.first..].iter().scan(0.0, |sum, mass| Some(std::mem::replace(sum, *sum + mass)));
+    let mut sums = [0.0; POINTS];
+    sums.iter_mut().zip(edges).for_each(|(sum, edge)| *sum = edge);
+    if stencil.first + POINTS > masses.len() {
+        sums[POINTS - 1] = masses[stencil.first..].iter().sum();
     }
-    slope
-}
-
-/// The slope at t of the polynomial that is 1 at k and 0 at the other whole numbers from 0 to n.
-fn cardinal_slope(k: usize, n: usize, t: f64) -> f64 {
-    let others = || (0..=n).filter(move |&j| j != k);
-    let factor = |j: usize| (t - j as f64) / (k as f64 - j as f64);
-    let without = |i: usize| others().filter(|&j| j != i).map(factor).product::<f64>();
-    others().map(|i| without(i) / (k as f64 - i as f64)).sum()
+    stencil.slope(|edge| sums[edge - stencil.first])
 }

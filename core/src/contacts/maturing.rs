@@ -1,5 +1,6 @@
 //! Thresholds that diffuse from the law of newborn contacts towards that of mature ones.
 
+use super::{Ageing, Contacts};
 use crate::law::{Break, Law, SharedLaw};
 use crate::numerics::diffusion::{Diffusion, Potential, continued, shared};
 use crate::numerics::legendre::RULE;
@@ -19,6 +20,19 @@ pub struct Maturing {
 }
 
 impl Maturing {
+    /// How the thresholds of these contacts mature; `None` where ageing knows no mature law. For [`Ageing::FrozenRank`] it is
+    /// the law that does, with D = σ_f²/`time`.
+    pub fn of(contacts: &Contacts) -> Option<Self> {
+        let (mature, diffusion) = match contacts.rules.ageing.as_ref()? {
+            Ageing::Smoluchowski { mature, diffusion } | Ageing::MeanField { mature, diffusion } => {
+                (mature, *diffusion)
+            }
+            Ageing::FrozenRank { mature, time } => (mature, mature.std().powi(2) / time),
+            Ageing::Logarithmic { .. } => return None,
+        };
+        Some(Self::new(contacts.thresholds.clone(), mature.clone(), diffusion))
+    }
+
     /// Thresholds that mature with the diffusion D. The laws are taken to have passed [`super::Contacts::check`].
     pub fn new(newborn: SharedLaw, mature: SharedLaw, diffusion: f64) -> Self {
         let (low, end) = (mature.quantile(0.0), mature.upper_quantile(0.0));

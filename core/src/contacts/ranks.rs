@@ -145,13 +145,13 @@ fn evolved(maturing: &Maturing, time: f64, fine: usize) -> Vec<Vec<f64>> {
         for _ in 0..count {
             step.advance(&mut masses, (f64::NEG_INFINITY, f64::NEG_INFINITY), None, &mut work);
         }
-        inverted(&edges, &masses)
+        inverted(&edges, &masses, maturing.support)
     };
     (1..AGES).map(&mut next).collect()
 }
 
 /// The places at which masses below and above, split at the `edges`, have the ranks ψ.
-fn inverted(edges: &[f64], masses: &[f64]) -> Vec<f64> {
+fn inverted(edges: &[f64], masses: &[f64], support: (f64, f64)) -> Vec<f64> {
     let sums = |masses: &mut dyn Iterator<Item = &f64>| -> Vec<f64> {
         masses
             .scan(0.0, |sum, mass| {
@@ -164,11 +164,19 @@ fn inverted(edges: &[f64], masses: &[f64]) -> Vec<f64> {
     let count = edges.len();
     let known = edges.iter().enumerate().map(|(i, &edge)| (below[i].ln() - above[count - 1 - i].ln(), edge));
     let known: Vec<(f64, f64)> = known.filter(|point| point.0.abs() < FAR + 2.0).collect();
-    (0..RANKS).map(|rank| place(&known, psi(rank))).collect()
+    (0..RANKS).map(|rank| place(&known, psi(rank), support)).collect()
 }
 
-/// The place at which ψ is met, by the polynomial through the eight points around.
-fn place(known: &[(f64, f64)], psi: f64) -> f64 {
+/// The place at which ψ is met, by the polynomial through the eight points around; beyond them, in the last cell, masses
+/// are even.
+fn place(known: &[(f64, f64)], psi: f64, (low, high): (f64, f64)) -> f64 {
+    let (first, last) = (known[0], known[known.len() - 1]);
+    if psi < first.0 {
+        return low + (first.1 - low) * (psi - first.0).exp();
+    }
+    if psi > last.0 {
+        return high - (high - last.1) * (last.0 - psi).exp();
+    }
     const POINTS: usize = 8;
     let above = known.partition_point(|point| point.0 < psi);
     let first = above.saturating_sub(POINTS / 2).min(known.len().saturating_sub(POINTS));

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use super::cells::scale;
 use super::fate::{Cohort, Fate, Toll};
 use crate::contacts::{Contacts, Maturing, Stiffness, Temperature};
-use crate::law::{Break, SharedLaw};
+use crate::law::Break;
 use crate::numerics::diffusion::{Followed, Potential, Rise};
 use crate::numerics::piecewise::{Piecewise, Resolution};
+use crate::numerics::stencil::Stencil;
 
 /// Contacts with v ∂_x p = D∂_h[U' + ∂_h]p − w p on h > x, p = 0 at h = x, from P_ci above where they formed.
 #[derive(Debug, Clone)]
@@ -56,9 +57,8 @@ const LAYER: f64 = 40.0;
 const THINNEST: f64 = 1e-10;
 
 impl Diffusing {
-    /// Contacts that move at a velocity, of thresholds that diffuse towards the law `mature`.
-    pub(super) fn new(contacts: &Contacts, (mature, diffusion): (&SharedLaw, f64), velocity: f64) -> Self {
-        let maturing = Maturing::new(contacts.thresholds.clone(), mature.clone(), diffusion);
+    /// Contacts that move at a velocity.
+    pub(super) fn new(contacts: &Contacts, maturing: Maturing, velocity: f64) -> Self {
         Self {
             potential: Arc::new(maturing.potential()),
             maturing,
@@ -199,18 +199,9 @@ fn apart(coarse: &[Vec<Sum>], fine: &[Vec<Sum>]) -> f64 {
     coarse.iter().zip(fine).map(way).fold(0.0, f64::max)
 }
 
-/// A sum between points that divide [0, 1] evenly: by the polynomial through the ten around.
+/// A sum between points that divide [0, 1] evenly.
 fn interpolated(points: &[Sum], place: f64, sum: usize) -> f64 {
-    const POINTS: usize = 10;
-    let place = place * (points.len() - 1) as f64;
-    let first = (place - 0.5 * (POINTS - 2) as f64).floor().clamp(0.0, (points.len() - POINTS) as f64);
-    let (mut out, place) = (0.0, place - first);
-    for k in 0..POINTS {
-        let others = (0..POINTS).filter(|&j| j != k);
-        let weight: f64 = others.map(|j| (place - j as f64) / (k as f64 - j as f64)).product();
-        out += weight * points[first as usize + k][sum];
-    }
-    out
+    Stencil::at(place * (points.len() - 1) as f64, points.len()).value(|point| points[point][sum])
 }
 
 impl Fate for Diffusing {

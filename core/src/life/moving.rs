@@ -26,17 +26,16 @@ pub fn moving(
 ) -> Result<Life> {
     let rules = &contacts.rules;
     let thermal = rules.temperature.is_some_and(|temperature| is_felt(&temperature, contacts, velocity));
-    let life = match &rules.ageing {
-        Some(Ageing::Smoluchowski { mature, diffusion }) => {
-            let diffusing = Arc::new(Diffusing::new(contacts, (mature, *diffusion), velocity));
+    let life = match (&rules.ageing, Maturing::of(contacts)) {
+        (Some(Ageing::Smoluchowski { .. }), Some(maturing)) => {
+            let diffusing = Arc::new(Diffusing::new(contacts, maturing, velocity));
             of_cohorts(contacts, diffusing, starts.as_ref(), conditional)
         }
-        Some(Ageing::MeanField { mature, diffusion }) => {
-            let maturing = Maturing::new(contacts.thresholds.clone(), mature.clone(), *diffusion);
+        (Some(Ageing::MeanField { .. }), Some(maturing)) => {
             let thresholds = Closure { maturing: &maturing, velocity }.law();
             athermal(&Contacts { thresholds, ..contacts.clone() }, starts, conditional)
         }
-        None if !thermal => athermal(contacts, starts, conditional),
+        (None, _) if !thermal => athermal(contacts, starts, conditional),
         _ => {
             let timed = Arc::new(Timed::new(contacts, velocity, thermal)?);
             of_cohorts(contacts, timed, starts.as_ref(), conditional)
