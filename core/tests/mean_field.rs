@@ -46,13 +46,12 @@ fn between_gaussians_friction_is_that_of_the_closed_moments() {
 
 #[test]
 fn other_laws_fulfil_the_equation_integrated_over_thresholds() {
-    // What is left where the newborn law is smooth, and where it is not.
-    let laws: [(SharedLaw, SharedLaw, f64); 3] = [
-        (gaussian(0.5, 0.1), Arc::new(Gamma::new(1.0, 0.2).unwrap()), 3e-9),
-        (gaussian(1.0, 0.1), Arc::new(Rectangular::new(0.4, 1.6).unwrap()), 3e-9),
-        (Arc::new(Rectangular::new(0.4, 0.6).unwrap()), gaussian(1.0, 0.1), 1e-7),
+    let laws: [(SharedLaw, SharedLaw); 3] = [
+        (gaussian(0.5, 0.1), Arc::new(Gamma::new(1.0, 0.2).unwrap())),
+        (gaussian(1.0, 0.1), Arc::new(Rectangular::new(0.4, 1.6).unwrap())),
+        (Arc::new(Rectangular::new(0.4, 0.6).unwrap()), gaussian(1.0, 0.1)),
     ];
-    for (newborn, mature, left) in laws {
+    for (newborn, mature) in laws {
         let diffusion = 0.5 * mature.std().powi(2);
         for velocity in [0.03, 1.0] {
             let maturing = Maturing::new(newborn.clone(), mature.clone(), diffusion);
@@ -74,7 +73,8 @@ fn other_laws_fulfil_the_equation_integrated_over_thresholds() {
                     / (12.0 * step);
                 let flux = -spread * mature.density(h) * slope;
                 let residual = law.survival(h) - newborn.survival(h) - flux;
-                assert!(residual.abs() < left, "{} {velocity} {h} {residual:e}", newborn.name());
+                // The density is told to 1e-9 of itself; differences and aD make 2000 times that of it at most.
+                assert!(residual.abs() < 2e-6, "{} {velocity} {h} {residual:e}", newborn.name());
             }
         }
     }
