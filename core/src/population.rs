@@ -75,7 +75,8 @@ pub trait Population: Send {
     /// The way ahead in `direction`.
     ///
     /// # Errors
-    /// What looking further ahead may run into: accuracy not reached, too many point masses.
+    /// What looking further ahead may run into: accuracy not reached, too many point masses; a way that contacts at a
+    /// constant velocity cannot be followed on.
     fn way(&mut self, direction: Direction) -> Result<Way>;
 
     /// The response after a move of `by` (negative: backward) on the way last asked for in that direction;
@@ -104,7 +105,10 @@ pub trait Population: Send {
     fn reset(&mut self, direction: Direction) -> Result<()>;
 
     /// From now on what breaks stays free and carries nothing, until [`Population::release`].
-    fn hold(&mut self);
+    ///
+    /// # Errors
+    /// Those of [`Population::way`].
+    fn hold(&mut self) -> Result<()>;
 
     /// What is free re-forms, as after a break in the direction of the last move.
     ///

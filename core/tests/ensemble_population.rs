@@ -341,7 +341,7 @@ fn event_by_event_it_is_contacts_moved_one_by_one() {
                     }
                 }
                 Move::Hold => {
-                    population.hold();
+                    population.hold().unwrap();
                     singles.held = true;
                 }
                 Move::Release => {
@@ -373,7 +373,7 @@ fn work_is_stored_or_lost() {
         for event in &MOVES {
             match *event {
                 Move::To(position) => work += go(&mut population, position),
-                Move::Hold => population.hold(),
+                Move::Hold => population.hold().unwrap(),
                 Move::Release => population.release().unwrap(),
                 Move::Reset(direction) => population.reset(direction).unwrap(),
             }
@@ -411,7 +411,7 @@ fn a_copy_goes_on_with_the_same_bits() {
         for event in &MOVES[..8] {
             match *event {
                 Move::To(position) => drop(go(&mut population, position)),
-                _ => population.hold(),
+                _ => population.hold().unwrap(),
             }
         }
         let mut copy = population.copy();
@@ -488,7 +488,7 @@ fn what_stands_at_its_threshold_may_turn_back() {
 fn no_contact_breaks_twice_at_one_position() {
     let case = Case { reforming: point(1.0_f64.next_down()), size: 1, ..Case::of(point(1.0)) };
     let mut population = case.population();
-    population.hold();
+    population.hold().unwrap();
     go(&mut population, 1000.0);
     assert_eq!(population.way(Forward).unwrap().length, f64::INFINITY);
     population.release().unwrap();

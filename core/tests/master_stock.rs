@@ -215,7 +215,7 @@ fn contacts_stand_before_they_break_together() {
     assert!(force(&mut stock).abs() < 1e-14 && (stock.books().broken - 2.0).abs() < 1e-14);
     // Held before they break, they are free.
     to_the_end(&mut stock, Direction::Backward, 1.0);
-    stock.hold();
+    stock.hold().unwrap();
     stands(&mut stock, -1.0, 2.0);
     stock.cross().unwrap();
     let books = stock.books();
@@ -238,7 +238,7 @@ fn what_breaks_under_hold_stays_free() {
         for (held, released) in [(0.9, 1.3), (1.7, 2.0), (2.4, 3.5)] {
             let mut stock = equation.population(PROMISED).unwrap();
             drive(&mut stock, held);
-            stock.hold();
+            stock.hold().unwrap();
             let since = |x: f64, weight: &dyn Fn(f64) -> f64| {
                 weight(x) + integral(0.0, held, &[], 40, |y| forth.breaking_rate(y) * weight(x - y))
             };
@@ -288,7 +288,7 @@ fn wander(stock: &mut Stock, mut check: impl FnMut(&mut Stock, f64)) {
         work += drive(stock, to);
         check(stock, work);
     }
-    stock.hold();
+    stock.hold().unwrap();
     for to in [-2.2, -1.9, -2.3] {
         work += drive(stock, to);
         check(stock, work);

@@ -163,7 +163,7 @@ fn every_way_agrees_with_contacts_one_by_one() {
             for (place, (step, sampled)) in PATH.iter().zip(sampled(&contacts, &initial)).enumerate() {
                 match step {
                     Step::To(to) => drop(drive(&mut stock, *to)),
-                    Step::Hold => stock.hold(),
+                    Step::Hold => stock.hold().unwrap(),
                     Step::Release => stock.release().unwrap(),
                 }
                 let books = stock.books();

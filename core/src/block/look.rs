@@ -85,9 +85,9 @@ impl<'a> Look<'a> {
     }
 
     /// Lets what breaks stay free.
-    pub fn hold(&mut self) {
+    pub fn hold(&mut self) -> Result<()> {
         self.current = false;
-        self.population.hold();
+        self.population.hold()
     }
 
     /// Lets what is free re-form.

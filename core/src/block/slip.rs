@@ -30,7 +30,7 @@ impl Walk<'_> {
         let approach = self.closed(drive);
         self.approach += approach;
         if self.holds(breaks) {
-            self.look.hold();
+            self.look.hold()?;
         }
         let pushed = if breaks {
             self.look.cross()?;

@@ -1,10 +1,15 @@
 //! What an interface is: how many contacts, how stiff, when they break, how they re-form, and what time does to them.
 
 mod ageing;
+mod closure;
+mod maturing;
+mod ranks;
 mod strength;
 mod temperature;
 
 pub use ageing::Ageing;
+pub use closure::Closure;
+pub use maturing::Maturing;
 pub use strength::{Aged, Strength};
 pub use temperature::{Barrier, Temperature};
 

@@ -1,7 +1,10 @@
 //! How strong a contact is now: its threshold from the one it was born with and from its age.
 
-use super::{Ageing, Contacts};
-use crate::law::Law;
+use std::sync::Arc;
+
+use super::ranks::{Ranked, Ranks};
+use super::{Ageing, Contacts, Maturing};
+use crate::law::{Law, SharedLaw};
 use crate::{Error, Result};
 
 /// The present threshold h of a contact as a function of its newborn threshold h_0 and its age t, rising with h_0.
@@ -11,6 +14,7 @@ use crate::{Error, Result};
 /// | none | h_0 |
 /// | `logarithmic` | h_0 [1 + β ln(1 + t/τ_0)] |
 /// | `frozen_rank`, Gaussian to Gaussian | m(t) + s(t) (h_0 − x̄_i)/σ_i, m = x̄_f + (x̄_i − x̄_f) e^{−t/τ}, s² = σ_f² + (σ_i² − σ_f²) e^{−2t/τ} |
+/// | `frozen_rank`, other laws | G(h; t) = G_i(h_0), G the distribution function at the age t, solved for |
 ///
 /// x̄ and σ are the `mean` and `std` of the laws. A threshold below 0 is 0.
 #[derive(Debug, Clone)]
@@ -18,11 +22,12 @@ pub struct Strength {
     kind: Kind,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 enum Kind {
     Constant,
     Logarithmic { growth: f64, time: f64 },
     Gaussian { newborn: Normal, mature: Normal, time: f64 },
+    Ranked(Arc<Ranks>),
 }
 
 /// A Gaussian's parameters.
@@ -32,9 +37,19 @@ struct Normal {
     std: f64,
 }
 
-/// The strengths of contacts of one age: h = `shift` + `factor` h_0, and how that grows per time.
+/// The strengths of contacts of one age.
 #[derive(Debug, Clone, Copy)]
-pub struct Aged {
+pub struct Aged<'a>(At<'a>);
+
+#[derive(Debug, Clone, Copy)]
+enum At<'a> {
+    Affine(Affine),
+    Ranked(Ranked<'a>),
+}
+
+/// h = `shift` + `factor` h_0, and how that grows per time.
+#[derive(Debug, Clone, Copy)]
+struct Affine {
     shift: f64,
     factor: f64,
     shift_rate: f64,
@@ -45,17 +60,13 @@ impl Strength {
     /// The strength of these contacts, which are taken to have passed [`Contacts::check`].
     ///
     /// # Errors
-    /// Ageing in which the threshold is no function of age (`smoluchowski`, `mean_field`); `frozen_rank` between laws that
-    /// are not both Gaussian.
+    /// Ageing in which the threshold is no function of age (`smoluchowski`, `mean_field`); `frozen_rank` of newborn
+    /// thresholds that many share, so that they have no ranks.
     pub fn of(contacts: &Contacts) -> Result<Self> {
         let Some(ageing) = &contacts.rules.ageing else { return Ok(Self { kind: Kind::Constant }) };
         let kind = match ageing {
             &Ageing::Logarithmic { growth, time } => Kind::Logarithmic { growth, time },
-            Ageing::FrozenRank { mature, time } => {
-                let newborn = Normal::of("contacts.thresholds", contacts.thresholds.as_ref())?;
-                let mature = Normal::of("contacts.ageing.frozen_rank.mature", mature.as_ref())?;
-                Kind::Gaussian { newborn, mature, time: *time }
-            }
+            Ageing::FrozenRank { mature, time } => Kind::ranked(&contacts.thresholds, mature, *time)?,
             Ageing::Smoluchowski { .. } | Ageing::MeanField { .. } => {
                 let key = format!("contacts.ageing.{}", ageing.name());
                 let expected = "thresholds that follow from the age of the contact";
@@ -71,10 +82,10 @@ impl Strength {
     }
 
     /// The strengths at an age t ≥ 0.
-    pub fn at(&self, age: f64) -> Aged {
-        match self.kind {
-            Kind::Constant => Aged { shift: 0.0, factor: 1.0, shift_rate: 0.0, factor_rate: 0.0 },
-            Kind::Logarithmic { growth, time } => Aged {
+    pub fn at(&self, age: f64) -> Aged<'_> {
+        let affine = match self.kind {
+            Kind::Constant => Affine { shift: 0.0, factor: 1.0, shift_rate: 0.0, factor_rate: 0.0 },
+            Kind::Logarithmic { growth, time } => Affine {
                 shift: 0.0,
                 factor: 1.0 + growth * (age / time).ln_1p(),
                 shift_rate: 0.0,
@@ -88,14 +99,16 @@ impl Strength {
                 let factor = std / newborn.std;
                 let factor_rate = -excess / (time * std * newborn.std);
                 let mean_rate = (mature.mean - newborn.mean) * left / time;
-                Aged {
+                Affine {
                     shift: mean - factor * newborn.mean,
                     factor,
                     shift_rate: mean_rate - factor_rate * newborn.mean,
                     factor_rate,
                 }
             }
-        }
+            Kind::Ranked(ref ranks) => return Aged(At::Ranked(ranks.at(age))),
+        };
+        Aged(At::Affine(affine))
     }
 
     /// h of a contact born with h_0, at an age.
@@ -109,48 +122,75 @@ impl Strength {
     }
 }
 
-impl Aged {
+impl Kind {
+    /// Closed between Gaussians, else solved for.
+    fn ranked(newborn: &SharedLaw, mature: &SharedLaw, time: f64) -> Result<Self> {
+        if let (Some(newborn), Some(mature)) = (Normal::of(newborn.as_ref()), Normal::of(mature.as_ref())) {
+            return Ok(Self::Gaussian { newborn, mature, time });
+        }
+        if !newborn.atoms().is_empty() {
+            let expected = "a law with a density, to age by frozen_rank";
+            return Err(Error::invalid(
+                "contacts.thresholds",
+                expected,
+                "thresholds that many contacts share",
+            ));
+        }
+        let diffusion = mature.std().powi(2) / time;
+        let maturing = Maturing::new(newborn.clone(), mature.clone(), diffusion);
+        Ok(Self::Ranked(Arc::new(Ranks::new(newborn, &maturing, time))))
+    }
+}
+
+impl Aged<'_> {
     /// h of a contact born with h_0.
     #[inline]
     pub fn threshold(&self, newborn: f64) -> f64 {
-        (self.shift + self.factor * newborn).max(0.0)
+        match &self.0 {
+            At::Affine(aged) => (aged.shift + aged.factor * newborn).max(0.0),
+            At::Ranked(aged) => aged.threshold(newborn).max(0.0),
+        }
     }
 
     /// h_0 of a contact whose threshold is h; below 0 where every contact is stronger.
     #[inline]
     pub fn newborn(&self, threshold: f64) -> f64 {
-        (threshold - self.shift) / self.factor
+        match &self.0 {
+            At::Affine(aged) => (threshold - aged.shift) / aged.factor,
+            At::Ranked(aged) => aged.newborn(threshold),
+        }
     }
 
     /// ∂h/∂h_0 at constant age, for a contact born with h_0.
     #[inline]
-    pub fn spread(&self, _newborn: f64) -> f64 {
-        self.factor
+    pub fn spread(&self, newborn: f64) -> f64 {
+        match &self.0 {
+            At::Affine(aged) => aged.factor,
+            At::Ranked(aged) => aged.spread(newborn),
+        }
     }
 
     /// ∂h/∂t of a contact born with h_0: how fast it strengthens.
     #[inline]
     pub fn drift(&self, newborn: f64) -> f64 {
-        self.shift_rate + self.factor_rate * newborn
+        match &self.0 {
+            At::Affine(aged) => aged.shift_rate + aged.factor_rate * newborn,
+            At::Ranked(aged) => aged.drift(newborn),
+        }
     }
 }
 
 impl Normal {
-    fn of(key: &str, law: &dyn Law) -> Result<Self> {
-        if law.name() != "gaussian" {
-            let expected = "a gaussian, to age by frozen_rank";
-            return Err(Error::invalid(key, expected, law.name()));
-        }
-        let parameter =
-            |name: &str| law.parameters().iter().find(|p| p.name == name).map_or(f64::NAN, |p| p.value);
-        Ok(Self { mean: parameter("mean"), std: parameter("std") })
+    /// The parameters of a Gaussian.
+    fn of(law: &dyn Law) -> Option<Self> {
+        let parameter = |name: &str| law.parameters().iter().find(|p| p.name == name).map(|p| p.value);
+        let [mean, std] = ["mean", "std"].map(parameter);
+        (law.name() == "gaussian").then_some(Self { mean: mean?, std: std? })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::contacts::Rules;
     use crate::law::{Gaussian, Point, Rectangular};
@@ -200,8 +240,9 @@ mod tests {
         let diffusing = Ageing::Smoluchowski { mature, diffusion: 1.0 };
         assert!(Strength::of(&contacts(Some(diffusing))).is_err());
         let mature = Arc::new(Rectangular::new(0.1, 2.0).unwrap());
-        let general = Ageing::FrozenRank { mature, time: 1.0 };
-        let error = Strength::of(&contacts(Some(general))).unwrap_err();
-        assert!(error.to_string().starts_with("contacts.ageing.frozen_rank.mature: expected a gaussian"));
+        let mut shared = contacts(Some(Ageing::FrozenRank { mature, time: 1.0 }));
+        shared.thresholds = Arc::new(Point::new(0.5).unwrap());
+        let error = Strength::of(&shared).unwrap_err();
+        assert!(error.to_string().starts_with("contacts.thresholds: expected a law with a density"));
     }
 }

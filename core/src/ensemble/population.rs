@@ -248,8 +248,9 @@ impl Population for EnsemblePopulation {
         self.release()
     }
 
-    fn hold(&mut self) {
+    fn hold(&mut self) -> Result<()> {
         self.held = true;
+        Ok(())
     }
 
     fn release(&mut self) -> Result<()> {

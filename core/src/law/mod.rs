@@ -18,6 +18,7 @@ mod point;
 mod quadrature;
 mod rectangular;
 mod root;
+mod series;
 mod tabulated;
 mod weibull;
 mod ziggurat;
@@ -30,6 +31,7 @@ pub use mixture::Mixture;
 pub use point::Point;
 pub use rectangular::Rectangular;
 pub use root::Root;
+pub use series::Series;
 pub use tabulated::Tabulated;
 pub use weibull::Weibull;
 

@@ -1,9 +1,9 @@
 //! The life of contacts that know neither time nor temperature: they break when the stretch reaches the threshold.
 
-use super::Life;
 use super::breaking::{Breaking, MOMENTS};
 use super::cells::{BULK, NEGLIGIBLE, ORDERS, edges, scale};
 use super::layer::Layer;
+use super::{Life, Starts};
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::{Atom, Break, SharedLaw, Zone};
 use crate::numerics::piecewise::Piecewise;
@@ -58,14 +58,14 @@ pub(super) fn of_layers(contacts: &Contacts, layers: Vec<Layer>, broken: Option<
         energy: kernel(energy),
         breaking_energy: kernel(breaking_energy),
         breaking: Kernel::new(falls, breaks),
-        thresholds: contacts.thresholds.clone(),
-        layers,
+        starts: Starts::Layers { layers, thresholds: contacts.thresholds.clone() },
+        wait: 0.0,
     }
 }
 
 /// Tells breaks at an onset by how the curve and its derivatives jump there, unless a power that is not whole does; by the
 /// value alone where a cell is not `wide`, since derivatives are lost there.
-fn begin(breaks: &mut Vec<Break>, curve: &Piecewise, onset: f64, wide: f64) {
+pub(super) fn begin(breaks: &mut Vec<Break>, curve: &Piecewise, onset: f64, wide: f64) {
     let there = |b: &Break| b.position == onset && !b.is_atom();
     let Some(cell) = curve.find(onset).filter(|_| !breaks.iter().any(|b| there(b) && b.is_steep())) else {
         return;

@@ -99,15 +99,20 @@ impl Layer {
     pub(super) fn sum_below(&self, x: f64, f: impl Fn(f64) -> f64, cuts: &[f64]) -> f64 {
         let lumps = self.lumps.iter().filter(|l| l.position <= x);
         let together: f64 = lumps.map(|l| l.weight * f(l.position)).sum();
+        together + self.spread_below(x, f, cuts)
+    }
+
+    /// The same without atoms.
+    pub(super) fn spread_below(&self, x: f64, f: impl Fn(f64) -> f64, cuts: &[f64]) -> f64 {
         let (low, high) = (self.density.start(), x.min(self.density.end()));
         if high <= low {
-            return together;
+            return 0.0;
         }
         let mut edges = [self.density.boundaries.as_slice(), cuts, &[low, high]].concat();
         edges.retain(|&r| r >= low && r <= high);
         edges.sort_by(f64::total_cmp);
         let integrand = |r: f64| self.density_at(r) * f(r);
-        together + edges.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum::<f64>()
+        edges.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum::<f64>()
     }
 
     /// y(x), once the slider has gone on by `advance`; x is the stretch before.

@@ -5,21 +5,31 @@
 mod athermal;
 mod births;
 mod breaking;
+mod caught;
 mod cells;
+mod cohorts;
 mod continuation;
+mod exposure;
+mod fate;
+mod grid;
 mod layer;
+mod moving;
 mod panels;
+mod record;
 mod stock;
+mod timed;
 
 pub use athermal::athermal;
 pub(crate) use births::Births;
 pub(crate) use cells::{ORDERS, walls};
+use cohorts::Cohorts;
 pub(crate) use continuation::Continuation;
 pub(crate) use layer::Layer;
 use layer::Lump;
+pub use moving::moving;
 pub(crate) use stock::{Sums, life_of, strikes, tidied};
 
-use crate::law::{Atom, SharedLaw};
+use crate::law::{Atom, Break, SharedLaw};
 use crate::numerics::volterra::Kernel;
 
 /// The life of contacts that start together, as curves of the advance u, per contact started and per unit stiffness
@@ -46,9 +56,19 @@ pub struct Life {
     square: Kernel,
     energy: Kernel,
     breaking_energy: Kernel,
-    /// The contacts at u = 0.
-    layers: Vec<Layer>,
-    thresholds: SharedLaw,
+    /// The contacts at u = 0, or where they formed.
+    starts: Starts,
+    /// The advance for which contacts are free before they form.
+    wait: f64,
+}
+
+/// Where contacts start, and what is left of them.
+#[derive(Debug, Clone)]
+enum Starts {
+    /// Contacts that know no time, in layers with a past.
+    Layers { layers: Vec<Layer>, thresholds: SharedLaw },
+    /// Contacts at a velocity.
+    Cohorts(Cohorts),
 }
 
 impl Life {
@@ -82,35 +102,61 @@ impl Life {
         &self.breaking_energy
     }
 
-    /// The contacts at u = 0.
+    /// The contacts at u = 0; none of those that know time, which cannot be followed back.
     pub(crate) fn layers(&self) -> &[Layer] {
-        &self.layers
+        match &self.starts {
+            Starts::Layers { layers, .. } => layers,
+            Starts::Cohorts(_) => &[],
+        }
     }
 
     /// The layer that births form now, if each starts as the contacts of this life.
     pub(crate) fn born(&self, births: &Births) -> Layer {
-        births.layer(&self.layers[0])
+        self.layers().first().map_or_else(Layer::default, |starts| births.layer(starts))
     }
 
-    /// The mean advance that a contact survives.
+    /// The mean advance after which a contact breaks, the time included for which it was free.
     pub fn mean(&self) -> f64 {
         self.survival.curve().integral()
     }
 
+    /// The elastic energy of a contact that has just formed.
+    pub(crate) fn newborn_energy(&self) -> f64 {
+        self.energy.curve().value(self.wait)
+    }
+
     /// Density at stretch x of contacts that started u ago, per contact started; atoms not counted.
     pub fn stretch_density(&self, x: f64, u: f64) -> f64 {
-        let unbroken =
-            |layer: &Layer| layer.density_at(x - u) * self.thresholds.survival(layer.largest(x - u, u));
-        self.layers.iter().map(unbroken).sum()
+        let u = u - self.wait;
+        if u < 0.0 {
+            return 0.0;
+        }
+        match &self.starts {
+            Starts::Layers { layers, thresholds } => {
+                let unbroken = |l: &Layer| l.density_at(x - u) * thresholds.survival(l.largest(x - u, u));
+                layers.iter().map(unbroken).sum()
+            }
+            Starts::Cohorts(cohorts) => cohorts.density(x, u),
+        }
     }
 
     /// Stretches of the contacts that started u ago at point masses, with the fraction still there.
-    pub fn stretch_atoms(&self, u: f64) -> impl Iterator<Item = Atom> + '_ {
-        let unbroken = move |layer: &Layer, start: &Lump| {
-            let survival = self.thresholds.survival(layer.largest(start.position, u));
-            Atom { position: start.position + u, weight: start.weight * survival }
-        };
-        self.layers.iter().flat_map(move |layer| layer.lumps.iter().map(move |start| unbroken(layer, start)))
+    pub fn stretch_atoms(&self, u: f64) -> Vec<Atom> {
+        let u = u - self.wait;
+        if u < 0.0 {
+            return Vec::new();
+        }
+        match &self.starts {
+            Starts::Layers { layers, thresholds } => {
+                let unbroken = |layer: &Layer, start: &Lump| {
+                    let survival = thresholds.survival(layer.largest(start.position, u));
+                    Atom { position: start.position + u, weight: start.weight * survival }
+                };
+                let all = layers.iter().flat_map(|layer| layer.lumps.iter().map(move |start| (layer, start)));
+                all.map(|(layer, start)| unbroken(layer, start)).collect()
+            }
+            Starts::Cohorts(cohorts) => cohorts.atoms(u).collect(),
+        }
     }
 
     /// Density at stretch x of contacts that have been born at the rate `rate(advance)` per contact, the advance
@@ -121,11 +167,42 @@ impl Life {
         rate: impl Fn(f64) -> f64,
         cuts: impl Iterator<Item = f64>,
     ) -> f64 {
-        let survival = self.thresholds.survival(x);
-        if survival == 0.0 {
-            return 0.0;
+        let rate = |u: f64| rate(u + self.wait);
+        let cuts: Vec<f64> = cuts.map(|u| x - (u - self.wait)).collect();
+        match &self.starts {
+            Starts::Layers { layers, thresholds } => {
+                let survival = thresholds.survival(x);
+                if survival == 0.0 {
+                    return 0.0;
+                }
+                let standing = |layer: &Layer| layer.sum_below(x, |r| rate(x - r), &cuts);
+                survival * layers.iter().map(standing).sum::<f64>()
+            }
+            Starts::Cohorts(cohorts) => cohorts.standing(x, rate, &cuts),
         }
-        let cuts: Vec<f64> = cuts.map(|u| x - u).collect();
-        survival * self.layers.iter().map(|layer| layer.sum_below(x, |r| rate(x - r), &cuts)).sum::<f64>()
+    }
+
+    /// The same contacts, each free for the advance `by` before it forms: what they carry comes by so much later.
+    #[must_use]
+    fn delayed(self, by: f64) -> Self {
+        if by == 0.0 {
+            return self;
+        }
+        let late = |kernel: Kernel, before: f64| {
+            let breaks = kernel.breaks().iter().map(|&b| Break { position: b.position + by, ..b }).collect();
+            Kernel::new(kernel.curve().preceded(by, before), breaks)
+        };
+        let whole = self.survival.curve().value(0.0);
+        let doomed = self.breaking_energy.curve().value(0.0);
+        Self {
+            survival: late(self.survival, whole),
+            breaking: late(self.breaking, 0.0),
+            force: late(self.force, 0.0),
+            square: late(self.square, 0.0),
+            energy: late(self.energy, 0.0),
+            breaking_energy: late(self.breaking_energy, doomed),
+            starts: self.starts,
+            wait: self.wait + by,
+        }
     }
 }

@@ -107,6 +107,14 @@ impl Course {
         }
     }
 
+    /// The share of all contacts that is there, by quadrature, where what breaks re-forms.
+    pub(super) fn kept(&self, u: f64) -> Option<f64> {
+        match &self.motion {
+            Motion::Renewed(leg) => Some(leg.sum_at(Life::survival, u)),
+            Motion::Held { .. } => None,
+        }
+    }
+
     /// Force and slope at u by the polynomials of a cell.
     pub(super) fn response(&self, u: f64, cell: usize) -> (f64, f64) {
         (at(self.force(), u, cell), at(self.slope(), u, cell))
@@ -130,16 +138,17 @@ impl Course {
 
     /// Energies and breaks up to the advance u.
     ///
-    /// What breaks at a threshold loses ½k x_s² there; what re-forms brings its ½k r².
+    /// What breaks at a stretch x loses ½k x² there; what re-forms brings its ½k r², booked when it breaks.
     pub(super) fn account(&self, u: f64, cell: usize) -> Account {
         let ledger = self.ledger.get_or_init(|| self.ledger());
         let at = |curve: &Piecewise| at(curve, u, cell);
         let start = |kernel: &Kernel| self::at(kernel.curve(), 0.0, 0);
+        let brought = |life: &Life| start(life.breaking_energy()) - life.newborn_energy();
         let doomed = self::at(&ledger.breaking_energy, 0.0, 0);
         let (broken, born) = match &self.motion {
             Motion::Renewed(leg) => {
                 let broken = self::at(&ledger.yet_to_break, 0.0, 0) - at(&ledger.yet_to_break);
-                (broken, broken * (start(leg.reborn.breaking_energy()) - start(leg.reborn.energy())))
+                (broken, broken * brought(&leg.reborn))
             }
             Motion::Held { first, .. } => (start(first.survival()) - at(&ledger.yet_to_break), 0.0),
         };

@@ -43,7 +43,7 @@ impl Interface {
 
     /// The course from X = 0, after what breaks there at once.
     pub(super) fn first(&self, equation: &MasterEquation) -> Result<Course> {
-        if equation.start == Start::Conditional {
+        if equation.start == Start::Conditional || self.knows_time() {
             return self.course(equation.first.clone());
         }
         let mut layers = equation.first.layers().to_vec();
@@ -89,7 +89,23 @@ impl Interface {
 
     /// Mean elastic energy of a contact that has just re-formed, per unit stiffness.
     pub(super) fn newborn_energy(&self) -> f64 {
-        self.reborn.energy().curve().value(0.0)
+        self.reborn.newborn_energy()
+    }
+
+    /// Whether contacts move at a velocity.
+    pub(super) fn knows_time(&self) -> bool {
+        self.contacts.rules.know_time()
+    }
+
+    /// Refuses what a life at a constant velocity cannot be followed on, since what contacts have been through is more
+    /// than how far they have been.
+    pub(super) fn forgets(&self, key: &str, found: &str) -> Result<()> {
+        let Some(rule) = self.contacts.rules.first() else { return Ok(()) };
+        let expected = format!(
+            "motion one way on which contacts re-form as they break, since contacts.{rule} knows time (a [[protocol]] \
+             follows contacts anywhere)"
+        );
+        Err(Error::invalid(key, expected, found))
     }
 
     /// Lengths below this are rounding.

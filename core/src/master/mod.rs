@@ -22,8 +22,8 @@ pub use stock::Stock;
 use std::sync::Arc;
 
 use crate::contacts::{Contacts, Initial, Start, Stiffness};
-use crate::law::Atom;
-use crate::life::{Life, athermal};
+use crate::law::{Atom, SharedLaw};
+use crate::life::{Life, athermal, moving};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 use leg::Leg;
@@ -73,6 +73,29 @@ impl MasterEquation {
         Ok(Self { contacts, start: initial.start, first: Arc::new(first), reborn: Arc::new(reborn) })
     }
 
+    /// The master equation of contacts that start from `initial` at t = 0, all of age 0, while the slider moves at the
+    /// constant velocity v (a length per time); for contacts that know no time the same as [`MasterEquation::new`].
+    ///
+    /// # Errors
+    /// A velocity that is not a finite number above 0; those of [`Contacts::check`]; ageing for which no life is known.
+    pub fn at(contacts: Contacts, initial: &Initial, velocity: f64) -> Result<Self> {
+        if !(velocity.is_finite() && velocity > 0.0) {
+            return Err(Error::invalid("velocity", "a finite number above 0", velocity));
+        }
+        if !contacts.rules.know_time() {
+            return Self::new(contacts, initial);
+        }
+        contacts.check(initial)?;
+        let reborn = Arc::new(moving(&contacts, &contacts.reforming, true, velocity, true)?);
+        let conditional = initial.start == Start::Conditional;
+        let first = if conditional && contacts.rules.delay == 0.0 && same(&initial.law, &contacts.reforming) {
+            reborn.clone()
+        } else {
+            Arc::new(moving(&contacts, &initial.law, conditional, velocity, false)?)
+        };
+        Ok(Self { contacts, start: initial.start, first, reborn })
+    }
+
     /// The contacts.
     pub fn contacts(&self) -> &Contacts {
         &self.contacts
@@ -119,6 +142,12 @@ impl MasterEquation {
         let leg = Leg::solve(&self.first, &self.reborn, end, tolerance, monitor)?;
         Ok(Pull::new(leg, self.stiffness(), distance, tolerance))
     }
+}
+
+/// Whether two laws are known to be one.
+fn same(a: &SharedLaw, b: &SharedLaw) -> bool {
+    let parameters = a.parameters();
+    Arc::ptr_eq(a, b) || (!parameters.is_empty() && a.name() == b.name() && parameters == b.parameters())
 }
 
 /// Refuses a tolerance that cannot be kept, or means nothing.

@@ -106,10 +106,10 @@ impl Pull {
     }
 
     fn stretch_atoms(&self, position: f64) -> Vec<Atom> {
-        let mut atoms: Vec<Atom> = self.leg.first.stretch_atoms(position).collect();
+        let mut atoms = self.leg.first.stretch_atoms(position);
         for birth in self.struck_by(position) {
             let aged = self.leg.reborn.stretch_atoms((position - birth.position).max(0.0));
-            atoms.extend(aged.map(|a| Atom { weight: a.weight * birth.weight, ..a }));
+            atoms.extend(aged.into_iter().map(|a| Atom { weight: a.weight * birth.weight, ..a }));
         }
         atoms.retain(|a| a.weight > 0.0);
         atoms.sort_by(|a, b| a.position.total_cmp(&b.position));

@@ -14,6 +14,7 @@ use crate::life::{Continuation, Life};
 /// Thresholds on a lattice (identical, or 1 and 2) never settle: X* = ∞.
 /// The transform of the lognormal law is not analytic for Re s < 0: its continued pole rules until, far out, the
 /// tail takes over.
+/// Of contacts at a velocity, roots are known as far left as their life gives φ̂, −Re s = 8/(where it ends).
 #[derive(Debug, Clone)]
 pub struct Relaxation {
     roots: Vec<Complex64>,
@@ -46,7 +47,7 @@ impl Relaxation {
         let transform = Transform::new(contacts, reborn);
         let roots = transform.roots();
         let law = &contacts.thresholds;
-        let rate = law.decay_rate();
+        let rate = if contacts.rules.know_time() { f64::INFINITY } else { law.decay_rate() };
         let slowest = roots.first().map(|s| if -s.re < UNDAMPED * s.norm() { 0.0 } else { -s.re });
         let slowest = match slowest {
             Some(root) if rate > 0.0 => root.min(rate),
@@ -112,7 +113,8 @@ fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, rebo
 struct Transform<'a> {
     reborn: &'a Life,
     mean: f64,
-    continuation: Continuation,
+    /// φ̂ to the left of what the life gives; none for contacts at a velocity.
+    continuation: Option<Continuation>,
     /// Whether the continuation is exact everywhere: a closed form, and no contact re-forms among the thresholds.
     everywhere: bool,
     /// Whether the transform exists for Re s < 0 only by continuation: then only the pole nearest to that of the
@@ -128,16 +130,17 @@ impl<'a> Transform<'a> {
     fn new(contacts: &'a Contacts, reborn: &'a Life) -> Self {
         let law = &contacts.thresholds;
         let apart = 1.0 - law.survival(contacts.reforming.upper_quantile(1e-18)) < 1e-15;
-        let continued = law.decay_rate() == 0.0;
+        let timed = contacts.rules.know_time();
+        let continued = law.decay_rate() == 0.0 && !timed;
         // Of 1e-18 left out, e^8 times more is still 1e-14.
         let known = -8.0 / reborn.breaking().curve().end();
-        let continuation = Continuation::new(contacts, known);
+        let continuation = (!timed).then(|| Continuation::new(contacts, known));
         Self {
             reborn,
             mean: reborn.mean(),
-            leftmost: continuation.leftmost(),
+            leftmost: continuation.as_ref().map_or(known, Continuation::leftmost),
             continuation,
-            everywhere: apart && law.laplace_is_closed(),
+            everywhere: apart && law.laplace_is_closed() && !timed,
             continued,
             known,
         }
@@ -145,10 +148,9 @@ impl<'a> Transform<'a> {
 
     /// φ̂(s) and φ̂'(s).
     fn breaking(&self, s: Complex64) -> (Complex64, Complex64) {
-        if self.everywhere || s.re < self.known {
-            self.continuation.transform(s)
-        } else {
-            self.reborn.breaking().transform(s)
+        match &self.continuation {
+            Some(continuation) if self.everywhere || s.re < self.known => continuation.transform(s),
+            _ => self.reborn.breaking().transform(s),
         }
     }
 

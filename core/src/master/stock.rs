@@ -41,7 +41,7 @@ pub struct Stock {
 
 impl MasterEquation {
     /// The contacts at X = 0 as a population to be moved, F/(N_c⟨k⟩) to about `tolerance` × the mean threshold.
-    /// What breaks at once in a relaxed start has broken before.
+    /// What breaks at once in a relaxed start has broken before. Contacts at a velocity can be moved forward, and reset.
     ///
     /// # Errors
     /// A tolerance outside [1e-12, 1e-2]; too many point masses; accuracy not reached.
@@ -71,6 +71,9 @@ impl MasterEquation {
 impl Stock {
     /// The share of contacts that can be told where they are or that they are free, by quadrature over stretches: 1.
     pub fn total_probability(&self) -> f64 {
+        if let Some(kept) = self.course.kept(self.furthest).filter(|_| self.interface.knows_time()) {
+            return kept;
+        }
         let there = Sums::of(&self.layers(), &self.interface.contacts).unbroken;
         there + self.free + if self.course.is_held() { self.account().broken } else { 0.0 }
     }
@@ -91,6 +94,7 @@ impl Stock {
 
     /// Looks at the way back, as far as it has not been before.
     fn look_back(&mut self) -> Result<&Back> {
+        self.interface.forgets("drive", "a way back")?;
         let back = match self.back.take() {
             Some(back) => back,
             None => Back::new(&self.course, (self.furthest, self.cell), &self.interface),
@@ -319,13 +323,15 @@ impl Population for Stock {
         Ok(())
     }
 
-    fn hold(&mut self) {
+    fn hold(&mut self) -> Result<()> {
+        self.interface.forgets("block.slip", "contacts held free as they break")?;
         self.holding = !self.course.is_held() && self.stands();
         if !self.course.is_held() && !self.holding {
             let course = self.interface.held(self.layers());
             self.settle();
             self.begin(Arc::new(course), self.direction);
         }
+        Ok(())
     }
 
     fn release(&mut self) -> Result<()> {

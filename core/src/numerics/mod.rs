@@ -3,10 +3,13 @@
 pub mod accumulation;
 pub mod breaks;
 pub mod compensated;
+pub mod dawson;
+pub mod diffusion;
 pub mod legendre;
 pub mod linear;
 pub mod motion;
 pub mod piecewise;
 mod rearrange;
 pub mod roots;
+pub mod stencil;
 pub mod volterra;

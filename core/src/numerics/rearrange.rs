@@ -34,6 +34,17 @@ impl Piecewise {
         out
     }
 
+    /// f(x − by) for a function that starts at 0, and the constant `before` on [0, by].
+    #[must_use]
+    pub fn preceded(&self, by: f64, before: f64) -> Self {
+        let mut out = self.shifted(by);
+        let mut constant = [0.0; NODES];
+        constant[0] = before;
+        out.boundaries.insert(0, 0.0);
+        out.coefficients.insert(0, constant);
+        out
+    }
+
     /// f(−x).
     #[must_use]
     pub fn mirrored(&self) -> Self {

@@ -177,8 +177,9 @@ impl Population for ClosedCurve {
         Ok(())
     }
 
-    fn hold(&mut self) {
+    fn hold(&mut self) -> Result<()> {
         self.held = true;
+        Ok(())
     }
 
     fn release(&mut self) -> Result<()> {

@@ -1,0 +1,259 @@
+//! A life put together from cohorts: sums over where contacts start.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::Life;
+use super::Starts;
+use super::athermal::begin;
+use super::cells::{BULK, CELL, NEGLIGIBLE};
+use super::fate::{Cohort, Fate, Toll};
+use super::layer::Layer;
+use super::panels::{Domain, Panels};
+use crate::contacts::{Contacts, Stiffness};
+use crate::law::{Atom, Break, Law};
+use crate::numerics::piecewise::{Piecewise, Resolution};
+use crate::numerics::volterra::Kernel;
+
+/// Contacts of some fate, by where they start.
+#[derive(Debug, Clone)]
+pub(super) struct Cohorts {
+    fate: Arc<dyn Fate>,
+    /// ν.
+    starts: Layer,
+    /// The cohorts of its atoms, in their order.
+    together: Vec<Arc<dyn Cohort>>,
+    /// Those of the points that resolve its density.
+    spread: HashMap<u64, Arc<dyn Cohort>>,
+}
+
+/// What a life is made of at one advance, sums over all cohorts.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    breaking: f64,
+    survival: f64,
+    stiffness: f64,
+    force: f64,
+    square: f64,
+    energy: f64,
+    /// ½k x² of what breaks, per unit advance.
+    lost: f64,
+}
+
+/// The life of contacts of this fate whose starts are drawn from `starts`, as in [`super::athermal`].
+pub(super) fn of_cohorts(
+    contacts: &Contacts,
+    fate: Arc<dyn Fate>,
+    starts: &dyn Law,
+    conditional: bool,
+) -> Life {
+    let cohorts = Cohorts::new(contacts, fate, starts, conditional);
+    let per_threshold = matches!(contacts.stiffness, Stiffness::PerThreshold(_));
+    let panels = Panels::new(&cohorts.starts.density, cohorts.widest(), NEGLIGIBLE);
+    let at = |u: f64| cohorts.sums(&panels, u, per_threshold);
+    let unbroken = if conditional { 1.0 } else { at(0.0).survival };
+    let mut breaks = cohorts.breaks();
+    let edges = cells(&at, &breaks, contacts.thresholds.mean());
+    let end = edges[edges.len() - 1];
+    let edges = if per_threshold { stiffening(&at, &edges, contacts.thresholds.mean()) } else { edges };
+    let curves = Piecewise::resolve_all(
+        |u| {
+            let Sums { breaking, survival, force, square, energy, lost, .. } = at(u);
+            [breaking, survival, force, square, energy, lost]
+        },
+        &edges,
+        end,
+        BULK.resolution,
+    );
+    let [breaking, survival, force, square, energy, lost] = curves;
+    begin(&mut breaks, &breaking, 0.0, 0.0);
+    if 1.0 - unbroken > NEGLIGIBLE {
+        breaks.push(Atom { position: 0.0, weight: 1.0 - unbroken }.into());
+    }
+    breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
+    let smoother: Vec<_> = breaks.iter().map(|&b| Break { exponent: b.exponent + 1.0, ..b }).collect();
+    let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
+    let breaking_energy = lost.integrated_from_end(0.0, &cohorts.struck(per_threshold));
+    Life {
+        survival: kernel(survival),
+        force: kernel(force),
+        square: kernel(square),
+        energy: kernel(energy),
+        breaking_energy: kernel(breaking_energy),
+        breaking: Kernel::new(breaking, breaks),
+        starts: Starts::Cohorts(cohorts),
+        wait: 0.0,
+    }
+}
+
+/// Cell boundaries to begin with, from 0 to where nothing is left: such that no cell loses more than a part of the
+/// contacts, and each is at most as wide as all before it.
+fn cells(at: &impl Fn(f64) -> Sums, breaks: &[Break], mean: f64) -> Vec<f64> {
+    let start = at(0.0);
+    let first = (start.survival / start.breaking.max(f64::MIN_POSITIVE)).min(mean) / 8.0;
+    let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).filter(|&u| u > 0.0).collect();
+    stops.sort_by(f64::total_cmp);
+    let mut edges = vec![(0.0, start.survival)];
+    let (mut next, mut most) = (first, 0.0_f64);
+    loop {
+        let (before, left) = edges[edges.len() - 1];
+        let stop = stops[stops.partition_point(|&u| u <= before)..].first().copied().unwrap_or(f64::INFINITY);
+        // A cell that would end just beyond a break ends on it.
+        let to = if stop < 1.25 * next { stop } else { next };
+        let sums = at(to);
+        split(at, [(before, left), (to, sums.survival)], start.survival, &mut edges);
+        most = most.max(sums.square);
+        if sums.survival <= NEGLIGIBLE * start.survival && sums.square <= NEGLIGIBLE * most {
+            break;
+        }
+        next = if to >= next { 2.0 * to } else { next };
+    }
+    edges.into_iter().map(|edge| edge.0).collect()
+}
+
+/// Cell boundaries that resolve the stiffness too, which ageing changes while nothing breaks.
+fn stiffening(at: &impl Fn(f64) -> Sums, edges: &[f64], mean: f64) -> Vec<f64> {
+    let resolution = Resolution::Relative { fraction: 1e-13, negligible: mean };
+    Piecewise::resolve(|u| at(u).stiffness, edges, edges[edges.len() - 1], resolution).boundaries
+}
+
+/// Adds the end of a cell, and boundaries inside it wherever more is lost than a cell should lose.
+fn split(at: &impl Fn(f64) -> Sums, [low, high]: [(f64, f64); 2], whole: f64, edges: &mut Vec<(f64, f64)>) {
+    const PART: f64 = 0.2;
+    const NARROWEST: f64 = 1e-13;
+    if low.1 - high.1 > PART * whole && high.0 - low.0 > NARROWEST * high.0 {
+        let middle = 0.5 * (low.0 + high.0);
+        let middle = (middle, at(middle).survival);
+        split(at, [low, middle], whole, edges);
+        return split(at, [middle, high], whole, edges);
+    }
+    edges.push(high);
+}
+
+impl Cohorts {
+    fn new(contacts: &Contacts, fate: Arc<dyn Fate>, starts: &dyn Law, conditional: bool) -> Self {
+        let starts = Layer::placed(contacts, starts, conditional, BULK);
+        let together = starts.lumps.iter().map(|lump| fate.cohort(lump.position)).collect();
+        let mut cohorts = Self { fate, starts, together, spread: HashMap::new() };
+        let everywhere =
+            Domain { low: f64::NEG_INFINITY, high: f64::INFINITY, cuts: Vec::new(), steep: Vec::new() };
+        let mut points = Vec::new();
+        Panels::new(&cohorts.starts.density, cohorts.widest(), NEGLIGIBLE)
+            .each(everywhere, |r, _| points.push(r));
+        cohorts.spread = points.into_iter().map(|r| (r.to_bits(), cohorts.fate.cohort(r))).collect();
+        cohorts
+    }
+
+    /// The widest panels that resolve how tolls vary with the start.
+    fn widest(&self) -> f64 {
+        2.0 * CELL * self.fate.resolution()
+    }
+
+    /// The sums at an advance.
+    fn sums(&self, panels: &Panels<'_>, advance: f64, per_threshold: bool) -> Sums {
+        let mut sums = Sums::default();
+        for (lump, cohort) in self.starts.lumps.iter().zip(&self.together) {
+            sums.add(cohort.toll(advance), lump.weight, lump.position + advance, per_threshold);
+        }
+        if self.starts.is_pointed() {
+            return sums;
+        }
+        let passing = self.fate.passing(advance);
+        for pass in passing.iter().filter(|pass| pass.weight > 0.0) {
+            let weight = self.starts.density_at(pass.start) * pass.weight * pass.pace;
+            sums.strike(weight, pass.start + advance, per_threshold);
+        }
+        let domain = Domain {
+            low: f64::NEG_INFINITY,
+            high: f64::INFINITY,
+            cuts: passing.iter().map(|pass| pass.start).collect(),
+            steep: Vec::new(),
+        };
+        panels.each(domain, |r, weight| {
+            let known = self.spread.get(&r.to_bits());
+            let toll = known.map_or_else(|| self.fate.cohort(r).toll(advance), |cohort| cohort.toll(advance));
+            sums.add(toll, weight, r + advance, per_threshold);
+        });
+        sums
+    }
+
+    /// Where the breaking density is not smooth past u = 0, atoms among it.
+    fn breaks(&self) -> Vec<Break> {
+        let mut out = Vec::new();
+        for (lump, cohort) in self.starts.lumps.iter().zip(&self.together) {
+            let scaled = |b: Break| Break { amplitude: b.amplitude * lump.weight, ..b };
+            out.extend(cohort.breaks().into_iter().map(scaled));
+        }
+        for start in &self.starts.breaks {
+            let met = self.fate.cohort(start.position).breaks();
+            out.extend(
+                met.into_iter().map(|b| Break { position: b.position, ..b.convolve(start.mirrored()) }),
+            );
+        }
+        out.retain(|b| b.position > 0.0);
+        out
+    }
+
+    /// Atoms of the elastic energy lost.
+    fn struck(&self, per_threshold: bool) -> Vec<(f64, f64)> {
+        let mut out = Vec::new();
+        for (lump, cohort) in self.starts.lumps.iter().zip(&self.together) {
+            for met in cohort.breaks().into_iter().filter(Break::is_atom) {
+                let stretch = lump.position + met.position;
+                let power = if per_threshold { 3 } else { 2 };
+                out.push((met.position, 0.5 * lump.weight * met.amplitude * stretch.powi(power)));
+            }
+        }
+        out.sort_by(|a, b| a.0.total_cmp(&b.0));
+        out
+    }
+
+    /// Density at stretch x of contacts that formed u ago.
+    pub(super) fn density(&self, x: f64, advance: f64) -> f64 {
+        let start = x - advance;
+        let density = self.starts.density_at(start);
+        if density == 0.0 { 0.0 } else { density * self.fate.cohort(start).toll(advance).unbroken[0] }
+    }
+
+    /// Stretches of those that formed u ago at point masses, with the fraction still there.
+    pub(super) fn atoms(&self, advance: f64) -> impl Iterator<Item = Atom> + '_ {
+        self.starts.lumps.iter().zip(&self.together).map(move |(lump, cohort)| Atom {
+            position: lump.position + advance,
+            weight: lump.weight * cohort.toll(advance).unbroken[0],
+        })
+    }
+
+    /// Density at stretch x of contacts that have formed at the rate `rate(advance)`, not smooth at starts in `cuts`.
+    pub(super) fn standing(&self, x: f64, rate: impl Fn(f64) -> f64, cuts: &[f64]) -> f64 {
+        let lumps = self.starts.lumps.iter().zip(&self.together).filter(|(lump, _)| lump.position <= x);
+        let one = |(lump, cohort): (&super::Lump, &Arc<dyn Cohort>)| {
+            let advance = x - lump.position;
+            lump.weight * cohort.toll(advance).unbroken[0] * rate(advance)
+        };
+        let left = |r: f64| self.fate.cohort(r).toll(x - r).unbroken[0] * rate(x - r);
+        lumps.map(one).sum::<f64>() + self.starts.spread_below(x, left, cuts)
+    }
+}
+
+impl Sums {
+    /// Adds what is left of a cohort at the stretch x, and what breaks of it.
+    fn add(&mut self, toll: Toll, weight: f64, x: f64, per_threshold: bool) {
+        let [unbroken, first, second] = toll.unbroken.map(|sum| weight * sum);
+        let [breaking, breaking_first] = toll.breaking.map(|sum| weight * sum);
+        let (stiffness, squared, lost) =
+            if per_threshold { (first, second, breaking_first) } else { (unbroken, unbroken, breaking) };
+        self.breaking += breaking;
+        self.survival += unbroken;
+        self.stiffness += stiffness;
+        self.force += x * stiffness;
+        self.square += x * x * squared;
+        self.energy += 0.5 * x * x * stiffness;
+        self.lost += 0.5 * x * x * lost;
+    }
+
+    /// Adds what breaks at the threshold x.
+    fn strike(&mut self, weight: f64, x: f64, per_threshold: bool) {
+        self.breaking += weight;
+        self.lost += 0.5 * x * x * weight * if per_threshold { x } else { 1.0 };
+    }
+}

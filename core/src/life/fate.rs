@@ -1,0 +1,53 @@
+//! What becomes of contacts formed together at one stretch, whatever breaks them: the seam of lives that hang on time.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use crate::law::Break;
+
+/// A kind of contacts, moved at a constant velocity.
+pub(crate) trait Fate: Debug + Send + Sync {
+    /// The contacts formed at stretch r ≥ 0 whose newborn thresholds, drawn from P_c, are above r: the fraction S(r) of
+    /// all, so that what a [`Toll`] tells is not divided by S(r).
+    fn cohort(&self, start: f64) -> Arc<dyn Cohort>;
+
+    /// A length over which the tolls at one advance vary little with the start, between the starts that
+    /// [`Fate::passing`] tells.
+    fn resolution(&self) -> f64;
+
+    /// The starts from which, at the advance u, a threshold is met at which P_c is not smooth, or nothing breaks any more.
+    fn passing(&self, _advance: f64) -> Vec<Passing> {
+        Vec::new()
+    }
+}
+
+/// Contacts formed together at a stretch r.
+pub(crate) trait Cohort: Debug + Send + Sync {
+    /// What is left, and what breaks, when they are at r + u; from the right at an atom.
+    fn toll(&self, advance: f64) -> Toll;
+
+    /// Where the breaking density is not smooth past u = 0, atoms among it, as advances.
+    fn breaks(&self) -> Vec<Break> {
+        Vec::new()
+    }
+}
+
+/// What is left of a cohort and what breaks, with powers of the present threshold h where that matters (k = κ h).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Toll {
+    /// The fraction unbroken, and its sums of h and h².
+    pub(crate) unbroken: [f64; 3],
+    /// The fraction that breaks per unit advance, and its sum of h; atoms not counted.
+    pub(crate) breaking: [f64; 2],
+}
+
+/// A start from which contacts meet a threshold just now.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Passing {
+    /// The stretch at which they formed.
+    pub(crate) start: f64,
+    /// For a threshold that many share: how many of the contacts break there, per unit of start passed …
+    pub(crate) weight: f64,
+    /// … and how fast the start moves with the advance, |dr/du|.
+    pub(crate) pace: f64,
+}

@@ -1,0 +1,59 @@
+//! The life of contacts that know time, on a way at constant velocity.
+
+use std::sync::Arc;
+
+use super::caught::Diffusing;
+use super::cohorts::of_cohorts;
+use super::timed::Timed;
+use super::{Life, athermal};
+use crate::Result;
+use crate::contacts::{Ageing, Closure, Contacts, Maturing, Stiffness, Temperature};
+use crate::law::SharedLaw;
+
+/// The life, at the velocity v, of contacts that start at stretches drawn from `starts` at age 0, read as in
+/// [`athermal`]; with `delayed`, of contacts that have just broken and are free for the time τ before they start.
+///
+/// Contacts and starts are taken to have passed [`Contacts::check`].
+///
+/// # Errors
+/// Ageing that has no life at a velocity.
+pub fn moving(
+    contacts: &Contacts,
+    starts: &SharedLaw,
+    conditional: bool,
+    velocity: f64,
+    delayed: bool,
+) -> Result<Life> {
+    let rules = &contacts.rules;
+    let thermal = rules.temperature.is_some_and(|temperature| is_felt(&temperature, contacts, velocity));
+    let life = match (&rules.ageing, Maturing::of(contacts)) {
+        (Some(Ageing::Smoluchowski { .. }), Some(maturing)) => {
+            let diffusing = Arc::new(Diffusing::new(contacts, maturing, velocity));
+            of_cohorts(contacts, diffusing, starts.as_ref(), conditional)
+        }
+        (Some(Ageing::MeanField { .. }), Some(maturing)) => {
+            let thresholds = Closure { maturing: &maturing, velocity }.law();
+            athermal(&Contacts { thresholds, ..contacts.clone() }, starts, conditional)
+        }
+        (None, _) if !thermal => athermal(contacts, starts, conditional),
+        _ => {
+            let timed = Arc::new(Timed::new(contacts, velocity, thermal)?);
+            of_cohorts(contacts, timed, starts.as_ref(), conditional)
+        }
+    };
+    Ok(if delayed { life.delayed(velocity * rules.delay) } else { life })
+}
+
+/// Whether temperature breaks contacts so far below their thresholds that it shows: farther than by rounding.
+///
+/// They break about δ ln(ωδ/v) below, or by that chance within δ = T/(k x̄).
+fn is_felt(temperature: &Temperature, contacts: &Contacts, velocity: f64) -> bool {
+    const ROUNDING: f64 = 1e-13;
+    let mean = contacts.thresholds.mean();
+    let stiffness = match contacts.stiffness {
+        Stiffness::Equal(stiffness) => stiffness,
+        Stiffness::PerThreshold(factor) => factor * mean,
+    };
+    let near = temperature.energy / (stiffness * mean);
+    near * (temperature.attempt_rate * near / velocity).ln_1p() > ROUNDING * mean
+}

@@ -1,0 +1,181 @@
+//! Contacts that temperature breaks, that age rank by rank, or both.
+
+use std::sync::Arc;
+
+use super::cells::{scale, with_atoms};
+use super::exposure::Exposure;
+use super::fate::{Cohort, Fate, Passing, Toll};
+use super::grid::{Grid, Share};
+use super::record::Record;
+use crate::Result;
+use crate::contacts::{Barrier, Contacts, Stiffness, Strength};
+use crate::law::{Break, SharedLaw};
+use crate::numerics::roots::brent_root;
+
+/// Contacts each of which has, at any age, a threshold that follows from its newborn one, and breaks where its stretch
+/// meets it or before, at the rate w.
+///
+/// Of those formed at r there are left at x = r + u, with y the largest newborn threshold met and h the present one,
+/// ∫_y^∞ P_c(h_0) e^{−A} dh_0, A = (1/v) ∫_r^x w(ξ; h(h_0; (ξ − r)/v)) dξ.
+#[derive(Debug, Clone)]
+pub(super) struct Timed {
+    law: SharedLaw,
+    /// Breaks and atoms of P_c.
+    hazards: Arc<[Break]>,
+    highest: f64,
+    strength: Strength,
+    velocity: f64,
+    exposure: Option<Exposure>,
+    grid: Arc<Grid>,
+    per_threshold: bool,
+    resolution: f64,
+}
+
+/// Those formed at one stretch.
+#[derive(Debug)]
+struct Formed {
+    of: Timed,
+    start: f64,
+    record: Record,
+}
+
+impl Timed {
+    /// Contacts that move at `velocity`, broken by temperature if that is `thermal`.
+    ///
+    /// # Errors
+    /// Those of [`Strength::of`].
+    pub(super) fn new(contacts: &Contacts, velocity: f64, thermal: bool) -> Result<Self> {
+        let law = &contacts.thresholds;
+        let strength = Strength::of(contacts)?;
+        let exposure = contacts
+            .rules
+            .temperature
+            .filter(|_| thermal)
+            .map(|temperature| Exposure::new(contacts, temperature, strength.clone(), velocity));
+        let rooted = contacts.rules.temperature.is_some_and(|t| t.barrier == Barrier::Catastrophe);
+        let hazards: Arc<[Break]> = with_atoms(law.as_ref()).into();
+        Ok(Self {
+            resolution: resolution(contacts, &hazards),
+            law: law.clone(),
+            hazards,
+            highest: law.upper_quantile(super::cells::NEGLIGIBLE),
+            strength,
+            velocity,
+            grid: Arc::new(Grid::new(law, exposure.as_ref(), rooted)),
+            exposure,
+            per_threshold: matches!(contacts.stiffness, Stiffness::PerThreshold(_)),
+        })
+    }
+}
+
+/// A length on which what is left of contacts varies with where they formed: that of P_c; where P_c has edges, that on
+/// which temperature blurs them.
+fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
+    /// Edges of a density, per mean threshold, that no result shows.
+    const FAINT: f64 = 1e-6;
+    /// The finest blur that is followed, per mean threshold.
+    const FINEST: f64 = 1e-3;
+    let law = contacts.thresholds.as_ref();
+    let (mean, widest) = (law.mean(), scale(law));
+    let Some(temperature) = contacts.rules.temperature else { return widest };
+    let edged = hazards.iter().any(|b| b.is_atom() || b.weight(mean) * mean > FAINT);
+    let stiffness = match contacts.stiffness {
+        Stiffness::Equal(stiffness) => stiffness,
+        Stiffness::PerThreshold(factor) => factor * mean,
+    };
+    let blur = temperature.energy / (stiffness * mean);
+    if edged { widest.min(blur.max(FINEST * mean)) } else { widest }
+}
+
+impl Fate for Timed {
+    fn cohort(&self, start: f64) -> Arc<dyn Cohort> {
+        let record = Record::new(&self.strength, self.velocity, start, self.highest);
+        Arc::new(Formed { of: self.clone(), start, record })
+    }
+
+    fn resolution(&self) -> f64 {
+        self.resolution
+    }
+
+    fn passing(&self, advance: f64) -> Vec<Passing> {
+        let aged = self.strength.at(advance / self.velocity);
+        let pass = |hazard: &Break| {
+            let start = aged.threshold(hazard.position) - advance;
+            if start >= hazard.position {
+                return None;
+            }
+            let record = Record::new(&self.strength, self.velocity, start, self.highest);
+            // Met before.
+            if record.met(advance) > hazard.position * (1.0 + 1e-12) {
+                return None;
+            }
+            let pace = (1.0 - aged.drift(hazard.position) / self.velocity).abs();
+            let left = self
+                .exposure
+                .as_ref()
+                .map_or(1.0, |exposure| (-exposure.at(start, advance).risk(hazard.position).0).exp());
+            let weight = if hazard.is_atom() { hazard.amplitude * left } else { 0.0 };
+            Some(Passing { start, weight, pace })
+        };
+        let back = |start: f64| aged.threshold(start) - start - advance;
+        let newest = brent_root(back, 0.0, self.highest, 0.0).filter(|_| !self.strength.is_constant());
+        let lull = newest.map(|start| Passing { start, weight: 0.0, pace: 0.0 });
+        self.hazards.iter().filter_map(pass).chain(lull).collect()
+    }
+}
+
+impl Formed {
+    /// Adds contacts of one newborn threshold.
+    fn add(&self, toll: &mut Toll, share: Share, present: f64) {
+        let left = share.weight * (-share.broken).exp();
+        let breaks = left * share.rate;
+        toll.unbroken[0] += left;
+        toll.breaking[0] += breaks;
+        if self.of.per_threshold {
+            toll.unbroken[1] += left * present;
+            toll.unbroken[2] += left * present * present;
+            toll.breaking[1] += breaks * present;
+        }
+    }
+}
+
+impl Cohort for Formed {
+    fn toll(&self, advance: f64) -> Toll {
+        let Timed { law, strength, velocity, .. } = &self.of;
+        let (met, pace) = (self.record.met(advance), self.record.pace(advance));
+        let (aged, stretch) = (strength.at(advance / velocity), self.start + advance);
+        let mut toll = Toll::default();
+        let mut reached = law.density(met) * pace;
+        let exposed = self.of.exposure.as_ref().map(|exposure| exposure.at(self.start, advance));
+        if exposed.is_some() || self.of.per_threshold {
+            let add = |share: Share| self.add(&mut toll, share, aged.threshold(share.newborn));
+            self.of.grid.each(met, exposed.as_ref(), add);
+        } else {
+            toll.unbroken[0] = law.survival(met);
+        }
+        reached *= exposed.map_or(1.0, |exposed| (-exposed.risk(met).0).exp());
+        toll.breaking[0] += reached;
+        toll.breaking[1] += reached * stretch;
+        toll
+    }
+
+    fn breaks(&self) -> Vec<Break> {
+        let meet = |hazard: &Break| {
+            let advance = self.record.meeting(hazard.position)?;
+            let left =
+                self.of.exposure.as_ref().map_or(1.0, |exposure| {
+                    (-exposure.at(self.start, advance).risk(hazard.position).0).exp()
+                });
+            let pace = if hazard.is_atom() { 1.0 } else { self.record.pace(advance) };
+            let amplitude = hazard.amplitude * left * pace.powf(hazard.exponent + 1.0);
+            Some(Break { position: advance, amplitude, ..*hazard })
+        };
+        let above = self.of.hazards.iter().filter(|hazard| hazard.position > self.start);
+        let turns = self.record.turns().map(|advance| {
+            let step = 1e-9 * advance.max(f64::MIN_POSITIVE);
+            let amplitude = self.toll(advance + step).breaking[0] - self.toll(advance - step).breaking[0];
+            Break { position: advance, exponent: 0.0, amplitude }
+        });
+        above.filter_map(meet).chain(turns).filter(|b| b.amplitude != 0.0).collect()
+    }
+}

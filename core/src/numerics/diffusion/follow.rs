@@ -1,0 +1,176 @@
+//! Diffusion above a floor that rises steadily, on cells that follow it.
+//!
+//! On [x, H], H at rest, the faces are h_i = x + (H − x)φ_i with fixed fractions φ_i, denser towards the floor, so that the
+//! layer of width D/v above it is resolved however thin, and nothing ever jumps: errors are even powers of the width of the
+//! cells and whole ones of the length of a step, from the second on, and can be extrapolated away. Through a face that
+//! moves at the speed w_i the flux is that of Scharfetter and Gummel less w_i times the mean of the two densities, by which
+//! what is carried neither grows nor decays. In exchange, cells whose content is rough may turn slightly negative.
+
+use super::step::{GAMMA, SQRT_2};
+use super::{Potential, bernoulli};
+use crate::numerics::roots::brent_root;
+
+/// The cells, as fractions of the interval, and room for the elimination.
+#[derive(Debug, Clone)]
+pub struct Followed {
+    cells: Vec<Cell>,
+    rows: Vec<Row>,
+    stage: Vec<f64>,
+}
+
+/// A cell of width 1/`inverse` with its upper face; all relative to the interval.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    middle: f64,
+    inverse: f64,
+    /// 1/(distance of the next middle).
+    next: f64,
+    /// 1 − φ of the upper face: its speed over that of the floor.
+    lag: f64,
+}
+
+/// Rates down and up from a cell, then 1/d of the elimination.
+#[derive(Debug, Clone, Copy, Default)]
+struct Row {
+    down: f64,
+    up: f64,
+    inverse: f64,
+}
+
+/// A step from one place of the floor to another.
+#[derive(Debug, Clone, Copy)]
+pub struct Rise {
+    /// Where the floor is before and after.
+    pub floor: (f64, f64),
+    /// Where the axis ends, and reflects.
+    pub ceiling: f64,
+    /// How long it takes.
+    pub duration: f64,
+    /// Whether the floor absorbs; else it reflects.
+    pub absorbing: bool,
+}
+
+/// A rate per time at which mass is taken away: of the place h, and of the fraction of the step that has passed.
+pub type Sink<'a> = &'a dyn Fn(f64, f64) -> f64;
+
+impl Followed {
+    /// So many cells, the lowest about `finest` times as wide as even ones. Half of them lie evenly, half crowd towards the
+    /// floor: ξ = ½φ + ½ ln(1 + φ/δ)/ln(1 + 1/δ) for the fraction ξ of the cells below φ.
+    pub fn new(cells: usize, finest: f64) -> Self {
+        let crowd = crowd(finest);
+        let face = |i: usize| place(i as f64 / cells as f64, crowd);
+        let width = |i: usize| face(i + 1) - face(i);
+        let middle = |i: usize| 0.5 * (face(i) + face(i + 1));
+        let cell = |i: usize| Cell {
+            middle: middle(i),
+            inverse: 1.0 / width(i),
+            next: 1.0 / (middle(i + 1) - middle(i)),
+            lag: 1.0 - face(i + 1),
+        };
+        Self {
+            cells: (0..cells).map(cell).collect(),
+            rows: vec![Row::default(); cells],
+            stage: vec![0.0; cells],
+        }
+    }
+
+    /// The middles of the cells between a floor and a ceiling.
+    pub fn middles(&self, floor: f64, ceiling: f64) -> impl Iterator<Item = f64> + '_ {
+        self.cells.iter().map(move |cell| floor + (ceiling - floor) * cell.middle)
+    }
+
+    /// Moves masses on: the two stages of [`super::Step`].
+    pub fn advance(
+        &mut self,
+        rise: &Rise,
+        (potential, diffusion): (&Potential, f64),
+        sink: Option<Sink<'_>>,
+        masses: &mut [f64],
+    ) {
+        let mut stage = std::mem::take(&mut self.stage);
+        self.solve(rise, GAMMA, (potential, diffusion), sink, masses, &mut stage);
+        for (stage, mass) in stage.iter_mut().zip(masses.iter()) {
+            *stage = (1.0 + SQRT_2) * *stage - SQRT_2 * mass;
+        }
+        self.solve(rise, 1.0, (potential, diffusion), sink, &stage, masses);
+        self.stage = stage;
+    }
+
+    /// The stage at a fraction of the step.
+    fn solve(
+        &mut self,
+        rise: &Rise,
+        fraction: f64,
+        (potential, diffusion): (&Potential, f64),
+        sink: Option<Sink<'_>>,
+        right: &[f64],
+        out: &mut [f64],
+    ) {
+        let (start, end) = rise.floor;
+        let (a, x) = (GAMMA * rise.duration, start + fraction * (end - start));
+        self.rates(x, rise, (a * diffusion, GAMMA * (end - start)), potential);
+        let length = rise.ceiling - x;
+        let (mut kept, mut carried) = (0.0, 0.0);
+        for (i, row) in self.rows.iter_mut().enumerate().rev() {
+            let sunk = sink.map_or(0.0, |w| a * w(x + length * self.cells[i].middle, fraction));
+            let rest = 1.0 + sunk + row.up * kept;
+            row.inverse = 1.0 / (rest + row.down);
+            out[i] = right[i] + carried;
+            carried = row.down * row.inverse * out[i];
+            kept = rest * row.inverse;
+        }
+        let mut lifted = 0.0;
+        for (row, out) in self.rows.iter().zip(out) {
+            *out = (*out + lifted) * row.inverse;
+            lifted = row.up * *out;
+        }
+    }
+
+    /// Rates times a between the cells, of a `spread` aD and a `travel` av.
+    fn rates(&mut self, x: f64, rise: &Rise, (spread, travel): (f64, f64), potential: &Potential) {
+        let length = rise.ceiling - x;
+        let per_length = 1.0 / length;
+        let at = |cell: &Cell| potential.at(x + length * cell.middle);
+        let mut low = at(&self.cells[0]);
+        self.rows[0].down = 0.0;
+        if rise.absorbing {
+            let (cell, half) = (self.cells[0], length * self.cells[0].middle);
+            let slope = at(&self.cells[1]) - low;
+            let fall = -slope * cell.next * cell.middle;
+            self.rows[0].down = spread * bernoulli(fall) / half * cell.inverse * per_length;
+        }
+        for i in 0..self.cells.len() - 1 {
+            let (cell, next) = (&self.cells[i], &self.cells[i + 1]);
+            let high = at(next);
+            let (rise, rate, carried) =
+                (high - low, spread * cell.next * per_length, 0.5 * travel * cell.lag);
+            let gentle = bernoulli(rise);
+            self.rows[i].up = (rate * gentle - carried) * cell.inverse * per_length;
+            self.rows[i + 1].down = (rate * (gentle + rise) + carried) * next.inverse * per_length;
+            low = high;
+        }
+        let last = self.rows.len() - 1;
+        self.rows[last].up = 0.0;
+    }
+}
+
+/// δ for a lowest cell of `finest` times the width of even ones; infinite for even cells.
+fn crowd(finest: f64) -> f64 {
+    let wanted = finest / (2.0 - finest);
+    let over = |log: f64| log.exp() * (-log).exp().ln_1p() - wanted;
+    if finest >= 1.0 {
+        f64::INFINITY
+    } else {
+        brent_root(over, -100.0, 40.0, 0.0).map_or(f64::INFINITY, f64::exp)
+    }
+}
+
+/// φ of a fraction ξ of the cells.
+fn place(part: f64, crowd: f64) -> f64 {
+    if !crowd.is_finite() || part == 0.0 {
+        return part;
+    }
+    let whole = crowd.recip().ln_1p();
+    let over = |place: f64| 0.5 * (place + (place / crowd).ln_1p() / whole) - part;
+    brent_root(over, 0.0, 2.0, 0.0).unwrap_or(part)
+}

@@ -1,0 +1,112 @@
+//! Diffusion in a potential on one axis, ∂_t p = D∂_h[U' + ∂_h]p (Smoluchowski), by finite volumes.
+//!
+//! Cells of one width Δ hold masses. Between neighbours the flux is that of D. L. Scharfetter and H. K. Gummel, IEEE Trans.
+//! Electron Devices 16, 64 (1969), and J. S. Chang and G. Cooper, J. Comput. Phys. 6, 1 (1970),
+//! J_{i+½} = (D/Δ²)[B(δ) m_i − B(−δ) m_{i+1}], B(z) = z/(e^z − 1), δ = U_{i+1} − U_i,
+//! with U_i = −ln of the mass that cell i has in the stationary law. B(−δ) = e^δ B(δ), so that this law carries no flux at
+//! all, to rounding, however coarse the cells; otherwise the error is of second order in Δ. Both ends reflect.
+
+mod factors;
+mod floor;
+mod follow;
+mod potential;
+mod step;
+
+pub use factors::Factors;
+use floor::Cut;
+pub use follow::{Followed, Rise, Sink};
+pub use potential::{Potential, continued};
+pub use step::{Lost, Step, Work};
+
+/// The operator L = D∂_h[U' + ∂_h] on cells.
+#[derive(Debug, Clone)]
+pub struct Diffusion {
+    low: f64,
+    width: f64,
+    diffusion: f64,
+    /// U_{i+1} − U_i, of every cell but the last.
+    rises: Vec<f64>,
+    /// Rate at which mass goes from a cell to the next one up; 0 for the last.
+    up: Vec<f64>,
+    /// Rate at which mass goes from a cell to the next one down; 0 for the first.
+    down: Vec<f64>,
+}
+
+impl Diffusion {
+    /// The operator on cells of one `width` from `low` on, one for each value of the `potential`: −ln of the mass that the
+    /// cell has in the stationary law, up to a constant. All values are finite, the diffusion D is above 0.
+    pub fn new(low: f64, width: f64, potential: &[f64], diffusion: f64) -> Self {
+        let rises: Vec<f64> = potential.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let rate = diffusion / (width * width);
+        let up = rises.iter().map(|&rise| rate * bernoulli(rise)).chain([0.0]).collect();
+        let down = [0.0].into_iter().chain(rises.iter().map(|&rise| rate * bernoulli(-rise))).collect();
+        Self { low, width, diffusion, rises, up, down }
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.up.len()
+    }
+
+    /// Width of a cell.
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
+    /// The lower edge of a cell; that of the one after the last is the upper end.
+    pub fn edge(&self, cell: usize) -> f64 {
+        self.low + cell as f64 * self.width
+    }
+
+    /// The middle of a cell.
+    pub fn centre(&self, cell: usize) -> f64 {
+        self.low + (cell as f64 + 0.5) * self.width
+    }
+
+    /// Replaces the masses m by (1 − aL)⁻¹ m: masses after a time that is distributed exponentially with mean a, and one
+    /// backward Euler step of length a.
+    pub fn resolve(&self, a: f64, masses: &mut [f64]) {
+        let factors = Factors::new(self, a, None);
+        let right = masses.to_vec();
+        factors.solve(self, &Cut::none(self), None, &right, masses);
+    }
+
+    /// The middles of all cells.
+    pub fn middles(&self) -> Vec<f64> {
+        (0..self.cells()).map(|cell| self.centre(cell)).collect()
+    }
+
+    /// Slope of the potential at a cell, per length.
+    fn slope(&self, cell: usize) -> f64 {
+        let rise = self.rises.get(cell).or(self.rises.last());
+        rise.map_or(0.0, |rise| rise / self.width)
+    }
+}
+
+/// B(z) = z/(e^z − 1).
+fn bernoulli(z: f64) -> f64 {
+    /// The series misses z¹⁰/5e7 of it.
+    const SMALL: f64 = 0.2;
+    if z.abs() > SMALL {
+        return z / z.exp_m1();
+    }
+    let square = z * z;
+    1.0 - 0.5 * z + square / 12.0 * (1.0 - square / 60.0 * (1.0 - square / 42.0 * (1.0 - square / 40.0)))
+}
+
+/// Masses on cells with these `middles`, of points with masses: each is shared between the two cells whose middles it lies
+/// between, so that the mean is kept however rough the law that they stand for.
+pub fn shared(middles: &[f64], points: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+    let mut masses = vec![0.0; middles.len()];
+    for (place, mass) in points {
+        let above = middles.partition_point(|&middle| middle <= place);
+        if above == 0 || above == middles.len() {
+            masses[above.min(middles.len() - 1)] += mass;
+            continue;
+        }
+        let part = (place - middles[above - 1]) / (middles[above] - middles[above - 1]);
+        masses[above - 1] += mass * (1.0 - part);
+        masses[above] += mass * part;
+    }
+    masses
+}

@@ -1,0 +1,177 @@
+//! Lives of contacts whose thresholds diffuse: reference values, limits, and the other way to solve for them.
+
+use std::sync::Arc;
+
+use asperity::contacts::{Ageing, Barrier, Contacts, Maturing, Stiffness, Temperature};
+use asperity::law::{Gamma, Gaussian, Point, Rectangular, SharedLaw};
+use asperity::life::{Life, athermal, moving};
+use asperity::numerics::diffusion::{Step, Work};
+
+fn gaussian(mean: f64, std: f64) -> SharedLaw {
+    Arc::new(Gaussian::new(mean, std).unwrap())
+}
+
+/// Contacts re-formed at 0.
+fn contacts(newborn: SharedLaw, mature: SharedLaw, diffusion: f64) -> Contacts {
+    let mut contacts = Contacts::new(newborn, Arc::new(Point::new(0.0).unwrap()));
+    contacts.rules.ageing = Some(Ageing::Smoluchowski { mature, diffusion });
+    contacts
+}
+
+/// G(0.5, 0.1) to G(1, 0.05) with κ = D/σ_f² = 1.
+fn reference() -> Contacts {
+    contacts(gaussian(0.5, 0.1), gaussian(1.0, 0.05), 0.0025)
+}
+
+fn life(contacts: &Contacts, velocity: f64) -> Life {
+    moving(contacts, &contacts.reforming, true, velocity, false).unwrap()
+}
+
+/// ∫xS/∫S.
+fn kinetic_friction(life: &Life) -> f64 {
+    life.force().curve().integral() / life.survival().curve().integral()
+}
+
+/// The survival at the edges of even cells that rest, while the stretch passes one cell at each step.
+fn survival_at_rest(contacts: &Contacts, velocity: f64, cells: usize) -> Vec<(f64, f64)> {
+    let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing else { panic!() };
+    let maturing = Maturing::new(contacts.thresholds.clone(), mature.clone(), *diffusion);
+    let operator = Arc::new(maturing.operator(cells));
+    let mut masses = maturing.newborn(&operator.middles(), 0.0);
+    let mut work = Work::default();
+    let before = Step::new(&operator, operator.edge(0) / velocity / cells as f64);
+    for _ in 0..if operator.edge(0) > 0.0 { cells } else { 0 } {
+        before.advance(&mut masses, (f64::NEG_INFINITY, f64::NEG_INFINITY), None, &mut work);
+    }
+    let step = Step::new(&operator, operator.width() / velocity);
+    let mut one = |cell: usize| {
+        let floor = (operator.edge(cell), operator.edge(cell + 1));
+        step.advance(&mut masses, floor, None, &mut work);
+        (floor.1, masses.iter().sum())
+    };
+    (0..cells).map(&mut one).collect()
+}
+
+#[test]
+fn friction_weakens_at_high_speed_and_falls_again_at_low_speed() {
+    let contacts = reference();
+    // To 1e-5, and to 1e-4 at the highest, as they are known.
+    for (velocity, expected, known) in
+        [(10.0, 0.2720, 1e-4), (1.0, 0.38468, 1e-5), (0.1, 0.49031, 1e-5), (0.01, 0.46235, 1e-5)]
+    {
+        let found = kinetic_friction(&life(&contacts, velocity));
+        assert!((found - expected).abs() < known, "{velocity}: {found}");
+    }
+}
+
+#[test]
+fn cells_that_follow_and_cells_at_rest_agree() {
+    // By how much twice as many cells at rest are better: of second order, unless they begin at a wall where thresholds are.
+    let laws: [(SharedLaw, SharedLaw, f64); 4] = [
+        (gaussian(0.5, 0.1), gaussian(1.0, 0.05), 3.5),
+        (gaussian(0.5, 0.1), Arc::new(Gamma::new(1.0, 0.2).unwrap()), 3.5),
+        (Arc::new(Rectangular::new(0.4, 0.6).unwrap()), gaussian(1.0, 0.1), 3.5),
+        (gaussian(1.0, 0.05), Arc::new(Rectangular::new(0.6, 1.4).unwrap()), 2.0),
+    ];
+    for (newborn, mature, gain) in laws {
+        let diffusion = mature.std().powi(2);
+        let contacts = contacts(newborn, mature, diffusion);
+        for velocity in [0.03, 0.5] {
+            let life = life(&contacts, velocity);
+            let survival = life.survival().curve();
+            let worst = |cells: usize| {
+                let at = |(x, s): (f64, f64)| if x > 0.7 { (survival.value(x) - s).abs() } else { 0.0 };
+                survival_at_rest(&contacts, velocity, cells).into_iter().map(at).fold(0.0, f64::max)
+            };
+            let [coarse, fine] = [500, 1000].map(worst);
+            assert!(coarse / fine > gain && fine < 3e-4, "{velocity} {coarse:e} {fine:e}");
+        }
+    }
+}
+
+/// The normal distribution function.
+fn phi(z: f64) -> f64 {
+    0.5 * libm::erfc(-z / std::f64::consts::SQRT_2)
+}
+
+#[test]
+fn free_thresholds_are_met_as_bachelier_and_levy_have_it() {
+    // Flat on [0, 3], so far up that none comes to the upper end.
+    let contacts = contacts(gaussian(0.6, 0.06), Arc::new(Rectangular::new(0.0, 3.0).unwrap()), 0.04);
+    for velocity in [0.4, 3.0] {
+        let life = life(&contacts, velocity);
+        for k in 1..=10 {
+            let x = 0.12 * f64::from(k);
+            let spread = (2.0 * 0.04 * x / velocity).sqrt();
+            let left = |h: f64| phi((h - x) / spread) - (velocity * h / 0.04).exp() * phi(-(h + x) / spread);
+            // The trapezoidal rule over twenty standard deviations is exact to rounding.
+            let weight = |z: f64| (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+            let points = (-99..=400).map(|i| 0.1 * f64::from(i)).filter(|z| z.abs() < 9.9);
+            let exact: f64 = points.map(|z| 0.1 * weight(z) * left(0.6 + 0.06 * z)).sum();
+            let found = life.survival().curve().value(x);
+            // A twentieth of what two extrapolations may differ by.
+            assert!((found - exact).abs() < 1e-7, "{velocity} {x} {found} {exact}");
+        }
+    }
+}
+
+#[test]
+fn thresholds_that_have_no_time_to_diffuse_are_the_newborn_ones() {
+    for newborn in [gaussian(0.5, 0.1), Arc::new(Gamma::new(1.0, 0.3).unwrap()) as SharedLaw] {
+        let fast = contacts(newborn.clone(), gaussian(1.0, 0.05), 0.0025);
+        let slow = contacts(newborn, gaussian(1.0, 0.05), 1e-12);
+        let still = athermal(&fast, &fast.reforming, true);
+        for (contacts, velocity) in [(&fast, 1e7), (&slow, 1.0)] {
+            let life = life(contacts, velocity);
+            for k in 0..150 {
+                let x = 0.01 * f64::from(k);
+                let apart = life.survival().curve().value(x) - still.survival().curve().value(x);
+                // What survival is extrapolated to, and a thousand times what is left of diffusion.
+                assert!(apart.abs() < 5e-7, "{velocity} {x} {apart:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn slow_contacts_are_caught_in_the_lower_tail_of_the_mature_law() {
+    let contacts = reference();
+    let lives = [1e-4, 1e-5].map(|velocity| (velocity, life(&contacts, velocity)));
+    // Far below the mean the rate at which thresholds come down to x is DU'P_cf(1 − O(1/z²)), z = (1 − x)/σ_f, so that
+    // −ln S = (D/v) P_cf (1 − O(1/z²)).
+    for z in [4.0_f64, 4.5, 5.0] {
+        let density = (-0.5 * z * z).exp() / (0.05 * (2.0 * std::f64::consts::PI).sqrt());
+        for (velocity, life) in &lives {
+            let exponent = -life.survival().curve().value(1.0 - 0.05 * z).ln() * velocity / 0.0025;
+            let ratio = exponent / density;
+            assert!(ratio < 1.0 && ratio > 1.0 - 1.5 / (z * z), "{z} {velocity} {ratio}");
+        }
+    }
+    // Half of where (D/v) P_cf(x_b) = 1 rises with ln v like ½/U'(x_b), x_b = 1 − zσ_f; z changes by 0.5 in between.
+    let fall = (kinetic_friction(&lives[0].1) - kinetic_friction(&lives[1].1)) / 10_f64.ln();
+    let slope = |z: f64| 0.5 * 0.05 / z;
+    assert!(fall < slope(3.0) && fall > slope(4.5), "{fall}");
+}
+
+#[test]
+fn temperature_breaks_contacts_that_cannot_diffuse_as_it_does_those_that_do_not_age() {
+    let temperature = Temperature { energy: 0.05, attempt_rate: 7.0, barrier: Barrier::Bell };
+    for stiffness in [Stiffness::Equal(1.3), Stiffness::PerThreshold(1.5)] {
+        let mut ageing = contacts(gaussian(1.0, 0.1), gaussian(1.2, 0.1), 1e-12);
+        ageing.stiffness = stiffness;
+        ageing.rules.temperature = Some(temperature);
+        let mut still = ageing.clone();
+        still.rules.ageing = None;
+        let [ageing, still] = [&ageing, &still].map(|contacts| life(contacts, 0.3));
+        let curves = |life: &Life| {
+            [life.survival(), life.force(), life.square(), life.breaking_energy()].map(|k| k.curve().clone())
+        };
+        for (a, b) in curves(&ageing).iter().zip(&curves(&still)) {
+            for k in 0..140 {
+                let (a, b) = (a.value(0.01 * f64::from(k)), b.value(0.01 * f64::from(k)));
+                assert!((a - b).abs() < 2e-6, "{k} {a} {b} {:e}", a - b);
+            }
+        }
+        assert!(still.survival().curve().value(0.9) < 0.7);
+    }
+}
