@@ -1,7 +1,5 @@
 //! The transform of the breaking density far left in the complex plane, where it hangs on the tails of the laws.
 
-use std::f64::consts::FRAC_PI_4;
-
 use num_complex::Complex64;
 
 use super::breaking::Breaking;
@@ -64,11 +62,9 @@ impl Continuation {
         Self { thresholds: Thresholds::new(&contacts.thresholds), births, before, edge }
     }
 
-    /// φ̂(s) and φ̂'(s).
-    pub(crate) fn transform(&self, s: Complex64) -> (Complex64, Complex64) {
-        let (law, births) = (self.thresholds.transform(s), self.births.transform(-s));
-        let before = self.before.transform(self.edge - s);
-        (law.0 * births.0 - before.0, law.1 * births.0 - law.0 * births.1 + before.1)
+    /// φ̂(s).
+    pub(crate) fn transform(&self, s: Complex64) -> Complex64 {
+        self.thresholds.transform(s) * self.births.transform(-s).0 - self.before.transform(self.edge - s).0
     }
 
     /// Re s down to which it holds.
@@ -103,18 +99,11 @@ impl Thresholds {
         Self::Resolved(Kernel::new(resolved(law.as_ref(), Detail::tails(DEEPEST)), breaks))
     }
 
-    /// P̂_c(s) and P̂_c'(s).
-    fn transform(&self, s: Complex64) -> (Complex64, Complex64) {
+    /// P̂_c(s).
+    fn transform(&self, s: Complex64) -> Complex64 {
         match self {
-            Self::Law(law) => (law.laplace(s), slope(law.as_ref(), s)),
-            Self::Resolved(kernel) => kernel.transform(s),
+            Self::Law(law) => law.laplace(s),
+            Self::Resolved(kernel) => kernel.transform(s).0,
         }
     }
-}
-
-/// P̂_c'(s) by Cauchy's formula on eight points around s, exact to the eighth order.
-fn slope(law: &dyn Law, s: Complex64) -> Complex64 {
-    let radius = 0.02 / law.mean();
-    let around = (0..8).map(|k| Complex64::from_polar(radius, f64::from(k) * FRAC_PI_4));
-    around.map(|h| law.laplace(s + h) / h).sum::<Complex64>() / 8.0
 }
