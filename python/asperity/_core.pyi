@@ -196,6 +196,14 @@ class Tabulated(Law):
     ) -> Self: ...
 
 @final
+class Series(Law):
+    """"""
+
+    def __new__(
+        cls, boundaries: ArrayLike, coefficients: Sequence[ArrayLike], *, cut: _Number = 0.0
+    ) -> Self: ...
+
+@final
 class Mixture(Law):
     """A weighted sum of laws: a list of pairs (weight, law), weights above 0 that sum to 1."""
 
@@ -949,3 +957,4 @@ def steady_variance_per_threshold(thresholds: _AnyLaw) -> float:
     """The same for stiffnesses k = κ x_s: N Var(F/(N_c κ)) = ⟨x_s⁵⟩/(3⟨x_s⟩) - F_k², a length⁴."""
 
 def _restore(version: str, description: str) -> Description: ...
+def _resolve(density: Callable[[_Array], ArrayLike], boundaries: Sequence[float]) -> Series: ...

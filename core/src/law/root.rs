@@ -252,6 +252,10 @@ impl Law for Root {
         self.areas.zones().into_iter().map(root).collect()
     }
 
+    fn seams(&self) -> Vec<f64> {
+        self.areas.seams().into_iter().map(|area| self.factor * area.sqrt()).collect()
+    }
+
     fn laplace_is_closed(&self) -> bool {
         false
     }

@@ -70,8 +70,8 @@ impl Continuation {
     /// Re s down to which it holds.
     pub(crate) fn leftmost(&self) -> f64 {
         match &self.thresholds {
-            Thresholds::Law(law) if law.decay_rate() > 0.0 => -law.decay_rate(),
-            Thresholds::Law(_) => f64::NEG_INFINITY,
+            Thresholds::Law(law) if law.decay_rate() > 0.0 => -law.decay_rate().min(law.known_rate()),
+            Thresholds::Law(law) => -law.known_rate(),
             // What is left out is 1e-16 of what e^{−sx} lifts.
             Thresholds::Resolved(kernel) => (DEEPEST.ln() + 37.0) / kernel.curve().end(),
         }

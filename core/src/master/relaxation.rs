@@ -57,7 +57,7 @@ impl Relaxation {
             None => f64::NAN,
         };
         let terms = transform.terms(&roots, first);
-        let valid_from = valid_from(&terms, &roots, rate, first, reborn);
+        let valid_from = valid_from(&terms, &roots, rate.min(law.known_rate()), first, reborn);
         Self {
             roots,
             terms: terms.into_iter().map(|t| Term { amplitude: stiffness * t.amplitude, ..t }).collect(),
@@ -68,7 +68,8 @@ impl Relaxation {
         }
     }
 
-    /// Relaxation length X*, infinite where the force never settles; NaN where no root is found.
+    /// Relaxation length X*, infinite where the force never settles; NaN where no root is found, or where a tail that was
+    /// cut off may rule ([`crate::law::Law::known_rate`]).
     pub fn length(&self) -> f64 {
         self.length
     }
@@ -96,7 +97,7 @@ impl Relaxation {
     }
 }
 
-/// Where the first term left out, and an exponential tail of the thresholds, have faded.
+/// Where the first term left out, and an exponential tail of the thresholds or what is not known of it, have faded.
 fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, reborn: &Life) -> f64 {
     let undamped = |s: &Complex64| -s.re < UNDAMPED * s.norm();
     if rate == 0.0 || roots.iter().any(undamped) {
