@@ -1,6 +1,6 @@
 //! Legendre series of a density that is called with many points at once: cells halved until they follow it, then joined.
 
-use crate::numerics::legendre::{Nodal, RULE};
+use crate::numerics::legendre::{Nodal, RULE, derivative, series};
 use crate::numerics::piecewise::{Piecewise, tail};
 use crate::{Error, Float, Result};
 
@@ -52,6 +52,8 @@ pub(super) fn refine(
     }
     let (cells, masses) = halved(&mut density, cells, tolerance)?;
     let cells = joined(&mut density, trimmed(cells, &masses), &masses, tolerance)?;
+    let cells = settled(&mut density, cells)?;
+    let cells = settled(&mut density, cells)?;
     let left_out = cells.iter().map(Cell::left_out).sum::<f64>() / masses.total();
     let cut = if endless { ENDS.0 } else { 0.0 };
     let boundaries = cells.iter().map(|cell| cell.low).chain(cells.last().map(|cell| cell.high)).collect();
@@ -246,6 +248,22 @@ fn joined(
         idle = if cells.len() < before { 0 } else { idle + 1 };
         offset = 1 - offset;
     }
+    Ok(cells)
+}
+
+/// The cells with ends at kinks moved to where their neighbours' series meet.
+fn settled(density: &mut impl Density, mut cells: Vec<Cell>) -> Result<Vec<Cell>> {
+    for i in 1..cells.len() {
+        let (left, right) = (&cells[i - 1], &cells[i]);
+        let jump = series(&right.coefficients, -1.0) - series(&left.coefficients, 1.0);
+        let slope = |cell: &Cell, t: f64| series(&derivative(&cell.coefficients), t) / cell.half();
+        let shift = jump / (slope(left, 1.0) - slope(right, -1.0));
+        if left.breaks && shift.abs() < 1e-6 * left.half().min(right.half()) {
+            cells[i - 1].high += shift;
+            cells[i].low = cells[i - 1].high;
+        }
+    }
+    evaluate(density, &mut cells)?;
     Ok(cells)
 }
 

@@ -505,8 +505,8 @@ mod tests {
         let steps = |x: f64| if x < 0.3 { 1.0 } else { 1.5 } + (0.1 - (x - 0.7).abs()).max(0.0);
         let law = Series::resolve(each(steps), &[0.0, 1.0], 1e-14).unwrap().0;
         let expected = [0.0, 0.3, 0.6, 0.7, 0.8, 1.0];
-        // Closed in on until what is missed is 1e-9 of the density there, and may be its rounding.
-        let near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-9;
+        // Closed in on to sixteen roundings, in which nothing is known.
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() < 32.0 * f64::EPSILON;
         assert!(law.boundaries().iter().zip(&expected).all(near), "{:?}", law.boundaries());
         let orders: Vec<_> = law.breaks().iter().map(|b| b.exponent).collect();
         assert_eq!(orders, [0.0, 0.0, 1.0, 1.0, 1.0, 0.0]);
