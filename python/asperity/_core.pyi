@@ -197,7 +197,14 @@ class Tabulated(Law):
 
 @final
 class Series(Law):
-    """"""
+    """A density that is a polynomial on each of some cells, as Legendre series, normalised.
+
+    boundaries: those of the cells, rising from 0 or above. coefficients: for each cell a list of up to 16, c_0 first, of
+    the density Σ c_n P_n(t), t from -1 to 1 across the cell. cut: the share of a tail without end that was cut off at
+    the last boundary; what hangs on it, such as the relaxation length, is then not told.
+
+    asperity.law makes one of any distribution of scipy.stats.
+    """
 
     def __new__(
         cls, boundaries: ArrayLike, coefficients: Sequence[ArrayLike], *, cut: _Number = 0.0
