@@ -24,6 +24,7 @@ fn family() -> Vec<SharedLaw> {
     let steps = Series::new(&[0.2, 0.7, 1.5], &[vec![1.0, 0.5], vec![2.0, -1.0, 0.3]], 0.0);
     let rise = |x: &[f64]| Ok(x.iter().map(|x| (1.0 + x * x) * (-x * x).exp() / x.sqrt()).collect());
     let singular = Series::resolve(rise, &[0.0, 1.0, f64::INFINITY], 1e-14).unwrap().0;
+    let singular = Arc::new(singular);
     vec![
         Arc::new(Gaussian::new(1.0, 0.05).unwrap()),
         Arc::new(Gaussian::new(1.0, 0.3).unwrap()),
@@ -43,10 +44,11 @@ fn family() -> Vec<SharedLaw> {
         tent.clone(),
         Arc::new(samples.unwrap()),
         Arc::new(steps.unwrap()),
-        Arc::new(singular),
+        singular.clone(),
         Arc::new(mixture.unwrap()),
         Arc::new(Root::new(1.3, Arc::new(Gaussian::new(0.6, 0.2).unwrap())).unwrap()),
         Arc::new(Root::new(1.3, tent).unwrap()),
+        Arc::new(Root::new(1.3, singular).unwrap()),
     ]
 }
 

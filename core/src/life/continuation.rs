@@ -24,6 +24,8 @@ pub(crate) struct Continuation {
     /// e^{edge·v} φ(−v).
     before: Kernel,
     edge: f64,
+    /// Up to which rate the law of thresholds tells its tail.
+    known_rate: f64,
 }
 
 /// P_c as its transform is best found.
@@ -59,7 +61,8 @@ impl Continuation {
         let before = Kernel::new(curve, breaks);
         let atoms = unbounded.all_breaks().into_iter().filter(Break::is_atom).collect();
         let births = Kernel::new(unbounded.density, atoms);
-        Self { thresholds: Thresholds::new(&contacts.thresholds), births, before, edge }
+        let (thresholds, known_rate) = (Thresholds::new(&contacts.thresholds), thresholds.known_rate());
+        Self { thresholds, births, before, edge, known_rate }
     }
 
     /// φ̂(s).
@@ -69,12 +72,13 @@ impl Continuation {
 
     /// Re s down to which it holds.
     pub(crate) fn leftmost(&self) -> f64 {
-        match &self.thresholds {
-            Thresholds::Law(law) if law.decay_rate() > 0.0 => -law.decay_rate().min(law.known_rate()),
-            Thresholds::Law(law) => -law.known_rate(),
+        let leftmost = match &self.thresholds {
+            Thresholds::Law(law) if law.decay_rate() > 0.0 => -law.decay_rate(),
+            Thresholds::Law(_) => f64::NEG_INFINITY,
             // What is left out is 1e-16 of what e^{−sx} lifts.
             Thresholds::Resolved(kernel) => (DEEPEST.ln() + 37.0) / kernel.curve().end(),
-        }
+        };
+        leftmost.max(-self.known_rate)
     }
 }
 
