@@ -38,12 +38,13 @@ def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
     """The law that `x` describes: itself, a frozen continuous distribution of scipy.stats, or samples.
 
     Of scipy.stats, norm, truncnorm, halfnorm, uniform, gamma, erlang, expon, weibull_min and lognorm become
-    the law of asperity that has the same density, if there is one: cut at 0, if at all. Any other distribution
-    on x >= 0 becomes a Series, right to rounding of its pdf; so does what has the methods pdf, cdf and support of
-    one, such as stats.Mixture and stats.rv_histogram. A list of samples becomes Tabulated(samples=x).
+    the law of asperity that has the same density, if there is one: cut at 0, if at all. Any other
+    distribution on x >= 0 becomes a Series, right to rounding of its pdf; so does what has the methods pdf,
+    cdf and support of one, such as stats.Mixture and stats.rv_histogram. A list of samples becomes
+    Tabulated(samples=x).
 
-    Raises ValueError for a distribution with values below 0 or a variance that is not finite, RuntimeError for a
-    pdf that cannot be followed, TypeError for anything else, such as a distribution that is not frozen.
+    Raises ValueError for a distribution with values below 0 or a variance that is not finite, RuntimeError
+    for a pdf that cannot be followed, TypeError for anything else, such as a distribution that is not frozen.
     """
     if isinstance(x, Law):
         return x
@@ -85,12 +86,16 @@ def series(distribution: Any, name: str) -> Series:
         share = float(distribution.cdf(0.0)) if low < 0.0 else 0.0
         if not share < EPSILON:
             hint = " (Gaussian cuts it)" if name == "norm" else ""
-            raise ValueError(f"law: expected a law on x >= 0, got {name} with a share {share:.3g} below{hint}")
+            raise ValueError(
+                f"law: expected a law on x >= 0, got {name} with a share {share:.3g} below{hint}"
+            )
         edges = bulk(distribution, max(low, 0.0), high)
         found = _resolve(distribution.pdf, edges if edges[-1] == high else [*edges, inf])
         apart = float(np.max(np.abs(found.cdf(edges) - distribution.cdf(np.array(edges)))))
     if not apart < AGREE:
-        raise ValueError(f"law: expected a pdf and a cdf that agree, got {name}, where they are {apart:.3g} apart")
+        raise ValueError(
+            f"law: expected a pdf and a cdf that agree, got {name}, where they are {apart:.3g} apart"
+        )
     return found
 
 
@@ -102,7 +107,9 @@ def bulk(distribution: Any, low: float, high: float) -> list[float]:
         octaves = low + np.ldexp(1.0, np.arange(-100, 100))
         beyond = distribution.cdf(octaves) >= 1.0 - SHARE
         if not beyond.any():
-            raise ValueError(f"law: expected a cdf that rises to 1, got {distribution.cdf(octaves[-1])} at {octaves[-1]}")
+            raise ValueError(
+                f"law: expected a cdf that rises to 1, got {distribution.cdf(octaves[-1])} at {octaves[-1]}"
+            )
         end = float(octaves[beyond.argmax()])
     edges = np.array([low, end])
     while True:

@@ -60,14 +60,16 @@ def test_any_other_distribution_is_a_series(other: Any) -> None:
     law = asp.law(other)
     assert type(law) is asp.Series
     x = law.ppf(np.linspace(0.01, 0.99, 99))
-    # Distribution functions of scipy.stats are right to 1e-13 or so, and its densities to some roundings of x.
+    # Distribution functions of scipy.stats are right to 1e-13 or so, its densities to some roundings of x.
     np.testing.assert_allclose(law.cdf(x), other.cdf(x), rtol=1e-11)
     np.testing.assert_allclose(law.pdf(x), other.pdf(x), rtol=1e-9, atol=1e-12)
     # At a false-alarm rate of 1e-6.
     assert stats.kstest(law.rvs(20_000, seed=7), other.cdf).pvalue > 1e-6
     theory = asp.MasterEquation(asp.Contacts(law))
     pull = theory.pull(10.0 * law.mean(), 1001)
-    assert theory.steady_state().kinetic_friction == pytest.approx(law.moment(2) / (2.0 * law.mean()), rel=1e-12)
+    assert theory.steady_state().kinetic_friction == pytest.approx(
+        law.moment(2) / (2.0 * law.mean()), rel=1e-12
+    )
     assert pull.accuracy < 1e-10
 
 
