@@ -76,7 +76,7 @@ fn breaks() {
         let (contacts, initial) = contacts();
         let ensemble = Ensemble::new(contacts, initial, size, 1, Disorder::Annealed).unwrap();
         let times = rules.map(|slip| {
-            let mut population = ensemble.population().unwrap();
+            let mut population = ensemble.population(&mut ()).unwrap();
             let distance = (BREAKS / size as f64).clamp(3.0, 1000.0);
             let (run, time) = pull(&mut population, slip, Some(0.3), distance);
             black_box(&run);

@@ -105,7 +105,7 @@ fn ways(criterion: &mut Criterion) {
                 for _ in 0..1000 {
                     advance(&mut stock, 0.89);
                     black_box(stock.books());
-                    stock.reset(Direction::Forward).unwrap();
+                    stock.reset(Direction::Forward, &mut ()).unwrap();
                 }
                 stock
             });

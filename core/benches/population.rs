@@ -44,11 +44,11 @@ fn table(name: &str, contacts: &Contacts, disorder: Disorder) {
     for size in [1_000, 10_000, 100_000, 1_000_000, 10_000_000] {
         let initial = Initial { law: Arc::new(Point::new(0.0).unwrap()), start: Start::Conditional };
         let ensemble = Ensemble::new(contacts.clone(), initial, size, 1, disorder).unwrap();
-        let (mut population, made) = timed(|| ensemble.population().unwrap());
+        let (mut population, made) = timed(|| ensemble.population(&mut ()).unwrap());
         let time = per_break(&mut population, BREAKS.max(size));
         let back = population.way(Direction::Backward).unwrap().length;
         let ((), turned) = timed(|| population.advance(-0.5 * back).unwrap());
-        let ((), reset) = timed(|| population.reset(Direction::Backward).unwrap());
+        let ((), reset) = timed(|| population.reset(Direction::Backward, &mut ()).unwrap());
         let logarithm = (size as f64).ln();
         let growth = before.map_or("".into(), |(t, l)| format!("{:.2}", time / t / (logarithm / l)));
         println!("{size:>10} {time:>12.1} {growth:>14} {made:>12.1} {turned:>11.1} {reset:>11.1}");

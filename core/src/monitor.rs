@@ -16,6 +16,20 @@ impl Monitor for () {
     }
 }
 
+/// Tells another monitor of work aside, by which nothing of the whole gets done.
+pub struct Aside<'a> {
+    /// The fraction of the whole that is done.
+    pub fraction: f64,
+    /// Who hears of the whole.
+    pub monitor: &'a mut dyn Monitor,
+}
+
+impl Monitor for Aside<'_> {
+    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+        self.monitor.progress(self.fraction)
+    }
+}
+
 /// Asks `monitor` whether to go on, as a `Result` for use with `?`.
 pub(crate) fn report(monitor: &mut dyn Monitor, fraction: f64) -> crate::Result<()> {
     match monitor.progress(fraction) {

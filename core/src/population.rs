@@ -4,6 +4,7 @@
 //! force) it goes a smooth way; whoever drives it looks ahead on that way, decides how far to go, and moves it there.
 
 use crate::Result;
+use crate::monitor::Monitor;
 
 /// Which way the slider's bottom moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,8 +102,8 @@ pub trait Population: Send {
     /// nothing is held any more. The position stays.
     ///
     /// # Errors
-    /// Those of [`Population::way`].
-    fn reset(&mut self, direction: Direction) -> Result<()>;
+    /// Those of [`Population::way`]; stopped by the monitor, after which the population is of no use.
+    fn reset(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<()>;
 
     /// From now on what breaks stays free and carries nothing, until [`Population::release`].
     ///

@@ -22,7 +22,7 @@ fn ensemble(size: usize, seed: u64) -> EnsemblePopulation {
     let relaxed = point(0.0);
     let contacts = contacts(&gaussian(1.0, STD), &relaxed);
     let ensemble = Ensemble::new(contacts, initial(&relaxed), size, seed, Disorder::Annealed).unwrap();
-    ensemble.population().unwrap()
+    ensemble.population(&mut ()).unwrap()
 }
 
 fn drive(population: &mut dyn Population, slip: Slip, distance: f64) -> StickSlip {

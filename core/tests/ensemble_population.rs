@@ -4,19 +4,51 @@
 mod common;
 
 use std::iter::repeat_with;
+use std::ops::ControlFlow;
 
 use asperity::Error;
 use asperity::contacts::{Contacts, Initial, Start, Stiffness};
 use asperity::ensemble::{Disorder, Ensemble, EnsemblePopulation, Snapshots};
 use asperity::law::SharedLaw;
+use asperity::monitor::Monitor;
 use asperity::population::{Direction, Population};
 use asperity::random::{Purpose, Stream};
-use common::{exponential, gamma, gaussian, master, mixture, point, rectangular, weibull};
+use common::{contacts, exponential, gamma, gaussian, initial, master, mixture, point, rectangular, weibull};
 
 use Direction::{Backward, Forward};
 
 const SIZE: usize = 200;
 const SEED: u64 = 7;
+
+/// Says stop after being asked a number of times.
+struct Patience(u32);
+
+impl Monitor for Patience {
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        assert!((0.0..=1.0).contains(&fraction));
+        self.0 = self.0.saturating_sub(1);
+        if self.0 == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+#[test]
+fn drawing_and_resetting_many_contacts_can_be_stopped() {
+    let contacts = contacts(&gaussian(1.0, 0.1), &point(0.0));
+    // Two slices of contacts and a bit.
+    let ensemble = Ensemble::new(contacts, initial(&point(0.0)), 600_000, 1, Disorder::Annealed).unwrap();
+    let drawn = |times: u32| ensemble.population(&mut Patience(times));
+    // Drawn in three slices, put in place in three.
+    assert!((1..=6).all(|times| matches!(drawn(times), Err(Error::Stopped))));
+    let mut population = drawn(7).unwrap();
+    let resets = |population: &mut EnsemblePopulation, direction: Direction, times: u32| {
+        population.reset(direction, &mut Patience(times)).is_ok()
+    };
+    // Broken in three slices, drawn in two more, put in place in two.
+    let asked = (1..=20).find(|&times| resets(&mut population.clone(), Forward, times));
+    assert_eq!(asked, Some(8));
+    assert!(resets(&mut population, Forward, 8));
+    assert_eq!(population.books().broken, 1.0);
+}
 
 /// An ensemble's description: relaxed contacts of equal stiffness, 1 in all, unless changed.
 #[derive(Clone)]
@@ -50,7 +82,7 @@ impl Case {
     }
 
     fn population(&self) -> EnsemblePopulation {
-        self.ensemble().population().unwrap()
+        self.ensemble().population(&mut ()).unwrap()
     }
 }
 
@@ -350,7 +382,7 @@ fn event_by_event_it_is_contacts_moved_one_by_one() {
                     singles.reform_free();
                 }
                 Move::Reset(direction) => {
-                    population.reset(direction).unwrap();
+                    population.reset(direction, &mut ()).unwrap();
                     (singles.direction, singles.held) = (direction, true);
                     singles.break_where(|_| true);
                     singles.held = false;
@@ -375,7 +407,7 @@ fn work_is_stored_or_lost() {
                 Move::To(position) => work += go(&mut population, position),
                 Move::Hold => population.hold().unwrap(),
                 Move::Release => population.release().unwrap(),
-                Move::Reset(direction) => population.reset(direction).unwrap(),
+                Move::Reset(direction) => population.reset(direction, &mut ()).unwrap(),
             }
             let books = population.books();
             close(work, books.elastic - begin.elastic + books.lost - begin.lost, 1e-12);
@@ -418,7 +450,7 @@ fn a_copy_goes_on_with_the_same_bits() {
         for moved in [&mut population as &mut dyn Population, copy.as_mut()] {
             moved.release().unwrap();
             go(moved, 3.0);
-            moved.reset(Backward).unwrap();
+            moved.reset(Backward, &mut ()).unwrap();
             go(moved, -2.0);
         }
         assert_eq!(population.ahead(0.0), copy.ahead(0.0));
@@ -434,9 +466,9 @@ fn same_bits_on_any_number_of_threads() {
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let mut population = ensemble.population().unwrap();
+            let mut population = ensemble.population(&mut ()).unwrap();
             let work = go(&mut population, 1.5);
-            population.reset(Forward).unwrap();
+            population.reset(Forward, &mut ()).unwrap();
             (work + go(&mut population, 3.0), population.ahead(0.0), population.books())
         })
     };
@@ -518,6 +550,6 @@ fn thresholds_of_all_sizes_break_in_order() {
 #[test]
 fn too_many_contacts_are_refused() {
     let ensemble = Case { size: 1 << 40, ..Case::of(point(1.0)) }.ensemble();
-    let Err(Error::TooLarge { what, .. }) = ensemble.population() else { panic!("not refused") };
+    let Err(Error::TooLarge { what, .. }) = ensemble.population(&mut ()) else { panic!("not refused") };
     assert!(what.contains("1099511627776 contacts"), "{what}");
 }

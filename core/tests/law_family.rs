@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use asperity::law::{
-    Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Root, SharedLaw, Tabulated,
-    Weibull,
+    Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Root, Series, SharedLaw,
+    Tabulated, Weibull,
 };
 use asperity::numerics::legendre::RULE;
 use asperity::random::{Purpose, Stream};
@@ -21,6 +21,10 @@ fn family() -> Vec<SharedLaw> {
         (0.2, Arc::new(Rectangular::new(0.5, 1.5).unwrap())),
     ]);
     let tent = Arc::new(tent.unwrap());
+    let steps = Series::new(&[0.2, 0.7, 1.5], &[vec![1.0, 0.5], vec![2.0, -1.0, 0.3]], 0.0);
+    let rise = |x: &[f64]| Ok(x.iter().map(|x| (1.0 + x * x) * (-x * x).exp() / x.sqrt()).collect());
+    let singular = Series::resolve(rise, &[0.0, 1.0, f64::INFINITY], 1e-14).unwrap().0;
+    let singular = Arc::new(singular);
     vec![
         Arc::new(Gaussian::new(1.0, 0.05).unwrap()),
         Arc::new(Gaussian::new(1.0, 0.3).unwrap()),
@@ -39,9 +43,12 @@ fn family() -> Vec<SharedLaw> {
         Arc::new(Lognormal::new(1.0, 0.6).unwrap()),
         tent.clone(),
         Arc::new(samples.unwrap()),
+        Arc::new(steps.unwrap()),
+        singular.clone(),
         Arc::new(mixture.unwrap()),
         Arc::new(Root::new(1.3, Arc::new(Gaussian::new(0.6, 0.2).unwrap())).unwrap()),
         Arc::new(Root::new(1.3, tent).unwrap()),
+        Arc::new(Root::new(1.3, singular).unwrap()),
     ]
 }
 

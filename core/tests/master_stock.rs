@@ -270,7 +270,7 @@ fn a_reset_begins_anew() {
         drive(&mut stock, 1.9);
         drive(&mut stock, 0.4);
         for direction in [Direction::Forward, Direction::Backward, Direction::Forward] {
-            stock.reset(direction).unwrap();
+            stock.reset(direction, &mut ()).unwrap();
             let from = stock.position();
             for by in [0.0, 0.613, 1.177, 2.441] {
                 drive(&mut stock, from + direction.sign() * by);
@@ -297,7 +297,7 @@ fn wander(stock: &mut Stock, mut check: impl FnMut(&mut Stock, f64)) {
     check(stock, work);
     work += drive(stock, -1.2);
     check(stock, work);
-    stock.reset(Direction::Forward).unwrap();
+    stock.reset(Direction::Forward, &mut ()).unwrap();
     check(stock, work);
     work += drive(stock, 0.7);
     check(stock, work);

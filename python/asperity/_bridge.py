@@ -6,7 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asperity._core import Exponential, Gamma, Gaussian, Law, Lognormal, Rectangular, Tabulated, Weibull
+from asperity._core import (
+    Exponential,
+    Gamma,
+    Gaussian,
+    Law,
+    Lognormal,
+    Rectangular,
+    Series,
+    Tabulated,
+    Weibull,
+    _resolve,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,16 +27,24 @@ if TYPE_CHECKING:
 
 EPSILON = sys.float_info.epsilon
 
+# A cell at the start holds this share of a law at most: no peak is missed.
+SHARE = 0.125
+
+# A distribution function and its density agree to this.
+AGREE = 1e-6
+
 
 def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
-    """The law that `x` describes: itself, a frozen distribution of scipy.stats, or samples.
+    """The law that `x` describes: itself, a frozen continuous distribution of scipy.stats, or samples.
 
     Of scipy.stats, norm, truncnorm, halfnorm, uniform, gamma, erlang, expon, weibull_min and lognorm become
-    the law of asperity that has the same density, if there is one: cut at 0, if at all. A list of samples
-    becomes Tabulated(samples=x).
+    the law of asperity that has the same density, if there is one: cut at 0, if at all. Any other
+    distribution on x >= 0 becomes a Series, right to rounding of its pdf; so does what has the methods pdf,
+    cdf and support of one, such as stats.Mixture and stats.rv_histogram. A list of samples becomes
+    Tabulated(samples=x).
 
-    Raises ValueError for a distribution with values below 0 or none of these, TypeError for anything else,
-    such as a distribution that is not frozen.
+    Raises ValueError for a distribution with values below 0 or a variance that is not finite, RuntimeError
+    for a pdf that cannot be followed, TypeError for anything else, such as a distribution that is not frozen.
     """
     if isinstance(x, Law):
         return x
@@ -36,13 +55,17 @@ def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
         return from_scipy(x)
     expected = "a law of asperity, a frozen distribution of scipy.stats, or samples"
     if stats is not None and isinstance(x, (stats.rv_continuous, stats.rv_discrete)):
+        if isinstance(x, stats.rv_histogram):
+            return series(x, "rv_histogram")
         raise TypeError(f"law: expected {expected}, got scipy.stats.{x.name}, which is not frozen")
+    if all(callable(getattr(x, method, None)) for method in ("pdf", "cdf", "support")):
+        return series(x, type(x).__name__)
     raise TypeError(f"law: expected {expected}, got {type(x).__name__}")
 
 
 def from_scipy(frozen: Any) -> Law:
     """The law of the same density as a frozen distribution."""
-    name = frozen.dist.name
+    name = frozen.dist.name or type(frozen.dist).__name__
     try:
         shapes, loc, scale = frozen.dist._parse_args(*frozen.args, **frozen.kwds)
         shapes, loc, scale = [float(shape) for shape in shapes], float(loc), float(scale)
@@ -51,13 +74,51 @@ def from_scipy(frozen: Any) -> Law:
     found = counterpart(name, shapes, loc, scale)
     if found is not None:
         return found
-    low, high = frozen.support()
-    if low < 0.0:
-        share = frozen.cdf(0.0)
+    if not hasattr(frozen, "pdf"):
+        raise ValueError(f"law: expected a distribution with a density, got {name}")
+    return series(frozen, name)
+
+
+def series(distribution: Any, name: str) -> Series:
+    """The law of a density, and of a distribution function that tells where to look for it."""
+    with np.errstate(all="ignore"):
+        low, high = (float(end) for end in distribution.support())
+        share = float(distribution.cdf(0.0)) if low < 0.0 else 0.0
+        if not share < EPSILON:
+            hint = " (Gaussian cuts it)" if name == "norm" else ""
+            raise ValueError(
+                f"law: expected a law on x >= 0, got {name} with a share {share:.3g} below{hint}"
+            )
+        edges = bulk(distribution, max(low, 0.0), high)
+        found = _resolve(distribution.pdf, edges if edges[-1] == high else [*edges, inf])
+        apart = float(np.max(np.abs(found.cdf(edges) - distribution.cdf(np.array(edges)))))
+    if not apart < AGREE:
         raise ValueError(
-            f"law: expected a law on x >= 0, got {name} with a share {share:.3g} below (Gaussian cuts it)"
+            f"law: expected a pdf and a cdf that agree, got {name}, where they are {apart:.3g} apart"
         )
-    raise ValueError(f"law: expected a distribution that has a counterpart, got {name} from {low} to {high}")
+    return found
+
+
+def bulk(distribution: Any, low: float, high: float) -> list[float]:
+    """Edges of cells from `low` up to `high`, or where a tail without end begins."""
+    if high < inf:
+        end = high
+    else:
+        octaves = low + np.ldexp(1.0, np.arange(-100, 100))
+        beyond = distribution.cdf(octaves) >= 1.0 - SHARE
+        if not beyond.any():
+            raise ValueError(
+                f"law: expected a cdf that rises to 1, got {distribution.cdf(octaves[-1])} at {octaves[-1]}"
+            )
+        end = float(octaves[beyond.argmax()])
+    edges = np.array([low, end])
+    while True:
+        wide = np.diff(distribution.cdf(edges)) > SHARE
+        middles = 0.5 * (edges[:-1] + edges[1:])[wide]
+        halved = np.unique(np.concatenate([edges, middles]))
+        if len(halved) == len(edges):
+            return [float(edge) for edge in edges]
+        edges = halved
 
 
 def counterpart(name: str, shapes: list[float], loc: float, scale: float) -> Law | None:

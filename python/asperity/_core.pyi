@@ -196,6 +196,21 @@ class Tabulated(Law):
     ) -> Self: ...
 
 @final
+class Series(Law):
+    """A density that is a polynomial on each of some cells, as Legendre series, normalised.
+
+    boundaries: those of the cells, rising from 0 or above. coefficients: for each cell a list of up to 16, c_0 first, of
+    the density Σ c_n P_n(t), t from -1 to 1 across the cell. cut: the share of a tail without end that was cut off at
+    the last boundary; what hangs on it, such as the relaxation length, is then not told.
+
+    asperity.law makes one of any distribution of scipy.stats.
+    """
+
+    def __new__(
+        cls, boundaries: ArrayLike, coefficients: Sequence[ArrayLike], *, cut: _Number = 0.0
+    ) -> Self: ...
+
+@final
 class Mixture(Law):
     """A weighted sum of laws: a list of pairs (weight, law), weights above 0 that sum to 1."""
 
@@ -949,3 +964,4 @@ def steady_variance_per_threshold(thresholds: _AnyLaw) -> float:
     """The same for stiffnesses k = κ x_s: N Var(F/(N_c κ)) = ⟨x_s⁵⟩/(3⟨x_s⟩) - F_k², a length⁴."""
 
 def _restore(version: str, description: str) -> Description: ...
+def _resolve(density: Callable[[_Array], ArrayLike], boundaries: Sequence[float]) -> Series: ...

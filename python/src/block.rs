@@ -261,7 +261,7 @@ impl Block {
         let asked = scenario::Pull { distance, points: points.get("points")?, ..scenario::Pull::default() };
         asked.check().map_err(|e| error::core(e.under(name)))?;
         watched(None, slf.py(), |monitor| {
-            Curve::new(solver.population()?.as_ref(), asked.distance, asked.points, monitor)
+            Curve::new(solver.population(monitor)?.as_ref(), asked.distance, asked.points, monitor)
         })
     }
 }

@@ -1,10 +1,11 @@
 //! Laws, in the vocabulary of scipy.stats.
 
-use asperity::law::SharedLaw;
+use asperity::Error;
+use asperity::law::{self, SharedLaw};
 use asperity::random::{Purpose, Stream};
 use asperity::scenario::{self, Component, Tabulated as Table};
-use numpy::IntoPyArray as _;
 use numpy::ndarray::{ArrayD, IxDyn};
+use numpy::{IntoPyArray as _, PyArray1};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
@@ -191,6 +192,16 @@ laws! {
     Tabulated(*, stretch = None, density = None, samples = None) {
         stretch: Option<Bound<'_, PyAny>>, density: Option<Bound<'_, PyAny>>, samples: Option<Bound<'_, PyAny>>
     } => table(stretch, density, samples)?;
+    /// A density that is a polynomial on each of some cells, as Legendre series, normalised.
+    ///
+    /// boundaries: those of the cells, rising from 0 or above. coefficients: for each cell a list of up to 16, c_0 first, of
+    /// the density Σ c_n P_n(t), t from -1 to 1 across the cell. cut: the share of a tail without end that was cut off at
+    /// the last boundary; what hangs on it, such as the relaxation length, is then not told.
+    ///
+    /// asperity.law makes one of any distribution of scipy.stats.
+    Series(boundaries, coefficients, *, cut = 0.0) {
+        boundaries: Bound<'_, PyAny>, coefficients: Vec<Bound<'_, PyAny>>, cut: f64
+    } => series(&boundaries, &coefficients, cut)?;
     /// A weighted sum of laws: a list of pairs (weight, law), weights above 0 that sum to 1.
     Mixture(components) { components: Vec<(f64, AnyLaw)> } => scenario::Law::Mixture(
         components.into_iter().map(|(weight, law)| Component { weight, law: law.0 }).collect(),
@@ -211,6 +222,42 @@ fn table(
     }))
 }
 
+fn series(
+    boundaries: &Bound<'_, PyAny>,
+    coefficients: &[Bound<'_, PyAny>],
+    cut: f64,
+) -> PyResult<scenario::Law> {
+    let cell = |(cell, given): (usize, _)| convert::list(&format!("series.coefficients.{cell}"), given);
+    let coefficients = coefficients.iter().enumerate().map(cell).collect::<PyResult<_>>()?;
+    Ok(scenario::Law::Series {
+        boundaries: convert::list("series.boundaries", boundaries)?,
+        coefficients,
+        cut,
+    })
+}
+
+/// The law of a density that is called with arrays of points, as close as rounding lets it be.
+#[pyfunction(name = "_resolve")]
+pub fn resolve<'py>(density: &Bound<'py, PyAny>, boundaries: Vec<f64>) -> PyResult<Bound<'py, Series>> {
+    let py = density.py();
+    let mut raised = None;
+    let values = |points: &[f64]| {
+        let values = density.call1((PyArray1::from_slice(py, points),));
+        values.and_then(|values| convert::list("density", &values)).map_err(|error| {
+            raised = Some(error);
+            Error::Stopped
+        })
+    };
+    let resolved = law::Series::resolve(values, &boundaries, 1e-14);
+    let (law, _) = resolved.map_err(|error| raised.unwrap_or_else(|| error::core(error)))?;
+    let plain = scenario::Law::Series {
+        boundaries: law.boundaries().to_vec(),
+        coefficients: law.coefficients().iter().map(|cell| cell.to_vec()).collect(),
+        cut: law.cut(),
+    };
+    Bound::new(py, describe(plain)?.add_subclass(Series))
+}
+
 /// The class of a law.
 pub fn class<'py>(law: &scenario::Law, py: Python<'py>) -> Bound<'py, PyType> {
     match law {
@@ -222,6 +269,7 @@ pub fn class<'py>(law: &scenario::Law, py: Python<'py>) -> Bound<'py, PyType> {
         scenario::Law::Exponential { .. } => py.get_type::<Exponential>(),
         scenario::Law::Weibull { .. } => py.get_type::<Weibull>(),
         scenario::Law::Tabulated(_) => py.get_type::<Tabulated>(),
+        scenario::Law::Series { .. } => py.get_type::<Series>(),
         scenario::Law::Mixture(_) => py.get_type::<Mixture>(),
     }
 }
@@ -241,6 +289,11 @@ pub fn arguments(law: &scenario::Law, into: &Bound<'_, PyDict>) -> PyResult<()> 
         scenario::Law::Tabulated(Table { ref stretch, ref density, ref samples, .. }) => {
             let columns = [("stretch", stretch), ("density", density), ("samples", samples)];
             columns.into_iter().try_for_each(|(name, values)| given(into, name, values.as_ref()))
+        }
+        scenario::Law::Series { ref boundaries, ref coefficients, cut } => {
+            into.set_item("boundaries", boundaries)?;
+            into.set_item("coefficients", coefficients)?;
+            given(into, "cut", (cut > 0.0).then_some(cut))
         }
         scenario::Law::Mixture(ref components) => {
             let component =

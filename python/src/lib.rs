@@ -42,7 +42,8 @@ mod _core {
     };
     #[pymodule_export]
     use crate::law::{
-        Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Tabulated, Weibull,
+        Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Series, Tabulated,
+        Weibull, resolve,
     };
     #[pymodule_export]
     use crate::model::Model;

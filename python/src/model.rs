@@ -1,5 +1,6 @@
 //! What the models have in common: contacts, and how they start.
 
+use asperity::monitor::{Aside, Monitor};
 use asperity::population::Population;
 use asperity::{Result, ensemble, master, scenario};
 use pyo3::prelude::*;
@@ -87,10 +88,10 @@ impl<'a> Solver<'a> {
     }
 
     /// The contacts at X = 0, to be moved together.
-    pub fn population(self) -> Result<Box<dyn Population>> {
+    pub fn population(self, monitor: &mut dyn Monitor) -> Result<Box<dyn Population>> {
         Ok(match self {
             Self::MasterEquation(equation, tolerance) => Box::new(equation.population(tolerance)?),
-            Self::Ensemble(ensemble) => Box::new(ensemble.population()?),
+            Self::Ensemble(ensemble) => Box::new(ensemble.population(&mut Aside { fraction: 0.0, monitor })?),
         })
     }
 }

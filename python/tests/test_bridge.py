@@ -5,6 +5,7 @@ from typing import Any
 import asperity as asp
 import numpy as np
 import pytest
+from asperity._bridge import series
 from scipy import stats
 
 KNOWN: dict[str, tuple[Any, type[asp.Law]]] = {
@@ -31,6 +32,90 @@ def test_known_families_are_the_same_law(frozen: Any, kind: type[asp.Law]) -> No
     np.testing.assert_allclose(law.sf(x), frozen.sf(x), rtol=1e-12)
 
 
+# Smooth, with kinks and jumps, infinite at 0, ended by a root, with heavy tails, with several peaks.
+OTHERS: dict[str, Any] = {
+    "burr12": stats.burr12(10.0, 4.0),
+    "invgauss": stats.invgauss(0.1, scale=10.0),
+    "triang": stats.triang(0.3, loc=0.5),
+    "truncnorm": stats.truncnorm(-2.0, 2.0, loc=1.0, scale=0.1),
+    "truncnorm of a mean below 0": stats.truncnorm(0.5, np.inf, loc=-0.25, scale=0.5),
+    "beta": stats.beta(2.5, 3.5),
+    "fisk": stats.fisk(20.0),
+    "pareto": stats.pareto(5.0),
+    "rv_histogram": stats.rv_histogram(np.histogram([0.9, 1.0, 1.05, 1.1, 1.3], bins=4))(),
+    "moved weibull_min": stats.weibull_min(3.0, loc=0.3),
+    "chi2": stats.chi2(3.0),
+    "maxwell": stats.maxwell(),
+    "trapezoid": stats.trapezoid(0.3, 0.6),
+    "genextreme": stats.genextreme(0.2, loc=3.0, scale=0.3),
+    "skewnorm": stats.skewnorm(4.0, loc=1.0, scale=0.1),
+    "Mixture": stats.Mixture(
+        [stats.Normal(mu=1.0, sigma=0.02), stats.Normal(mu=2.0, sigma=0.1)], weights=[0.3, 0.7]
+    ),
+}
+
+
+@pytest.mark.parametrize("other", OTHERS.values(), ids=OTHERS.keys())
+def test_any_other_distribution_is_a_series(other: Any) -> None:
+    law = asp.law(other)
+    assert type(law) is asp.Series
+    x = law.ppf(np.linspace(0.01, 0.99, 99))
+    # Distribution functions of scipy.stats are right to 1e-13 or so, its densities to some roundings of x.
+    np.testing.assert_allclose(law.cdf(x), other.cdf(x), rtol=1e-11)
+    np.testing.assert_allclose(law.pdf(x), other.pdf(x), rtol=1e-9, atol=1e-12)
+    # At a false-alarm rate of 1e-6.
+    assert stats.kstest(law.rvs(20_000, seed=7), other.cdf).pvalue > 1e-6
+    theory = asp.MasterEquation(asp.Contacts(law))
+    pull = theory.pull(10.0 * law.mean(), 1001)
+    assert theory.steady_state().kinetic_friction == pytest.approx(
+        law.moment(2) / (2.0 * law.mean()), rel=1e-12
+    )
+    assert pull.accuracy < 1e-10
+
+
+@pytest.mark.parametrize("name", ["norm", "gamma", "weibull_min", "lognorm", "uniform"])
+def test_a_series_does_as_its_law_does(name: str) -> None:
+    frozen = KNOWN[name][0]
+    law, made = asp.law(frozen), series(frozen, name)
+    assert type(made) is asp.Series
+    own, other = (asp.MasterEquation(asp.Contacts(x), tolerance=1e-11) for x in (law, made))
+    ratio = other.steady_state().kinetic_friction / own.steady_state().kinetic_friction
+    assert ratio == pytest.approx(1.0, rel=1e-12)
+    force, reference = (theory.pull(20.0, 2001).force for theory in (other, own))
+    np.testing.assert_allclose(force, reference, rtol=0.0, atol=1e-10)
+
+
+def test_a_law_whose_tail_was_cut_off_claims_nothing_of_it() -> None:
+    relaxation = asp.MasterEquation(asp.Contacts(asp.law(stats.fisk(4.0)))).relaxation()
+    assert np.isnan(relaxation.length)
+
+
+class Strange:
+    """A distribution whose pdf goes wrong somehow."""
+
+    def __init__(self, pdf: Any, cdf: Any = stats.uniform.cdf) -> None:
+        self.pdf, self.cdf = pdf, cdf
+
+    def support(self) -> tuple[float, float]:
+        return 0.0, 1.0
+
+
+@pytest.mark.parametrize(
+    ("pdf", "error", "text"),
+    [
+        (lambda x: np.full_like(x, -1.0), ValueError, "density: expected a finite density of 0 or above"),
+        (lambda x: x[:3], ValueError, "one for each point, got 3"),
+        (lambda x: 2.0 * x, ValueError, "a pdf and a cdf that agree, got Strange, where they are 0.25 apart"),
+        (lambda x: 1.0 + 0.1 * np.sin(1e9 * x), RuntimeError, "the density as a series"),
+        (lambda x: x.dense, AttributeError, "no attribute 'dense'"),
+        (lambda _: "dense", TypeError, "density"),
+    ],
+)
+def test_a_pdf_that_goes_wrong_says_how(pdf: Any, error: type[Exception], text: str) -> None:
+    with pytest.raises(error, match=text):
+        asp.law(Strange(pdf))  # type: ignore[arg-type]
+
+
 def test_laws_and_samples() -> None:
     law = asp.Gamma(1.0, 0.2)
     assert asp.law(law) is law
@@ -47,7 +132,9 @@ def test_arguments_that_are_laws_may_be_what_law_takes() -> None:
     ("wrong", "error", "text"),
     [
         (stats.norm, TypeError, "not frozen"),
-        (stats.norm(0.1, 0.025), ValueError, "share 3.17e-05 below"),
+        (stats.norm(0.1, 0.025), ValueError, r"share 3.17e-05 below \(Gaussian cuts it\)"),
+        (stats.beta(0.5, 0.5), RuntimeError, "the density as a series"),
+        (stats.halfcauchy(), ValueError, "second moment finite"),
         (stats.norm([1.0, 2.0], 0.1), ValueError, "arrays"),
         (stats.uniform(-0.5, 1.0), ValueError, "share 0.5 below"),
         (stats.poisson(3.0), ValueError, "poisson"),

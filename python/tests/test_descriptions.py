@@ -17,6 +17,8 @@ LAWS: list[asp.Law] = [
     asp.Weibull(12.0, 1e-7),
     asp.Tabulated(stretch=[0.0, 0.1, 1.0], density=[0.0, 3.0, 1.0]),
     asp.Tabulated(samples=[0.9, 1.1, 1.0]),
+    asp.Series([0.0, 1.0, 3.0], [[0.5], [0.25, -0.25]]),
+    asp.Series([0.0, 1.0], [[1.0]], cut=1e-40),
     asp.Mixture([(0.25, asp.Point(1.0)), (0.75, asp.Gaussian(2.0, 0.5))]),
 ]
 AREAS = asp.Areas(asp.Gamma(1.0, 0.5), modulus=2.0, strength=3.0)

@@ -12,6 +12,7 @@ import pytest
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "fig2.toml"
 GAUSSIAN = asp.Contacts(asp.Gaussian(1.0, 0.05))
 EVEN = asp.Contacts(asp.Exponential(1.0))
+SAMPLES = asp.Tabulated(samples=asp.Gaussian(1.0, 0.05).rvs(40, seed=1))
 SOON = 0.2
 
 LONG: dict[str, Callable[[], object]] = {
@@ -20,9 +21,12 @@ LONG: dict[str, Callable[[], object]] = {
     "far": lambda: asp.Ensemble(GAUSSIAN, size=10**6).pull(1e6),
     "gamma": lambda: asp.Ensemble(asp.Contacts(asp.Gamma(1.0, 0.5)), size=10**9).pull(100.0),
     "master equation": lambda: asp.MasterEquation(GAUSSIAN, tolerance=1e-12).pull(1e7, 100_001),
+    "samples": lambda: asp.MasterEquation(asp.Contacts(SAMPLES)).pull(20.0),
     "block": lambda: asp.Block(asp.MasterEquation(GAUSSIAN), 1.0, "overdamped").drive(1e7),
     "inertial block": lambda: asp.Block(asp.MasterEquation(GAUSSIAN), 1.0, asp.Inertial(1.0)).drive(1e7),
     "avalanches": lambda: asp.Block(asp.Ensemble(GAUSSIAN, size=10**6), 1.0, "arrest").drive(1e7),
+    "drawing": lambda: asp.Block(asp.Ensemble(GAUSSIAN, size=10**7), 1.0).drive(1e7),
+    "resets": lambda: asp.Block(asp.Ensemble(GAUSSIAN, size=2 * 10**6), 0.1).drive(1e7),
     "imposed force": lambda: asp.Block(asp.Ensemble(EVEN, size=10**6), None).drive(force_to=0.999),
     "scenario": lambda: asp.run(SCENARIO, {"ensemble.size": 10**9}),
 }

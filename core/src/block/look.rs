@@ -1,6 +1,7 @@
 //! Looking ahead on the way of a population: where a balance is lost, where it is found again.
 
 use crate::Result;
+use crate::monitor::Monitor;
 use crate::numerics::legendre::{NODES, RULE};
 use crate::numerics::roots::{brent_minimum, brent_root};
 use crate::population::{Books, Direction, Population, Response, Way};
@@ -79,9 +80,9 @@ impl<'a> Look<'a> {
     }
 
     /// Breaks all contacts.
-    pub fn reset(&mut self) -> Result<()> {
+    pub fn reset(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         self.current = false;
-        self.population.reset(self.direction)
+        self.population.reset(self.direction, monitor)
     }
 
     /// Lets what breaks stay free.

@@ -114,7 +114,7 @@ impl Walk<'_> {
 
     fn renew(&mut self, drive: f64, direction: Direction) -> Result<bool> {
         let loading = self.look.loading;
-        self.look.reset()?;
+        self.break_all()?;
         self.look.towards(direction)?;
         let Loading::Spring(stiffness) = loading else { return Ok(false) };
         let position = drive - self.look.here.force / stiffness;

@@ -6,7 +6,7 @@ use super::run::length;
 use super::trace::{Course, Point};
 use super::{Block, Energy, Loading};
 use crate::Result;
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Aside, Monitor, report};
 use crate::population::{Books, Direction, Population};
 
 /// Ways between two reports to the monitor.
@@ -131,6 +131,11 @@ impl<'a> Walk<'a> {
             report(self.monitor, self.told)?;
         }
         self.look.towards(direction)
+    }
+
+    /// Breaks all contacts.
+    pub fn break_all(&mut self) -> Result<()> {
+        self.look.reset(&mut Aside { fraction: self.told, monitor: self.monitor })
     }
 
     /// Brings the drive through the values asked for; where the slider runs away on the way, from where.

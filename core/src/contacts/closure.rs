@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Maturing;
+use crate::Result;
 use crate::law::{Break, Series, SharedLaw};
 use crate::numerics::diffusion::Diffusion;
 use crate::numerics::piecewise::{Piecewise, Resolution};
@@ -26,12 +27,15 @@ pub struct Closure<'a> {
 
 impl Closure<'_> {
     /// P_c.
-    pub fn law(&self) -> SharedLaw {
+    ///
+    /// # Errors
+    /// A density that could not be solved for.
+    pub fn law(&self) -> Result<SharedLaw> {
         let levels = [1, 2, 4].map(|fine| self.solved(COARSEST * fine));
         let masses: Vec<f64> =
             (0..COARSEST).map(|i| extrapolated(levels.each_ref().map(|l| l.1[i]))).collect();
         let mean = extrapolated(levels.each_ref().map(|level| level.0));
-        Arc::new(self.series(&masses, mean))
+        Ok(Arc::new(self.series(&masses, mean)?))
     }
 
     /// C and the masses, summed over what are [`COARSEST`] cells.
@@ -50,7 +54,7 @@ impl Closure<'_> {
     }
 
     /// The law of a mean C that has these masses.
-    fn series(&self, masses: &[f64], mean: f64) -> Series {
+    fn series(&self, masses: &[f64], mean: f64) -> Result<Series> {
         let (low, high) = self.maturing.support;
         let width = (high - low) / masses.len() as f64;
         let most = masses.iter().fold(0.0_f64, |most, &mass| most.max(mass));
@@ -68,7 +72,7 @@ impl Closure<'_> {
         let edges: Vec<f64> = breaks.iter().map(|b| b.position).collect();
         let resolution = Resolution::Relative { fraction: 1e-9, negligible: 1e-9 * most / width };
         let density = Piecewise::resolve(density, &edges, end, resolution).part(start, end);
-        Series::new(density, breaks, self.maturing.resolution().min(spread.sqrt()))
+        Series::solved(density, breaks, self.maturing.resolution().min(spread.sqrt()))
     }
 }
 

@@ -7,6 +7,7 @@ use super::lives::Lives;
 use super::queue::{Contact, Queue};
 use super::sums::Sums;
 use crate::contacts::Stiffness;
+use crate::monitor::{Aside, Monitor, report};
 use crate::numerics::compensated::Compensated;
 use crate::population::{Books, Direction, Population, Response, Way};
 use crate::{Error, Result};
@@ -16,6 +17,9 @@ const BYTES: usize = 16 << 30;
 
 /// Contacts drawn together by one thread.
 const CHUNK: usize = 1 << 12;
+
+/// Contacts dealt with between two reports to a monitor.
+const SLICE: usize = 1 << 18;
 
 /// Mean thresholds that the slider may go before the sums are made anew: so rarely that it costs nothing, so often
 /// that cancellation takes no more than two digits.
@@ -60,8 +64,8 @@ impl Ensemble {
     /// The contacts at X = 0, to be moved. What stands at its threshold in a relaxed start has broken.
     ///
     /// # Errors
-    /// More contacts than fit in 16 GiB.
-    pub fn population(&self) -> Result<EnsemblePopulation> {
+    /// Contacts that know time; more of them than fit in 16 GiB; stopped by the monitor.
+    pub fn population(&self, monitor: &mut dyn Monitor) -> Result<EnsemblePopulation> {
         if let Some(rule) = self.rule_of_time() {
             let expected = "contacts that know no time, since a population is moved without one";
             return Err(Error::invalid(rule, expected, "a rule of time"));
@@ -88,14 +92,15 @@ impl Ensemble {
             breaks: 0,
             scale: unit * self.contacts.count / self.size as f64,
         };
-        population.place(newborn(&population.lives, self.size));
+        let contacts = newborn(&population.lives, self.size, monitor)?;
+        population.place(contacts, &mut Aside { fraction: 1.0, monitor })?;
         population.cross()?;
         Ok(population)
     }
 }
 
 /// Contacts as they are at X = 0.
-fn newborn(lives: &Lives, size: usize) -> Vec<Contact> {
+fn newborn(lives: &Lives, size: usize, monitor: &mut dyn Monitor) -> Result<Vec<Contact>> {
     let contact = |lives: &mut Lives, index: usize| {
         let life = lives.first(index as u64);
         Contact {
@@ -105,7 +110,14 @@ fn newborn(lives: &Lives, size: usize) -> Vec<Contact> {
             drawn: lives.drawn(),
         }
     };
-    (0..size).into_par_iter().with_min_len(CHUNK).map_init(|| lives.clone(), contact).collect()
+    let mut contacts = Vec::with_capacity(size);
+    while contacts.len() < size {
+        report(monitor, contacts.len() as f64 / size as f64)?;
+        let slice = contacts.len()..size.min(contacts.len() + SLICE);
+        let drawn = slice.into_par_iter().with_min_len(CHUNK).map_init(|| lives.clone(), contact);
+        contacts.par_extend(drawn);
+    }
+    Ok(contacts)
 }
 
 /// Gives a contact that broke its next life, at a slider's position.
@@ -124,10 +136,16 @@ impl EnsemblePopulation {
     }
 
     /// Replaces what is attached.
-    fn place(&mut self, contacts: Vec<Contact>) {
-        self.sums.renew(self.position, contacts.iter());
+    fn place(&mut self, contacts: Vec<Contact>, monitor: &mut dyn Monitor) -> Result<()> {
+        self.sums.renew(self.position, [].iter());
+        self.back = f64::NEG_INFINITY;
+        for (done, slice) in contacts.chunks(SLICE).enumerate() {
+            report(monitor, (done * SLICE) as f64 / contacts.len() as f64)?;
+            slice.iter().for_each(|contact| self.sums.add(contact));
+            self.back = slice.iter().map(Contact::back).fold(self.back, f64::max);
+        }
         self.queue = Queue::of(contacts);
-        self.look_back();
+        Ok(())
     }
 
     /// Finds where the next break is on the way back.
@@ -136,12 +154,12 @@ impl EnsemblePopulation {
     }
 
     /// Looks the other way: the mirror image of all there is.
-    fn turn(&mut self) {
+    fn turn(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         self.facing = self.facing.reversed();
         self.position = -self.position;
         let mut contacts = self.queue.drain();
         contacts.iter_mut().for_each(|contact| contact.origin = -contact.origin);
-        self.place(contacts);
+        self.place(contacts, monitor)
     }
 
     /// Where the next break is ahead.
@@ -160,25 +178,34 @@ impl EnsemblePopulation {
         self.breaks += 1;
     }
 
-    /// Re-forms what is free.
-    fn join(&mut self) {
+    /// Re-forms what is free; the monitor hears how much of it, between the fraction `from` and 1.
+    fn join(&mut self, from: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let (lives, position) = (&mut self.lives, self.position);
-        if self.free.len() < CHUNK {
-            self.free.iter_mut().for_each(|contact| reform(contact, lives, position));
-        } else {
+        let each = (1.0 - from) / (2 * self.free.len().max(1)) as f64;
+        for (done, slice) in self.free.chunks_mut(SLICE).enumerate() {
+            if done > 0 {
+                report(monitor, from + each * (done * SLICE) as f64)?;
+            }
+            if slice.len() < CHUNK {
+                slice.iter_mut().for_each(|contact| reform(contact, lives, position));
+                continue;
+            }
             let own = || lives.clone();
-            let chunks = self.free.par_chunks_mut(CHUNK);
-            chunks.for_each_init(own, |lives, chunk| {
+            slice.par_chunks_mut(CHUNK).for_each_init(own, |lives, chunk| {
                 chunk.iter_mut().for_each(|contact| reform(contact, lives, position))
             });
         }
-        for contact in self.free.drain(..) {
+        for (done, contact) in self.free.drain(..).enumerate() {
+            if done % SLICE == SLICE - 1 {
+                report(monitor, 0.5 * (1.0 + from) + each * done as f64)?;
+            }
             self.lost.add(-self.sums.energy(&contact, position));
             self.sums.add(&contact);
             self.back = self.back.max(contact.back());
             self.queue.push(contact);
         }
         self.free.shrink_to(CHUNK);
+        Ok(())
     }
 }
 
@@ -195,7 +222,7 @@ impl Population for EnsemblePopulation {
             if self.position > self.back {
                 return Ok(Way { length: self.position - self.back, straight: true, breaks: false });
             }
-            self.turn();
+            self.turn(&mut ())?;
         }
         let end = self.end();
         Ok(Way { length: end - self.position, straight: true, breaks: end < f64::INFINITY })
@@ -230,22 +257,22 @@ impl Population for EnsemblePopulation {
             self.part(&contact);
             self.free.push(contact);
         }
-        if !self.held {
-            self.join();
-        }
-        Ok(())
+        if self.held { Ok(()) } else { self.join(0.0, &mut ()) }
     }
 
-    fn reset(&mut self, direction: Direction) -> Result<()> {
+    fn reset(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<()> {
         if direction != self.facing {
-            self.turn();
+            self.turn(&mut Aside { fraction: 0.0, monitor })?;
         }
         let mut contacts = self.queue.drain();
-        contacts.iter().for_each(|contact| self.part(contact));
+        for (done, slice) in contacts.chunks(SLICE).enumerate() {
+            report(monitor, (done * SLICE) as f64 / (3 * contacts.len()) as f64)?;
+            slice.iter().for_each(|contact| self.part(contact));
+        }
         contacts.append(&mut self.free);
         self.free = contacts;
-        (self.back, self.moved) = (f64::NEG_INFINITY, direction);
-        self.release()
+        (self.back, self.moved, self.held) = (f64::NEG_INFINITY, direction, false);
+        self.join(1.0 / 3.0, monitor)
     }
 
     fn hold(&mut self) -> Result<()> {
@@ -256,10 +283,9 @@ impl Population for EnsemblePopulation {
     fn release(&mut self) -> Result<()> {
         self.held = false;
         if self.moved != self.facing && !self.free.is_empty() {
-            self.turn();
+            self.turn(&mut ())?;
         }
-        self.join();
-        Ok(())
+        self.join(0.0, &mut ())
     }
 
     fn books(&self) -> Books {
@@ -293,7 +319,7 @@ mod tests {
         let contacts =
             Contacts { stiffness: Stiffness::PerThreshold(1.0), ..Contacts::new(thresholds, reforming) };
         let ensemble = Ensemble::new(contacts, initial, 20_000, 1, Disorder::Annealed).unwrap();
-        let mut population = ensemble.population().unwrap();
+        let mut population = ensemble.population(&mut ()).unwrap();
         population.span = 50.0;
         while population.books().broken < 45.0 {
             let way = population.way(Direction::Forward).unwrap();

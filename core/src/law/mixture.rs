@@ -176,12 +176,20 @@ impl Law for Mixture {
         self.components.iter().flat_map(|(_, law)| law.zones()).collect()
     }
 
+    fn seams(&self) -> Vec<f64> {
+        self.components.iter().flat_map(|(_, law)| law.seams()).collect()
+    }
+
     fn laplace_is_closed(&self) -> bool {
         self.components.iter().all(|(_, law)| law.laplace_is_closed())
     }
 
     fn decay_rate(&self) -> f64 {
         self.components.iter().map(|(_, law)| law.decay_rate()).fold(f64::INFINITY, f64::min)
+    }
+
+    fn known_rate(&self) -> f64 {
+        self.components.iter().map(|(_, law)| law.known_rate()).fold(f64::INFINITY, f64::min)
     }
 
     fn laplace(&self, s: Complex64) -> Complex64 {

@@ -17,6 +17,7 @@ mod normal;
 mod point;
 mod quadrature;
 mod rectangular;
+mod refine;
 mod root;
 mod series;
 mod tabulated;
@@ -79,6 +80,9 @@ pub struct Zone {
 const ALL: f64 = 1e-18;
 
 impl Zone {
+    /// Cells of 16 terms that are this many resolutions wide leave out 1e-14 of a Gaussian.
+    pub(crate) const CELL: f64 = 1.4;
+
     /// The zone from `low` to `high`, at most ten standard deviations above the mean.
     fn of(low: f64, high: f64, mean: f64, std: f64) -> Self {
         Self { low, high: high.min(mean + 10.0 * std), resolution: std }
@@ -148,8 +152,20 @@ pub trait Law: Debug + Send + Sync {
         vec![Zone::of(self.quantile(ALL), self.upper_quantile(ALL), self.mean(), self.std())]
     }
 
+    /// Where a density that is given piece by piece goes over from one piece to the next, smoothly or not: between them it
+    /// can be followed more closely than across.
+    fn seams(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// The rate λ of an exponential tail, S(x) ~ exp(−λx): infinite where S falls faster, 0 where it falls slower.
     fn decay_rate(&self) -> f64 {
+        f64::INFINITY
+    }
+
+    /// The rate λ such that the law tells what hangs on e^{λξ}: infinite but for a law whose tail was cut off, of which
+    /// nothing is claimed that decays faster than exp(−λX).
+    fn known_rate(&self) -> f64 {
         f64::INFINITY
     }
 

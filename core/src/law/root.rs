@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::quadrature::between;
-use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, positive, shared};
+use super::{ALL, Atom, Break, Law, Parameter, SharedLaw, Zone, positive, shared};
 use crate::Result;
 use crate::numerics::legendre::RULE;
 use crate::random::Stream;
@@ -252,6 +252,10 @@ impl Law for Root {
         self.areas.zones().into_iter().map(root).collect()
     }
 
+    fn seams(&self) -> Vec<f64> {
+        self.areas.seams().into_iter().map(|area| self.factor * area.sqrt()).collect()
+    }
+
     fn laplace_is_closed(&self) -> bool {
         false
     }
@@ -260,6 +264,17 @@ impl Law for Root {
     /// than exponential (λ = 0) is taken to leave a root with one, too.
     fn decay_rate(&self) -> f64 {
         if self.areas.decay_rate() > 0.0 { f64::INFINITY } else { 0.0 }
+    }
+
+    /// From where a tail of A is cut, at A₀, e^{λx} stays below the e^{λ_A A} up to which it is known, if
+    /// λ = λ_A A₀/x₀.
+    fn known_rate(&self) -> f64 {
+        let (rate, top) = (self.areas.known_rate(), self.areas.upper_quantile(0.0));
+        if rate == f64::INFINITY {
+            return rate;
+        }
+        let cut = if top.is_finite() { top } else { self.areas.upper_quantile(ALL) };
+        rate * cut.sqrt() / self.factor
     }
 
     /// ∫ e^{−sx} dP by quadrature, where the integral converges; for Re s < 0 and a tail without end heavier

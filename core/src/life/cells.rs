@@ -25,10 +25,18 @@ impl Detail {
     pub(super) const fn tails(negligible: f64) -> Self {
         Self { resolution: Resolution::Relative { fraction: 1e-13, negligible }, negligible }
     }
+
+    /// Where cells have to end: across its seams a density is not itself to 1e-13.
+    pub(super) fn seams(self, law: &dyn Law) -> Vec<f64> {
+        match self.resolution {
+            Resolution::Mean(_) => Vec::new(),
+            Resolution::Relative { .. } => law.seams(),
+        }
+    }
 }
 
-/// Width of the cells to begin with, in units of a zone's resolution: a Gaussian is then left out to 1e-14.
-pub(super) const CELL: f64 = 1.4;
+/// Width of the cells to begin with, in units of a zone's resolution.
+pub(super) const CELL: f64 = Zone::CELL;
 
 /// Where a smooth curve begins or ends, breaks are told of this many derivatives, the value among them.
 pub(crate) const ORDERS: usize = 4;
@@ -76,9 +84,10 @@ pub(super) fn edges(zones: &[Zone], breaks: &[f64], end: f64) -> Vec<f64> {
 
 /// The density of a law.
 pub(super) fn resolved(law: &dyn Law, detail: Detail) -> Piecewise {
-    let breaks: Vec<f64> = with_atoms(law).iter().map(|b| b.position).collect();
+    let breaks = with_atoms(law).into_iter().map(|b| b.position);
+    let stops: Vec<f64> = breaks.chain(detail.seams(law)).collect();
     let end = top(law, detail.negligible);
-    let edges = edges(&law.zones(), &breaks, end);
+    let edges = edges(&law.zones(), &stops, end);
     Piecewise::resolve(|x| law.density(x), &edges, end, detail.resolution)
 }
 

@@ -1,7 +1,5 @@
 //! The transform of the breaking density far left in the complex plane, where it hangs on the tails of the laws.
 
-use std::f64::consts::FRAC_PI_4;
-
 use num_complex::Complex64;
 
 use super::breaking::Breaking;
@@ -26,6 +24,8 @@ pub(crate) struct Continuation {
     /// e^{edge·v} φ(−v).
     before: Kernel,
     edge: f64,
+    /// Up to which rate the law of thresholds tells its tail.
+    known_rate: f64,
 }
 
 /// P_c as its transform is best found.
@@ -61,24 +61,24 @@ impl Continuation {
         let before = Kernel::new(curve, breaks);
         let atoms = unbounded.all_breaks().into_iter().filter(Break::is_atom).collect();
         let births = Kernel::new(unbounded.density, atoms);
-        Self { thresholds: Thresholds::new(&contacts.thresholds), births, before, edge }
+        let (thresholds, known_rate) = (Thresholds::new(&contacts.thresholds), thresholds.known_rate());
+        Self { thresholds, births, before, edge, known_rate }
     }
 
-    /// φ̂(s) and φ̂'(s).
-    pub(crate) fn transform(&self, s: Complex64) -> (Complex64, Complex64) {
-        let (law, births) = (self.thresholds.transform(s), self.births.transform(-s));
-        let before = self.before.transform(self.edge - s);
-        (law.0 * births.0 - before.0, law.1 * births.0 - law.0 * births.1 + before.1)
+    /// φ̂(s).
+    pub(crate) fn transform(&self, s: Complex64) -> Complex64 {
+        self.thresholds.transform(s) * self.births.transform(-s).0 - self.before.transform(self.edge - s).0
     }
 
     /// Re s down to which it holds.
     pub(crate) fn leftmost(&self) -> f64 {
-        match &self.thresholds {
+        let leftmost = match &self.thresholds {
             Thresholds::Law(law) if law.decay_rate() > 0.0 => -law.decay_rate(),
             Thresholds::Law(_) => f64::NEG_INFINITY,
             // What is left out is 1e-16 of what e^{−sx} lifts.
             Thresholds::Resolved(kernel) => (DEEPEST.ln() + 37.0) / kernel.curve().end(),
-        }
+        };
+        leftmost.max(-self.known_rate)
     }
 }
 
@@ -103,18 +103,11 @@ impl Thresholds {
         Self::Resolved(Kernel::new(resolved(law.as_ref(), Detail::tails(DEEPEST)), breaks))
     }
 
-    /// P̂_c(s) and P̂_c'(s).
-    fn transform(&self, s: Complex64) -> (Complex64, Complex64) {
+    /// P̂_c(s).
+    fn transform(&self, s: Complex64) -> Complex64 {
         match self {
-            Self::Law(law) => (law.laplace(s), slope(law.as_ref(), s)),
-            Self::Resolved(kernel) => kernel.transform(s),
+            Self::Law(law) => law.laplace(s),
+            Self::Resolved(kernel) => kernel.transform(s).0,
         }
     }
-}
-
-/// P̂_c'(s) by Cauchy's formula on eight points around s, exact to the eighth order.
-fn slope(law: &dyn Law, s: Complex64) -> Complex64 {
-    let radius = 0.02 / law.mean();
-    let around = (0..8).map(|k| Complex64::from_polar(radius, f64::from(k) * FRAC_PI_4));
-    around.map(|h| law.laplace(s + h) / h).sum::<Complex64>() / 8.0
 }

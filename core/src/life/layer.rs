@@ -71,7 +71,7 @@ impl Layer {
         }
         let mut density = Piecewise::default();
         if !starts.zones().is_empty() {
-            let stops: Vec<f64> = breaks.iter().map(|b| b.position).collect();
+            let stops: Vec<f64> = breaks.iter().map(|b| b.position).chain(detail.seams(starts)).collect();
             let edges = edges(&starts.zones(), &stops, end);
             density = Piecewise::resolve(|r| starts.density(r) / over(r), &edges, end, detail.resolution);
             density = density.part(starts.quantile(0.0), end);

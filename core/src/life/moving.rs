@@ -32,7 +32,7 @@ pub fn moving(
             of_cohorts(contacts, diffusing, starts.as_ref(), conditional)
         }
         (Some(Ageing::MeanField { .. }), Some(maturing)) => {
-            let thresholds = Closure { maturing: &maturing, velocity }.law();
+            let thresholds = Closure { maturing: &maturing, velocity }.law()?;
             athermal(&Contacts { thresholds, ..contacts.clone() }, starts, conditional)
         }
         (None, _) if !thermal => athermal(contacts, starts, conditional),

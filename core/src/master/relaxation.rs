@@ -1,5 +1,7 @@
 //! Relaxation to steady sliding: the spectrum of exponents, and the force far out from it.
 
+use std::f64::consts::FRAC_PI_4;
+
 use num_complex::Complex64;
 
 use crate::contacts::Contacts;
@@ -56,7 +58,7 @@ impl Relaxation {
             None => f64::NAN,
         };
         let terms = transform.terms(&roots, first);
-        let valid_from = valid_from(&terms, &roots, rate, first, reborn);
+        let valid_from = valid_from(&terms, &roots, rate.min(law.known_rate()), first, reborn);
         Self {
             roots,
             terms: terms.into_iter().map(|t| Term { amplitude: stiffness * t.amplitude, ..t }).collect(),
@@ -67,7 +69,8 @@ impl Relaxation {
         }
     }
 
-    /// Relaxation length X*, infinite where the force never settles; NaN where no root is found.
+    /// Relaxation length X*, infinite where the force never settles; NaN where no root is found, or where a tail that was
+    /// cut off may rule ([`crate::law::Law::known_rate`]).
     pub fn length(&self) -> f64 {
         self.length
     }
@@ -95,7 +98,7 @@ impl Relaxation {
     }
 }
 
-/// Where the first term left out, and an exponential tail of the thresholds, have faded.
+/// Where the first term left out, and an exponential tail of the thresholds or what is not known of it, have faded.
 fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, reborn: &Life) -> f64 {
     let undamped = |s: &Complex64| -s.re < UNDAMPED * s.norm();
     if rate == 0.0 || roots.iter().any(undamped) {
@@ -146,17 +149,29 @@ impl<'a> Transform<'a> {
         }
     }
 
-    /// φ̂(s) and φ̂'(s).
-    fn breaking(&self, s: Complex64) -> (Complex64, Complex64) {
-        match &self.continuation {
-            Some(continuation) if self.everywhere || s.re < self.known => continuation.transform(s),
-            _ => self.reborn.breaking().transform(s),
-        }
+    /// What gives the transform: the laws, or else the life.
+    fn laws(&self, s: Complex64) -> Option<&Continuation> {
+        self.continuation.as_ref().filter(|_| self.everywhere || s.re < self.known)
+    }
+
+    /// φ̂(s).
+    fn breaking(&self, s: Complex64) -> Complex64 {
+        self.laws(s).map_or_else(|| self.reborn.breaking().transform(s).0, |laws| laws.transform(s))
+    }
+
+    /// φ̂'(s); of the continuation by Cauchy's formula on eight points around s, exact to the eighth order.
+    fn slope(&self, s: Complex64) -> Complex64 {
+        let Some(laws) = self.laws(s) else {
+            return self.reborn.breaking().transform(s).1;
+        };
+        let radius = 0.02 / self.mean;
+        let around = (0..8).map(|k| Complex64::from_polar(radius, f64::from(k) * FRAC_PI_4));
+        around.map(|h| laws.transform(s + h) / h).sum::<Complex64>() / 8.0
     }
 
     /// (1 − φ̂(s))/s, the transform of survival: its zeros are the roots, without the one at 0.
     fn survival(&self, s: Complex64) -> Complex64 {
-        (1.0 - self.breaking(s).0) / s
+        (1.0 - self.breaking(s)) / s
     }
 
     /// Where terms of the expansion stop: their amplitudes would be of what the lives leave out.
@@ -164,22 +179,24 @@ impl<'a> Transform<'a> {
         -25.0 / self.reborn.force().curve().end()
     }
 
-    /// Newton's method for ln φ̂, nearly a polynomial where φ̂ is large, from a guess; a root in the upper half plane left
-    /// of the axis, right of `leftmost`.
+    /// The secant method for ln φ̂, nearly a polynomial where φ̂ is large, from a guess; a root in the upper half plane
+    /// left of the axis, right of `leftmost`.
     fn polish(&self, guess: Complex64) -> Option<Complex64> {
-        let mut s = guess;
-        for _ in 0..40 {
-            let (value, slope) = self.breaking(s);
-            let step = value.ln() * value / slope;
+        let mut before = (guess, self.breaking(guess));
+        let mut s = guess + 1e-3 / self.mean;
+        for _ in 0..60 {
+            let value = self.breaking(s);
+            let step = value.ln() * (s - before.0) / (value / before.1).ln();
             if !step.is_finite() || step.norm() > 4.0 / self.mean {
                 return None;
             }
+            before = (s, value);
             s -= step;
             if step.norm() < 1e-14 * s.norm() {
                 break;
             }
         }
-        let residue = (self.breaking(s).0 - 1.0).norm();
+        let residue = (self.breaking(s) - 1.0).norm();
         let inside = s.im * self.mean > 1e-3 && s.re < 1e-9 / self.mean && s.re > self.leftmost;
         (inside && residue < 1e-10).then_some(s)
     }
@@ -210,7 +227,7 @@ impl<'a> Transform<'a> {
         let top = HARMONICS * std::f64::consts::TAU / self.mean;
         let step = 0.3 / (self.mean * f64::from(density));
         let axis: Vec<f64> = (0..=(top / step) as usize)
-            .map(|k| (1.0 - self.breaking(Complex64::new(0.0, (k + 1) as f64 * step)).0).norm())
+            .map(|k| (1.0 - self.breaking(Complex64::new(0.0, (k + 1) as f64 * step))).norm())
             .collect();
         let dips =
             (1..axis.len().saturating_sub(1)).filter(|&k| axis[k] <= axis[k - 1] && axis[k] < axis[k + 1]);
@@ -287,7 +304,7 @@ impl<'a> Transform<'a> {
         let term = |&s: &Complex64| {
             let source = first.breaking().transform(s).0;
             let force = self.reborn.force().curve().transform(s).0;
-            Term { exponent: s, amplitude: -source * force / self.breaking(s).1 }
+            Term { exponent: s, amplitude: -source * force / self.slope(s) }
         };
         resolved.map(term).collect()
     }

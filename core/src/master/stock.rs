@@ -8,6 +8,7 @@ use super::interface::Interface;
 use super::{MasterEquation, check};
 use crate::Result;
 use crate::life::{Layer, Sums};
+use crate::monitor::Monitor;
 use crate::population::{Books, Direction, Population, Response, Way};
 
 /// The contacts of a master equation as a [`Population`].
@@ -312,7 +313,7 @@ impl Population for Stock {
         self.go_over(true)
     }
 
-    fn reset(&mut self, direction: Direction) -> Result<()> {
+    fn reset(&mut self, direction: Direction, _monitor: &mut dyn Monitor) -> Result<()> {
         let fresh = self.interface.fresh()?;
         let released = self.account().elastic - self.interface.newborn_energy();
         self.settle();

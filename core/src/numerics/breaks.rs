@@ -3,6 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
 
 /// A point mass: `weight` at `position`.
@@ -114,12 +115,14 @@ impl Ord for Queued {
 /// Breaks for which `matters` is false are left out, with all that follows from them; atoms never are.
 ///
 /// # Errors
-/// [`Error::TooLarge`] where more than a million would have to be kept.
+/// [`Error::TooLarge`] where more than a million would have to be kept; [`Error::Stopped`] by the monitor, who hears
+/// nothing but 0.
 pub fn renewed(
     source: &[Break],
     kernel: &[Break],
     end: f64,
     matters: impl Fn(&Break) -> bool,
+    monitor: &mut dyn Monitor,
 ) -> Result<Vec<Break>> {
     let wanted = |b: &Break| b.position <= end && (b.is_atom() || matters(b));
     let mut queue: BinaryHeap<_> =
@@ -140,6 +143,9 @@ pub fn renewed(
         queue.extend(aside.into_iter().map(|b| Reverse(Queued(Break { position: next.position, ..b }))));
         queue.extend(kernel.iter().map(|&k| k.convolve(next)).filter(wanted).map(|b| Reverse(Queued(b))));
         found.push(next);
+        if found.len().is_multiple_of(1024) {
+            report(monitor, 0.0)?;
+        }
         if found.len() + queue.len() > MOST {
             return Err(Error::TooLarge {
                 what: "the points at which contacts break together".into(),
@@ -162,7 +168,7 @@ mod tests {
     #[test]
     fn commensurate_atoms_merge_whatever_the_rounding() {
         let kernel = [atom(0.1, 0.5), atom(0.2, 0.5)];
-        let found = renewed(&kernel, &kernel, 10.0, |_| true).unwrap();
+        let found = renewed(&kernel, &kernel, 10.0, |_| true, &mut ()).unwrap();
         assert_eq!(found.len(), 100);
         // The renewal theorem: the weight per step of 0.1 tends to 0.1 / mean = 2/3.
         assert!((found[99].amplitude - 2.0 / 3.0).abs() < 1e-14);
@@ -171,7 +177,7 @@ mod tests {
     #[test]
     fn jumps_become_kinks_and_fade_by_order() {
         let jump = Break { position: 1.0, exponent: 0.0, amplitude: 2.0 };
-        let found = renewed(&[jump], &[jump], 10.0, |b| b.exponent < 3.0).unwrap();
+        let found = renewed(&[jump], &[jump], 10.0, |b| b.exponent < 3.0, &mut ()).unwrap();
         let expected = [(1.0, 0.0, 2.0), (2.0, 1.0, 4.0), (3.0, 2.0, 8.0)];
         let got: Vec<_> = found.iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
         assert_eq!(got, expected);

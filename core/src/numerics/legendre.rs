@@ -156,6 +156,14 @@ const CLENSHAW: [(f64, f64); NODES] = {
     factors
 };
 
+/// The derivative of P_n of the given order at t = 1 (`side` = 1) or t = −1 (`side` = −1):
+/// (±1)^{n+d} (n+d)!/(2^d d! (n−d)!).
+pub fn end_derivative(n: usize, order: u32, side: f64) -> f64 {
+    let (n, d) = (n as i32, order as i32);
+    let magnitude: f64 = (1..=d).map(|k| f64::from((n + k) * (n - k + 1)) / f64::from(2 * k)).product();
+    side.powi(n + d) * magnitude
+}
+
 /// Coefficients of the derivative (with respect to t) of a Legendre series.
 pub fn derivative(coefficients: &Nodal) -> Nodal {
     let mut out = [0.0; NODES];
@@ -199,6 +207,14 @@ mod tests {
             assert!((series(&derivative(&coefficients), t) - t.exp()).abs() < 1e-12);
             let integral = coefficients[0] + series(&primitive(&coefficients), t);
             assert!((integral - (t.exp() - (-1.0_f64).exp())).abs() < 1e-14);
+        }
+        for (side, order) in [(1.0, 0), (1.0, 1), (-1.0, 1), (-1.0, 2), (1.0, 3)] {
+            let ends: Vec<f64> = (0..NODES).map(|n| end_derivative(n, order, side)).collect();
+            let sum: f64 = coefficients.iter().zip(&ends).map(|(c, end)| c * end).sum();
+            // Coefficients have (n + ½) times the rounding of the values.
+            let amplified = ends.iter().enumerate().map(|(n, end)| (n as f64 + 0.5) * end.abs());
+            let rounding = 1e-15 * amplified.sum::<f64>();
+            assert!((sum - side.exp()).abs() < rounding, "order {order} at {side}: {sum}");
         }
     }
 }

@@ -210,18 +210,18 @@ impl Piecewise {
     pub fn transform(&self, s: Complex64) -> (Complex64, Complex64) {
         let cells = (0..self.coefficients.len()).map(|cell| {
             let (middle, half) = self.cell(cell);
-            let [value, moment] = cell_transform(&self.coefficients[cell], s * half);
-            let front = half * (-s * middle).exp();
+            let ([value, moment], scale) = cell_transform(&self.coefficients[cell], s * half);
+            let front = half * (scale - s * middle).exp();
             (front * value, -front * (middle * value + half * moment))
         });
         cells.fold((Complex64::ZERO, Complex64::ZERO), |sum, cell| (sum.0 + cell.0, sum.1 + cell.1))
     }
 }
 
-/// ∫e^{−zt} f(t) dt and ∫t e^{−zt} f(t) dt over [−1, 1] of a Legendre series.
-fn cell_transform(coefficients: &Nodal, z: Complex64) -> [Complex64; 2] {
+/// ∫e^{−zt} f(t) dt and ∫t e^{−zt} f(t) dt over [−1, 1] of a Legendre series, over e^ρ, and ρ.
+fn cell_transform(coefficients: &Nodal, z: Complex64) -> ([Complex64; 2], f64) {
     if z.norm() > 20.0 {
-        return far_transform(coefficients, z);
+        return (far_transform(coefficients, z), z.re.abs());
     }
     // Sixteen Gauss points integrate six radians to rounding.
     let parts = (z.norm() / 3.0).ceil().max(1.0);
@@ -235,12 +235,13 @@ fn cell_transform(coefficients: &Nodal, z: Complex64) -> [Complex64; 2] {
             sums[1] += t * term;
         }
     }
-    sums
+    (sums, 0.0)
 }
 
-/// The same for many oscillations: J_n = ∫e^{−zt} P_n dt by J_{n+1} = J_{n−1} + (2n+1) J_n/z, stable for n < |z|.
+/// The same for many oscillations or large z, over e^{|Re z|}: J_n = ∫e^{−zt} P_n dt by
+/// J_{n+1} = J_{n−1} + (2n+1) J_n/z, stable for n < |z|.
 fn far_transform(coefficients: &Nodal, z: Complex64) -> [Complex64; 2] {
-    let (up, down) = ((-z).exp(), z.exp());
+    let (up, down) = ((-z - z.re.abs()).exp(), (z - z.re.abs()).exp());
     let mut last = (down - up) / z;
     let mut next = last / z - (up + down) / z;
     let mut integrals = [last; NODES + 1];
@@ -315,6 +316,8 @@ mod tests {
             Complex64::new(-1.0, 9.0),
             Complex64::new(0.2, 55.0),
             Complex64::new(0.0, 400.0),
+            // e^{su} is no number any more.
+            Complex64::new(1500.0, 1.0),
         ] {
             let exact = |s: Complex64| (1.0 - (-2.0 * (s + 1.0)).exp()) / (s + 1.0);
             let slope = |s: Complex64| 2.0 * (-2.0 * (s + 1.0)).exp() / (s + 1.0) - exact(s) / (s + 1.0);

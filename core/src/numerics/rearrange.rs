@@ -110,7 +110,8 @@ impl Piecewise {
     }
 
     /// The function on fewer cells, neighbours joined as long as that changes no integral by more than `tolerance`.
-    fn joined(mut self, tolerance: f64) -> Self {
+    #[must_use]
+    pub fn joined(mut self, tolerance: f64) -> Self {
         loop {
             let mut out = Self { boundaries: vec![self.start()], coefficients: Vec::new() };
             let mut cell = 0;

@@ -62,6 +62,16 @@ pub enum Law {
     },
     /// A measured law.
     Tabulated(Tabulated),
+    /// A density that is a Legendre series on each of some cells; it is normalised.
+    Series {
+        /// The boundaries of the cells, rising from 0 or above.
+        boundaries: Vec<f64>,
+        /// For each cell its coefficients, from that of P_0 on, 16 at most.
+        coefficients: Vec<Vec<f64>>,
+        /// The share of a tail without end that was cut off at the last boundary: what hangs on it is not told.
+        #[serde(default)]
+        cut: f64,
+    },
     /// A weighted sum of laws; points and densities may be mixed.
     Mixture(Vec<Component>),
 }
@@ -96,7 +106,7 @@ pub struct Component {
 
 impl Law {
     /// The names of all laws.
-    pub const NAMES: [&str; 9] = [
+    pub const NAMES: [&str; 10] = [
         "gaussian",
         "gamma",
         "lognormal",
@@ -105,6 +115,7 @@ impl Law {
         "exponential",
         "weibull",
         "tabulated",
+        "series",
         "mixture",
     ];
 
@@ -127,6 +138,9 @@ impl Law {
             Self::Exponential { mean } => ("exponential", shared(law::Exponential::new(mean))),
             Self::Weibull { shape, scale } => ("weibull", shared(law::Weibull::new(shape, scale))),
             Self::Tabulated(ref table) => ("tabulated", table.build()),
+            Self::Series { ref boundaries, ref coefficients, cut } => {
+                ("series", shared(law::Series::new(boundaries, coefficients, cut)))
+            }
             Self::Mixture(ref components) => ("mixture", mixture(components)),
         };
         law.map_err(|e| e.under(name))

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use asperity::Result;
 use asperity::exact::{ClosedForm, Gaussian, Identical, Rectangular};
+use asperity::monitor::Monitor;
 use asperity::numerics::legendre::RULE;
 use asperity::population::{Books, Direction, Population, Response, Way};
 
@@ -169,7 +170,7 @@ impl Population for ClosedCurve {
         Ok(())
     }
 
-    fn reset(&mut self, direction: Direction) -> Result<()> {
+    fn reset(&mut self, direction: Direction, _monitor: &mut dyn Monitor) -> Result<()> {
         self.before = self.books().lost + self.elastic();
         self.broken = self.books().broken + if self.free { 0.0 } else { 1.0 };
         (self.held, self.free) = (false, false);

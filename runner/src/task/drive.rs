@@ -3,7 +3,7 @@
 use asperity::block::{Curve, Loading, StickSlip};
 use asperity::contacts::Contacts;
 use asperity::master::MasterEquation;
-use asperity::monitor::Monitor;
+use asperity::monitor::{Aside, Monitor};
 use asperity::population::Population;
 use asperity::record::{Quantity, Record, Variable};
 use asperity::scenario;
@@ -57,10 +57,11 @@ pub fn run(
     if let Some(ensemble) = &scenario.ensemble {
         let done = shares[0] + shares[1];
         let mut part = Part::new(monitor, done, 1.0 - done);
-        let mut contacts = ensemble.build(contacts.clone(), initial.clone())?.population()?;
+        let ensemble = ensemble.build(contacts.clone(), initial.clone())?;
+        let mut contacts = ensemble.population(&mut Aside { fraction: 0.0, monitor: &mut part })?;
         let run = task.slider(block, true)?.pull(&mut contacts, &way, &mut part)?;
         adopt(sliding::motion(&run), "ensemble_", &mut record);
-        adopt(sliding::sizes(&run, ensemble.size), "", &mut record);
+        adopt(sliding::sizes(&run, ensemble.size()), "", &mut record);
         sliding.ensemble = Some(Box::new(Sliding::new(&run)));
     }
     let summary = setting.summary(&equation.steady_state(), &equation.relaxation(), &pull);

@@ -52,7 +52,7 @@ pub fn solve(
     let width = (accuracy.widening * narrow).min(end);
     let spacing = width / (2 * NODES) as f64;
     let matters = |b: &Break| b.weight(spacing) > 10.0 * accuracy.density;
-    let breaks = renewed(source.breaks(), kernel.breaks(), end, matters)?;
+    let breaks = renewed(source.breaks(), kernel.breaks(), end, matters, monitor)?;
     let atoms =
         breaks.iter().filter(|b| b.is_atom()).map(|b| Atom { position: b.position, weight: b.amplitude });
     let mut march = March {
@@ -128,10 +128,8 @@ impl March<'_> {
                 pace.width = stop - here;
                 return Ok(());
             }
-            if self.values.len().is_multiple_of(64) {
-                report(monitor, self.density.end() / end)?;
-                self.fits(end)?;
-            }
+            report(monitor, self.density.end() / end)?;
+            self.fits(end)?;
         }
         Ok(())
     }

@@ -84,7 +84,7 @@ impl Solution {
             });
             blocks.add_history(&self.mesh, cell, &self.values[..=cell], &self.density, &mut values);
             coefficients.push(RULE.coefficients(&values));
-            if cell % 1024 == 1023 {
+            if cell % 16 == 15 {
                 report(monitor, (cell + 1) as f64 / self.mesh.cells() as f64)?;
             }
         }
