@@ -220,11 +220,9 @@ fn temperature_with_any_barrier_any_starts_and_either_stiffness() {
 #[test]
 fn starts_among_thresholds_with_edges() {
     for barrier in [Barrier::Elastic, Barrier::Bell] {
-        for velocity in [1e-2] {
-            let (thresholds, reforming) = (rectangular(0.4, 1.6), rectangular(0.0, 0.6));
-            let rules = Rules { delay: 0.3 / velocity, ..thermal(0.05, barrier) };
-            Case { thresholds, reforming, stiffness: EQUAL, rules, velocity }.check(QUADRATURE);
-        }
+        let (thresholds, reforming) = (rectangular(0.4, 1.6), rectangular(0.0, 0.6));
+        let rules = Rules { delay: 30.0, ..thermal(0.05, barrier) };
+        Case { thresholds, reforming, stiffness: EQUAL, rules, velocity: 1e-2 }.check(QUADRATURE);
     }
 }
 
