@@ -37,6 +37,16 @@ const NOTHING: f64 = 40.0;
 /// Halvings of a way on which the exponent varies.
 const MOST_HALVINGS: u32 = 40;
 
+/// T/(k x̄): the length of stretch on which temperature blurs where contacts break.
+pub(super) fn blur(contacts: &Contacts, temperature: &Temperature) -> f64 {
+    let mean = contacts.thresholds.mean();
+    let stiffness = match contacts.stiffness {
+        Stiffness::Equal(stiffness) => stiffness,
+        Stiffness::PerThreshold(factor) => factor * mean,
+    };
+    temperature.energy / (stiffness * mean)
+}
+
 impl Exposure {
     pub(super) fn new(
         contacts: &Contacts,

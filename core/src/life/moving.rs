@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use super::cohorts::of_cohorts;
+use super::exposure::blur;
 use super::timed::Timed;
 use super::{Life, athermal};
-use crate::contacts::{Ageing, Contacts, Stiffness, Temperature};
+use crate::contacts::{Ageing, Contacts, Temperature};
 use crate::law::SharedLaw;
 use crate::{Error, Result};
 
@@ -44,11 +45,6 @@ pub fn moving(
 /// They break about δ ln(ωδ/v) below, or by that chance within δ = T/(k x̄).
 fn is_felt(temperature: &Temperature, contacts: &Contacts, velocity: f64) -> bool {
     const ROUNDING: f64 = 1e-13;
-    let mean = contacts.thresholds.mean();
-    let stiffness = match contacts.stiffness {
-        Stiffness::Equal(stiffness) => stiffness,
-        Stiffness::PerThreshold(factor) => factor * mean,
-    };
-    let near = temperature.energy / (stiffness * mean);
-    near * (temperature.attempt_rate * near / velocity).ln_1p() > ROUNDING * mean
+    let near = blur(contacts, temperature);
+    near * (temperature.attempt_rate * near / velocity).ln_1p() > ROUNDING * contacts.thresholds.mean()
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use super::cells::{NEGLIGIBLE, scale, with_atoms};
-use super::exposure::{Exposed, Exposure};
+use super::exposure::{Exposed, Exposure, blur};
 use super::fate::{Cohort, Fate, Passing, Toll};
 use super::grid::{Grid, Share};
 use super::record::Record;
@@ -75,6 +75,14 @@ impl Timed {
     }
 }
 
+impl Timed {
+    /// What temperature leaves, at an advance, of contacts formed at `start` with the newborn threshold.
+    fn left(&self, start: f64, advance: f64, newborn: f64) -> f64 {
+        let risk = |exposure: &Exposure| exposure.at(start, advance).risk(newborn).0;
+        self.exposure.as_ref().map_or(1.0, |exposure| (-risk(exposure)).exp())
+    }
+}
+
 /// Breaks of a density, per mean threshold, that no result shows …
 const FAINT: f64 = 1e-11;
 
@@ -90,11 +98,7 @@ fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
     let (mean, widest) = (law.mean(), scale(law));
     let Some(temperature) = contacts.rules.temperature else { return widest };
     let edged = hazards.iter().any(|b| b.is_atom() || b.weight(mean) * mean > BLURRED);
-    let stiffness = match contacts.stiffness {
-        Stiffness::Equal(stiffness) => stiffness,
-        Stiffness::PerThreshold(factor) => factor * mean,
-    };
-    let blur = temperature.energy / (stiffness * mean);
+    let blur = blur(contacts, &temperature);
     if edged { widest.min(blur.max(FINEST * mean)) } else { widest }
 }
 
@@ -124,10 +128,7 @@ impl Fate for Timed {
                 return None;
             }
             let pace = (1.0 - aged.drift(hazard.position) / self.velocity).abs();
-            let left = self
-                .exposure
-                .as_ref()
-                .map_or(1.0, |exposure| (-exposure.at(start, advance).risk(hazard.position).0).exp());
+            let left = self.left(start, advance, hazard.position);
             let weight = if hazard.is_atom() { hazard.amplitude * left } else { 0.0 };
             Some(Passing { start, weight, pace })
         };
@@ -195,10 +196,7 @@ impl Cohort for Formed {
     fn breaks(&self) -> Vec<Break> {
         let meet = |hazard: &Break| {
             let advance = self.record.meeting(hazard.position)?;
-            let left =
-                self.of.exposure.as_ref().map_or(1.0, |exposure| {
-                    (-exposure.at(self.start, advance).risk(hazard.position).0).exp()
-                });
+            let left = self.of.left(self.start, advance, hazard.position);
             let pace = if hazard.is_atom() { 1.0 } else { self.record.pace(advance) };
             let amplitude = hazard.amplitude * left * pace.powf(hazard.exponent + 1.0);
             Some(Break { position: advance, amplitude, ..*hazard })
