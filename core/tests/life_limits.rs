@@ -4,12 +4,13 @@ mod common;
 
 use std::f64::consts::LN_10;
 
+use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiffness, Temperature};
 use asperity::law::SharedLaw;
 use asperity::master::MasterEquation;
 use asperity::numerics::legendre::RULE;
 use asperity::population::{Direction, Population};
-use common::{contacts, gaussian, initial, master, point, rectangular};
+use common::{contacts, gaussian, initial, master, point, pulled, rectangular};
 
 fn thermal(energy: f64, barrier: Barrier) -> Rules {
     Rules { temperature: Some(Temperature { energy, attempt_rate: 1.0, barrier }), ..Rules::default() }
@@ -187,6 +188,32 @@ fn a_relaxation_at_a_velocity_shows_in_the_pull() {
 }
 
 #[test]
+fn sliders_stick_and_slip_at_a_velocity() {
+    let equation = at(&gaussian(1.0, 0.1), &point(0.0), thermal(0.005, Barrier::Elastic), 0.1);
+    let (stiffness, free) = (0.5, equation.pull(6.0, 1e-12, &mut ()).unwrap());
+    for slip in [Slip::Reset, Slip::Overdamped] {
+        let mut stock = equation.population(1e-12).unwrap();
+        let run = pulled::pull(&mut stock, stiffness, slip, &[6.0]);
+        let (first, second) = (&run.events[0], &run.events[1]);
+        // The first instability is where F' = −K, by the pull without a block.
+        let unstable = first.before.position;
+        near(free.slope(unstable), -stiffness, 1e-8);
+        near(first.before.force, free.force(unstable), 1e-10);
+        match slip {
+            // All contacts re-form, and the next cycle is the first one again.
+            Slip::Reset => near(second.before.position - first.after.position, unstable, 1e-9),
+            // The slip ends where the spring meets the force of the contacts that went along.
+            _ => near(free.force(first.after.position), first.after.force, 1e-9),
+        }
+    }
+    let mut stock = equation.population(1e-10).unwrap();
+    let block = Block::new(Loading::Spring(stiffness), Slip::Arrest, None).unwrap();
+    let drive = Drive { turning_points: vec![6.0], points: 11 };
+    let error = block.pull(&mut stock, &drive, &mut ()).unwrap_err();
+    assert!(error.to_string().starts_with("block.slip: expected motion one way"));
+}
+
+#[test]
 fn contacts_at_a_velocity_move_forward_only() {
     let rules = Rules { delay: 0.5, ..thermal(0.025, Barrier::Elastic) };
     let equation = at(&gaussian(1.0, 0.1), &rectangular(0.0, 0.1), rules, 0.1);
@@ -205,7 +232,7 @@ fn contacts_at_a_velocity_move_forward_only() {
     let books = stock.books();
     let free = pull.total_probability(1.4) - attached(&pull, 1.4);
     near(books.elastic + books.lost - begin.elastic + free * 0.005 / 3.0, work, 1e-8);
-    assert!(stock.way(Direction::Backward).unwrap_err().to_string().contains("[[protocol]]"));
+    assert!(stock.advance(-0.1).unwrap_err().to_string().contains("[[protocol]]"));
     assert!(stock.hold().unwrap_err().to_string().contains("contacts.temperature knows time"));
     stock.reset(Direction::Forward).unwrap();
     stock.way(Direction::Forward).unwrap();
