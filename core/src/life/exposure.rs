@@ -3,6 +3,7 @@
 use crate::contacts::{Aged, Barrier, Contacts, Stiffness, Strength, Temperature};
 use crate::numerics::dawson::dawson;
 use crate::numerics::legendre::RULE;
+use crate::numerics::piecewise::{Piecewise, Resolution};
 
 /// Thermal breaking at a velocity v.
 #[derive(Debug, Clone)]
@@ -35,6 +36,16 @@ const NOTHING: f64 = 40.0;
 
 /// Halvings of a way on which the exponent varies.
 const MOST_HALVINGS: u32 = 40;
+
+/// T/(k x̄): the length of stretch on which temperature blurs where contacts break.
+pub(super) fn blur(contacts: &Contacts, temperature: &Temperature) -> f64 {
+    let mean = contacts.thresholds.mean();
+    let stiffness = match contacts.stiffness {
+        Stiffness::Equal(stiffness) => stiffness,
+        Stiffness::PerThreshold(factor) => factor * mean,
+    };
+    temperature.energy / (stiffness * mean)
+}
 
 impl Exposure {
     pub(super) fn new(
@@ -72,6 +83,26 @@ impl Exposure {
         self.temperature.attempt_rate / self.velocity
     }
 
+    /// Whether A has no closed form that is cheap.
+    pub(super) fn is_costly(&self) -> bool {
+        let cheap = match self.temperature.barrier {
+            Barrier::Elastic => matches!(self.stiffness, Stiffness::Equal(_)),
+            Barrier::Bell => true,
+            Barrier::Catastrophe => false,
+        };
+        !(cheap && self.strength.is_constant())
+    }
+
+    /// The most by which the exponents of two newborn thresholds differ, of contacts without stretch, up to an age.
+    pub(super) fn apart(&self, newborn: [f64; 2], age: f64) -> f64 {
+        let at = |age: f64| {
+            let aged = self.strength.at(age);
+            let [low, high] = newborn.map(|h| self.exponent(0.0, aged.threshold(h)));
+            (high - low).abs()
+        };
+        at(0.0).max(at(age))
+    }
+
     /// ΔE/T of a contact at the stretch x with the present threshold h.
     fn exponent(&self, stretch: f64, threshold: f64) -> f64 {
         if threshold <= 0.0 {
@@ -101,6 +132,26 @@ impl Exposed<'_> {
             (self.exposure.exponent(x, high) - self.exposure.exponent(x, low)).abs()
         });
         now.max(then)
+    }
+
+    /// A of contacts with the newborn threshold, as a function of the advance up to `end`.
+    pub(super) fn history(&self, newborn: f64, end: f64) -> Piecewise {
+        /// What a contact may break by without being missed.
+        const NEGLIGIBLE: f64 = 1e-18;
+        let exposure = self.exposure;
+        let rate = |u: f64| {
+            let threshold = exposure.strength.threshold(newborn, u / exposure.velocity);
+            exposure.attempts() * (-exposure.exponent(self.start + u, threshold)).exp()
+        };
+        let resolution = Resolution::Relative { fraction: 1e-13, negligible: NEGLIGIBLE / end };
+        let rate = Piecewise::resolve(rate, &[], end, resolution);
+        rate.mirrored().integrated_from_end(0.0, &[]).mirrored()
+    }
+
+    /// A, and w/v now, of contacts with the newborn threshold, of which the history of A is known.
+    pub(super) fn known_risk(&self, newborn: f64, history: &Piecewise) -> (f64, f64) {
+        let rate = self.exposure.attempts() * (-self.exponent(newborn)).exp();
+        (history.value_in(history.nearest(self.advance), self.advance), rate)
     }
 
     /// A, and w/v now, of contacts with the newborn threshold.

@@ -51,8 +51,8 @@ const KEPT: f64 = 1e-17;
 const MOST_PARTS: usize = 2048;
 
 impl Grid {
-    /// The parts of a law, cut as finely as `exposure` asks for.
-    pub(super) fn new(law: &SharedLaw, exposure: Option<&Exposure>, rooted: bool) -> Self {
+    /// The parts of a law, cut as finely as `exposure` asks for up to the age `oldest`.
+    pub(super) fn new(law: &SharedLaw, exposure: Option<&Exposure>, oldest: f64, rooted: bool) -> Self {
         let breaks = with_atoms(law.as_ref());
         let stops: Vec<f64> = breaks.iter().map(|b| b.position).collect();
         // Gauss points integrate twice as far as they interpolate.
@@ -64,7 +64,7 @@ impl Grid {
         let exposed = exposure.map(|exposure| exposure.at(0.0, 0.0));
         let mut cut = Vec::new();
         for part in parts {
-            let apart = exposed.as_ref().map_or(0.0, |exposed| exposed.apart(part));
+            let apart = exposure.map_or(0.0, |exposure| exposure.apart(part, oldest));
             let count = (apart / ONE_RULE).ceil().max(1.0);
             let count = if count < MOST_PARTS as f64 { count as usize } else { 1 };
             let at = |k: usize| part[0] + (part[1] - part[0]) * k as f64 / count as f64;
@@ -74,21 +74,38 @@ impl Grid {
         Self { law: law.clone(), parts: cut, steep, walls: law.atoms(), rooted }
     }
 
-    /// Visits the contacts with newborn thresholds above `least`; without temperature, nothing is broken.
-    pub(super) fn each(&self, least: f64, exposed: Option<&Exposed<'_>>, mut visit: impl FnMut(Share)) {
+    /// The thresholds at which the risk is asked for time and again.
+    pub(super) fn fixed(&self) -> impl Iterator<Item = f64> + '_ {
+        self.parts.iter().flat_map(|part| part.ends.iter().chain(&part.points).copied())
+    }
+
+    /// Visits the contacts with newborn thresholds above `least`; without temperature, nothing is broken. `known` tells
+    /// the risk at one of the [`Grid::fixed`] thresholds by its place.
+    pub(super) fn each(
+        &self,
+        least: f64,
+        exposed: Option<&Exposed<'_>>,
+        known: &impl Fn(&Exposed<'_>, usize, f64) -> (f64, f64),
+        mut visit: impl FnMut(Share),
+    ) {
         let risk = |newborn: f64| (newborn, exposed.map_or((0.0, 0.0), |exposed| exposed.risk(newborn)));
         for &Atom { position: newborn, weight } in self.walls.iter().filter(|wall| wall.position > least) {
             let (_, (broken, rate)) = risk(newborn);
             visit(Share { newborn, weight, broken, rate });
         }
         let first = self.parts.partition_point(|part| part.ends[1] <= least);
-        for part in &self.parts[first..] {
-            let ends = [part.ends[0].max(least), part.ends[1]].map(risk);
+        for (number, part) in self.parts.iter().enumerate().skip(first) {
+            let place = number * (NODES + 2);
+            let at =
+                |k: usize, h: f64| (h, exposed.map_or((0.0, 0.0), |exposed| known(exposed, place + k, h)));
+            let whole = part.ends[0] >= least;
+            let low = if whole { at(0, part.ends[0]) } else { risk(least) };
+            let ends = [low, at(1, part.ends[1])];
             let exposed = exposed.filter(|_| ends[0].1.0 > KEPT);
-            if part.ends[0] < least || self.is_uneven(part.ends, exposed) {
+            if !whole || self.is_uneven(part.ends, exposed) {
                 self.cut(ends, least, exposed, &mut visit);
             } else if ends[1].1.0 <= GONE {
-                part.each(ends[0].1, exposed, &mut visit);
+                part.each(ends[0].1, exposed, |exposed, i, h| known(exposed, place + 2 + i, h), &mut visit);
             }
         }
     }
@@ -147,13 +164,19 @@ impl Part {
     }
 
     /// Visits all its points, with the risk at its lower end.
-    fn each(&self, (broken, rate): (f64, f64), exposed: Option<&Exposed<'_>>, visit: &mut impl FnMut(Share)) {
+    fn each(
+        &self,
+        (broken, rate): (f64, f64),
+        exposed: Option<&Exposed<'_>>,
+        known: impl Fn(&Exposed<'_>, usize, f64) -> (f64, f64),
+        visit: &mut impl FnMut(Share),
+    ) {
         for i in 0..NODES {
             let (newborn, weight) = (self.points[i], self.weights[i]);
             let (broken, rate) = match (exposed, &self.ratios) {
                 (None, _) => (0.0, 0.0),
                 (_, Some(ratios)) => (broken * ratios[i], rate * ratios[i]),
-                (Some(exposed), _) => exposed.risk(newborn),
+                (Some(exposed), _) => known(exposed, i, newborn),
             };
             visit(Share { newborn, weight, broken, rate });
         }

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use super::caught::Diffusing;
 use super::cohorts::of_cohorts;
+use super::exposure::blur;
 use super::timed::Timed;
 use super::{Life, athermal};
 use crate::Result;
-use crate::contacts::{Ageing, Closure, Contacts, Maturing, Stiffness, Temperature};
+use crate::contacts::{Ageing, Closure, Contacts, Maturing, Temperature};
 use crate::law::SharedLaw;
 
 /// The life, at the velocity v, of contacts that start at stretches drawn from `starts` at age 0, read as in
@@ -49,11 +50,6 @@ pub fn moving(
 /// They break about δ ln(ωδ/v) below, or by that chance within δ = T/(k x̄).
 fn is_felt(temperature: &Temperature, contacts: &Contacts, velocity: f64) -> bool {
     const ROUNDING: f64 = 1e-13;
-    let mean = contacts.thresholds.mean();
-    let stiffness = match contacts.stiffness {
-        Stiffness::Equal(stiffness) => stiffness,
-        Stiffness::PerThreshold(factor) => factor * mean,
-    };
-    let near = temperature.energy / (stiffness * mean);
-    near * (temperature.attempt_rate * near / velocity).ln_1p() > ROUNDING * mean
+    let near = blur(contacts, temperature);
+    near * (temperature.attempt_rate * near / velocity).ln_1p() > ROUNDING * contacts.thresholds.mean()
 }

@@ -1,15 +1,17 @@
 //! Contacts that temperature breaks, that age rank by rank, or both.
 
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
-use super::cells::{scale, with_atoms};
-use super::exposure::Exposure;
+use super::cells::{NEGLIGIBLE, scale, with_atoms};
+use super::exposure::{Exposed, Exposure, blur};
 use super::fate::{Cohort, Fate, Passing, Toll};
 use super::grid::{Grid, Share};
 use super::record::Record;
 use crate::Result;
 use crate::contacts::{Barrier, Contacts, Stiffness, Strength};
 use crate::law::{Break, SharedLaw};
+use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::brent_root;
 
 /// Contacts each of which has, at any age, a threshold that follows from its newborn one, and breaks where its stretch
@@ -37,6 +39,10 @@ struct Formed {
     of: Timed,
     start: f64,
     record: Record,
+    /// A at the fixed thresholds of the grid, once asked for, where it has no form that is cheap.
+    histories: Vec<OnceLock<Piecewise>>,
+    /// Whether they have been asked for their toll before: of those asked but once, no histories are kept.
+    asked: AtomicBool,
 }
 
 impl Timed {
@@ -53,44 +59,56 @@ impl Timed {
             .filter(|_| thermal)
             .map(|temperature| Exposure::new(contacts, temperature, strength.clone(), velocity));
         let rooted = contacts.rules.temperature.is_some_and(|t| t.barrier == Barrier::Catastrophe);
+        let highest = law.upper_quantile(NEGLIGIBLE);
         let hazards: Arc<[Break]> = with_atoms(law.as_ref()).into();
         Ok(Self {
             resolution: resolution(contacts, &hazards),
             law: law.clone(),
             hazards,
-            highest: law.upper_quantile(super::cells::NEGLIGIBLE),
+            highest,
             strength,
             velocity,
-            grid: Arc::new(Grid::new(law, exposure.as_ref(), rooted)),
+            grid: Arc::new(Grid::new(law, exposure.as_ref(), highest / velocity, rooted)),
             exposure,
             per_threshold: matches!(contacts.stiffness, Stiffness::PerThreshold(_)),
         })
     }
 }
 
+impl Timed {
+    /// What temperature leaves, at an advance, of contacts formed at `start` with the newborn threshold.
+    fn left(&self, start: f64, advance: f64, newborn: f64) -> f64 {
+        let risk = |exposure: &Exposure| exposure.at(start, advance).risk(newborn).0;
+        self.exposure.as_ref().map_or(1.0, |exposure| (-risk(exposure)).exp())
+    }
+}
+
+/// Breaks of a density, per mean threshold, that no result shows …
+const FAINT: f64 = 1e-11;
+
+/// … or whose blur by temperature none shows.
+const BLURRED: f64 = 1e-6;
+
 /// A length on which what is left of contacts varies with where they formed: that of P_c; where P_c has edges, that on
 /// which temperature blurs them.
 fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
-    /// Edges of a density, per mean threshold, that no result shows.
-    const FAINT: f64 = 1e-6;
     /// The finest blur that is followed, per mean threshold.
     const FINEST: f64 = 1e-3;
     let law = contacts.thresholds.as_ref();
     let (mean, widest) = (law.mean(), scale(law));
     let Some(temperature) = contacts.rules.temperature else { return widest };
-    let edged = hazards.iter().any(|b| b.is_atom() || b.weight(mean) * mean > FAINT);
-    let stiffness = match contacts.stiffness {
-        Stiffness::Equal(stiffness) => stiffness,
-        Stiffness::PerThreshold(factor) => factor * mean,
-    };
-    let blur = temperature.energy / (stiffness * mean);
+    let edged = hazards.iter().any(|b| b.is_atom() || b.weight(mean) * mean > BLURRED);
+    let blur = blur(contacts, &temperature);
     if edged { widest.min(blur.max(FINEST * mean)) } else { widest }
 }
 
 impl Fate for Timed {
     fn cohort(&self, start: f64) -> Arc<dyn Cohort> {
         let record = Record::new(&self.strength, self.velocity, start, self.highest);
-        Arc::new(Formed { of: self.clone(), start, record })
+        let costly = self.exposure.as_ref().is_some_and(Exposure::is_costly);
+        let histories =
+            if costly { self.grid.fixed().map(|_| OnceLock::new()).collect() } else { Vec::new() };
+        Arc::new(Formed { of: self.clone(), start, record, histories, asked: AtomicBool::new(false) })
     }
 
     fn resolution(&self) -> f64 {
@@ -110,21 +128,34 @@ impl Fate for Timed {
                 return None;
             }
             let pace = (1.0 - aged.drift(hazard.position) / self.velocity).abs();
-            let left = self
-                .exposure
-                .as_ref()
-                .map_or(1.0, |exposure| (-exposure.at(start, advance).risk(hazard.position).0).exp());
+            let left = self.left(start, advance, hazard.position);
             let weight = if hazard.is_atom() { hazard.amplitude * left } else { 0.0 };
             Some(Passing { start, weight, pace })
         };
         let back = |start: f64| aged.threshold(start) - start - advance;
-        let newest = brent_root(back, 0.0, self.highest, 0.0).filter(|_| !self.strength.is_constant());
+        let newest =
+            if self.strength.is_constant() { None } else { brent_root(back, 0.0, self.highest, 0.0) };
+        let newest = newest.filter(|&start| self.law.density(start) * self.law.mean() > FAINT);
         let lull = newest.map(|start| Passing { start, weight: 0.0, pace: 0.0 });
-        self.hazards.iter().filter_map(pass).chain(lull).collect()
+        let mean = self.law.mean();
+        let seen = self.hazards.iter().filter(|b| b.is_atom() || b.weight(mean) * mean > FAINT);
+        seen.filter_map(pass).chain(lull).collect()
     }
 }
 
 impl Formed {
+    /// The risk of contacts with the newborn threshold at a place of the grid.
+    fn risk(&self, exposed: &Exposed<'_>, place: usize, newborn: f64, asked: bool) -> (f64, f64) {
+        let Some(history) = self.histories.get(place).filter(|_| asked && newborn > self.start) else {
+            return exposed.risk(newborn);
+        };
+        let follow = || {
+            let end = self.record.meeting(newborn).unwrap_or(self.of.highest);
+            exposed.history(newborn, end)
+        };
+        exposed.known_risk(newborn, history.get_or_init(follow))
+    }
+
     /// Adds contacts of one newborn threshold.
     fn add(&self, toll: &mut Toll, share: Share, present: f64) {
         let left = share.weight * (-share.broken).exp();
@@ -148,8 +179,11 @@ impl Cohort for Formed {
         let mut reached = law.density(met) * pace;
         let exposed = self.of.exposure.as_ref().map(|exposure| exposure.at(self.start, advance));
         if exposed.is_some() || self.of.per_threshold {
+            let asked = self.asked.swap(true, Ordering::Relaxed);
             let add = |share: Share| self.add(&mut toll, share, aged.threshold(share.newborn));
-            self.of.grid.each(met, exposed.as_ref(), add);
+            let known =
+                |exposed: &Exposed<'_>, place: usize, newborn: f64| self.risk(exposed, place, newborn, asked);
+            self.of.grid.each(met, exposed.as_ref(), &known, add);
         } else {
             toll.unbroken[0] = law.survival(met);
         }
@@ -162,10 +196,7 @@ impl Cohort for Formed {
     fn breaks(&self) -> Vec<Break> {
         let meet = |hazard: &Break| {
             let advance = self.record.meeting(hazard.position)?;
-            let left =
-                self.of.exposure.as_ref().map_or(1.0, |exposure| {
-                    (-exposure.at(self.start, advance).risk(hazard.position).0).exp()
-                });
+            let left = self.of.left(self.start, advance, hazard.position);
             let pace = if hazard.is_atom() { 1.0 } else { self.record.pace(advance) };
             let amplitude = hazard.amplitude * left * pace.powf(hazard.exponent + 1.0);
             Some(Break { position: advance, amplitude, ..*hazard })

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::MasterEquation;
 use super::course::Course;
-use crate::contacts::{Contacts, Start};
+use crate::contacts::{Contacts, Start, Stiffness};
 use crate::life::{Layer, Life, Sums, life_of, tidied};
 use crate::{Error, Float, Result};
 
@@ -90,6 +90,14 @@ impl Interface {
     /// Mean elastic energy of a contact that has just re-formed, per unit stiffness.
     pub(super) fn newborn_energy(&self) -> f64 {
         self.reborn.newborn_energy()
+    }
+
+    /// Mean stiffness of a contact that has just re-formed, per unit stiffness.
+    pub(super) fn newborn_stiffness(&self) -> f64 {
+        match self.contacts.stiffness {
+            Stiffness::Equal(_) => 1.0,
+            Stiffness::PerThreshold(_) => self.contacts.thresholds.mean(),
+        }
     }
 
     /// Whether contacts move at a velocity.

@@ -119,6 +119,10 @@ impl Stock {
                 (-force, slope)
             }
             Some(Back { stiffness, .. }) => (force - stiffness * (self.behind - by), *stiffness),
+            None if !onward && self.interface.knows_time() => {
+                let stiffness = self.interface.newborn_stiffness();
+                (force + stiffness * by, stiffness)
+            }
             None => (force, slope),
         }
     }
@@ -256,6 +260,10 @@ impl Population for Stock {
                 straight: length.is_infinite(),
                 breaks: self.course.breaks_after(self.cell),
             });
+        }
+        if self.interface.knows_time() {
+            // It begins as a straight line; that it cannot be gone is told by whoever goes it.
+            return Ok(Way { length: f64::INFINITY, straight: true, breaks: false });
         }
         let behind = self.behind;
         let back = self.look_back()?;
