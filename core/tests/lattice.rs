@@ -49,7 +49,7 @@ fn nine_contacts_by_hand() {
     assert_eq!((second.size, second.area, second.duration, second.epicentre), (9, 9, 3, 4));
     assert!(close(&[second.drive, second.force_before, second.force_after], &[0.6, 6.6, 2.4]));
     assert!(close(&lattice.forces(), &[0.0, 0.4, 0.0, 0.4, 0.8, 0.4, 0.0, 0.4, 0.0]));
-    assert_eq!(lattice.scar().collect::<Vec<_>>(), [4, 3, 5, 1, 7, 0, 6, 2, 8]);
+    assert_eq!(lattice.scar().collect::<Vec<_>>(), [4, 3, 5, 1, 7, 0, 2, 6, 8]);
     let third = lattice.next_event();
     assert_eq!((third.size, third.area, third.duration, third.epicentre), (1, 1, 1, 4));
     assert!(close(&lattice.forces(), &[0.2, 0.8, 0.2, 0.8, 0.0, 0.8, 0.2, 0.8, 0.2]));
@@ -119,8 +119,7 @@ fn uncoupled_contacts_are_the_ensemble() {
             ..Contacts::new(thresholds.clone(), reforming)
         };
         let size = coupling.shape.size();
-        let ensemble =
-            Ensemble::new(contacts.clone(), initial(&start), size, SEED, disorder).unwrap();
+        let ensemble = Ensemble::new(contacts.clone(), initial(&start), size, SEED, disorder).unwrap();
         let mut lattice = Lattice::new(contacts, initial(&start), &coupling, SEED, disorder).unwrap();
         let positions: Vec<f64> = (0..=60).map(|i| f64::from(i) * 0.4987).collect();
         let pull = ensemble.pull(&positions, &Snapshots::default(), &mut ()).unwrap();
@@ -224,7 +223,8 @@ fn what_cannot_be_coupled_is_refused() {
     let areas = Contacts { stiffness: Stiffness::PerThreshold(1.0), ..contacts() };
     assert_eq!(make(areas, good), "contacts.stiffness_per_threshold");
     let mut warm = contacts();
-    warm.rules.temperature = Some(Temperature { energy: 0.01, attempt_rate: 1.0, barrier: Default::default() });
+    warm.rules.temperature =
+        Some(Temperature { energy: 0.01, attempt_rate: 1.0, barrier: Default::default() });
     assert_eq!(make(warm, good), "contacts.temperature");
     let vast = square(1 << 20, Edges::Open, 0.2);
     assert!(make(contacts(), vast).contains("TooLarge"));
@@ -241,13 +241,15 @@ fn sizes(side: usize, share: f64, before: f64, events: u64) -> Vec<(u64, u64)> {
     sizes.into_iter().collect()
 }
 
+/// Exponents of sizes of 64 × 64 contacts, P(s) ∝ s^{−(1+B)}. Olami, Feder and Christensen found B from 0.2 near the
+/// conservative α = 0.25 to 0.9 at α = 0.20. On a window short of the cut-off, by 16 stretches of a catalogue: their
+/// scatter is 0.02 to 0.04, which the bands hold more than twice.
 #[test]
-#[ignore]
-fn probe() {
-    for (share, before, n) in [(0.25, 20.0, 20_000), (0.2, 300.0, 300_000), (0.15, 300.0, 300_000)] {
-        let sizes = sizes(64, share, before, n);
-        for window in [(1, 100), (2, 300), (4,100),(5,300), (10, 300), (10, 1000)] {
-            println!("{share} {window:?} {:?}", fit_counts(&sizes, window.0, window.1));
-        }
-    }
+fn exponents_of_identical_contacts() {
+    let of = |share, before, events| {
+        fit_counts(&sizes(64, share, before, events), 10, 300).unwrap().exponent - 1.0
+    };
+    let [conservative, dissipative] = [of(0.25, 20.0, 10_000), of(0.2, 200.0, 200_000)];
+    assert!((0.15..0.30).contains(&conservative), "{conservative}");
+    assert!((0.75..0.95).contains(&dissipative), "{dissipative}");
 }

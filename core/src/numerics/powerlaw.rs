@@ -119,7 +119,8 @@ fn integral(exponent: f64, a: f64, b: f64) -> [f64; 3] {
     for panel in 0..panels as usize {
         let from = a + panel as f64 * width;
         for (n, moment) in moments.iter_mut().enumerate() {
-            *moment += RULE.integrate(from, from + width, |u| ((1.0 - exponent) * u).exp() * u.powi(n as i32));
+            *moment +=
+                RULE.integrate(from, from + width, |u| ((1.0 - exponent) * u).exp() * u.powi(n as i32));
         }
     }
     moments

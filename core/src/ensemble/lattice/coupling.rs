@@ -97,7 +97,8 @@ impl Coupling {
             return Err(Error::invalid("connection", "above 0 where neighbours are not coupled", 0.0));
         }
         if self.connection == 0.0 && self.edges == Edges::Periodic {
-            let expected = "above 0 where edges are periodic: nothing else takes force away, and avalanches never end";
+            let expected =
+                "above 0 where edges are periodic: nothing else takes force away, and avalanches never end";
             return Err(Error::invalid("connection", expected, 0.0));
         }
         Ok(())

@@ -32,7 +32,8 @@ impl Lattice {
     pub fn restore(&mut self, state: State) -> Result<()> {
         let State { base, drive, stretch, ends, born } = state;
         if (ends.len(), born.len()) != (self.size(), self.born.len()) {
-            let expected = format!("{} contacts, {} of them with thresholds drawn", self.size(), self.born.len());
+            let expected =
+                format!("{} contacts, {} of them with thresholds drawn", self.size(), self.born.len());
             let found = format!("{}, {} of them with thresholds drawn", ends.len(), born.len());
             return Err(Error::invalid("state", expected, found));
         }
