@@ -21,23 +21,22 @@ impl Lattice {
     /// Contacts of the front break and re-form; what they let go in all.
     pub(super) fn part(&mut self) -> f64 {
         let limit = self.limit();
-        self.released.clear();
+        let Self { grid, births, born, ends, front, following, released, broken, scar, drive, .. } = self;
+        released.clear();
         let mut all = 0.0;
-        for &place in &self.front {
-            let place = place as usize;
-            let (threshold, life) = self.births.next(&mut self.born, || self.grid.number(place));
-            let released = threshold + (self.drive - self.ends[place]) - life.stretch;
-            let end = self.drive + (life.threshold - life.stretch);
-            self.ends[place] = end;
-            self.minima.touch(place);
-            self.released.push(released);
-            all += released;
-            if end <= limit {
-                self.following.push(place as u32);
+        for &at in front.iter() {
+            let place = at as usize;
+            let (threshold, life) = births.next(born, || grid.number(place));
+            let let_go = threshold + (*drive - ends[place]) - life.stretch;
+            ends[place] = *drive + (life.threshold - life.stretch);
+            released.push(let_go);
+            all += let_go;
+            if ends[place] <= limit {
+                following.push(at);
             }
-            if !self.broken[place] {
-                self.broken[place] = true;
-                self.scar.push(place as u32);
+            if !broken[place] {
+                broken[place] = true;
+                scar.push(at);
             }
         }
         all
@@ -46,26 +45,40 @@ impl Lattice {
     /// Neighbours of the front gain their shares, which may make them follow; what open edges take.
     pub(super) fn share(&mut self) -> f64 {
         let limit = self.limit();
+        let Self { grid, ends, front, following, released, share, .. } = self;
         let mut outward = 0.0;
-        for (&place, released) in self.front.iter().zip(&self.released) {
-            let gain = self.share * released;
-            for mut near in self.grid.around(place as usize) {
-                if self.ends[near] == f64::INFINITY {
-                    let Some(across) = self.grid.across(near) else {
+        for (&place, released) in front.iter().zip(released) {
+            let gain = *share * *released;
+            for mut near in grid.around(place as usize) {
+                if ends[near] == f64::INFINITY {
+                    let Some(across) = grid.across(near) else {
                         outward += gain;
                         continue;
                     };
                     near = across;
                 }
-                let before = self.ends[near];
+                let before = ends[near];
                 let after = before - gain;
-                self.ends[near] = after;
-                self.minima.touch(near);
+                ends[near] = after;
                 if after <= limit && before > limit {
-                    self.following.push(near as u32);
+                    following.push(near as u32);
                 }
             }
         }
         outward
+    }
+
+    /// Finds the next break: ends have changed at what broke, and next to it.
+    pub(super) fn mend(&mut self) {
+        for &place in &self.scar {
+            self.minima.touch(place as usize);
+            for near in self.grid.around(place as usize) {
+                // Nothing changes on the rim itself.
+                let rim = self.ends[near] == f64::INFINITY;
+                let near = if rim { self.grid.across(near).unwrap_or(near) } else { near };
+                self.minima.touch(near);
+            }
+        }
+        self.minima.mend(&self.ends);
     }
 }

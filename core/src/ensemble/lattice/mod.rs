@@ -226,7 +226,7 @@ impl Lattice {
             mem::swap(&mut self.front, &mut self.following);
             self.following.clear();
         }
-        self.minima.mend(&self.ends);
+        self.mend();
         self.stretch.add(-lost);
         Avalanche {
             drive: self.drive(),
