@@ -9,6 +9,7 @@ mod cost;
 #[path = "../../src/figure/curve.rs"]
 #[allow(dead_code)]
 mod curve;
+mod lattice;
 mod page;
 mod relaxation;
 mod stability;
@@ -32,7 +33,7 @@ fn folder() -> PathBuf {
 fn main() -> std::io::Result<()> {
     let page = Page::default();
     let page = closed::section(agreement::section(relaxation::section(cost::section(page, false))));
-    let page = stability::section(page, false);
+    let page = lattice::section(stability::section(page, false), false);
     page.write(&folder())
 }
 
@@ -77,7 +78,7 @@ mod tests {
     fn the_page_says_what_the_program_finds() {
         let page =
             closed::section(agreement::section(relaxation::section(cost::section(Page::default(), true))));
-        let page = stability::section(page, true);
+        let page = lattice::section(stability::section(page, true), true);
         let written = std::fs::read_to_string(folder().join("index.md")).unwrap();
         let missing: Vec<&str> = page.lasting().filter(|line| !written.contains(line)).collect();
         assert!(page.lasting().count() > 100);

@@ -1,5 +1,7 @@
 //! The lives of one contact after another: where each begins and at which stretch it ends.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Disorder, Ensemble};
 use crate::contacts::Start;
 use crate::law::SharedLaw;
@@ -19,7 +21,7 @@ pub(super) struct Life {
 }
 
 /// How far a contact has come in its streams: the words taken from each, modulo 2³².
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Drawn {
     thresholds: u32,
     reforming: u32,

@@ -5,6 +5,7 @@
 //! [`Ensemble::pull`] or, in time, when they are to [`Ensemble::follow`] a history; together in an [`Ensemble::population`].
 
 mod diffusion;
+pub mod lattice;
 mod lives;
 mod passage;
 mod population;

@@ -1,11 +1,13 @@
 //! Sums of many terms that come and go, without drift.
 
+use serde::{Deserialize, Serialize};
+
 /// A sum and what its roundings have left out: Knuth's exact sum of two numbers, cascaded once.
 ///
 /// After n terms of size t the error is below (2⁻⁵³ + n² 2⁻¹⁰⁶) times Σ|t| (T. Ogita, S. M. Rump and S. Oishi,
 /// *Accurate sum and dot product*, SIAM J. Sci. Comput. 26, 1955 (2005)); a term added and later subtracted leaves
 /// nothing of the first kind behind.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct Compensated {
     sum: f64,
     rest: f64,

@@ -9,6 +9,7 @@ pub mod legendre;
 pub mod linear;
 pub mod motion;
 pub mod piecewise;
+pub mod powerlaw;
 mod rearrange;
 pub mod roots;
 pub mod stencil;

@@ -1,0 +1,50 @@
+//! What one break sets off, and catalogues of it.
+
+use crate::record::{Quantity, Record};
+
+/// All that happens at one drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Avalanche {
+    /// X, by which the drive has stretched every contact when the first one breaks.
+    pub drive: f64,
+    /// The contact that broke first, counted along rows; of several the one of the smallest number.
+    pub epicentre: usize,
+    /// Breaks.
+    pub size: u64,
+    /// Contacts that broke, once or more often.
+    pub area: u64,
+    /// Generations of breaks.
+    pub duration: u64,
+    /// Σ(f − k r) of all breaks: what contacts let go, to neighbours, edges and drive.
+    pub released: f64,
+    /// Force of all contacts when the first one breaks.
+    pub force_before: f64,
+    /// Force of all contacts at the end.
+    pub force_after: f64,
+}
+
+impl Avalanche {
+    /// By how much the force falls: what edges and drive have taken of what contacts let go.
+    pub fn drop(&self) -> f64 {
+        self.force_before - self.force_after
+    }
+}
+
+/// A catalogue as columns.
+pub fn record(avalanches: &[Avalanche]) -> Record {
+    let mut record = Record::default();
+    let mut column = |name: &str, long_name: &str, quantity, value: &dyn Fn(&Avalanche) -> f64| {
+        record.push(name, long_name, quantity, &["event"], avalanches.iter().map(value).collect());
+    };
+    let (number, force) = (Quantity::Number, Quantity::Force);
+    column("drive", "drive at the avalanche", Quantity::Length, &|a| a.drive);
+    column("epicentre", "contact that broke first", number, &|a| a.epicentre as f64);
+    column("size", "breaks", number, &|a| a.size as f64);
+    column("area", "contacts that broke", number, &|a| a.area as f64);
+    column("duration", "generations of breaks", number, &|a| a.duration as f64);
+    column("released", "force let go", force, &|a| a.released);
+    column("force_before", "force before", force, &|a| a.force_before);
+    column("force_after", "force after", force, &|a| a.force_after);
+    column("drop", "force drop", force, &Avalanche::drop);
+    record
+}

@@ -1,0 +1,64 @@
+//! The lives of contacts on a lattice: those of the ensemble, or one and the same.
+
+use serde::{Deserialize, Serialize};
+
+use crate::ensemble::Ensemble;
+use crate::ensemble::lives::{Drawn, Life, Lives};
+
+/// What a contact was born with, and how far it has come in its random streams.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub(super) struct Born {
+    pub(super) threshold: f64,
+    drawn: Drawn,
+}
+
+/// Gives contacts their lives, those that [`Ensemble::pull`] gives them.
+#[derive(Clone)]
+pub(super) struct Births {
+    lives: Lives,
+    /// The life after every break, where both laws are points and nothing need be drawn or kept.
+    identical: Option<Life>,
+}
+
+impl Births {
+    pub(super) fn new(ensemble: &Ensemble) -> Self {
+        let contacts = &ensemble.contacts;
+        let point = |law: &crate::law::SharedLaw| {
+            law.atoms().first().filter(|atom| atom.weight == 1.0).map(|atom| atom.position)
+        };
+        let both = point(&contacts.thresholds).zip(point(&contacts.reforming));
+        let identical = both.map(|(threshold, stretch)| Life { stretch, threshold });
+        Self { lives: Lives::in_any_order(ensemble), identical }
+    }
+
+    /// Whether nothing need be kept of contacts.
+    pub(super) fn identical(&self) -> bool {
+        self.identical.is_some()
+    }
+
+    /// Contact `number` at the start: its stretch, and what it was born with.
+    pub(super) fn first(&mut self, number: usize) -> (f64, Born) {
+        let life = self.lives.first(number as u64);
+        (life.stretch, Born { threshold: life.threshold, drawn: self.lives.drawn() })
+    }
+
+    /// The threshold of contact `number`.
+    pub(super) fn threshold(&self, born: &[Born], number: usize) -> f64 {
+        self.identical.map_or_else(|| born[number].threshold, |life| life.threshold)
+    }
+
+    /// Gives the contact that `number` tells its next life; the threshold it had, and the new life.
+    #[inline]
+    pub(super) fn next(&mut self, born: &mut [Born], number: impl FnOnce() -> usize) -> (f64, Life) {
+        if let Some(life) = self.identical {
+            return (life.threshold, life);
+        }
+        let number = number();
+        let contact = &mut born[number];
+        let before = contact.threshold;
+        self.lives.resume(number as u64, contact.drawn, before);
+        let life = self.lives.next();
+        *contact = Born { threshold: life.threshold, drawn: self.lives.drawn() };
+        (before, life)
+    }
+}

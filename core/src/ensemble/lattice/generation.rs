@@ -1,0 +1,84 @@
+//! One generation of breaks: all that have reached their thresholds let go, then their neighbours gain.
+
+use super::Lattice;
+
+impl Lattice {
+    /// Contacts whose ends are up to here break.
+    fn limit(&self) -> f64 {
+        self.drive + self.together
+    }
+
+    /// Finds what breaks first, and gives its epicentre.
+    pub(super) fn ignite(&mut self) -> usize {
+        self.scar.drain(..).for_each(|place| self.broken[place as usize] = false);
+        self.front.clear();
+        self.minima.up_to(self.limit(), &self.ends, &mut self.front);
+        let end = |&place: &u32| self.ends[place as usize];
+        let first = self.front.iter().copied().min_by(|a, b| end(a).total_cmp(&end(b)));
+        self.grid.number(first.expect("the least end is below the limit") as usize)
+    }
+
+    /// Contacts of the front break and re-form; what they let go in all.
+    pub(super) fn part(&mut self) -> f64 {
+        let limit = self.limit();
+        let Self { grid, births, born, ends, front, following, released, broken, scar, drive, .. } = self;
+        released.clear();
+        let mut all = 0.0;
+        for &at in front.iter() {
+            let place = at as usize;
+            let (threshold, life) = births.next(born, || grid.number(place));
+            let let_go = threshold + (*drive - ends[place]) - life.stretch;
+            ends[place] = *drive + (life.threshold - life.stretch);
+            released.push(let_go);
+            all += let_go;
+            if ends[place] <= limit {
+                following.push(at);
+            }
+            if !broken[place] {
+                broken[place] = true;
+                scar.push(at);
+            }
+        }
+        all
+    }
+
+    /// Neighbours of the front gain their shares, which may make them follow; what open edges take.
+    pub(super) fn share(&mut self) -> f64 {
+        let limit = self.limit();
+        let Self { grid, ends, front, following, released, share, .. } = self;
+        let mut outward = 0.0;
+        for (&place, released) in front.iter().zip(released) {
+            let gain = *share * *released;
+            for mut near in grid.around(place as usize) {
+                if ends[near] == f64::INFINITY {
+                    let Some(across) = grid.across(near) else {
+                        outward += gain;
+                        continue;
+                    };
+                    near = across;
+                }
+                let before = ends[near];
+                let after = before - gain;
+                ends[near] = after;
+                if after <= limit && before > limit {
+                    following.push(near as u32);
+                }
+            }
+        }
+        outward
+    }
+
+    /// Finds the next break: ends have changed at what broke, and next to it.
+    pub(super) fn mend(&mut self) {
+        for &place in &self.scar {
+            self.minima.touch(place as usize);
+            for near in self.grid.around(place as usize) {
+                // Nothing changes on the rim itself.
+                let rim = self.ends[near] == f64::INFINITY;
+                let near = if rim { self.grid.across(near).unwrap_or(near) } else { near };
+                self.minima.touch(near);
+            }
+        }
+        self.minima.mend(&self.ends);
+    }
+}

@@ -1,0 +1,284 @@
+//! Contacts coupled one by one on a lattice, broken in avalanches.
+
+mod avalanche;
+mod births;
+mod coupling;
+mod generation;
+mod grid;
+mod minima;
+mod state;
+
+pub use avalanche::{Avalanche, record};
+pub use coupling::{Coupling, Edges, Shape};
+pub use state::State;
+
+use std::mem;
+
+use rayon::prelude::*;
+
+use self::births::{Births, Born};
+use self::grid::Grid;
+use self::minima::Minima;
+use super::{Disorder, Ensemble};
+use crate::contacts::{Contacts, Initial, Stiffness};
+use crate::monitor::{Monitor, report};
+use crate::numerics::compensated::Compensated;
+use crate::{Error, Result};
+
+/// Bytes that a lattice may take.
+const BYTES: usize = 16 << 30;
+
+/// Contacts drawn together by one thread.
+const CHUNK: usize = 1 << 12;
+
+/// Mean thresholds within which contacts break together: some tens of roundings, which equal contacts that went equal
+/// ways differ by, and so little that it joins others once in 10⁷ avalanches of 10⁶ contacts.
+const TOGETHER: f64 = 1e-13;
+
+/// Avalanches between two reports to the monitor.
+const REPORT: u64 = 1 << 10;
+
+/// How far a lattice is driven.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Until {
+    /// To this drive X, counted from the start of all.
+    Drive(f64),
+    /// For so many more avalanches.
+    Events(u64),
+}
+
+/// Contacts of equal stiffness k, each on springs of its own to the drive and to its neighbours, that re-form only when
+/// the slide is over: the automaton of Z. Olami, H. J. S. Feder and K. Christensen (Phys. Rev. Lett. 68, 1244 (1992),
+/// doi:10.1103/PhysRevLett.68.1244) for any laws of thresholds and re-forming. Theirs has identical thresholds and R = δ.
+///
+/// The drive stretches every contact alike, f = k x → k(x + dX), at K_0 = 0 too, until one reaches its threshold k x_s.
+/// All that have reached theirs break together, f → k r, and each neighbour of one gains α(f − k r), α =
+/// [`Coupling::share`]; this makes a generation, and the next one follows until none is left. Re-forming stretches r and
+/// thresholds are drawn as in the [`Ensemble`]: at α = 0 contacts live the very lives of [`Ensemble::pull`].
+///
+/// *Together* is within 1e-13 mean thresholds: contacts that are equal but for rounding stay so. In an identical lattice
+/// they often are, and what becomes of its avalanches depends on it (B. Drossel, Phys. Rev. Lett. 89, 238701 (2002)).
+///
+/// An avalanche takes a time in proportion to its breaks, whatever the number of contacts. A contact takes 10 bytes, 34
+/// where laws are not points, and up to 20 more where it breaks with all others. Stretches are right to 1e-15 however far the drive has come.
+#[derive(Clone)]
+pub struct Lattice {
+    grid: Grid,
+    share: f64,
+    dissipated: f64,
+    births: Births,
+    /// What contacts were born with, along rows; empty where all are the same.
+    born: Vec<Born>,
+    /// The drive since `base` at which the contact at a place breaks; infinite on the rim.
+    ends: Vec<f64>,
+    minima: Minima,
+    /// Where `drive` is counted from, so near that stretches keep their digits.
+    base: f64,
+    drive: f64,
+    /// The sum of all stretches, had the drive stayed at `base`.
+    stretch: Compensated,
+    /// Stretches that count as the same.
+    together: f64,
+    /// The drive at which `base` follows.
+    span: f64,
+    /// From a stretch to the force of all real contacts that one contact stands for.
+    scale: f64,
+    /// Places of contacts that break now, and of those that follow.
+    front: Vec<u32>,
+    following: Vec<u32>,
+    /// What those that break now let go.
+    released: Vec<f64>,
+    /// Whether the contact at a place broke in the last avalanche; where.
+    broken: Vec<bool>,
+    scar: Vec<u32>,
+}
+
+impl Lattice {
+    /// Contacts at X = 0, one on each place of the lattice, which stand for the `contacts.count` real ones.
+    ///
+    /// What stands at its threshold in a relaxed start breaks in the first avalanche, at X = 0.
+    ///
+    /// # Errors
+    /// What [`Coupling::check`] and [`Ensemble::new`] refuse; stiffness per threshold; rules of time; more contacts than
+    /// fit in 16 GiB.
+    pub fn new(
+        contacts: Contacts,
+        initial: Initial,
+        coupling: &Coupling,
+        seed: u64,
+        disorder: Disorder,
+    ) -> Result<Self> {
+        coupling.check().map_err(|e| e.under("interface"))?;
+        let unit = stiffness(&contacts)?;
+        fits(coupling.shape)?;
+        let size = coupling.shape.size();
+        let ensemble = Ensemble::new(contacts, initial, size, seed, disorder)?;
+        let mean = ensemble.contacts.thresholds.mean();
+        let grid = Grid::new(coupling);
+        let births = Births::new(&ensemble);
+        let (ends, born) = newborn(&births, &grid);
+        let mut lattice = Self {
+            share: coupling.share(),
+            dissipated: coupling.dissipated(),
+            minima: Minima::new(&ends),
+            base: 0.0,
+            drive: 0.0,
+            stretch: Compensated::default(),
+            together: TOGETHER * mean,
+            span: mean,
+            scale: unit * ensemble.contacts.count / size as f64,
+            front: Vec::new(),
+            following: Vec::new(),
+            released: Vec::new(),
+            broken: vec![false; ends.len()],
+            scar: Vec::new(),
+            grid,
+            births,
+            born,
+            ends,
+        };
+        lattice.stretch = lattice.sum();
+        Ok(lattice)
+    }
+
+    /// Number of contacts.
+    pub fn size(&self) -> usize {
+        self.grid.size()
+    }
+
+    /// X, by which the drive has stretched every contact so far.
+    pub fn drive(&self) -> f64 {
+        self.base + self.drive
+    }
+
+    /// X at which the next contact breaks.
+    pub fn next_drive(&self) -> f64 {
+        self.base + self.minima.least().max(self.drive)
+    }
+
+    /// Force of all contacts.
+    pub fn force(&self) -> f64 {
+        self.scale * (self.stretch.value() + self.size() as f64 * self.drive)
+    }
+
+    /// The force of each contact, along rows; their sum is [`Lattice::force`].
+    pub fn forces(&self) -> Vec<f64> {
+        self.stretches().map(|stretch| self.scale * stretch).collect()
+    }
+
+    /// The contacts that broke in the last avalanche, in the order of their first breaks.
+    pub fn scar(&self) -> impl Iterator<Item = usize> {
+        self.scar.iter().map(|&place| self.grid.number(place as usize))
+    }
+
+    /// Drives the contacts, and tells `each` avalanche; up to a drive, or for a number of avalanches.
+    ///
+    /// # Errors
+    /// The monitor says stop. The lattice is then between two avalanches, and can go on.
+    pub fn run(
+        &mut self,
+        until: Until,
+        monitor: &mut dyn Monitor,
+        each: &mut dyn FnMut(&Avalanche),
+    ) -> Result<()> {
+        let (start, mut events) = (self.drive(), 0);
+        while self.goes_on(until, events) {
+            if events % REPORT == 0 {
+                let done = match until {
+                    Until::Events(all) => events as f64 / all as f64,
+                    Until::Drive(end) => (self.drive() - start) / (end - start),
+                };
+                // Not a number where there is no way to go.
+                report(monitor, done.max(0.0))?;
+            }
+            each(&self.next_event());
+            events += 1;
+        }
+        if let Until::Drive(end) = until {
+            self.drive = self.drive.max(end - self.base);
+        }
+        report(monitor, 1.0)
+    }
+
+    /// Whether there is another avalanche after so many `events`.
+    fn goes_on(&self, until: Until, events: u64) -> bool {
+        match until {
+            Until::Drive(end) => self.next_drive() <= end,
+            Until::Events(all) => events < all,
+        }
+    }
+
+    /// Drives the contacts to where the next one breaks, and follows what it sets off to the end.
+    pub fn next_event(&mut self) -> Avalanche {
+        if self.drive > self.span {
+            self.rebase();
+        }
+        self.drive = self.minima.least().max(self.drive);
+        let force_before = self.force();
+        let epicentre = self.ignite();
+        let (mut size, mut duration, mut released, mut lost) = (0, 0, 0.0, 0.0);
+        while !self.front.is_empty() {
+            size += self.front.len() as u64;
+            duration += 1;
+            let all = self.part();
+            released += all;
+            lost += self.dissipated * all + self.share();
+            mem::swap(&mut self.front, &mut self.following);
+            self.following.clear();
+        }
+        self.mend();
+        self.stretch.add(-lost);
+        Avalanche {
+            drive: self.drive(),
+            epicentre,
+            size,
+            area: self.scar.len() as u64,
+            duration,
+            released: self.scale * released,
+            force_before,
+            force_after: self.force(),
+        }
+    }
+}
+
+/// The stiffness that all contacts have.
+fn stiffness(contacts: &Contacts) -> Result<f64> {
+    if let Some(rule) = contacts.rules.first() {
+        let expected = format!("no {rule} where contacts are coupled one by one: they know no time");
+        return Err(Error::invalid(rule, expected, "one").under("contacts"));
+    }
+    match contacts.stiffness {
+        Stiffness::Equal(unit) => Ok(unit),
+        Stiffness::PerThreshold(factor) => {
+            let expected = "contacts of equal stiffness where they are coupled one by one";
+            Err(Error::invalid("contacts.stiffness_per_threshold", expected, factor))
+        }
+    }
+}
+
+/// Refuses what takes more memory than is allowed.
+fn fits(shape: Shape) -> Result<()> {
+    let [rows, columns] = shape.sides().map(|side| side.saturating_add(2));
+    let place = size_of::<Born>() + size_of::<f64>() + 2;
+    let bytes = rows.saturating_mul(columns).saturating_mul(place);
+    if bytes > BYTES {
+        let what = format!("a lattice of {} contacts", shape.size());
+        return Err(Error::TooLarge { what, needed: bytes as u64, allowed: BYTES as u64 });
+    }
+    Ok(())
+}
+
+/// Contacts as they are at X = 0: where they break, and what they were born with.
+fn newborn(births: &Births, grid: &Grid) -> (Vec<f64>, Vec<Born>) {
+    let contacts: Vec<(f64, Born)> = (0..grid.size())
+        .into_par_iter()
+        .with_min_len(CHUNK)
+        .map_init(|| births.clone(), |births, number| births.first(number))
+        .collect();
+    let mut ends = vec![f64::INFINITY; grid.places()];
+    for (number, (stretch, born)) in contacts.iter().enumerate() {
+        ends[grid.place(number)] = born.threshold - stretch;
+    }
+    let born = if births.identical() { Vec::new() } else { contacts.into_iter().map(|c| c.1).collect() };
+    (ends, born)
+}

@@ -1,0 +1,73 @@
+//! All that changes as a lattice is driven, to be kept and taken up again.
+
+use serde::{Deserialize, Serialize};
+
+use super::births::Born;
+use super::{Lattice, Minima};
+use crate::numerics::compensated::Compensated;
+use crate::{Error, Result};
+
+/// What a lattice has come to. One of the same description goes on from it as if it had never stopped, bit for bit.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct State {
+    base: f64,
+    drive: f64,
+    stretch: Compensated,
+    /// Where contacts break, along rows.
+    ends: Vec<f64>,
+    born: Vec<Born>,
+}
+
+impl Lattice {
+    /// What it has come to.
+    pub fn state(&self) -> State {
+        let ends = (0..self.size()).map(|number| self.ends[self.grid.place(number)]).collect();
+        State { base: self.base, drive: self.drive, stretch: self.stretch, ends, born: self.born.clone() }
+    }
+
+    /// Goes to what a lattice of the same description has come to; the scar is empty then.
+    ///
+    /// # Errors
+    /// A state of another number of contacts, or of contacts that have thresholds of another kind.
+    pub fn restore(&mut self, state: State) -> Result<()> {
+        let State { base, drive, stretch, ends, born } = state;
+        if (ends.len(), born.len()) != (self.size(), self.born.len()) {
+            let expected =
+                format!("{} contacts, {} of them with thresholds drawn", self.size(), self.born.len());
+            let found = format!("{}, {} of them with thresholds drawn", ends.len(), born.len());
+            return Err(Error::invalid("state", expected, found));
+        }
+        for (number, &end) in ends.iter().enumerate() {
+            self.ends[self.grid.place(number)] = end;
+        }
+        (self.base, self.drive, self.stretch, self.born) = (base, drive, stretch, born);
+        self.minima = Minima::new(&self.ends);
+        self.scar.drain(..).for_each(|place| self.broken[place as usize] = false);
+        Ok(())
+    }
+
+    /// Counts drives from the present one: without it stretches would lose digits as the drive grows.
+    pub(super) fn rebase(&mut self) {
+        self.base += self.drive;
+        self.ends.iter_mut().for_each(|end| *end -= self.drive);
+        self.drive = 0.0;
+        self.minima = Minima::new(&self.ends);
+        self.stretch = self.sum();
+    }
+
+    /// The stretches of contacts, along rows.
+    pub(super) fn stretches(&self) -> impl Iterator<Item = f64> {
+        let stretch = |number| {
+            let end = self.ends[self.grid.place(number)];
+            self.births.threshold(&self.born, number) - (end - self.drive)
+        };
+        (0..self.size()).map(stretch)
+    }
+
+    /// The sum of all stretches, without the drive since `base`.
+    pub(super) fn sum(&self) -> Compensated {
+        let mut sum = Compensated::default();
+        self.stretches().for_each(|stretch| sum.add(stretch - self.drive));
+        sum
+    }
+}
