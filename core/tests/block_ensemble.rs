@@ -2,7 +2,7 @@
 
 mod common;
 
-use asperity::block::{Block, Drive, Event, Loading, Regime, Slip, StickSlip};
+use asperity::block::{Block, Drive, Event, Loading, Regime, Sizes, Slip, StickSlip};
 use asperity::ensemble::{Disorder, Ensemble, EnsemblePopulation, Snapshots};
 use asperity::exact::Gaussian;
 use asperity::population::Population;
@@ -157,6 +157,19 @@ fn energies_and_sizes_count_every_break() {
         // What is kept does not grow with the breaks.
         assert!(run.trace.len() <= 11 + 2 * run.events.len());
     }
+}
+
+#[test]
+fn a_reset_breaks_every_contact_once() {
+    let run = drive(&mut ensemble(10_000, 3), Slip::Reset, 8.0);
+    assert!(run.events.len() > 2);
+    for event in &run.events {
+        // Rounding of breaks since the beginning, per contact.
+        near(event.broken_fraction, 1.0, 1e-14);
+    }
+    let largest =
+        run.sizes.bins.iter().enumerate().rfind(|(i, bin)| bin.events > 0 && Sizes::middle(*i) < 0.9);
+    assert!(Sizes::middle(largest.unwrap().0) < FRACTION);
 }
 
 #[test]
