@@ -37,7 +37,7 @@ use crate::{Error, Result};
 /// What a slider does when it has lost its balance, at fixed X_T.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Slip {
-    /// All contacts break, each of them once, and re-form where the spring meets the force F_R that they then have, at
+    /// All contacts break, and re-form where the spring meets the force F_R that they then have, at
     /// X = X_T − F_R/K: at X = X_T where contacts re-form relaxed.
     Reset,
     /// On to the next X with F(X) = K(X_T − X), contacts breaking and re-forming on the way.

@@ -29,7 +29,7 @@ impl Walk<'_> {
         let drive = before.drive;
         let approach = self.closed(drive);
         self.approach += approach;
-        if self.holds() {
+        if self.holds(breaks) {
             self.look.hold();
         }
         let pushed = if breaks {
@@ -43,10 +43,14 @@ impl Walk<'_> {
         Ok(true)
     }
 
-    /// Whether contacts that break in an event stay free: in `arrest` until the slider is at rest, in a `reset` until
-    /// all re-form together, or the slider is at rest without.
-    fn holds(&self) -> bool {
-        matches!(self.block.slip, Slip::Arrest | Slip::Reset)
+    /// Whether contacts that break at the start of an event stay free: in `arrest` until the slider is at rest, in
+    /// a `reset` until all re-form together.
+    fn holds(&self, breaks: bool) -> bool {
+        match self.block.slip {
+            Slip::Arrest => true,
+            Slip::Reset => breaks && self.block.slip_fraction.is_none(),
+            Slip::Overdamped | Slip::Inertial { .. } => false,
+        }
     }
 
     /// Moves by the rule of slip, first in the direction `pushed`, from a balance that is `lost` there without a push
@@ -58,8 +62,8 @@ impl Walk<'_> {
             return Ok(Some(self.look.position));
         };
         let calm = match self.block.slip {
-            Slip::Reset if self.block.slip_fraction.is_none() => self.renew(drive, direction)?,
-            Slip::Reset | Slip::Overdamped | Slip::Arrest => self.settle(drive, Some(direction), lost)?,
+            Slip::Reset => self.reset(drive, direction)?,
+            Slip::Overdamped | Slip::Arrest => self.settle(drive, Some(direction), lost)?,
             Slip::Inertial { mass, damping } => {
                 let (next, lost) = match self.swing(drive, direction, mass, damping)? {
                     Swung::Arrested => (self.pushed(drive, direction)?, false),
@@ -73,15 +77,11 @@ impl Walk<'_> {
         Ok(calm.then_some(self.look.position))
     }
 
-    /// Slides without inertia, in one direction after the other, until there is balance, or more contacts have broken
-    /// than a `reset` needs; whether there is balance.
+    /// Slides without inertia, in one direction after the other, until there is balance; whether there is one.
     fn settle(&mut self, drive: f64, mut next: Option<Direction>, mut lost: bool) -> Result<bool> {
-        let most = self.block.slip_fraction.filter(|_| self.block.slip == Slip::Reset);
         while let Some(direction) = next {
-            match self.slide(drive, direction, lost, most)? {
-                Slid::Away => return Ok(false),
-                Slid::Exceeded => return self.renew(drive, direction),
-                Slid::Balanced => {}
+            if self.slide(drive, direction, lost, None)? == Slid::Away {
+                return Ok(false);
             }
             lost = false;
             self.let_go()?;
@@ -92,10 +92,26 @@ impl Walk<'_> {
 
     /// What is held free re-forms.
     fn let_go(&mut self) -> Result<()> {
-        if self.holds() { self.look.release() } else { Ok(()) }
+        if self.holds(true) { self.look.release() } else { Ok(()) }
     }
 
-    /// All contacts break, and re-form where the spring meets their force; whether there is such a place.
+    /// Slides until more contacts have broken than a slip needs; then all break, and re-form where the spring meets
+    /// their force.
+    fn reset(&mut self, drive: f64, direction: Direction) -> Result<bool> {
+        if let Some(most) = self.block.slip_fraction {
+            let mut next = Some(direction);
+            while let Some(direction) = next {
+                match self.slide(drive, direction, false, Some(most))? {
+                    Slid::Away => return Ok(false),
+                    Slid::Exceeded => return self.renew(drive, direction),
+                    Slid::Balanced => next = self.pushed(drive, direction)?,
+                }
+            }
+            return Ok(true);
+        }
+        self.renew(drive, direction)
+    }
+
     fn renew(&mut self, drive: f64, direction: Direction) -> Result<bool> {
         let loading = self.look.loading;
         self.look.reset()?;
@@ -197,6 +213,9 @@ impl Walk<'_> {
         if self.course.is_none() && matches!(self.block.slip, Slip::Inertial { .. }) {
             self.course = Some(std::mem::take(&mut self.offered).begun());
         }
+        // In a reset all have broken, however many did so before the share was exceeded.
+        let most = if self.block.slip == Slip::Reset { 1.0 } else { f64::INFINITY };
+        let broken_fraction = broken_fraction.min(most);
         let approach = std::mem::take(&mut self.approach);
         self.events.push(Event { before, after, position_turn, broken_fraction, energy, approach });
     }
