@@ -2,8 +2,8 @@
 
 mod common;
 
-use asperity::block::{Block, Drive, Event, Loading, Regime, Slip, StickSlip};
-use asperity::ensemble::{Disorder, Ensemble, EnsemblePopulation};
+use asperity::block::{Block, Drive, Event, Loading, Regime, Sizes, Slip, StickSlip};
+use asperity::ensemble::{Disorder, Ensemble, EnsemblePopulation, Snapshots};
 use asperity::exact::Gaussian;
 use asperity::population::Population;
 use common::pulled::{UNDAMPED, near, pull};
@@ -18,11 +18,14 @@ const FRACTION: f64 = 0.3;
 const DAMPED: Slip = Slip::Inertial { mass: 1.0, damping: 0.5 };
 const RULES: [Slip; 5] = [Slip::Reset, Slip::Overdamped, UNDAMPED, DAMPED, Slip::Arrest];
 
-fn ensemble(size: usize, seed: u64) -> EnsemblePopulation {
+fn model(size: usize, seed: u64) -> Ensemble {
     let relaxed = point(0.0);
     let contacts = contacts(&gaussian(1.0, STD), &relaxed);
-    let ensemble = Ensemble::new(contacts, initial(&relaxed), size, seed, Disorder::Annealed).unwrap();
-    ensemble.population(&mut ()).unwrap()
+    Ensemble::new(contacts, initial(&relaxed), size, seed, Disorder::Annealed).unwrap()
+}
+
+fn ensemble(size: usize, seed: u64) -> EnsemblePopulation {
+    model(size, seed).population(&mut ()).unwrap()
 }
 
 fn drive(population: &mut dyn Population, slip: Slip, distance: f64) -> StickSlip {
@@ -43,9 +46,12 @@ fn first_slip(slip: Slip) -> Event {
     pull(&mut population, STIFFNESS, slip, &[2.0]).events[0]
 }
 
-/// Mean and standard deviation.
 fn moments(events: &[Event], value: impl Fn(&Event) -> f64) -> (f64, f64) {
-    let values: Vec<f64> = events.iter().map(value).collect();
+    statistics(events.iter().map(value).collect())
+}
+
+/// Mean and standard deviation.
+fn statistics(values: Vec<f64>) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64;
     (mean, variance.sqrt())
@@ -95,12 +101,20 @@ fn first_slips_are_those_of_the_master_equation_in_the_mean() {
     }
 }
 
+/// X_T(X) of the contacts of an ensemble that have gone forward alone.
+fn drive_at(position: f64, size: usize, seed: u64) -> f64 {
+    let pull = model(size, seed).pull(&[position], &Snapshots::default(), &mut ()).unwrap();
+    position + pull.force[0] / STIFFNESS
+}
+
 /// Balance is lost where X + F/K, which near X_1 is a parabola and the Brownian motion of the breaks, has its
 /// maximum. Of W(t) − t² the place of the maximum has variance 0.26355964 (P. Groeneboom and J. A. Wellner, J. Comput.
-/// Graph. Stat. 10, 388 (2001)), the maximum itself the mean 0.99619 (S. Janson, G. Louchard and A. Martin-Löf,
-/// Electron. J. Probab. 15, 1893 (2010)). The force at X_1 as a whole scatters as a sum of N independent stretches.
+/// Graph. Stat. 10, 388 (2001)), the maximum itself three times that as its mean: of W(t) − γt² it scales as γ^{−1/3},
+/// and its derivative by γ is −t². (That of W(t) − t²/2 is 0.99619 by S. Janson, G. Louchard and A. Martin-Löf,
+/// Electron. J. Probab. 15, 1893 (2010).) The force at X_1 as a whole scatters as a sum of N independent stretches.
 #[test]
 fn scatter_and_bias_of_the_first_slip_are_those_of_brownian_motion_on_a_parabola() {
+    const VARIANCE: f64 = 0.263_559_64;
     let exact = first_slip(Slip::Overdamped);
     let x = exact.before.position;
     // First breaks only: F' = S − X P_c, F'' = −2 P_c − X P_c', and N Var(F) grows by X² P_c dX.
@@ -116,12 +130,14 @@ fn scatter_and_bias_of_the_first_slip_are_those_of_brownian_motion_on_a_parabola
         // The parabola is one up to a share of its width, σN^{−1/3}.
         let crude = 1.0 / n.cbrt();
         let (_, scatter) = moments(&events, |e| e.before.position);
-        let ratio = scatter * n.cbrt() / (scale * 0.263_559_64_f64.sqrt());
-        near(ratio, 1.0, 4.0 / (2.0_f64.sqrt() * root) + crude);
-        let (mean, scatter) = moments(&events, |e| e.before.drive);
+        near(scatter * n.cbrt() / (scale * VARIANCE.sqrt()), 1.0, 4.0 / (2.0_f64.sqrt() * root) + crude);
+        let (_, scatter) = moments(&events, |e| e.before.drive);
         near(scatter * n.sqrt() / whole, 1.0, 4.0 / (2.0_f64.sqrt() * root) + crude);
-        let bias = noise * scale.sqrt() * 0.996_19 * n.powf(-2.0 / 3.0);
-        near(mean - exact.before.drive, bias, 4.0 * scatter / root + 4.0 * crude * bias);
+        // Above what the same contacts do at X_1, where the mean is that of the master equation.
+        let above = |(seed, e): (u64, &Event)| e.before.drive - drive_at(x, size, seed);
+        let (mean, scatter) = statistics((0..).zip(&events).map(above).collect());
+        let bias = noise * scale.sqrt() * 3.0 * VARIANCE * n.powf(-2.0 / 3.0);
+        near(mean, bias, 4.0 * scatter / root + crude * bias);
     }
 }
 
@@ -141,6 +157,15 @@ fn energies_and_sizes_count_every_break() {
         // What is kept does not grow with the breaks.
         assert!(run.trace.len() <= 11 + 2 * run.events.len());
     }
+}
+
+#[test]
+fn a_reset_counts_every_contact_once() {
+    let run = drive(&mut ensemble(10_000, 3), Slip::Reset, 8.0);
+    assert!(run.events.len() > 2 && run.events.iter().all(|event| event.broken_fraction == 1.0));
+    let largest =
+        run.sizes.bins.iter().enumerate().rfind(|(i, bin)| bin.events > 0 && Sizes::middle(*i) < 0.9);
+    assert!(Sizes::middle(largest.unwrap().0) < FRACTION);
 }
 
 #[test]

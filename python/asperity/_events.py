@@ -30,7 +30,7 @@ class Event(NamedTuple):
     slip: float
     """The way of the slider, a length."""
     broken_fraction: float
-    """Breaks per contact; a contact that breaks twice counts twice."""
+    """Breaks per contact, 1 in a reset; in other slips a contact that breaks twice counts twice."""
     dissipated_breaks: float
     """Energy lost in breaks."""
     dissipated_slip: float

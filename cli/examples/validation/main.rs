@@ -12,6 +12,7 @@ mod curve;
 mod lattice;
 mod page;
 mod relaxation;
+mod scatter;
 mod stability;
 #[path = "../../src/figure/style.rs"]
 #[allow(dead_code)]
@@ -33,7 +34,7 @@ fn folder() -> PathBuf {
 fn main() -> std::io::Result<()> {
     let page = Page::default();
     let page = closed::section(agreement::section(relaxation::section(cost::section(page, false))));
-    let page = lattice::section(stability::section(page, false), false);
+    let page = lattice::section(scatter::section(stability::section(page, false), false), false);
     page.write(&folder())
 }
 
@@ -78,7 +79,7 @@ mod tests {
     fn the_page_says_what_the_program_finds() {
         let page =
             closed::section(agreement::section(relaxation::section(cost::section(Page::default(), true))));
-        let page = lattice::section(stability::section(page, true), true);
+        let page = lattice::section(scatter::section(stability::section(page, true), true), true);
         let written = std::fs::read_to_string(folder().join("index.md")).unwrap();
         let missing: Vec<&str> = page.lasting().filter(|line| !written.contains(line)).collect();
         assert!(page.lasting().count() > 100);

@@ -1,4 +1,6 @@
 //! `equilibrium`: the drive at which the slider is in balance, position by position, and its first slip.
+//!
+//! The curve is that of first loading, on which contacts re-form as they break: slips by `reset` and `arrest` leave it.
 
 use asperity::record::Record;
 use asperity_runner::output::Outcome;
@@ -55,7 +57,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         plots.extend(excess(position, drive, slip));
         plots.push(line(vec![(slip.from, slip.drive), (slip.to, slip.drive)], RED, 2.0, None));
         legend.push(style::line("first slip", RED, None));
-        legend.push(style::area("spring force above friction, over K", "#F6D5C4"));
+        legend.push(style::area("spring force above this friction, over K", "#F6D5C4"));
     }
     for run in stable.chunk_by(|a, b| a == b).scan(0, |from, run| {
         *from += run.len();
@@ -70,7 +72,11 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let (low, high) = (0.0, style::headroom(style::range([drive]).1));
     let layout = style::titled(style::layout((0.0, end), (low, high)), &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Position X", record.get("branch_position")?))
-        .with_y_label(style::axis(outcome, "Drive X_T in balance", record.get("branch_drive")?));
+        .with_y_label(style::axis(
+            outcome,
+            "Drive X_T in balance, first loading",
+            record.get("branch_drive")?,
+        ));
     Some(render_multiple(plots, style::legend_below(layout, legend)))
 }
 

@@ -1,4 +1,6 @@
 //! `potential`: the energy of slider and contacts against the position, before, at and after the first slip.
+//!
+//! Forces are those of first loading, on which contacts re-form as they break: slips by `reset` and `arrest` leave it.
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{MarkerShape, ScatterPlot};
@@ -41,6 +43,6 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let air = 0.05 * (high - low);
     let layout = style::titled(style::layout((0.0, end), (low - air, high + air)), &outcome.summary.title)
         .with_x_label(style::axis(outcome, "Position X", record.get("branch_position")?))
-        .with_y_label(style::axis(outcome, "Potential V(X_T, X)", record.get("potential")?));
+        .with_y_label(style::axis(outcome, "Potential V(X_T, X), first loading", record.get("potential")?));
     Some(render_multiple(plots, style::legend_below(layout, legend)))
 }

@@ -12,7 +12,7 @@ pub struct Event {
     pub after: Point,
     /// X_2 of an inertial slip, where the slider first came to rest; else the position after.
     pub position_turn: f64,
-    /// Breaks in the slip, per contact; a contact that breaks twice counts twice.
+    /// Breaks in the slip, per contact; a contact that breaks twice counts twice, but once in a reset, where this is 1.
     pub broken_fraction: f64,
     /// Energies of the slip.
     pub energy: Energy,

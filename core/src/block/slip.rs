@@ -213,6 +213,9 @@ impl Walk<'_> {
         if self.course.is_none() && matches!(self.block.slip, Slip::Inertial { .. }) {
             self.course = Some(std::mem::take(&mut self.offered).begun());
         }
+        // In a reset all have broken, however many did so before the share was exceeded.
+        let most = if self.block.slip == Slip::Reset { 1.0 } else { f64::INFINITY };
+        let broken_fraction = broken_fraction.min(most);
         let approach = std::mem::take(&mut self.approach);
         self.events.push(Event { before, after, position_turn, broken_fraction, energy, approach });
     }

@@ -32,8 +32,8 @@ const SPAN: f64 = 8.0;
 /// together where they do so at exactly the same position; positions that differ by rounding are different ones.
 ///
 /// A break takes the time of a few accesses to memory, and hardly more for more contacts, and so does a way back on
-/// which nothing breaks. Breaking on a way back and [`Population::reset`] pass over all of them. A contact takes 32
-/// bytes, 80 while contacts are sorted.
+/// which nothing breaks. Breaking on a way back and [`Population::reset`] pass over all of them, each of which takes
+/// 64 bytes, and about as many again meanwhile.
 ///
 /// Limits: positions are double precision numbers, so that at X stretches are right to 1e-16 X; the sums over
 /// contacts are right to 1e-12 after any number of breaks. Random numbers of a contact repeat after some 10⁹ lives.
@@ -252,8 +252,7 @@ impl Population for EnsemblePopulation {
     }
 
     fn cross(&mut self) -> Result<()> {
-        while let Some(&contact) = self.queue.first().filter(|contact| contact.end() <= self.position) {
-            self.queue.pop();
+        while let Some(contact) = self.queue.pop(self.position) {
             self.part(&contact);
             self.free.push(contact);
         }

@@ -68,16 +68,31 @@ impl Eq for Contact {}
 /// queue is a heap.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Queue {
-    /// What breaks before the rungs not yet taken.
-    near: BinaryHeap<Contact>,
+    /// The rung last taken, what breaks first the last.
+    near: Vec<Contact>,
+    /// What was added before the rungs not yet taken.
+    late: BinaryHeap<Contact>,
     rungs: Vec<Vec<Contact>>,
     /// Rungs taken.
     taken: usize,
-    /// Where the lowest rung begins, and rungs per length.
-    low: f64,
-    density: f64,
+    ladder: Ladder,
     /// What breaks after all rungs.
     beyond: Vec<Contact>,
+}
+
+/// Where the lowest rung begins, and rungs per length.
+#[derive(Debug, Clone, Copy, Default)]
+struct Ladder {
+    low: f64,
+    density: f64,
+}
+
+impl Ladder {
+    /// The rung of a contact, if there are so many.
+    #[inline]
+    fn rung(self, contact: &Contact) -> usize {
+        ((contact.end() - self.low) * self.density) as usize
+    }
 }
 
 impl Queue {
@@ -87,9 +102,9 @@ impl Queue {
 
     #[inline]
     pub(super) fn push(&mut self, contact: Contact) {
-        let rung = ((contact.end() - self.low) * self.density) as usize;
+        let rung = self.ladder.rung(&contact);
         if rung < self.taken {
-            self.near.push(contact);
+            self.late.push(contact);
         } else if let Some(contacts) = self.rungs.get_mut(rung) {
             contacts.push(contact);
         } else {
@@ -103,34 +118,37 @@ impl Queue {
         if self.near.is_empty() {
             self.descend();
         }
-        self.near.peek()
+        self.near.last().max(self.late.peek())
     }
 
+    /// Takes the contact that breaks first, if it does so up to a position.
     #[inline]
-    pub(super) fn pop(&mut self) -> Option<Contact> {
-        self.first()?;
-        self.near.pop()
+    pub(super) fn pop(&mut self, position: f64) -> Option<Contact> {
+        self.first().filter(|contact| contact.end() <= position)?;
+        if self.late.peek() > self.near.last() { self.late.pop() } else { self.near.pop() }
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &Contact> {
-        self.near.iter().chain(self.rungs.iter().flatten()).chain(&self.beyond)
+        self.near.iter().chain(&self.late).chain(self.rungs.iter().flatten()).chain(&self.beyond)
     }
 
     /// Takes every contact, in no order.
     pub(super) fn drain(&mut self) -> Vec<Contact> {
-        let mut contacts = mem::take(&mut self.near).into_vec();
+        let mut contacts = mem::take(&mut self.near);
+        contacts.extend(mem::take(&mut self.late));
         self.rungs.iter_mut().for_each(|rung| contacts.append(rung));
         contacts.append(&mut self.beyond);
         *self = Self::default();
         contacts
     }
 
-    /// Takes the next rung that is not empty.
+    /// Takes the next rung that is not empty, unless something late breaks before.
     #[cold]
     fn descend(&mut self) {
-        while self.near.is_empty() {
+        while self.near.is_empty() && self.late.is_empty() {
             if let Some(rung) = self.rungs.get_mut(self.taken) {
-                self.near = mem::take(rung).into();
+                self.near = mem::take(rung);
+                self.near.sort_unstable();
                 self.taken += 1;
             } else if self.beyond.is_empty() {
                 return;
@@ -142,18 +160,27 @@ impl Queue {
 
     /// Throws what is beyond onto new rungs, from the first break to as far above the mean as that is above the first.
     fn raise(&mut self) {
-        let contacts = mem::take(&mut self.beyond);
         let (mut low, mut sum) = (f64::INFINITY, 0.0);
-        for contact in &contacts {
+        for contact in &self.beyond {
             low = low.min(contact.end());
             sum += contact.end();
         }
-        let rungs = (contacts.len() / PER_RUNG).clamp(1, RUNGS);
-        let width = 2.0 * (sum / contacts.len() as f64 - low) / rungs as f64;
+        let rungs = (self.beyond.len() / PER_RUNG).clamp(1, RUNGS);
+        let width = 2.0 * (sum / self.beyond.len() as f64 - low) / rungs as f64;
         // Contacts that all break together make it infinite; the first is then on the lowest rung all the same.
-        (self.low, self.density) = (low, width.max(0.0).recip());
+        self.ladder = Ladder { low, density: width.max(0.0).recip() };
         self.taken = 0;
-        self.rungs.resize_with(rungs, Vec::new);
-        contacts.into_iter().for_each(|contact| self.push(contact));
+        let mut counts = vec![0; rungs];
+        let rung = |contact: &Contact| self.ladder.rung(contact);
+        for contact in &self.beyond {
+            if let Some(count) = counts.get_mut(rung(contact)) {
+                *count += 1;
+            }
+        }
+        self.rungs.clear();
+        self.rungs.extend(counts.into_iter().map(Vec::with_capacity));
+        for contact in self.beyond.extract_if(.., |contact| rung(contact) < rungs) {
+            self.rungs[rung(&contact)].push(contact);
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::legendre::{NODES, Nodal, RULE, derivative, primitive, series};
+use super::legendre::{NODES, Nodal, RULE, derivative, primitive, series, series_at};
 
 /// A function on [start, end], a polynomial of degree 15 on each cell, 0 elsewhere.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -155,6 +155,28 @@ impl Piecewise {
     #[inline]
     pub fn value(&self, x: f64) -> f64 {
         self.find(x).map_or(0.0, |cell| self.value_in(cell, x))
+    }
+
+    /// Values at rising or falling places; 0 outside the cells.
+    pub fn values(&self, x: &Nodal) -> Nodal {
+        let (mut values, mut done) = ([0.0; NODES], 0);
+        while done < NODES {
+            let Some(cell) = self.find(x[done]) else {
+                done += 1;
+                continue;
+            };
+            let within = self.boundaries[cell]..self.boundaries[cell + 1];
+            let next = done + x[done..].iter().take_while(|x| within.contains(x)).count();
+            values[done..next].copy_from_slice(&self.values_in(cell, x)[done..next]);
+            done = next;
+        }
+        values
+    }
+
+    /// Values of the polynomial of a cell.
+    pub fn values_in(&self, cell: usize, x: &Nodal) -> Nodal {
+        let (middle, half) = self.cell(cell);
+        series_at(&self.coefficients[cell], &x.map(|x| (x - middle) / half))
     }
 
     /// Value at x of the polynomial of a cell.

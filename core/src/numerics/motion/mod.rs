@@ -2,7 +2,7 @@
 //!
 //! Where f is smooth, collocation at the Gauss points of a step, of order 32 and stable whatever the damping
 //! (E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*, 1993, II.7 and II.14);
-//! where f is a straight line, the power series of u in time.
+//! where f is a straight line, the closed form, or with damping the power series of u in time.
 
 mod passage;
 mod step;
@@ -72,6 +72,36 @@ mod tests {
         assert!((time - rest).abs() < 1e-7 && (place - oscillator(0.1, 1.5, 0.75, rest).0).abs() < 1e-13);
         let lost = PUSH * place - 0.5 * RESISTANCE * place * place;
         assert!((BODY.damping * squared - lost).abs() < 1e-13);
+    }
+
+    /// Passages, in closed form and as series, against collocation over as much time: through, to rest, over a force
+    /// that grows on the way, and with more damping than lets a body swing.
+    #[test]
+    fn passages_are_steps() {
+        let cases = [
+            (0.0, PUSH, RESISTANCE, 0.3),
+            (1.0, -PUSH, RESISTANCE, 0.1),
+            (1.0, -PUSH, RESISTANCE, 9.0),
+            (1.0, PUSH, -RESISTANCE, 0.7),
+            (1.0, -PUSH, -RESISTANCE, 0.2),
+            (0.5, -PUSH, -RESISTANCE, 0.7),
+            (0.5, -PUSH, 0.0, 9.0),
+        ];
+        for damping in [0.0, 0.4, 9.0] {
+            for (speed, excess, resistance, length) in cases {
+                let body = Body { mass: 2.0, damping };
+                let passage = body.passage(speed, excess, resistance, length);
+                let force = |u: f64| (excess - resistance * u, -resistance);
+                let step = body.step((0.0, speed), passage.time, 1e-13, force).unwrap();
+                let (place, end) = step.at(1.0);
+                let squared = if damping > 0.0 { step.squared() } else { 0.0 };
+                // Rounding of sums over 16 points.
+                let off = [place - passage.way, end - passage.speed, squared - passage.squared];
+                assert!(off.iter().all(|off| off.abs() < 1e-14), "{damping} {speed} {off:?}");
+                // The series ends before where damping is strong.
+                assert!(damping > 1.0 || (passage.way == length) != (passage.speed == 0.0), "{passage:?}");
+            }
+        }
     }
 
     #[test]

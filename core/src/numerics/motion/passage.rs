@@ -1,4 +1,4 @@
-//! A motion over a straight piece of force, by the power series in time.
+//! A motion over a straight piece of force: in closed form where nothing damps it, else by power series in time.
 
 use super::Body;
 use crate::numerics::roots::brent_root;
@@ -12,9 +12,20 @@ pub struct Passage {
     pub way: f64,
     /// Speed at the end, exactly 0 at rest.
     pub speed: f64,
-    /// ∫u̇² dt.
+    /// ∫u̇² dt where the body is damped, else 0.
     pub squared: f64,
 }
+
+/// Reciprocals of whole numbers.
+static INVERSE: [f64; 48] = {
+    let mut inverse = [0.0; 48];
+    let mut n = 1;
+    while n < 48 {
+        inverse[n] = 1.0 / n as f64;
+        n += 1;
+    }
+    inverse
+};
 
 /// Most terms of the power series of a passage.
 const TERMS: usize = 24;
@@ -26,89 +37,162 @@ const LONGEST: f64 = 1.6;
 /// A term of the power series, of the first ones, that is left out.
 const NEGLIGIBLE: f64 = 1e-17;
 
+/// A last step of Newton's method, relative: the next one would be its square.
+const LAST: f64 = 1e-9;
+
 /// Newton steps after which a zero is searched for otherwise.
 const MOST_STEPS: usize = 8;
 
 impl Body {
     /// The motion at `speed` ≥ 0 over up to `length` (which may be infinite), against the excess of force `excess` −
-    /// `resistance` × way; not for longer than the series converges well.
+    /// `resistance` × way; where it is damped, not for longer than the series converges well.
     pub fn passage(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> Passage {
+        if speed == 0.0 && excess <= 0.0 {
+            Passage { time: 0.0, way: 0.0, speed: 0.0, squared: 0.0 }
+        } else if self.damping > 0.0 {
+            self.damped(speed, excess, resistance, length)
+        } else {
+            self.undamped(speed, excess, resistance, length)
+        }
+    }
+
+    /// With ω² = r/M, r the resistance: Mu̇² + ru² − 2gu is conserved, g being the excess, which gives the first rest
+    /// and the speed at the end; u̇ is a sine, so that tan(ωt/2) = ωu/(u̇ before + u̇ after) over any way u.
+    fn undamped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> Passage {
+        let energy = self.mass * speed * speed;
+        // Not a number where there is no rest.
+        let root = (excess * excess + resistance * energy).sqrt();
+        let rest =
+            if excess > 0.0 { (excess + root) / resistance.max(0.0) } else { energy / (root - excess) };
+        let (way, end) = if rest < length {
+            (rest, 0.0)
+        } else {
+            let left = energy + length * (2.0 * excess - resistance * length);
+            (length, (left.max(0.0) / self.mass).sqrt())
+        };
+        let time = 2.0 * arc(way, speed + end, resistance / self.mass);
+        Passage { time, way, speed: end, squared: 0.0 }
+    }
+
+    fn damped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> Passage {
         let (rate, stiffness) = (self.damping / self.mass, resistance / self.mass);
         let begin = (excess - self.damping * speed) / self.mass;
         let fastest = rate.max(stiffness.abs().sqrt());
-        let time = (LONGEST / fastest).min(1.5 * uniform(speed, begin, length));
-        let series = Series::new(speed, begin, rate, stiffness, time, fastest * time);
-        let rest = if series.slope(1.0) < 0.0 { series.rest() } else { None };
-        let last = rest.unwrap_or(1.0);
-        let arrives = series.place(last) >= length;
-        let end = if arrives { series.arrival(length, last) } else { last };
-        Passage {
-            time: end * time,
-            way: if arrives { length } else { series.place(end) },
-            speed: if rest.is_some() && !arrives { 0.0 } else { series.slope(end).max(0.0) / time },
-            squared: if rate > 0.0 { series.squared(end) / time } else { 0.0 },
-        }
+        let (unit, guess) = (1.0 / fastest, uniform(speed, begin, length) * fastest);
+        let first = [speed * unit, begin * unit * unit];
+        let series = Series::new(first, [-rate * unit, -stiffness * unit * unit], LONGEST.min(1.5 * guess));
+        // u̇ = e^{−βt} [u̇₀ cos ωt + (ü₀ + βu̇₀)/ω sin ωt], 2β = γ/M, ω² = r/M − β².
+        let beta = 0.5 * rate;
+        let rest = arc(speed, -(begin + beta * speed), stiffness - beta * beta) * fastest;
+        let End { time, way, speed } = series.end(length, guess, rest);
+        Passage { time: time * unit, way, speed: speed * fastest, squared: series.squared(time) * fastest }
     }
 }
 
-/// The way u(s) as a power series in the share s of a time; the term of s⁰ is 0.
+/// The least t ≥ 0 with tan(√s t)/√s = y/x, y ≥ 0; with tanh and √−s where s < 0, negative or not a number where
+/// there is none.
+fn arc(y: f64, x: f64, s: f64) -> f64 {
+    let root = s.abs().sqrt();
+    match s {
+        _ if y == 0.0 => 0.0,
+        s if s > 0.0 => (root * y).atan2(x) / root,
+        s if s < 0.0 => (root * y / x).atanh() / root,
+        _ => y / x,
+    }
+}
+
+/// The motion as a power series Σ d_n sⁿ/n! in time, in units of its shortest time.
 struct Series {
-    terms: [f64; TERMS],
+    derivatives: [f64; TERMS],
     count: usize,
+    /// ∂ü/∂u̇ and ∂ü/∂u.
+    slopes: [f64; 2],
+    /// How far it goes.
+    longest: f64,
+}
+
+/// How a motion ends in its series: when, where and at which speed.
+struct End {
+    time: f64,
+    way: f64,
+    speed: f64,
 }
 
 impl Series {
-    /// ü + rate u̇ + stiffness u = const, from ü = `begin` at `speed`; terms fall as ratioⁿ/n!.
-    fn new(speed: f64, begin: f64, rate: f64, stiffness: f64, time: f64, ratio: f64) -> Self {
-        let mut terms = [0.0; TERMS];
-        (terms[1], terms[2]) = (speed * time, 0.5 * begin * time * time);
-        let (rate, stiffness) = (rate * time, stiffness * time * time);
-        let (mut bound, mut count) = (1.0, 3);
-        while bound > NEGLIGIBLE && count < TERMS {
-            let n = count as f64;
-            terms[count] =
-                -(rate * (n - 1.0) * terms[count - 1] + stiffness * terms[count - 2]) / (n * (n - 1.0));
-            bound *= ratio / n;
+    /// From the first and the second derivative; no slope is above 1.
+    fn new([first, second]: [f64; 2], slopes: [f64; 2], longest: f64) -> Self {
+        let mut derivatives = [0.0; TERMS];
+        (derivatives[1], derivatives[2]) = (first, second);
+        let (mut before, mut last, mut count) = (first, second, 3);
+        // Terms fall as longestⁿ/n!.
+        let mut bound = 1.0;
+        for (derivative, inverse) in derivatives[3..].iter_mut().zip(&INVERSE[3..]) {
+            if bound <= NEGLIGIBLE {
+                break;
+            }
+            (before, last) = (last, slopes[0] * last + slopes[1] * before);
+            *derivative = last;
+            bound *= longest * inverse;
             count += 1;
         }
-        Self { terms, count }
+        Self { derivatives, count, slopes, longest }
     }
 
-    fn place(&self, s: f64) -> f64 {
-        self.terms[1..self.count].iter().rev().fold(0.0, |sum, u| (sum + u) * s)
+    /// Place and speed.
+    fn motion(&self, s: f64) -> (f64, f64) {
+        let terms = self.derivatives[1..self.count].iter().zip(&INVERSE[1..]).rev();
+        terms.fold((0.0, 0.0), |(place, speed), (d, inverse)| {
+            let factor = s * inverse;
+            ((place + d) * factor, d + speed * factor)
+        })
     }
 
-    fn slope(&self, s: f64) -> f64 {
-        (1..self.count).rev().fold(0.0, |sum, n| sum * s + n as f64 * self.terms[n])
-    }
-
-    /// Where the slope, negative at 1, has its zero.
-    fn rest(&self) -> Option<f64> {
-        brent_root(|s| self.slope(s), 0.0, 1.0, 0.0).filter(|s| *s > 0.0)
+    /// The end of the motion: where it comes to `length` or, some time above 0, to `rest`; else when the series ends.
+    fn end(&self, length: f64, guess: f64, rest: f64) -> End {
+        let rests = rest > 0.0 && rest <= self.longest;
+        let last = if rests { rest } else { self.longest };
+        let (way, speed) = self.motion(last);
+        if way >= length {
+            return self.arrival(length, guess.min(last), last);
+        }
+        End { time: last, way, speed: if rests { 0.0 } else { speed.max(0.0) } }
     }
 
     /// Where the way, rising up to `last`, comes to `length`.
-    fn arrival(&self, length: f64, last: f64) -> f64 {
-        let mut s = 0.5 * last;
+    fn arrival(&self, length: f64, guess: f64, last: f64) -> End {
+        let mut time = guess;
         for _ in 0..MOST_STEPS {
-            let step = (length - self.place(s)) / self.slope(s);
-            s = (s + step).clamp(0.0, last);
-            if step.abs() <= 2.0 * f64::EPSILON * s {
-                return s;
+            let (place, speed) = self.motion(time);
+            let step = (length - place) / speed;
+            time = (time + step).clamp(0.0, last);
+            if step.abs() <= LAST * time {
+                let speed = speed + step * self.acceleration(place, speed);
+                return End { time, way: length, speed: speed.max(0.0) };
             }
         }
-        brent_root(|s| self.place(s) - length, 0.0, last, 0.0).unwrap_or(last)
+        let time = brent_root(|s| self.motion(s).0 - length, 0.0, last, 0.0).unwrap_or(last);
+        End { time, way: length, speed: self.motion(time).1.max(0.0) }
     }
 
-    /// ∫_0^s (du/ds)² ds.
+    fn acceleration(&self, place: f64, speed: f64) -> f64 {
+        let [_, first, second, ..] = self.derivatives;
+        second + self.slopes[0] * (speed - first) + self.slopes[1] * place
+    }
+
+    /// ∫u̇² dt up to s, from the derivatives of u̇², u̇ü and ü² at 0.
     fn squared(&self, s: f64) -> f64 {
-        let slopes: [f64; TERMS] = std::array::from_fn(|n| n as f64 * self.terms[n]);
-        let (mut sum, mut power) = (0.0, s);
-        for degree in 2..2 * self.count - 1 {
-            let first = (degree + 1).saturating_sub(self.count).max(1);
-            let product: f64 = (first..self.count.min(degree)).map(|n| slopes[n] * slopes[degree - n]).sum();
-            sum += product * power / (degree - 1) as f64;
-            power *= s;
+        let [_, first, second, ..] = self.derivatives;
+        let [by_speed, by_place] = self.slopes;
+        let [mut p, mut q, mut r] = [first * first, first * second, second * second];
+        let (mut sum, mut power, mut bound) = (0.0, s, 1.0);
+        for inverse in &INVERSE[2..] {
+            sum += p * power;
+            power *= s * inverse;
+            bound *= 2.0 * s * inverse;
+            [p, q, r] = [2.0 * q, r + by_speed * q + by_place * p, 2.0 * by_speed * r + 2.0 * by_place * q];
+            if bound <= NEGLIGIBLE {
+                break;
+            }
         }
         sum
     }

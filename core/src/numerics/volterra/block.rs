@@ -142,9 +142,8 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
         cuts.push(high);
         let mut row = [0.0; NODES];
         if cuts.len() == 2 && offset >= source.1 {
-            for j in 0..NODES {
-                row[j] = source.1 * RULE.weights[j] * kernel.curve().value(offset - source.1 * RULE.nodes[j]);
-            }
+            let values = kernel.curve().values(&RULE.nodes.map(|t| offset - source.1 * t));
+            (0..NODES).for_each(|j| row[j] = source.1 * RULE.weights[j] * values[j]);
         } else {
             split = true;
             row = split_row(kernel, offset, source.1, &cuts);
@@ -168,10 +167,11 @@ fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64]) -> Nodal {
         let Some(cell) = curve.find(middle) else { continue };
         // One lookup serves the whole part where it lies in one cell.
         let inside = curve.boundaries[cell] <= pair[0] && pair[1] <= curve.boundaries[cell + 1];
-        for (t, w) in RULE.nodes.iter().zip(&RULE.weights) {
-            let u = middle + part * t;
-            let value = if inside { curve.value_in(cell, u) } else { curve.value(u) };
-            add_moments(((offset - u) / half).clamp(-1.0, 1.0), part * w * value, &mut moments);
+        let places = RULE.nodes.map(|t| middle + part * t);
+        let values = if inside { curve.values_in(cell, &places) } else { curve.values(&places) };
+        for i in 0..NODES {
+            let place = ((offset - places[i]) / half).clamp(-1.0, 1.0);
+            add_moments(place, part * RULE.weights[i] * values[i], &mut moments);
         }
     }
     RULE.functional(&moments)

@@ -94,7 +94,7 @@ impl Past {
                 break;
             }
             let (m, h) = (0.5 * (a + b), 0.5 * (b - a));
-            parts.push((m, h, RULE.nodes.map(|t| density.value_in(cell, m + h * t))));
+            parts.push((m, h, density.values_in(cell, &RULE.nodes.map(|t| m + h * t))));
         }
         if parts.len() == 1 && parts[0].1 > half * (1.0 - 1e-6) {
             return Self { values: parts[0].2, parts: Vec::new(), rough: 0.0 };
