@@ -3,8 +3,11 @@
 use crate::law::Law;
 use crate::numerics::legendre::{NODES, RULE};
 
-/// Width of a panel in units of a zone's resolution: 16 points integrate a Gaussian over four standard deviations to 1e-13.
-const WIDTH: f64 = 4.0;
+/// Width of a panel in units of a zone's resolution: skewed laws vary faster than that at their steeper side.
+const WIDTH: f64 = 2.0;
+
+/// Width of a panel in a tail, in e-folds of the stretch.
+const TAIL: f64 = 0.25;
 
 /// What lies beyond the last panel.
 const BEYOND: f64 = 1e-17;
@@ -48,11 +51,14 @@ pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<Panel> {
     for ends in stops.windows(2) {
         let (low, high) = (ends[0], ends[1]);
         let over = zones.iter().filter(|zone| zone.low < high && zone.high > low);
-        // Tails beyond all zones fall by no more than a power.
         let scale = over.map(|zone| WIDTH * zone.resolution).fold(f64::INFINITY, f64::min);
-        let width = if scale.is_finite() { scale } else { high.max(2.0 * low) };
-        let count = ((high - low) / width.min(widest)).ceil().max(1.0);
-        let edge = |k: f64| low + (high - low) * k / count;
+        // Tails beyond all zones fall by no more than a power.
+        let tail = low > 0.0 && !scale.is_finite();
+        let folds = if tail { (high / low).ln() / TAIL } else { 1.0 };
+        let count = ((high - low) / scale.min(widest)).max(folds).ceil().max(1.0);
+        let edge = |k: f64| {
+            if tail { low * (high / low).powf(k / count) } else { low + (high - low) * k / count }
+        };
         let parts =
             (0..count as u32).map(|k| Panel { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) });
         panels.extend(parts.filter(|panel| panel.points().any(|(x, _)| law.density(x) > 0.0)));
