@@ -4,7 +4,7 @@ use crate::law::Law;
 use crate::numerics::legendre::{NODES, RULE};
 
 /// Width of a panel in units of a zone's resolution: skewed laws vary faster than that at their steeper side.
-const WIDTH: f64 = 2.0;
+const WIDTH: f64 = 1.0;
 
 /// Width of a panel in a tail, in e-folds of the stretch.
 const TAIL: f64 = 0.25;
