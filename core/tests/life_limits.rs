@@ -254,7 +254,6 @@ fn what_makes_no_sense_is_refused() {
     for velocity in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(error(Rules::default(), velocity).starts_with("velocity: expected a finite number above 0"));
     }
-    let mature = rectangular(0.1, 2.0);
-    let general = ageing(Ageing::FrozenRank { mature, time: 1.0 });
-    assert!(error(general, 1.0).starts_with("contacts.ageing.frozen_rank.mature"));
+    let pointed = ageing(Ageing::FrozenRank { mature: point(1.0), time: 1.0 });
+    assert!(error(pointed, 1.0).starts_with("contacts.ageing.frozen_rank.mature"));
 }

@@ -25,6 +25,16 @@ pub enum Stiffness {
     PerThreshold(f64),
 }
 
+impl Stiffness {
+    /// The stiffness k of a contact with a threshold.
+    pub fn of(self, threshold: f64) -> f64 {
+        match self {
+            Self::Equal(stiffness) => stiffness,
+            Self::PerThreshold(factor) => factor * threshold,
+        }
+    }
+}
+
 /// The contacts of an interface.
 #[derive(Debug, Clone)]
 pub struct Contacts {

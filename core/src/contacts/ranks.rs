@@ -25,7 +25,6 @@ const STEPS: usize = 2;
 ///
 /// The law is carried on by [`Step`] at three levels, each with twice as many cells and steps as the one before, and the
 /// thresholds are extrapolated.
-#[derive(Debug)]
 pub(super) struct Ranks {
     newborn: SharedLaw,
     time: f64,
@@ -40,6 +39,16 @@ pub(super) struct Ranked<'a> {
     ages: Stencil,
     /// d(place among the ages)/dt; 0 beyond the oldest.
     pace: f64,
+}
+
+impl std::fmt::Debug for Ranks {
+    /// Without the table.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Ranks")
+            .field("newborn", &self.newborn)
+            .field("time", &self.time)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Ranks {

@@ -28,11 +28,16 @@ pub struct Temperature {
 impl Barrier {
     /// ΔE/E_0 at the fraction y = |x|/x_s of the threshold; 0 from y = 1 on.
     pub fn height(self, y: f64) -> f64 {
-        let missing = (1.0 - y).max(0.0);
+        self.continued(y.min(1.0))
+    }
+
+    /// The same for y < 1, and below 0 beyond: as smooth there as the barrier allows, for methods that need a neighbourhood.
+    pub(crate) fn continued(self, y: f64) -> f64 {
+        let missing = 1.0 - y;
         match self {
             Self::Elastic => missing * (1.0 + y),
             Self::Bell => missing,
-            Self::Catastrophe => missing * missing.sqrt(),
+            Self::Catastrophe => missing * missing.abs().sqrt(),
         }
     }
 }

@@ -12,12 +12,14 @@ mod relaxation;
 mod steady;
 mod stepping;
 mod stock;
+mod transport;
 
 pub use pull::Pull;
 pub use relaxation::Relaxation;
 pub use steady::SteadyState;
 pub use stepping::{Stepping, Variant};
 pub use stock::Stock;
+pub use transport::{StepResponse, Trace, Transport};
 
 use std::sync::Arc;
 

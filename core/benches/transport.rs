@@ -1,0 +1,81 @@
+//! Contacts followed through time: the velocity step of thresholds that diffuse, how many cells a second, one thread and two.
+
+#![allow(missing_docs)]
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
+use asperity::history::{History, Piece};
+use asperity::law::{Gaussian, Point, SharedLaw};
+use asperity::master::Transport;
+use asperity::numerics::diffusion::{Diffusion, Step, Work};
+use criterion::{Criterion, criterion_group, criterion_main};
+
+fn gaussian(mean: f64, std: f64) -> SharedLaw {
+    Arc::new(Gaussian::new(mean, std).unwrap())
+}
+
+fn contacts(thresholds: SharedLaw, rules: Rules) -> Contacts {
+    Contacts { rules, ..Contacts::new(thresholds, Arc::new(Point::new(0.0).unwrap())) }
+}
+
+fn diffusing() -> Contacts {
+    let ageing = Some(Ageing::Smoluchowski { mature: gaussian(1.0, 0.05), diffusion: 0.0025 });
+    contacts(gaussian(0.5, 0.1), Rules { ageing, ..Rules::default() })
+}
+
+fn thermal() -> Contacts {
+    let temperature = Some(Temperature { energy: 0.05, attempt_rate: 1.0, barrier: Barrier::Elastic });
+    contacts(gaussian(1.0, 0.1), Rules { temperature, ..Rules::default() })
+}
+
+/// From steady sliding at a velocity to a tenth of it, followed for one and a half mean thresholds.
+fn velocity_step(contacts: &Contacts, velocity: f64, tolerance: f64) -> f64 {
+    let slower = 0.1 * velocity;
+    let piece = |velocity: f64, distance: f64| Piece { velocity, duration: distance / velocity };
+    let history = History::new(vec![piece(velocity, 0.2), piece(slower, 1.5)]).unwrap();
+    let times: Vec<f64> = (0..=100).map(|k| f64::from(k) / 100.0 * history.duration()).collect();
+    let mut transport = Transport::steady(contacts, velocity, tolerance).unwrap();
+    transport.follow(&history, &times, &mut ()).unwrap().force.iter().sum()
+}
+
+fn pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+}
+
+fn steps(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("velocity step");
+    group.sample_size(10);
+    for (name, contacts, velocity) in [("smoluchowski", diffusing(), 1.0), ("thermal", thermal(), 1e-2)] {
+        for threads in [1, 2] {
+            let pool = pool(threads);
+            group.bench_function(format!("{name} to 1e-4, {threads} threads"), |bencher| {
+                bencher.iter(|| pool.install(|| velocity_step(&contacts, velocity, 1e-4)));
+            });
+        }
+    }
+    group.finish();
+}
+
+/// Cells a second of a step of diffusion in cache, beside those that memory could feed: 16 bytes read and written for each.
+fn cells(_: &mut Criterion) {
+    const CELLS: usize = 700;
+    const ROUNDS: usize = 20_000;
+    let operator = Arc::new(Diffusion::new(0.0, 0.002, &[0.0; CELLS], 0.0025));
+    let (step, mut work) = (Step::new(&operator, 0.01), Work::default());
+    let mut masses = vec![1.0 / CELLS as f64; CELLS];
+    let begun = Instant::now();
+    for _ in 0..ROUNDS {
+        step.advance(&mut masses, (0.0, 0.0), None, &mut work);
+    }
+    let hot = (ROUNDS * CELLS) as f64 / begun.elapsed().as_secs_f64();
+    let (from, mut to) = (vec![1.0_f64; 1 << 25], vec![0.5_f64; 1 << 25]);
+    let begun = Instant::now();
+    to.copy_from_slice(std::hint::black_box(&from));
+    let memory = std::hint::black_box(&to).len() as f64 / begun.elapsed().as_secs_f64();
+    println!("cells: {hot:.3e} a second in a step of diffusion; memory would allow {memory:.3e}");
+}
+
+criterion_group!(benches, steps, cells);
+criterion_main!(benches);

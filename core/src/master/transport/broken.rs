@@ -1,0 +1,167 @@
+//! How much has broken, as a function of time, and what is born of it after the delay.
+
+use std::collections::VecDeque;
+
+use crate::numerics::compensated::Compensated;
+
+/// What breaks in a step: N(t) − N(t₀) in the middle and at the end, N being quadratic in between and rising.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Share {
+    pub(super) middle: f64,
+    pub(super) end: f64,
+}
+
+/// What is born in a step: how much, and its first moment about the middle in units of the duration.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Born {
+    pub(super) mass: f64,
+    pub(super) moment: f64,
+}
+
+/// A step that is done.
+#[derive(Debug, Clone, Copy)]
+struct Past {
+    start: f64,
+    duration: f64,
+    /// N at the start, without what broke together.
+    before: f64,
+    share: Share,
+}
+
+/// Contacts that broke at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lump {
+    pub(super) time: f64,
+    pub(super) mass: f64,
+}
+
+/// N(t), the fraction of contacts broken until t, kept as long as the delay τ asks for; lumps are kept apart.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Broken {
+    delay: f64,
+    past: VecDeque<Past>,
+    waiting: VecDeque<Lump>,
+    /// All that broke one by one, and what has been born of it.
+    broken: Compensated,
+    born: Compensated,
+}
+
+impl Share {
+    /// The share as near as N can rise everywhere.
+    pub(super) fn rising(self) -> Self {
+        let end = self.end.max(0.0);
+        Self { middle: self.middle.clamp(0.25 * end, 0.75 * end), end }
+    }
+
+    /// Both together.
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self { middle: self.middle + other.middle, end: self.end + other.end }
+    }
+
+    /// N(t) − N(t₀) at a fraction of the duration.
+    fn at(self, s: f64) -> f64 {
+        4.0 * s * (1.0 - s) * self.middle + s * (2.0 * s - 1.0) * self.end
+    }
+
+    /// dN/dt at the end of a step, of the polynomial through all that is known of N in it and in the step before, if any.
+    pub(super) fn slope(self, duration: f64, before: Option<(f64, Self)>) -> f64 {
+        let mut points = vec![(-duration, -self.end), (-0.5 * duration, self.middle - self.end)];
+        if let Some((earlier, share)) = before {
+            let start = points[0];
+            points.push((start.0 - 0.5 * earlier, start.1 + share.middle - share.end));
+            points.push((start.0 - earlier, start.1 - share.end));
+        }
+        let term = |i: usize| {
+            let others = (0..points.len()).filter(|&j| j != i);
+            let weight: f64 = others.map(|j| points[j].0 / (points[j].0 - points[i].0)).product();
+            weight * points[i].1 / points[i].0
+        };
+        (0..points.len()).map(term).sum()
+    }
+}
+
+impl Broken {
+    pub(super) fn new(delay: f64) -> Self {
+        Self { delay, ..Self::default() }
+    }
+
+    /// The fraction that has broken and is not born yet.
+    pub(super) fn free(&self) -> f64 {
+        let waiting: f64 = self.waiting.iter().map(|lump| lump.mass).sum();
+        let mut free = self.broken;
+        free.add(-self.born.value());
+        (free.value() + waiting).max(0.0)
+    }
+
+    /// What is born in a step from `start`, in which `share` breaks.
+    ///
+    /// ∫(t − t_m) dN(t − τ) = ½h[N(t₀ − τ) + N(t₁ − τ)] − ∫N, with N above what has been born.
+    pub(super) fn births(&self, start: f64, duration: f64, share: Share) -> Born {
+        let (from, to) = (-self.delay, duration - self.delay);
+        let now = Past { start, duration, before: self.broken.value(), share };
+        let origin = self.born.value();
+        let mut integral = 0.0;
+        let (mut first, mut last) = (None, 0.0);
+        for past in self.past.iter().chain([&now]) {
+            // Times since the start, which a long past would blur.
+            let begun = past.start - start;
+            let (low, high) = (begun.max(from), (begun + past.duration).min(to));
+            if low >= high {
+                continue;
+            }
+            let [a, b, c] = [low, 0.5 * (low + high), high]
+                .map(|time| past.before + past.share.at((time - begun) / past.duration) - origin);
+            first = first.or(Some((a, low)));
+            integral += (high - low) / 6.0 * (a + 4.0 * b + c);
+            last = c;
+        }
+        let Some((begun, low)) = first else { return Born::default() };
+        integral += begun * (low - from);
+        let mass = last.max(0.0);
+        let moment = (0.5 * (begun + last) - integral / duration).clamp(-MOST * mass, MOST * mass);
+        Born { mass, moment }
+    }
+
+    /// Keeps a step.
+    pub(super) fn keep(&mut self, start: f64, duration: f64, share: Share, born: f64) {
+        let before = self.broken.value();
+        if self.delay > 0.0 {
+            self.past.push_back(Past { start, duration, before, share });
+            let horizon = start + duration - self.delay;
+            while self.past.front().is_some_and(|past| past.start + past.duration < horizon) {
+                self.past.pop_front();
+            }
+        }
+        self.broken.add(share.end);
+        self.born.add(born);
+    }
+
+    /// Contacts break together, to be born after the delay.
+    pub(super) fn strike(&mut self, time: f64, mass: f64) {
+        self.waiting.push_back(Lump { time: time + self.delay, mass });
+    }
+
+    /// When the next lump is born.
+    pub(super) fn next_lump(&self) -> Option<f64> {
+        self.waiting.front().map(|lump| lump.time)
+    }
+
+    /// The lumps born until now.
+    pub(super) fn due(&mut self, time: f64) -> Option<Lump> {
+        if self.next_lump()? <= time { self.waiting.pop_front() } else { None }
+    }
+
+    /// Steady breaking at a rate, for as long as the delay asks for.
+    pub(super) fn steadily(delay: f64, rate: f64) -> Self {
+        let mut broken = Self::new(delay);
+        if delay > 0.0 {
+            let end = rate * delay;
+            let share = Share { middle: 0.5 * end, end };
+            broken.keep(-delay, delay, share, 0.0);
+        }
+        broken
+    }
+}
+
+/// The largest moment at which both points of the two-point Gauss rule keep a weight above 0.
+const MOST: f64 = 0.288_675_134_594_812_9;

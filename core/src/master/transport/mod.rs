@@ -1,0 +1,433 @@
+//! The master equation for a velocity that varies: contacts born together, followed through time.
+//!
+//! Where contacts know time, the state of a contact is its stretch x with its threshold h, or with its age. Contacts born
+//! together at a stretch r share their stretch, x = r + X(t) − X(t_b), for ever: a *cohort* is exact in stretch, and only
+//! its thresholds have to be followed. With s(t, t_b) the share left of what was born at t_b, and N(t) the fraction broken
+//! until t,
+//!
+//! N(t) = 1 − s(t, 0) + ∫₀^t [1 − s(t, t_b)] dN(t_b − τ), F(t) = N_c⟨k⟩ [x s(t, 0) + ∫₀^t x s(t, t_b) dN(t_b − τ)].
+//!
+//! What breaks is counted as what old cohorts lose, what is born as what has broken: attached and free contacts add to one.
+
+mod broken;
+mod cohort;
+mod diffusing;
+mod model;
+mod pace;
+mod panels;
+mod path;
+mod ranked;
+mod response;
+mod seeds;
+mod steady;
+mod trial;
+
+use std::sync::Arc;
+
+use super::{Stretches, check};
+use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
+use crate::history::History;
+use crate::law::Atom;
+use crate::monitor::{Monitor, report};
+use crate::{Error, Result};
+use broken::Broken;
+use cohort::Cohort;
+use diffusing::Diffusing;
+use model::Model;
+use pace::Pace;
+use path::Path;
+use ranked::Ranks;
+pub use response::StepResponse;
+use seeds::{Seed, seeds};
+use trial::Stage;
+
+/// Contacts under a slider whose velocity varies.
+///
+/// Births are right to fourth order in the time step where laws are smooth, to second order where their densities jump or
+/// where contacts that spread in stretch meet a threshold that many share.
+#[derive(Debug, Clone)]
+pub struct Transport {
+    model: Arc<Model>,
+    /// Where contacts re-form.
+    seeds: Arc<[Seed]>,
+    /// Force of all contacts per stretch.
+    stiffness: f64,
+    tolerance: f64,
+    delay: f64,
+    time: f64,
+    position: f64,
+    cohorts: Vec<Cohort>,
+    broken: Broken,
+    dropped: f64,
+    pace: Pace,
+    /// Fraction broken per time, now.
+    rate: f64,
+    /// Times at which the births have a kink, because the breaks had one.
+    kinks: Vec<f64>,
+    /// The same at a larger tolerance, to tell the error from.
+    rough: Option<Box<Self>>,
+}
+
+/// What was seen at given times. Where contacts break together, the force is that after the break.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Trace {
+    /// Time t.
+    pub time: Vec<f64>,
+    /// Position X.
+    pub position: Vec<f64>,
+    /// Velocity, from the right.
+    pub velocity: Vec<f64>,
+    /// Force F.
+    pub force: Vec<f64>,
+    /// The fraction of contacts that breaks per time, without those that break together.
+    pub breaking_rate: Vec<f64>,
+    /// The fraction of contacts that is free.
+    pub free: Vec<f64>,
+    /// An estimate of the largest error of F, on the safe side: how far it is from F at sixteen times the tolerance.
+    pub error: f64,
+}
+
+/// Steps between two reports.
+const REPORT: u32 = 64;
+
+/// Tolerance of the rough follower: with steps of fourth order, twice as long.
+const ROUGH: f64 = 16.0;
+
+impl Transport {
+    /// Contacts at t = 0 and X = 0, all of age 0. Forces are followed to about `tolerance` times N_c⟨k⟩ times the mean
+    /// threshold.
+    ///
+    /// # Errors
+    /// Those of [`Contacts::check`]; `ageing.mean_field`, which is no rule for one contact; a tolerance outside
+    /// [1e-12, 1e-2].
+    pub fn new(contacts: Contacts, initial: &Initial, tolerance: f64) -> Result<Self> {
+        contacts.check(initial)?;
+        let fine = Self::starting(&contacts, initial, tolerance)?;
+        Ok(fine.beside(Self::starting(&contacts, initial, rough(tolerance))?))
+    }
+
+    fn starting(contacts: &Contacts, initial: &Initial, tolerance: f64) -> Result<Self> {
+        let mut transport = Self::empty(contacts, tolerance)?;
+        let law = contacts.thresholds.as_ref();
+        let held = |x: f64| match initial.start {
+            Start::Conditional => 1.0,
+            Start::Relaxed => law.survival(x),
+        };
+        let first = seeds(initial.law.as_ref(), contacts.highest_start(), widest(contacts), held);
+        let held: f64 = first.iter().map(|seed| seed.weight).sum();
+        let born = |seed: &Seed| Cohort::born(&transport.model, seed, seed.weight);
+        transport.cohorts = first.iter().map(born).collect();
+        if initial.start == Start::Relaxed {
+            transport.broken.strike(0.0, 1.0 - held);
+            transport.deliver();
+        }
+        Ok(transport)
+    }
+
+    fn beside(mut self, rough: Self) -> Self {
+        self.rough = Some(Box::new(rough));
+        self
+    }
+
+    fn empty(contacts: &Contacts, tolerance: f64) -> Result<Self> {
+        check(tolerance)?;
+        let seeds = seeds(contacts.reforming.as_ref(), contacts.highest_start(), widest(contacts), |_| 1.0);
+        let (Stiffness::Equal(stiffness) | Stiffness::PerThreshold(stiffness)) = contacts.stiffness;
+        Ok(Self {
+            model: Arc::new(model(contacts, tolerance)?),
+            seeds: seeds.into(),
+            stiffness: contacts.count * stiffness,
+            tolerance,
+            delay: contacts.rules.delay,
+            time: 0.0,
+            position: 0.0,
+            cohorts: Vec::new(),
+            broken: Broken::new(contacts.rules.delay),
+            dropped: 0.0,
+            pace: Pace::new(contacts, tolerance),
+            rate: 0.0,
+            kinks: Vec::new(),
+            rough: None,
+        })
+    }
+
+    /// Force F.
+    pub fn force(&self) -> f64 {
+        self.stiffness * self.cohorts.iter().map(Cohort::force).sum::<f64>()
+    }
+
+    /// dF/dX if the slider moved at once: what holds, stretched.
+    pub fn tangent(&self) -> f64 {
+        self.stiffness * self.cohorts.iter().map(Cohort::tangent).sum::<f64>()
+    }
+
+    /// Elastic energy Σ ½k x².
+    pub fn elastic_energy(&self) -> f64 {
+        self.stiffness * self.cohorts.iter().map(Cohort::energy).sum::<f64>()
+    }
+
+    /// The fraction of contacts that hold.
+    pub fn attached(&self) -> f64 {
+        self.cohorts.iter().map(Cohort::attached).sum()
+    }
+
+    /// The fraction of contacts that are free, counted as what has broken and not re-formed.
+    pub fn free(&self) -> f64 {
+        self.broken.free() + self.dropped
+    }
+
+    /// Position X.
+    pub fn position(&self) -> f64 {
+        self.position
+    }
+
+    /// Time t.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The fraction of contacts that breaks per time, without those that break together.
+    pub fn breaking_rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// Q(x) as the mean over the cells of the cohorts, and what stands at one stretch; both without the free.
+    pub fn stretch_density(&self, stretches: &[f64]) -> Stretches {
+        let (points, cells): (Vec<_>, Vec<_>) =
+            self.cohorts.iter().partition(|cohort| cohort.place.is_point());
+        let in_cell = |cohort: &Cohort, x: f64| {
+            let place = cohort.place;
+            let inside = x >= place.stretch - place.below && x < place.stretch + place.above;
+            if inside { cohort.attached() / (place.below + place.above) } else { 0.0 }
+        };
+        let density =
+            stretches.iter().map(|&x| cells.iter().map(|cohort| in_cell(cohort, x)).sum()).collect();
+        let atom = |cohort: &&Cohort| Atom { position: cohort.place.stretch, weight: cohort.attached() };
+        let mut atoms: Vec<Atom> = points.iter().map(atom).collect();
+        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Stretches { density, atoms }
+    }
+
+    /// Follows a history that begins here and now, at rising times since now.
+    ///
+    /// # Errors
+    /// Times that do not rise or lie outside the history; stopped by the monitor; steps that would have to be too short.
+    pub fn follow(&mut self, history: &History, times: &[f64], monitor: &mut dyn Monitor) -> Result<Trace> {
+        /// The part of the work that the rough follower takes.
+        const ASIDE: f64 = 0.2;
+        rising(times, history.duration())?;
+        let mut rough = self.rough.take();
+        let aside =
+            rough.as_mut().map(|rough| rough.go(history, times, &mut |part| report(monitor, ASIDE * part)));
+        self.rough = rough;
+        let mut trace = self.go(history, times, &mut |part| report(monitor, ASIDE + (1.0 - ASIDE) * part))?;
+        if let Some(aside) = aside.transpose()? {
+            let off = trace.force.iter().zip(&aside.force).map(|(fine, rough)| (fine - rough).abs());
+            trace.error = off.fold(0.0, f64::max);
+        }
+        Ok(trace)
+    }
+
+    /// Follows a history, telling which part of it is done.
+    fn go(
+        &mut self,
+        history: &History,
+        times: &[f64],
+        tell: &mut dyn FnMut(f64) -> Result<()>,
+    ) -> Result<Trace> {
+        let (begun, origin) = (self.time, self.position);
+        let mut trace = Trace::default();
+        let mut stops: Vec<f64> = times.iter().copied().chain(history.knots().iter().map(|k| k.0)).collect();
+        stops.sort_by(f64::total_cmp);
+        stops.dedup();
+        let mut asked = times.iter().copied().peekable();
+        let mut now = 0.0;
+        for stop in stops {
+            if history.knots().iter().any(|knot| knot.0 == now) {
+                self.turn();
+            }
+            if stop > now {
+                let part = |time: f64| ((time - begun) / history.duration()).clamp(0.0, 1.0);
+                // The distance is known better than a short time late in a long history.
+                let velocity = (history.position(stop) - history.position(now)) / (stop - now);
+                self.glide(velocity, stop - now, &mut |time| tell(part(time)))?;
+                now = stop;
+                (self.time, self.position) = (begun + now, origin + history.position(now));
+            }
+            if asked.next_if_eq(&stop).is_some() {
+                trace.push(self, history.pieces()[history.piece_at(stop)].velocity);
+            }
+        }
+        Ok(trace)
+    }
+
+    /// Moves the slider by `by` in the time `during`, at one velocity.
+    ///
+    /// # Errors
+    /// A time that is not above 0; steps that would have to be too short.
+    pub fn step(&mut self, by: f64, during: f64) -> Result<()> {
+        positive("during", during)?;
+        if !by.is_finite() {
+            return Err(Error::invalid("by", "a finite length", by));
+        }
+        if let Some(rough) = &mut self.rough {
+            rough.step(by, during)?;
+        }
+        self.turn();
+        self.glide(by / during, during, &mut |_| Ok(()))
+    }
+
+    /// The breaking rate may have a kink here, and again where what breaks now is born.
+    fn turn(&mut self) {
+        self.pace.turn();
+        if self.delay > 0.0 {
+            self.kinks.push(self.time + self.delay);
+        }
+    }
+
+    /// Moves at one velocity for a time.
+    fn glide(&mut self, velocity: f64, during: f64, tell: &mut dyn FnMut(f64) -> Result<()>) -> Result<()> {
+        // Kept apart from the time, which after a long hold no longer tells short durations apart.
+        let (mut left, mut steps) = (during, 0);
+        loop {
+            self.happen();
+            if left <= SAME * during {
+                return Ok(());
+            }
+            let duration = self.pace.propose(velocity, self.until_event(velocity, left));
+            if self.advance(&Path::steady(velocity, duration))? {
+                left -= duration;
+            }
+            steps += 1;
+            if steps % REPORT == 0 {
+                tell(self.time)?;
+            }
+        }
+    }
+
+    /// Tries a step, and takes it if it is good enough; whether it did.
+    fn advance(&mut self, path: &Path) -> Result<bool> {
+        let Self { model, seeds, broken, time, dropped, .. } = self;
+        let stage = Stage { model, seeds, broken, time: *time, dropped: *dropped };
+        let trial = stage.attempt(&self.cohorts, path);
+        let before = self.pace.last();
+        if !self.pace.judge(path.duration, trial.share, trial.deaths) {
+            self.pace.check(path.duration, self.tolerance)?;
+            return Ok(false);
+        }
+        self.rate = trial.share.slope(path.duration, before);
+        self.broken.keep(self.time, path.duration, trial.share, trial.born);
+        self.cohorts = trial.cohorts;
+        self.time += path.duration;
+        self.position += path.advance(0.0, 1.0);
+        self.drop_negligible();
+        Ok(true)
+    }
+
+    /// Breaks cohorts of which next to nothing is left; what they still held breaks in the next step.
+    fn drop_negligible(&mut self) {
+        /// A share of all contacts that no result shows.
+        const NOTHING: f64 = 1e-17;
+        let least = LEAST * self.tolerance;
+        self.dropped = 0.0;
+        let dropped = &mut self.dropped;
+        self.cohorts.retain(|cohort| {
+            let kept = cohort.left > least && cohort.attached() > NOTHING;
+            *dropped += if kept { 0.0 } else { cohort.attached() };
+            kept
+        });
+    }
+
+    /// How long nothing happens at once, up to `limit`.
+    fn until_event(&self, velocity: f64, limit: f64) -> f64 {
+        let strikes = self.cohorts.iter().filter_map(|cohort| cohort.strikes(&self.model, velocity, limit));
+        let births = self.broken.next_lump().into_iter().chain(self.kinks.iter().copied());
+        strikes.chain(births.map(|time| time - self.time)).fold(limit, f64::min)
+    }
+
+    /// What happens at once, here: contacts break where many have their thresholds, and lumps are born.
+    fn happen(&mut self) {
+        let struck: f64 = self.cohorts.iter_mut().map(|cohort| cohort.strike(&self.model)).sum();
+        if struck > 0.0 {
+            self.broken.strike(self.time, struck);
+            self.turn();
+        }
+        self.deliver();
+        let now = self.time * (1.0 + SAME);
+        if self.kinks.iter().any(|&kink| kink <= now) {
+            self.kinks.retain(|&kink| kink > now);
+            self.pace.turn();
+        }
+    }
+
+    /// Lumps are born that are due.
+    fn deliver(&mut self) {
+        while let Some(lump) = self.broken.due(self.time * (1.0 + SAME)) {
+            let born = |seed: &Seed| Cohort::born(&self.model, seed, lump.mass * seed.weight);
+            self.cohorts.extend(self.seeds.iter().map(born));
+        }
+    }
+}
+
+/// The share of its contacts that a cohort is kept for, in units of the tolerance.
+const LEAST: f64 = 1e-5;
+
+/// Times that differ by less than this fraction are the same.
+const SAME: f64 = 4.0 * f64::EPSILON;
+
+impl Trace {
+    fn push(&mut self, transport: &Transport, velocity: f64) {
+        self.time.push(transport.time);
+        self.position.push(transport.position);
+        self.velocity.push(velocity);
+        self.force.push(transport.force());
+        self.breaking_rate.push(transport.rate);
+        self.free.push(transport.free());
+    }
+}
+
+/// The tolerance of the rough follower beside one.
+fn rough(tolerance: f64) -> f64 {
+    (ROUGH * tolerance).min(1e-2)
+}
+
+/// The rules of the thresholds of these contacts.
+fn model(contacts: &Contacts, tolerance: f64) -> Result<Model> {
+    match &contacts.rules.ageing {
+        Some(Ageing::MeanField { .. }) => {
+            let expected = "a rule for one contact: mean_field is the closure of steady sliding";
+            Err(Error::invalid("contacts.ageing.mean_field", expected, "a velocity that varies"))
+        }
+        Some(Ageing::Smoluchowski { .. }) => {
+            let diffusing = Diffusing::new(contacts, pace::scale(contacts), tolerance);
+            Ok(Model::Diffusing(diffusing.expect("smoluchowski has a mature law")))
+        }
+        _ => Ok(Model::Ranked(Ranks::new(contacts, CHANGE * tolerance.powf(0.25))?)),
+    }
+}
+
+/// How much ln w may change between two points of a time step, in units of the fourth root of the tolerance.
+const CHANGE: f64 = 8.0;
+
+/// The widest cell of a law of stretches: no wider than the thresholds can see.
+fn widest(contacts: &Contacts) -> f64 {
+    4.0 * pace::scale(contacts)
+}
+
+/// Refuses what is not a finite number above 0.
+fn positive(key: &str, value: f64) -> Result<()> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::invalid(key, "a finite number above 0", value))
+}
+
+/// Refuses times that do not rise from 0 to the end of a history.
+fn rising(times: &[f64], end: f64) -> Result<()> {
+    let outside = times.iter().find(|&&time| !(time >= 0.0 && time <= end));
+    let falling = times.windows(2).find(|pair| pair[1] <= pair[0]).map(|pair| &pair[1]);
+    match outside.or(falling) {
+        Some(time) => Err(Error::invalid("times", format!("rising times from 0 to {end}"), time)),
+        None => Ok(()),
+    }
+}

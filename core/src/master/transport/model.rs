@@ -1,0 +1,93 @@
+//! What time does to the thresholds of a cohort.
+
+use super::cohort::Place;
+use super::diffusing::{Clock, Diffusing, Masses, Room};
+use super::path::{Part, Path};
+use super::ranked::{Left, Ranks};
+use super::seeds::Seed;
+
+/// The rules of the thresholds.
+#[derive(Debug)]
+pub(super) enum Model {
+    /// They follow from the age of a contact.
+    Ranked(Ranks),
+    /// They diffuse.
+    Diffusing(Diffusing),
+}
+
+/// The thresholds of a cohort.
+#[derive(Debug, Clone)]
+pub(super) enum State {
+    Ranked(Left),
+    Diffusing(Masses),
+}
+
+/// A step, as all cohorts go it.
+#[derive(Debug)]
+pub(super) struct Way {
+    pub(super) path: Path,
+    clock: Clock,
+}
+
+impl Model {
+    /// The thresholds of contacts born at a seed.
+    pub(super) fn newborn(&self, seed: &Seed) -> State {
+        match self {
+            Self::Ranked(ranks) => State::Ranked(ranks.newborn(seed)),
+            Self::Diffusing(diffusing) => State::Diffusing(diffusing.newborn(seed)),
+        }
+    }
+
+    /// What cohorts need to go a path.
+    pub(super) fn way(&self, path: Path) -> Way {
+        let clock = match self {
+            Self::Ranked(_) => Clock::default(),
+            Self::Diffusing(diffusing) => diffusing.clock(&path),
+        };
+        Way { path, clock }
+    }
+
+    /// Time passes; `place` is where the contacts are at the beginning.
+    pub(super) fn advance(&self, state: &mut State, place: Place, way: &Way, part: Part, room: &mut Room) {
+        match (self, state) {
+            (Self::Ranked(ranks), State::Ranked(left)) => ranks.advance(place, left, &way.path, part.ends()),
+            (Self::Diffusing(diffusing), State::Diffusing(masses)) => {
+                diffusing.advance(place, masses, &way.path, part, &way.clock, room);
+            }
+            _ => unreachable!("cohorts are made by the model that moves them"),
+        }
+    }
+
+    /// The share of the contacts that is left, and their stiffness per contact born.
+    pub(super) fn measure(&self, state: &State, age: f64) -> (f64, f64) {
+        match (self, state) {
+            (Self::Ranked(ranks), State::Ranked(left)) => ranks.measure(left, age),
+            (Self::Diffusing(diffusing), State::Diffusing(masses)) => diffusing.measure(masses),
+            _ => unreachable!("cohorts are made by the model that moves them"),
+        }
+    }
+
+    /// Lets go those that stand at a threshold that many share; whether there may be such.
+    pub(super) fn strike(&self, state: &mut State, place: Place) -> bool {
+        match (self, state) {
+            (Self::Ranked(ranks), State::Ranked(left)) => ranks.strike(place, left),
+            _ => false,
+        }
+    }
+
+    /// When contacts at one stretch that move at `velocity` meet a threshold that many share, up to `limit`.
+    pub(super) fn strikes(&self, state: &State, place: Place, velocity: f64, limit: f64) -> Option<f64> {
+        match (self, state) {
+            (Self::Ranked(ranks), State::Ranked(left)) => ranks.strikes(place, left, velocity, limit),
+            _ => None,
+        }
+    }
+
+    /// How many numbers a step of a cohort goes through.
+    pub(super) fn cells(&self) -> usize {
+        match self {
+            Self::Ranked(ranks) => ranks.cells(),
+            Self::Diffusing(diffusing) => diffusing.cells(),
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! Steady sliding to begin with: cohorts of all ages, as one that ages leaves them behind.
+
+use super::Transport;
+use super::broken::Broken;
+use super::cohort::Cohort;
+use super::diffusing::Room;
+use super::path::{Part, Path};
+use std::sync::Arc;
+
+use crate::Result;
+use crate::contacts::{Contacts, Initial, Start};
+use crate::law::Point;
+
+/// The share of contacts that breaks in a panel of ages, in units of the fourth root of the tolerance.
+const DEATHS: f64 = 3.0;
+
+/// By how much that may differ between the halves of a panel, times the share of the panel in a life, in tolerances.
+const BEND: f64 = 12.0;
+
+impl Transport {
+    /// Contacts in steady sliding at a velocity v: born at the rate Γ_s = 1/(∫s da + τ), with s(a) what is left of them at
+    /// the age a. Time and position are 0.
+    ///
+    /// # Errors
+    /// Those of [`Transport::new`]; a velocity that is not above 0.
+    pub fn steady(contacts: &Contacts, velocity: f64, tolerance: f64) -> Result<Self> {
+        super::positive("velocity", velocity)?;
+        contacts.check(&relaxed())?;
+        let fine = Self::sliding(contacts, velocity, tolerance)?;
+        Ok(fine.beside(Self::sliding(contacts, velocity, super::rough(tolerance))?))
+    }
+
+    fn sliding(contacts: &Contacts, velocity: f64, tolerance: f64) -> Result<Self> {
+        let mut transport = Self::empty(contacts, tolerance)?;
+        let most = (DEATHS * tolerance.powf(0.25)).min(0.5);
+        let bend = BEND * tolerance * contacts.thresholds.mean() / velocity;
+        let mut walkers: Vec<Cohort> =
+            transport.seeds.iter().map(|seed| Cohort::born(&transport.model, seed, seed.weight)).collect();
+        let mut room = Room::default();
+        let mut duration = transport.pace.longest(velocity);
+        let held = |cohorts: &[Cohort]| cohorts.iter().map(Cohort::attached).sum::<f64>();
+        while held(&walkers) > super::LEAST * tolerance {
+            let way = transport.model.way(Path::steady(velocity, duration));
+            let mut after = walkers.clone();
+            let mut go = |cohort: &mut Cohort, part| cohort.advance(&transport.model, &way, part, &mut room);
+            let mut both = |part| after.iter_mut().map(|cohort| go(cohort, part)).sum::<f64>();
+            let (first, second) = (both(Part::First), both(Part::Second));
+            let lost = (first + second).max(most / bend * duration * (first - second).abs());
+            if lost > most && duration * velocity > SHORTEST {
+                duration *= 0.5;
+                continue;
+            }
+            for walker in &walkers {
+                for (part, ends) in [(Part::Late, [0.0, 0.5]), (Part::Early, [0.5, 1.0])] {
+                    let mut cohort = walker.clone();
+                    go(&mut cohort, part);
+                    let (from, to) = part.ends();
+                    let at = to - from;
+                    cohort.place.below += way.path.advance(ends[0], at);
+                    cohort.place.above += way.path.advance(at, ends[1]);
+                    cohort.mass *= 0.5 * duration;
+                    transport.cohorts.push(cohort);
+                }
+            }
+            walkers = after;
+            if lost < 0.5 * most {
+                duration = (2.0 * duration).min(transport.pace.longest(velocity));
+            }
+        }
+        let rate = 1.0 / (held(&transport.cohorts) + contacts.rules.delay);
+        transport.cohorts.iter_mut().for_each(|cohort| cohort.mass *= rate);
+        transport.broken = Broken::steadily(contacts.rules.delay, rate);
+        transport.rate = rate;
+        Ok(transport)
+    }
+}
+
+/// No contacts to begin with are stretched.
+fn relaxed() -> Initial {
+    let law = Point::new(0.0).expect("0 is a place");
+    Initial { law: Arc::new(law), start: Start::Conditional }
+}
+
+/// Panels no shorter than that are halved no further: where many break together, they do so in the shortest.
+const SHORTEST: f64 = 1e-6;

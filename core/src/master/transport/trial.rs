@@ -1,0 +1,130 @@
+//! One step, tried: old cohorts to its middle and its end, and two cohorts born in it.
+//!
+//! N(t), what breaks, is taken as quadratic in the step; contacts born in it may break in it, so that N and the births follow
+//! from each other. Births have their mass and their mean time; they are put at the two points of Gauss's rule, which
+//! keeps both, so that integrals over them are right to fourth order.
+
+use rayon::prelude::*;
+
+use super::broken::{Born, Broken, Share};
+use super::cohort::Cohort;
+use super::diffusing::Room;
+use super::model::Model;
+use super::path::{Part, Path};
+use super::seeds::Seed;
+
+/// A step, tried.
+pub(super) struct Trial {
+    /// All cohorts at its end, the newborn last.
+    pub(super) cohorts: Vec<Cohort>,
+    pub(super) share: Share,
+    pub(super) born: f64,
+    /// What breaks of the contacts born in it.
+    pub(super) deaths: Deaths,
+}
+
+/// The shares of the contacts born at the two Gauss points of a step that break in it.
+///
+/// The share broken at an age of a steps is taken as αa + βa² through both.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Deaths {
+    pub(super) early: f64,
+    late: f64,
+}
+
+impl Deaths {
+    /// α and β.
+    pub(super) fn curve(self) -> (f64, f64) {
+        let [short, long] = GAUSS;
+        let (old, young) = (self.early / long, self.late / short);
+        let beta = (old - young) / (long - short);
+        (young - beta * short, beta)
+    }
+}
+
+/// Points of the two-point Gauss rule on [0, 1].
+pub(super) const GAUSS: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_812_9];
+
+/// Numbers that a thread goes through at least before another is asked.
+const LEAST: usize = 4096;
+
+/// What does not change within a step.
+pub(super) struct Stage<'a> {
+    pub(super) model: &'a Model,
+    /// Where contacts re-form.
+    pub(super) seeds: &'a [Seed],
+    pub(super) broken: &'a Broken,
+    pub(super) time: f64,
+    /// What was broken as negligible and has not been counted.
+    pub(super) dropped: f64,
+}
+
+impl Stage<'_> {
+    /// The step along a path.
+    pub(super) fn attempt(&self, cohorts: &[Cohort], path: &Path) -> Trial {
+        let mut cohorts = cohorts.to_vec();
+        let born =
+            GAUSS.into_iter().flat_map(|s| self.seeds.iter().map(move |seed| self.newborn(seed, path, s)));
+        let old = cohorts.len();
+        cohorts.extend(born);
+        let chunk = (LEAST / self.model.cells()).max(1);
+        let way = self.model.way(*path);
+        let step = |room: &mut Room, (i, cohort): (usize, &mut Cohort)| {
+            let mut go = |part| cohort.advance(self.model, &way, part, room);
+            if i < old {
+                let middle = go(Part::First);
+                return Share { middle, end: middle + go(Part::Second) };
+            }
+            let part = if i < old + self.seeds.len() { Part::Early } else { Part::Late };
+            Share { middle: 0.0, end: go(part) }
+        };
+        let all = cohorts.par_iter_mut().enumerate().with_min_len(chunk);
+        let shares: Vec<Share> = all.map_init(Room::default, step).collect();
+        let dropped = Share { middle: 0.5 * self.dropped, end: self.dropped };
+        let before = shares[..old].iter().fold(dropped, |sum, share| sum.plus(*share));
+        let [early, late] = [0, 1].map(|j| {
+            let from = old + j * self.seeds.len();
+            shares[from..from + self.seeds.len()].iter().map(|share| share.end).sum::<f64>()
+        });
+        let deaths = Deaths { early, late };
+        let (share, masses) = self.settle(path, before, deaths);
+        for (i, cohort) in cohorts[old..].iter_mut().enumerate() {
+            cohort.mass *= masses[i / self.seeds.len()];
+        }
+        Trial { cohorts, share, born: masses[0] + masses[1], deaths }
+    }
+
+    /// Contacts born at the fraction s of a step, with a mass of 1 for all seeds.
+    fn newborn(&self, seed: &Seed, path: &Path, s: f64) -> Cohort {
+        let cell = if s < 0.5 { (0.0, 0.5) } else { (0.5, 1.0) };
+        let spread = Seed {
+            above: seed.above + path.advance(cell.0, s).abs(),
+            below: seed.below + path.advance(s, cell.1).abs(),
+            ..*seed
+        };
+        Cohort::born(self.model, &spread, seed.weight)
+    }
+
+    /// What breaks and what is born, `before` coming from old cohorts.
+    fn settle(&self, path: &Path, before: Share, deaths: Deaths) -> (Share, [f64; 2]) {
+        /// Each round gains a factor of the deaths, which are below ½.
+        const ROUNDS: usize = 60;
+        let (alpha, beta) = deaths.curve();
+        let mut share = before.rising();
+        let mut masses = [0.0; 2];
+        for _ in 0..ROUNDS {
+            let Born { mass, moment } = self.broken.births(self.time, path.duration, share);
+            let tilt = 3.0_f64.sqrt() * moment;
+            masses = [0.5 * mass - tilt, 0.5 * mass + tilt];
+            let by_middle = mass * (alpha / 8.0 + beta / 24.0) - 12.0 * moment * (alpha / 24.0 + beta / 64.0);
+            let by_end = masses[0] * deaths.early + masses[1] * deaths.late;
+            let next = before.plus(Share { middle: by_middle, end: by_end }).rising();
+            let change = (next.middle - share.middle).abs() + (next.end - share.end).abs();
+            share = next;
+            if change <= f64::EPSILON * share.end {
+                break;
+            }
+        }
+        (share, masses)
+    }
+}
