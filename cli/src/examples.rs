@@ -12,7 +12,7 @@ macro_rules! shipped {
 }
 
 /// All of them, simple ones first; tables stand after the scenario that names them.
-const SHIPPED: [Shipped; 20] = shipped![
+const SHIPPED: [Shipped; 25] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -32,6 +32,11 @@ const SHIPPED: [Shipped; 20] = shipped![
     "imposed-force.toml",
     "avalanches.toml",
     "laboratory.toml",
+    "velocity-curve-thermal.toml",
+    "velocity-curve-ageing.toml",
+    "velocity-step.toml",
+    "slide-hold-slide.toml",
+    "healing.toml",
     "first_loading.csv",
 ];
 

@@ -55,7 +55,7 @@ fn execute(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run(run) => run::run(&run),
         Command::Check(scenario) => {
-            input::read(&scenario.path, &scenario.overrides)?;
+            run::warn(&input::read(&scenario.path, &scenario.overrides)?.scenario);
             print(&format!("{} makes sense\n", scenario.path.display()))
         }
         Command::Schema => print(&format!("{}\n", input::schema())),

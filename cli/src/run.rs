@@ -1,5 +1,8 @@
 //! `asperity run`: read, compute, draw, write, summarise.
 
+use std::io::Write as _;
+
+use asperity::scenario::Scenario;
 use asperity_runner::{input, output, task};
 
 use super::arguments::Run;
@@ -11,6 +14,9 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let input = input::read(&arguments.scenario.path, &arguments.scenario.overrides)?;
     let directory = arguments.directory();
     output::check(&directory).map_err(Failure::run)?;
+    if !arguments.quiet {
+        warn(&input.scenario);
+    }
     let outcome = compute(&input, arguments)?;
     let figures = figure::draw(&outcome).map_err(Failure::run)?;
     if progress::interrupted() {
@@ -25,6 +31,14 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         return Ok(());
     }
     print(&format!("{}{:<22} {}\n", summary::readable(&outcome.summary), "results", directory.display()))
+}
+
+/// Says what makes sense but will surprise.
+pub fn warn(scenario: &Scenario) {
+    for warning in scenario.warnings() {
+        // Where this cannot be written there is nobody to be warned.
+        let _ = writeln!(std::io::stderr(), "warning: {warning}");
+    }
 }
 
 /// The outcome of the scenario, on as many threads as asked for.

@@ -212,6 +212,12 @@ fn keys(root: &Value, schema: &Value, path: &str, found: &mut BTreeMap<String, S
     for (name, property) in schema["properties"].as_object().unwrap() {
         let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
         let (inner, definition) = resolved(root, property);
+        let (item, of) = resolved(root, &inner["items"]);
+        if item["properties"].is_object() && of != "Law" {
+            found.insert(path.clone(), "–".to_owned());
+            keys(root, item, &format!("{path}[]"), found);
+            continue;
+        }
         if inner["properties"].is_object() && definition != "Law" {
             keys(root, inner, &path, found);
             continue;
@@ -280,8 +286,11 @@ fn the_table_of_laws_is_complete() {
 fn pictures_are_those_that_the_program_draws() {
     let folder = folder();
     for (scenario, short, names) in [
-        ("fig2", "fig2", ["force", "evolution"]),
-        ("stick-slip-overdamped", "stick-slip", ["stick_slip", "equilibrium"]),
+        ("fig2", "fig2", &["force", "evolution"][..]),
+        ("stick-slip-overdamped", "stick-slip", &["stick_slip", "equilibrium"]),
+        ("velocity-curve-thermal", "thermal", &["velocity_curve"]),
+        ("healing", "healing", &["hold_curve"]),
+        ("velocity-step", "step", &["velocity_step"]),
     ] {
         folder.succeed(&["run", &format!("scenarios/{scenario}.toml"), "--quiet", "-o", short]);
         for name in names {

@@ -6,6 +6,8 @@ mod support;
 
 use std::path::PathBuf;
 
+use asperity::rate_state::VelocityStep;
+
 use support::{Folder, scenarios};
 
 /// Columns of a CSV file, chosen by their headers.
@@ -60,5 +62,70 @@ fn stick_slip_has_the_size_of_measured_events() {
             println!("{table}: {name} {computed:.5}, measured {mean:.5} ± {std:.5}");
             assert!((computed - mean).abs() < std, "{table}: {name} {computed}, measured {mean} ± {std}");
         }
+    }
+}
+
+/// Columns of a tab-separated file, in order.
+fn tabs<const N: usize>(text: &str) -> [Vec<f64>; N] {
+    let mut columns = [const { Vec::new() }; N];
+    for line in text.lines().skip(1) {
+        for (column, cell) in columns.iter_mut().zip(line.split('\t')) {
+            column.push(cell.trim().parse().expect("a number"));
+        }
+    }
+    columns
+}
+
+/// Means of rows, so many at a time.
+fn averaged(values: &[f64], many: usize) -> Vec<f64> {
+    values.chunks_exact(many).map(|part| part.iter().sum::<f64>() / many as f64).collect()
+}
+
+/// Two measured steps up, read as rate and state reads them over 300 µm, and drawn beside a computed one. Basalt
+/// (3 → 10 µm/s) peaks at once and falls back to where it was, with a and b of about 0.008 and D_c of some µm, as of many
+/// rocks; sepiolite (0.2 → 2 µm/s) strengthens, so slowly that its loading, of unknown stiffness, hides a direct effect.
+#[test]
+fn measured_velocity_steps_are_read_and_drawn_beside_a_computed_one() {
+    let Some(data) = std::env::var_os("ASPERITY_LAB_DATA").filter(|name| !name.is_empty()).map(PathBuf::from)
+    else {
+        println!("skipped: ASPERITY_LAB_DATA is not set");
+        return;
+    };
+    let folder = Folder::new();
+    let scenario = scenarios().join("velocity-step.toml");
+    for (name, speeds, many, strengthens) in [
+        ("velstep3_TR2_exp013_sepiolite.txt", (0.2, 2.0), 20, true),
+        ("velstep4_BRAVA_expb819_basalt.txt", (3.0, 10.0), 10, false),
+    ] {
+        let file = data.join("velocity-steps-giacomel-2024").join(name);
+        let text = std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+        let [time, way, friction, _] = tabs::<4>(&text);
+        let [time, way, friction] = [time, way, friction].map(|column| averaged(&column, many));
+        let between = f64::sqrt(speeds.0 * speeds.1);
+        let fast = |i: &usize| (way[i + 1] - way[*i]) / (time[i + 1] - time[*i]) > between;
+        let step = (0..way.len() - 1).find(fast).expect("a step");
+        let before = averaged(&friction[step - 20..step], 20)[0];
+        let since = way[step..].iter().map(|x| x - way[step]).take_while(|x| *x <= 300.0);
+        let since: Vec<f64> = since.collect();
+        let after = &friction[step..step + since.len()];
+        let read = VelocityStep::read(&since, after, before, speeds.1 / speeds.0).unwrap();
+        println!("{name}: {read:?}");
+        let change = read.direct.value - read.evolution.value;
+        let error = read.direct.error + read.evolution.error;
+        if strengthens {
+            assert!(change > 4.0 * error && read.peak == 0.0, "{name}: {read:?}");
+        } else {
+            assert!(change.abs() < 4.0 * error && read.direct.value > 4.0 * error, "{name}: {read:?}");
+            assert!((2.0..20.0).contains(&read.distance.value) && read.residual < 1e-3, "{name}: {read:?}");
+        }
+        // in units of the scenario: its step is at X = 10, a mean threshold stands for 10 µm
+        let rows = way.iter().zip(&friction).map(|(x, f)| (10.0 + (x - way[step]) / 10.0, f));
+        let rows = rows.filter(|row| (9.0..=20.0).contains(&row.0));
+        let table: String = rows.map(|(x, f)| format!("{x},{f}\n")).collect();
+        folder.write("step.csv", &format!("position,force\n{table}"));
+        folder.write("step.toml", &std::fs::read_to_string(&scenario).unwrap());
+        folder.succeed(&["run", "step.toml", "--quiet", "--set", "compare.file=\"step.csv\""]);
+        let picture = std::fs::read_to_string(folder.path().join("out/step/velocity_step.svg")).unwrap();
+        assert!(picture.contains("compared curve") && picture.contains("rate and state"));
     }
 }

@@ -19,6 +19,7 @@ pub mod monitor;
 pub mod numerics;
 pub mod population;
 pub mod random;
+pub mod rate_state;
 pub mod record;
 pub mod scenario;
 

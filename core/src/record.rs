@@ -18,13 +18,15 @@ pub enum Quantity {
     Time,
     /// A length per time.
     Velocity,
+    /// Per time: rates.
+    PerTime,
     /// A pure number.
     Number,
 }
 
 impl Quantity {
     /// Every quantity, for tables of labels.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Length,
         Self::Force,
         Self::PerLength,
@@ -32,6 +34,7 @@ impl Quantity {
         Self::Energy,
         Self::Time,
         Self::Velocity,
+        Self::PerTime,
         Self::Number,
     ];
 
@@ -45,6 +48,7 @@ impl Quantity {
             Self::Energy => "energy",
             Self::Time => "time",
             Self::Velocity => "velocity",
+            Self::PerTime => "per_time",
             Self::Number => "number",
         }
     }

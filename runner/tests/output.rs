@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use asperity::record::{Quantity, Record};
 use asperity::scenario::Units;
 use asperity_runner::output::{self, Attachment, Error, Outcome};
-use asperity_runner::summary::{Extended, StaticFriction, Summary};
+use asperity_runner::summary::{Extended, Friction, StaticFriction, Summary};
 
 fn record(seed: u64) -> Record {
     let mut record = Record::default();
@@ -32,19 +32,25 @@ fn outcome(seed: u64) -> Outcome {
             title: "τ, the title".into(),
             version: "0.1.0".into(),
             units: Units { length: "µm".into(), force: "MPa".into(), time: String::new() },
-            static_friction: StaticFriction::Reached { force: 0.1 + 0.2, position: 1.0 / 3.0 },
-            kinetic_friction: 0.50125,
-            relaxation_length: Extended(20.270_485_418_3),
-            relaxation_length_paper: Extended(20.0),
-            critical_stiffness: Extended(f64::INFINITY),
-            accuracy: 1e-11,
+            friction: Some(Friction {
+                static_friction: StaticFriction::Reached { force: 0.1 + 0.2, position: 1.0 / 3.0 },
+                kinetic_friction: 0.50125,
+                relaxation_length: Extended(20.270_485_418_3),
+                relaxation_length_paper: Extended(20.0),
+                critical_stiffness: Extended(f64::INFINITY),
+                accuracy: 1e-11,
+            }),
             contacts: 1.0,
             sample: None,
             seed: Some(u64::MAX - seed),
             disorder: None,
             sliding: None,
             friction_coefficients: None,
+            steps: Vec::new(),
+            limits: Vec::new(),
+            hold_curve: None,
             compare: None,
+            warnings: Vec::new(),
         },
         record: record(seed),
     }

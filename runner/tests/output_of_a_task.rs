@@ -7,7 +7,7 @@ use asperity::monitor::Monitor;
 use asperity::record::Record;
 use asperity::{Error, scenario::Scenario};
 use asperity_runner::output::Outcome;
-use asperity_runner::summary::{Extended, StaticFriction};
+use asperity_runner::summary::{Extended, Friction, StaticFriction};
 use asperity_runner::{input, task};
 
 const FIGURE_2: &str = "
@@ -23,6 +23,10 @@ fn scenario(text: &str) -> Scenario {
 
 fn run(text: &str) -> Outcome {
     task::run(&scenario(text), &mut ()).unwrap()
+}
+
+fn friction(outcome: &Outcome) -> &Friction {
+    outcome.summary.friction.as_ref().expect("a pull says what friction is")
 }
 
 /// Largest difference of two columns in units of `scale`.
@@ -47,15 +51,15 @@ fn near(value: f64, reference: f64, tolerance: f64) {
 #[test]
 fn the_numbers_of_figure_2_are_those_of_the_theory() {
     let outcome = run(FIGURE_2);
-    let StaticFriction::Reached { force, position } = outcome.summary.static_friction else {
+    let StaticFriction::Reached { force, position } = friction(&outcome).static_friction else {
         panic!("static friction was not reached")
     };
     near(force, 0.868_081_709_809, 1e-9);
     near(position, 0.791_756_131_650, 1e-7);
-    near(outcome.summary.kinetic_friction, 0.50125, 1e-12);
-    near(outcome.summary.relaxation_length.0, 20.270_485_418_3, 1e-8);
-    near(outcome.summary.relaxation_length_paper.0, 20.0, 1e-9);
-    near(outcome.summary.critical_stiffness.0, 6.143_821_037, 1e-6);
+    near(friction(&outcome).kinetic_friction, 0.50125, 1e-12);
+    near(friction(&outcome).relaxation_length.0, 20.270_485_418_3, 1e-8);
+    near(friction(&outcome).relaxation_length_paper.0, 20.0, 1e-9);
+    near(friction(&outcome).critical_stiffness.0, 6.143_821_037, 1e-6);
     let force = outcome.record.values("force").unwrap();
     for (index, reference) in [(109, 0.190_395_432_031), (500, 0.297_307_166), (2000, 0.432_329_275)] {
         near(force[index], reference, 1e-9);
@@ -122,8 +126,8 @@ fn identical_contacts_break_together() {
     assert_eq!(column("stretch_atom_position"), [0.0, 0.5, 2.5]);
     assert!(farthest(column("stretch_atom_stretch"), &[0.0, 0.5, 0.5], &[1e-12; 3]) < 1.0);
     assert!(farthest(column("force"), &[0.0, 0.5, 0.0, 0.5, 0.0, 0.5], &[1e-12; 6]) < 1.0);
-    assert_eq!(outcome.summary.critical_stiffness, Extended(f64::INFINITY));
-    assert_eq!(outcome.summary.relaxation_length, Extended(f64::INFINITY));
+    assert_eq!(friction(&outcome).critical_stiffness, Extended(f64::INFINITY));
+    assert_eq!(friction(&outcome).relaxation_length, Extended(f64::INFINITY));
 }
 
 #[test]
@@ -133,7 +137,7 @@ fn a_force_that_still_rises_has_no_static_friction() {
         contacts.normal_load = 4.0
         pull = { distance = 5.0, points = 3 }
     ");
-    assert_eq!(outcome.summary.static_friction, StaticFriction::NotReached);
+    assert_eq!(friction(&outcome).static_friction, StaticFriction::NotReached);
     let coefficients = outcome.summary.friction_coefficients.unwrap();
     assert_eq!((coefficients.at_rest, coefficients.normal_load), (None, 4.0));
     near(coefficients.kinetic, 0.25, 1e-9);

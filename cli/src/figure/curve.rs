@@ -1,6 +1,6 @@
 //! Curves made of fewer points that look the same.
 
-use kuva::plot::LinePlot;
+use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::plots::Plot;
 
 /// Points that a drawn curve has at most: two for every dot that a picture is wide.
@@ -63,6 +63,17 @@ pub fn line(points: Vec<Point>, color: &str, width: f64, dashes: Option<&str>) -
         Some(dashes) => plot.with_line_style(kuva::plot::LineStyle::Custom(dashes.to_owned())),
         None => plot,
     })
+}
+
+/// Points with error bars.
+pub fn errors(x: &[f64], y: &[f64], error: &[f64], color: &str) -> Vec<Plot> {
+    let rows = || x.iter().zip(y).zip(error);
+    let bar = |((&x, &y), &error): ((&f64, &f64), &f64)| {
+        line(vec![(x, y - error), (x, y + error)], color, 1.4, None)
+    };
+    let markers = ScatterPlot::new().with_data(rows().map(|((&x, &y), _)| (x, y)));
+    let markers = Plot::Scatter(markers.with_color(color).with_size(2.6));
+    rows().map(bar).chain([markers]).collect()
 }
 
 /// A filled histogram with bins of equal width around `centres`.

@@ -8,7 +8,7 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple, render_twin_y};
 
-use super::curve::{Point, curve, line};
+use super::curve::{Point, curve, errors, line};
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots};
 
 /// Markers that the force of the ensemble is shown by, at most.
@@ -105,24 +105,21 @@ fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut
         return;
     };
     let shown = (0..position.len()).step_by(position.len().div_ceil(MARKERS));
-    for i in shown.clone() {
-        let (x, f, e) = (position[i], force[i], error[i]);
-        plots.push(line(vec![(x, f - e), (x, f + e)], ORANGE, 1.4, None));
-    }
-    let markers = ScatterPlot::new().with_data(shown.map(|i| (position[i], force[i])));
-    plots.push(Plot::Scatter(markers.with_color(ORANGE).with_size(2.6)));
+    let pick = |values: &[f64]| shown.clone().map(|i| values[i]).collect::<Vec<_>>();
+    plots.extend(errors(&pick(position), &pick(force), &pick(error), ORANGE));
     legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
 }
 
 fn frictions(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
     let summary = &outcome.summary;
     let unit = summary.units.label(Quantity::Force);
+    let Some(friction) = &summary.friction else { return };
     let ends = [position[0], position[position.len() - 1]];
-    let kinetic = ends.map(|x| (x, summary.kinetic_friction)).to_vec();
+    let kinetic = ends.map(|x| (x, friction.kinetic_friction)).to_vec();
     plots.push(line(kinetic, GREY, 1.4, Some(DASHES)));
-    let label = format!("kinetic {}", style::with_unit(summary.kinetic_friction, &unit));
+    let label = format!("kinetic {}", style::with_unit(friction.kinetic_friction, &unit));
     legend.push(style::line(label, GREY, Some(DASHES)));
-    if let StaticFriction::Reached { force, position } = summary.static_friction {
+    if let StaticFriction::Reached { force, position } = friction.static_friction {
         let point = ScatterPlot::new().with_data([(position, force)]).with_color(BLACK).with_size(5.0);
         plots.push(Plot::Scatter(point.with_marker(MarkerShape::TriangleDown)));
         legend.push(style::marker(

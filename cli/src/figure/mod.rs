@@ -6,11 +6,15 @@ mod distribution;
 mod equilibrium;
 mod evolution;
 mod force;
+mod hold_curve;
 mod potential;
+mod protocol;
 mod sizes;
 mod slip;
 mod stick_slip;
 mod style;
+mod velocity_curve;
+mod velocity_step;
 
 use asperity_runner::output::{Attachment, Outcome};
 use kuva::backend::png::PngBackend;
@@ -29,6 +33,10 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("evolution", evolution::scene(outcome)),
         ("distribution", distribution::scene(outcome)),
         stick_slip::scene(outcome),
+        ("velocity_curve", velocity_curve::scene(outcome)),
+        ("hold_curve", hold_curve::scene(outcome)),
+        ("protocol", protocol::scene(outcome)),
+        ("velocity_step", velocity_step::scene(outcome)),
         ("equilibrium", equilibrium::scene(outcome)),
         ("potential", potential::scene(outcome)),
         ("slip", slip::scene(outcome)),

@@ -8,13 +8,14 @@ use super::curve::{curve, line};
 use super::style::{self, BLUE, GREY, ORANGE, Plots};
 
 const DASHES: &str = "8 5";
-/// A lowest force, of the highest, above which 0 is not shown.
-const SMALL: f64 = 0.7;
 
 /// The picture, with the name that says what kind of drive it shows.
 pub fn scene(outcome: &Outcome) -> (&'static str, Option<Scene>) {
     let record = &outcome.record;
     let Some(drive) = record.get("drive") else { return ("stick_slip", None) };
+    if record.get("velocity").is_some() && record.get("event_drive").is_none() {
+        return ("stick_slip", None);
+    }
     if drive.quantity == Quantity::Force {
         return ("creep", traces(outcome, ("position", "drive"), ("Position X", "Imposed force")));
     }
@@ -43,28 +44,20 @@ fn traces(outcome: &Outcome, names: (&str, &str), words: (&str, &str)) -> Option
     let others = columns(record, "ensemble_", names);
     let (left, right) = style::range(others.map(|o| o.0).into_iter().chain([x]));
     let (low, high) = style::range(others.map(|o| o.1).into_iter().chain([y]));
-    if outcome.summary.kinetic_friction < high {
-        let kinetic = outcome.summary.kinetic_friction;
+    if let Some(kinetic) = outcome.summary.friction.as_ref().map(|f| f.kinetic_friction).filter(|k| *k < high)
+    {
         let unit = outcome.summary.units.label(Quantity::Force);
         plots.push(line(vec![(left, kinetic), (right, kinetic)], GREY, 1.4, Some(DASHES)));
         legend.push(style::line(format!("kinetic {}", style::with_unit(kinetic, &unit)), GREY, Some(DASHES)));
     }
-    let layout = style::titled(style::layout((left, right), heights(low, high)), &outcome.summary.title)
-        .with_x_label(style::axis(outcome, words.0, record.get(names.0)?))
-        .with_y_label(style::axis(outcome, words.1, record.get(names.1)?));
+    let layout =
+        style::titled(style::layout((left, right), style::heights(low, high)), &outcome.summary.title)
+            .with_x_label(style::axis(outcome, words.0, record.get(names.0)?))
+            .with_y_label(style::axis(outcome, words.1, record.get(names.1)?));
     Some(render_multiple(plots, style::legend_below(layout, legend)))
 }
 
 fn columns<'a>(record: &'a Record, prefix: &str, names: (&str, &str)) -> Option<(&'a [f64], &'a [f64])> {
     let column = |name: &str| record.values(&format!("{prefix}{name}"));
     Some((column(names.0)?, column(names.1)?))
-}
-
-/// The heights of the axis: from 0, if what is shown would not be squeezed to a line.
-fn heights(low: f64, high: f64) -> (f64, f64) {
-    if low > SMALL * high {
-        let air = 0.3 * (high - low);
-        return (low - air, high + air);
-    }
-    (1.08 * low.min(0.0), style::headroom(high))
 }

@@ -147,5 +147,24 @@ pub fn headroom(top: f64) -> f64 {
     if top > 0.0 { 1.08 * top } else { 1.0 }
 }
 
+/// The ends of a logarithmic axis with some air beside the first and the last of rising values.
+pub fn decades(values: &[f64]) -> (f64, f64) {
+    let (first, last) = (values[0], values[values.len() - 1]);
+    let air = (last / first).powf(0.03);
+    (first / air, last * air)
+}
+
+/// A lowest height, of the highest, above which 0 is not shown.
+const SMALL: f64 = 0.7;
+
+/// The heights of an axis: from 0, if what is shown would not be squeezed to a line.
+pub fn heights(low: f64, high: f64) -> (f64, f64) {
+    if low > SMALL * high {
+        let air = 0.3 * (high - low);
+        return (low - air, high + air);
+    }
+    (1.08 * low.min(0.0), headroom(high))
+}
+
 /// Plots in the order in which they are drawn.
 pub type Plots = Vec<Plot>;

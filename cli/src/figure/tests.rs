@@ -1,7 +1,10 @@
 use asperity::record::{Quantity, Record};
 use asperity::scenario::Units;
 use asperity_runner::output::{Attachment, Outcome};
-use asperity_runner::summary::{Coefficients, Extended, StaticFriction, Summary};
+use asperity_runner::summary::{
+    Coefficients, CurveLimits, Extended, Fitted, Friction, HoldCurve, Peak, RateState, StaticFriction, Step,
+    Summary,
+};
 
 use super::{draw, renumbered};
 
@@ -35,19 +38,25 @@ fn outcome() -> Outcome {
         title: "A pull & <more>".into(),
         version: "0.1.0".into(),
         units: Units { length: "µm".into(), force: "MPa".into(), time: String::new() },
-        static_friction: StaticFriction::Reached { force: 0.8, position: 0.5 },
-        kinetic_friction: 0.5,
-        relaxation_length: Extended(10.0),
-        relaxation_length_paper: Extended(9.0),
-        critical_stiffness: Extended(6.0),
-        accuracy: 1e-10,
+        friction: Some(Friction {
+            static_friction: StaticFriction::Reached { force: 0.8, position: 0.5 },
+            kinetic_friction: 0.5,
+            relaxation_length: Extended(10.0),
+            relaxation_length_paper: Extended(9.0),
+            critical_stiffness: Extended(6.0),
+            accuracy: 1e-10,
+        }),
         contacts: 1.0,
         sample: Some(100.0),
         seed: Some(1),
         disorder: None,
         sliding: None,
         friction_coefficients: None,
+        steps: Vec::new(),
+        limits: Vec::new(),
+        hold_curve: None,
         compare: None,
+        warnings: Vec::new(),
     };
     Outcome { scenario: String::new(), summary, record }
 }
@@ -109,4 +118,118 @@ fn clip_paths_are_numbered_by_first_use() {
         renumbered("a kuva-clip-7 b kuva-clip-12\" kuva-clip-7"),
         "a kuva-clip-0 b kuva-clip-1\" kuva-clip-0"
     );
+}
+
+/// An empty record, and the summary of a task in time.
+fn timed() -> Outcome {
+    let mut outcome = outcome();
+    outcome.record = Record::default();
+    outcome.summary.friction = None;
+    outcome.summary.units.time = "s".into();
+    outcome
+}
+
+#[test]
+fn a_velocity_curve_has_its_limits_and_a_colour_for_each_temperature() {
+    let mut outcome = timed();
+    let velocity: Vec<f64> = (0..7).map(|i| 10f64.powi(i - 6)).collect();
+    let both =
+        |scale: f64| -> Vec<f64> { velocity.iter().chain(&velocity).map(|v| scale * v.powf(0.1)).collect() };
+    let along = &["temperature", "velocity"];
+    for (name, scale) in [
+        ("kinetic_friction", 0.5),
+        ("ensemble_force", 0.5),
+        ("ensemble_error", 0.01),
+        ("creep_friction", 0.4),
+    ] {
+        outcome.record.push(name, "force", Quantity::Force, along, both(scale));
+    }
+    outcome.record.push("temperature", "T", Quantity::Energy, &["temperature"], vec![0.1, 0.2]);
+    outcome.record.push("velocity", "v", Quantity::Velocity, &["velocity"], velocity);
+    let limits = |t| CurveLimits { temperature: Some(t), fast: 0.51, slow: None, viscosity: None };
+    outcome.summary.limits = vec![limits(0.1), limits(0.2)];
+    let pictures = draw(&outcome).unwrap();
+    let text = svg(&pictures, "velocity_curve.svg");
+    for words in [
+        "Velocity v (µm/s)",
+        "Kinetic friction F_k (MPa)",
+        "T = 0.1 MPa·µm",
+        "T = 0.2 MPa·µm",
+        "slow creep",
+        "v → ∞: 0.51 MPa",
+    ] {
+        assert!(text.contains(words), "{words}");
+    }
+    assert_eq!(pictures.len(), 2);
+}
+
+#[test]
+fn a_hold_curve_shows_healing_and_what_it_grows_from() {
+    let mut outcome = timed();
+    outcome.record.push("hold", "hold", Quantity::Time, &["hold"], vec![1.0, 10.0, 100.0]);
+    outcome.record.push("static_friction", "F_s", Quantity::Force, &["hold"], vec![0.6, 0.61, 0.62]);
+    let fitted = Fitted { value: 0.01, error: 1e-4 };
+    outcome.summary.hold_curve = Some(HoldCurve {
+        velocity: 1.0,
+        kinetic_friction: 0.5,
+        healing_per_decade: Some(fitted),
+        healing_relative: Some(0.02),
+        at_one: Some(0.6),
+    });
+    let pictures = draw(&outcome).unwrap();
+    let text = svg(&pictures, "hold_curve.svg");
+    for words in
+        ["Hold time (s)", "Static friction F_s (MPa)", "healing 0.01 MPa per decade", "kinetic 0.5 MPa"]
+    {
+        assert!(text.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
+    let mut outcome = timed();
+    let time: Vec<f64> = (0..40).map(f64::from).collect();
+    let velocity: Vec<f64> = time.iter().map(|t| if *t < 20.0 { 1.0 } else { 2.0 }).collect();
+    let position: Vec<f64> = time.iter().map(|t| t + (t - 20.0).max(0.0)).collect();
+    let force: Vec<f64> = time.iter().map(|t| 0.5 - 0.01 * (t - 20.0).clamp(0.0, 5.0)).collect();
+    let mut add = |name: &str, quantity, values: &Vec<f64>| {
+        outcome.record.push(name, name, quantity, &["point"], values.clone())
+    };
+    add("time", Quantity::Time, &time);
+    add("drive", Quantity::Length, &position);
+    add("position", Quantity::Length, &position);
+    add("velocity", Quantity::Velocity, &velocity);
+    add("force", Quantity::Force, &force);
+    let fitted = Fitted { value: 0.01, error: 1e-4 };
+    outcome.summary.steps = vec![Step {
+        velocity: 2.0,
+        position: 20.0,
+        duration: 20.0,
+        pieces: None,
+        force: 0.45,
+        peak: Peak { force: 0.5, position: 20.0 },
+        kinetic_friction: Some(0.45),
+        rate_state: Some(RateState {
+            velocity_before: 1.0,
+            force_before: 0.5,
+            a: fitted,
+            b: fitted,
+            distance: Fitted { value: 3.0, error: 0.1 },
+            peak: 0.0,
+            a_relative: 0.02,
+            b_relative: 0.02,
+            residual: 1e-4,
+        }),
+    }];
+    let pictures = draw(&outcome).unwrap();
+    let names: Vec<_> = pictures.iter().map(|p| p.name.as_str()).filter(|n| n.ends_with("svg")).collect();
+    assert_eq!(names, ["protocol.svg", "velocity_step.svg"]);
+    for (picture, words) in [
+        ("protocol.svg", ["Time t (s)", "Velocity v (µm/s)", "Friction force F (MPa)"]),
+        ("velocity_step.svg", ["v = 1 µm/s → 2 µm/s", "Way since the step (µm)", "rate and state, fitted"]),
+    ] {
+        for word in words {
+            assert!(svg(&pictures, picture).contains(word), "{picture} lacks {word}");
+        }
+    }
 }

@@ -7,6 +7,7 @@ mod back;
 mod course;
 mod interface;
 mod leg;
+mod limits;
 mod pull;
 mod relaxation;
 mod steady;
@@ -14,6 +15,7 @@ mod stepping;
 mod stock;
 mod transport;
 
+pub use limits::{Limits, creep};
 pub use pull::Pull;
 pub use relaxation::Relaxation;
 pub use steady::SteadyState;

@@ -1,6 +1,9 @@
 //! Steady sliding: the solution of the master equation that does not depend on X.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
+
+use num_complex::Complex64;
 
 use super::Stretches;
 use crate::life::Life;
@@ -29,6 +32,28 @@ impl SteadyState {
     /// Breaking rate Γ_s, the fraction of contacts per unit length.
     pub fn breaking_rate(&self) -> f64 {
         1.0 / self.mean
+    }
+
+    /// Mean way C of a contact from birth to rebirth, a length.
+    pub fn mean_life(&self) -> f64 {
+        self.mean
+    }
+
+    /// The length C³/(2π²σ²) over which contacts lose step whose ways from birth to rebirth scatter by σ about their mean C:
+    /// that of relaxation where σ ≪ C.
+    pub fn dephasing_length(&self) -> f64 {
+        let variance = (self.mean_square() - self.mean * self.mean).max(0.0);
+        self.mean.powi(3) / (2.0 * PI * PI * variance)
+    }
+
+    /// Mean way from birth to rebirth of the contacts that are found at a moment, ⟨u²⟩/C: long lives are found more often.
+    pub fn life_found(&self) -> f64 {
+        self.mean_square() / self.mean
+    }
+
+    /// ⟨u²⟩ = 2∫u S du.
+    fn mean_square(&self) -> f64 {
+        -2.0 * self.life.survival().curve().transform(Complex64::ZERO).1.re
     }
 
     /// Standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c.

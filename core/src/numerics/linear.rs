@@ -1,23 +1,21 @@
 //! Small systems of linear equations.
 
-use super::legendre::{NODES, Nodal};
-
 /// The solution of `matrix` x = `right` by elimination with partial pivoting; `None` where it is not finite.
-pub fn solve(mut matrix: [Nodal; NODES], mut right: Nodal) -> Option<Nodal> {
-    for k in 0..NODES {
-        let pivot = (k..NODES).max_by(|&i, &j| matrix[i][k].abs().total_cmp(&matrix[j][k].abs()))?;
+pub fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
+    for k in 0..N {
+        let pivot = (k..N).max_by(|&i, &j| matrix[i][k].abs().total_cmp(&matrix[j][k].abs()))?;
         matrix.swap(k, pivot);
         right.swap(k, pivot);
-        for i in k + 1..NODES {
+        for i in k + 1..N {
             let factor = matrix[i][k] / matrix[k][k];
-            for j in k..NODES {
+            for j in k..N {
                 matrix[i][j] -= factor * matrix[k][j];
             }
             right[i] -= factor * right[k];
         }
     }
-    for k in (0..NODES).rev() {
-        for j in k + 1..NODES {
+    for k in (0..N).rev() {
+        for j in k + 1..N {
             right[k] -= matrix[k][j] * right[j];
         }
         right[k] /= matrix[k][k];
@@ -28,6 +26,7 @@ pub fn solve(mut matrix: [Nodal; NODES], mut right: Nodal) -> Option<Nodal> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::legendre::{NODES, Nodal};
 
     #[test]
     fn the_hilbert_matrix_shifted_by_one_gives_back_what_it_was_multiplied_with() {

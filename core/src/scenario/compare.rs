@@ -28,8 +28,8 @@ impl Compare {
     }
 
     pub(super) fn check(&self, task: Task<'_>) -> Result<()> {
-        if !matches!(task, Task::Pull(_)) {
-            let expected = "a compared curve only with the task [pull]";
+        if !matches!(task, Task::Pull(_) | Task::Protocol(_)) {
+            let expected = "a compared curve only with the tasks [pull] and [[protocol]]";
             return Err(Error::invalid("", expected, format!("one with [{}]", task.name())));
         }
         let given = [

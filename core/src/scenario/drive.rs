@@ -32,6 +32,9 @@ pub struct Drive {
     pub points: usize,
     /// How the stretches at X = 0 and the thresholds go together.
     pub start: Start,
+    /// Velocity of the top, above 0; needed only where contacts know time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<f64>,
 }
 
 /// How far the top is moved where nothing is said.
@@ -39,7 +42,14 @@ const DISTANCE: f64 = 20.0;
 
 impl Default for Drive {
     fn default() -> Self {
-        Self { distance: None, turning_points: None, force_to: None, points: 2001, start: Start::Conditional }
+        Self {
+            distance: None,
+            turning_points: None,
+            force_to: None,
+            points: 2001,
+            start: Start::Conditional,
+            velocity: None,
+        }
     }
 }
 
@@ -97,6 +107,7 @@ impl Drive {
             return Err(Error::invalid(second, expected, format!("{second} beside {first}")));
         }
         self.distance.map(|distance| positive("distance", distance)).transpose()?;
+        self.velocity.map(|velocity| positive("velocity", velocity)).transpose()?;
         self.force_to.map(|force| positive("force_to", force)).transpose()?;
         self.turning_points.as_deref().map(turning).transpose()?;
         if self.points < 2 {

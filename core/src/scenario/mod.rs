@@ -9,14 +9,19 @@ mod compare;
 mod contacts;
 mod drive;
 mod ensemble;
+mod hold_curve;
 mod initial;
 mod law;
+mod logarithmic;
 mod master_equation;
+mod protocol;
 mod pull;
 mod rules;
 mod size;
 mod task;
+mod time;
 mod units;
+mod velocity_curve;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -26,20 +31,30 @@ pub use compare::Compare;
 pub use contacts::{Areas, Contacts};
 pub use drive::Drive;
 pub use ensemble::{Disorder, Ensemble};
+pub use hold_curve::HoldCurve;
 pub use initial::Start;
 pub use law::{Component, Law, Tabulated};
 pub use master_equation::MasterEquation;
+pub use protocol::{Protocol, Step};
 pub use pull::Pull;
 pub use rules::{Ageing, Barrier, Delay, Temperature};
 pub use task::Task;
 pub use units::Units;
+pub use velocity_curve::VelocityCurve;
 
 use crate::{Error, Result};
 
 /// A scenario: contacts, how they start, and the task to compute.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(extend("oneOf" = [{ "required": ["pull"] }, { "required": ["drive"] }]))]
+#[schemars(extend("oneOf" = [
+    { "required": ["pull"] },
+    { "required": ["drive"] },
+    { "required": ["protocol"] },
+    { "required": ["protocol_file"] },
+    { "required": ["velocity_curve"] },
+    { "required": ["hold_curve"] }
+]))]
 pub struct Scenario {
     /// What the summary and the pictures are headed with.
     #[serde(default)]
@@ -55,6 +70,19 @@ pub struct Scenario {
     /// A task: the top of the slider is moved from X_T = 0, or a force imposed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive: Option<Drive>,
+    /// A task: the slider is moved in time, step by step; with a block its top, else its bottom.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub protocol: Option<Protocol>,
+    /// CSV file of steps, with columns `duration,velocity` or `duration,velocity,points`, instead of `protocol`; its path
+    /// is relative to the scenario.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub protocol_file: Option<String>,
+    /// A task: kinetic friction against the velocity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity_curve: Option<VelocityCurve>,
+    /// A task: static friction against the time for which the slider has been held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hold_curve: Option<HoldCurve>,
     /// The slider between its top, which is driven, and its bottom; without this table it is rigid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub block: Option<Block>,
@@ -81,6 +109,7 @@ impl Scenario {
         let task = self.task()?;
         let (contacts, initial) = interface(&self.contacts, &self.initial, task.start())?;
         task.check()?;
+        self.check_time(task, &contacts)?;
         self.check_block(task)?;
         self.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &self.compare {
@@ -94,11 +123,12 @@ impl Scenario {
 
     fn check_block(&self, task: Task<'_>) -> Result<()> {
         match (task, &self.block) {
-            (Task::Pull(_), None) => Ok(()),
-            (Task::Pull(_), Some(_)) => {
-                Err(Error::invalid("block", "a block only with the task [drive]", "one with [pull]"))
-            }
             (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),
+            (_, None) => Ok(()),
+            (task, Some(_)) => {
+                let found = format!("one with [{}]", task.name());
+                Err(Error::invalid("block", "a block only with the task [drive]", found))
+            }
         }
     }
 

@@ -18,11 +18,20 @@ pub struct Pull {
     pub snapshots: Vec<f64>,
     /// How the stretches at X = 0 and the thresholds go together.
     pub start: Start,
+    /// Velocity of the slider, above 0; needed only where contacts know time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<f64>,
 }
 
 impl Default for Pull {
     fn default() -> Self {
-        Self { distance: 20.0, points: 2001, snapshots: Vec::new(), start: Start::Conditional }
+        Self {
+            distance: 20.0,
+            points: 2001,
+            snapshots: Vec::new(),
+            start: Start::Conditional,
+            velocity: None,
+        }
     }
 }
 
@@ -39,6 +48,7 @@ impl Pull {
     /// The first that does not.
     pub fn check(&self) -> Result<()> {
         positive("distance", self.distance)?;
+        self.velocity.map(|velocity| positive("velocity", velocity)).transpose()?;
         if self.points < 2 {
             return Err(Error::invalid("points", "2 points or more (both ends count)", self.points));
         }

@@ -1,6 +1,6 @@
 //! What is to be computed: one of the tables that are tasks.
 
-use super::{Drive, Pull, Scenario};
+use super::{Drive, HoldCurve, Protocol, Pull, Scenario, Start, VelocityCurve};
 use crate::{Error, Result};
 
 /// The task of a scenario.
@@ -10,10 +10,17 @@ pub enum Task<'a> {
     Pull(&'a Pull),
     /// `[drive]`: the top of the slider is moved, or a force imposed.
     Drive(&'a Drive),
+    /// `[[protocol]]`: the slider is moved in time, step by step.
+    Protocol(&'a Protocol),
+    /// `[velocity_curve]`: kinetic friction against velocity.
+    VelocityCurve(&'a VelocityCurve),
+    /// `[hold_curve]`: static friction against hold time.
+    HoldCurve(&'a HoldCurve),
 }
 
 /// The tables that are tasks, for messages.
-const TASKS: &str = "a task: one of the tables [pull] and [drive]";
+const TASKS: &str =
+    "a task: one of the tables [pull], [drive], [[protocol]], [velocity_curve] and [hold_curve]";
 
 impl Scenario {
     /// The one task that the scenario has.
@@ -21,16 +28,32 @@ impl Scenario {
     /// # Errors
     /// No task, or more than one.
     pub fn task(&self) -> Result<Task<'_>> {
-        let pull = self.pull.as_ref().map(Task::Pull);
-        let drive = self.drive.as_ref().map(Task::Drive);
-        let mut given = pull.into_iter().chain(drive);
-        let task = given.next().ok_or_else(|| Error::invalid("pull", TASKS, "none"))?;
-        match given.next() {
-            None => Ok(task),
-            Some(second) => {
-                let found = format!("{} beside {}", second.name(), task.name());
-                Err(Error::invalid(second.name(), "only one task", found))
+        let tasks = [
+            self.pull.as_ref().map(Task::Pull),
+            self.drive.as_ref().map(Task::Drive),
+            self.protocol.as_ref().map(Task::Protocol),
+            self.velocity_curve.as_ref().map(Task::VelocityCurve),
+            self.hold_curve.as_ref().map(Task::HoldCurve),
+        ];
+        let mut given = tasks.into_iter().flatten();
+        let Some(task) = given.next() else {
+            return Err(match &self.protocol_file {
+                Some(file) => {
+                    Error::invalid("protocol_file", "the steps that a file holds", format!("{file}, unread"))
+                }
+                None => Error::invalid("pull", TASKS, "none"),
+            });
+        };
+        if let Some(second) = given.next() {
+            let found = format!("{} beside {}", second.name(), task.name());
+            return Err(Error::invalid(second.name(), "only one task", found));
+        }
+        match &self.protocol_file {
+            Some(_) => {
+                let found = format!("protocol_file beside {}", task.name());
+                Err(Error::invalid("protocol_file", "only one task", found))
             }
+            None => Ok(task),
         }
     }
 }
@@ -41,13 +64,17 @@ impl Task<'_> {
         match self {
             Self::Pull(_) => "pull",
             Self::Drive(_) => "drive",
+            Self::Protocol(_) => "protocol",
+            Self::VelocityCurve(_) => "velocity_curve",
+            Self::HoldCurve(_) => "hold_curve",
         }
     }
 
-    pub(super) fn start(&self) -> super::Start {
+    pub(super) fn start(&self) -> Start {
         match self {
             Self::Pull(pull) => pull.start,
             Self::Drive(drive) => drive.start,
+            Self::Protocol(_) | Self::VelocityCurve(_) | Self::HoldCurve(_) => Start::Conditional,
         }
     }
 
@@ -55,6 +82,9 @@ impl Task<'_> {
         match self {
             Self::Pull(pull) => pull.check(),
             Self::Drive(drive) => drive.check(),
+            Self::Protocol(protocol) => protocol.check(),
+            Self::VelocityCurve(curve) => curve.check(),
+            Self::HoldCurve(curve) => curve.check(),
         }
         .map_err(|e| e.under(self.name()))
     }

@@ -8,6 +8,10 @@ fn scenario(thresholds: Law) -> Scenario {
         initial: Law::zero(),
         pull: Some(Pull::default()),
         drive: None,
+        protocol: None,
+        protocol_file: None,
+        velocity_curve: None,
+        hold_curve: None,
         block: None,
         master_equation: MasterEquation::default(),
         ensemble: None,
@@ -149,4 +153,47 @@ fn a_block_needs_a_drive_that_moves_it() {
     let inertial = |mass, damping| block_of(1.0, Slip::Inertial { mass, damping }, 0.05);
     assert_eq!(block(inertial(0.0, 0.0)), "block.slip.inertial.mass");
     assert_eq!(block(inertial(1.0, -1.0)), "block.slip.inertial.damping");
+}
+
+#[test]
+fn contacts_that_know_time_need_a_velocity() {
+    let mut scenario = scenario(Law::Gaussian { mean: 1.0, std: 0.1 });
+    scenario.contacts.delay = Some(Delay { time: 0.1 });
+    assert_eq!(refused(&scenario), ("pull.velocity".into(), "none".into()));
+    scenario.pull = Some(Pull { velocity: Some(1.0), ..Pull::default() });
+    scenario.build().unwrap();
+    scenario.contacts.delay = Some(Delay { time: 0.0 });
+    scenario.pull = Some(Pull::default());
+    scenario.build().unwrap();
+}
+
+#[test]
+fn a_ramp_is_where_it_should_be_at_the_end_of_each_piece() {
+    let ramp = Step { velocity_to: Some(3.0), pieces: Some(4), ..Step::moving(1.0, 2.0) };
+    let protocol =
+        Protocol(vec![Step { distance: Some(5.0), duration: None, ..Step::moving(2.0, 0.0) }, ramp]);
+    protocol.check().unwrap();
+    let history = protocol.build().unwrap();
+    assert_eq!((history.duration(), history.pieces().len()), (4.5, 5));
+    for quarter in 1..=4 {
+        let time = 0.5 * f64::from(quarter);
+        // X = v t + ½ (v₁ − v) t²/duration, rounded
+        let expected = 5.0 + time + 0.5 * time * time;
+        assert!((history.position(2.5 + time) - expected).abs() < 1e-14);
+    }
+    let times = protocol.times();
+    assert_eq!((times.len(), times[200], times[400]), (401, 2.5, 4.5));
+    assert!(times.is_sorted_by(|a, b| a < b));
+}
+
+#[test]
+fn warnings_say_what_will_surprise() {
+    let mut scenario = scenario(Law::Gaussian { mean: 1.0, std: 0.1 });
+    assert_eq!(scenario.warnings(), [""; 0]);
+    scenario.pull = None;
+    scenario.hold_curve = Some(HoldCurve { from: 1.0, to: 10.0, points: 3, velocity: 1.0 });
+    assert!(scenario.warnings()[0].starts_with("hold_curve: nothing in [contacts] knows time"));
+    let mature = Law::Gaussian { mean: 0.5, std: 0.1 };
+    scenario.contacts.ageing = Some(Ageing::FrozenRank { mature, time: 1.0 });
+    assert!(scenario.warnings()[0].starts_with("contacts.ageing: the mature law is weaker"));
 }

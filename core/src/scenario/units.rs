@@ -36,6 +36,7 @@ impl Units {
             Quantity::Energy => times(&self.force, &self.length),
             Quantity::Time => over(&self.time, ""),
             Quantity::Velocity => over(&self.length, &self.time),
+            Quantity::PerTime => over("", &self.time),
             Quantity::Number => over("", ""),
         }
     }

@@ -72,7 +72,7 @@ impl Document {
         let mut node = &self.root;
         let mut path = fault.path.iter();
         // What was read from a file is at fault where the file is named.
-        while let Some(child) = path.next().and_then(|key| node.child(key).or_else(|| node.child("file"))) {
+        while let Some(child) = path.next().and_then(|key| node.child(key).or_else(|| node.file(key))) {
             node = child;
         }
         let on_key = fault.on_key || matches!(node.kind, Kind::Table(_));
@@ -137,6 +137,11 @@ impl Node {
             Kind::List(items) => items.get(key.parse::<usize>().ok()?),
             _ => None,
         }
+    }
+
+    /// The entry that names the file from which `key` was read.
+    fn file(&self, key: &str) -> Option<&Self> {
+        self.child("file").or_else(|| self.child(&format!("{key}_file")))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity::scenario::{Scenario, Tabulated};
+use asperity::scenario::{Protocol, Scenario, Step, Tabulated};
 
 use super::deserialise::Fault;
 
@@ -20,7 +20,24 @@ pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
         let [position, force] = exactly(columns.map_err(|fault| fault.under("compare.file"))?);
         (compare.position, compare.force) = (Some(position), Some(force));
     }
+    if scenario.protocol.is_none()
+        && let Some(file) = scenario.protocol_file.take()
+    {
+        let steps = steps(&directory.join(file)).map_err(|fault| fault.under("protocol_file"))?;
+        scenario.protocol = Some(Protocol(steps));
+    }
     Ok(())
+}
+
+/// The steps of a protocol, one in each row.
+fn steps(path: &Path) -> Result<Vec<Step>, Fault> {
+    let columns = read(path, &[&["duration", "velocity"], &["duration", "velocity", "points"]])?;
+    let step = |row: usize| {
+        let step = Step::moving(columns[1][row], columns[0][row]);
+        // what is no number of points is refused with the other values, as 0
+        columns.get(2).map_or(step.clone(), |points| Step { points: points[row] as usize, ..step })
+    };
+    Ok((0..columns[0].len()).map(step).collect())
 }
 
 fn law(table: &mut Tabulated, path: &Path) -> Result<(), Fault> {

@@ -35,6 +35,8 @@ pub(super) fn tables(record: &Record) -> impl Iterator<Item = (&'static str, Str
         ("ensemble_trace.csv", trace(record, "ensemble_")),
         ("ensemble_events.csv", events(record, "ensemble_")),
         ("sizes.csv", sizes(record)),
+        ("velocity_curve.csv", velocity_curve(record)),
+        ("hold_curve.csv", hold_curve(record)),
     ];
     tables.into_iter().filter_map(|(name, text)| text.map(|text| (name, text)))
 }
@@ -46,11 +48,50 @@ fn same(name: &str) -> (String, String) {
 
 fn trace(record: &Record, prefix: &str) -> Option<String> {
     let column = |name: &str| (name.to_owned(), format!("{prefix}{name}"));
-    table(record, &["drive", "position", "force", "spring_force"].map(column), &[])
+    let timed = ["time", "velocity", "free"].map(column);
+    let ensemble = ["ensemble_force", "ensemble_error"].map(same);
+    // an ensemble at the same points stands beside, one with points of its own in its own table
+    let beside = record.get("ensemble_error").map_or(&[][..], |_| &ensemble);
+    let optional = [&timed[..], beside].concat();
+    table(record, &["drive", "position", "force", "spring_force"].map(column), &optional)
+}
+
+/// One row for each velocity, of one temperature after the other where there are several.
+fn velocity_curve(record: &Record) -> Option<String> {
+    let friction = record.values("kinetic_friction")?;
+    let velocity = record.values("velocity")?;
+    let temperatures = record.values("temperature");
+    let ensemble = record.values("ensemble_force").zip(record.values("ensemble_error"));
+    let mut text = String::new();
+    if temperatures.is_some() {
+        text += "temperature,";
+    }
+    text += "velocity,kinetic_friction";
+    text += if ensemble.is_some() { ",ensemble_force,ensemble_error\n" } else { "\n" };
+    for (row, &force) in friction.iter().enumerate() {
+        let temperature = temperatures.map(|t| t[row / velocity.len()]);
+        let both = ensemble.map(|(force, error)| [force[row], error[row]]);
+        let cells = temperature
+            .into_iter()
+            .chain([velocity[row % velocity.len()], force])
+            .chain(both.into_iter().flatten());
+        text += &cells.map(shortest).collect::<Vec<_>>().join(",");
+        text.push('\n');
+    }
+    Some(text)
+}
+
+fn hold_curve(record: &Record) -> Option<String> {
+    let columns = ["hold", "static_friction", "peak_position", "held_force"].map(same);
+    table(record, &columns, &["ensemble_force", "ensemble_error"].map(same))
 }
 
 fn events(record: &Record, prefix: &str) -> Option<String> {
     record.get(&format!("{prefix}spring_force"))?;
+    let column = |name: &str| record.get(&format!("{prefix}{name}"));
+    if column("velocity").is_some() && column("event_drive").is_none() {
+        return None;
+    }
     let columns = SLIP.map(|name| (name.to_owned(), format!("{prefix}event_{name}")));
     let text = table(record, &columns, &[]).unwrap_or_else(|| SLIP.join(",") + "\n");
     let numbered = text.lines().enumerate().map(|(row, line)| match row {

@@ -41,17 +41,14 @@ impl Pulled<'_> {
         let edges = self.grid.edges(model.size());
         let centres = edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
         let snapshots = Snapshots { positions, edges };
-        let pull = model.pull(&self.task.positions(), &snapshots, monitor)?;
-        let along = &["position"];
-        let at = |x: &f64| snapshots.positions.partition_point(|p| p < x);
-        record.push(
-            "ensemble_force",
-            "friction force of the ensemble",
-            Quantity::Force,
-            along,
-            pull.force.clone(),
-        );
+        let pull = match self.task.velocity {
+            Some(velocity) => model.pull_at(velocity, &self.task.positions(), &snapshots, monitor)?,
+            None => model.pull(&self.task.positions(), &snapshots, monitor)?,
+        };
+        let (words, along) = ("friction force of the ensemble", &["position"]);
+        record.push("ensemble_force", words, Quantity::Force, along, pull.force.clone());
         record.push("ensemble_error", "its standard error", Quantity::Force, along, pull.error.clone());
+        let at = |x: &f64| snapshots.positions.partition_point(|p| p < x);
         if asked.is_empty() && last.is_empty() {
             return Ok(());
         }

@@ -36,7 +36,7 @@ pub fn run(
     let Setting { scenario, contacts, initial } = setting;
     fits(task, scenario.ensemble.is_some())?;
     let equation = MasterEquation::new(contacts.clone(), initial)?;
-    let tolerance = scenario.master_equation.tolerance;
+    let tolerance = scenario.master_equation.tolerance();
     let loading = first_loading(contacts);
     let reach = task.turns().iter().fold(loading, |far, turn| far.max(*turn));
     let shares = if scenario.ensemble.is_some() { [0.05, 0.25] } else { [0.1, 0.9] };

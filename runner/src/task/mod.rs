@@ -4,9 +4,13 @@ mod chance;
 mod distribution;
 mod drive;
 mod grid;
+mod hold_curve;
 mod part;
+mod protocol;
 mod pull;
+mod settling;
 pub mod sliding;
+mod velocity_curve;
 
 use asperity::Result;
 use asperity::contacts::{Contacts, Initial};
@@ -18,7 +22,7 @@ use asperity::scenario::{Scenario, Task};
 
 use crate::input;
 use crate::output::Outcome;
-use crate::summary::{Coefficients, Extended, StaticFriction, Summary};
+use crate::summary::{Coefficients, Comparison, Extended, Friction, StaticFriction, Summary};
 
 pub use drive::first_loading;
 pub use grid::Grid;
@@ -34,6 +38,9 @@ pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Outcome> {
     let (summary, record) = match scenario.task()? {
         Task::Pull(task) => pull::run(&setting, task, monitor)?,
         Task::Drive(task) => drive::run(&setting, task, monitor)?,
+        Task::Protocol(task) => protocol::run(&setting, task, monitor)?,
+        Task::VelocityCurve(task) => velocity_curve::run(&setting, task, monitor)?,
+        Task::HoldCurve(task) => hold_curve::run(&setting, task, monitor)?,
     };
     Ok(Outcome { scenario: input::to_text(scenario), summary, record })
 }
@@ -46,9 +53,8 @@ struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    /// What a pull and steady sliding say of the interface, whatever the task.
+    /// What a pull and steady sliding say of the interface.
     fn summary(&self, steady: &SteadyState, relaxation: &Relaxation, pull: &Pull) -> Summary {
-        let scenario = self.scenario;
         let kinetic_friction = steady.kinetic_friction();
         let peak = pull.static_friction();
         let coefficients = |normal_load: f64| Coefficients {
@@ -56,10 +62,7 @@ impl Setting<'_> {
             at_rest: peak.map(|peak| peak.value / normal_load),
             kinetic: kinetic_friction / normal_load,
         };
-        Summary {
-            title: scenario.title.clone(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            units: scenario.units.clone(),
+        let friction = Friction {
             static_friction: peak.map_or(StaticFriction::NotReached, |peak| StaticFriction::Reached {
                 force: peak.value,
                 position: peak.position,
@@ -69,13 +72,30 @@ impl Setting<'_> {
             relaxation_length_paper: Extended(relaxation.paper_estimate()),
             critical_stiffness: Extended(pull.critical_stiffness()),
             accuracy: pull.error_estimate(),
+        };
+        let friction_coefficients = self.scenario.contacts.normal_load.map(coefficients);
+        Summary { friction: Some(friction), friction_coefficients, ..self.heading() }
+    }
+
+    /// What is said whatever the task.
+    fn heading(&self) -> Summary {
+        let scenario = self.scenario;
+        Summary {
+            title: scenario.title.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            units: scenario.units.clone(),
+            friction: None,
             contacts: scenario.contacts.count,
             sample: sample(scenario),
             seed: scenario.ensemble.as_ref().map(|ensemble| ensemble.seed),
             disorder: scenario.ensemble.as_ref().map(|ensemble| ensemble.disorder),
-            friction_coefficients: scenario.contacts.normal_load.map(coefficients),
+            friction_coefficients: None,
             sliding: None,
+            steps: Vec::new(),
+            limits: Vec::new(),
+            hold_curve: None,
             compare: None,
+            warnings: scenario.warnings(),
         }
     }
 }
@@ -84,6 +104,23 @@ impl Setting<'_> {
 fn sample(scenario: &Scenario) -> Option<f64> {
     let counted = Some(scenario.contacts.count).filter(|&count| count > 1.0);
     scenario.ensemble.as_ref().map(|ensemble| ensemble.size as f64).or(counted)
+}
+
+/// Adds the measured curve, if there is one, and says how far it is from the computed `force`, known up to X = `end`.
+fn compare(
+    scenario: &Scenario,
+    end: f64,
+    force: impl Fn(f64) -> f64,
+    record: &mut Record,
+) -> Option<Comparison> {
+    let (positions, forces) = scenario.compare.as_ref()?.points();
+    let within = |x: &f64| (0.0..=end).contains(x);
+    let residuals = positions.iter().zip(forces).filter(|(x, _)| within(x)).map(|(&x, f)| f - force(x));
+    let (points, squares) = residuals.fold((0, 0.0), |(n, sum), r| (n + 1, sum + r * r));
+    let along = &["compared"];
+    record.push("compared_position", "measured position", Quantity::Length, along, positions.to_vec());
+    record.push("compared_force", "measured force", Quantity::Force, along, forces.to_vec());
+    Some(Comparison { points, residual_rms: (points > 0).then(|| (squares / points as f64).sqrt()) })
 }
 
 /// Lists point masses along `dimension`: what places them, and their weights. Nothing where there are none.

@@ -8,9 +8,9 @@ use asperity::{Error, Result};
 
 use super::grid::Grid;
 use super::part::{self, Part};
-use super::{Setting, atoms, chance, distribution, sample};
+use super::{Setting, atoms, chance, compare, distribution, sample};
 use crate::output::LARGEST;
-use crate::summary::{Comparison, Summary};
+use crate::summary::Summary;
 
 /// Positions evaluated between two reports to the monitor.
 const ROUND: usize = 1024;
@@ -29,14 +29,17 @@ pub fn run(
     let Setting { scenario, contacts, initial, .. } = setting;
     let grid = Grid::new(contacts, initial, &task.snapshots);
     fits(scenario, task, &grid)?;
-    let equation = MasterEquation::new(contacts.clone(), initial)?;
+    let equation = match task.velocity {
+        Some(velocity) => MasterEquation::at(contacts.clone(), initial, velocity)?,
+        None => MasterEquation::new(contacts.clone(), initial)?,
+    };
     let master = if scenario.ensemble.is_some() { 0.5 } else { 1.0 };
-    let tolerance = scenario.master_equation.tolerance;
+    let tolerance = scenario.master_equation.tolerance();
     let pull = equation.pull(task.distance, tolerance, &mut Part::new(monitor, 0.0, 0.6 * master))?;
     let mut record = Record::default();
     let part = &mut Part::new(monitor, 0.6 * master, 0.4 * master);
     along_the_pull(&pull, task.positions(), sample(scenario), &mut record, part)?;
-    let compare = compared(scenario, &pull, &mut record);
+    let compare = compare(scenario, pull.distance(), |x| pull.force(x), &mut record);
     distribution::evolving(task, &pull, &grid, &mut record);
     let (steady, relaxation) = (equation.steady_state(), equation.relaxation());
     distribution::steady(contacts, &steady, &grid, &mut record);
@@ -102,15 +105,4 @@ pub fn along_the_pull(
     let places = [("position", "position at which contacts break together")];
     atoms(record, "breaking_atom", places, pull.breaking_atoms().iter().map(|a| ([a.position], a.weight)));
     Ok(())
-}
-
-fn compared(scenario: &Scenario, pull: &Pull, record: &mut Record) -> Option<Comparison> {
-    let (positions, forces) = scenario.compare.as_ref()?.points();
-    let within = |x: &f64| (0.0..=pull.distance()).contains(x);
-    let residuals = positions.iter().zip(forces).filter(|(x, _)| within(x)).map(|(&x, f)| f - pull.force(x));
-    let (points, squares) = residuals.fold((0, 0.0), |(n, sum), r| (n + 1, sum + r * r));
-    let along = &["compared"];
-    record.push("compared_position", "measured position", Quantity::Length, along, positions.to_vec());
-    record.push("compared_force", "measured force", Quantity::Force, along, forces.to_vec());
-    Some(Comparison { points, residual_rms: (points > 0).then(|| (squares / points as f64).sqrt()) })
 }

@@ -1,8 +1,12 @@
 //! The few numbers of a run that people quote: `summary.json`.
 
+mod time;
+
 use asperity::block::{End, Point, Regime, StickSlip};
 use asperity::scenario::{Disorder, Units};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+pub use time::{CurveLimits, Fitted, HoldCurve, Peak, RateState, Step};
 
 /// The numbers of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -13,18 +17,9 @@ pub struct Summary {
     pub version: String,
     /// Labels of units.
     pub units: Units,
-    /// F_s and X_s.
-    pub static_friction: StaticFriction,
-    /// F_k.
-    pub kinetic_friction: f64,
-    /// X*, from the slowest root.
-    pub relaxation_length: Extended,
-    /// The paper's estimate x̄²/σ of X*.
-    pub relaxation_length_paper: Extended,
-    /// K_c.
-    pub critical_stiffness: Extended,
-    /// Estimated error of F/(N_c⟨k⟩).
-    pub accuracy: f64,
+    /// What a pull at one velocity says; absent where the task knows no such pull.
+    #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
+    pub friction: Option<Friction>,
     /// Number of contacts N_c that forces are scaled to.
     pub contacts: f64,
     /// Number of contacts that the finite-size band and the ensemble stand for.
@@ -38,12 +33,41 @@ pub struct Summary {
     /// How the slider slid, where its top was driven.
     #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
     pub sliding: Option<Sliding>,
+    /// The steps of a protocol.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub steps: Vec<Step>,
+    /// What the curves against velocity tend to.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub limits: Vec<CurveLimits>,
+    /// What the curve against hold time says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hold_curve: Option<HoldCurve>,
     /// Forces over the normal load, where one is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_coefficients: Option<Coefficients>,
     /// How far the compared curve is from F(X).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compare: Option<Comparison>,
+    /// What makes sense but will surprise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+/// What a pull and steady sliding say of an interface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Friction {
+    /// F_s and X_s.
+    pub static_friction: StaticFriction,
+    /// F_k.
+    pub kinetic_friction: f64,
+    /// X*, from the slowest root.
+    pub relaxation_length: Extended,
+    /// The paper's estimate x̄²/σ of X*.
+    pub relaxation_length_paper: Extended,
+    /// K_c.
+    pub critical_stiffness: Extended,
+    /// Estimated error of F/(N_c⟨k⟩).
+    pub accuracy: f64,
 }
 
 /// How a driven slider slid.
@@ -189,12 +213,6 @@ const INFINITE: &str = "infinite";
 enum WordOr<T> {
     Word(String),
     Value(T),
-}
-
-#[derive(Serialize, Deserialize)]
-struct Peak {
-    force: f64,
-    position: f64,
 }
 
 fn unexpected<E: serde::de::Error>(word: &str, known: &str) -> E {

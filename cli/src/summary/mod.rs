@@ -1,41 +1,17 @@
 //! The numbers of a run, for people.
 
+mod timed;
+
 use std::fmt::Write as _;
 
 use asperity::record::Quantity;
 use asperity::scenario::Disorder;
-use asperity_runner::summary::{Place, Sliding, StaticFriction, Summary};
+use asperity_runner::summary::{Friction, Place, Sliding, StaticFriction, Summary};
 
 /// Aligned lines: what it is, its value with its unit.
 pub fn readable(summary: &Summary) -> String {
     let value = |number: f64, quantity| with_unit(digits(number), number, &summary.units.label(quantity));
-    let mut lines: Vec<(&str, String)> = Vec::new();
-    lines.push((
-        "static friction",
-        match summary.static_friction {
-            StaticFriction::Reached { force, position } => {
-                format!(
-                    "F_s = {} at X_s = {}",
-                    value(force, Quantity::Force),
-                    value(position, Quantity::Length)
-                )
-            }
-            StaticFriction::NotReached => "not reached: the force still rises at the end".into(),
-        },
-    ));
-    lines.push(("kinetic friction", format!("F_k = {}", value(summary.kinetic_friction, Quantity::Force))));
-    let (length, paper) = (summary.relaxation_length.0, summary.relaxation_length_paper.0);
-    let estimate = format!("(the paper's estimate {})", value(paper, Quantity::Length));
-    lines.push(("relaxation length", format!("X*  = {} {estimate}", value(length, Quantity::Length))));
-    lines.push((
-        "critical stiffness",
-        match summary.critical_stiffness.0 {
-            never if never <= 0.0 => {
-                "none: the force never falls, and a slider of any stiffness is stable".into()
-            }
-            stiffness => format!("K_c = {}", value(stiffness, Quantity::Stiffness)),
-        },
-    ));
+    let mut lines = summary.friction.as_ref().map_or_else(Vec::new, |friction| rubbed(summary, friction));
     if let Some(coefficients) = summary.friction_coefficients {
         let at_rest = coefficients.at_rest.map_or("not reached".into(), digits);
         let load = value(coefficients.normal_load, Quantity::Force);
@@ -45,6 +21,7 @@ pub fn readable(summary: &Summary) -> String {
     if let Some(sliding) = &summary.sliding {
         lines.extend(slid(summary, sliding));
     }
+    lines.extend(timed::lines(summary));
     if let (Some(seed), Some(size)) = (summary.seed, summary.sample) {
         let quenched =
             if summary.disorder == Some(Disorder::Quenched) { "quenched thresholds, " } else { "" };
@@ -65,6 +42,31 @@ pub fn readable(summary: &Summary) -> String {
         let _ = writeln!(text, "  {name:<20} {value}");
     }
     text
+}
+
+/// What a pull at one velocity says.
+fn rubbed(summary: &Summary, friction: &Friction) -> Vec<(&'static str, String)> {
+    let value = |number: f64, quantity| with_unit(digits(number), number, &summary.units.label(quantity));
+    let peak = match friction.static_friction {
+        StaticFriction::Reached { force, position } => {
+            format!("F_s = {} at X_s = {}", value(force, Quantity::Force), value(position, Quantity::Length))
+        }
+        StaticFriction::NotReached => "not reached: the force still rises at the end".into(),
+    };
+    let estimate = value(friction.relaxation_length_paper.0, Quantity::Length);
+    let length = value(friction.relaxation_length.0, Quantity::Length);
+    let critical = match friction.critical_stiffness.0 {
+        never if never <= 0.0 => {
+            "none: the force never falls, and a slider of any stiffness is stable".into()
+        }
+        stiffness => format!("K_c = {}", value(stiffness, Quantity::Stiffness)),
+    };
+    vec![
+        ("static friction", peak),
+        ("kinetic friction", format!("F_k = {}", value(friction.kinetic_friction, Quantity::Force))),
+        ("relaxation length", format!("X*  = {length} (the paper's estimate {estimate})")),
+        ("critical stiffness", critical),
+    ]
 }
 
 /// How a driven slider slid.

@@ -1,0 +1,52 @@
+//! `hold_curve`: static friction against the logarithm of the hold time, with the healing fitted to it.
+
+use asperity::record::Quantity;
+use asperity_runner::output::Outcome;
+use kuva::plot::{LegendEntry, MarkerShape, ScatterPlot};
+use kuva::render::plots::Plot;
+use kuva::render::render::{Scene, render_multiple};
+
+use super::curve::{curve, errors, line};
+use super::style::{self, BLUE, GREY, ORANGE, Plots};
+
+const DASHES: &str = "8 5";
+const DOTS: &str = "2 4";
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let (hold, force) = (record.values("hold")?, record.values("static_friction")?);
+    let (mut plots, mut legend) = (Plots::new(), Vec::new());
+    let others = record.values("ensemble_force").unwrap_or(&[]);
+    let kinetic = outcome.summary.hold_curve.map(|curve| curve.kinetic_friction);
+    let (low, high) = style::range([force, others, kinetic.as_slice()]);
+    healing(outcome, hold, &mut plots, &mut legend);
+    plots.push(line(curve(hold, force), BLUE, 2.0, None));
+    let points = ScatterPlot::new().with_data(curve(hold, force)).with_color(BLUE).with_size(3.2);
+    plots.push(Plot::Scatter(points));
+    legend.insert(0, style::line("master equation", BLUE, None));
+    if let (Some(force), Some(error)) = (record.values("ensemble_force"), record.values("ensemble_error")) {
+        plots.extend(errors(hold, force, error, ORANGE));
+        legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
+    }
+    let layout = style::layout(style::decades(hold), style::heights(low, high)).with_log_x();
+    let layout = style::titled(layout, &outcome.summary.title)
+        .with_x_label(style::axis(outcome, "Hold time", record.get("hold")?))
+        .with_y_label(style::axis(outcome, "Static friction F_s", record.get("static_friction")?));
+    Some(render_multiple(plots, style::legend_below(layout, legend)))
+}
+
+/// The fitted line, and the kinetic friction from which static friction grows.
+fn healing(outcome: &Outcome, hold: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
+    let Some(read) = outcome.summary.hold_curve else { return };
+    let unit = outcome.summary.units.label(Quantity::Force);
+    let ends = [hold[0], hold[hold.len() - 1]];
+    if let (Some(slope), Some(at_one)) = (read.healing_per_decade, read.at_one) {
+        let fitted = ends.map(|t| (t, at_one + slope.value * t.log10())).to_vec();
+        plots.push(line(fitted, GREY, 1.4, Some(DASHES)));
+        let words = format!("healing {} per decade", style::with_unit(slope.value, &unit));
+        legend.push(style::line(words, GREY, Some(DASHES)));
+    }
+    plots.push(line(ends.map(|t| (t, read.kinetic_friction)).to_vec(), GREY, 1.4, Some(DOTS)));
+    let words = format!("kinetic {}", style::with_unit(read.kinetic_friction, &unit));
+    legend.push(style::line(words, GREY, Some(DOTS)));
+}

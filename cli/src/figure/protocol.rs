@@ -1,0 +1,83 @@
+//! `protocol`: velocity above, force below, against time.
+
+use asperity_runner::output::Outcome;
+use kuva::plot::{LegendEntry, MarkerShape};
+use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::layout::Layout;
+use kuva::render::render::Scene;
+
+use super::curve::{Point, curve, errors, line, thinned};
+use super::style::{self, BLUE, GREEN, ORANGE, Plots};
+
+/// Heights of the panel of the velocity and of that of the force.
+const HEIGHTS: (f64, f64) = (150.0, 330.0);
+const MARGINS: (f64, f64) = (12.0, 24.0);
+/// Height that the label of the lower axis takes.
+const LABEL: f64 = 26.0;
+/// Markers that the force of the ensemble is shown by, at most.
+const MARKERS: usize = 80;
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let (above, below) = (velocity(outcome)?, force(outcome)?);
+    let (title, size) = style::heading(&outcome.summary.title);
+    let figure = Figure::new(2, 1)
+        .with_title(title)
+        .with_title_size(size)
+        .with_plots(vec![above.0, below.0])
+        .with_layouts(vec![above.1, below.1])
+        .with_cell_size(style::WIDTH, HEIGHTS.0)
+        .with_row_height(1, HEIGHTS.1 + LABEL)
+        .with_spacing(6.0)
+        .with_shared_legend_entries(legend(outcome))
+        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
+    Some(figure.render())
+}
+
+fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
+    let mut entries = vec![style::line("master equation", BLUE, None)];
+    if outcome.record.get("ensemble_error").is_some() {
+        entries.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
+    }
+    entries
+}
+
+fn velocity(outcome: &Outcome) -> Option<(Plots, Layout)> {
+    let record = &outcome.record;
+    let (time, velocity) = (record.values("time")?, record.values("velocity")?);
+    let top = style::headroom(style::range([velocity]).1);
+    let plots = vec![line(thinned(steps(time, velocity)), GREEN, 1.8, None)];
+    let layout = style::layout((0.0, *time.last()?), (0.0, top))
+        .with_y_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
+        .with_ticks(4)
+        .with_force_margins_y(MARGINS.0, MARGINS.1)
+        .with_tick_size(11)
+        .with_label_size(13);
+    Some((plots, layout))
+}
+
+/// The velocity as a curve that jumps where a step begins: a point of the trace has the velocity that follows it.
+fn steps(time: &[f64], velocity: &[f64]) -> Vec<Point> {
+    let before = std::iter::once(velocity[0]).chain(velocity.iter().copied());
+    let points = time.iter().zip(before.zip(velocity));
+    points.flat_map(|(&t, (before, &after))| [(t, before), (t, after)]).collect()
+}
+
+fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
+    let record = &outcome.record;
+    let (time, force) = (record.values("time")?, record.values("force")?);
+    let others = record.values("ensemble_force").zip(record.values("ensemble_error"));
+    let (low, high) = style::range([force, others.map_or(&[], |o| o.0)]);
+    let mut plots = vec![line(curve(time, force), BLUE, 2.0, None)];
+    if let Some((force, error)) = others {
+        let shown = (0..time.len()).step_by(time.len().div_ceil(MARKERS));
+        let pick = |values: &[f64]| shown.clone().map(|i| values[i]).collect::<Vec<_>>();
+        plots.extend(errors(&pick(time), &pick(force), &pick(error), ORANGE));
+    }
+    let layout = style::layout((0.0, *time.last()?), style::heights(low, high))
+        .with_x_label(style::axis(outcome, "Time t", record.get("time")?))
+        .with_y_label(style::axis(outcome, "Friction force F", record.get("force")?))
+        .with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL)
+        .with_tick_size(11)
+        .with_label_size(13);
+    Some((plots, layout))
+}

@@ -1,0 +1,103 @@
+//! `velocity_curve`: kinetic friction against velocity, with the limits that are known.
+
+use asperity::record::{Quantity, Record};
+use asperity_runner::output::Outcome;
+use kuva::plot::{LegendEntry, MarkerShape};
+use kuva::render::render::{Scene, render_multiple};
+
+use super::curve::{Point, below, curve, errors, line};
+use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots, RED};
+
+/// Colours of the curves of several temperatures.
+const COLORS: [&str; 5] = [BLUE, RED, GREEN, ORANGE, BLACK];
+const DASHES: &str = "8 5";
+const DOTS: &str = "2 4";
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let friction = record.values("kinetic_friction")?;
+    let velocity = record.values("velocity")?;
+    let (low, high) = style::range([friction, record.values("ensemble_force").unwrap_or(&[])]);
+    let (low, high) = style::heights(low, high);
+    let (mut plots, mut legend) = (Plots::new(), Vec::new());
+    for row in 0..outcome.summary.limits.len() {
+        draw(outcome, velocity, row, high, &mut plots, &mut legend);
+    }
+    if record.get("ensemble_force").is_some() {
+        let color = if outcome.summary.limits.len() > 1 { GREY } else { ORANGE };
+        legend.push(style::marker(style::sized_ensemble(outcome), color, MarkerShape::Circle));
+    }
+    plateaus(outcome, velocity, (low, high), &mut plots, &mut legend);
+    for (name, dashes, words) in [
+        ("creep_friction", DASHES, "slow creep, closed form"),
+        ("viscous_friction", DOTS, "viscous flow, closed form"),
+    ] {
+        if record.get(name).is_some() {
+            legend.push(style::line(words, GREY, Some(dashes)));
+        }
+    }
+    let layout = style::layout(style::decades(velocity), (low, high)).with_log_x();
+    let layout = style::titled(layout, &outcome.summary.title)
+        .with_x_label(style::axis(outcome, "Velocity v", record.get("velocity")?))
+        .with_y_label(style::axis(outcome, "Kinetic friction F_k", record.get("kinetic_friction")?));
+    Some(render_multiple(plots, style::legend_below(layout, legend)))
+}
+
+/// The curve of one temperature, with its ensemble and its closed forms.
+fn draw(
+    outcome: &Outcome,
+    velocity: &[f64],
+    row: usize,
+    top: f64,
+    plots: &mut Plots,
+    legend: &mut Vec<LegendEntry>,
+) {
+    let record = &outcome.record;
+    let color = COLORS[row % COLORS.len()];
+    for (name, dashes) in [("creep_friction", DASHES), ("viscous_friction", DOTS)] {
+        let Some(values) = part(record, name, velocity.len(), row) else { continue };
+        for piece in below(&curve(velocity, values), top) {
+            plots.push(line(piece, color, 1.4, Some(dashes)));
+        }
+    }
+    let Some(friction) = part(record, "kinetic_friction", velocity.len(), row) else { return };
+    plots.push(line(curve(velocity, friction), color, 2.0, None));
+    legend.push(style::line(called(outcome, row), color, None));
+    let ensemble = ["ensemble_force", "ensemble_error"].map(|name| part(record, name, velocity.len(), row));
+    if let [Some(force), Some(error)] = ensemble {
+        let color = if outcome.summary.limits.len() > 1 { color } else { ORANGE };
+        plots.extend(errors(velocity, force, error, color));
+    }
+}
+
+/// What the curve of a row is called.
+fn called(outcome: &Outcome, row: usize) -> String {
+    let unit = outcome.summary.units.label(Quantity::Energy);
+    match outcome.summary.limits[row].temperature {
+        Some(temperature) => format!("T = {}", style::with_unit(temperature, &unit)),
+        None => "master equation".to_owned(),
+    }
+}
+
+/// The forces of very fast and very slow sliding, where the curve comes to them.
+fn plateaus(
+    outcome: &Outcome,
+    velocity: &[f64],
+    (low, high): (f64, f64),
+    plots: &mut Plots,
+    legend: &mut Vec<LegendEntry>,
+) {
+    let Some(limits) = outcome.summary.limits.first() else { return };
+    let ends: [Point; 2] = [(velocity[0], 1.0), (velocity[velocity.len() - 1], 1.0)];
+    let unit = outcome.summary.units.label(Quantity::Force);
+    for (level, words, dashes) in [(Some(limits.fast), "v → ∞", "4 4"), (limits.slow, "v → 0", "1 4")] {
+        let Some(level) = level.filter(|level| *level > low && *level < high) else { continue };
+        plots.push(line(ends.map(|end| (end.0, level)).to_vec(), GREY, 1.4, Some(dashes)));
+        legend.push(style::line(format!("{words}: {}", style::with_unit(level, &unit)), GREY, Some(dashes)));
+    }
+}
+
+/// The values of one temperature.
+fn part<'a>(record: &'a Record, name: &str, length: usize, row: usize) -> Option<&'a [f64]> {
+    record.values(name)?.chunks_exact(length).nth(row)
+}

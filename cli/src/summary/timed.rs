@@ -1,0 +1,85 @@
+//! Steps, curves against velocity and hold time, and their reading by rate and state, for people.
+
+use asperity::record::Quantity;
+use asperity_runner::summary::{CurveLimits, Fitted, HoldCurve, RateState, Step, Summary};
+
+use super::{digits, with_unit};
+
+/// Steps of a protocol that are listed, at most.
+const LISTED: usize = 12;
+
+/// Lines as those of the rest of the summary.
+pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
+    let mut lines: Vec<_> = summary.limits.iter().flat_map(|limits| ends(summary, limits)).collect();
+    for step in summary.steps.iter().take(LISTED) {
+        lines.push(("step", told(summary, step)));
+        lines.extend(step.rate_state.iter().map(|read| ("  rate and state", read_as(summary, read))));
+    }
+    if summary.steps.len() > LISTED {
+        lines.push(("", format!("and {} steps more", summary.steps.len() - LISTED)));
+    }
+    if let Some(curve) = &summary.hold_curve {
+        lines.extend(healed(summary, curve));
+    }
+    lines
+}
+
+/// A value in five digits, which motion in time is right to.
+fn value(summary: &Summary, number: f64, quantity: Quantity) -> String {
+    let rounded = format!("{number:.4e}").parse().unwrap_or(number);
+    with_unit(digits(rounded), number, &summary.units.label(quantity))
+}
+
+/// A fitted number, no finer than two digits of its error.
+fn fitted(summary: &Summary, fitted: Fitted, quantity: Quantity) -> String {
+    let decimals = (1.0 - fitted.error.log10().floor()).clamp(0.0, 12.0) as usize;
+    let text = format!("{:.decimals$} ± {:.decimals$}", fitted.value, fitted.error);
+    with_unit(text, fitted.value, &summary.units.label(quantity))
+}
+
+fn ends(summary: &Summary, limits: &CurveLimits) -> Vec<(&'static str, String)> {
+    let at = limits
+        .temperature
+        .map_or(String::new(), |t| format!(" at T = {}", value(summary, t, Quantity::Energy)));
+    let force = |number| value(summary, number, Quantity::Force);
+    let mut lines = vec![("fast sliding", format!("F_k → {}{at}", force(limits.fast)))];
+    lines.extend(limits.slow.map(|slow| ("slow sliding", format!("F_k → {}{at}", force(slow)))));
+    lines.extend(limits.viscosity.map(|viscosity| {
+        ("slow sliding", format!("F_k → {}·v{at}", value(summary, viscosity, Quantity::Number)))
+    }));
+    lines
+}
+
+fn told(summary: &Summary, step: &Step) -> String {
+    let time = value(summary, step.duration, Quantity::Time);
+    let force = value(summary, step.force, Quantity::Force);
+    let motion = if step.velocity == 0.0 {
+        format!("hold of {time}")
+    } else {
+        format!("v = {} for {time}", value(summary, step.velocity, Quantity::Velocity))
+    };
+    let peak = value(summary, step.peak.force, Quantity::Force);
+    let steady = step
+        .kinetic_friction
+        .map_or(String::new(), |f| format!(", F_k = {}", value(summary, f, Quantity::Force)));
+    format!("{motion}: F = {force} at its end, at most {peak}{steady}")
+}
+
+fn read_as(summary: &Summary, read: &RateState) -> String {
+    let (a, b) = (fitted(summary, read.a, Quantity::Force), fitted(summary, read.b, Quantity::Force));
+    format!("a = {a}, b = {b}, D_c = {}", fitted(summary, read.distance, Quantity::Length))
+}
+
+fn healed(summary: &Summary, curve: &HoldCurve) -> Vec<(&'static str, String)> {
+    let velocity = value(summary, curve.velocity, Quantity::Velocity);
+    let steady = value(summary, curve.kinetic_friction, Quantity::Force);
+    let mut lines = vec![("kinetic friction", format!("F_k = {steady} at v = {velocity}"))];
+    if let (Some(healing), Some(relative)) = (curve.healing_per_decade, curve.healing_relative) {
+        let text = fitted(summary, healing, Quantity::Force);
+        lines.push((
+            "healing",
+            format!("{text} per factor of ten in hold time ({:.2} % of F_k)", 100.0 * relative),
+        ));
+    }
+    lines
+}

@@ -1,0 +1,43 @@
+//! `[hold_curve]`: static friction against how long the slider has been held.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{logarithmic, positive, size};
+use crate::Result;
+
+/// Slides at a velocity until that is steady, holds, slides on; for hold times evenly spaced in their logarithm.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HoldCurve {
+    /// The shortest hold, above 0.
+    pub from: f64,
+    /// The longest hold.
+    pub to: f64,
+    /// Number of holds, both ends included.
+    #[serde(default = "points")]
+    pub points: usize,
+    /// Velocity before and after a hold, above 0.
+    pub velocity: f64,
+}
+
+fn points() -> usize {
+    13
+}
+
+impl HoldCurve {
+    /// The hold times.
+    pub fn holds(&self) -> Vec<f64> {
+        logarithmic::spaced(self.from, self.to, self.points)
+    }
+
+    /// Whether every value makes sense.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check(&self) -> Result<()> {
+        logarithmic::check(self.from, self.to, self.points)?;
+        positive("velocity", self.velocity)?;
+        size::check("points", self.points, size::BYTES_PER_POINT)
+    }
+}

@@ -1,0 +1,216 @@
+//! `[[protocol]]`: a way in time, step by step: motion at a velocity, a ramp from one to another, a hold.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{positive, size};
+use crate::history::{History, Piece};
+use crate::{Error, Result};
+
+/// Steps one after the other, from X = 0 (with a block, X_T = 0) at t = 0.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct Protocol(pub Vec<Step>);
+
+/// A step: a hold, or motion at a velocity over a distance or a duration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(extend("oneOf" = [
+    { "required": ["hold"], "not": { "anyOf": [
+        { "required": ["velocity"] }, { "required": ["distance"] }, { "required": ["duration"] }
+    ] } },
+    { "required": ["velocity", "distance"], "not": { "anyOf": [{ "required": ["duration"] }, { "required": ["velocity_to"] }] } },
+    { "required": ["velocity", "duration"], "not": { "required": ["distance"] } }
+]))]
+pub struct Step {
+    /// Velocity, a length per time; above 0 over a distance, 0 or above for a duration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity: Option<f64>,
+    /// Velocity at the end of a ramp, which begins at `velocity` and takes `duration`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity_to: Option<f64>,
+    /// How far the slider is moved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance: Option<f64>,
+    /// For how long it is moved, instead of `distance`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub duration: Option<f64>,
+    /// For how long it is held at rest, instead of all others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hold: Option<f64>,
+    /// Number of points at which the trace is given, evenly spaced in time, both ends of the step included.
+    pub points: usize,
+    /// Number of pieces of constant velocity that a ramp is made of, equally long; 64 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 64))]
+    pub pieces: Option<usize>,
+}
+
+/// Pieces of a ramp where nothing is said.
+const PIECES: usize = 64;
+/// The most pieces of a ramp.
+const MOST_PIECES: usize = 65_536;
+
+impl Default for Step {
+    fn default() -> Self {
+        Self {
+            velocity: None,
+            velocity_to: None,
+            distance: None,
+            duration: None,
+            hold: None,
+            points: 201,
+            pieces: None,
+        }
+    }
+}
+
+impl Step {
+    /// Motion at `velocity` for a `duration`.
+    pub fn moving(velocity: f64, duration: f64) -> Self {
+        Self { velocity: Some(velocity), duration: Some(duration), ..Self::default() }
+    }
+
+    /// How long it takes.
+    pub fn duration(&self) -> f64 {
+        match *self {
+            Self { hold: Some(hold), .. } => hold,
+            Self { distance: Some(distance), velocity: Some(velocity), .. } => distance / velocity,
+            _ => self.duration.unwrap_or(0.0),
+        }
+    }
+
+    /// Velocities at its start and at its end.
+    pub fn velocities(&self) -> (f64, f64) {
+        let first = self.velocity.unwrap_or(0.0);
+        (first, self.velocity_to.unwrap_or(first))
+    }
+
+    /// Its pieces of constant velocity; those of a ramp end where the ramp itself is at that time.
+    pub fn pieces(&self) -> Vec<Piece> {
+        let (first, last) = self.velocities();
+        let count = self.velocity_to.map_or(1, |_| self.pieces.unwrap_or(PIECES));
+        let duration = self.duration() / count as f64;
+        let middle = |i: usize| (i as f64 + 0.5) / count as f64;
+        (0..count).map(|i| Piece { velocity: first + (last - first) * middle(i), duration }).collect()
+    }
+
+    /// Whether every value makes sense.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check(&self) -> Result<()> {
+        let given = [
+            ("hold", self.hold.is_some()),
+            ("distance", self.distance.is_some()),
+            ("duration", self.duration.is_some()),
+        ];
+        super::exactly_one("", "one of hold, distance and duration", &given)?;
+        if let Some(hold) = self.hold {
+            positive("hold", hold)?;
+            self.only_rests()?;
+        } else {
+            self.moves()?;
+        }
+        if self.points < 2 {
+            return Err(Error::invalid("points", "2 points or more (both ends count)", self.points));
+        }
+        Ok(())
+    }
+
+    /// Whether a hold has no other speed.
+    fn only_rests(&self) -> Result<()> {
+        let speeds = [("velocity", self.velocity), ("velocity_to", self.velocity_to)];
+        match speeds.into_iter().find_map(|(key, value)| Some((key, value?))) {
+            Some((key, value)) => Err(Error::invalid(key, "no velocity beside hold, which is rest", value)),
+            None => self.unramped(),
+        }
+    }
+
+    fn moves(&self) -> Result<()> {
+        let Some(velocity) = self.velocity else {
+            return Err(Error::invalid("velocity", "a velocity, since the step is no hold", "none"));
+        };
+        if let Some(distance) = self.distance {
+            positive("velocity", velocity)?;
+            positive("distance", distance)?;
+            if let Some(end) = self.velocity_to {
+                let expected = "no velocity_to beside distance; a ramp takes a duration";
+                return Err(Error::invalid("velocity_to", expected, end));
+            }
+            return self.unramped();
+        }
+        not_negative("velocity", velocity)?;
+        self.duration.map(|duration| positive("duration", duration)).transpose()?;
+        let Some(end) = self.velocity_to else { return self.unramped() };
+        not_negative("velocity_to", end)?;
+        let pieces = self.pieces.unwrap_or(PIECES);
+        if (1..=MOST_PIECES).contains(&pieces) {
+            return Ok(());
+        }
+        Err(Error::invalid("pieces", format!("a number of pieces from 1 to {MOST_PIECES}"), pieces))
+    }
+
+    fn unramped(&self) -> Result<()> {
+        let refused =
+            |pieces| Error::invalid("pieces", "no pieces but those of a ramp (velocity_to)", pieces);
+        self.pieces.map_or(Ok(()), |pieces| Err(refused(pieces)))
+    }
+}
+
+fn not_negative(key: &str, value: f64) -> Result<()> {
+    let holds = value.is_finite() && value >= 0.0;
+    if holds { Ok(()) } else { Err(Error::invalid(key, "a finite number, 0 or above", value)) }
+}
+
+impl Protocol {
+    /// The way of the slider.
+    ///
+    /// # Errors
+    /// Those of [`History::new`].
+    pub fn build(&self) -> Result<History> {
+        History::new(self.0.iter().flat_map(Step::pieces).collect())
+    }
+
+    /// The times at which each step begins, and the end.
+    pub fn knots(&self) -> Vec<f64> {
+        // summed piece by piece as a history does, so that both agree to the last bit
+        let mut time = 0.0;
+        let ends = self.0.iter().map(|step| {
+            step.pieces().iter().for_each(|piece| time += piece.duration);
+            time
+        });
+        std::iter::once(0.0).chain(ends.collect::<Vec<_>>()).collect()
+    }
+
+    /// The times at which the trace is given, rising; a step begins at the point at which the one before it ends.
+    pub fn times(&self) -> Vec<f64> {
+        let knots = self.knots();
+        let mut times = vec![0.0];
+        for (step, ends) in self.0.iter().zip(knots.windows(2)) {
+            let last = step.points - 1;
+            let inside = |i: usize| ends[0] + (ends[1] - ends[0]) * (i as f64 / last as f64);
+            times.extend((1..last).map(inside).chain([ends[1]]));
+        }
+        times
+    }
+
+    /// The number of points of the trace.
+    pub fn points(&self) -> usize {
+        self.0.iter().fold(1, |sum: usize, step| sum.saturating_add(step.points.saturating_sub(1)))
+    }
+
+    /// Whether every value makes sense.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check(&self) -> Result<()> {
+        if self.0.is_empty() {
+            return Err(Error::invalid("", "at least one step", "none"));
+        }
+        for (i, step) in self.0.iter().enumerate() {
+            step.check().map_err(|e| e.under(&i.to_string()))?;
+        }
+        size::check("0.points", self.points(), size::BYTES_PER_POINT)
+    }
+}

@@ -1,0 +1,106 @@
+//! What a task and contacts that know time need of each other.
+
+use super::{Drive, Scenario, Task, VelocityCurve};
+use crate::contacts::{Ageing, Contacts};
+use crate::{Error, Result};
+
+impl Scenario {
+    /// Whether the task says how fast the slider moves where that matters, and all rules can go with it.
+    pub(super) fn check_time(&self, task: Task<'_>, contacts: &Contacts) -> Result<()> {
+        if let Task::VelocityCurve(curve) = task {
+            temperatures(curve, contacts)?;
+        }
+        if matches!(contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
+            self.steady_alone(task)?;
+        }
+        let Some(rule) = contacts.rules.first() else { return Ok(()) };
+        match task {
+            Task::Pull(pull) => velocity(pull.velocity, rule),
+            Task::Drive(drive) => {
+                onwards(drive).and_then(|()| velocity(drive.velocity, rule)).and_then(|()| quasistatic(rule))
+            }
+            Task::Protocol(_) | Task::VelocityCurve(_) | Task::HoldCurve(_) => Ok(()),
+        }
+        .map_err(|e| e.under(task.name()))
+    }
+
+    /// Refuses what a closure for steady sliding has no answer to.
+    fn steady_alone(&self, task: Task<'_>) -> Result<()> {
+        let key = "contacts.ageing.mean_field";
+        if !matches!(task, Task::Pull(_) | Task::VelocityCurve(_)) {
+            let expected = "an ageing with a rule for each contact where the velocity varies (smoluchowski, frozen_rank or logarithmic)";
+            return Err(Error::invalid(key, expected, format!("a steady closure with [{}]", task.name())));
+        }
+        match &self.ensemble {
+            None => Ok(()),
+            Some(_) => {
+                let expected =
+                    format!("no ensemble beside {key}, a steady closure without a rule for one contact");
+                Err(Error::invalid("ensemble", expected, "one"))
+            }
+        }
+    }
+
+    /// What makes sense but will surprise: sentences for people.
+    pub fn warnings(&self) -> Vec<String> {
+        let Ok(contacts) = self.contacts.build() else { return Vec::new() };
+        let rules = &contacts.rules;
+        let mature = rules.ageing.as_ref().and_then(Ageing::mature).map(|law| law.mean());
+        let newborn = contacts.thresholds.mean();
+        let mut warnings = Vec::new();
+        if let Some(mature) = mature.filter(|mature| *mature < newborn) {
+            warnings.push(format!(
+                "contacts.ageing: the mature law is weaker than that of newborn contacts, with the means {mature} and {newborn}: contacts weaken with age"
+            ));
+        }
+        if rules.first().is_none() {
+            if self.hold_curve.is_some() {
+                warnings.push("hold_curve: nothing in [contacts] knows time: a hold changes nothing".into());
+            }
+            if self.velocity_curve.is_some() {
+                warnings.push("velocity_curve: nothing in [contacts] knows time: friction is the same at all velocities".into());
+            }
+        }
+        warnings
+    }
+}
+
+fn velocity(given: Option<f64>, rule: &str) -> Result<()> {
+    let missing = || {
+        Error::invalid("velocity", format!("a velocity above 0, since contacts.{rule} knows time"), "none")
+    };
+    given.map(drop).ok_or_else(missing)
+}
+
+/// Refuses drives for which there is no history of velocities.
+fn onwards(drive: &Drive) -> Result<()> {
+    if let Some(force) = drive.force_to {
+        let expected = "no imposed force where contacts know time: they would creep without end";
+        return Err(Error::invalid("force_to", expected, force));
+    }
+    let mut before = 0.0;
+    for (i, turn) in drive.turns().into_iter().enumerate() {
+        if turn <= before {
+            let expected =
+                format!("a position above {before}: where contacts know time the drive goes forward only");
+            return Err(Error::invalid(format!("turning_points.{i}"), expected, turn));
+        }
+        before = turn;
+    }
+    Ok(())
+}
+
+/// Refuses contacts that know time where the solver of the task does not.
+fn quasistatic(rule: &str) -> Result<()> {
+    let expected = "contacts that know no time, since balance is followed along the drive alone ([[protocol]] moves a rigid slider in time)";
+    Err(Error::invalid("", expected, format!("contacts.{rule}")))
+}
+
+/// Refuses temperatures where there is nothing that they could be the energy of.
+fn temperatures(curve: &VelocityCurve, contacts: &Contacts) -> Result<()> {
+    if curve.temperatures.is_empty() || contacts.rules.temperature.is_some() {
+        return Ok(());
+    }
+    let expected = "a table contacts.temperature, whose energy they take the place of";
+    Err(Error::invalid("velocity_curve.temperatures", expected, "none"))
+}

@@ -1,0 +1,46 @@
+//! `[velocity_curve]`: the force of steady sliding against the velocity.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{logarithmic, positive, size};
+use crate::Result;
+
+/// Kinetic friction at velocities from one to another, evenly spaced in their logarithm.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct VelocityCurve {
+    /// The lowest velocity, above 0.
+    pub from: f64,
+    /// The highest velocity.
+    pub to: f64,
+    /// Number of velocities, both ends included.
+    #[serde(default = "points")]
+    pub points: usize,
+    /// Temperatures T for each of which a curve is computed, instead of the one energy of `contacts.temperature`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub temperatures: Vec<f64>,
+}
+
+fn points() -> usize {
+    41
+}
+
+impl VelocityCurve {
+    /// The velocities.
+    pub fn velocities(&self) -> Vec<f64> {
+        logarithmic::spaced(self.from, self.to, self.points)
+    }
+
+    /// Whether every value makes sense.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check(&self) -> Result<()> {
+        logarithmic::check(self.from, self.to, self.points)?;
+        for (i, &energy) in self.temperatures.iter().enumerate() {
+            positive(&format!("temperatures.{i}"), energy)?;
+        }
+        size::check("points", self.points, size::BYTES_PER_POINT * self.temperatures.len().max(1) as f64)
+    }
+}

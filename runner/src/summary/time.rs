@@ -1,0 +1,147 @@
+//! What is quoted of motion in time: steps, their reading by rate and state, curves against velocity and hold time.
+
+use asperity::master::Limits;
+use asperity::rate_state::{Healing, VelocityStep};
+use serde::{Deserialize, Serialize};
+
+/// A step of a protocol.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    /// Velocity at its end; 0 in a hold.
+    pub velocity: f64,
+    /// Position X at its start.
+    pub position: f64,
+    /// How long it took.
+    pub duration: f64,
+    /// Pieces of constant velocity that it was made of, if more than one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pieces: Option<usize>,
+    /// Friction force at its end.
+    pub force: f64,
+    /// Highest force in it, and the position there.
+    pub peak: Peak,
+    /// F_k of steady sliding at its velocity; absent in holds and ramps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kinetic_friction: Option<f64>,
+    /// The step of the velocity with which it begins, in the words of rate and state.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate_state: Option<RateState>,
+}
+
+/// A highest force.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Peak {
+    /// The force.
+    pub force: f64,
+    /// Position X there.
+    pub position: f64,
+}
+
+/// A fitted number, with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Fitted {
+    /// The number.
+    pub value: f64,
+    /// Its error.
+    pub error: f64,
+}
+
+/// A step of the velocity in the words of rate and state.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RateState {
+    /// v_0, the velocity before the step.
+    pub velocity_before: f64,
+    /// F_0, the force before the step, to which `a` and `b` are to be compared.
+    pub force_before: f64,
+    /// Direct effect, a force per ln(v/v_0).
+    pub a: Fitted,
+    /// Evolution effect, a force per ln(v/v_0).
+    pub b: Fitted,
+    /// D_c.
+    pub distance: Fitted,
+    /// Way from the step to the force's extremum after it, from which the fit begins.
+    pub peak: f64,
+    /// a/F_0.
+    pub a_relative: f64,
+    /// b/F_0.
+    pub b_relative: f64,
+    /// Root mean square of what the fit leaves over.
+    pub residual: f64,
+}
+
+/// What a velocity curve tends to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CurveLimits {
+    /// The temperature, where there are several curves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<f64>,
+    /// F_k as v → ∞.
+    pub fast: f64,
+    /// F_k as v → 0; absent where there is no plateau.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slow: Option<f64>,
+    /// F_k/v as v → 0, of thermal contacts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub viscosity: Option<f64>,
+}
+
+/// What a hold curve says.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct HoldCurve {
+    /// Velocity before and after the holds.
+    pub velocity: f64,
+    /// F_k there.
+    pub kinetic_friction: f64,
+    /// Growth of static friction per factor of ten in hold time; absent for fewer than 3 holds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub healing_per_decade: Option<Fitted>,
+    /// The same over F_k.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub healing_relative: Option<f64>,
+    /// The fitted static friction after a hold of 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_one: Option<f64>,
+}
+
+impl From<asperity::rate_state::Fitted> for Fitted {
+    fn from(fitted: asperity::rate_state::Fitted) -> Self {
+        Self { value: fitted.value, error: fitted.error }
+    }
+}
+
+impl RateState {
+    /// A reading of a step from `velocity_before`.
+    pub fn new(velocity_before: f64, read: &VelocityStep) -> Self {
+        Self {
+            velocity_before,
+            force_before: read.before,
+            a: read.direct.into(),
+            b: read.evolution.into(),
+            distance: read.distance.into(),
+            peak: read.peak,
+            a_relative: read.direct.value / read.before,
+            b_relative: read.evolution.value / read.before,
+            residual: read.residual,
+        }
+    }
+}
+
+impl CurveLimits {
+    /// Limits of the curve at a temperature, if there are several.
+    pub fn new(temperature: Option<f64>, limits: &Limits) -> Self {
+        Self { temperature, fast: limits.fast, slow: limits.slow, viscosity: limits.viscosity }
+    }
+}
+
+impl HoldCurve {
+    /// What static friction after holds tells beside the kinetic friction before them.
+    pub fn new(velocity: f64, kinetic_friction: f64, healing: Option<Healing>) -> Self {
+        Self {
+            velocity,
+            kinetic_friction,
+            healing_per_decade: healing.map(|healing| healing.per_decade.into()),
+            healing_relative: healing.map(|healing| healing.per_decade.value / kinetic_friction),
+            at_one: healing.map(|healing| healing.at_one.value),
+        }
+    }
+}

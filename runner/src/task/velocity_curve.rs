@@ -1,0 +1,109 @@
+//! `[velocity_curve]`: kinetic friction against velocity, at one temperature or several.
+
+use asperity::contacts::{Contacts, Rules, Temperature};
+use asperity::history::{History, Piece};
+use asperity::master::{Limits, creep};
+use asperity::monitor::Monitor;
+use asperity::record::{Quantity, Record};
+use asperity::{Result, scenario};
+
+use super::Setting;
+use super::part;
+use super::settling::Steady;
+use crate::summary::{CurveLimits, Summary};
+
+/// Share of the work that the master equation is, beside an ensemble.
+const MASTER: f64 = 0.2;
+
+/// Computes the curve that `task` asks for.
+///
+/// # Errors
+/// What the solvers run into, or the monitor's wish to stop.
+pub fn run(
+    setting: &Setting<'_>,
+    task: &scenario::VelocityCurve,
+    monitor: &mut dyn Monitor,
+) -> Result<(Summary, Record)> {
+    let velocities = task.velocities();
+    let curves = curves(setting, task);
+    let (mut friction, mut slow, mut limits) = (Vec::new(), Slow::default(), Vec::new());
+    let (mut force, mut error) = (Vec::new(), Vec::new());
+    let points = (curves.len() * velocities.len()) as f64;
+    for (temperature, contacts) in &curves {
+        let limit = Limits::of(contacts)?;
+        limits.push(CurveLimits::new(*temperature, &limit));
+        for &velocity in &velocities {
+            let steady = Steady::at(contacts, &setting.initial, velocity)?;
+            friction.push(steady.friction);
+            slow.push(contacts, velocity, limit.viscosity);
+            if let Some(ensemble) = &setting.scenario.ensemble {
+                part::report(monitor, (friction.len() as f64 - 1.0 + MASTER) / points)?;
+                let slid = slide(setting, contacts, ensemble, velocity, steady.way)?;
+                force.push(slid.0);
+                error.push(slid.1);
+            }
+            part::report(monitor, friction.len() as f64 / points)?;
+        }
+    }
+    let mut record = Record::default();
+    record.push("velocity", "velocity of the slider", Quantity::Velocity, &["velocity"], velocities);
+    let along: &[&str] =
+        if task.temperatures.is_empty() { &["velocity"] } else { &["temperature", "velocity"] };
+    if !task.temperatures.is_empty() {
+        let energies = task.temperatures.clone();
+        record.push("temperature", "temperature T, an energy", Quantity::Energy, &["temperature"], energies);
+    }
+    let mut add = |name, words, values: Vec<f64>| {
+        if values.iter().any(|v| v.is_finite()) {
+            record.push(name, words, Quantity::Force, along, values);
+        }
+    };
+    add("kinetic_friction", "friction force of steady sliding", friction);
+    add("ensemble_force", "friction force of the ensemble in steady sliding", force);
+    add("ensemble_error", "its standard error", error);
+    add("creep_friction", "friction force by the law of slow creep, where it holds", slow.creep);
+    add("viscous_friction", "friction force of viscous flow, the limit of low velocities", slow.viscous);
+    Ok((Summary { limits, ..setting.heading() }, record))
+}
+
+/// The contacts of each curve, with the temperature by which it is known.
+fn curves(setting: &Setting<'_>, task: &scenario::VelocityCurve) -> Vec<(Option<f64>, Contacts)> {
+    let contacts = &setting.contacts;
+    if task.temperatures.is_empty() {
+        return vec![(None, contacts.clone())];
+    }
+    let at = |&energy: &f64| {
+        let temperature = contacts.rules.temperature.map(|rule| Temperature { energy, ..rule });
+        let rules = Rules { temperature, ..contacts.rules.clone() };
+        (Some(energy), Contacts { rules, ..contacts.clone() })
+    };
+    task.temperatures.iter().map(at).collect()
+}
+
+/// The closed forms of slow sliding along the velocities; not a number where there are none.
+#[derive(Default)]
+struct Slow {
+    creep: Vec<f64>,
+    viscous: Vec<f64>,
+}
+
+impl Slow {
+    fn push(&mut self, contacts: &Contacts, velocity: f64, viscosity: Option<f64>) {
+        self.creep.push(creep(contacts, velocity).unwrap_or(f64::NAN));
+        self.viscous.push(viscosity.map_or(f64::NAN, |viscosity| viscosity * velocity));
+    }
+}
+
+/// Force of the ensemble and its standard error after a `way` at a velocity.
+fn slide(
+    setting: &Setting<'_>,
+    contacts: &Contacts,
+    ensemble: &scenario::Ensemble,
+    velocity: f64,
+    way: f64,
+) -> Result<(f64, f64)> {
+    let model = ensemble.build(contacts.clone(), setting.initial.clone())?;
+    let history = History::new(vec![Piece { velocity, duration: way / velocity }])?;
+    let trace = model.follow(&history, &[history.duration()], &mut ())?;
+    Ok((trace.force[0], trace.error[0]))
+}

@@ -1,0 +1,232 @@
+//! Motion in time computed: curves against velocity and hold time, protocols, and what is said of them.
+
+use std::path::Path;
+
+use asperity_runner::output::{self, Outcome};
+use asperity_runner::{input, task};
+
+fn parsed(text: &str) -> input::Input {
+    input::parse(text, "test", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn run(text: &str) -> Outcome {
+    task::run(&parsed(text).scenario, &mut ()).unwrap()
+}
+
+fn near(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "{found} for {expected}");
+}
+
+const GROWING: &str = "
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+contacts.ageing.logarithmic = { growth = 0.02, time = 1.0 }
+";
+const THERMAL: &str = "
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+contacts.temperature = { energy = 1.0, attempt_rate = 1.0 }
+";
+
+#[test]
+fn kinetic_friction_along_velocities_is_that_of_the_theory() {
+    let outcome = run(&format!("{GROWING} velocity_curve = {{ from = 1e-6, to = 1.0, points = 4 }}"));
+    let friction = outcome.record.values("kinetic_friction").unwrap();
+    // digits of the reference values
+    for (found, expected) in friction.iter().zip([0.6472942007, 0.6000169155, 0.5527655886, 0.5122109494]) {
+        near(*found, expected, 1e-9);
+    }
+    near(outcome.summary.limits[0].fast, 0.505, 1e-9);
+    assert_eq!((outcome.summary.limits[0].slow, outcome.summary.limits[0].viscosity), (None, None));
+    assert_eq!(outcome.summary.friction, None);
+}
+
+#[test]
+fn each_temperature_has_its_curve_and_its_ensemble() {
+    let text = format!(
+        "{THERMAL} velocity_curve = {{ from = 1e-2, to = 1.0, points = 3, temperatures = [0.05, 0.2] }}
+         ensemble = {{ size = 20000 }}"
+    );
+    let outcome = run(&text);
+    let column = |name| outcome.record.values(name).unwrap();
+    assert_eq!(outcome.record.get("kinetic_friction").unwrap().dimensions, ["temperature", "velocity"]);
+    near(column("kinetic_friction")[0], 0.44526255210, 1e-9);
+    for (i, force) in column("ensemble_force").iter().enumerate() {
+        // within 5 standard errors, six times: by chance once in 300000
+        near(*force, column("kinetic_friction")[i], 5.0 * column("ensemble_error")[i]);
+    }
+    let (_base, dir) = folder();
+    output::write(&dir, &outcome, &[]).unwrap();
+    let table = std::fs::read_to_string(dir.join("velocity_curve.csv")).unwrap();
+    let mut lines = table.lines();
+    assert_eq!(lines.next(), Some("temperature,velocity,kinetic_friction,ensemble_force,ensemble_error"));
+    assert_eq!(lines.filter(|line| line.starts_with("0.2,")).count(), 3);
+    assert_eq!(output::read(&dir).unwrap().summary, outcome.summary);
+}
+
+fn folder() -> (tempfile::TempDir, std::path::PathBuf) {
+    let base = tempfile::tempdir().unwrap();
+    let dir = base.path().join("run");
+    (base, dir)
+}
+
+#[test]
+fn slow_thermal_contacts_flow_as_their_closed_forms_say() {
+    let text = |range: &str| {
+        format!(
+            "contacts.thresholds.point = {{ at = 1.0 }}
+             contacts.temperature = {{ energy = 0.025, attempt_rate = 1.0 }}
+             velocity_curve = {{ {range}, points = 2 }}"
+        )
+    };
+    let column = |outcome: &Outcome, name: &str| outcome.record.values(name).unwrap().to_vec();
+    let creep = run(&text("from = 1e-6, to = 1e-4"));
+    // one threshold, E_0/T = 20; the closed form leaves out (T/kx_b²) of the barrier, 5 % of it at these velocities
+    near(column(&creep, "kinetic_friction")[0], 0.3330145881, 1e-9);
+    for (found, expected) in column(&creep, "creep_friction").iter().zip(column(&creep, "kinetic_friction")) {
+        near(*found, expected, 0.05 * expected);
+    }
+    let flow = run(&text("from = 1e-14, to = 1e-13"));
+    // corrections are of the order of (v/ω_0)²kT^-1, 1e-8 here
+    for (found, expected) in column(&flow, "viscous_friction").iter().zip(column(&flow, "kinetic_friction")) {
+        near(*found / expected, 1.0, 1e-6);
+    }
+    near(flow.summary.limits[0].viscosity.unwrap(), 20f64.exp(), 1e-6 * 20f64.exp());
+}
+
+#[test]
+fn a_delay_frees_contacts_and_friction_ends() {
+    let contacts = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\ncontacts.delay.time = 0.5\n";
+    let outcome = run(&format!("{contacts} velocity_curve = {{ from = 0.02, to = 2.0, points = 3 }}"));
+    for (force, velocity) in outcome.record.values("kinetic_friction").unwrap().iter().zip([0.02, 0.2, 2.0]) {
+        near(*force, 0.505 / (1.0 + 0.5 * velocity), 1e-9);
+    }
+    let limits = outcome.summary.limits[0];
+    assert_eq!(limits.fast, 0.0);
+    near(limits.slow.unwrap(), 0.505, 1e-9);
+    let held = run(&format!(
+        "{contacts}
+         [[protocol]]
+         velocity = 1.0
+         distance = 5.0
+         [[protocol]]
+         hold = 1.0
+         points = 11"
+    ));
+    let free = held.record.values("free").unwrap();
+    assert!(free.iter().any(|free| *free > 0.5), "contacts that broke in step are free together");
+    near(free[210], 0.0, 1e-9);
+}
+
+#[test]
+fn a_protocol_is_told_step_by_step_and_both_solvers_agree() {
+    let outcome = run(&format!(
+        "{GROWING}
+         [[protocol]]
+         velocity = 1.0
+         distance = 3.0
+         points = 31
+         [[protocol]]
+         hold = 10.0
+         points = 3
+         [[protocol]]
+         velocity = 1.0
+         velocity_to = 2.0
+         duration = 1.0
+         points = 11
+         pieces = 8
+         [ensemble]
+         size = 20000"
+    ));
+    let column = |name| outcome.record.values(name).unwrap();
+    assert_eq!(column("time").len(), 31 + 2 + 10);
+    near(column("position")[42], 4.5, 1e-12);
+    for i in 0..43 {
+        // within 6 standard errors at some 40 places: by chance less than once in a million; and two contacts of 20000,
+        // for there is no scatter before the first has broken
+        near(column("ensemble_force")[i], column("force")[i], 6.0 * column("ensemble_error")[i] + 1e-4);
+    }
+    let steps = &outcome.summary.steps;
+    assert_eq!(steps.iter().map(|s| s.velocity).collect::<Vec<_>>(), [1.0, 0.0, 2.0]);
+    assert_eq!(steps.iter().map(|s| s.pieces).collect::<Vec<_>>(), [None, None, Some(8)]);
+    near(steps[0].kinetic_friction.unwrap(), 0.5122109494, 1e-9);
+    assert_eq!((steps[1].kinetic_friction, steps[2].kinetic_friction), (None, None));
+    let (_base, dir) = folder();
+    output::write(&dir, &outcome, &[]).unwrap();
+    let table = std::fs::read_to_string(dir.join("trace.csv")).unwrap();
+    let header = "drive,position,force,spring_force,time,velocity,ensemble_force,ensemble_error";
+    assert_eq!(table.lines().next(), Some(header));
+    assert!(!dir.join("events.csv").exists() && !dir.join("force.csv").exists());
+    assert_eq!(output::read(&dir).unwrap(), outcome);
+}
+
+#[test]
+fn a_protocol_at_one_velocity_is_a_pull() {
+    let pull = run(&format!("{THERMAL} pull = {{ distance = 2.0, points = 21, velocity = 0.1 }}"));
+    let steps = run(&format!(
+        "{THERMAL}
+         master_equation.tolerance = 1e-8
+         [[protocol]]
+         velocity = 0.1
+         distance = 2.0
+         points = 21"
+    ));
+    let (one, other) = (pull.record.values("force").unwrap(), steps.record.values("force").unwrap());
+    for (one, other) in one.iter().zip(other) {
+        // the tolerance is that of a step in time, of which there are some hundreds
+        near(*other, *one, 1e-6);
+    }
+}
+
+#[test]
+fn what_was_held_longer_heals_more() {
+    let outcome =
+        run(&format!("{GROWING} hold_curve = {{ from = 1.0, to = 1e4, points = 5, velocity = 0.1 }}"));
+    let force = outcome.record.values("static_friction").unwrap();
+    assert!(force.is_sorted_by(|a, b| a < b), "{force:?}");
+    let curve = outcome.summary.hold_curve.unwrap();
+    near(
+        curve.healing_per_decade.unwrap().value,
+        (force[4] - force[0]) / 4.0,
+        0.2 * (force[4] - force[0]) / 4.0,
+    );
+    assert!(force[0] > curve.kinetic_friction);
+    assert!(outcome.summary.warnings.is_empty());
+}
+
+#[test]
+fn a_hold_where_nothing_knows_time_is_an_outcome_that_is_said() {
+    let outcome = run("
+        contacts.thresholds.gaussian = { mean = 1.0, std = 0.2 }
+        hold_curve = { from = 1.0, to = 100.0, points = 3, velocity = 1.0 }
+    ");
+    let force = outcome.record.values("static_friction").unwrap();
+    let first = force[0];
+    for force in force {
+        // ten times the tolerance of motion in time
+        near(*force, first, 1e-6);
+    }
+    assert!(outcome.summary.warnings[0].contains("a hold changes nothing"));
+}
+
+#[test]
+fn a_mature_law_weaker_than_the_newborn_is_warned_about() {
+    let outcome = run("
+        contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+        contacts.ageing.frozen_rank = { mature.gaussian = { mean = 0.5, std = 0.1 }, time = 1.0 }
+        velocity_curve = { from = 0.1, to = 1.0, points = 2 }
+    ");
+    assert!(outcome.summary.warnings[0].contains("weaker"), "{:?}", outcome.summary.warnings);
+    let friction = outcome.record.values("kinetic_friction").unwrap();
+    assert!(friction[0] < friction[1], "slow contacts are the older and weaker ones");
+}
+
+#[test]
+fn steps_can_stand_in_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("steps.csv"), "duration,velocity,points\n3.0,1.0,31\n10,0,3\n")
+        .unwrap();
+    let text = format!("protocol_file = 'steps.csv'\n{GROWING}");
+    let input = input::parse(&text, "test", folder.path(), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let outcome = task::run(&input.scenario, &mut ()).unwrap();
+    assert_eq!(outcome.record.values("time").unwrap().len(), 33);
+    assert_eq!(run(&outcome.scenario), outcome, "the resolved scenario holds the steps themselves");
+}
