@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from asperity import exact
 from asperity._bridge import law
 from asperity._core import (
+    Ageing,
     Areas,
     Block,
     Contacts,
@@ -20,12 +21,15 @@ from asperity._core import (
     Ensemble,
     EnsemblePull,
     Exponential,
+    FrozenRank,
     Gamma,
     Gaussian,
     Inertial,
     Law,
+    Logarithmic,
     Lognormal,
     MasterEquation,
+    MeanField,
     Mixture,
     Model,
     Point,
@@ -34,13 +38,18 @@ from asperity._core import (
     Rectangular,
     Relaxation,
     Result,
+    Smoluchowski,
     SteadyState,
+    Step,
     StickSlip,
     Tabulated,
+    Temperature,
+    Transport,
     Weibull,
     __version__,
     open_result,
     run,
+    velocity_curve,
 )
 from asperity._events import Event, Events
 from asperity._values import (
@@ -57,6 +66,7 @@ from asperity._values import (
 )
 
 __all__ = [
+    "Ageing",
     "Areas",
     "Atoms",
     "Block",
@@ -70,13 +80,16 @@ __all__ = [
     "Event",
     "Events",
     "Exponential",
+    "FrozenRank",
     "Gamma",
     "Gaussian",
     "Inertial",
     "Label",
     "Law",
+    "Logarithmic",
     "Lognormal",
     "MasterEquation",
+    "MeanField",
     "Mixture",
     "Model",
     "Point",
@@ -87,18 +100,23 @@ __all__ = [
     "Relaxation",
     "Result",
     "Sizes",
+    "Smoluchowski",
     "State",
     "StaticFriction",
     "SteadyState",
+    "Step",
     "StickSlip",
     "StretchDensity",
     "Tabulated",
+    "Temperature",
+    "Transport",
     "Weibull",
     "__version__",
     "exact",
     "law",
     "open_result",
     "run",
+    "velocity_curve",
 ]
 
 Mapping.register(Record)

@@ -225,6 +225,65 @@ class Areas(Description):
         """The force per area at which a contact breaks."""
 
 @final
+class Temperature(Description):
+    """Heat: contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
+
+    energy: the temperature T in units of energy (force × length), above 0. attempt_rate: ω, per time, above 0.
+    barrier: ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²); "bell",
+    E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
+
+    Values are checked when contacts are made of it.
+    """
+
+    def __new__(
+        cls,
+        energy: _Number,
+        attempt_rate: _Number,
+        *,
+        barrier: Literal["elastic", "bell", "catastrophe"] = "elastic",
+    ) -> Self: ...
+
+class Ageing(Description):
+    """Ageing: thresholds that change with the time a contact has held; Smoluchowski, FrozenRank, Logarithmic or MeanField."""
+
+@final
+class Smoluchowski(Ageing):
+    """Thresholds diffuse in the potential U = −ln P_cf towards the mature law, each for itself.
+
+    mature: the law P_cf of thresholds that never break. diffusion: D, stretch² per time, above 0.
+    """
+
+    def __new__(cls, mature: _AnyLaw, diffusion: _Number) -> Self: ...
+
+@final
+class MeanField(Ageing):
+    """The law of thresholds in steady sliding, by the closed equations for it and the stretches: no rule for one contact.
+
+    mature: the law P_cf. diffusion: D, stretch² per time, above 0. Not with temperature, an ensemble, or a velocity that
+    varies.
+    """
+
+    def __new__(cls, mature: _AnyLaw, diffusion: _Number) -> Self: ...
+
+@final
+class FrozenRank(Ageing):
+    """The law of thresholds matures, and every contact keeps its quantile in it.
+
+    mature: the law P_cf. time: the time in which it matures, above 0.
+    """
+
+    def __new__(cls, mature: _AnyLaw, time: _Number) -> Self: ...
+
+@final
+class Logarithmic(Ageing):
+    """Every threshold grows by the same fraction for each factor in age t: h = h_0 [1 + growth ln(1 + t/time)].
+
+    growth: β, 0 or above. time: τ_0, above 0.
+    """
+
+    def __new__(cls, growth: _Number, time: _Number) -> Self: ...
+
+@final
 class Contacts(Description):
     """The contacts of an interface: when they break, how stiff they are, how they re-form.
 
@@ -234,6 +293,9 @@ class Contacts(Description):
     stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ of
     stiffnesses k = κ x_s that grow with the threshold.
     normal_load: the weight carried, a force; with it, results of scenarios have friction coefficients.
+    temperature: heat that breaks contacts below their thresholds. ageing: how thresholds change with the age of a contact,
+    thresholds being the law of the newborn. delay: how long a broken contact is free before it re-forms, 0 by default.
+    Contacts with any of these know time: what is asked of them needs a velocity.
 
     Laws may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
     """
@@ -248,6 +310,9 @@ class Contacts(Description):
         stiffness: _Number | None = None,
         stiffness_per_threshold: _Number | None = None,
         normal_load: _Number | None = None,
+        temperature: Temperature | None = None,
+        ageing: Ageing | None = None,
+        delay: _Number = 0.0,
     ) -> Self: ...
     @property
     def thresholds(self) -> Law | None:
@@ -260,6 +325,18 @@ class Contacts(Description):
     @property
     def areas(self) -> Areas | None:
         """The areas from which thresholds and stiffnesses follow, if they do."""
+
+    @property
+    def temperature(self) -> Temperature | None:
+        """The heat that breaks contacts below their thresholds, if there is any."""
+
+    @property
+    def ageing(self) -> Ageing | None:
+        """How thresholds change with the age of a contact, if they do."""
+
+    @property
+    def delay(self) -> float:
+        """How long a broken contact is free before it re-forms."""
 
     @property
     def count(self) -> float:
@@ -295,6 +372,7 @@ class MasterEquation(Model):
     contacts: the contacts. initial: the law Q_ini of stretches at X = 0, all at 0 by default.
     start: "conditional" where contacts hold at X = 0, so that thresholds lie above stretches; "relaxed" where stretches
     and thresholds are independent, so that what is above its threshold breaks at once.
+    velocity: the velocity of the slider, above 0; needed only where contacts know time, which at X = 0 have age 0.
     tolerance: error allowed in the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2.
 
     Raises ValueError for stretches at which no contact survives, and for laws too narrow to be told from a point.
@@ -305,9 +383,14 @@ class MasterEquation(Model):
         contacts: Contacts,
         initial: _AnyLaw | None = None,
         *,
+        velocity: _Number | None = None,
         start: Literal["conditional", "relaxed"] = "conditional",
         tolerance: _Number = 1e-10,
     ) -> Self: ...
+    @property
+    def velocity(self) -> float | None:
+        """The velocity of the slider, if it has one."""
+
     @property
     def tolerance(self) -> float:
         """Error allowed in the force per contact and per ⟨k⟩ × mean threshold."""
@@ -370,17 +453,31 @@ class Ensemble(Model):
         distance: _Number = 20.0,
         points: SupportsIndex = 2001,
         *,
+        velocity: _Number | None = None,
         snapshots: ArrayLike | None = None,
         edges: ArrayLike | None = None,
         progress: _Progress = None,
     ) -> EnsemblePull:
         """Pulls the slider's bottom from X = 0 to distance, from break to break.
 
-        distance, points, progress: as for MasterEquation.pull. snapshots: a list of m positions, rising, at which the
+        distance, points, progress: as for MasterEquation.pull. velocity: the velocity of the slider, above 0; needed only
+        where contacts know time. snapshots: a list of m positions, rising, at which the
         stretches are counted. edges: a list of edges of the n bins to count them in, rising; by default even bins up to
         where hardly any contact holds. Ctrl-C stops it.
 
         Raises ValueError for values that make no sense, MemoryError for results that do not fit.
+        """
+
+    def follow(self, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
+        """Follows the contacts from t = 0 through steps one after the other.
+
+        steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+
+        Returns a Record of variables of shape (n,), n being the points of all steps, shared where steps meet: `time`,
+        `position`, `force`, its standard error `force_error`, and `free`, the fraction that is broken and has not yet
+        re-formed.
+
+        Raises ValueError for no steps, and for ageing by MeanField, which is no rule for one contact.
         """
 
 @final
@@ -805,6 +902,71 @@ class Result(Record):
         Raises FileExistsError where a folder is in the way that asperity did not make, OSError where the system refuses.
         """
 
+@final
+class Step(Description):
+    """A step of a way in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
+
+    velocity: a length per time; above 0 over a distance, 0 or above for a duration. velocity_to: the velocity at the end
+    of a ramp that begins at velocity and takes a duration, made of so many pieces of constant velocity (64 by default).
+    hold: a time at rest, instead of all others. points: the number of points of the trace in the step, evenly spaced in
+    time, both ends included; 2 or more.
+
+    Raises ValueError for values that make no sense, or not together.
+    """
+
+    def __new__(
+        cls,
+        velocity: _Number | None = None,
+        *,
+        distance: _Number | None = None,
+        duration: _Number | None = None,
+        hold: _Number | None = None,
+        velocity_to: _Number | None = None,
+        points: SupportsIndex = 201,
+        pieces: SupportsIndex | None = None,
+    ) -> Self: ...
+
+@final
+class Transport(Description):
+    """The master equation of contacts under a slider whose velocity varies, contacts born together being followed in time.
+
+    contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0. tolerance: error allowed in the force
+    per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2.
+
+    Raises ValueError for values that make no sense, and for ageing by MeanField, which is no rule for one contact.
+    """
+
+    def __new__(
+        cls,
+        contacts: Contacts,
+        initial: _AnyLaw | None = None,
+        *,
+        start: Literal["conditional", "relaxed"] = "conditional",
+        tolerance: _Number = 1e-7,
+    ) -> Self: ...
+    def follow(self, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
+        """Follows the contacts from t = 0 through steps one after the other.
+
+        steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+
+        Returns a Record of variables of shape (n,), n being the points of all steps, shared where steps meet: `time`,
+        `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of contacts that breaks per
+        time) and `free` (the fraction that is broken and has not yet re-formed).
+
+        Raises ValueError for no steps.
+        """
+
+@overload
+def velocity_curve(contacts: Contacts, velocities: float, *, progress: _Progress = None) -> float:
+    """Kinetic friction F_k of contacts at velocities: an array for a list of them, a number for a number.
+
+    velocities: numbers above 0, a length per time. Each is a computation of its own; Ctrl-C stops between two.
+
+    Raises ValueError for a velocity that is not above 0.
+    """
+
+@overload
+def velocity_curve(contacts: Contacts, velocities: ArrayLike, *, progress: _Progress = None) -> _Array: ...
 def run(
     scenario: str | PathLike[str] | Mapping[str, Any],
     overrides: Mapping[str, Any] | None = None,

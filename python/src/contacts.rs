@@ -7,6 +7,7 @@ use pyo3::types::PyDict;
 use crate::description::{Description, Plain};
 use crate::error;
 use crate::law::{AnyLaw, given};
+use crate::rules::{Ageing, Temperature};
 
 /// Contacts described by their areas A: of stiffness k = modulus √A, they break at the force strength × A.
 ///
@@ -69,6 +70,9 @@ pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyR
 /// stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ of
 /// stiffnesses k = κ x_s that grow with the threshold.
 /// normal_load: the weight carried, a force; with it, results of scenarios have friction coefficients.
+/// temperature: heat that breaks contacts below their thresholds. ageing: how thresholds change with the age of a contact,
+/// thresholds being the law of the newborn. delay: how long a broken contact is free before it re-forms, 0 by default.
+/// Contacts with any of these know time: what is asked of them needs a velocity.
 ///
 /// Laws may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
 #[pyclass(frozen, extends = Description, module = "asperity")]
@@ -79,8 +83,9 @@ impl Contacts {
     #[new]
     #[pyo3(signature = (
         thresholds = None, reforming = None, *, areas = None, count = 1.0, stiffness = None,
-        stiffness_per_threshold = None, normal_load = None
+        stiffness_per_threshold = None, normal_load = None, temperature = None, ageing = None, delay = 0.0
     ))]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn new(
         thresholds: Option<AnyLaw>,
         reforming: Option<AnyLaw>,
@@ -89,6 +94,9 @@ impl Contacts {
         stiffness: Option<f64>,
         stiffness_per_threshold: Option<f64>,
         normal_load: Option<f64>,
+        temperature: Option<&Bound<'_, Temperature>>,
+        ageing: Option<&Bound<'_, Ageing>>,
+        delay: f64,
     ) -> PyResult<PyClassInitializer<Self>> {
         let contacts = scenario::Contacts {
             count,
@@ -98,7 +106,9 @@ impl Contacts {
             thresholds: thresholds.map(|law| law.0),
             areas: areas.map(|areas| Areas::plain(areas).clone()),
             reforming: reforming.map_or_else(scenario::Law::zero, |law| law.0),
-            ..scenario::Contacts::default()
+            temperature: temperature.map(Temperature::plain),
+            ageing: ageing.map(Ageing::plain),
+            delay: (delay != 0.0).then_some(scenario::Delay { time: delay }),
         };
         contacts.build().map_err(|e| error::core(e.under("contacts")))?;
         Ok(Description::new(Plain::Contacts(contacts)).add_subclass(Self))
@@ -122,6 +132,26 @@ impl Contacts {
     fn areas<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let areas = Self::plain(slf).areas.clone();
         areas.map(|areas| Plain::Areas(areas).object(slf.py())).transpose()
+    }
+
+    /// The heat that breaks contacts below their thresholds, if there is any.
+    #[getter]
+    fn temperature<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let temperature = Self::plain(slf).temperature;
+        temperature.map(|temperature| Plain::Temperature(temperature).object(slf.py())).transpose()
+    }
+
+    /// How thresholds change with the age of a contact, if they do.
+    #[getter]
+    fn ageing<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let ageing = Self::plain(slf).ageing.clone();
+        ageing.map(|ageing| Plain::Ageing(ageing).object(slf.py())).transpose()
+    }
+
+    /// How long a broken contact is free before it re-forms.
+    #[getter]
+    fn delay(slf: &Bound<'_, Self>) -> f64 {
+        Self::plain(slf).delay.map_or(0.0, |delay| delay.time)
     }
 
     /// The number N_c of contacts.
@@ -160,5 +190,10 @@ pub fn arguments(contacts: &scenario::Contacts, into: &Bound<'_, PyDict>) -> PyR
     given(into, "count", Some(contacts.count).filter(|&count| count != default.count))?;
     given(into, "stiffness", contacts.stiffness)?;
     given(into, "stiffness_per_threshold", contacts.stiffness_per_threshold)?;
-    given(into, "normal_load", contacts.normal_load)
+    given(into, "normal_load", contacts.normal_load)?;
+    let temperature = contacts.temperature.map(|temperature| Plain::Temperature(temperature).object(py));
+    given(into, "temperature", temperature.transpose()?)?;
+    let ageing = contacts.ageing.as_ref().map(|ageing| Plain::Ageing(ageing.clone()).object(py));
+    given(into, "ageing", ageing.transpose()?)?;
+    given(into, "delay", contacts.delay.map(|delay| delay.time))
 }

@@ -11,7 +11,7 @@ use pyo3::types::{PyDict, PyTuple, PyType};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
-use crate::{block, contacts, ensemble, equation, law};
+use crate::{block, contacts, ensemble, equation, law, rules, transport};
 
 /// The plain values of a description, as they stand in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,7 +20,11 @@ pub enum Plain {
     Law(Law),
     Areas(Areas),
     Contacts(Contacts),
-    MasterEquation(Interface, scenario::MasterEquation),
+    Temperature(scenario::Temperature),
+    Ageing(scenario::Ageing),
+    MasterEquation(Interface, Solved),
+    Transport(Interface, scenario::MasterEquation),
+    Step(scenario::Step),
     Ensemble(Interface, scenario::Ensemble),
     Slip(Slip),
     Block(Slider),
@@ -32,6 +36,13 @@ pub struct Interface {
     pub contacts: Contacts,
     pub initial: Law,
     pub start: Start,
+}
+
+/// How a master equation is solved, and at which velocity, where that matters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Solved {
+    pub own: scenario::MasterEquation,
+    pub velocity: Option<f64>,
 }
 
 /// A slider, and the model of the contacts under it.
@@ -55,6 +66,10 @@ impl Plain {
             Self::Law(law) => law::class(law, py),
             Self::Areas(_) => py.get_type::<contacts::Areas>(),
             Self::Contacts(_) => py.get_type::<contacts::Contacts>(),
+            Self::Temperature(_) => py.get_type::<rules::Temperature>(),
+            Self::Ageing(ageing) => rules::class(ageing, py),
+            Self::Transport(..) => py.get_type::<transport::Transport>(),
+            Self::Step(_) => py.get_type::<transport::Step>(),
             Self::MasterEquation(..) => py.get_type::<equation::MasterEquation>(),
             Self::Ensemble(..) => py.get_type::<ensemble::Ensemble>(),
             Self::Slip(_) => py.get_type::<block::Inertial>(),
@@ -69,6 +84,10 @@ impl Plain {
             Self::Law(law) => law::arguments(law, &arguments),
             Self::Areas(areas) => contacts::areas_arguments(areas, &arguments),
             Self::Contacts(contacts) => contacts::arguments(contacts, &arguments),
+            Self::Temperature(temperature) => rules::temperature_arguments(temperature, &arguments),
+            Self::Ageing(ageing) => rules::ageing_arguments(ageing, &arguments),
+            Self::Transport(interface, own) => transport::arguments(interface, own, &arguments),
+            Self::Step(step) => transport::step_arguments(step, &arguments),
             Self::MasterEquation(interface, own) => equation::arguments(interface, own, &arguments),
             Self::Ensemble(interface, own) => ensemble::arguments(interface, own, &arguments),
             Self::Slip(slip) => block::inertial_arguments(*slip, &arguments),
@@ -100,7 +119,12 @@ impl Description {
             Plain::Areas(areas) => Value::try_from(areas),
             Plain::Contacts(contacts) => Value::try_from(contacts),
             Plain::Slip(slip) => Value::try_from(slip),
-            Plain::MasterEquation(..) | Plain::Ensemble(..) | Plain::Block(_) => return None,
+            Plain::Temperature(temperature) => Value::try_from(temperature),
+            Plain::Ageing(ageing) => Value::try_from(ageing),
+            Plain::Step(step) => Value::try_from(step),
+            Plain::MasterEquation(..) | Plain::Transport(..) | Plain::Ensemble(..) | Plain::Block(_) => {
+                return None;
+            }
         };
         value.ok()
     }

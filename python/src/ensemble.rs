@@ -14,6 +14,7 @@ use crate::error;
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, interface, interface_arguments};
 use crate::record::Record;
+use crate::transport::{self, Step};
 use crate::watch::watched;
 
 /// Contacts drawn at random and followed one by one: the earthquake-like model.
@@ -79,21 +80,24 @@ impl Ensemble {
 
     /// Pulls the slider's bottom from X = 0 to distance, from break to break.
     ///
-    /// distance, points, progress: as for MasterEquation.pull. snapshots: a list of m positions, rising, at which the
+    /// distance, points, progress: as for MasterEquation.pull. velocity: the velocity of the slider, above 0; needed only
+    /// where contacts know time. snapshots: a list of m positions, rising, at which the
     /// stretches are counted. edges: a list of edges of the n bins to count them in, rising; by default even bins up to
     /// where hardly any contact holds. Ctrl-C stops it.
     ///
     /// Raises ValueError for values that make no sense, MemoryError for results that do not fit.
     #[pyo3(
         signature = (
-            distance = 20.0, points = Whole::new(2001), *, snapshots = None, edges = None, progress = None
+            distance = 20.0, points = Whole::new(2001), *, velocity = None, snapshots = None, edges = None,
+            progress = None
         ),
-        text_signature = "($self, distance=20.0, points=2001, *, snapshots=None, edges=None, progress=None)"
+        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, snapshots=None, edges=None, progress=None)"
     )]
     fn pull(
         slf: Bound<'_, Self>,
         distance: f64,
         points: Whole,
+        velocity: Option<f64>,
         snapshots: Option<&Bound<'_, PyAny>>,
         edges: Option<&Bound<'_, PyAny>>,
         progress: Option<Bound<'_, PyAny>>,
@@ -104,6 +108,7 @@ impl Ensemble {
             distance,
             points: points.get("points")?,
             snapshots,
+            velocity,
             ..scenario::Pull::default()
         };
         asked.check().map_err(|e| error::core(e.under("pull")))?;
@@ -114,10 +119,35 @@ impl Ensemble {
         };
         let positions = asked.positions();
         let snapshots = Snapshots { positions: asked.snapshots, edges };
-        let pull = watched(progress, py, |monitor| ensemble.pull(&positions, &snapshots, monitor))?;
+        let pull = watched(progress, py, |monitor| match velocity {
+            Some(velocity) => ensemble.pull_at(velocity, &positions, &snapshots, monitor),
+            None => ensemble.pull(&positions, &snapshots, monitor),
+        })?;
         let breaks = pull.breaks;
         let record = Record::new(py, columns(positions, snapshots, pull), Units::default())?;
         Py::new(py, record.add_subclass(EnsemblePull { ensemble: slf.unbind(), breaks }))
+    }
+
+    /// Follows the contacts from t = 0 through steps one after the other.
+    ///
+    /// steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    ///
+    /// Returns a Record of variables of shape (n,), n being the points of all steps, shared where steps meet: `time`,
+    /// `position`, `force`, its standard error `force_error`, and `free`, the fraction that is broken and has not yet
+    /// re-formed.
+    ///
+    /// Raises ValueError for no steps, and for ageing by MeanField, which is no rule for one contact.
+    #[pyo3(signature = (steps, *, progress = None))]
+    fn follow(
+        slf: &Bound<'_, Self>,
+        steps: Vec<Bound<'_, Step>>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<Record>> {
+        let py = slf.py();
+        let (history, times) = transport::way(steps)?;
+        let Self { ensemble } = slf.get();
+        let trace = watched(progress, py, |monitor| ensemble.follow(&history, &times, monitor))?;
+        Py::new(py, Record::new(py, transport::followed(trace), Units::default())?)
     }
 }
 

@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
 use crate::convert::{self, Domain, Whole, evaluate};
-use crate::description::{Interface, Plain};
+use crate::description::{Interface, Plain, Solved};
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, interface, interface_arguments};
 use crate::pull::Pull;
@@ -25,6 +25,7 @@ use crate::{error, values};
 /// contacts: the contacts. initial: the law Q_ini of stretches at X = 0, all at 0 by default.
 /// start: "conditional" where contacts hold at X = 0, so that thresholds lie above stretches; "relaxed" where stretches
 /// and thresholds are independent, so that what is above its threshold breaks at once.
+/// velocity: the velocity of the slider, above 0; needed only where contacts know time, which at X = 0 have age 0.
 /// tolerance: error allowed in the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2.
 ///
 /// Raises ValueError for stretches at which no contact survives, and for laws too narrow to be told from a point.
@@ -37,30 +38,41 @@ pub struct MasterEquation {
 #[pymethods]
 impl MasterEquation {
     #[new]
-    #[pyo3(signature = (contacts, initial = None, *, start = "conditional", tolerance = 1e-10))]
+    #[pyo3(signature = (contacts, initial = None, *, velocity = None, start = "conditional", tolerance = 1e-10))]
     fn new(
         py: Python<'_>,
         contacts: &Bound<'_, Contacts>,
         initial: Option<AnyLaw>,
+        velocity: Option<f64>,
         start: &str,
         tolerance: f64,
     ) -> PyResult<PyClassInitializer<Self>> {
         let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
-        let own = scenario::MasterEquation { tolerance };
+        let own = scenario::MasterEquation { tolerance: Some(tolerance) };
         let build = || {
             own.check().map_err(|e| e.under("master_equation"))?;
             let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
-            Ok(Self { equation: master::MasterEquation::new(contacts, &initial)?, initial })
+            let equation = match velocity {
+                Some(velocity) => master::MasterEquation::at(contacts, &initial, velocity)?,
+                None => master::MasterEquation::new(contacts, &initial)?,
+            };
+            Ok(Self { equation, initial })
         };
         let equation = py.detach(build).map_err(error::core)?;
-        let plain = Plain::MasterEquation(Interface { contacts, initial, start }, own);
+        let plain = Plain::MasterEquation(Interface { contacts, initial, start }, Solved { own, velocity });
         Ok(Model::new(plain).add_subclass(equation))
+    }
+
+    /// The velocity of the slider, if it has one.
+    #[getter]
+    fn velocity(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::solved(slf).velocity
     }
 
     /// Error allowed in the force per contact and per ⟨k⟩ × mean threshold.
     #[getter]
     fn tolerance(slf: &Bound<'_, Self>) -> f64 {
-        Self::plain(slf).tolerance
+        Self::plain(slf).tolerance()
     }
 
     /// Pulls the slider's bottom from X = 0 to distance.
@@ -97,8 +109,12 @@ impl MasterEquation {
 
 impl MasterEquation {
     pub fn plain<'a>(equation: &'a Bound<'_, Self>) -> &'a scenario::MasterEquation {
+        &Self::solved(equation).own
+    }
+
+    fn solved<'a>(equation: &'a Bound<'_, Self>) -> &'a Solved {
         match equation.as_super().as_super().get().plain() {
-            Plain::MasterEquation(_, own) => own,
+            Plain::MasterEquation(_, solved) => solved,
             _ => unreachable!("an equation is described as an equation"),
         }
     }
@@ -116,11 +132,16 @@ impl MasterEquation {
 /// The arguments that make a master equation.
 pub fn arguments(
     interface: &Interface,
-    own: &scenario::MasterEquation,
+    Solved { own, velocity }: &Solved,
     into: &Bound<'_, PyDict>,
 ) -> PyResult<()> {
     interface_arguments(interface, into)?;
-    given(into, "tolerance", (*own != scenario::MasterEquation::default()).then_some(own.tolerance))
+    given(into, "velocity", *velocity)?;
+    given(
+        into,
+        "tolerance",
+        (own.tolerance() != scenario::MasterEquation::TOLERANCE).then_some(own.tolerance()),
+    )
 }
 
 /// Steady sliding: the solution of the master equation that does not depend on X.

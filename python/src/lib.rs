@@ -15,7 +15,9 @@ mod model;
 mod pull;
 mod record;
 mod result;
+mod rules;
 mod stick_slip;
+mod transport;
 mod values;
 mod watch;
 
@@ -53,7 +55,11 @@ mod _core {
     #[pymodule_export]
     use crate::result::{Result, open_result, run};
     #[pymodule_export]
+    use crate::rules::{Ageing, FrozenRank, Logarithmic, MeanField, Smoluchowski, Temperature};
+    #[pymodule_export]
     use crate::stick_slip::StickSlip;
+    #[pymodule_export]
+    use crate::transport::{Step, Transport, velocity_curve};
 
     #[pymodule_export]
     #[expect(non_upper_case_globals)]

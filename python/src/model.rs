@@ -51,7 +51,7 @@ impl Model {
             return Solver::Ensemble(&ensemble.get().ensemble);
         }
         let equation = model.cast::<MasterEquation>().expect("a model is a master equation or an ensemble");
-        Solver::MasterEquation(&equation.get().equation, MasterEquation::plain(equation).tolerance)
+        Solver::MasterEquation(&equation.get().equation, MasterEquation::plain(equation).tolerance())
     }
 
     fn plain<'a>(model: &'a Bound<'_, Self>) -> &'a Interface {

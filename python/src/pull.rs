@@ -32,7 +32,7 @@ impl Pull {
         let py = equation.py();
         let asked = scenario::Pull { distance, points, ..scenario::Pull::default() };
         asked.check().map_err(|e| error::core(e.under("pull")))?;
-        let tolerance = MasterEquation::plain(&equation).tolerance;
+        let tolerance = MasterEquation::plain(&equation).tolerance();
         let solver = &equation.get().equation;
         let (pull, record) = watched(progress, py, |monitor| {
             let pull = solver.pull(distance, tolerance, monitor)?;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use asperity_runner::output::{self, Outcome};
-use asperity_runner::summary::{StaticFriction, Summary};
+use asperity_runner::summary::{Friction, StaticFriction, Summary};
 use asperity_runner::{input, task};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -52,30 +52,30 @@ impl Result {
     /// The static friction F_s with its position X_s; None where the force still rises at the end, or never falls.
     #[getter]
     fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        match self.summary.static_friction {
-            StaticFriction::NotReached => Ok(None),
-            StaticFriction::Reached { force, position } => {
+        match self.summary.friction.as_ref().map(|friction| friction.static_friction) {
+            None | Some(StaticFriction::NotReached) => Ok(None),
+            Some(StaticFriction::Reached { force, position }) => {
                 values::static_friction(py, force, position).map(Some)
             }
         }
     }
 
-    /// The kinetic friction F_k, the force of steady sliding.
+    /// The kinetic friction F_k, the force of steady sliding; nan where the task has no one velocity.
     #[getter]
     fn kinetic_friction(&self) -> f64 {
-        self.summary.kinetic_friction
+        self.friction(|friction| friction.kinetic_friction)
     }
 
     /// The critical stiffness K_c, force per length; inf where the force jumps down.
     #[getter]
     fn critical_stiffness(&self) -> f64 {
-        self.summary.critical_stiffness.0
+        self.friction(|friction| friction.critical_stiffness.0)
     }
 
     /// The relaxation length X*; inf where the force never settles, nan where no root is found.
     #[getter]
     fn relaxation_length(&self) -> f64 {
-        self.summary.relaxation_length.0
+        self.friction(|friction| friction.relaxation_length.0)
     }
 
     /// Writes the folder that `asperity run` would write, but for its pictures; open_result reads it.
@@ -86,6 +86,13 @@ impl Result {
         let record = slf.as_super().get().copy(slf.py())?;
         let outcome = Outcome { scenario: scenario.clone(), summary: summary.clone(), record };
         slf.py().detach(|| output::write(&folder, &outcome, &[])).map_err(error::files)
+    }
+}
+
+impl Result {
+    /// A number that only a pull at one velocity has; nan for other tasks.
+    fn friction(&self, number: impl Fn(&Friction) -> f64) -> f64 {
+        self.summary.friction.as_ref().map_or(f64::NAN, number)
     }
 }
 

@@ -1,0 +1,155 @@
+//! What time does to contacts: temperature and ageing.
+
+use asperity::scenario;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyType};
+
+use crate::convert;
+use crate::description::{Description, Plain};
+use crate::law::AnyLaw;
+
+/// Heat: contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
+///
+/// energy: the temperature T in units of energy (force × length), above 0. attempt_rate: ω, per time, above 0.
+/// barrier: ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²); "bell",
+/// E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
+///
+/// Values are checked when contacts are made of it.
+#[pyclass(frozen, extends = Description, module = "asperity")]
+pub struct Temperature;
+
+#[pymethods]
+impl Temperature {
+    #[new]
+    #[pyo3(signature = (energy, attempt_rate, *, barrier = "elastic"))]
+    fn new(energy: f64, attempt_rate: f64, barrier: &str) -> PyResult<PyClassInitializer<Self>> {
+        let barrier = convert::word("barrier", barrier)?;
+        let plain = Plain::Temperature(scenario::Temperature { energy, attempt_rate, barrier });
+        Ok(Description::new(plain).add_subclass(Self))
+    }
+}
+
+impl Temperature {
+    pub fn plain(temperature: &Bound<'_, Self>) -> scenario::Temperature {
+        match temperature.as_super().get().plain() {
+            Plain::Temperature(temperature) => *temperature,
+            _ => unreachable!("a temperature is described as one"),
+        }
+    }
+}
+
+/// Ageing: thresholds that change with the time a contact has held; Smoluchowski, FrozenRank, Logarithmic or MeanField.
+#[pyclass(frozen, subclass, extends = Description, module = "asperity")]
+pub struct Ageing;
+
+impl Ageing {
+    fn described(ageing: scenario::Ageing) -> PyClassInitializer<Self> {
+        Description::new(Plain::Ageing(ageing)).add_subclass(Self)
+    }
+
+    pub fn plain(ageing: &Bound<'_, Self>) -> scenario::Ageing {
+        match ageing.as_super().get().plain() {
+            Plain::Ageing(ageing) => ageing.clone(),
+            _ => unreachable!("ageing is described as ageing"),
+        }
+    }
+}
+
+/// Thresholds diffuse in the potential U = −ln P_cf towards the mature law, each for itself.
+///
+/// mature: the law P_cf of thresholds that never break. diffusion: D, stretch² per time, above 0.
+#[pyclass(frozen, extends = Ageing, module = "asperity")]
+pub struct Smoluchowski;
+
+#[pymethods]
+impl Smoluchowski {
+    #[new]
+    fn new(mature: AnyLaw, diffusion: f64) -> PyClassInitializer<Self> {
+        Ageing::described(scenario::Ageing::Smoluchowski { mature: mature.0, diffusion }).add_subclass(Self)
+    }
+}
+
+/// The law of thresholds matures, and every contact keeps its quantile in it.
+///
+/// mature: the law P_cf. time: the time in which it matures, above 0.
+#[pyclass(frozen, extends = Ageing, module = "asperity")]
+pub struct FrozenRank;
+
+#[pymethods]
+impl FrozenRank {
+    #[new]
+    fn new(mature: AnyLaw, time: f64) -> PyClassInitializer<Self> {
+        Ageing::described(scenario::Ageing::FrozenRank { mature: mature.0, time }).add_subclass(Self)
+    }
+}
+
+/// Every threshold grows by the same fraction for each factor in age t: h = h_0 [1 + growth ln(1 + t/time)].
+///
+/// growth: β, 0 or above. time: τ_0, above 0.
+#[pyclass(frozen, extends = Ageing, module = "asperity")]
+pub struct Logarithmic;
+
+#[pymethods]
+impl Logarithmic {
+    #[new]
+    fn new(growth: f64, time: f64) -> PyClassInitializer<Self> {
+        Ageing::described(scenario::Ageing::Logarithmic { growth, time }).add_subclass(Self)
+    }
+}
+
+/// The law of thresholds in steady sliding, by the closed equations for it and the stretches: no rule for one contact.
+///
+/// mature: the law P_cf. diffusion: D, stretch² per time, above 0. Not with temperature, an ensemble, or a velocity that
+/// varies.
+#[pyclass(frozen, extends = Ageing, module = "asperity")]
+pub struct MeanField;
+
+#[pymethods]
+impl MeanField {
+    #[new]
+    fn new(mature: AnyLaw, diffusion: f64) -> PyClassInitializer<Self> {
+        Ageing::described(scenario::Ageing::MeanField { mature: mature.0, diffusion }).add_subclass(Self)
+    }
+}
+
+/// The class of a model of ageing.
+pub fn class<'py>(ageing: &scenario::Ageing, py: Python<'py>) -> Bound<'py, PyType> {
+    match ageing {
+        scenario::Ageing::Smoluchowski { .. } => py.get_type::<Smoluchowski>(),
+        scenario::Ageing::FrozenRank { .. } => py.get_type::<FrozenRank>(),
+        scenario::Ageing::Logarithmic { .. } => py.get_type::<Logarithmic>(),
+        scenario::Ageing::MeanField { .. } => py.get_type::<MeanField>(),
+    }
+}
+
+/// The arguments that make a temperature.
+pub fn temperature_arguments(temperature: &scenario::Temperature, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    into.set_item("energy", temperature.energy)?;
+    into.set_item("attempt_rate", temperature.attempt_rate)?;
+    let word = match temperature.barrier {
+        scenario::Barrier::Elastic => return Ok(()),
+        scenario::Barrier::Bell => "bell",
+        scenario::Barrier::Catastrophe => "catastrophe",
+    };
+    into.set_item("barrier", word)
+}
+
+/// The arguments that make a model of ageing.
+pub fn ageing_arguments(ageing: &scenario::Ageing, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    let law = |law: &scenario::Law| Plain::Law(law.clone()).object(into.py());
+    match ageing {
+        scenario::Ageing::Smoluchowski { mature, diffusion }
+        | scenario::Ageing::MeanField { mature, diffusion } => {
+            into.set_item("mature", law(mature)?)?;
+            into.set_item("diffusion", diffusion)
+        }
+        scenario::Ageing::FrozenRank { mature, time } => {
+            into.set_item("mature", law(mature)?)?;
+            into.set_item("time", time)
+        }
+        scenario::Ageing::Logarithmic { growth, time } => {
+            into.set_item("growth", growth)?;
+            into.set_item("time", time)
+        }
+    }
+}

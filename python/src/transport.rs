@@ -1,0 +1,210 @@
+//! Contacts under a slider whose velocity varies.
+
+use asperity::history::History;
+use asperity::record::{self, Quantity};
+use asperity::scenario::{self, Units};
+use asperity::{Error, ensemble, master};
+use pyo3::IntoPyObjectExt as _;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::contacts::Contacts;
+use crate::convert::{self, Whole};
+use crate::description::{Description, Interface, Plain};
+use crate::error;
+use crate::law::{AnyLaw, given};
+use crate::model::{interface, interface_arguments};
+use crate::record::Record;
+use crate::watch::watched;
+
+/// A step of a way in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
+///
+/// velocity: a length per time; above 0 over a distance, 0 or above for a duration. velocity_to: the velocity at the end
+/// of a ramp that begins at velocity and takes a duration, made of so many pieces of constant velocity (64 by default).
+/// hold: a time at rest, instead of all others. points: the number of points of the trace in the step, evenly spaced in
+/// time, both ends included; 2 or more.
+///
+/// Raises ValueError for values that make no sense, or not together.
+#[pyclass(frozen, extends = Description, module = "asperity")]
+pub struct Step;
+
+#[pymethods]
+impl Step {
+    #[new]
+    #[pyo3(
+        signature = (
+            velocity = None, *, distance = None, duration = None, hold = None, velocity_to = None,
+            points = Whole::new(201), pieces = None
+        ),
+        text_signature = "(velocity=None, *, distance=None, duration=None, hold=None, velocity_to=None, points=201, pieces=None)"
+    )]
+    fn new(
+        velocity: Option<f64>,
+        distance: Option<f64>,
+        duration: Option<f64>,
+        hold: Option<f64>,
+        velocity_to: Option<f64>,
+        points: Whole,
+        pieces: Option<Whole>,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let points = points.get("points")?;
+        let pieces = pieces.map(|pieces| pieces.get("pieces")).transpose()?;
+        let step = scenario::Step { velocity, velocity_to, distance, duration, hold, points, pieces };
+        step.check().map_err(|e| error::core(e.under("step")))?;
+        Ok(Description::new(Plain::Step(step)).add_subclass(Self))
+    }
+}
+
+impl Step {
+    fn plain(step: &Bound<'_, Self>) -> scenario::Step {
+        match step.as_super().get().plain() {
+            Plain::Step(step) => step.clone(),
+            _ => unreachable!("a step is described as a step"),
+        }
+    }
+}
+
+/// The arguments that make a step.
+pub fn step_arguments(step: &scenario::Step, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    given(into, "velocity", step.velocity)?;
+    given(into, "distance", step.distance)?;
+    given(into, "duration", step.duration)?;
+    given(into, "hold", step.hold)?;
+    given(into, "velocity_to", step.velocity_to)?;
+    given(into, "points", (step.points != scenario::Step::default().points).then_some(step.points))?;
+    given(into, "pieces", step.pieces)
+}
+
+/// Steps as the solvers take them: the way, and the times at which to tell of it.
+pub fn way(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
+    let protocol = scenario::Protocol(steps.iter().map(Step::plain).collect());
+    let build = || {
+        protocol.check()?;
+        Ok((protocol.build()?, protocol.times()))
+    };
+    build().map_err(|e: Error| error::core(e.under("steps")))
+}
+
+/// The master equation of contacts under a slider whose velocity varies, contacts born together being followed in time.
+///
+/// contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0. tolerance: error allowed in the force
+/// per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2.
+///
+/// Raises ValueError for values that make no sense, and for ageing by MeanField, which is no rule for one contact.
+#[pyclass(frozen, extends = Description, module = "asperity")]
+pub struct Transport {
+    transport: master::Transport,
+}
+
+#[pymethods]
+impl Transport {
+    #[new]
+    #[pyo3(signature = (contacts, initial = None, *, start = "conditional", tolerance = 1e-7))]
+    fn new(
+        py: Python<'_>,
+        contacts: &Bound<'_, Contacts>,
+        initial: Option<AnyLaw>,
+        start: &str,
+        tolerance: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
+        let own = scenario::MasterEquation { tolerance: Some(tolerance) };
+        let build = || {
+            own.check().map_err(|e| e.under("transport"))?;
+            let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
+            Ok(Self { transport: master::Transport::new(contacts, &initial, tolerance)? })
+        };
+        let transport = py.detach(build).map_err(error::core)?;
+        let plain = Plain::Transport(Interface { contacts, initial, start }, own);
+        Ok(Description::new(plain).add_subclass(transport))
+    }
+
+    /// Follows the contacts from t = 0 through steps one after the other.
+    ///
+    /// steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    ///
+    /// Returns a Record of variables of shape (n,), n being the points of all steps, shared where steps meet: `time`,
+    /// `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of contacts that breaks per
+    /// time) and `free` (the fraction that is broken and has not yet re-formed).
+    ///
+    /// Raises ValueError for no steps.
+    #[pyo3(signature = (steps, *, progress = None))]
+    fn follow(
+        slf: &Bound<'_, Self>,
+        steps: Vec<Bound<'_, Step>>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<Record>> {
+        let py = slf.py();
+        let (history, times) = way(steps)?;
+        let mut transport = slf.get().transport.clone();
+        let trace = watched(progress, py, |monitor| transport.follow(&history, &times, monitor))?;
+        Py::new(py, Record::new(py, columns(trace), Units::default())?)
+    }
+}
+
+/// The arguments that make a transport.
+pub fn arguments(
+    interface: &Interface,
+    own: &scenario::MasterEquation,
+    into: &Bound<'_, PyDict>,
+) -> PyResult<()> {
+    interface_arguments(interface, into)?;
+    let own = own.tolerance_in_time();
+    given(into, "tolerance", (own != scenario::MasterEquation::TOLERANCE_IN_TIME).then_some(own))
+}
+
+fn columns(trace: master::Trace) -> record::Record {
+    let mut record = record::Record::default();
+    let mut add = |name, words, quantity, values| record.push(name, words, quantity, &["point"], values);
+    add("time", "time", Quantity::Time, trace.time);
+    add("position", "position X of the slider's bottom", Quantity::Length, trace.position);
+    add("velocity", "velocity of the slider", Quantity::Velocity, trace.velocity);
+    add("force", "friction force", Quantity::Force, trace.force);
+    let words = "fraction of contacts breaking per time";
+    add("breaking_frequency", words, Quantity::PerTime, trace.breaking_rate);
+    add("free", "fraction of contacts that are free", Quantity::Number, trace.free);
+    record
+}
+
+/// What following an ensemble found, as columns.
+pub fn followed(trace: ensemble::EnsembleTrace) -> record::Record {
+    let mut record = record::Record::default();
+    let mut add = |name, words, quantity, values| record.push(name, words, quantity, &["point"], values);
+    add("time", "time", Quantity::Time, trace.time);
+    add("position", "position X of the slider's bottom", Quantity::Length, trace.position);
+    add("force", "friction force", Quantity::Force, trace.force);
+    add("force_error", "its standard error", Quantity::Force, trace.error);
+    add("free", "fraction of contacts that are free", Quantity::Number, trace.free);
+    record
+}
+
+/// Kinetic friction F_k of contacts at velocities: an array for a list of them, a number for a number.
+///
+/// velocities: numbers above 0, a length per time. Each is a computation of its own; Ctrl-C stops between two.
+///
+/// Raises ValueError for a velocity that is not above 0.
+#[pyfunction]
+#[pyo3(signature = (contacts, velocities, *, progress = None))]
+pub fn velocity_curve<'py>(
+    contacts: &Bound<'py, Contacts>,
+    velocities: &Bound<'py, PyAny>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = velocities.py();
+    let (values, single) = convert::one_or_list("velocities", velocities, &convert::Domain::NUMBERS)?;
+    let Interface { contacts, initial, start } = interface(contacts, None, "conditional")?;
+    let (contacts, initial) = scenario::interface(&contacts, &initial, start).map_err(error::core)?;
+    let curve = watched(progress, py, |monitor| {
+        let mut friction = Vec::with_capacity(values.len());
+        for (i, &velocity) in values.iter().enumerate() {
+            let at = master::MasterEquation::at(contacts.clone(), &initial, velocity);
+            let equation = at.map_err(|e| e.under(&format!("velocities.{i}")))?;
+            friction.push(equation.steady_state().kinetic_friction());
+            if monitor.progress((i + 1) as f64 / values.len() as f64).is_break() {
+                return Err(Error::Stopped);
+            }
+        }
+        Ok(friction)
+    })?;
+    if single { curve[0].into_bound_py_any(py) } else { convert::row(py, curve) }
+}
