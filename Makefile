@@ -104,10 +104,15 @@ $(venv)-docs/ready: docs/requirements.txt
 # The pictures of the README. Tests compare them with what is drawn.
 figures: $(venv)/installed
 	folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
-	cargo run --release --locked --quiet -- run scenarios/fig2.toml --quiet -o "$$folder/fig2"; \
-	for name in force evolution; do cp "$$folder/fig2/$$name.svg" "docs/figures/fig2-$$name.svg"; done; \
-	cargo run --release --locked --quiet -- run scenarios/stick-slip-overdamped.toml --quiet -o "$$folder/stick-slip"; \
-	for name in stick_slip equilibrium; do cp "$$folder/stick-slip/$$name.svg" "docs/figures/stick-slip-$$name.svg"; done; \
+	draw() { \
+	  cargo run --release --locked --quiet -- run "scenarios/$$1.toml" --quiet -o "$$folder/$$2"; \
+	  for name in "$${@:3}"; do cp "$$folder/$$2/$$name.svg" "docs/figures/$$2-$$name.svg"; done; \
+	}; \
+	draw fig2 fig2 force evolution; \
+	draw stick-slip-overdamped stick-slip stick_slip equilibrium; \
+	draw velocity-curve-thermal thermal velocity_curve; \
+	draw healing healing hold_curve; \
+	draw velocity-step step velocity_step; \
 	package=$(CURDIR)/$(venv)/bin/python; documents=$(CURDIR)/python/tests/documents.py; \
 	(cd "$$folder" && SOURCE_DATE_EPOCH=0 $$package -P "$$documents"); \
 	cp "$$folder/fig2.svg" docs/figures/fig2-python.svg
