@@ -43,9 +43,8 @@ def test_both_solvers_follow_the_same_way() -> None:
     assert set(trace["velocity"]) == {1.0, 0.0, 0.5}
     assert trace["free"] == pytest.approx(0.0, abs=1e-12)
     ensemble = asp.Ensemble(GROWING, size=20_000).follow(steps)
-    error = np.maximum(ensemble["force_error"], 1e-9)
-    # 6 standard errors: fails by chance once in a million
-    assert np.max(np.abs(ensemble["force"] - trace["force"]) / error) < 6.0
+    # 6 standard errors, by chance once in a million; and two contacts: nothing scatters before a first break
+    assert np.all(np.abs(ensemble["force"] - trace["force"]) < 6 * ensemble["force_error"] + 1e-4)
 
 
 def test_a_pull_at_a_velocity_is_a_way_at_one_velocity() -> None:
