@@ -946,7 +946,8 @@ class Transport(Description):
     """The master equation of contacts under a slider whose velocity varies, contacts born together being followed in time.
 
     contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0. tolerance: error allowed in the force
-    per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2.
+    per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; 1e-6 by default, 1e-4 for contacts that age by
+    Smoluchowski.
 
     Raises ValueError for values that make no sense, and for ageing by MeanField, which is no rule for one contact.
     """
@@ -957,7 +958,7 @@ class Transport(Description):
         initial: _AnyLaw | None = None,
         *,
         start: Literal["conditional", "relaxed"] = "conditional",
-        tolerance: _Number = 1e-7,
+        tolerance: _Number | None = None,
     ) -> Self: ...
     def follow(self, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
         """Follows the contacts from t = 0 through steps one after the other.

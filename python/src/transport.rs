@@ -88,7 +88,8 @@ pub fn way(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
 /// The master equation of contacts under a slider whose velocity varies, contacts born together being followed in time.
 ///
 /// contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0. tolerance: error allowed in the force
-/// per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2.
+/// per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; 1e-6 by default, 1e-4 for contacts that age by
+/// Smoluchowski.
 ///
 /// Raises ValueError for values that make no sense, and for ageing by MeanField, which is no rule for one contact.
 #[pyclass(frozen, extends = Description, module = "asperity")]
@@ -99,19 +100,20 @@ pub struct Transport {
 #[pymethods]
 impl Transport {
     #[new]
-    #[pyo3(signature = (contacts, initial = None, *, start = "conditional", tolerance = 1e-7))]
+    #[pyo3(signature = (contacts, initial = None, *, start = "conditional", tolerance = None))]
     fn new(
         py: Python<'_>,
         contacts: &Bound<'_, Contacts>,
         initial: Option<AnyLaw>,
         start: &str,
-        tolerance: f64,
+        tolerance: Option<f64>,
     ) -> PyResult<PyClassInitializer<Self>> {
         let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
-        let own = scenario::MasterEquation { tolerance: Some(tolerance) };
+        let own = scenario::MasterEquation { tolerance };
         let build = || {
             own.check().map_err(|e| e.under("transport"))?;
             let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
+            let tolerance = own.tolerance_in_time(&contacts.rules);
             Ok(Self { transport: master::Transport::new(contacts, &initial, tolerance)? })
         };
         let transport = py.detach(build).map_err(error::core)?;
@@ -149,8 +151,7 @@ pub fn arguments(
     into: &Bound<'_, PyDict>,
 ) -> PyResult<()> {
     interface_arguments(interface, into)?;
-    let own = own.tolerance_in_time();
-    given(into, "tolerance", (own != scenario::MasterEquation::TOLERANCE_IN_TIME).then_some(own))
+    given(into, "tolerance", own.tolerance)
 }
 
 fn columns(trace: master::Trace) -> record::Record {

@@ -3,7 +3,7 @@
 import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import asperity as asp
@@ -13,6 +13,7 @@ SCENARIO = Path(__file__).parents[2] / "scenarios" / "fig2.toml"
 GAUSSIAN = asp.Contacts(asp.Gaussian(1.0, 0.05))
 EVEN = asp.Contacts(asp.Exponential(1.0))
 SAMPLES = asp.Tabulated(samples=asp.Gaussian(1.0, 0.05).rvs(40, seed=1))
+AGEING = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=asp.Smoluchowski(asp.Gaussian(1.0, 0.05), 0.0025))
 SOON = 0.2
 
 LONG: dict[str, Callable[[], object]] = {
@@ -28,6 +29,7 @@ LONG: dict[str, Callable[[], object]] = {
     "drawing": lambda: asp.Block(asp.Ensemble(GAUSSIAN, size=10**7), 1.0).drive(1e7),
     "resets": lambda: asp.Block(asp.Ensemble(GAUSSIAN, size=2 * 10**6), 0.1).drive(1e7),
     "imposed force": lambda: asp.Block(asp.Ensemble(EVEN, size=10**6), None).drive(force_to=0.999),
+    "thresholds that diffuse": lambda: asp.Transport(AGEING, tolerance=1e-7).follow([asp.Step(1.0, distance=100.0)]),
     "scenario": lambda: asp.run(SCENARIO, {"ensemble.size": 10**9}),
 }
 
@@ -49,6 +51,15 @@ def delay(work: Callable[[], object]) -> float:
     return time.perf_counter() - sent[0]
 
 
+@pytest.fixture
+def listening() -> Iterator[None]:
+    """Python listens to Ctrl-C, also where it was started in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("listening")
 @pytest.mark.parametrize("work", LONG.values(), ids=LONG.keys())
 def test_ctrl_c_stops_soon(work: Callable[[], object]) -> None:
     # On a machine that does other things, the best of some.

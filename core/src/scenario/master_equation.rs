@@ -3,14 +3,15 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::contacts::{Ageing, Rules};
 use crate::{Error, Result};
 
 /// How the master equation is solved.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MasterEquation {
-    /// Error allowed in the force per contact and per ⟨k⟩x̄, from 1e-12 to 1e-2; 1e-10 by default, 1e-7 where the velocity
-    /// varies.
+    /// Error allowed in the force per contact and per ⟨k⟩x̄, from 1e-12 to 1e-2; 1e-10 by default, 1e-6 where the velocity
+    /// varies, 1e-4 where thresholds diffuse besides.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1e-10))]
     pub tolerance: Option<f64>,
@@ -19,17 +20,20 @@ pub struct MasterEquation {
 impl MasterEquation {
     /// The error allowed in a pull at one velocity where nothing is said.
     pub const TOLERANCE: f64 = 1e-10;
-    /// That allowed where the velocity varies, for which there are methods of low order only.
-    pub const TOLERANCE_IN_TIME: f64 = 1e-7;
+    /// That allowed where the velocity varies, for which there are methods of low order only, …
+    pub const TOLERANCE_IN_TIME: f64 = 1e-6;
+    /// … and where thresholds diffuse besides: each contact has a distribution of its own.
+    pub const TOLERANCE_DIFFUSING: f64 = 1e-4;
 
     /// The error allowed in a pull at one velocity.
     pub fn tolerance(&self) -> f64 {
         self.tolerance.unwrap_or(Self::TOLERANCE)
     }
 
-    /// The error allowed where the velocity varies.
-    pub fn tolerance_in_time(&self) -> f64 {
-        self.tolerance.unwrap_or(Self::TOLERANCE_IN_TIME)
+    /// The error allowed where the velocity of contacts with such rules varies.
+    pub fn tolerance_in_time(&self, rules: &Rules) -> f64 {
+        let diffusing = matches!(rules.ageing, Some(Ageing::Smoluchowski { .. }));
+        self.tolerance.unwrap_or(if diffusing { Self::TOLERANCE_DIFFUSING } else { Self::TOLERANCE_IN_TIME })
     }
 
     /// Whether every value makes sense.

@@ -32,7 +32,7 @@ pub fn run(
         contacts.rules.ageing.as_ref().and_then(|ageing| ageing.mature()).map_or(0.0, |law| law.mean());
     let reach = REACH * contacts.thresholds.mean().max(mature).max(steady.life);
     let holds = task.holds();
-    let tolerance = scenario.master_equation.tolerance_in_time();
+    let tolerance = scenario.master_equation.tolerance_in_time(&contacts.rules);
     let sliding = Transport::steady(contacts, task.velocity, tolerance)?;
     let slide = moving(task.velocity, steady.way);
     let mut columns = Columns::default();

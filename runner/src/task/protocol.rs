@@ -31,8 +31,11 @@ pub fn run(
     fits(task)?;
     let (history, times) = (task.build()?, task.times());
     let master = if scenario.ensemble.is_some() { 0.5 } else { 1.0 };
-    let mut transport =
-        Transport::new(contacts.clone(), initial, scenario.master_equation.tolerance_in_time())?;
+    let mut transport = Transport::new(
+        contacts.clone(),
+        initial,
+        scenario.master_equation.tolerance_in_time(&contacts.rules),
+    )?;
     let trace = transport.follow(&history, &times, &mut Part::new(monitor, 0.0, master))?;
     let mut record = traced(&trace, contacts.rules.delay > 0.0);
     if let Some(ensemble) = &scenario.ensemble {

@@ -87,9 +87,6 @@ pub struct Trace {
     pub error: f64,
 }
 
-/// Steps between two reports.
-const REPORT: u32 = 64;
-
 /// Tolerance of the rough follower: with steps of fourth order, twice as long.
 const ROUGH: f64 = 16.0;
 
@@ -288,7 +285,7 @@ impl Transport {
     /// Moves at one velocity for a time.
     fn glide(&mut self, velocity: f64, during: f64, tell: &mut dyn FnMut(f64) -> Result<()>) -> Result<()> {
         // Kept apart from the time, which after a long hold no longer tells short durations apart.
-        let (mut left, mut steps) = (during, 0);
+        let mut left = during;
         loop {
             self.happen();
             if left <= SAME * during {
@@ -298,10 +295,7 @@ impl Transport {
             if self.advance(&Path::steady(velocity, duration))? {
                 left -= duration;
             }
-            steps += 1;
-            if steps % REPORT == 0 {
-                tell(self.time)?;
-            }
+            tell(self.time)?;
         }
     }
 
