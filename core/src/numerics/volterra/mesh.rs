@@ -31,6 +31,13 @@ impl Mesh {
         (run.start + ((cell - run.first) as f64 + 0.5) * run.width, 0.5 * run.width)
     }
 
+    /// Gauss points of a cell, each as the start of its run and how far it is from there.
+    pub(super) fn points(&self, cell: usize) -> [(f64, f64); NODES] {
+        let run = self.runs[self.run_of[cell] as usize];
+        let middle = (cell - run.first) as f64 + 0.5;
+        RULE.nodes.map(|t| (run.start, (middle + 0.5 * t) * run.width))
+    }
+
     /// ∫₀^x of kernel(x − Y) density(Y), cell by cell.
     pub(super) fn convolve_at(&self, density: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
         let low = x - kernel.curve().end();
