@@ -106,6 +106,11 @@ impl Kernel {
         self.size
     }
 
+    /// Whether it has a steep break.
+    pub(super) fn is_steep(&self) -> bool {
+        self.breaks.iter().any(Break::is_steep)
+    }
+
     /// Whether a cell is as near to a steep break below it as cells are that narrow towards it.
     fn is_graded(&self, cell: usize) -> bool {
         let (low, high) = (self.curve.boundaries[cell], self.curve.boundaries[cell + 1]);

@@ -4,7 +4,7 @@
 //! (H. Brunner, *Collocation Methods for Volterra Integral and Related Functional Differential Equations*, 2004).
 //! Cell boundaries lie on every break of g that matters, so jumps cost no accuracy; cells are halved where the
 //! polynomial is not resolved and grow again where it is. In a run of equal cells the history is a block
-//! Toeplitz product whose blocks are computed once.
+//! Toeplitz product whose blocks are computed once; between runs blocks are kept, too, for cells that lie alike.
 
 mod block;
 mod kernel;
