@@ -1,5 +1,7 @@
 //! What the density on one cell adds to the convolution on another: a small matrix, computed once per run and lag.
 
+use std::collections::HashMap;
+
 use super::kernel::Kernel;
 use super::mesh::{Mesh, Past, SHORT_RUN};
 use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments};
@@ -17,6 +19,19 @@ pub(super) struct Lagged {
     pub(super) rough: f64,
 }
 
+/// How two cells lie to each other: the distance of their middles in units of 1e-11 of the target's width, and the widths.
+type Apart = (i64, u64, u64);
+
+fn apart(target: (f64, f64), source: (f64, f64)) -> Apart {
+    // But for the last 16 bits, 1e-11 of the number.
+    let rounded = |width: f64| (width.to_bits() + (1 << 15)) >> 16;
+    let gap = (target.0 - source.0) / (2e-11 * target.1);
+    (gap.round() as i64, rounded(target.1), rounded(source.1))
+}
+
+/// The most blocks kept between cells of any runs: 32 MB.
+const MOST_APART: usize = 1 << 14;
+
 /// The blocks of one kernel on the latest run of a mesh, each computed once.
 pub(super) struct Blocks<'a> {
     kernel: &'a Kernel,
@@ -24,6 +39,8 @@ pub(super) struct Blocks<'a> {
     slack: f64,
     /// By lag.
     cached: Vec<Lagged>,
+    /// Between cells of any runs, most of them alike where breaks lie on a lattice.
+    apart: HashMap<Apart, Option<Box<Block>>>,
     run: u32,
     past: Option<Vec<Past>>,
 }
@@ -31,7 +48,8 @@ pub(super) struct Blocks<'a> {
 impl<'a> Blocks<'a> {
     /// Blocks for a convolution that may miss some 1e-4 of `density`, per unit kernel.
     pub(super) fn new(kernel: &'a Kernel, density: f64) -> Self {
-        Self { slack: 1e-4 * density * kernel.size(), kernel, cached: Vec::new(), run: u32::MAX, past: None }
+        let slack = 1e-4 * density * kernel.size();
+        Self { kernel, slack, cached: Vec::new(), apart: HashMap::new(), run: u32::MAX, past: None }
     }
 
     pub(super) fn reset(&mut self, run: u32) {
@@ -75,9 +93,7 @@ impl<'a> Blocks<'a> {
                     block.iter().for_each(|block| apply(block, &source.values, out));
                 }
                 _ => source.parts.iter().for_each(|(middle, half, values)| {
-                    if let Some(block) = block(self.kernel, mesh.cell(cell), (*middle, *half)).block {
-                        apply(&block, values, out);
-                    }
+                    self.add_apart(mesh.cell(cell), (*middle, *half), values, out);
                 }),
             }
         }
@@ -85,14 +101,28 @@ impl<'a> Blocks<'a> {
     }
 
     /// The contributions of cells of other runs, one by one.
-    fn add_cells(&self, mesh: &Mesh, cell: usize, values: &[Nodal], out: &mut Nodal) {
+    fn add_cells(&mut self, mesh: &Mesh, cell: usize, values: &[Nodal], out: &mut Nodal) {
         let (start, end) = (mesh.boundaries[cell], self.kernel.curve().end());
         let near = |source: &usize| start - mesh.boundaries[source + 1] < end;
         for source in (0..values.len()).rev().take_while(near) {
-            if let Some(block) = block(self.kernel, mesh.cell(cell), mesh.cell(source)).block {
-                apply(&block, &values[source], out);
-            }
+            self.add_apart(mesh.cell(cell), mesh.cell(source), &values[source], out);
         }
+    }
+
+    /// The contribution of a cell of any run. A kernel that is steep somewhere feels places that are closer together than
+    /// the cache tells apart.
+    fn add_apart(&mut self, target: (f64, f64), source: (f64, f64), values: &Nodal, out: &mut Nodal) {
+        let kernel = self.kernel;
+        if kernel.is_steep() {
+            block(kernel, target, source).block.iter().for_each(|block| apply(block, values, out));
+            return;
+        }
+        if self.apart.len() >= MOST_APART {
+            self.apart.clear();
+        }
+        let block =
+            self.apart.entry(apart(target, source)).or_insert_with(|| block(kernel, target, source).block);
+        block.iter().for_each(|block| apply(block, values, out));
     }
 
     /// The block between cells `lag` apart in the current run.

@@ -106,18 +106,32 @@ impl Kernel {
         self.size
     }
 
-    /// The width below which the cells hold the fraction `light` of the mass.
+    /// Whether it has a steep break.
+    pub(super) fn is_steep(&self) -> bool {
+        self.breaks.iter().any(Break::is_steep)
+    }
+
+    /// Whether a cell is as near to a steep break below it as cells are that narrow towards it.
+    fn is_graded(&self, cell: usize) -> bool {
+        let (low, high) = (self.curve.boundaries[cell], self.curve.boundaries[cell + 1]);
+        let near = |b: &Break| b.position <= low && low - b.position < 4.0 * (high - low);
+        self.breaks.iter().any(|b| b.is_steep() && near(b))
+    }
+
+    /// The width below which the cells hold the fraction `light` of the mass, or a tenth with those that narrow towards a
+    /// steep break.
     pub(super) fn narrow(&self, light: f64) -> f64 {
         let width = |cell: usize| 2.0 * self.curve.cell(cell).1;
         let mut cells: Vec<_> = (0..self.bounds.len())
-            .map(|k| (width(k), width(k) * self.curve.coefficients[k][0].abs()))
+            .map(|k| (width(k), width(k) * self.curve.coefficients[k][0].abs(), self.is_graded(k)))
             .collect();
         cells.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let enough = light * cells.iter().map(|cell| cell.1).sum::<f64>();
-        let mut mass = 0.0;
-        let reached = |cell: &&(f64, f64)| {
-            mass += cell.1;
-            mass > enough
+        let total: f64 = cells.iter().map(|cell| cell.1).sum();
+        let (mut all, mut fine) = (0.0, 0.0);
+        let reached = |(_, mass, graded): &&(f64, f64, bool)| {
+            all += mass;
+            fine += if *graded { 0.0 } else { *mass };
+            all > 0.1 * total || fine > light * total
         };
         cells.iter().find(reached).map_or(f64::INFINITY, |cell| cell.0)
     }

@@ -28,6 +28,8 @@ struct March<'a> {
     /// Inverse of identity − kernel on the cell itself, for the run it was made for.
     inverse: Option<(u32, Box<Block>)>,
     tail: f64,
+    /// The break from which the march is on its way to the next.
+    opened: f64,
 }
 
 /// Solves g = source + kernel ∗ g on [0, end].
@@ -70,6 +72,7 @@ pub fn solve(
         blocks: Blocks::new(kernel, accuracy.density),
         inverse: None,
         tail: 0.0,
+        opened: 0.0,
     };
     let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).filter(|&x| x > 0.0 && x < end).collect();
     stops.push(end);
@@ -98,9 +101,24 @@ impl Pace {
 /// The most cells of a solution: 2 GB.
 const MOST_CELLS: usize = 1 << 22;
 
+/// Half the width of a cell, in units of its place, below which it is halved no more: beside a steep break
+/// A (x − x_b)^−½ it is given its mass, not its shape. The shape is worth A² times this, while places rounded to ε cost
+/// A ε over its root.
+const NARROWEST: f64 = 1e-11;
+
+/// By how much the place of a break, a sum of some others, may be rounded, in units of itself.
+const ROUNDED: f64 = 1e-14;
+
+/// What rounding of values and of places makes of a tail, `distance` half widths from 0.
+fn rounding(values: &Nodal, distance: f64) -> f64 {
+    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &v| (low.min(v), high.max(v)));
+    4.0 * f64::EPSILON * (low.abs().max(high.abs()) + (high - low) * distance)
+}
+
 impl March<'_> {
     /// Cells from where the march stands to `stop`, halved and grown as needed.
     fn section(&mut self, stop: f64, end: f64, pace: &mut Pace, monitor: &mut dyn Monitor) -> Result<()> {
+        self.opened = self.density.end();
         while self.density.end() < stop {
             self.run(stop, end, pace, monitor)?;
         }
@@ -209,25 +227,15 @@ impl March<'_> {
         }
         self.mesh.run_of.push(self.mesh.runs.len() as u32 - 1);
         self.mesh.boundaries.push(stop);
-        let (middle, half) = self.mesh.cell(cell);
-        let mut known = self.known(middle, half);
-        self.blocks.add_history(&self.mesh, cell, &self.values, &self.density, &mut known);
-        let mut values = [0.0; NODES];
-        apply(self.inverse(half), &known, &mut values);
-        let coefficients = RULE.coefficients(&values);
-        let missing = tail(&coefficients);
-        let rounding = 4.0 * f64::EPSILON * values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-        let coarse = missing > self.accuracy.density.max(rounding) && missing * half > self.accuracy.mass;
-        if coarse || missing.is_nan() {
+        let Some((values, missing)) = self.resolved(cell) else {
             self.mesh.run_of.pop();
             self.mesh.boundaries.pop();
             return None;
-        }
-        self.tail = self.tail.max(missing.min(missing * half / self.accuracy.mass * self.accuracy.density));
+        };
         self.values.push(values);
         self.density.boundaries.push(stop);
-        self.density.coefficients.push(coefficients);
-        if 2.0 * half > 1.01 * self.base && !self.keeps(middle, half) {
+        self.density.coefficients.push(RULE.coefficients(&values));
+        if 2.0 * self.mesh.cell(cell).1 > 1.01 * self.base && !self.keeps() {
             self.values.pop();
             self.density.boundaries.pop();
             self.density.coefficients.pop();
@@ -235,29 +243,67 @@ impl March<'_> {
             self.mesh.boundaries.pop();
             return None;
         }
-        Some(if missing < rounding { 0.0 } else { missing })
+        Some(missing)
+    }
+
+    /// The density at the Gauss points of the next cell and the size of its tail, 0 where that is rounding; `None` where
+    /// it is not resolved and a narrower cell may do better.
+    fn resolved(&mut self, cell: usize) -> Option<(Nodal, f64)> {
+        let (middle, half) = self.mesh.cell(cell);
+        let known = self.known(cell);
+        let values = self.solved(cell, known);
+        let missing = tail(&RULE.coefficients(&values));
+        let rounding = rounding(&values, middle / half);
+        if missing <= self.accuracy.density.max(rounding) || missing * half <= self.accuracy.mass {
+            let felt = missing * half / self.accuracy.mass * self.accuracy.density;
+            self.tail = self.tail.max(missing.min(felt));
+            return Some((values, if missing < rounding { 0.0 } else { missing }));
+        }
+        (half < NARROWEST * middle).then(|| {
+            let mean = self.known_mass(cell) / (2.0 * half);
+            (self.solved(cell, [mean; NODES]), 0.0)
+        })
     }
 
     /// Whether all that should be in g is there, at the points of the latest cell.
-    fn keeps(&mut self, middle: f64, half: f64) -> bool {
+    fn keeps(&mut self) -> bool {
         let (source, kernel) = self.kept;
-        let mut whole = RULE.nodes.map(|t| {
-            let x = middle + half * t;
-            source.value(x) + struck(kernel.curve(), &self.atoms, x)
-        });
         let cell = self.values.len() - 1;
+        let mut whole = self.mesh.points(cell).map(|(start, offset)| {
+            source.value(start + offset) + struck(kernel.curve(), &self.atoms, (start, offset))
+        });
         self.kept_blocks.add_history(&self.mesh, cell, &self.values, &self.density, &mut whole);
         whole.iter().all(|w| (w - 1.0).abs() <= self.accuracy.kept)
     }
 
     /// Source and atoms at the Gauss points of a cell.
-    fn known(&self, middle: f64, half: f64) -> Nodal {
-        RULE.nodes.map(|t| {
-            let x = middle + half * t;
-            let shifted: f64 =
-                self.kernel_atoms.iter().map(|a| a.weight * self.density.value(x - a.position)).sum();
-            self.source.curve().value(x) + struck(self.kernel.curve(), &self.atoms, x) + shifted
+    fn known(&self, cell: usize) -> Nodal {
+        self.mesh.points(cell).map(|(start, offset)| {
+            let shifted = |a: &Atom| a.weight * self.density.value((start - a.position) + offset);
+            self.source.curve().value(start + offset)
+                + struck(self.kernel.curve(), &self.atoms, (start, offset))
+                + self.kernel_atoms.iter().map(shifted).sum::<f64>()
         })
+    }
+
+    /// ∫ over a cell of source and atoms, with what rounding of a break's place may have put before it.
+    fn known_mass(&self, cell: usize) -> f64 {
+        let (low, high) = (self.mesh.boundaries[cell], self.mesh.boundaries[cell + 1]);
+        let low = if low == self.opened { low * (1.0 - ROUNDED) } else { low };
+        let mass = |curve: &Piecewise, a: &Atom| {
+            a.weight * curve.part(low - a.position, high - a.position).integral()
+        };
+        let struck: f64 = self.atoms.iter().map(|a| mass(self.kernel.curve(), a)).sum();
+        let shifted: f64 = self.kernel_atoms.iter().map(|a| mass(&self.density, a)).sum();
+        self.source.curve().part(low, high).integral() + struck + shifted
+    }
+
+    /// The density at the Gauss points of a cell that has yet none, of what is known of it without its history.
+    fn solved(&mut self, cell: usize, mut known: Nodal) -> Nodal {
+        self.blocks.add_history(&self.mesh, cell, &self.values, &self.density, &mut known);
+        let mut values = [0.0; NODES];
+        apply(self.inverse(self.mesh.cell(cell).1), &known, &mut values);
+        values
     }
 
     /// (identity − kernel on the cell itself)⁻¹.

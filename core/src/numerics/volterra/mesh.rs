@@ -1,7 +1,7 @@
 //! The cells of a solution, in runs of equal width, and the past of a run in its own step.
 
 use super::kernel::Kernel;
-use crate::numerics::legendre::{NODES, Nodal, RULE, series};
+use crate::numerics::legendre::{NODES, Nodal, RULE, series, series_at};
 use crate::numerics::piecewise::Piecewise;
 
 /// Consecutive cells of one width.
@@ -29,6 +29,13 @@ impl Mesh {
     pub(super) fn cell(&self, cell: usize) -> (f64, f64) {
         let run = self.runs[self.run_of[cell] as usize];
         (run.start + ((cell - run.first) as f64 + 0.5) * run.width, 0.5 * run.width)
+    }
+
+    /// Gauss points of a cell, each as the start of its run and how far it is from there.
+    pub(super) fn points(&self, cell: usize) -> [(f64, f64); NODES] {
+        let run = self.runs[self.run_of[cell] as usize];
+        let middle = (cell - run.first) as f64 + 0.5;
+        RULE.nodes.map(|t| (run.start, (middle + 0.5 * t) * run.width))
     }
 
     /// ∫₀^x of kernel(x − Y) density(Y), cell by cell.
@@ -84,17 +91,17 @@ impl Past {
     fn new(density: &Piecewise, low: f64, high: f64) -> Self {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let edges = &density.boundaries;
-        // Cells that reach in by rounding alone are none of its own.
-        let sliver = 1e-9 * half;
-        let first = edges.partition_point(|&b| b <= low + sliver).saturating_sub(1);
+        let first = edges.partition_point(|&b| b <= low).saturating_sub(1);
         let mut parts = Vec::new();
-        for cell in first..density.coefficients.len() {
+        for cell in (first..density.coefficients.len()).take_while(|&cell| edges[cell] < high) {
+            let (centre, whole) = density.cell(cell);
             let (a, b) = (edges[cell].max(low), edges[cell + 1].min(high));
-            if edges[cell] >= high - sliver {
-                break;
-            }
             let (m, h) = (0.5 * (a + b), 0.5 * (b - a));
-            parts.push((m, h, density.values_in(cell, &RULE.nodes.map(|t| m + h * t))));
+            // What reaches in by rounding alone is none of its own; the narrowest cell that lies inside is.
+            if h > 1e-9 * whole {
+                let within = RULE.nodes.map(|t| ((m - centre) + h * t) / whole);
+                parts.push((m, h, series_at(&density.coefficients[cell], &within)));
+            }
         }
         if parts.len() == 1 && parts[0].1 > half * (1.0 - 1e-6) {
             return Self { values: parts[0].2, parts: Vec::new(), rough: 0.0 };
