@@ -137,7 +137,9 @@ impl Walk<'_> {
     /// Whether the slider is in balance here at a given drive, but for rounding.
     pub(super) fn is_balanced(&self, drive: f64) -> bool {
         let here = self.look.drive_here();
-        (drive - here).abs() <= ROUNDING * (drive.abs() + self.look.position.abs() + here.abs())
+        // Where all of these are near 0, stretches are still differences of positions as far away as the slider was.
+        let scale = drive.abs() + self.look.position.abs() + here.abs() + self.rest.abs();
+        (drive - here).abs() <= ROUNDING * scale
     }
 
     /// Slides in one direction to the next balance at a fixed drive, from one that is `lost` there or from none.

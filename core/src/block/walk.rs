@@ -51,8 +51,8 @@ pub(super) struct Walk<'a> {
     pub leg_start: Point,
     /// How far the slider may go from where it last was at rest, for each unit of the force imposed.
     reach: f64,
-    rest: f64,
-    pub monitor: &'a mut dyn Monitor,
+    /// Where it was.
+    pub rest: f64,
     turning_points: Vec<f64>,
     /// Length of the way of the drive: all of it, of the legs done.
     path: (f64, f64),
