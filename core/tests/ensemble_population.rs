@@ -42,17 +42,17 @@ fn what_takes_long_with_many_contacts_can_be_stopped() {
     let of_population = |work: &dyn Fn(&mut EnsemblePopulation, &mut Patience) -> Result<()>| {
         asked(|monitor| work(&mut population.clone(), monitor))
     };
-    // Taken from the queue in two slices or more, broken in three, drawn in two more, put in place in two.
-    assert!(of_population(&|population, monitor| population.reset(Forward, monitor)) >= 9);
-    // Seen from the other side before: taken and put in place in two slices each, and taken again.
-    assert!(of_population(&|population, monitor| population.reset(Backward, monitor)) >= 12);
-    // Taken, put in place, thrown onto rungs in twice two and two.
+    // Taken from the rungs in two slices, broken in three, drawn in two more, put in place in two.
+    assert_eq!(of_population(&|population, monitor| population.reset(Forward, monitor)), 9);
+    // Seen from the other side before: mirrored in three slices, put in place in two more.
+    assert_eq!(of_population(&|population, monitor| population.reset(Backward, monitor)), 14);
+    // Taken, mirrored, put in place, thrown onto rungs in twice two and two.
     let turned = of_population(&|population, monitor| {
         let straight = population.way(Backward, &mut ())?;
         population.advance(-straight.length)?;
         population.way(Backward, monitor).map(drop)
     });
-    assert!(turned >= 10, "{turned}");
+    assert_eq!(turned, 13);
     let released = of_population(&|population, monitor| {
         population.hold()?;
         go(population, 2.0);
@@ -65,7 +65,7 @@ fn what_takes_long_with_many_contacts_can_be_stopped() {
         population.recall(monitor)
     });
     // Taken, and put in place in three slices.
-    assert!(recalled >= 5, "{recalled}");
+    assert_eq!(recalled, 5);
 }
 
 /// How often work asks until it does so no more; stopped at any of these, it says so.

@@ -163,7 +163,10 @@ impl EnsemblePopulation {
         self.facing = self.facing.reversed();
         self.position = -self.position;
         let mut contacts = self.queue.drain(monitor)?;
-        contacts.iter_mut().for_each(|contact| *contact = contact.mirrored());
+        for slice in contacts.chunks_mut(SLICE) {
+            report(monitor, 0.0)?;
+            slice.iter_mut().for_each(|contact| *contact = contact.mirrored());
+        }
         self.place(contacts, monitor)
     }
 

@@ -21,6 +21,9 @@ const PERIOD: Duration = Duration::from_millis(50);
 /// Breaks that take less than that, whatever the law.
 const QUICK: usize = 2_000_000;
 
+/// Breaks of a chunk between two reports.
+const PART: usize = 500_000;
+
 /// Bytes that a round of chunks may take, if it is more than one chunk.
 const ROUND_BYTES: usize = 512 << 20;
 
@@ -170,7 +173,7 @@ impl Ensemble {
         let breaks = (expected * self.size as f64 / ROUND as f64).clamp(least, least.max(1e6));
         let chunk = (breaks / expected).ceil() as usize;
         let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
-        let part = (QUICK as f64 / expected).ceil() as usize;
+        let part = (PART as f64 / expected).ceil() as usize;
         Ok(Plan { chunk, part, round, expected: expected as usize })
     }
 

@@ -148,10 +148,12 @@ impl Queue {
     /// Takes every contact, in no order.
     pub(super) fn drain(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<Contact>> {
         let mut queue = mem::take(self);
-        let mut contacts = queue.near;
+        // What is most of it where it has been put in place and not yet been needed.
+        let mut contacts = queue.beyond;
+        contacts.append(&mut queue.near);
         contacts.extend(queue.late);
-        let mut told = 0;
-        for rung in queue.rungs.iter_mut().chain([&mut queue.beyond]) {
+        let mut told = contacts.len();
+        for rung in &mut queue.rungs {
             contacts.append(rung);
             if contacts.len() > told + SLICE {
                 told = contacts.len();
