@@ -117,7 +117,7 @@ fn ways(criterion: &mut Criterion) {
 fn advance(stock: &mut Stock, mut by: f64) {
     let direction = if by > 0.0 { Direction::Forward } else { Direction::Backward };
     while by != 0.0 {
-        let step = direction.sign() * stock.way(direction).unwrap().length.min(by.abs());
+        let step = direction.sign() * stock.way(direction, &mut ()).unwrap().length.min(by.abs());
         stock.advance(step).unwrap();
         by -= step;
     }

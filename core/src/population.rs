@@ -68,7 +68,8 @@ pub struct Books {
 
 /// Contacts that move together.
 ///
-/// Forces are totals, in the unit of stiffness × length; positions X are lengths.
+/// Forces are totals, in the unit of stiffness × length; positions X are lengths. What may take long asks a monitor,
+/// and tells it nothing of how much is done; where that stops it, the population is of no use any more.
 pub trait Population: Send {
     /// Position X of the slider's bottom.
     fn position(&self) -> f64;
@@ -77,8 +78,8 @@ pub trait Population: Send {
     ///
     /// # Errors
     /// What looking further ahead may run into: accuracy not reached, too many point masses; a way that contacts at a
-    /// constant velocity cannot be followed on.
-    fn way(&mut self, direction: Direction) -> Result<Way>;
+    /// constant velocity cannot be followed on; stopped by the monitor.
+    fn way(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<Way>;
 
     /// The response after a move of `by` (negative: backward) on the way last asked for in that direction;
     /// nothing moves. At the end of the way the left limit, before anything breaks there.
@@ -96,13 +97,13 @@ pub trait Population: Send {
     ///
     /// # Errors
     /// Those of [`Population::way`].
-    fn cross(&mut self) -> Result<()>;
+    fn cross(&mut self, monitor: &mut dyn Monitor) -> Result<()>;
 
     /// Breaks every contact that holds; all re-form as after a break in `direction`, those held free too, and
     /// nothing is held any more. The position stays.
     ///
     /// # Errors
-    /// Those of [`Population::way`]; stopped by the monitor, after which the population is of no use.
+    /// Those of [`Population::way`].
     fn reset(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<()>;
 
     /// From now on what breaks stays free and carries nothing, until [`Population::release`].
@@ -115,7 +116,16 @@ pub trait Population: Send {
     ///
     /// # Errors
     /// Those of [`Population::way`].
-    fn release(&mut self) -> Result<()>;
+    fn release(&mut self, monitor: &mut dyn Monitor) -> Result<()>;
+
+    /// Marks the present state, in place of the one marked before.
+    fn mark(&mut self);
+
+    /// Comes back to the state that is marked, if one is, and takes the mark away.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    fn recall(&mut self, monitor: &mut dyn Monitor) -> Result<()>;
 
     /// Energies and breaks.
     fn books(&self) -> Books;

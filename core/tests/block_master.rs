@@ -118,6 +118,16 @@ fn a_straight_way_back_may_be_as_long_as_lives() {
 }
 
 /// A slider that turns back meets every break, wherever the solution had ended before it was continued.
+/// Where all contacts slip from one side of X = 0 to relaxed ones at X = X_T = 0, nothing there has a size by which to
+/// tell rounding.
+#[test]
+fn a_slip_may_end_at_the_origin() {
+    let run = pull(&mut relaxed(0.01, 1e-9), 0.3, Slip::Arrest, &[9.0, -5.0, 8.0]);
+    let ends = run.events.iter().map(|event| event.after.position.abs()).filter(|x| *x < 1e-9);
+    assert_eq!((run.events.len(), ends.count()), (7, 2));
+    near(run.energy.imbalance(), 0.0, 1e-8);
+}
+
 #[test]
 fn no_break_is_passed_over() {
     let unstretched = point(0.0);

@@ -6,13 +6,13 @@ mod common;
 use std::iter::repeat_with;
 use std::ops::ControlFlow;
 
-use asperity::Error;
 use asperity::contacts::{Contacts, Initial, Start, Stiffness};
 use asperity::ensemble::{Disorder, Ensemble, EnsemblePopulation, Snapshots};
 use asperity::law::SharedLaw;
 use asperity::monitor::Monitor;
 use asperity::population::{Direction, Population};
 use asperity::random::{Purpose, Stream};
+use asperity::{Error, Result};
 use common::{contacts, exponential, gamma, gaussian, initial, master, mixture, point, rectangular, weibull};
 
 use Direction::{Backward, Forward};
@@ -32,22 +32,81 @@ impl Monitor for Patience {
 }
 
 #[test]
-fn drawing_and_resetting_many_contacts_can_be_stopped() {
+fn what_takes_long_with_many_contacts_can_be_stopped() {
     let contacts = contacts(&gaussian(1.0, 0.1), &point(0.0));
     // Two slices of contacts and a bit.
     let ensemble = Ensemble::new(contacts, initial(&point(0.0)), 600_000, 1, Disorder::Annealed).unwrap();
-    let drawn = |times: u32| ensemble.population(&mut Patience(times));
-    // Drawn in three slices, put in place in three.
-    assert!((1..=6).all(|times| matches!(drawn(times), Err(Error::Stopped))));
-    let mut population = drawn(7).unwrap();
-    let resets = |population: &mut EnsemblePopulation, direction: Direction, times: u32| {
-        population.reset(direction, &mut Patience(times)).is_ok()
+    // Drawn in three slices, put in place in two more, thrown onto rungs in twice two and, as they move, two.
+    assert_eq!(asked(|monitor| ensemble.population(monitor).map(drop)), 11);
+    let population = ensemble.population(&mut ()).unwrap();
+    let of_population = |work: &dyn Fn(&mut EnsemblePopulation, &mut Patience) -> Result<()>| {
+        asked(|monitor| work(&mut population.clone(), monitor))
     };
-    // Broken in three slices, drawn in two more, put in place in two.
-    let asked = (1..=20).find(|&times| resets(&mut population.clone(), Forward, times));
-    assert_eq!(asked, Some(8));
-    assert!(resets(&mut population, Forward, 8));
-    assert_eq!(population.books().broken, 1.0);
+    // Taken from the rungs in two slices, broken in three, drawn in two more, put in place in two.
+    assert_eq!(of_population(&|population, monitor| population.reset(Forward, monitor)), 9);
+    // Seen from the other side before: mirrored in three slices, put in place in two more.
+    assert_eq!(of_population(&|population, monitor| population.reset(Backward, monitor)), 14);
+    // Taken, mirrored, put in place, thrown onto rungs in twice two and two.
+    let turned = of_population(&|population, monitor| {
+        let straight = population.way(Backward, &mut ())?;
+        population.advance(-straight.length)?;
+        population.way(Backward, monitor).map(drop)
+    });
+    assert_eq!(turned, 13);
+    let released = of_population(&|population, monitor| {
+        population.hold()?;
+        go(population, 2.0);
+        population.release(monitor)
+    });
+    // Drawn in two slices more, put in place in two.
+    assert_eq!(released, 4);
+    let recalled = of_population(&|population, monitor| {
+        population.mark();
+        population.recall(monitor)
+    });
+    // Taken, and put in place in three slices.
+    assert_eq!(recalled, 5);
+}
+
+/// How often work asks until it does so no more; stopped at any of these, it says so.
+fn asked(work: impl Fn(&mut Patience) -> Result<()>) -> u32 {
+    let times = (1..100).find(|&times| match work(&mut Patience(times)) {
+        Ok(()) => true,
+        Err(stopped) => {
+            assert_eq!(stopped, Error::Stopped);
+            false
+        }
+    });
+    times.unwrap() - 1
+}
+
+/// What is marked comes back: after breaks forth and back, while some contacts are free, and all of it goes on as if
+/// nothing had been.
+#[test]
+fn what_is_marked_comes_back() {
+    for case in cases() {
+        let mut population = case.population();
+        go(&mut population, 1.3);
+        population.hold().unwrap();
+        go(&mut population, 1.5);
+        let mut copy = population.copy();
+        population.mark();
+        go(&mut population, -1.0);
+        population.release(&mut ()).unwrap();
+        go(&mut population, 2.0);
+        population.reset(Backward, &mut ()).unwrap();
+        go(&mut population, 0.7);
+        population.recall(&mut ()).unwrap();
+        for moved in [&mut population as &mut dyn Population, copy.as_mut()] {
+            assert_eq!(moved.position(), 1.5);
+            moved.release(&mut ()).unwrap();
+            go(moved, 3.0);
+            go(moved, -1.0);
+        }
+        assert_eq!(population.ahead(0.0), copy.ahead(0.0));
+        assert_eq!(population.books(), copy.books());
+        assert_eq!(population.way(Backward, &mut ()).unwrap(), copy.way(Backward, &mut ()).unwrap());
+    }
 }
 
 /// An ensemble's description: relaxed contacts of equal stiffness, 1 in all, unless changed.
@@ -113,13 +172,13 @@ fn step(population: &mut dyn Population, position: f64) -> f64 {
     while !arrived(population, position) {
         let rest = position - population.position();
         let direction = if rest < 0.0 { Backward } else { Forward };
-        let way = population.way(direction).unwrap();
+        let way = population.way(direction, &mut ()).unwrap();
         assert!(way.length > 0.0 && way.straight);
         let by = direction.sign() * rest.abs().min(way.length);
         work += 0.5 * by * (population.ahead(0.0).force + population.ahead(by).force);
         population.advance(by).unwrap();
         if way.breaks && by.abs() == way.length {
-            population.cross().unwrap();
+            population.cross(&mut ()).unwrap();
             break;
         }
     }
@@ -130,7 +189,7 @@ fn step(population: &mut dyn Population, position: f64) -> f64 {
 fn to_break(population: &dyn Population, direction: Direction) -> f64 {
     let (mut copy, mut length) = (population.copy(), 0.0);
     loop {
-        let way = copy.way(direction).unwrap();
+        let way = copy.way(direction, &mut ()).unwrap();
         length += way.length;
         if way.breaks || way.length.is_infinite() {
             return length;
@@ -377,7 +436,7 @@ fn event_by_event_it_is_contacts_moved_one_by_one() {
                     singles.held = true;
                 }
                 Move::Release => {
-                    population.release().unwrap();
+                    population.release(&mut ()).unwrap();
                     singles.held = false;
                     singles.reform_free();
                 }
@@ -406,7 +465,7 @@ fn work_is_stored_or_lost() {
             match *event {
                 Move::To(position) => work += go(&mut population, position),
                 Move::Hold => population.hold().unwrap(),
-                Move::Release => population.release().unwrap(),
+                Move::Release => population.release(&mut ()).unwrap(),
                 Move::Reset(direction) => population.reset(direction, &mut ()).unwrap(),
             }
             let books = population.books();
@@ -448,14 +507,14 @@ fn a_copy_goes_on_with_the_same_bits() {
         }
         let mut copy = population.copy();
         for moved in [&mut population as &mut dyn Population, copy.as_mut()] {
-            moved.release().unwrap();
+            moved.release(&mut ()).unwrap();
             go(moved, 3.0);
             moved.reset(Backward, &mut ()).unwrap();
             go(moved, -2.0);
         }
         assert_eq!(population.ahead(0.0), copy.ahead(0.0));
         assert_eq!(population.books(), copy.books());
-        assert_eq!(population.way(Forward).unwrap(), copy.way(Forward).unwrap());
+        assert_eq!(population.way(Forward, &mut ()).unwrap(), copy.way(Forward, &mut ()).unwrap());
     }
 }
 
@@ -478,20 +537,20 @@ fn same_bits_on_any_number_of_threads() {
 #[test]
 fn identical_contacts_break_together() {
     let mut population = Case { reforming: point(0.25), ..Case::of(point(1.0)) }.population();
-    let way = population.way(Forward).unwrap();
+    let way = population.way(Forward, &mut ()).unwrap();
     assert_eq!((way.length, population.ahead(way.length).force), (1.0, 1.0));
     population.advance(way.length).unwrap();
     assert_eq!(
         (population.position(), population.ahead(0.0).force, population.books().broken),
         (1.0, 1.0, 0.0)
     );
-    population.cross().unwrap();
+    population.cross(&mut ()).unwrap();
     // Half of them lost ½, and keep ½ · ¼².
     assert_eq!((population.position(), population.ahead(0.0).force), (1.0, 0.25));
     let books = population.books();
     assert_eq!((books.broken, books.elastic, books.lost), (1.0, 0.03125, 0.46875));
-    assert_eq!(population.way(Forward).unwrap().length, 0.75);
-    assert_eq!(population.way(Backward).unwrap().length, 1.25);
+    assert_eq!(population.way(Forward, &mut ()).unwrap().length, 0.75);
+    assert_eq!(population.way(Backward, &mut ()).unwrap().length, 1.25);
 }
 
 /// What stands at its threshold holds until it is crossed, and may be taken back.
@@ -500,17 +559,17 @@ fn what_stands_at_its_threshold_may_turn_back() {
     for case in cases() {
         let mut population = case.population();
         let begin = population.books();
-        let way = population.way(Forward).unwrap();
+        let way = population.way(Forward, &mut ()).unwrap();
         let there = population.ahead(way.length).force;
         population.advance(way.length).unwrap();
-        population.way(Backward).unwrap();
+        population.way(Backward, &mut ()).unwrap();
         population.advance(-0.5 * way.length).unwrap();
         assert_eq!(population.books().broken, begin.broken);
-        let way = population.way(Forward).unwrap();
+        let way = population.way(Forward, &mut ()).unwrap();
         population.advance(way.length).unwrap();
         // Roundings of a sum of 200 stretches.
         close(population.ahead(0.0).force, there, 1e-14);
-        population.cross().unwrap();
+        population.cross(&mut ()).unwrap();
         assert!(population.books().broken > begin.broken);
     }
 }
@@ -522,12 +581,12 @@ fn no_contact_breaks_twice_at_one_position() {
     let mut population = case.population();
     population.hold().unwrap();
     go(&mut population, 1000.0);
-    assert_eq!(population.way(Forward).unwrap().length, f64::INFINITY);
-    population.release().unwrap();
+    assert_eq!(population.way(Forward, &mut ()).unwrap().length, f64::INFINITY);
+    population.release(&mut ()).unwrap();
     for breaks in 2..100 {
-        let (position, way) = (population.position(), population.way(Forward).unwrap());
+        let (position, way) = (population.position(), population.way(Forward, &mut ()).unwrap());
         population.advance(way.length).unwrap();
-        population.cross().unwrap();
+        population.cross(&mut ()).unwrap();
         assert_eq!(population.position(), position.next_up());
         assert_eq!(population.books().broken, f64::from(breaks));
     }

@@ -222,7 +222,7 @@ fn contacts_at_a_velocity_move_forward_only() {
     let mut work = 0.0;
     let begin = stock.books();
     while stock.position() < 1.4 {
-        let by = stock.way(Direction::Forward).unwrap().length.min(1.4 - stock.position());
+        let by = stock.way(Direction::Forward, &mut ()).unwrap().length.min(1.4 - stock.position());
         work += RULE.integrate(0.0, by, |x| stock.ahead(x).force);
         stock.advance(by).unwrap();
     }
@@ -235,7 +235,7 @@ fn contacts_at_a_velocity_move_forward_only() {
     assert!(stock.advance(-0.1).unwrap_err().to_string().contains("[[protocol]]"));
     assert!(stock.hold().unwrap_err().to_string().contains("contacts.temperature knows time"));
     stock.reset(Direction::Forward, &mut ()).unwrap();
-    stock.way(Direction::Forward).unwrap();
+    stock.way(Direction::Forward, &mut ()).unwrap();
     assert_eq!(stock.ahead(0.0).force, 0.0);
 }
 

@@ -76,7 +76,7 @@ fn unloading_is_a_straight_line_and_loading_again_the_same() {
         let mut stock = stock(&thresholds, &reforming, &start);
         drive(&mut stock, 1.37);
         let departure = force(&mut stock);
-        let way = stock.way(Direction::Backward).unwrap();
+        let way = stock.way(Direction::Backward, &mut ()).unwrap();
         if !way.straight {
             // Some thresholds are as low as the stretches of the newborn.
             assert!(thresholds.quantile(1e-12) < 1e-6, "{thresholds:?}");
@@ -188,7 +188,7 @@ fn contacts_stand_before_they_break_together() {
     let to_the_end = |stock: &mut Stock, direction: Direction, length: f64| {
         let from = stock.position();
         loop {
-            let way = stock.way(direction).unwrap();
+            let way = stock.way(direction, &mut ()).unwrap();
             stock.advance(direction.sign() * way.length).unwrap();
             if way.breaks {
                 break;
@@ -200,30 +200,30 @@ fn contacts_stand_before_they_break_together() {
     to_the_end(&mut stock, Direction::Forward, 1.0);
     stands(&mut stock, 1.0, 0.0);
     // Back without a break, and there again.
-    stock.way(Direction::Backward).unwrap();
+    stock.way(Direction::Backward, &mut ()).unwrap();
     stock.advance(-0.5).unwrap();
     assert!((stock.ahead(0.0).force - 0.5).abs() < 1e-14);
     to_the_end(&mut stock, Direction::Forward, 0.5);
     stands(&mut stock, 1.0, 0.0);
-    stock.cross().unwrap();
+    stock.cross(&mut ()).unwrap();
     assert!(force(&mut stock).abs() < 1e-14 && (stock.books().broken - 1.0).abs() < 1e-14);
     // The other way the straight line itself ends so.
     drive(&mut stock, 1.7);
     to_the_end(&mut stock, Direction::Backward, 1.7);
     stands(&mut stock, -1.0, 1.0);
-    stock.cross().unwrap();
+    stock.cross(&mut ()).unwrap();
     assert!(force(&mut stock).abs() < 1e-14 && (stock.books().broken - 2.0).abs() < 1e-14);
     // Held before they break, they are free.
     to_the_end(&mut stock, Direction::Backward, 1.0);
     stock.hold().unwrap();
     stands(&mut stock, -1.0, 2.0);
-    stock.cross().unwrap();
+    stock.cross(&mut ()).unwrap();
     let books = stock.books();
     assert!((books.lost - 1.5).abs() < 1e-14 && (books.broken - 3.0).abs() < 1e-14 && books.elastic == 0.0);
     assert!((stock.total_probability() - 1.0).abs() < 1e-14);
     drive(&mut stock, -1.5);
     assert_eq!(force(&mut stock), 0.0);
-    stock.release().unwrap();
+    stock.release(&mut ()).unwrap();
     drive(&mut stock, -1.2);
     assert!((force(&mut stock) - 0.3).abs() < 1e-14);
 }
@@ -249,7 +249,7 @@ fn what_breaks_under_hold_stays_free() {
                 assert!((stock.total_probability() - 1.0).abs() < 1e-12);
             }
             let free = 1.0 - since(released, &|u| law.survival(u));
-            stock.release().unwrap();
+            stock.release(&mut ()).unwrap();
             for x in [released, released + 0.4, released + 1.1] {
                 drive(&mut stock, x);
                 let again =
@@ -293,7 +293,7 @@ fn wander(stock: &mut Stock, mut check: impl FnMut(&mut Stock, f64)) {
         work += drive(stock, to);
         check(stock, work);
     }
-    stock.release().unwrap();
+    stock.release(&mut ()).unwrap();
     check(stock, work);
     work += drive(stock, -1.2);
     check(stock, work);

@@ -164,7 +164,7 @@ fn every_way_agrees_with_contacts_one_by_one() {
                 match step {
                     Step::To(to) => drop(drive(&mut stock, *to)),
                     Step::Hold => stock.hold().unwrap(),
-                    Step::Release => stock.release().unwrap(),
+                    Step::Release => stock.release(&mut ()).unwrap(),
                 }
                 let books = stock.books();
                 let found = [force(&mut stock), books.elastic, books.lost, books.broken];

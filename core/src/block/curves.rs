@@ -2,7 +2,7 @@
 
 use super::Loading;
 use super::look::Look;
-use crate::monitor::{Monitor, report};
+use crate::monitor::Monitor;
 use crate::numerics::legendre::{NODES, RULE};
 use crate::numerics::roots::brent_minimum;
 use crate::population::{Direction, Population, Response};
@@ -160,7 +160,7 @@ fn along(
         return Err(Error::invalid("distance", "a finite length above 0", distance));
     }
     let mut copy = population.copy();
-    let mut look = Look::new(copy.as_mut(), Loading::Rigid, Direction::Forward)?;
+    let mut look = Look::new(copy.as_mut(), Loading::Rigid, Direction::Forward, monitor)?;
     let start = look.position;
     for ways in 0_u32.. {
         let left = distance - (look.position - start);
@@ -175,7 +175,7 @@ fn along(
         }
         look.towards(Direction::Forward)?;
         if ways.is_multiple_of(REPORT) {
-            report(monitor, (1.0 - left / distance).clamp(0.0, 1.0))?;
+            look.tell(1.0 - left / distance)?;
         }
     }
     Ok(())

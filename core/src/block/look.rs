@@ -1,7 +1,7 @@
 //! Looking ahead on the way of a population: where a balance is lost, where it is found again.
 
 use crate::Result;
-use crate::monitor::Monitor;
+use crate::monitor::{Aside, Monitor, report};
 use crate::numerics::legendre::{NODES, RULE};
 use crate::numerics::roots::{brent_minimum, brent_root};
 use crate::population::{Books, Direction, Population, Response, Way};
@@ -15,6 +15,8 @@ const MARGINAL: f64 = 1e-9;
 /// drives with its sign, so that backward motion is the mirror image of forward motion.
 pub(super) struct Look<'a> {
     population: &'a mut dyn Population,
+    /// Who is asked where the population takes long.
+    watch: Aside<'a>,
     pub loading: Loading,
     /// How far the slider was moved while no contact held.
     carried: f64,
@@ -31,15 +33,28 @@ pub(super) struct Look<'a> {
 }
 
 impl<'a> Look<'a> {
-    pub fn new(population: &'a mut dyn Population, loading: Loading, direction: Direction) -> Result<Self> {
+    pub fn new(
+        population: &'a mut dyn Population,
+        loading: Loading,
+        direction: Direction,
+        monitor: &'a mut dyn Monitor,
+    ) -> Result<Self> {
         let nothing = Response { force: 0.0, tangent: 0.0 };
         let way = Way { length: f64::INFINITY, straight: true, breaks: false };
         let position = population.position();
         let (here, points) = (nothing, [nothing; NODES]);
         let (carried, current) = (0.0, false);
-        let mut look = Self { population, loading, carried, direction, way, current, here, position, points };
+        let watch = Aside { fraction: 0.0, monitor };
+        let mut look =
+            Self { population, watch, loading, carried, direction, way, current, here, position, points };
         look.towards(direction)?;
         Ok(look)
+    }
+
+    /// Tells the monitor how much is done, or at least as much as before.
+    pub fn tell(&mut self, fraction: f64) -> Result<()> {
+        self.watch.fraction = fraction.clamp(self.watch.fraction, 1.0);
+        report(self.watch.monitor, self.watch.fraction)
     }
 
     /// Looks ahead from here.
@@ -47,7 +62,7 @@ impl<'a> Look<'a> {
         if self.current && self.direction == direction {
             return Ok(());
         }
-        self.way = self.population.way(direction)?;
+        self.way = self.population.way(direction, &mut self.watch)?;
         (self.direction, self.current) = (direction, true);
         self.here = self.population.ahead(0.0);
         if !self.way.straight {
@@ -76,13 +91,13 @@ impl<'a> Look<'a> {
     /// Breaks what stands at the end of the way.
     pub fn cross(&mut self) -> Result<()> {
         self.current = false;
-        self.population.cross()
+        self.population.cross(&mut self.watch)
     }
 
     /// Breaks all contacts.
-    pub fn reset(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
+    pub fn reset(&mut self) -> Result<()> {
         self.current = false;
-        self.population.reset(self.direction, monitor)
+        self.population.reset(self.direction, &mut self.watch)
     }
 
     /// Lets what breaks stay free.
@@ -94,7 +109,20 @@ impl<'a> Look<'a> {
     /// Lets what is free re-form.
     pub fn release(&mut self) -> Result<()> {
         self.current = false;
-        self.population.release()
+        self.population.release(&mut self.watch)
+    }
+
+    /// Marks the state of the contacts.
+    pub fn mark(&mut self) {
+        self.population.mark();
+    }
+
+    /// Comes back to where the state was marked.
+    pub fn recall(&mut self) -> Result<()> {
+        self.current = false;
+        self.population.recall(&mut self.watch)?;
+        self.position = self.population.position() + self.carried;
+        Ok(())
     }
 
     /// Energies and breaks of the contacts.

@@ -70,7 +70,7 @@ impl Block {
     /// A slider pulled by `loading`.
     ///
     /// `slip_fraction`: an event in which a larger share of the contacts breaks is a slip, what is smaller enters
-    /// the statistics of sizes alone. `None`: every event in which the slider moves a finite way, as it should be
+    /// the statistics of sizes alone, its contacts re-forming as they break. `None`: every event in which the slider moves a finite way, as it should be
     /// for the master equation, whose contacts break one after another without any event.
     ///
     /// # Errors

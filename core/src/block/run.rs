@@ -4,7 +4,7 @@ use super::events::{self, Event, Sizes};
 use super::trace::{self, Course, Point};
 use super::walk::Walk;
 use super::{Block, Energy, Loading, Regime, Slip, bearable, regime};
-use crate::monitor::{Monitor, report};
+use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
 use crate::record::{Quantity, Record};
 use crate::{Error, Result};
@@ -102,7 +102,7 @@ pub(super) fn pull(
     }
     if end == End::Reached {
         walk.close();
-        report(walk.monitor, 1.0)?;
+        walk.look.tell(1.0)?;
     }
     let stretch = walk.trace.iter().fold(0.0, |most: f64, point| most.max(point.force.abs())) / unloading;
     let regime = regime::tell(&walk.events[first..], walk.leg_start, walk.point(), stretch, end);

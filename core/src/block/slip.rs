@@ -3,7 +3,7 @@
 use super::events::Event;
 use super::inertia::Swung;
 use super::walk::Walk;
-use super::{Loading, Point, Slip};
+use super::{Energy, Loading, Point, Slip};
 use crate::Result;
 use crate::population::Direction;
 
@@ -29,6 +29,10 @@ impl Walk<'_> {
         let drive = before.drive;
         let approach = self.closed(drive);
         self.approach += approach;
+        if breaks && self.dies_out(drive, direction)? {
+            self.account(before, self.look.position, self.broken());
+            return Ok(true);
+        }
         if self.holds(breaks) {
             self.look.hold()?;
         }
@@ -41,6 +45,25 @@ impl Walk<'_> {
         let Some(turn) = self.slip(drive, pushed, !breaks)? else { return Ok(false) };
         self.account(before, turn, self.broken());
         Ok(true)
+    }
+
+    /// In `arrest`, whether the contacts that break here take along no more than may break without a slip; if they do,
+    /// all is as it was before them.
+    ///
+    /// Until there is a slip contacts re-form as they break: held free from here on they would begin one before its time.
+    fn dies_out(&mut self, drive: f64, direction: Direction) -> Result<bool> {
+        let Some(most) = self.block.slip_fraction.filter(|_| self.block.slip == Slip::Arrest) else {
+            return Ok(false);
+        };
+        self.look.mark();
+        self.look.cross()?;
+        let next = self.pushed(drive, direction)?;
+        if self.avalanche(drive, next, most)? == Slid::Balanced && self.broken() <= most {
+            return Ok(true);
+        }
+        self.look.recall()?;
+        self.open = Energy::default();
+        Ok(false)
     }
 
     /// Whether contacts that break at the start of an event stay free: in `arrest` until the slider is at rest, in
@@ -98,23 +121,31 @@ impl Walk<'_> {
     /// Slides until more contacts have broken than a slip needs; then all break, and re-form where the spring meets
     /// their force.
     fn reset(&mut self, drive: f64, direction: Direction) -> Result<bool> {
-        if let Some(most) = self.block.slip_fraction {
-            let mut next = Some(direction);
-            while let Some(direction) = next {
-                match self.slide(drive, direction, false, Some(most))? {
-                    Slid::Away => return Ok(false),
-                    Slid::Exceeded => return self.renew(drive, direction),
-                    Slid::Balanced => next = self.pushed(drive, direction)?,
-                }
-            }
-            return Ok(true);
+        let slid = match self.block.slip_fraction {
+            Some(most) => self.avalanche(drive, Some(direction), most)?,
+            None => Slid::Exceeded,
+        };
+        match slid {
+            Slid::Balanced => Ok(true),
+            Slid::Exceeded => self.renew(drive),
+            Slid::Away => Ok(false),
         }
-        self.renew(drive, direction)
     }
 
-    fn renew(&mut self, drive: f64, direction: Direction) -> Result<bool> {
-        let loading = self.look.loading;
-        self.break_all()?;
+    /// Slides without inertia, in one direction after the other, until there is balance or `most` is exceeded.
+    fn avalanche(&mut self, drive: f64, mut next: Option<Direction>, most: f64) -> Result<Slid> {
+        while let Some(direction) = next {
+            match self.slide(drive, direction, false, Some(most))? {
+                Slid::Balanced => next = self.pushed(drive, direction)?,
+                end => return Ok(end),
+            }
+        }
+        Ok(Slid::Balanced)
+    }
+
+    fn renew(&mut self, drive: f64) -> Result<bool> {
+        let (loading, direction) = (self.look.loading, self.look.direction);
+        self.look.reset()?;
         self.look.towards(direction)?;
         let Loading::Spring(stiffness) = loading else { return Ok(false) };
         let position = drive - self.look.here.force / stiffness;
@@ -137,7 +168,9 @@ impl Walk<'_> {
     /// Whether the slider is in balance here at a given drive, but for rounding.
     pub(super) fn is_balanced(&self, drive: f64) -> bool {
         let here = self.look.drive_here();
-        (drive - here).abs() <= ROUNDING * (drive.abs() + self.look.position.abs() + here.abs())
+        // Where all of these are near 0, stretches are still differences of positions as far away as the slider was.
+        let scale = drive.abs() + self.look.position.abs() + here.abs() + self.rest.abs();
+        (drive - here).abs() <= ROUNDING * scale
     }
 
     /// Slides in one direction to the next balance at a fixed drive, from one that is `lost` there or from none.

@@ -6,7 +6,7 @@ use super::run::length;
 use super::trace::{Course, Point};
 use super::{Block, Energy, Loading};
 use crate::Result;
-use crate::monitor::{Aside, Monitor, report};
+use crate::monitor::Monitor;
 use crate::population::{Books, Direction, Population};
 
 /// Ways between two reports to the monitor.
@@ -51,12 +51,11 @@ pub(super) struct Walk<'a> {
     pub leg_start: Point,
     /// How far the slider may go from where it last was at rest, for each unit of the force imposed.
     reach: f64,
-    rest: f64,
-    pub monitor: &'a mut dyn Monitor,
+    /// Where it was.
+    pub rest: f64,
     turning_points: Vec<f64>,
     /// Length of the way of the drive: all of it, of the legs done.
     path: (f64, f64),
-    told: f64,
     ways: u32,
 }
 
@@ -67,7 +66,7 @@ impl<'a> Walk<'a> {
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
         let books = population.books();
-        let look = Look::new(population, block.loading, Direction::Forward)?;
+        let look = Look::new(population, block.loading, Direction::Forward, monitor)?;
         let drive = look.drive_here();
         let (position, force) = (look.position, look.here.force);
         let leg_start = Point { drive, position, force, spring_force: force };
@@ -87,10 +86,8 @@ impl<'a> Walk<'a> {
             leg_start,
             reach: f64::INFINITY,
             rest: position,
-            monitor,
             turning_points: Vec::new(),
             path: (0.0, 0.0),
-            told: 0.0,
             ways: 0,
         })
     }
@@ -127,15 +124,9 @@ impl<'a> Walk<'a> {
         if self.ways >= REPORT {
             self.ways = 0;
             let done = self.path.1 + (self.drive() - self.leg_start.drive).abs();
-            self.told = (done / self.path.0).clamp(self.told, 1.0);
-            report(self.monitor, self.told)?;
+            self.look.tell(done / self.path.0)?;
         }
         self.look.towards(direction)
-    }
-
-    /// Breaks all contacts.
-    pub fn break_all(&mut self) -> Result<()> {
-        self.look.reset(&mut Aside { fraction: self.told, monitor: self.monitor })
     }
 
     /// Brings the drive through the values asked for; where the slider runs away on the way, from where.

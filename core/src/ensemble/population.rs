@@ -1,10 +1,13 @@
 //! The contacts of an ensemble under one slider that may turn back, from break to break.
 
+mod mark;
+
+use mark::Mark;
 use rayon::prelude::*;
 
 use super::Ensemble;
 use super::lives::Lives;
-use super::queue::{Contact, Queue};
+use super::queue::{Contact, Queue, SLICE};
 use super::sums::Sums;
 use crate::contacts::Stiffness;
 use crate::monitor::{Aside, Monitor, report};
@@ -17,9 +20,6 @@ const BYTES: usize = 16 << 30;
 
 /// Contacts drawn together by one thread.
 const CHUNK: usize = 1 << 12;
-
-/// Contacts dealt with between two reports to a monitor.
-const SLICE: usize = 1 << 18;
 
 /// Mean thresholds that the slider may go before the sums are made anew: so rarely that it costs nothing, so often
 /// that cancellation takes no more than two digits.
@@ -56,6 +56,7 @@ pub struct EnsemblePopulation {
     span: f64,
     lost: Compensated,
     breaks: u64,
+    marked: Option<Mark>,
     /// From sums over the ensemble to the real contacts.
     scale: f64,
 }
@@ -90,11 +91,13 @@ impl Ensemble {
             span: SPAN * self.contacts.thresholds.mean(),
             lost: Compensated::default(),
             breaks: 0,
+            marked: None,
             scale: unit * self.contacts.count / self.size as f64,
         };
         let contacts = newborn(&population.lives, self.size, monitor)?;
-        population.place(contacts, &mut Aside { fraction: 1.0, monitor })?;
-        population.cross()?;
+        let mut aside = Aside { fraction: 1.0, monitor };
+        population.place(contacts, &mut aside)?;
+        population.cross(&mut aside)?;
         Ok(population)
     }
 }
@@ -140,7 +143,9 @@ impl EnsemblePopulation {
         self.sums.renew(self.position, [].iter());
         self.back = f64::NEG_INFINITY;
         for (done, slice) in contacts.chunks(SLICE).enumerate() {
-            report(monitor, (done * SLICE) as f64 / contacts.len() as f64)?;
+            if done > 0 {
+                report(monitor, 0.0)?;
+            }
             slice.iter().for_each(|contact| self.sums.add(contact));
             self.back = slice.iter().map(Contact::back).fold(self.back, f64::max);
         }
@@ -157,17 +162,20 @@ impl EnsemblePopulation {
     fn turn(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         self.facing = self.facing.reversed();
         self.position = -self.position;
-        let mut contacts = self.queue.drain();
-        contacts.iter_mut().for_each(|contact| contact.origin = -contact.origin);
+        let mut contacts = self.queue.drain(monitor)?;
+        for slice in contacts.chunks_mut(SLICE) {
+            report(monitor, 0.0)?;
+            slice.iter_mut().for_each(|contact| *contact = contact.mirrored());
+        }
         self.place(contacts, monitor)
     }
 
     /// Where the next break is ahead.
     ///
     /// A contact that re-formed within rounding of its threshold breaks one number further on.
-    fn end(&mut self) -> f64 {
-        let end = self.queue.first().map(Contact::end);
-        end.map_or(f64::INFINITY, |end| end.max(self.position.next_up()))
+    fn end(&mut self, monitor: &mut dyn Monitor) -> Result<f64> {
+        let end = self.queue.first(monitor)?.map(Contact::end);
+        Ok(end.map_or(f64::INFINITY, |end| end.max(self.position.next_up())))
     }
 
     /// A break, which leaves the contact free.
@@ -176,15 +184,17 @@ impl EnsemblePopulation {
         self.sums.remove(contact);
         self.lost.add(self.sums.energy(contact, self.position));
         self.breaks += 1;
+        if let Some(mark) = &mut self.marked {
+            mark.hear(contact, self.facing);
+        }
     }
 
-    /// Re-forms what is free; the monitor hears how much of it, between the fraction `from` and 1.
-    fn join(&mut self, from: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    /// Re-forms what is free.
+    fn join(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let (lives, position) = (&mut self.lives, self.position);
-        let each = (1.0 - from) / (2 * self.free.len().max(1)) as f64;
         for (done, slice) in self.free.chunks_mut(SLICE).enumerate() {
             if done > 0 {
-                report(monitor, from + each * (done * SLICE) as f64)?;
+                report(monitor, 0.0)?;
             }
             if slice.len() < CHUNK {
                 slice.iter_mut().for_each(|contact| reform(contact, lives, position));
@@ -197,7 +207,7 @@ impl EnsemblePopulation {
         }
         for (done, contact) in self.free.drain(..).enumerate() {
             if done % SLICE == SLICE - 1 {
-                report(monitor, 0.5 * (1.0 + from) + each * done as f64)?;
+                report(monitor, 0.0)?;
             }
             self.lost.add(-self.sums.energy(&contact, position));
             self.sums.add(&contact);
@@ -214,7 +224,7 @@ impl Population for EnsemblePopulation {
         self.facing.sign() * self.position
     }
 
-    fn way(&mut self, direction: Direction) -> Result<Way> {
+    fn way(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<Way> {
         if direction != self.facing {
             if self.position <= self.back {
                 self.look_back();
@@ -222,9 +232,9 @@ impl Population for EnsemblePopulation {
             if self.position > self.back {
                 return Ok(Way { length: self.position - self.back, straight: true, breaks: false });
             }
-            self.turn(&mut ())?;
+            self.turn(monitor)?;
         }
-        let end = self.end();
+        let end = self.end(monitor)?;
         Ok(Way { length: end - self.position, straight: true, breaks: end < f64::INFINITY })
     }
 
@@ -242,7 +252,7 @@ impl Population for EnsemblePopulation {
         self.position = if by < 0.0 {
             (self.position + by).max(self.back)
         } else {
-            let end = self.end();
+            let end = self.end(&mut ())?;
             if by < end - self.position { self.position + by } else { end }
         };
         if (self.position - self.sums.base).abs() > self.span {
@@ -251,27 +261,27 @@ impl Population for EnsemblePopulation {
         Ok(())
     }
 
-    fn cross(&mut self) -> Result<()> {
-        while let Some(contact) = self.queue.pop(self.position) {
+    fn cross(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
+        while let Some(contact) = self.queue.pop(self.position, monitor)? {
             self.part(&contact);
             self.free.push(contact);
         }
-        if self.held { Ok(()) } else { self.join(0.0, &mut ()) }
+        if self.held { Ok(()) } else { self.join(monitor) }
     }
 
     fn reset(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<()> {
         if direction != self.facing {
-            self.turn(&mut Aside { fraction: 0.0, monitor })?;
+            self.turn(monitor)?;
         }
-        let mut contacts = self.queue.drain();
-        for (done, slice) in contacts.chunks(SLICE).enumerate() {
-            report(monitor, (done * SLICE) as f64 / (3 * contacts.len()) as f64)?;
+        let mut contacts = self.queue.drain(monitor)?;
+        for slice in contacts.chunks(SLICE) {
+            report(monitor, 0.0)?;
             slice.iter().for_each(|contact| self.part(contact));
         }
         contacts.append(&mut self.free);
         self.free = contacts;
         (self.back, self.moved, self.held) = (f64::NEG_INFINITY, direction, false);
-        self.join(1.0 / 3.0, monitor)
+        self.join(monitor)
     }
 
     fn hold(&mut self) -> Result<()> {
@@ -279,12 +289,24 @@ impl Population for EnsemblePopulation {
         Ok(())
     }
 
-    fn release(&mut self) -> Result<()> {
+    fn release(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         self.held = false;
         if self.moved != self.facing && !self.free.is_empty() {
-            self.turn(&mut ())?;
+            self.turn(monitor)?;
         }
-        self.join(0.0, &mut ())
+        self.join(monitor)
+    }
+
+    fn mark(&mut self) {
+        let before = self.marked.take();
+        self.marked = Some(Mark::of(self, before));
+    }
+
+    fn recall(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
+        match self.marked.take() {
+            Some(mark) => mark.restore(self, monitor),
+            None => Ok(()),
+        }
     }
 
     fn books(&self) -> Books {
@@ -321,9 +343,9 @@ mod tests {
         let mut population = ensemble.population(&mut ()).unwrap();
         population.span = 50.0;
         while population.books().broken < 45.0 {
-            let way = population.way(Direction::Forward).unwrap();
+            let way = population.way(Direction::Forward, &mut ()).unwrap();
             population.advance(way.length).unwrap();
-            population.cross().unwrap();
+            population.cross(&mut ()).unwrap();
         }
         let (position, mut renewed) = (population.position, population.sums.clone());
         renewed.renew(position, population.queue.iter());

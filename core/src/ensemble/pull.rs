@@ -9,7 +9,7 @@ use super::Ensemble;
 use super::sweep::{Chunk, Sweep};
 use super::tally::{Cell, Different, Equal, Grid, forces};
 use crate::contacts::Stiffness;
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Aside, Monitor, report};
 use crate::{Error, Result};
 
 /// Most chunks of contacts between two reports to the monitor.
@@ -20,6 +20,9 @@ const PERIOD: Duration = Duration::from_millis(50);
 
 /// Breaks that take less than that, whatever the law.
 const QUICK: usize = 2_000_000;
+
+/// Breaks of a chunk between two reports.
+const PART: usize = 500_000;
 
 /// Bytes that a round of chunks may take, if it is more than one chunk.
 const ROUND_BYTES: usize = 512 << 20;
@@ -137,10 +140,15 @@ impl Ensemble {
             let begun = Instant::now();
             let end = self.size.min(done.saturating_add(plan.chunk * round));
             let starts: Vec<usize> = (done..end).step_by(plan.chunk).collect();
-            let chunk = |&start: &usize| sweep.chunk::<C>(start..end.min(start + plan.chunk), plan.expected);
+            let chunk = |&start: &usize| (start..end.min(start + plan.chunk), sweep.nothing());
+            let mut chunks: Vec<(Range<usize>, Chunk<C>)> = starts.par_iter().map(chunk).collect();
+            let mut aside = Aside { fraction: done as f64 / self.size as f64, monitor };
+            sweep.fill(&mut chunks, &plan, &mut aside)?;
             // Summed in the order of contacts, whichever thread was first.
-            let chunks: Vec<Chunk<C>> = starts.par_iter().map(chunk).collect();
-            chunks.iter().for_each(|chunk| total.merge(chunk));
+            for (_, chunk) in &chunks {
+                total.merge(chunk);
+                report(&mut aside, 0.0)?;
+            }
             done = end;
             report(monitor, done as f64 / self.size as f64)?;
             round = plan.next(round, begun.elapsed());
@@ -165,7 +173,8 @@ impl Ensemble {
         let breaks = (expected * self.size as f64 / ROUND as f64).clamp(least, least.max(1e6));
         let chunk = (breaks / expected).ceil() as usize;
         let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
-        Ok(Plan { chunk, round, expected: expected as usize })
+        let part = (PART as f64 / expected).ceil() as usize;
+        Ok(Plan { chunk, part, round, expected: expected as usize })
     }
 
     /// Rough number of breaks of a contact on the way to `distance`, by which the work is cut up.
@@ -176,10 +185,32 @@ impl Ensemble {
     }
 }
 
+impl Sweep<'_> {
+    /// Adds to each chunk the contacts it still lacks, part by part.
+    fn fill<C: Cell>(
+        &self,
+        chunks: &mut [(Range<usize>, Chunk<C>)],
+        plan: &Plan,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
+        while chunks.iter().any(|(left, _)| !left.is_empty()) {
+            report(monitor, 0.0)?;
+            chunks.par_iter_mut().for_each(|(left, chunk)| {
+                let next = left.end.min(left.start + plan.part);
+                self.add(left.start..next, plan.expected, chunk);
+                left.start = next;
+            });
+        }
+        Ok(())
+    }
+}
+
 /// How the work is cut up: nothing of it depends on the machine or on threads.
 struct Plan {
     /// Contacts in a chunk.
     chunk: usize,
+    /// Contacts of a chunk between two reports to the monitor.
+    part: usize,
     /// Most chunks in a round.
     round: usize,
     /// Draws that a contact is expected to need.

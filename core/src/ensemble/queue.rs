@@ -5,12 +5,17 @@ use std::collections::BinaryHeap;
 use std::mem;
 
 use super::lives::Drawn;
+use crate::Result;
+use crate::monitor::{Monitor, report};
 
 /// Contacts on a rung, on average: so few that they are ordered in the nearest cache.
 const PER_RUNG: usize = 32;
 
 /// Most rungs: so few that their ends stay in cache while contacts are thrown onto them.
 const RUNGS: usize = 1 << 14;
+
+/// Contacts dealt with between two questions to a monitor.
+pub(super) const SLICE: usize = 1 << 18;
 
 /// A contact between two breaks: its stretch is `position − origin`.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +31,12 @@ impl Contact {
     #[inline]
     pub(super) fn end(&self) -> f64 {
         self.origin + self.threshold
+    }
+
+    /// Seen from the other direction.
+    #[inline]
+    pub(super) fn mirrored(self) -> Self {
+        Self { origin: -self.origin, ..self }
     }
 
     /// Where it breaks on the way back.
@@ -114,18 +125,20 @@ impl Queue {
 
     /// The contact that breaks first.
     #[inline]
-    pub(super) fn first(&mut self) -> Option<&Contact> {
+    pub(super) fn first(&mut self, monitor: &mut dyn Monitor) -> Result<Option<&Contact>> {
         if self.near.is_empty() {
-            self.descend();
+            self.descend(monitor)?;
         }
-        self.near.last().max(self.late.peek())
+        Ok(self.near.last().max(self.late.peek()))
     }
 
     /// Takes the contact that breaks first, if it does so up to a position.
     #[inline]
-    pub(super) fn pop(&mut self, position: f64) -> Option<Contact> {
-        self.first().filter(|contact| contact.end() <= position)?;
-        if self.late.peek() > self.near.last() { self.late.pop() } else { self.near.pop() }
+    pub(super) fn pop(&mut self, position: f64, monitor: &mut dyn Monitor) -> Result<Option<Contact>> {
+        if self.first(monitor)?.is_none_or(|contact| contact.end() > position) {
+            return Ok(None);
+        }
+        Ok(if self.late.peek() > self.near.last() { self.late.pop() } else { self.near.pop() })
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &Contact> {
@@ -133,38 +146,47 @@ impl Queue {
     }
 
     /// Takes every contact, in no order.
-    pub(super) fn drain(&mut self) -> Vec<Contact> {
-        let mut contacts = mem::take(&mut self.near);
-        contacts.extend(mem::take(&mut self.late));
-        self.rungs.iter_mut().for_each(|rung| contacts.append(rung));
-        contacts.append(&mut self.beyond);
-        *self = Self::default();
-        contacts
+    pub(super) fn drain(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<Contact>> {
+        let mut queue = mem::take(self);
+        // What is most of it where it has been put in place and not yet been needed.
+        let mut contacts = queue.beyond;
+        contacts.append(&mut queue.near);
+        contacts.extend(queue.late);
+        let mut told = contacts.len();
+        for rung in &mut queue.rungs {
+            contacts.append(rung);
+            if contacts.len() > told + SLICE {
+                told = contacts.len();
+                report(monitor, 0.0)?;
+            }
+        }
+        Ok(contacts)
     }
 
     /// Takes the next rung that is not empty, unless something late breaks before.
     #[cold]
-    fn descend(&mut self) {
+    fn descend(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         while self.near.is_empty() && self.late.is_empty() {
             if let Some(rung) = self.rungs.get_mut(self.taken) {
                 self.near = mem::take(rung);
                 self.near.sort_unstable();
                 self.taken += 1;
             } else if self.beyond.is_empty() {
-                return;
+                break;
             } else {
-                self.raise();
+                self.raise(monitor)?;
             }
         }
+        Ok(())
     }
 
     /// Throws what is beyond onto new rungs, from the first break to as far above the mean as that is above the first.
-    fn raise(&mut self) {
+    fn raise(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let (mut low, mut sum) = (f64::INFINITY, 0.0);
-        for contact in &self.beyond {
+        sliced(&self.beyond, monitor, |contact| {
             low = low.min(contact.end());
             sum += contact.end();
-        }
+        })?;
         let rungs = (self.beyond.len() / PER_RUNG).clamp(1, RUNGS);
         let width = 2.0 * (sum / self.beyond.len() as f64 - low) / rungs as f64;
         // Contacts that all break together make it infinite; the first is then on the lowest rung all the same.
@@ -172,15 +194,32 @@ impl Queue {
         self.taken = 0;
         let mut counts = vec![0; rungs];
         let rung = |contact: &Contact| self.ladder.rung(contact);
-        for contact in &self.beyond {
+        sliced(&self.beyond, monitor, |contact| {
             if let Some(count) = counts.get_mut(rung(contact)) {
                 *count += 1;
             }
-        }
+        })?;
         self.rungs.clear();
         self.rungs.extend(counts.into_iter().map(Vec::with_capacity));
-        for contact in self.beyond.extract_if(.., |contact| rung(contact) < rungs) {
+        let thrown = self.beyond.extract_if(.., |contact| rung(contact) < rungs);
+        for (done, contact) in thrown.enumerate() {
+            if done % SLICE == SLICE - 1 {
+                report(monitor, 0.0)?;
+            }
             self.rungs[rung(&contact)].push(contact);
         }
+        Ok(())
     }
+}
+
+/// Visits contacts; a monitor is asked after every slice of them.
+fn sliced(contacts: &[Contact], monitor: &mut dyn Monitor, visit: impl FnMut(&Contact)) -> Result<()> {
+    let mut visit = visit;
+    for slice in contacts.chunks(SLICE) {
+        slice.iter().for_each(&mut visit);
+        if slice.len() == SLICE {
+            report(monitor, 0.0)?;
+        }
+    }
+    Ok(())
 }

@@ -55,14 +55,13 @@ impl Sweep<'_> {
         Chunk { cells, histograms: self.snapshots.histograms(), breaks: 0 }
     }
 
-    pub(super) fn chunk<C: Cell>(&self, contacts: Range<usize>, expected: usize) -> Chunk<C> {
-        let mut chunk = self.nothing();
+    /// Adds contacts to a chunk, each of which is expected to break so many times.
+    pub(super) fn add<C: Cell>(&self, contacts: Range<usize>, expected: usize, chunk: &mut Chunk<C>) {
         let mut lives = Lives::new(self.ensemble, expected);
         for index in contacts {
             let first = lives.first(index as u64);
-            self.follow(first, &mut lives, &mut chunk);
+            self.follow(first, &mut lives, chunk);
         }
-        chunk
     }
 
     /// One contact from X = 0 to the last position.

@@ -38,6 +38,8 @@ pub struct Stock {
     /// Energy lost and breaks before the course, per contact and unit stiffness.
     lost: f64,
     broken: f64,
+    /// The state to come back to.
+    marked: Option<Box<Self>>,
 }
 
 impl MasterEquation {
@@ -65,6 +67,7 @@ impl MasterEquation {
             free: 0.0,
             lost: 0.0,
             broken: 0.0,
+            marked: None,
         })
     }
 }
@@ -244,10 +247,10 @@ impl Population for Stock {
         self.origin + self.direction.sign() * (self.furthest - self.behind)
     }
 
-    fn way(&mut self, direction: Direction) -> Result<Way> {
+    fn way(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<Way> {
         self.looked = direction;
         if self.stands() && (self.holding || self.is_onward(direction)) {
-            self.cross()?;
+            self.cross(monitor)?;
         }
         if self.is_onward(direction) {
             if self.behind > 0.0 {
@@ -289,7 +292,7 @@ impl Population for Stock {
             return Ok(());
         }
         let direction = self.towards(by);
-        let way = self.way(direction)?;
+        let way = self.way(direction, &mut ())?;
         let (by, near) = (by.abs().min(way.length), self.interface.near());
         self.moved = direction;
         if self.is_onward(direction) {
@@ -310,7 +313,7 @@ impl Population for Stock {
         if length > 0.0 { Ok(()) } else { self.go_on(by) }
     }
 
-    fn cross(&mut self) -> Result<()> {
+    fn cross(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
         if !self.stands() {
             return Ok(());
         }
@@ -343,12 +346,12 @@ impl Population for Stock {
         Ok(())
     }
 
-    fn release(&mut self) -> Result<()> {
+    fn release(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         self.holding = false;
         if !self.course.is_held() {
             return Ok(());
         }
-        self.cross()?;
+        self.cross(monitor)?;
         let mut layers = self.layers();
         let free = self.free + self.account().broken;
         let newborn = self.interface.reborn.layers().iter().map(|layer| {
@@ -360,6 +363,18 @@ impl Population for Stock {
         self.settle();
         self.lost -= std::mem::take(&mut self.free) * self.interface.newborn_energy();
         self.begin(Arc::new(course), self.direction);
+        Ok(())
+    }
+
+    fn mark(&mut self) {
+        self.marked = None;
+        self.marked = Some(Box::new(self.clone()));
+    }
+
+    fn recall(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
+        if let Some(marked) = self.marked.take() {
+            *self = *marked;
+        }
         Ok(())
     }
 

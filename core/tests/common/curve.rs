@@ -38,6 +38,7 @@ pub struct ClosedCurve {
     work: f64,
     before: f64,
     broken: f64,
+    marked: Option<Box<Self>>,
 }
 
 /// E[S_n² …] is not needed: for Gaussian thresholds ∫x²Q is the variance plus the square of the force.
@@ -87,6 +88,7 @@ impl ClosedCurve {
             work: 0.0,
             before: 0.0,
             broken: 0.0,
+            marked: None,
         }
     }
 
@@ -115,7 +117,7 @@ impl Population for ClosedCurve {
         self.position
     }
 
-    fn way(&mut self, direction: Direction) -> Result<Way> {
+    fn way(&mut self, direction: Direction, _monitor: &mut dyn Monitor) -> Result<Way> {
         self.looked = direction;
         if self.free {
             return Ok(Way { length: f64::INFINITY, straight: true, breaks: false });
@@ -164,7 +166,7 @@ impl Population for ClosedCurve {
         Ok(())
     }
 
-    fn cross(&mut self) -> Result<()> {
+    fn cross(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
         self.tip = self.tip.next_up();
         self.free = self.held;
         Ok(())
@@ -183,8 +185,20 @@ impl Population for ClosedCurve {
         Ok(())
     }
 
-    fn release(&mut self) -> Result<()> {
+    fn release(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
         (self.held, self.free) = (false, false);
+        Ok(())
+    }
+
+    fn mark(&mut self) {
+        self.marked = None;
+        self.marked = Some(Box::new(self.clone()));
+    }
+
+    fn recall(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
+        if let Some(marked) = self.marked.take() {
+            *self = *marked;
+        }
         Ok(())
     }
 
