@@ -31,6 +31,11 @@ pub enum Slip {
     Overdamped,
     /// Contacts that break stay free until the slider has stopped.
     Arrest,
+    /// The slider moves against a viscous damping alone.
+    Damped {
+        /// Viscous damping, force per velocity, above 0.
+        damping: f64,
+    },
     /// The slider moves by its inertia.
     Inertial {
         /// Mass of the slider, above 0.
@@ -56,6 +61,7 @@ impl From<Slip> for block::Slip {
             Slip::Reset => Self::Reset,
             Slip::Overdamped => Self::Overdamped,
             Slip::Arrest => Self::Arrest,
+            Slip::Damped { damping } => Self::Damped { damping },
             Slip::Inertial { mass, damping } => Self::Inertial { mass, damping },
         }
     }
