@@ -146,8 +146,9 @@ fn the_ensemble_moved_alike_feels_the_same_force() {
     for (i, &time) in times.iter().enumerate() {
         let next = run.trace.partition_point(|moment| moment.time < time * (1.0 - 1e-12));
         let (force, error) = (run.trace[next].force, followed.error[i]);
+        // The tolerance of transport is larger where no contact has broken yet.
         let off = (followed.force[i] - force).abs();
-        assert!(off < 4.0 * error, "{time}: {off} {error}");
+        assert!(off < 4.0 * error + 1e-5, "{time}: {off} {error}");
     }
 }
 

@@ -10,7 +10,7 @@ use crate::{Error, Result};
 #[serde(default, deny_unknown_fields)]
 pub struct MasterEquation {
     /// Error allowed in the force per contact and per ⟨k⟩x̄, from 1e-12 to 1e-2; 1e-10 by default, 1e-7 where the velocity
-    /// varies.
+    /// varies, 1e-4 where a block is moved in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1e-10))]
     pub tolerance: Option<f64>,
@@ -22,6 +22,9 @@ impl MasterEquation {
     /// That allowed where the velocity varies, for which there are methods of low order only.
     pub const TOLERANCE_IN_TIME: f64 = 1e-7;
 
+    /// That allowed where a block is moved in time, whose slips take many short steps.
+    pub const TOLERANCE_OF_A_BLOCK: f64 = 1e-4;
+
     /// The error allowed in a pull at one velocity.
     pub fn tolerance(&self) -> f64 {
         self.tolerance.unwrap_or(Self::TOLERANCE)
@@ -30,6 +33,11 @@ impl MasterEquation {
     /// The error allowed where the velocity varies.
     pub fn tolerance_in_time(&self) -> f64 {
         self.tolerance.unwrap_or(Self::TOLERANCE_IN_TIME)
+    }
+
+    /// The error allowed where a block is moved in time, in a step.
+    pub fn tolerance_of_a_block(&self) -> f64 {
+        self.tolerance.unwrap_or(Self::TOLERANCE_OF_A_BLOCK)
     }
 
     /// Whether every value makes sense.
