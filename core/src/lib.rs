@@ -7,6 +7,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 pub mod block;
+pub mod clocked;
 pub mod contacts;
 pub mod ensemble;
 mod error;

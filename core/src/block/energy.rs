@@ -13,7 +13,7 @@ pub struct Energy {
     pub elastic: f64,
     /// Lost in breaks of contacts.
     pub breaks: f64,
-    /// Lost by the slider in slips: ∫[K(X_T − X) − F] dX where it has no inertia (`overdamped`, `arrest`, the last
+    /// Lost by the slider in slips: ∫[K(X_T − X) − F] dX where it has no inertia (`overdamped`, `damped`, `arrest`, the last
     /// swing of `inertial`), the spring energy released for `reset`.
     pub slip: f64,
     /// Lost by viscous damping, ∫γẊ² dt.

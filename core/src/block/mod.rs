@@ -10,6 +10,7 @@
 //! bottom (K = ∞) and an imposed force (K → 0) are the same with another [`Loading`]; backward motion is the
 //! mirror image of forward motion.
 
+mod clocked;
 mod curves;
 mod energy;
 mod events;
@@ -22,6 +23,7 @@ mod slip;
 mod trace;
 mod walk;
 
+pub use clocked::{Ledger, Moment, Slide, TimedSlip};
 pub use curves::{Curve, critical_stiffness};
 pub use energy::Energy;
 pub use events::{Event, Size, Sizes};
@@ -47,6 +49,11 @@ pub enum Slip {
         /// M > 0, the mass.
         mass: f64,
         /// γ ≥ 0, the damping, force per velocity.
+        damping: f64,
+    },
+    /// By γẊ = K(X_T − X) − F, without mass. At fixed X_T over contacts without time it ends where `Overdamped` does.
+    Damped {
+        /// γ > 0, the damping, force per velocity.
         damping: f64,
     },
     /// On to the next X with F(X) = K(X_T − X), F being that of the contacts that have not broken since the slip
@@ -77,8 +84,12 @@ impl Block {
     /// Stiffness or mass not above 0, damping below 0 or above 10³√(MK); a fraction outside (0, 1].
     pub fn new(loading: Loading, slip: Slip, slip_fraction: Option<f64>) -> Result<Self> {
         loading.check()?;
-        if let Slip::Inertial { mass, damping } = slip {
-            inertial(loading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
+        match slip {
+            Slip::Inertial { mass, damping } => {
+                inertial(loading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
+            }
+            Slip::Damped { damping } => damped(damping).map_err(|e| e.under("slip.damped"))?,
+            Slip::Reset | Slip::Overdamped | Slip::Arrest => {}
         }
         if let Some(fraction) = slip_fraction.filter(|f| !(*f > 0.0 && *f <= 1.0)) {
             return Err(Error::invalid("slip_fraction", "a number above 0, up to 1", fraction));
@@ -122,6 +133,14 @@ fn inertial(loading: Loading, mass: f64, damping: f64) -> Result<()> {
         Loading::Spring(stiffness) => bearable(stiffness, mass, damping),
         Loading::Rigid | Loading::Force => Ok(()),
     }
+}
+
+/// Whether there is a damping.
+fn damped(damping: f64) -> Result<()> {
+    if damping > 0.0 && damping.is_finite() {
+        return Ok(());
+    }
+    Err(Error::invalid("damping", "a finite damping above 0", damping))
 }
 
 /// Whether γ ≤ 10³ √(MK).

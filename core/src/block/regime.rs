@@ -1,7 +1,7 @@
 //! What kind of sliding a drive showed, and why it is called so.
 
+use super::Point;
 use super::run::End;
-use super::{Event, Point};
 
 /// What kind of sliding a drive showed since it last turned. Its text says why, in plain words.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,9 +76,26 @@ const FEWEST_SCATTERED: usize = 6;
 /// Standard errors by which the two halves of scattered sizes may differ.
 const ERRORS: f64 = 3.0;
 
+/// A slip, from one balance to another.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Jump {
+    pub before: Point,
+    pub after: Point,
+}
+
+impl Jump {
+    fn drop(&self) -> f64 {
+        self.before.force - self.after.force
+    }
+
+    fn slip(&self) -> f64 {
+        self.after.position - self.before.position
+    }
+}
+
 /// The regime of the slips of a leg that began at `start` and ended at `last`, with contacts whose mean stretch was
 /// `stretch` at most.
-pub(super) fn tell(events: &[Event], start: Point, last: Point, stretch: f64, end: End) -> Regime {
+pub(super) fn tell(events: &[Jump], start: Point, last: Point, stretch: f64, end: End) -> Regime {
     if end != End::Reached {
         return Regime::Runaway;
     }
@@ -106,13 +123,13 @@ pub(super) fn tell(events: &[Event], start: Point, last: Point, stretch: f64, en
 }
 
 /// The longest way in balance before a slip.
-fn longest_stick(events: &[Event], start: Point) -> f64 {
+fn longest_stick(events: &[Jump], start: Point) -> f64 {
     let rests = std::iter::once(start.position).chain(events.iter().map(|e| e.after.position));
     rests.zip(events).map(|(rest, event)| (event.before.position - rest).abs()).fold(0.0, f64::max)
 }
 
 /// Whether force drops are equal, or scatter without a trend.
-fn steady(events: &[Event]) -> bool {
+fn steady(events: &[Jump]) -> bool {
     let drops: Vec<f64> = events.iter().map(|e| e.drop().abs()).collect();
     let mean = mean(&drops);
     if drops.iter().all(|drop| (drop - mean).abs() <= EQUAL * mean) {
@@ -126,8 +143,8 @@ fn steady(events: &[Event]) -> bool {
     drops.len() >= FEWEST_SCATTERED && (self::mean(earlier) - self::mean(later)).abs() <= ERRORS * error
 }
 
-fn persistent(slips: usize, tail: &[Event]) -> Regime {
-    let column = |f: &dyn Fn(&Event) -> f64| tail.iter().map(f).collect::<Vec<_>>();
+fn persistent(slips: usize, tail: &[Jump]) -> Regime {
+    let column = |f: &dyn Fn(&Jump) -> f64| tail.iter().map(f).collect::<Vec<_>>();
     let advances: Vec<f64> =
         tail.windows(2).map(|pair| (pair[1].before.drive - pair[0].before.drive).abs()).collect();
     let period = mean(&advances);

@@ -1,6 +1,7 @@
 //! A drive through its turning points, and what came of it.
 
 use super::events::{self, Event, Sizes};
+use super::regime::Jump;
 use super::trace::{self, Course, Point};
 use super::walk::Walk;
 use super::{Block, Energy, Loading, Regime, Slip, bearable, regime};
@@ -105,7 +106,9 @@ pub(super) fn pull(
         walk.look.tell(1.0)?;
     }
     let stretch = walk.trace.iter().fold(0.0, |most: f64, point| most.max(point.force.abs())) / unloading;
-    let regime = regime::tell(&walk.events[first..], walk.leg_start, walk.point(), stretch, end);
+    let jumps: Vec<Jump> =
+        walk.events[first..].iter().map(|e| Jump { before: e.before, after: e.after }).collect();
+    let regime = regime::tell(&jumps, walk.leg_start, walk.point(), stretch, end);
     let Walk { trace, events, sizes, course, energy, .. } = walk;
     Ok(StickSlip { trace, events, sizes, course, energy, regime, end, loading: block.loading })
 }

@@ -72,7 +72,7 @@ impl Walk<'_> {
         match self.block.slip {
             Slip::Arrest => true,
             Slip::Reset => breaks && self.block.slip_fraction.is_none(),
-            Slip::Overdamped | Slip::Inertial { .. } => false,
+            Slip::Overdamped | Slip::Damped { .. } | Slip::Inertial { .. } => false,
         }
     }
 
@@ -86,7 +86,9 @@ impl Walk<'_> {
         };
         let calm = match self.block.slip {
             Slip::Reset => self.reset(drive, direction)?,
-            Slip::Overdamped | Slip::Arrest => self.settle(drive, Some(direction), lost)?,
+            Slip::Overdamped | Slip::Damped { .. } | Slip::Arrest => {
+                self.settle(drive, Some(direction), lost)?
+            }
             Slip::Inertial { mass, damping } => {
                 let (next, lost) = match self.swing(drive, direction, mass, damping)? {
                     Swung::Arrested => (self.pushed(drive, direction)?, false),

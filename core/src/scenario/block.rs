@@ -3,9 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::block;
+use crate::Result;
+use crate::block::{self, Loading};
 
-/// A slider whose top, moved by the drive, pulls its bottom through a stiffness.
+/// A slider whose top, moved by the drive or the protocol, pulls its bottom through a stiffness.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Block {
@@ -31,6 +32,11 @@ pub enum Slip {
     Overdamped,
     /// Contacts that break stay free until the slider has stopped.
     Arrest,
+    /// The slider moves against a viscous damping alone.
+    Damped {
+        /// Viscous damping, force per velocity, above 0.
+        damping: f64,
+    },
     /// The slider moves by its inertia.
     Inertial {
         /// Mass of the slider, above 0.
@@ -44,6 +50,17 @@ pub enum Slip {
 impl Block {
     /// The share that must break where nothing is said.
     pub const SLIP_FRACTION: f64 = 0.05;
+
+    /// The slider, to be moved in time.
+    ///
+    /// # Errors
+    /// A stiffness, mass or damping that makes no sense; a rule of slip that limits no velocity.
+    pub fn in_time(&self) -> Result<block::Block> {
+        let slip = block::Slip::from(self.slip);
+        let built =
+            slip.limits().and_then(|_| block::Block::new(Loading::Spring(self.stiffness), slip, None));
+        built.map_err(|e| e.under("block"))
+    }
 }
 
 fn slip_fraction() -> f64 {
@@ -56,6 +73,7 @@ impl From<Slip> for block::Slip {
             Slip::Reset => Self::Reset,
             Slip::Overdamped => Self::Overdamped,
             Slip::Arrest => Self::Arrest,
+            Slip::Damped { damping } => Self::Damped { damping },
             Slip::Inertial { mass, damping } => Self::Inertial { mass, damping },
         }
     }

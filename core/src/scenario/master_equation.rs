@@ -11,7 +11,7 @@ use crate::{Error, Result};
 #[serde(default, deny_unknown_fields)]
 pub struct MasterEquation {
     /// Error allowed in the force per contact and per ⟨k⟩x̄, from 1e-12 to 1e-2; 1e-10 by default, 1e-6 where the velocity
-    /// varies, 1e-4 where thresholds diffuse besides.
+    /// varies, 1e-4 where thresholds diffuse besides or a block is moved in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1e-10))]
     pub tolerance: Option<f64>,
@@ -22,8 +22,8 @@ impl MasterEquation {
     pub const TOLERANCE: f64 = 1e-10;
     /// That allowed where the velocity varies, for which there are methods of low order only, …
     pub const TOLERANCE_IN_TIME: f64 = 1e-6;
-    /// … and where thresholds diffuse besides: each contact has a distribution of its own.
-    pub const TOLERANCE_DIFFUSING: f64 = 1e-4;
+    /// … and where each step costs much, since thresholds diffuse, or slips of a block take many short ones.
+    pub const TOLERANCE_OF_DEAR_STEPS: f64 = 1e-4;
 
     /// The error allowed in a pull at one velocity.
     pub fn tolerance(&self) -> f64 {
@@ -33,7 +33,12 @@ impl MasterEquation {
     /// The error allowed where the velocity of contacts with such rules varies.
     pub fn tolerance_in_time(&self, rules: &Rules) -> f64 {
         let diffusing = matches!(rules.ageing, Some(Ageing::Smoluchowski { .. }));
-        self.tolerance.unwrap_or(if diffusing { Self::TOLERANCE_DIFFUSING } else { Self::TOLERANCE_IN_TIME })
+        self.tolerance.unwrap_or(if diffusing { Self::TOLERANCE_OF_DEAR_STEPS } else { Self::TOLERANCE_IN_TIME })
+    }
+
+    /// The error allowed where a block is moved in time, in a step.
+    pub fn tolerance_of_a_block(&self) -> f64 {
+        self.tolerance.unwrap_or(Self::TOLERANCE_OF_DEAR_STEPS)
     }
 
     /// Whether every value makes sense.

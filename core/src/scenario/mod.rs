@@ -124,11 +124,26 @@ impl Scenario {
     fn check_block(&self, task: Task<'_>) -> Result<()> {
         match (task, &self.block) {
             (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),
+            (Task::Protocol(_), Some(block)) => block.in_time().and_then(|_| self.check_alone()),
             (_, None) => Ok(()),
             (task, Some(_)) => {
                 let found = format!("one with [{}]", task.name());
-                Err(Error::invalid("block", "a block only with the task [drive]", found))
+                Err(Error::invalid("block", "a block only with the tasks [drive] and [[protocol]]", found))
             }
+        }
+    }
+
+    /// Refuses what does not go with a block that is moved in time.
+    fn check_alone(&self) -> Result<()> {
+        let refused = |key: &str, expected: &str| Err(Error::invalid(key, expected, "one"));
+        if self.ensemble.is_some() {
+            let expected =
+                "no ensemble beside a [block] with [[protocol]], whose way follows from the master equation";
+            return refused("ensemble", expected);
+        }
+        match self.compare {
+            Some(_) => refused("compare", "no compared curve beside a [block] with [[protocol]]"),
+            None => Ok(()),
         }
     }
 

@@ -92,7 +92,7 @@ fn onwards(drive: &Drive) -> Result<()> {
 
 /// Refuses contacts that know time where the solver of the task does not.
 fn quasistatic(rule: &str) -> Result<()> {
-    let expected = "contacts that know no time, since balance is followed along the drive alone ([[protocol]] moves a rigid slider in time)";
+    let expected = "contacts that know no time, since balance is followed along the drive alone ([[protocol]] moves a slider in time, through its [block], too)";
     Err(Error::invalid("", expected, format!("contacts.{rule}")))
 }
 

@@ -23,6 +23,9 @@ const SLIP: [&str; 11] = [
     "dissipated_slip",
 ];
 
+/// Names of further columns of slips in time.
+const IN_TIME: [&str; 3] = ["time", "duration", "velocity"];
+
 /// The tables of a record: name and text of each that has any rows.
 pub(super) fn tables(record: &Record) -> impl Iterator<Item = (&'static str, String)> {
     let force = ["position", "force", "breaking_rate"].map(same);
@@ -92,8 +95,11 @@ fn events(record: &Record, prefix: &str) -> Option<String> {
     if column("velocity").is_some() && column("event_drive").is_none() {
         return None;
     }
-    let columns = SLIP.map(|name| (name.to_owned(), format!("{prefix}event_{name}")));
-    let text = table(record, &columns, &[]).unwrap_or_else(|| SLIP.join(",") + "\n");
+    let named = |name: &str| (name.to_owned(), format!("{prefix}event_{name}"));
+    // In time, losses in breaks are not told slip by slip.
+    let known = |name: &&str| column("time").is_none() || *name != "dissipated_breaks";
+    let columns: Vec<_> = SLIP.into_iter().filter(known).map(named).collect();
+    let text = table(record, &columns, &IN_TIME.map(named)).unwrap_or_else(|| SLIP.join(",") + "\n");
     let numbered = text.lines().enumerate().map(|(row, line)| match row {
         0 => format!("event,{line}\n"),
         event => format!("{event},{line}\n"),

@@ -2,7 +2,7 @@
 
 mod time;
 
-use asperity::block::{End, Point, Regime, StickSlip};
+use asperity::block::{End, Point, Regime, Slide, StickSlip};
 use asperity::scenario::{Disorder, Units};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -132,21 +132,33 @@ pub struct Place {
 impl Sliding {
     /// What came of a drive.
     pub fn new(run: &StickSlip) -> Self {
-        let place =
-            |point: &Point| Place { position: point.position, force: point.force, drive: point.drive };
+        let mut sliding =
+            Self::told(run.regime, run.events.len(), run.events.first().map(|event| event.before));
+        if let End::Runaway(point) = run.end {
+            sliding.runaway = Some(point.into());
+        }
+        sliding
+    }
+
+    /// What came of a motion in time.
+    pub fn in_time(run: &Slide) -> Self {
+        Self::told(run.regime, run.slips.len(), run.slips.first().map(|slip| slip.before.point()))
+    }
+
+    fn told(regime: Regime, slips: usize, first: Option<Point>) -> Self {
         let mut sliding = Self {
             regime: Kind::Undecided,
-            reason: run.regime.to_string(),
-            slips: run.events.len(),
+            reason: regime.to_string(),
+            slips,
             period: None,
             mean_drop: None,
             mean_slip: None,
             scatter: None,
-            first_instability: run.events.first().map(|event| place(&event.before)),
+            first_instability: first.map(Place::from),
             runaway: None,
             ensemble: None,
         };
-        sliding.regime = match run.regime {
+        sliding.regime = match regime {
             Regime::Smooth { .. } => Kind::Smooth,
             Regime::Transient { .. } => Kind::Transient,
             Regime::Persistent { period, drop, slip, scatter, .. } => {
@@ -157,10 +169,13 @@ impl Sliding {
             Regime::Runaway => Kind::Runaway,
             Regime::Undecided { .. } => Kind::Undecided,
         };
-        if let End::Runaway(point) = &run.end {
-            sliding.runaway = Some(place(point));
-        }
         sliding
+    }
+}
+
+impl From<Point> for Place {
+    fn from(Point { position, force, drive, .. }: Point) -> Self {
+        Self { position, force, drive }
     }
 }
 

@@ -9,9 +9,9 @@ use asperity::{Error, Result};
 
 use super::hold_curve::peak;
 use super::part::Part;
-use super::{Setting, compare};
+use super::{Setting, compare, sliding};
 use crate::output::LARGEST;
-use crate::summary::{Comparison, RateState, Step, Summary};
+use crate::summary::{Comparison, RateState, Sliding, Step, Summary};
 
 /// Columns of a trace, at most.
 const COLUMNS: usize = 11;
@@ -29,6 +29,9 @@ pub fn run(
 ) -> Result<(Summary, Record)> {
     let Setting { scenario, contacts, initial } = setting;
     fits(task)?;
+    if let Some(block) = &scenario.block {
+        return slide(setting, task, block, monitor);
+    }
     let (history, times) = (task.build()?, task.times());
     let master = if scenario.ensemble.is_some() { 0.5 } else { 1.0 };
     let mut transport = Transport::new(
@@ -48,6 +51,24 @@ pub fn run(
     let steps = told(setting, task, &trace)?;
     let compare = compared(scenario, &trace, &mut record);
     Ok((Summary { steps, compare, ..setting.heading() }, record))
+}
+
+/// Moves the top of a block; its bottom follows.
+fn slide(
+    setting: &Setting<'_>,
+    task: &scenario::Protocol,
+    block: &scenario::Block,
+    monitor: &mut dyn Monitor,
+) -> Result<(Summary, Record)> {
+    let Setting { scenario, contacts, initial } = setting;
+    let tolerance = scenario.master_equation.tolerance_of_a_block();
+    let transport = Transport::new(contacts.clone(), initial, tolerance)?;
+    let length = tolerance * contacts.thresholds.mean();
+    let run = block.in_time()?.follow(&transport, &task.build()?, &task.times(), length, monitor)?;
+    let mut record = sliding::motion_in_time(&run);
+    let unused = |name: &str| name == "free" && contacts.rules.delay == 0.0;
+    record.variables.retain(|variable| !variable.values.is_empty() && !unused(&variable.name));
+    Ok((Summary { sliding: Some(Sliding::in_time(&run)), ..setting.heading() }, record))
 }
 
 /// Refuses before any work what could not be written after it.

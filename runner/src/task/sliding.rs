@@ -1,16 +1,24 @@
 //! What came of the drive of a slider, as variables: its trace and slips, the course of one, sizes of events.
 
-use asperity::block::{Size, Sizes, StickSlip};
+use asperity::block::{Size, Sizes, Slide, StickSlip};
 use asperity::record::{Quantity, Record, Variable};
 
 /// The trace, and the slips as variables `event_…`.
 pub fn motion(run: &StickSlip) -> Record {
-    let mut record = run.trace_record();
-    for slips in run.events_record().variables {
+    joined(run.trace_record(), run.events_record())
+}
+
+/// The same of a motion in time.
+pub fn motion_in_time(run: &Slide) -> Record {
+    joined(run.trace_record(), run.events_record())
+}
+
+fn joined(mut trace: Record, events: Record) -> Record {
+    for slips in events.variables {
         let name = format!("event_{}", slips.name);
-        record.variables.push(Variable { name, ..slips });
+        trace.variables.push(Variable { name, ..slips });
     }
-    record
+    trace
 }
 
 /// The time course of the first inertial slip, if there was one.

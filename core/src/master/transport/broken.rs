@@ -44,6 +44,8 @@ pub(super) struct Broken {
     /// All that broke one by one, and what has been born of it.
     broken: Compensated,
     born: Compensated,
+    /// All that broke together.
+    struck: f64,
 }
 
 impl Share {
@@ -83,6 +85,11 @@ impl Share {
 impl Broken {
     pub(super) fn new(delay: f64) -> Self {
         Self { delay, ..Self::default() }
+    }
+
+    /// N, with what broke together.
+    pub(super) fn all(&self) -> f64 {
+        self.broken.value() + self.struck
     }
 
     /// The fraction that has broken and is not born yet.
@@ -139,6 +146,7 @@ impl Broken {
     /// Contacts break together, to be born after the delay.
     pub(super) fn strike(&mut self, time: f64, mass: f64) {
         self.waiting.push_back(Lump { time: time + self.delay, mass });
+        self.struck += mass;
     }
 
     /// When the next lump is born.

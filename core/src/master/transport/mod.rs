@@ -25,6 +25,7 @@ mod trial;
 use std::sync::Arc;
 
 use super::{Stretches, check};
+use crate::clocked::Clocked;
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
 use crate::history::History;
 use crate::law::Atom;
@@ -360,6 +361,55 @@ impl Transport {
             let born = |seed: &Seed| Cohort::born(&self.model, seed, lump.mass * seed.weight);
             self.cohorts.extend(self.seeds.iter().map(born));
         }
+    }
+}
+
+impl Clocked for Transport {
+    fn position(&self) -> f64 {
+        self.position
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn force(&self) -> f64 {
+        Self::force(self)
+    }
+
+    fn tangent(&self) -> f64 {
+        Self::tangent(self)
+    }
+
+    fn elastic_energy(&self) -> f64 {
+        Self::elastic_energy(self)
+    }
+
+    fn broken(&self) -> f64 {
+        self.broken.all()
+    }
+
+    fn free(&self) -> f64 {
+        Self::free(self)
+    }
+
+    fn step(&mut self, by: f64, during: f64) -> Result<()> {
+        Self::step(self, by, during)
+    }
+
+    /// Without the rough follower, by which [`Transport::follow`] tells its error and steps tell nothing.
+    fn copy(&self) -> Box<dyn Clocked> {
+        let Self { model, seeds, cohorts, broken, pace, kinks, .. } = self;
+        Box::new(Self {
+            model: model.clone(),
+            seeds: seeds.clone(),
+            cohorts: cohorts.clone(),
+            broken: broken.clone(),
+            pace: pace.clone(),
+            kinks: kinks.clone(),
+            rough: None,
+            ..*self
+        })
     }
 }
 

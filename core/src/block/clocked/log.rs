@@ -1,0 +1,277 @@
+//! What is kept of a slider's motion in time: moments, slips, and where the work of the drive went.
+
+use super::stage::{Dynamics, MEET, Pulled, State, WEIGHTS};
+use crate::block::regime::{self, Jump};
+use crate::block::run::End;
+use crate::block::{Point, Regime};
+use crate::clocked::Clocked;
+use crate::record::{Quantity, Record};
+
+/// A slider faster than the drive by this factor is in a slip.
+const FAST: f64 = 10.0;
+
+/// A slider and what acts on it, at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Time t since the start.
+    pub time: f64,
+    /// X_T.
+    pub drive: f64,
+    /// X.
+    pub position: f64,
+    /// Ẋ.
+    pub velocity: f64,
+    /// F.
+    pub force: f64,
+    /// K(X_T − X).
+    pub spring_force: f64,
+    /// The fraction of contacts that is free.
+    pub free: f64,
+    /// Energies ½K(X_T − X)² of the spring, Σ ½k x² of the contacts and ½MẊ² of the slider.
+    pub stored: [f64; 3],
+}
+
+/// A slip: from where the slider becomes ten times as fast as the drive to where it no longer is, or comes to rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimedSlip {
+    /// The last moment before.
+    pub before: Moment,
+    /// The first moment after.
+    pub after: Moment,
+    /// X_2, the furthest position that the contacts saw.
+    pub position_turn: f64,
+    /// The highest velocity.
+    pub fastest: f64,
+    /// Breaks in the slip, per contact.
+    pub broken_fraction: f64,
+    /// Energy lost by the slider: to its damping, and in coming to rest after an arrest.
+    pub dissipated: f64,
+}
+
+/// Where the work of the drive went; what is left of it is lost in breaks.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Ledger {
+    /// ∫K(X_T − X) dX_T.
+    pub work: f64,
+    /// Change of the energy of spring, contacts and slider.
+    pub stored: f64,
+    /// ∫γẊ² dt.
+    pub viscous: f64,
+    /// Lost in coming to rest after arrests, without inertia.
+    pub slip: f64,
+}
+
+/// What came of a motion in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slide {
+    /// The moments asked for, and all steps of slips.
+    pub trace: Vec<Moment>,
+    /// Slips that have ended.
+    pub slips: Vec<TimedSlip>,
+    /// Energies of the whole motion.
+    pub ledger: Ledger,
+    /// What kind of sliding it was.
+    pub regime: Regime,
+}
+
+/// What is being kept.
+pub(super) struct Log {
+    trace: Vec<Moment>,
+    slips: Vec<TimedSlip>,
+    pub ledger: Ledger,
+    start: Moment,
+    last: Moment,
+    /// The velocity of the drive, when it last moved.
+    pulled: f64,
+    broken: f64,
+    open: Option<Open>,
+    /// The largest force, and the stiffness of all contacts.
+    most: (f64, f64),
+}
+
+/// A slip that has not ended.
+struct Open {
+    before: Moment,
+    fastest: f64,
+    broken: f64,
+    lost: f64,
+}
+
+impl Moment {
+    pub(super) fn of(dynamics: &Dynamics, state: &State, pulled: Pulled, time: f64) -> Self {
+        let (tangent, stiffness) = (state.contacts.tangent(), dynamics.stiffness);
+        let excess = dynamics.excess(state, pulled.drive);
+        let held = state.velocity == 0.0 && excess < 0.0;
+        let back = if held { excess / (stiffness + tangent) } else { 0.0 };
+        let velocity =
+            if held { stiffness * pulled.velocity / (stiffness + tangent) } else { state.velocity };
+        let position = state.position() + back;
+        let spring_force = stiffness * (pulled.drive - position);
+        let elastic = state.contacts.elastic_energy() + back * (state.force + 0.5 * tangent * back);
+        let spring = 0.5 * spring_force * spring_force / stiffness;
+        Self {
+            time,
+            drive: pulled.drive,
+            position,
+            velocity,
+            force: state.force + tangent * back,
+            spring_force,
+            free: state.contacts.free(),
+            stored: [spring, elastic, 0.5 * dynamics.mass * state.velocity * state.velocity],
+        }
+    }
+
+    /// The same without time.
+    pub fn point(&self) -> Point {
+        let &Self { drive, position, force, spring_force, .. } = self;
+        Point { drive, position, force, spring_force }
+    }
+
+    fn energy(&self) -> f64 {
+        self.stored.iter().sum()
+    }
+}
+
+impl TimedSlip {
+    /// F before less F after.
+    pub fn drop(&self) -> f64 {
+        self.before.force - self.after.force
+    }
+
+    /// Way of the slider's bottom.
+    pub fn slip(&self) -> f64 {
+        self.after.position - self.before.position
+    }
+
+    fn jump(&self) -> Jump {
+        Jump { before: self.before.point(), after: self.after.point() }
+    }
+}
+
+impl Ledger {
+    /// Energy lost in breaks of contacts: what the work of the drive did not go into otherwise.
+    pub fn breaks(&self) -> f64 {
+        self.work - self.stored - self.viscous - self.slip
+    }
+
+    /// Enters a step.
+    pub(super) fn enter(&mut self, dynamics: &Dynamics, states: [&State; 3], pulled: Pulled, duration: f64) {
+        let times = [0.0, MEET * duration, duration];
+        for ((state, time), weight) in states.into_iter().zip(times).zip(WEIGHTS) {
+            let pull = dynamics.stiffness * (pulled.after(time) - state.position());
+            self.work += weight * duration * pulled.velocity * pull;
+            self.viscous += weight * duration * dynamics.damping * state.velocity * state.velocity;
+        }
+    }
+
+    fn lost(&self) -> f64 {
+        self.viscous + self.slip
+    }
+}
+
+impl Log {
+    pub fn new(start: Moment, seen: bool, contacts: &dyn Clocked) -> Self {
+        Self {
+            trace: if seen { vec![start] } else { Vec::new() },
+            slips: Vec::new(),
+            ledger: Ledger::default(),
+            start,
+            last: start,
+            pulled: 0.0,
+            broken: contacts.broken(),
+            open: None,
+            most: (start.force.abs(), contacts.tangent()),
+        }
+    }
+
+    /// The drive goes on at a velocity.
+    pub fn pull(&mut self, velocity: f64) {
+        if velocity > 0.0 {
+            self.pulled = velocity;
+        }
+    }
+
+    /// A moment asked for.
+    pub fn see(&mut self, moment: Moment) {
+        if self.trace.last().is_none_or(|last| last.time < moment.time) {
+            self.trace.push(moment);
+        }
+    }
+
+    /// The end of a step; `stopping` where the slider is on its way to rest.
+    pub fn pass(&mut self, moment: Moment, stopping: bool, contacts: &dyn Clocked) {
+        let fast = moment.velocity > FAST * self.pulled;
+        let broken = contacts.broken();
+        self.most = (self.most.0.max(moment.force.abs()), self.most.1.max(contacts.tangent()));
+        if self.open.is_none() && fast {
+            self.see(self.last);
+            let (before, lost) = (self.last, self.ledger.lost());
+            self.open = Some(Open { before, fastest: 0.0, broken: self.broken, lost });
+        }
+        if let Some(open) = &mut self.open {
+            open.fastest = open.fastest.max(moment.velocity);
+            self.see(moment);
+        }
+        if !fast && !stopping {
+            self.slips.extend(self.open.take().map(|open| TimedSlip {
+                before: open.before,
+                after: moment,
+                position_turn: contacts.position(),
+                fastest: open.fastest,
+                broken_fraction: broken - open.broken,
+                dissipated: self.ledger.lost() - open.lost,
+            }));
+        }
+        (self.last, self.broken) = (moment, broken);
+    }
+
+    pub fn close(self) -> Slide {
+        let Self { trace, slips, mut ledger, start, last, most, .. } = self;
+        ledger.stored = last.energy() - start.energy();
+        let jumps: Vec<Jump> = slips.iter().map(TimedSlip::jump).collect();
+        let regime = regime::tell(&jumps, start.point(), last.point(), most.0 / most.1, End::Reached);
+        Slide { trace, slips, ledger, regime }
+    }
+}
+
+impl Slide {
+    /// The trace: `time`, `drive`, `position`, `velocity`, `force`, `spring_force`, `free`.
+    pub fn trace_record(&self) -> Record {
+        let mut record = Record::default();
+        let mut column = |name: &str, long_name: &str, quantity, value: fn(&Moment) -> f64| {
+            record.push(name, long_name, quantity, &["point"], self.trace.iter().map(value).collect());
+        };
+        column("time", "time", Quantity::Time, |m| m.time);
+        column("drive", "drive", Quantity::Length, |m| m.drive);
+        column("position", "position of the slider's bottom", Quantity::Length, |m| m.position);
+        column("velocity", "velocity of the slider's bottom", Quantity::Velocity, |m| m.velocity);
+        column("force", "friction force", Quantity::Force, |m| m.force);
+        column("spring_force", "force of the spring", Quantity::Force, |m| m.spring_force);
+        column("free", "fraction of contacts that are free", Quantity::Number, |m| m.free);
+        record
+    }
+
+    /// The slips: `time`, `drive`, `position_before`, `position_after`, `position_turn`, `force_before`, `force_after`,
+    /// `drop`, `slip`, `duration`, `velocity`, `broken_fraction`, `dissipated_slip`.
+    pub fn events_record(&self) -> Record {
+        let mut record = Record::default();
+        let mut column = |name: &str, long_name: &str, quantity, value: fn(&TimedSlip) -> f64| {
+            record.push(name, long_name, quantity, &["event"], self.slips.iter().map(value).collect());
+        };
+        let (length, force) = (Quantity::Length, Quantity::Force);
+        column("time", "time at which the slip begins", Quantity::Time, |s| s.before.time);
+        column("drive", "drive at which the slip begins", length, |s| s.before.drive);
+        column("position_before", "position before", length, |s| s.before.position);
+        column("position_after", "position after", length, |s| s.after.position);
+        column("position_turn", "position of the first rest", length, |s| s.position_turn);
+        column("force_before", "force before", force, |s| s.before.force);
+        column("force_after", "force after", force, |s| s.after.force);
+        column("drop", "force drop", force, TimedSlip::drop);
+        column("slip", "slip", length, TimedSlip::slip);
+        column("duration", "how long the slip lasts", Quantity::Time, |s| s.after.time - s.before.time);
+        column("velocity", "highest velocity", Quantity::Velocity, |s| s.fastest);
+        column("broken_fraction", "breaks per contact", Quantity::Number, |s| s.broken_fraction);
+        column("dissipated_slip", "energy lost by the slider", Quantity::Energy, |s| s.dissipated);
+        record
+    }
+}

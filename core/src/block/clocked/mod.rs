@@ -1,0 +1,249 @@
+//! A slider block in time, over contacts that know time: they age while it sticks.
+//!
+//! M Ẍ = K(X_T(t) − X) − F − γẊ, with the drive X_T(t) a [`History`] that begins in balance, X_T = X + F/K. Contacts do
+//! not turn back. A slider that would, after it has overshot, comes to rest at X_2 as without inertia on the straight line
+//! on which the contacts unload, X = X_2 + [K(X_T − X_2) − F(X_2)]/(K + F'), and moves on when the spring has brought it
+//! back to X_2; until then time passes for the contacts at X_2.
+
+mod log;
+mod stage;
+
+use super::{Block, Loading, Slip};
+use crate::clocked::Clocked;
+use crate::history::History;
+use crate::monitor::{Monitor, report};
+use crate::{Error, Float, Result};
+use log::Log;
+pub use log::{Ledger, Moment, Slide, TimedSlip};
+use stage::{Dynamics, Pulled, State};
+
+/// The largest factor by which a step grows, and the least by which it shrinks.
+const CHANGE: (f64, f64) = (3.0, 0.2);
+
+/// The first step, as a share of what it may be.
+const FIRST: f64 = 1e-3;
+
+/// Steps below this share of the time are no steps.
+const SHORTEST: f64 = 1e-15;
+
+/// Share of the tolerance by which the pull may be short of the friction without a move back.
+const SLACK: f64 = 1e-3;
+
+/// Steps between two reports.
+const REPORT: u32 = 16;
+
+impl Block {
+    /// Moves the slider's top along `drive`, from where it is in balance over `contacts`, and sees what its bottom does, at
+    /// rising `times` since the start. A step in time is right to `tolerance`, a length.
+    ///
+    /// # Errors
+    /// A loading other than a spring; a rule of slip that does not say how fast a slip is; times that do not rise within
+    /// the drive; a tolerance that is not above 0; those of the contacts; stopped by the monitor.
+    pub fn follow(
+        &self,
+        contacts: &dyn Clocked,
+        drive: &History,
+        times: &[f64],
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Slide> {
+        let dynamics = self.dynamics(tolerance)?;
+        check(times, drive.duration())?;
+        let mut rider = Rider::new(dynamics, contacts, times.first() == Some(&0.0));
+        let mut asked = times.iter().copied().skip_while(|time| *time == 0.0).peekable();
+        for (piece, knots) in drive.pieces().iter().zip(drive.knots().windows(2)) {
+            rider.pull(piece.velocity);
+            while let Some(time) = asked.next_if(|time| *time < knots[1].0) {
+                rider.until(time, drive.duration(), monitor)?;
+                rider.log.see(rider.moment());
+            }
+            rider.until(knots[1].0, drive.duration(), monitor)?;
+            if asked.next_if_eq(&knots[1].0).is_some() {
+                rider.log.see(rider.moment());
+            }
+        }
+        report(monitor, 1.0)?;
+        Ok(rider.log.close())
+    }
+
+    /// What moves the slider in time.
+    fn dynamics(&self, tolerance: f64) -> Result<Dynamics> {
+        let Loading::Spring(stiffness) = self.loading else {
+            return Err(Error::invalid("stiffness", "a block with a stiffness, to be moved in time", "none"));
+        };
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            return Err(Error::invalid("tolerance", "a finite length above 0", tolerance));
+        }
+        let (mass, damping) = self.slip.limits()?;
+        Ok(Dynamics { stiffness, mass, damping, tolerance })
+    }
+}
+
+impl Slip {
+    /// Mass and damping, which limit how fast a slip is.
+    ///
+    /// # Errors
+    /// None of them.
+    pub fn limits(self) -> Result<(f64, f64)> {
+        let refused = |name: &str| {
+            let expected = "damped or inertial where contacts know time: during a slip the velocity must be limited by a damping or a mass";
+            Err(Error::invalid("slip", expected, name))
+        };
+        match self {
+            Self::Inertial { mass, damping } => Ok((mass, damping)),
+            Self::Damped { damping } => Ok((0.0, damping)),
+            Self::Reset => refused("reset"),
+            Self::Overdamped => refused("overdamped"),
+            Self::Arrest => refused("arrest"),
+        }
+    }
+}
+
+/// Refuses times that do not rise within a drive.
+fn check(times: &[f64], end: f64) -> Result<()> {
+    let outside = times.iter().find(|&&time| !(time >= 0.0 && time <= end));
+    let falling = times.windows(2).find(|pair| pair[1] <= pair[0]).map(|pair| &pair[1]);
+    match outside.or(falling) {
+        Some(time) => Err(Error::invalid("times", format!("rising times from 0 to {end}"), time)),
+        None => Ok(()),
+    }
+}
+
+/// A slider on its way.
+struct Rider {
+    dynamics: Dynamics,
+    state: State,
+    pulled: Pulled,
+    time: f64,
+    /// How long the next step may be.
+    pace: f64,
+    steps: u32,
+    log: Log,
+}
+
+impl Rider {
+    fn new(dynamics: Dynamics, contacts: &dyn Clocked, seen: bool) -> Self {
+        let state = State::of(contacts.copy());
+        let drive = state.position() + state.force / dynamics.stiffness;
+        let pulled = Pulled { drive, velocity: 0.0 };
+        let start = Moment::of(&dynamics, &state, pulled, 0.0);
+        let log = Log::new(start, seen, state.contacts.as_ref());
+        Self { dynamics, state, pulled, time: 0.0, pace: f64::INFINITY, steps: 0, log }
+    }
+
+    /// From now on the drive has another velocity.
+    fn pull(&mut self, velocity: f64) {
+        self.pulled.velocity = velocity;
+        self.log.pull(velocity);
+    }
+
+    fn moment(&self) -> Moment {
+        Moment::of(&self.dynamics, &self.state, self.pulled, self.time)
+    }
+
+    /// Goes on until a time of a whole that lasts `whole`.
+    fn until(&mut self, end: f64, whole: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        let begin = (self.time, self.pulled.drive);
+        while self.time < end {
+            let left = end - self.time;
+            let duration = if self.is_held() { self.rest(left)? } else { self.go(left)? };
+            self.time = if duration < left { self.time + duration } else { end };
+            self.pulled.drive = begin.1 + self.pulled.velocity * (self.time - begin.0);
+            self.log.pass(self.moment(), self.is_stopping(), self.state.contacts.as_ref());
+            self.steps += 1;
+            if self.steps.is_multiple_of(REPORT) {
+                report(monitor, self.time / whole)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the contacts would pull the slider back.
+    fn is_pulled_back(&self) -> bool {
+        let slack = SLACK * self.dynamics.tolerance * self.dynamics.resistance(&self.state);
+        self.dynamics.excess(&self.state, self.pulled.drive) < -slack
+    }
+
+    fn is_held(&self) -> bool {
+        self.state.velocity == 0.0 && self.is_pulled_back()
+    }
+
+    /// Whether the slider is on its way to an arrest.
+    fn is_stopping(&self) -> bool {
+        self.state.velocity > 0.0 && self.is_pulled_back()
+    }
+
+    /// Rests until the spring pulls, at most for a time; how long.
+    fn rest(&mut self, left: f64) -> Result<f64> {
+        let Self { dynamics, state, pulled, .. } = self;
+        let short = -dynamics.excess(state, pulled.drive);
+        let mut duration = (short / (dynamics.stiffness * pulled.velocity)).min(left);
+        loop {
+            let mut contacts = state.contacts.copy();
+            contacts.step(0.0, duration)?;
+            let rested = State { force: contacts.force(), contacts, ..*state };
+            let excess = dynamics.excess(&rested, pulled.after(duration));
+            if excess > dynamics.tolerance * dynamics.resistance(&rested) && duration > SHORTEST * left {
+                duration *= (short / (short + excess)).max(CHANGE.1);
+                continue;
+            }
+            let forces =
+                [(&*state, pulled.drive), (&rested, pulled.after(duration))].map(|(state, drive)| {
+                    Moment::of(dynamics, state, Pulled { drive, ..*pulled }, 0.0).spring_force
+                });
+            self.log.ledger.work += pulled.velocity * duration * 0.5 * (forces[0] + forces[1]);
+            self.state = rested;
+            return Ok(duration);
+        }
+    }
+
+    /// Moves on in one step, at most for a time; for how long.
+    fn go(&mut self, left: f64) -> Result<f64> {
+        let mut duration = self.pace;
+        if duration.is_infinite() {
+            duration = FIRST * left;
+        }
+        duration = if duration >= left { left } else { duration.min(0.5 * left) };
+        loop {
+            if duration < SHORTEST * (self.time + left) {
+                let what = format!("a slider in time at t = {}", self.time);
+                let wanted = Float(self.dynamics.tolerance);
+                return Err(Error::Accuracy { what, reached: Float(f64::NAN), wanted });
+            }
+            let Some(tried) = self.dynamics.attempt(&self.state, self.pulled, duration)? else {
+                duration *= CHANGE.1;
+                continue;
+            };
+            let (error, velocity) = (tried.error / self.dynamics.tolerance, tried.end.velocity);
+            let factor = (0.9 / error.cbrt()).clamp(CHANGE.1, CHANGE.0);
+            let back = self.dynamics.way(&tried.end, -velocity);
+            if error > 1.0 {
+                duration *= factor.min(0.9);
+            } else if back > self.dynamics.tolerance {
+                let before = self.state.velocity;
+                duration *= (before / (before - velocity)).clamp(CHANGE.1, 0.9);
+            } else {
+                self.pace =
+                    if duration < left { factor * duration } else { self.pace.max(factor * duration) };
+                self.accept(tried, duration);
+                return Ok(duration);
+            }
+        }
+    }
+
+    fn accept(&mut self, tried: stage::Tried, duration: f64) {
+        self.log.ledger.enter(
+            &self.dynamics,
+            [&self.state, &tried.middle, &tried.end],
+            self.pulled,
+            duration,
+        );
+        self.state = tried.end;
+        if self.state.velocity > 0.0 {
+            return;
+        }
+        self.state.velocity = 0.0;
+        let excess = self.dynamics.excess(&self.state, self.pulled.after(duration)).min(0.0);
+        self.log.ledger.slip += 0.5 * excess * excess / self.dynamics.resistance(&self.state);
+    }
+}

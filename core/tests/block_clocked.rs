@@ -1,0 +1,171 @@
+//! A slider block over contacts that know time: against the athermal block, linear stability and the ensemble.
+
+mod common;
+
+use asperity::block::{Block, Drive, Loading, Regime, Slide, Slip};
+use asperity::contacts::{Ageing, Contacts, Rules};
+use asperity::ensemble::{Disorder, Ensemble};
+use asperity::history::{History, Piece};
+use asperity::master::{MasterEquation, Transport};
+use asperity::{Error, Result};
+use common::pulled::{UNDAMPED, near};
+use common::{contacts, gaussian, initial, master, point};
+
+/// σ = 0.1 and K = 1: X_T at the first slip, X_2 overdamped and inertial.
+const FIRST: [f64; 3] = [0.8925878043021 + 0.7736105511280, 1.332802416243, 1.599378752724];
+
+fn steady(velocity: f64, distance: f64) -> History {
+    History::new(vec![Piece { velocity, duration: distance / velocity }]).unwrap()
+}
+
+/// Times evenly spaced along a history.
+fn times(history: &History, count: u32) -> Vec<f64> {
+    (0..=count).map(|i| f64::from(i) / f64::from(count) * history.duration()).collect()
+}
+
+fn block(stiffness: f64, slip: Slip) -> Block {
+    Block::new(Loading::Spring(stiffness), slip, None).unwrap()
+}
+
+fn athermal() -> Contacts {
+    contacts(&gaussian(1.0, 0.1), &point(0.0))
+}
+
+fn ageing(thresholds: (f64, f64), ageing: Ageing) -> Contacts {
+    let rules = Rules { ageing: Some(ageing), ..Rules::default() };
+    Contacts { rules, ..contacts(&gaussian(thresholds.0, thresholds.1), &point(0.0)) }
+}
+
+fn logarithmic() -> Contacts {
+    ageing((1.0, 0.2), Ageing::Logarithmic { growth: 0.02, time: 1.0 })
+}
+
+/// A slider with K = 1 over relaxed contacts without rules, driven to X_T = 2.
+fn first_slip(slip: Slip, velocity: f64, tolerance: f64) -> Slide {
+    let transport = Transport::new(athermal(), &initial(&point(0.0)), 0.1 * tolerance).unwrap();
+    let drive = steady(velocity, 2.0);
+    block(1.0, slip).follow(&transport, &drive, &times(&drive, 50), tolerance, &mut ()).unwrap()
+}
+
+#[test]
+fn slow_and_little_damped_it_is_the_overdamped_block() {
+    let damped = Slip::Damped { damping: 1e-3 };
+    let [quick, slow] = [1e-2, 1e-4].map(|velocity| first_slip(damped, velocity, 1e-5));
+    let off = |run: &Slide| run.slips[0].position_turn - FIRST[1];
+    // A slider lingers where balance is lost, while the drive goes on by some (γv)^{2/3}.
+    let exponent = (off(&quick) / off(&slow)).ln() / 100.0_f64.ln();
+    near(exponent, 2.0 / 3.0, 0.05);
+    near(off(&slow), 0.0, 2e-5);
+    let slip = &slow.slips[0];
+    // Ten times as fast as the drive it is where F' = −0.9 K, somewhat before X_1, the drive by the square of that.
+    near(slip.before.drive, FIRST[0], 3e-4);
+    let pull =
+        MasterEquation::new(athermal(), &initial(&point(0.0))).unwrap().pull(2.0, 1e-9, &mut ()).unwrap();
+    // The accuracy of steps.
+    near(slip.before.force, pull.force(slip.before.position), 1e-5);
+    near(slip.after.force, pull.force(slip.after.position), 1e-5);
+    // The lingering, times forces below 1.
+    near(slow.ledger.viscous, 0.07085, 2e-5);
+}
+
+#[test]
+fn slow_and_undamped_it_stops_at_equal_areas() {
+    let [quick, slow] = [1e-3, 1e-5].map(|velocity| first_slip(UNDAMPED, velocity, 1e-5));
+    let off = |run: &Slide| run.slips[0].position_turn - FIRST[2];
+    // With inertia it lingers for some (v√M)^{4/5}.
+    let exponent = (off(&quick) / off(&slow)).ln() / 100.0_f64.ln();
+    near(exponent, 0.8, 0.08);
+    near(off(&slow), 0.0, 3e-4);
+    let after = &slow.slips[0].after;
+    // On the straight line on which contacts of stiffness 1 unload; rounding, and the share of them that is lost count.
+    near(after.force, after.spring_force, 1e-12);
+    assert!(slow.slips[0].position_turn > after.position + 0.2);
+}
+
+#[test]
+fn breaks_lose_what_they_do_in_the_athermal_block() {
+    let relaxed = point(0.0);
+    let mut population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10).unwrap();
+    let drive = Drive { turning_points: vec![2.0], points: 2 };
+    let expected = block(1.0, Slip::Overdamped).pull(&mut population, &drive, &mut ()).unwrap().energy.breaks;
+    let run = first_slip(Slip::Damped { damping: 1e-3 }, 1e-4, 1e-5);
+    // Lingering, as above.
+    near(run.ledger.breaks(), expected, 2e-5);
+}
+
+#[test]
+fn steps_are_of_second_order() {
+    // The error of a step goes with its third power, that of a slip with the second: with the tolerance to the power 2/3,
+    // within a tenth, as steps change by factors.
+    let turn = |tolerance| first_slip(UNDAMPED, 1e-4, tolerance).slips[0].position_turn;
+    let [rough, fine, finest] = [1e-3, 1e-4, 1e-6].map(turn);
+    let gain = (rough - finest).abs() / (fine - finest).abs();
+    near(gain.log10(), 2.0 / 3.0, 0.1);
+}
+
+#[test]
+fn steady_sliding_is_unstable_below_the_critical_stiffness_of_its_response() {
+    let newborn = ageing((0.5, 0.1), Ageing::FrozenRank { mature: gaussian(1.0, 0.2), time: 1.0 });
+    for (contacts, velocity) in [(logarithmic(), 1e-3), (newborn, 0.7)] {
+        let response = Transport::step_response(&contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
+        let critical = response.critical_stiffness().unwrap().0;
+        let regime = |stiffness: f64| {
+            let sliding = Transport::steady(&contacts, velocity, 1e-4).unwrap();
+            // A viscous force of a thousandth shifts K_c by next to nothing.
+            let slip = Slip::Damped { damping: 1e-3 / velocity };
+            let drive = steady(velocity, 200.0);
+            block(stiffness, slip).follow(&sliding, &drive, &[], 1e-3, &mut ()).unwrap().regime
+        };
+        let (below, above) = (regime(0.8 * critical), regime(1.2 * critical));
+        assert!(matches!(below, Regime::Persistent { .. }), "{below}");
+        assert!(matches!(above, Regime::Smooth { .. }), "{above}");
+    }
+}
+
+/// The way of the slider's bottom.
+fn way(run: &Slide) -> History {
+    let pieces = run.trace.windows(2).map(|pair| {
+        let duration = pair[1].time - pair[0].time;
+        Piece { velocity: ((pair[1].position - pair[0].position) / duration).max(0.0), duration }
+    });
+    History::new(pieces.collect()).unwrap()
+}
+
+#[test]
+fn the_ensemble_moved_alike_feels_the_same_force() {
+    let relaxed = initial(&point(0.0));
+    let transport = Transport::new(logarithmic(), &relaxed, 1e-5).unwrap();
+    let drive = steady(1e-2, 12.0);
+    let slip = Slip::Damped { damping: 0.1 };
+    let run = block(0.2, slip).follow(&transport, &drive, &times(&drive, 400), 1e-4, &mut ()).unwrap();
+    assert!(!run.slips.is_empty());
+    let history = way(&run);
+    let ensemble = Ensemble::new(logarithmic(), relaxed, 100_000, 7, Disorder::Annealed).unwrap();
+    let times: Vec<f64> = (1..=40).map(|i| f64::from(i) / 40.0 * history.duration()).collect();
+    let followed = ensemble.follow(&history, &times, &mut ()).unwrap();
+    for (i, &time) in times.iter().enumerate() {
+        let next = run.trace.partition_point(|moment| moment.time < time * (1.0 - 1e-12));
+        let (force, error) = (run.trace[next].force, followed.error[i]);
+        // The tolerance of transport is larger where no contact has broken yet.
+        let off = (followed.force[i] - force).abs();
+        assert!(off < 4.0 * error + 1e-5, "{time}: {off} {error}");
+    }
+}
+
+#[test]
+fn what_limits_no_velocity_is_refused() {
+    let transport = Transport::new(athermal(), &initial(&point(0.0)), 1e-3).unwrap();
+    let drive = steady(1.0, 1.0);
+    let key = |result: Result<Slide>| match result {
+        Err(Error::Invalid { key, .. }) => key,
+        other => panic!("{other:?}"),
+    };
+    for slip in [Slip::Reset, Slip::Overdamped, Slip::Arrest] {
+        assert_eq!(key(block(1.0, slip).follow(&transport, &drive, &[], 1e-3, &mut ())), "slip");
+    }
+    let rigid = Block::new(Loading::Rigid, UNDAMPED, None).unwrap();
+    assert_eq!(key(rigid.follow(&transport, &drive, &[], 1e-3, &mut ())), "stiffness");
+    let good = block(1.0, UNDAMPED);
+    assert_eq!(key(good.follow(&transport, &drive, &[1.5], 1e-3, &mut ())), "times");
+    assert_eq!(key(good.follow(&transport, &drive, &[], 0.0, &mut ())), "tolerance");
+}
