@@ -88,6 +88,7 @@ fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         Slip::Overdamped => "overdamped".into_bound_py_any(py),
         Slip::Arrest => "arrest".into_bound_py_any(py),
         Slip::Inertial { .. } => Plain::Slip(slip).object(py),
+        Slip::Damped { .. } => unreachable!("no argument of a block is a damped slip"),
     }
 }
 

@@ -33,7 +33,11 @@ impl MasterEquation {
     /// The error allowed where the velocity of contacts with such rules varies.
     pub fn tolerance_in_time(&self, rules: &Rules) -> f64 {
         let diffusing = matches!(rules.ageing, Some(Ageing::Smoluchowski { .. }));
-        self.tolerance.unwrap_or(if diffusing { Self::TOLERANCE_OF_DEAR_STEPS } else { Self::TOLERANCE_IN_TIME })
+        self.tolerance.unwrap_or(if diffusing {
+            Self::TOLERANCE_OF_DEAR_STEPS
+        } else {
+            Self::TOLERANCE_IN_TIME
+        })
     }
 
     /// The error allowed where a block is moved in time, in a step.
