@@ -29,6 +29,9 @@ impl Watch {
 
 impl Monitor for Watch {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        if self.raised.is_some() {
+            return ControlFlow::Break(());
+        }
         if self.asked.elapsed() < PERIOD {
             return ControlFlow::Continue(());
         }

@@ -218,8 +218,9 @@ impl Transport {
         let aside =
             rough.as_mut().map(|rough| rough.go(history, times, &mut |part| report(monitor, ASIDE * part)));
         self.rough = rough;
+        let aside = aside.transpose()?;
         let mut trace = self.go(history, times, &mut |part| report(monitor, ASIDE + (1.0 - ASIDE) * part))?;
-        if let Some(aside) = aside.transpose()? {
+        if let Some(aside) = aside {
             let off = trace.force.iter().zip(&aside.force).map(|(fine, rough)| (fine - rough).abs());
             trace.error = off.fold(0.0, f64::max);
         }
