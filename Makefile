@@ -113,6 +113,7 @@ figures: $(venv)/installed
 	draw velocity-curve-thermal thermal velocity_curve; \
 	draw healing healing hold_curve; \
 	draw velocity-step step velocity_step; \
+	draw stick-slip-ageing aged stick_slip; \
 	package=$(CURDIR)/$(venv)/bin/python; documents=$(CURDIR)/python/tests/documents.py; \
 	(cd "$$folder" && SOURCE_DATE_EPOCH=0 $$package -P "$$documents"); \
 	cp "$$folder/fig2.svg" docs/figures/fig2-python.svg

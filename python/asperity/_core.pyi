@@ -496,6 +496,20 @@ class Ensemble(Model):
         """
 
 @final
+class Damped(Description):
+    """The slip of a slider without mass against a viscous damping, γẊ = K(X_T - X) - F.
+
+    Over contacts without time, at fixed X_T, it ends where "overdamped" does.
+
+    damping: the viscous damping γ, force per velocity, above 0.
+    """
+
+    def __new__(cls, damping: _Number) -> Self: ...
+    @property
+    def damping(self) -> float:
+        """The viscous damping γ, force per velocity."""
+
+@final
 class Inertial(Description):
     """The slip of a slider by its inertia, MẌ = K(X_T - X) - F - γẊ, from the loss of balance to the first arrest.
 
@@ -524,8 +538,8 @@ class Block(Description):
     inf for a rigid slider, which never loses its balance. slip: what happens in a slip:
     "reset" where all contacts break and re-form, and the spring is relaxed; "overdamped" where the slider moves to the
     next balance, contacts breaking and re-forming on the way; "arrest" where contacts that break stay free until it has
-    stopped; Inertial where it moves by its mass. slip_fraction: the share of the contacts of an ensemble that must break
-    at one drive for an event to count as a slip, above 0, up to 1.
+    stopped; Damped where it moves against a viscous damping; Inertial where it moves by its mass. slip_fraction: the
+    share of the contacts of an ensemble that must break at one drive for an event to count as a slip, above 0, up to 1.
 
     Raises ValueError for values that make no sense, a damping with which a slip would take forever among them.
     """
@@ -534,7 +548,7 @@ class Block(Description):
         cls,
         model: Model,
         stiffness: _Number | None,
-        slip: Literal["reset", "overdamped", "arrest"] | Inertial = "reset",
+        slip: Literal["reset", "overdamped", "arrest"] | Damped | Inertial = "reset",
         *,
         slip_fraction: _Number = 0.05,
     ) -> Self: ...
@@ -547,8 +561,8 @@ class Block(Description):
         """The shear stiffness K, force per length; inf for a rigid slider."""
 
     @property
-    def slip(self) -> Literal["reset", "overdamped", "arrest"] | Inertial:
-        """The slip rule: "reset", "overdamped", "arrest", or Inertial."""
+    def slip(self) -> Literal["reset", "overdamped", "arrest"] | Damped | Inertial:
+        """The slip rule: "reset", "overdamped", "arrest", Damped or Inertial."""
 
     @property
     def slip_fraction(self) -> float:

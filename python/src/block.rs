@@ -5,7 +5,7 @@ use asperity::scenario::{self, Slip};
 use asperity_runner::task::first_loading;
 use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::{PyDict, PyString, PyType};
 
 use crate::convert::{self, Domain, Whole};
 use crate::description::{Description, Plain, Slider};
@@ -56,14 +56,51 @@ impl Inertial {
     }
 }
 
-/// The arguments that make an inertial slip.
-pub fn inertial_arguments(slip: Slip, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    let Slip::Inertial { mass, damping } = slip else { return Ok(()) };
-    into.set_item("mass", mass)?;
-    given(into, "damping", (damping != 0.0).then_some(damping))
+/// The slip of a slider without mass against a viscous damping, γẊ = K(X_T - X) - F.
+///
+/// Over contacts without time, at fixed X_T, it ends where "overdamped" does.
+///
+/// damping: the viscous damping γ, force per velocity, above 0.
+#[pyclass(frozen, extends = Description, module = "asperity")]
+pub struct Damped;
+
+#[pymethods]
+impl Damped {
+    #[new]
+    fn new(damping: f64) -> PyResult<PyClassInitializer<Self>> {
+        let slip = Slip::Damped { damping };
+        block::Block::new(Loading::Rigid, slip.into(), None).map_err(error::core)?;
+        Ok(Description::new(Plain::Slip(slip)).add_subclass(Self))
+    }
+
+    /// The viscous damping γ, force per velocity.
+    #[getter]
+    fn damping(slf: &Bound<'_, Self>) -> f64 {
+        match *slf.as_super().get().plain() {
+            Plain::Slip(Slip::Damped { damping }) => damping,
+            _ => unreachable!("a damped slip is described as one"),
+        }
+    }
 }
 
-/// A slip rule: one of the words, or an inertial slip.
+/// The class of a slip that is no word.
+pub fn slip_class(slip: Slip, py: Python<'_>) -> Bound<'_, PyType> {
+    if let Slip::Damped { .. } = slip { py.get_type::<Damped>() } else { py.get_type::<Inertial>() }
+}
+
+/// The arguments that make such a slip.
+pub fn slip_arguments(slip: Slip, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    match slip {
+        Slip::Inertial { mass, damping } => {
+            into.set_item("mass", mass)?;
+            given(into, "damping", (damping != 0.0).then_some(damping))
+        }
+        Slip::Damped { damping } => into.set_item("damping", damping),
+        Slip::Reset | Slip::Overdamped | Slip::Arrest => Ok(()),
+    }
+}
+
+/// A slip rule: one of the words, a damped or an inertial slip.
 struct Rule(Slip);
 
 impl<'py> FromPyObject<'_, 'py> for Rule {
@@ -74,10 +111,13 @@ impl<'py> FromPyObject<'_, 'py> for Rule {
             let (mass, damping) = Inertial::plain(&inertial);
             return Ok(Self(Slip::Inertial { mass, damping }));
         }
+        if let Ok(damped) = value.cast::<Damped>() {
+            return Ok(Self(Slip::Damped { damping: Damped::damping(&damped) }));
+        }
         if value.is_instance_of::<PyString>() {
             return convert::word("slip", value.extract()?).map(Self);
         }
-        Err(error::wrong_type("slip", "a word or asperity.Inertial", &value))
+        Err(error::wrong_type("slip", "a word, asperity.Damped or asperity.Inertial", &value))
     }
 }
 
@@ -87,8 +127,7 @@ fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         Slip::Reset => "reset".into_bound_py_any(py),
         Slip::Overdamped => "overdamped".into_bound_py_any(py),
         Slip::Arrest => "arrest".into_bound_py_any(py),
-        Slip::Inertial { .. } => Plain::Slip(slip).object(py),
-        Slip::Damped { .. } => unreachable!("no argument of a block is a damped slip"),
+        Slip::Damped { .. } | Slip::Inertial { .. } => Plain::Slip(slip).object(py),
     }
 }
 
@@ -101,8 +140,8 @@ fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
 /// inf for a rigid slider, which never loses its balance. slip: what happens in a slip:
 /// "reset" where all contacts break and re-form, and the spring is relaxed; "overdamped" where the slider moves to the
 /// next balance, contacts breaking and re-forming on the way; "arrest" where contacts that break stay free until it has
-/// stopped; Inertial where it moves by its mass. slip_fraction: the share of the contacts of an ensemble that must break
-/// at one drive for an event to count as a slip, above 0, up to 1.
+/// stopped; Damped where it moves against a viscous damping; Inertial where it moves by its mass. slip_fraction: the
+/// share of the contacts of an ensemble that must break at one drive for an event to count as a slip, above 0, up to 1.
 ///
 /// Raises ValueError for values that make no sense, a damping with which a slip would take forever among them.
 #[pyclass(frozen, extends = Description, module = "asperity")]
@@ -144,7 +183,7 @@ impl Block {
         Self::plain(slf).stiffness.unwrap_or(f64::INFINITY)
     }
 
-    /// The slip rule: "reset", "overdamped", "arrest", or Inertial.
+    /// The slip rule: "reset", "overdamped", "arrest", Damped or Inertial.
     #[getter]
     fn slip<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         rule(Self::plain(slf).slip, slf.py())

@@ -72,7 +72,7 @@ impl Plain {
             Self::Step(_) => py.get_type::<transport::Step>(),
             Self::MasterEquation(..) => py.get_type::<equation::MasterEquation>(),
             Self::Ensemble(..) => py.get_type::<ensemble::Ensemble>(),
-            Self::Slip(_) => py.get_type::<block::Inertial>(),
+            Self::Slip(slip) => block::slip_class(*slip, py),
             Self::Block(_) => py.get_type::<block::Block>(),
         }
     }
@@ -90,7 +90,7 @@ impl Plain {
             Self::Step(step) => transport::step_arguments(step, &arguments),
             Self::MasterEquation(interface, own) => equation::arguments(interface, own, &arguments),
             Self::Ensemble(interface, own) => ensemble::arguments(interface, own, &arguments),
-            Self::Slip(slip) => block::inertial_arguments(*slip, &arguments),
+            Self::Slip(slip) => block::slip_arguments(*slip, &arguments),
             Self::Block(slider) => block::arguments(slider, &arguments),
         }?;
         Ok(arguments)

@@ -29,7 +29,7 @@ mod _core {
     use crate::exact;
 
     #[pymodule_export]
-    use crate::block::{Block, Inertial};
+    use crate::block::{Block, Damped, Inertial};
     #[pymodule_export]
     use crate::contacts::{Areas, Contacts};
     #[pymodule_export]

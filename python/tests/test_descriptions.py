@@ -37,11 +37,13 @@ MODELS = [
     asp.Ensemble(CONTACTS[0], asp.Point(0.1), size=10, seed=2**63 - 1, disorder="quenched", start="relaxed"),
 ]
 SLIDERS = [
+    asp.Damped(0.5),
     asp.Inertial(2.0),
     asp.Inertial(2.0, damping=0.5),
     asp.Block(MODELS[0], 1.0),
     asp.Block(MODELS[0], 1.0, "overdamped", slip_fraction=0.1),
     asp.Block(MODELS[1], 0.1 + 0.2, asp.Inertial(2.0, 0.5)),
+    asp.Block(MODELS[0], 1.0, asp.Damped(0.5)),
     asp.Block(MODELS[2], None),
     asp.Block(MODELS[3], 1e-7, "arrest"),
 ]

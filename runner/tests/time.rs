@@ -230,3 +230,48 @@ fn steps_can_stand_in_a_file() {
     assert_eq!(outcome.record.values("time").unwrap().len(), 33);
     assert_eq!(run(&outcome.scenario), outcome, "the resolved scenario holds the steps themselves");
 }
+
+#[test]
+fn a_block_over_ageing_contacts_sticks_and_slips_for_ever() {
+    let text = format!(
+        "{GROWING} block = {{ stiffness = 0.05, slip.damped = {{ damping = 0.1 }} }}
+         protocol = [{{ velocity = 1e-3, distance = 60.0 }}]"
+    );
+    let outcome = run(&text);
+    let sliding = outcome.summary.sliding.as_ref().unwrap();
+    assert!(sliding.period.unwrap() > 1.0 && sliding.mean_drop.unwrap() > 0.05, "{}", sliding.reason);
+    let column = |name: &str| outcome.record.values(&format!("event_{name}")).unwrap();
+    for (i, drop) in column("drop").iter().enumerate() {
+        // Equally fast at both ends, the slider loses what the spring loses, whose top goes on in the slip.
+        let shorter = column("slip")[i] - 1e-3 * column("duration")[i];
+        // The tolerance of steps.
+        near(*drop, 0.05 * shorter, 1e-4);
+    }
+    let (_base, dir) = folder();
+    output::write(&dir, &outcome, &[]).unwrap();
+    let table = std::fs::read_to_string(dir.join("events.csv")).unwrap();
+    assert_eq!(
+        table.lines().next(),
+        Some(
+            "event,drive,position_before,position_after,position_turn,force_before,force_after,drop,slip,broken_fraction,dissipated_slip,time,duration,velocity"
+        )
+    );
+    assert_eq!(table.lines().count(), sliding.slips + 1);
+}
+
+#[test]
+fn ageing_makes_steady_sliding_unstable_behind_soft_springs() {
+    let outcome = run(&format!(
+        "{GROWING} velocity_curve = {{ from = 1e-2, to = 1e-1, points = 2, stability = true }}"
+    ));
+    let column = |name: &str| outcome.record.values(name).unwrap();
+    let (pulled, sliding) = (column("critical_stiffness"), column("critical_stiffness_sliding"));
+    // The first pull falls steeply, as all contacts are in step; to athermal contacts K_c is 3.009, 0 in steady sliding.
+    assert!(pulled.iter().all(|stiffness| (stiffness / 3.009 - 1.0).abs() < 0.2), "{pulled:?}");
+    assert!(sliding.iter().all(|stiffness| (1e-3..0.2).contains(stiffness)), "{sliding:?}");
+    let (_base, dir) = folder();
+    output::write(&dir, &outcome, &[]).unwrap();
+    let table = std::fs::read_to_string(dir.join("velocity_curve.csv")).unwrap();
+    let header = "velocity,kinetic_friction,critical_stiffness,critical_stiffness_sliding";
+    assert_eq!(table.lines().next(), Some(header));
+}

@@ -31,6 +31,11 @@ impl Scenario {
             let expected = "an ageing with a rule for each contact where the velocity varies (smoluchowski, frozen_rank or logarithmic)";
             return Err(Error::invalid(key, expected, format!("a steady closure with [{}]", task.name())));
         }
+        if let Task::VelocityCurve(VelocityCurve { stability: true, .. }) = task {
+            let expected =
+                format!("no stability of sliding with {key}, a steady closure that answers to no change");
+            return Err(Error::invalid("velocity_curve.stability", expected, true));
+        }
         match &self.ensemble {
             None => Ok(()),
             Some(_) => {

@@ -23,6 +23,15 @@ const SLIP: [&str; 11] = [
     "dissipated_slip",
 ];
 
+/// Names of the columns of a curve against velocity.
+const CURVE: [&str; 5] = [
+    "kinetic_friction",
+    "ensemble_force",
+    "ensemble_error",
+    "critical_stiffness",
+    "critical_stiffness_sliding",
+];
+
 /// Names of further columns of slips in time.
 const IN_TIME: [&str; 3] = ["time", "duration", "velocity"];
 
@@ -61,23 +70,16 @@ fn trace(record: &Record, prefix: &str) -> Option<String> {
 
 /// One row for each velocity, of one temperature after the other where there are several.
 fn velocity_curve(record: &Record) -> Option<String> {
-    let friction = record.values("kinetic_friction")?;
     let velocity = record.values("velocity")?;
+    record.get("kinetic_friction")?;
     let temperatures = record.values("temperature");
-    let ensemble = record.values("ensemble_force").zip(record.values("ensemble_error"));
-    let mut text = String::new();
-    if temperatures.is_some() {
-        text += "temperature,";
-    }
-    text += "velocity,kinetic_friction";
-    text += if ensemble.is_some() { ",ensemble_force,ensemble_error\n" } else { "\n" };
-    for (row, &force) in friction.iter().enumerate() {
+    let columns: Vec<_> = CURVE.iter().filter_map(|name| Some((*name, record.values(name)?))).collect();
+    let header = temperatures.iter().map(|_| "temperature").chain(["velocity"]);
+    let mut text = header.chain(columns.iter().map(|column| column.0)).collect::<Vec<_>>().join(",") + "\n";
+    for row in 0..columns[0].1.len() {
         let temperature = temperatures.map(|t| t[row / velocity.len()]);
-        let both = ensemble.map(|(force, error)| [force[row], error[row]]);
-        let cells = temperature
-            .into_iter()
-            .chain([velocity[row % velocity.len()], force])
-            .chain(both.into_iter().flatten());
+        let cells = temperature.into_iter().chain([velocity[row % velocity.len()]]);
+        let cells = cells.chain(columns.iter().map(|column| column.1[row]));
         text += &cells.map(shortest).collect::<Vec<_>>().join(",");
         text.push('\n');
     }

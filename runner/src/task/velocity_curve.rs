@@ -2,7 +2,7 @@
 
 use asperity::contacts::{Contacts, Rules, Temperature};
 use asperity::history::{History, Piece};
-use asperity::master::{Limits, creep};
+use asperity::master::{Limits, MasterEquation, Transport, creep};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::{Result, scenario};
@@ -12,6 +12,10 @@ use super::part;
 use super::settling::Steady;
 use crate::summary::{CurveLimits, Summary};
 
+/// Mean lives of a contact for which the response of steady sliding is followed.
+const LIVES: f64 = 30.0;
+/// Tolerance of that response, with which K_c is right to some 1e-3 of the stiffness of the contacts.
+const RESPONSE: f64 = 1e-5;
 /// Share of the work that the master equation is, beside an ensemble.
 const MASTER: f64 = 0.2;
 
@@ -28,6 +32,7 @@ pub fn run(
     let curves = curves(setting, task);
     let (mut friction, mut slow, mut limits) = (Vec::new(), Slow::default(), Vec::new());
     let (mut force, mut error) = (Vec::new(), Vec::new());
+    let mut critical = Critical::default();
     let points = (curves.len() * velocities.len()) as f64;
     for (temperature, contacts) in &curves {
         let limit = Limits::of(contacts)?;
@@ -42,6 +47,9 @@ pub fn run(
                 force.push(slid.0);
                 error.push(slid.1);
             }
+            if task.stability {
+                critical.push(contacts, setting, velocity)?;
+            }
             part::report(monitor, friction.len() as f64 / points)?;
         }
     }
@@ -53,11 +61,15 @@ pub fn run(
         let energies = task.temperatures.clone();
         record.push("temperature", "temperature T, an energy", Quantity::Energy, &["temperature"], energies);
     }
-    let mut add = |name, words, values: Vec<f64>| {
+    let mut known = |name, words, quantity, values: Vec<f64>| {
         if values.iter().any(|v| v.is_finite()) {
-            record.push(name, words, Quantity::Force, along, values);
+            record.push(name, words, quantity, along, values);
         }
     };
+    let words = ["critical stiffness of a pull from the start", "critical stiffness of steady sliding"];
+    known("critical_stiffness", words[0], Quantity::Stiffness, critical.pulled);
+    known("critical_stiffness_sliding", words[1], Quantity::Stiffness, critical.sliding);
+    let mut add = |name, words, values| known(name, words, Quantity::Force, values);
     add("kinetic_friction", "friction force of steady sliding", friction);
     add("ensemble_force", "friction force of the ensemble in steady sliding", force);
     add("ensemble_error", "its standard error", error);
@@ -78,6 +90,27 @@ fn curves(setting: &Setting<'_>, task: &scenario::VelocityCurve) -> Vec<(Option<
         (Some(energy), Contacts { rules, ..contacts.clone() })
     };
     task.temperatures.iter().map(at).collect()
+}
+
+/// The stiffnesses of a slider below which it is unstable.
+#[derive(Default)]
+struct Critical {
+    /// −min F' of a pull from the start.
+    pulled: Vec<f64>,
+    /// That of steady sliding, by its linear response; 0 where every slider slides steadily.
+    sliding: Vec<f64>,
+}
+
+impl Critical {
+    fn push(&mut self, contacts: &Contacts, setting: &Setting<'_>, velocity: f64) -> Result<()> {
+        let equation = MasterEquation::at(contacts.clone(), &setting.initial, velocity)?;
+        let tolerance = setting.scenario.master_equation.tolerance();
+        let pull = equation.pull(super::first_loading(contacts), tolerance, &mut ())?;
+        self.pulled.push(pull.critical_stiffness());
+        let response = Transport::step_response(contacts, velocity, LIVES, RESPONSE, &mut ())?;
+        self.sliding.push(response.critical_stiffness().map_or(0.0, |(stiffness, _)| stiffness));
+        Ok(())
+    }
 }
 
 /// The closed forms of slow sliding along the velocities; not a number where there are none.

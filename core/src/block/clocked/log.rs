@@ -27,6 +27,8 @@ pub struct Moment {
     pub spring_force: f64,
     /// The fraction of contacts that is free.
     pub free: f64,
+    /// Breaks so far, per contact.
+    pub broken: f64,
     /// Energies ½K(X_T − X)² of the spring, Σ ½k x² of the contacts and ½MẊ² of the slider.
     pub stored: [f64; 3],
 }
@@ -34,9 +36,9 @@ pub struct Moment {
 /// A slip: from where the slider becomes ten times as fast as the drive to where it no longer is, or comes to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimedSlip {
-    /// The last moment before.
+    /// Where it begins.
     pub before: Moment,
-    /// The first moment after.
+    /// Where it ends; after an arrest, at rest.
     pub after: Moment,
     /// X_2, the furthest position that the contacts saw.
     pub position_turn: f64,
@@ -83,7 +85,6 @@ pub(super) struct Log {
     last: Moment,
     /// The velocity of the drive, when it last moved.
     pulled: f64,
-    broken: f64,
     open: Option<Open>,
     /// The largest force, and the stiffness of all contacts.
     most: (f64, f64),
@@ -93,7 +94,6 @@ pub(super) struct Log {
 struct Open {
     before: Moment,
     fastest: f64,
-    broken: f64,
     lost: f64,
 }
 
@@ -117,7 +117,25 @@ impl Moment {
             force: state.force + tangent * back,
             spring_force,
             free: state.contacts.free(),
+            broken: state.contacts.broken(),
             stored: [spring, elastic, 0.5 * dynamics.mass * state.velocity * state.velocity],
+        }
+    }
+
+    /// The moment between this one and the next at which the velocity is `velocity`, all values straight in time.
+    fn until(&self, next: &Self, velocity: f64) -> Self {
+        let share = ((velocity - self.velocity) / (next.velocity - self.velocity)).clamp(0.0, 1.0);
+        let between = |value: fn(&Self) -> f64| value(self) + share * (value(next) - value(self));
+        Self {
+            time: between(|m| m.time),
+            drive: between(|m| m.drive),
+            position: between(|m| m.position),
+            velocity,
+            force: between(|m| m.force),
+            spring_force: between(|m| m.spring_force),
+            free: between(|m| m.free),
+            broken: between(|m| m.broken),
+            stored: [between(|m| m.stored[0]), between(|m| m.stored[1]), between(|m| m.stored[2])],
         }
     }
 
@@ -178,7 +196,6 @@ impl Log {
             start,
             last: start,
             pulled: 0.0,
-            broken: contacts.broken(),
             open: None,
             most: (start.force.abs(), contacts.tangent()),
         }
@@ -200,29 +217,39 @@ impl Log {
 
     /// The end of a step; `stopping` where the slider is on its way to rest.
     pub fn pass(&mut self, moment: Moment, stopping: bool, contacts: &dyn Clocked) {
-        let fast = moment.velocity > FAST * self.pulled;
-        let broken = contacts.broken();
+        let fast = FAST * self.pulled;
         self.most = (self.most.0.max(moment.force.abs()), self.most.1.max(contacts.tangent()));
-        if self.open.is_none() && fast {
-            self.see(self.last);
-            let (before, lost) = (self.last, self.ledger.lost());
-            self.open = Some(Open { before, fastest: 0.0, broken: self.broken, lost });
+        if self.open.is_none() && moment.velocity > fast {
+            let before = self.last.until(&moment, fast);
+            self.see(before);
+            self.open = Some(Open { before, fastest: 0.0, lost: self.ledger.lost() });
         }
         if let Some(open) = &mut self.open {
             open.fastest = open.fastest.max(moment.velocity);
-            self.see(moment);
+            if moment.velocity > fast || stopping {
+                self.see(moment);
+            } else {
+                self.end(moment, fast, contacts.position());
+            }
         }
-        if !fast && !stopping {
-            self.slips.extend(self.open.take().map(|open| TimedSlip {
-                before: open.before,
-                after: moment,
-                position_turn: contacts.position(),
-                fastest: open.fastest,
-                broken_fraction: broken - open.broken,
-                dissipated: self.ledger.lost() - open.lost,
-            }));
-        }
-        (self.last, self.broken) = (moment, broken);
+        self.last = moment;
+    }
+
+    /// The open slip has ended in the step to a moment, the contacts having come to `turn`.
+    fn end(&mut self, moment: Moment, fast: f64, turn: f64) {
+        let Some(open) = self.open.take() else { return };
+        let arrested = moment.position < turn;
+        let slows = self.last.velocity > fast && !arrested;
+        let after = if slows { self.last.until(&moment, fast) } else { moment };
+        self.see(after);
+        self.slips.push(TimedSlip {
+            before: open.before,
+            after,
+            position_turn: if arrested { turn } else { after.position },
+            fastest: open.fastest,
+            broken_fraction: after.broken - open.before.broken,
+            dissipated: self.ledger.lost() - open.lost,
+        });
     }
 
     pub fn close(self) -> Slide {
