@@ -34,6 +34,7 @@ const SHIPPED: [Shipped; 26] = shipped![
     "laboratory.toml",
     "velocity-curve-thermal.toml",
     "velocity-curve-ageing.toml",
+    "velocity-curve-mean-field.toml",
     "velocity-step.toml",
     "slide-hold-slide.toml",
     "healing.toml",

@@ -193,7 +193,7 @@ fn what_is_attached_and_what_is_free_are_all_contacts() {
         contacts(gaussian(0.5, 0.1), with(frozen_rank())),
         contacts(gaussian(0.5, 0.1), with(smoluchowski())),
         contacts(point(1.0), warm.clone()),
-        Contacts { reforming: rectangular(0.0, 0.2), ..contacts(rectangular(0.5, 1.5), warm.clone()) },
+        Contacts { reforming: rectangular(0.0, 0.2), ..contacts(rectangular(0.8, 1.2), warm.clone()) },
     ];
     let history = wild();
     for (i, contacts) in cases.into_iter().enumerate() {

@@ -13,10 +13,15 @@ mod lattice;
 mod page;
 mod relaxation;
 mod scatter;
+mod speed;
 mod stability;
 #[path = "../../src/figure/style.rs"]
 #[allow(dead_code)]
 mod style;
+mod time;
+#[path = "../../../core/tests/common/ways.rs"]
+#[allow(dead_code)]
+mod ways;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -35,6 +40,7 @@ fn main() -> std::io::Result<()> {
     let page = Page::default();
     let page = closed::section(agreement::section(relaxation::section(cost::section(page, false))));
     let page = lattice::section(scatter::section(stability::section(page, false), false), false);
+    let page = speed::section(time::section(page, false));
     page.write(&folder())
 }
 
@@ -80,6 +86,7 @@ mod tests {
         let page =
             closed::section(agreement::section(relaxation::section(cost::section(Page::default(), true))));
         let page = lattice::section(scatter::section(stability::section(page, true), true), true);
+        let page = time::section(page, true);
         let written = std::fs::read_to_string(folder().join("index.md")).unwrap();
         let missing: Vec<&str> = page.lasting().filter(|line| !written.contains(line)).collect();
         assert!(page.lasting().count() > 100);
