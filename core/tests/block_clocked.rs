@@ -85,12 +85,14 @@ fn slow_and_undamped_it_stops_at_equal_areas() {
 #[test]
 fn breaks_lose_what_they_do_in_the_athermal_block() {
     let relaxed = point(0.0);
-    let mut population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10).unwrap();
+    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10).unwrap();
     let drive = Drive { turning_points: vec![2.0], points: 2 };
-    let expected = block(1.0, Slip::Overdamped).pull(&mut population, &drive, &mut ()).unwrap().energy.breaks;
-    let run = first_slip(Slip::Damped { damping: 1e-3 }, 1e-4, 1e-5);
-    // Lingering, as above.
-    near(run.ledger.breaks(), expected, 2e-5);
+    // Lingering, as above, times forces below 1.
+    for (slip, velocity, accuracy) in [(Slip::Damped { damping: 1e-3 }, 1e-4, 2e-5), (UNDAMPED, 1e-5, 3e-4)] {
+        let athermal = block(1.0, slip).pull(&mut population.clone(), &drive, &mut ()).unwrap();
+        let run = first_slip(slip, velocity, 1e-5);
+        near(run.ledger.breaks(), athermal.energy.breaks, accuracy);
+    }
 }
 
 #[test]
@@ -150,6 +152,33 @@ fn the_ensemble_moved_alike_feels_the_same_force() {
         let off = (followed.force[i] - force).abs();
         assert!(off < 4.0 * error + 1e-5, "{time}: {off} {error}");
     }
+}
+
+#[test]
+fn over_contacts_without_time_damped_is_overdamped() {
+    let relaxed = point(0.0);
+    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10).unwrap();
+    let drive = Drive { turning_points: vec![10.0], points: 11 };
+    let run = |slip| block(1.0, slip).pull(&mut population.clone(), &drive, &mut ()).unwrap();
+    assert_eq!(run(Slip::Damped { damping: 0.3 }), run(Slip::Overdamped));
+}
+
+#[test]
+fn a_drive_at_rest_ages_a_block_at_rest() {
+    let drive = History::new(vec![
+        Piece { velocity: 0.0, duration: 10.0 },
+        Piece { velocity: 0.1, duration: 3.0 },
+        Piece { velocity: 0.0, duration: 1e4 },
+    ]);
+    let transport = Transport::new(logarithmic(), &initial(&point(0.0)), 1e-5).unwrap();
+    let slip = Slip::Inertial { mass: 1e-4, damping: 0.1 };
+    let run = block(1.0, slip).follow(&transport, &drive.unwrap(), &[5.0, 13.0, 1e4], 1e-4, &mut ()).unwrap();
+    assert_eq!(run.slips, []);
+    let forces: Vec<f64> = run.trace.iter().map(|moment| moment.force).collect();
+    // Nothing that holds lets go at rest; the spring, which lagged by γ × velocity, finds its balance.
+    near(forces[0], 0.0, 1e-15);
+    near(forces[2], forces[1], 0.1 * 0.1);
+    near(forces[2], run.trace[2].spring_force, 1e-4);
 }
 
 #[test]

@@ -29,6 +29,9 @@ fn blocks_that_make_no_sense_are_refused() {
     // 10³ √(0.25 × 4).
     refused(inertial(0.25, 1001.0), "slip.inertial.damping", "= 1000.000000");
     inertial(0.25, 1000.0).unwrap();
+    for damping in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        refused(block(Loading::Rigid, Slip::Damped { damping }, None), "slip.damped.damping", "above 0");
+    }
     for fraction in [0.0, 1.1, f64::NAN] {
         refused(block(Loading::Spring(1.0), Slip::Reset, Some(fraction)), "slip_fraction", "up to 1");
     }

@@ -83,7 +83,7 @@ pub(super) struct Log {
     pub ledger: Ledger,
     start: Moment,
     last: Moment,
-    /// The velocity of the drive, when it last moved.
+    /// The velocity of the drive, when it last moved or, before, will first move.
     pulled: f64,
     open: Option<Open>,
     /// The largest force, and the stiffness of all contacts.
@@ -188,14 +188,14 @@ impl Ledger {
 }
 
 impl Log {
-    pub fn new(start: Moment, seen: bool, contacts: &dyn Clocked) -> Self {
+    pub fn new(start: Moment, pulled: f64, contacts: &dyn Clocked) -> Self {
         Self {
-            trace: if seen { vec![start] } else { Vec::new() },
+            trace: Vec::new(),
             slips: Vec::new(),
             ledger: Ledger::default(),
             start,
             last: start,
-            pulled: 0.0,
+            pulled,
             open: None,
             most: (start.force.abs(), contacts.tangent()),
         }

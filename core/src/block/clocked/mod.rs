@@ -49,7 +49,11 @@ impl Block {
     ) -> Result<Slide> {
         let dynamics = self.dynamics(tolerance)?;
         check(times, drive.duration())?;
-        let mut rider = Rider::new(dynamics, contacts, times.first() == Some(&0.0));
+        let moving = drive.pieces().iter().map(|piece| piece.velocity).find(|velocity| *velocity > 0.0);
+        let mut rider = Rider::new(dynamics, contacts, moving.unwrap_or(f64::INFINITY));
+        if times.first() == Some(&0.0) {
+            rider.log.see(rider.moment());
+        }
         let mut asked = times.iter().copied().skip_while(|time| *time == 0.0).peekable();
         for (piece, knots) in drive.pieces().iter().zip(drive.knots().windows(2)) {
             rider.pull(piece.velocity);
@@ -122,13 +126,14 @@ struct Rider {
 }
 
 impl Rider {
-    fn new(dynamics: Dynamics, contacts: &dyn Clocked, seen: bool) -> Self {
+    /// `pulled` is the first velocity of the drive.
+    fn new(dynamics: Dynamics, contacts: &dyn Clocked, pulled: f64) -> Self {
         let state = State::of(contacts.copy());
         let drive = state.position() + state.force / dynamics.stiffness;
-        let pulled = Pulled { drive, velocity: 0.0 };
-        let start = Moment::of(&dynamics, &state, pulled, 0.0);
-        let log = Log::new(start, seen, state.contacts.as_ref());
-        Self { dynamics, state, pulled, time: 0.0, pace: f64::INFINITY, steps: 0, log }
+        let at = Pulled { drive, velocity: 0.0 };
+        let start = Moment::of(&dynamics, &state, at, 0.0);
+        let log = Log::new(start, pulled, state.contacts.as_ref());
+        Self { dynamics, state, pulled: at, time: 0.0, pace: f64::INFINITY, steps: 0, log }
     }
 
     /// From now on the drive has another velocity.
