@@ -261,6 +261,8 @@ class Temperature(Description):
 class Ageing(Description):
     """Ageing: thresholds that change with the time a contact has held; Smoluchowski, FrozenRank, Logarithmic or MeanField."""
 
+    ...
+
 @final
 class Smoluchowski(Ageing):
     """Thresholds diffuse in the potential U = −ln P_cf towards the mature law, each for itself.
@@ -915,7 +917,7 @@ class Result(Record):
 
     @property
     def kinetic_friction(self) -> float:
-        """The kinetic friction F_k, the force of steady sliding."""
+        """The kinetic friction F_k, the force of steady sliding; nan where the task has no one velocity."""
 
     @property
     def critical_stiffness(self) -> float:
