@@ -33,4 +33,6 @@ mod documents {
     struct Readme;
     #[doc = include_str!("../../docs/theory.md")]
     struct Theory;
+    #[doc = include_str!("../../docs/laws.md")]
+    struct Laws;
 }

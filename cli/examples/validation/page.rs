@@ -13,7 +13,7 @@ const HEAD: &str = "\
 # Validation
 
 How far the numbers can be trusted, and what they cost. `make validation` computes everything on this page; a test
-recomputes all of it but times and the finest grids. Lengths are in units of the mean threshold x̄, forces in
+recomputes all of it but times, the finest grids and most ensembles in time. Lengths are in units of the mean threshold x̄, forces in
 units of N⟨k⟩x̄. Times are CPU seconds on the machine that made this page: compare them with each other.
 ";
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::life::{Births, Layer, Life, ORDERS};
-use crate::monitor::Monitor;
+use crate::monitor::{Aside, Monitor};
 use crate::numerics::breaks::{Atom, Break};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::{Accuracy, Kernel, Solution, solve};
@@ -67,7 +67,11 @@ impl Leg {
         };
         let kept = (first.survival().curve(), reborn.survival());
         let solution = solve(first.breaking(), reborn.breaking(), kept, end, accuracy, monitor)?;
-        let force = solution.convolve(first.force().curve(), reborn.force(), monitor)?;
+        let force = solution.convolve(
+            first.force().curve(),
+            reborn.force(),
+            &mut Aside { fraction: 1.0, monitor },
+        )?;
         let slope = force.derivative();
         Ok(Self { first: first.clone(), reborn: reborn.clone(), solution, force, slope })
     }
