@@ -162,8 +162,8 @@ standard error.
     page.text(
         "
 With inertia a slip begins earlier: a swing carries the slider over what is left of a barrier, which at X₁ is as high as
-the walk. Under `arrest` contacts that break in an avalanche wait for its end to re-form, under the others they re-form
-at once: where R = δ both come to the same. Where a slip ends follows from the drive, and scatters as that does, by
+the walk. Under the other rules it begins alike: contacts that break re-form at once, under `arrest` as long as an avalanche is no
+slip. Where a slip ends follows from the drive, and scatters as that does, by
 $N^{-1/2}$; under `arrest` it follows from X₁, too, since contacts that break from there on carry nothing.
 ",
     );
