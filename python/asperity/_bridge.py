@@ -12,6 +12,8 @@ from asperity._core import (
     Gaussian,
     Law,
     Lognormal,
+    Mixture,
+    Point,
     Rectangular,
     Series,
     Tabulated,
@@ -30,18 +32,21 @@ EPSILON = sys.float_info.epsilon
 # A cell at the start holds this share of a law at most: no peak is missed.
 SHARE = 0.125
 
+# More values of a discrete distribution are not taken one by one.
+MOST = 1000
+
 # A distribution function and its density agree to this.
 AGREE = 1e-6
 
 
 def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
-    """The law that `x` describes: itself, a frozen continuous distribution of scipy.stats, or samples.
+    """The law that `x` describes: itself, a frozen distribution of scipy.stats, or samples.
 
     Of scipy.stats, norm, truncnorm, halfnorm, uniform, gamma, erlang, expon, weibull_min and lognorm become
     the law of asperity that has the same density, if there is one: cut at 0, if at all. Any other
     distribution on x >= 0 becomes a Series, right to rounding of its pdf; so does what has the methods pdf,
-    cdf and support of one, such as stats.Mixture and stats.rv_histogram. A list of samples becomes
-    Tabulated(samples=x).
+    cdf and support of one, such as stats.Mixture and stats.rv_histogram. A discrete distribution becomes a
+    Mixture of Points. A list of samples becomes Tabulated(samples=x).
 
     Raises ValueError for a distribution with values below 0 or a variance that is not finite, RuntimeError
     for a pdf that cannot be followed, TypeError for anything else, such as a distribution that is not frozen.
@@ -74,9 +79,7 @@ def from_scipy(frozen: Any) -> Law:
     found = counterpart(name, shapes, loc, scale)
     if found is not None:
         return found
-    if not hasattr(frozen, "pdf"):
-        raise ValueError(f"law: expected a distribution with a density, got {name}")
-    return series(frozen, name)
+    return series(frozen, name) if hasattr(frozen, "pdf") else points(frozen, name)
 
 
 def series(distribution: Any, name: str) -> Series:
@@ -97,6 +100,21 @@ def series(distribution: Any, name: str) -> Series:
             f"law: expected a pdf and a cdf that agree, got {name}, where they are {apart:.3g} apart"
         )
     return found
+
+
+def points(distribution: Any, name: str) -> Mixture:
+    """The law of a probability mass function: points, all but a share that no result shows."""
+    low, high = (float(end) for end in distribution.support())
+    if low < 0.0:
+        raise ValueError(f"law: expected a law on x >= 0, got {name}, which begins at {low:g}")
+    last = min(high, float(distribution.isf(EPSILON)))
+    if not last - low < MOST:
+        raise ValueError(f"law: expected at most {MOST} values of a discrete law, got {last - low + 1:g}")
+    values = np.arange(low, last + 1.0)
+    weights = distribution.pmf(values)
+    felt = weights > EPSILON
+    weights = weights[felt] / weights[felt].sum()
+    return Mixture([(float(w), Point(float(x))) for w, x in zip(weights, values[felt], strict=True)])
 
 
 def bulk(distribution: Any, low: float, high: float) -> list[float]:

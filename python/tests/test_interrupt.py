@@ -30,7 +30,7 @@ LONG: dict[str, Callable[[], object]] = {
     "drawing": lambda: asp.Block(asp.Ensemble(GAUSSIAN, size=10**7), 1.0).drive(1e7),
     "resets": lambda: asp.Block(asp.Ensemble(GAUSSIAN, size=2 * 10**6), 0.1).drive(1e7),
     "imposed force": lambda: asp.Block(asp.Ensemble(EVEN, size=10**6), None).drive(force_to=0.999),
-    "thresholds that diffuse": lambda: asp.Transport(AGEING, tolerance=1e-7).follow([asp.Step(1.0, distance=100.0)]),
+    "diffusion": lambda: asp.Transport(AGEING, tolerance=1e-7).follow([asp.Step(1.0, distance=100.0)]),
     "scenario": lambda: asp.run(SCENARIO, {"ensemble.size": 10**9}),
 }
 

@@ -85,7 +85,7 @@ def test_rules_are_described() -> None:
             lambda: asp.Step(-1.0, duration=1.0),
             r"step\.velocity: expected a finite number, 0 or above, got -1",
         ),
-        (lambda: asp.Temperature(1.0, 1.0, barrier="high"), "barrier"),
+        (lambda: asp.Temperature(1.0, 1.0, barrier="high"), "barrier"),  # type: ignore[arg-type]
         (lambda: asp.Transport(THERMAL).follow([]), "steps: expected at least one step"),
     ],
 )
