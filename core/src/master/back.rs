@@ -44,7 +44,7 @@ impl Back {
             let course = if held { interface.held(layers) } else { interface.renewed(layers)? };
             // What breaks at the end of the straight part must lie within what is solved.
             let further = if 2.0 * self.length > course.end() {
-                course.extended(4.0 * self.length, interface.tolerance)?
+                course.extended(4.0 * self.length, interface.tolerance, &mut ())?
             } else {
                 None
             };

@@ -6,6 +6,7 @@ use super::leg::Leg;
 use crate::Result;
 use crate::contacts::Contacts;
 use crate::life::{Layer, Life, tidied, walls};
+use crate::monitor::Monitor;
 use crate::numerics::breaks::same_position;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
@@ -47,8 +48,17 @@ pub(super) struct Account {
 
 impl Course {
     /// The course on which what breaks re-forms, solved up to the advance `end`.
-    pub(super) fn renewed(first: Arc<Life>, reborn: &Arc<Life>, end: f64, tolerance: f64) -> Result<Self> {
-        let leg = Leg::solve(&first, reborn, end, tolerance, &mut ())?;
+    ///
+    /// # Errors
+    /// Those of [`Leg::solve`].
+    pub(super) fn renewed(
+        first: Arc<Life>,
+        reborn: &Arc<Life>,
+        end: f64,
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
+        let leg = Leg::solve(&first, reborn, end, tolerance, monitor)?;
         Ok(Self { motion: Motion::Renewed(Box::new(leg)), ledger: OnceLock::new() })
     }
 
@@ -59,9 +69,19 @@ impl Course {
     }
 
     /// The same course, solved up to `end`.
-    pub(super) fn extended(&self, end: f64, tolerance: f64) -> Result<Option<Self>> {
+    ///
+    /// # Errors
+    /// Those of [`Leg::solve`].
+    pub(super) fn extended(
+        &self,
+        end: f64,
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<Self>> {
         match &self.motion {
-            Motion::Renewed(leg) => Self::renewed(leg.first.clone(), &leg.reborn, end, tolerance).map(Some),
+            Motion::Renewed(leg) => {
+                Self::renewed(leg.first.clone(), &leg.reborn, end, tolerance, monitor).map(Some)
+            }
             Motion::Held { .. } => Ok(None),
         }
     }

@@ -54,7 +54,7 @@ impl Interface {
 
     /// The course of contacts with this first life.
     fn course(&self, first: Arc<Life>) -> Result<Course> {
-        Course::renewed(first, &self.reborn, FIRST * self.reborn.mean(), self.tolerance)
+        Course::renewed(first, &self.reborn, FIRST * self.reborn.mean(), self.tolerance, &mut ())
     }
 
     /// The course of contacts in these layers, whose breaking ones re-form.

@@ -146,14 +146,15 @@ impl Stock {
     fn go_over(&mut self, crossed: bool) -> Result<()> {
         self.cell += 1;
         if self.furthest >= self.course.end() {
-            self.look_further(crossed)?;
+            self.look_further(crossed, &mut ())?;
         }
         Ok(())
     }
 
     /// Solves the course for twice the way. What breaks together where it ended is known only then.
-    fn look_further(&mut self, crossed: bool) -> Result<()> {
-        let Some(course) = self.course.extended(2.0 * self.furthest, self.interface.tolerance)? else {
+    fn look_further(&mut self, crossed: bool, monitor: &mut dyn Monitor) -> Result<()> {
+        let end = 2.0 * self.course.end();
+        let Some(course) = self.course.extended(end, self.interface.tolerance, monitor)? else {
             return Ok(());
         };
         self.cell = course.cell(self.furthest);
@@ -256,6 +257,10 @@ impl Population for Stock {
             if self.behind > 0.0 {
                 let breaks = self.furthest == self.course.cell_end(self.cell);
                 return Ok(Way { length: self.behind, straight: true, breaks });
+            }
+            if self.course.cell_end(self.cell) >= self.course.end() {
+                // Before its last cell is gone through: this may take long, and somebody listens now.
+                self.look_further(true, monitor)?;
             }
             let length = self.course.cell_end(self.cell) - self.furthest;
             return Ok(Way {
