@@ -1,7 +1,7 @@
 """Opens a result folder as users do: python open_with_xarray.py DIR...
 
-With xarray, by either of its engines, result.nc holds the numbers of force.csv (of a drive: trace.csv), units,
-long names, the scenario, the version and the seed of summary.json.
+With xarray, by either of its engines, result.nc holds the numbers of the table of the task, units, long names, the
+scenario, the version and the seed of summary.json.
 """
 
 import csv
@@ -13,18 +13,29 @@ import numpy as np
 import xarray as xr
 
 
+# Tables of the tasks, and the dimension of their rows.
+TABLES = {
+    "force.csv": "position",
+    "trace.csv": "point",
+    "velocity_curve.csv": "velocity",
+    "hold_curve.csv": "hold",
+}
+
+
 def check(folder: Path, engine: str) -> None:
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    table, dimension = ("force.csv", "position")
-    if (folder / "trace.csv").exists():
-        table, dimension = ("trace.csv", "point")
+    ((table, dimension),) = ((name, rows) for name, rows in TABLES.items() if (folder / name).exists())
     with open(folder / table, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     with xr.open_dataset(folder / "result.nc", engine=engine) as data:
+        # Curves at several temperatures stand one below the other.
+        dimensions = ("temperature", dimension) if "temperature" in rows[0] else (dimension,)
+        whole = xr.zeros_like(data[list(rows[0])[len(dimensions)]])
+        assert whole.dims == dimensions, whole.dims
         for name in rows[0]:
             column = np.array([float(row[name]) for row in rows])
-            assert np.array_equal(data[name].values, column, equal_nan=True), name
-            assert data[name].dims == (dimension,), data[name].dims
+            values = (whole + data[name]).transpose(*dimensions).values.ravel()
+            assert np.array_equal(values, column, equal_nan=True), name
         for name, variable in data.variables.items():
             assert variable.attrs["long_name"], name
             if name != "scenario":
