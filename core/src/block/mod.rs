@@ -76,9 +76,9 @@ const MOST_DAMPING: f64 = 1e3;
 impl Block {
     /// A slider pulled by `loading`.
     ///
-    /// `slip_fraction`: an event in which a larger share of the contacts breaks is a slip, what is smaller enters
-    /// the statistics of sizes alone, its contacts re-forming as they break. `None`: every event in which the slider moves a finite way, as it should be
-    /// for the master equation, whose contacts break one after another without any event.
+    /// `slip_fraction`: an event in which a larger share of the contacts breaks is a slip, what is smaller enters the
+    /// statistics of sizes alone, its contacts re-forming as they break. `None`: every event in which the slider moves a
+    /// finite way, as it should be for the master equation, whose contacts break one after another without any event.
     ///
     /// # Errors
     /// Stiffness or mass not above 0, damping below 0 or above 10³√(MK); a fraction outside (0, 1].
