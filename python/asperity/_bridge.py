@@ -16,7 +16,6 @@ from asperity._core import (
     Mixture,
     Point,
     Rectangular,
-    Series,
     Tabulated,
     Weibull,
     _resolve,
@@ -33,11 +32,12 @@ EPSILON = sys.float_info.epsilon
 # A cell at the start holds this share of a law at most: no peak is missed.
 SHARE = 0.125
 
-# Halves of a cell share its mass evenly where a density is finite, all but evenly where it jumps; at a pole that a
-# Series cannot follow, one of them has more than this.
+# Halves of a cell share its mass evenly where a density is finite, nearly so where it jumps; at a pole that
+# a Series cannot follow, one of them has more than this.
 UNEVEN = 0.55
 
-# A pole is closed in on to this, relative to where it is; what is nearer is a point, unless it is less than FAINT.
+# A pole is closed in on to this, relative to where it is; what is nearer is a point, unless it is less than
+# FAINT.
 NEAR = 1e-6
 FAINT = 1e-8
 
@@ -126,7 +126,8 @@ def series(distribution: Any, name: str) -> Law:
 def poles(distribution: Any, edges: list[float]) -> list[Peak]:
     """What lies near the poles of a density: each cell halved towards where there is more of it.
 
-    At p ~ |x - pole|^(e - 1) either half has 2^-e of the mass, and the mean is e / (1 + e) of the way from the pole.
+    Where p ~ |x - pole|^(e - 1) the near half has 2^-e of the mass, and the mean is e / (1 + e) of the way
+    from the pole.
     """
     found = []
     for low, high in pairwise(edges):

@@ -102,7 +102,7 @@ def test_what_is_near_a_pole_becomes_a_point(frozen: Any) -> None:
     np.testing.assert_allclose(law.cdf(away), frozen.cdf(away), rtol=1e-11)
     theory = asp.MasterEquation(asp.Contacts(law))
     sliding = moments[0] / (2.0 * moments[1])
-    # 1e-3 of the law, moved by less than 1e-9, and the parts of F that go with the mean of what is near the pole.
+    # What is near the pole, 1e-3 of the law, keeps its mean but for a millionth of its width.
     assert theory.steady_state().kinetic_friction == pytest.approx(sliding, rel=1e-11)
 
 
