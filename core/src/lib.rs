@@ -9,6 +9,7 @@
 pub mod block;
 pub mod clocked;
 pub mod contacts;
+pub mod elastic;
 pub mod ensemble;
 mod error;
 pub mod exact;
@@ -23,6 +24,7 @@ pub mod random;
 pub mod rate_state;
 pub mod record;
 pub mod scenario;
+pub mod shape;
 
 pub use error::{Error, Float, Result};
 

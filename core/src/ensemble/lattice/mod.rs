@@ -9,8 +9,10 @@ mod minima;
 mod state;
 
 pub use avalanche::{Avalanche, record};
-pub use coupling::{Coupling, Edges, Shape};
+pub use coupling::Coupling;
 pub use state::State;
+
+pub use crate::shape::{Edges, Shape};
 
 use std::mem;
 
