@@ -36,6 +36,14 @@ impl Shape {
         rows.saturating_mul(columns)
     }
 
+    /// Number of cells in the first row of a lattice, 1 at the beginning of a chain.
+    pub fn first_row(self) -> usize {
+        match self {
+            Self::Chain(length) => length.min(1),
+            Self::Square([_, columns]) => columns,
+        }
+    }
+
     /// z, the number of neighbours of a cell inside.
     pub fn neighbours(self) -> usize {
         match self {
