@@ -3,6 +3,7 @@
 pub mod accumulation;
 pub mod breaks;
 pub mod compensated;
+pub mod cutoff;
 pub mod dawson;
 pub mod diffusion;
 pub mod legendre;

@@ -103,7 +103,7 @@ impl Setting<'_> {
 /// Number of contacts that the force's scatter is shown for.
 fn sample(scenario: &Scenario) -> Option<f64> {
     let counted = Some(scenario.contacts.count).filter(|&count| count > 1.0);
-    scenario.ensemble.as_ref().map(|ensemble| ensemble.size as f64).or(counted)
+    scenario.ensemble.as_ref().map(|ensemble| ensemble.size() as f64).or(counted)
 }
 
 /// Adds the measured curve, if there is one, and says how far it is from the computed `force`, known up to X = `end`.
