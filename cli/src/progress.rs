@@ -35,7 +35,12 @@ const STEPS: u64 = 1000;
 impl Progress {
     /// A watcher, from now on.
     pub fn new(quiet: bool) -> Self {
-        Self { started: Instant::now(), shown: !quiet && std::io::stderr().is_terminal(), bar: None, counted: String::new() }
+        Self {
+            started: Instant::now(),
+            shown: !quiet && std::io::stderr().is_terminal(),
+            bar: None,
+            counted: String::new(),
+        }
     }
 
     fn draw(&mut self, fraction: f64) {
@@ -43,8 +48,8 @@ impl Progress {
             return;
         }
         let bar = self.bar.get_or_insert_with(|| {
-            let style =
-                ProgressStyle::with_template("{bar:40} {percent:>3} % after {elapsed}{msg}").expect("it is valid");
+            let style = ProgressStyle::with_template("{bar:40} {percent:>3} % after {elapsed}{msg}")
+                .expect("it is valid");
             ProgressBar::new(STEPS).with_style(style).with_elapsed(self.started.elapsed())
         });
         bar.set_message(self.counted.clone());

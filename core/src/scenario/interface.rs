@@ -213,7 +213,8 @@ impl Interface {
     /// What does not go with cells of many contacts.
     fn many(&self, ensemble: Option<&Ensemble>) -> Result<()> {
         let scales = self.disorder.as_ref();
-        scales.map_or(Ok(()), |scales| scales.check(self.size()).map_err(|e| e.under("interface.disorder")))?;
+        scales
+            .map_or(Ok(()), |scales| scales.check(self.size()).map_err(|e| e.under("interface.disorder")))?;
         let contacts = ensemble.map_or(0, Ensemble::size).saturating_mul(self.size());
         size::check("ensemble.size", contacts, BYTES_PER_CONTACT)
     }
@@ -227,7 +228,8 @@ impl Interface {
             ("loading", self.loading == Loading::Edge, "are all pulled by the drive", "edge"),
         ];
         if let Some((key, _, why, found)) = given.into_iter().find(|given| given.1) {
-            let expected = format!("none beside interface.contacts = \"one\": contacts coupled one by one {why}");
+            let expected =
+                format!("none beside interface.contacts = \"one\": contacts coupled one by one {why}");
             return Err(Error::invalid(key, expected, found).under("interface"));
         }
         if let Some(size) = ensemble.and_then(|ensemble| ensemble.size) {
@@ -285,8 +287,7 @@ impl From<Edges> for lattice::Edges {
 
 /// Refuses drives that an interface does not follow.
 fn onwards(drive: &Drive) -> Result<()> {
-    let given =
-        [("turning_points", drive.turning_points.is_some()), ("force_to", drive.force_to.is_some())];
+    let given = [("turning_points", drive.turning_points.is_some()), ("force_to", drive.force_to.is_some())];
     match given.into_iter().find(|given| given.1) {
         Some((key, _)) => {
             let expected = "a distance: an interface is driven forward only, through its connection";

@@ -12,9 +12,8 @@ const TOLD: usize = 3;
 
 /// Refuses a checkpoint of another version of asperity or of another scenario.
 pub fn refuse(path: &Path, header: &Header, scenario: &str) -> Result<()> {
-    let another = |expected: String, found: String| {
-        Err(Error::Another { path: path.to_owned(), expected, found })
-    };
+    let another =
+        |expected: String, found: String| Err(Error::Another { path: path.to_owned(), expected, found });
     let version = env!("CARGO_PKG_VERSION");
     if header.version != version {
         return another(format!("asperity {version}"), format!("asperity {}", header.version));
@@ -49,7 +48,12 @@ fn compare(key: &str, here: Option<&Value>, there: Option<&Value>, found: &mut V
     if here == there {
         return;
     }
-    if let (Some(Value::Table(here)), Some(Value::Table(there))) = (here, there) {
+    let table = |value: Option<&Value>| match value {
+        Some(Value::Table(table)) => Some(table.clone()),
+        None => Some(Table::new()),
+        Some(_) => None,
+    };
+    if let (Some(here), Some(there)) = (table(here), table(there)) {
         let others = there.keys().filter(|name| !here.contains_key(*name));
         for name in here.keys().chain(others) {
             let key = if key.is_empty() { name.clone() } else { format!("{key}.{name}") };

@@ -27,7 +27,7 @@ const SLOTS: usize = 2;
 /// The checkpoints of a run.
 #[derive(Debug)]
 pub struct Checkpoints {
-    /// The folder of results, without a name of its own where it is a link.
+    /// The folder of results.
     directory: PathBuf,
     every: Option<NonZeroU64>,
     /// The resolved scenario.
@@ -156,7 +156,7 @@ impl Checkpoints {
     /// # Errors
     /// The system refuses.
     pub fn remove(self) -> Result<()> {
-        for path in self.paths() {
+        for path in self.paths().into_iter().chain([self.partial()]) {
             match fs::remove_file(&path) {
                 Err(error) if error.kind() != ErrorKind::NotFound => {
                     return Err(Error::system(&path, "remove")(error));
@@ -174,7 +174,7 @@ impl Checkpoints {
 
     fn write(&self, bytes: &[u8]) -> Result<()> {
         let path = self.path(self.slot);
-        let partial = path.with_extension("partial");
+        let partial = self.partial();
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         fs::create_dir_all(folder).map_err(Error::system(folder, "make the folder"))?;
         let mut file = File::create(&partial).map_err(Error::system(&partial, "create"))?;
@@ -187,8 +187,17 @@ impl Checkpoints {
     }
 
     fn path(&self, slot: usize) -> PathBuf {
+        self.beside(&slot.to_string())
+    }
+
+    /// Where the next one is written before it is put in its place.
+    fn partial(&self) -> PathBuf {
+        self.beside("partial")
+    }
+
+    fn beside(&self, what: &str) -> PathBuf {
         let mut name = self.directory.file_name().unwrap_or_default().to_owned();
-        name.push(format!(".checkpoint.{slot}"));
+        name.push(format!(".checkpoint.{what}"));
         self.directory.with_file_name(name)
     }
 

@@ -83,6 +83,9 @@ fn same(name: &str) -> (String, String) {
 }
 
 fn trace(record: &Record, prefix: &str) -> Option<String> {
+    if record.get("event_epicentre").is_some() && prefix.is_empty() {
+        return table(record, &["drive"].map(same), &["position", "force"].map(same));
+    }
     let column = |name: &str| (name.to_owned(), format!("{prefix}{name}"));
     let timed = ["time", "velocity", "free"].map(column);
     let ensemble = ["ensemble_force", "ensemble_error"].map(same);

@@ -4,6 +4,7 @@ mod catalogue;
 mod contacts;
 mod course;
 mod model;
+mod stops;
 
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
@@ -14,8 +15,9 @@ use super::Setting;
 use crate::checkpoint::Checkpoints;
 use crate::output::LARGEST;
 use crate::summary::Summary;
-use course::Course;
+use course::{Course, Found};
 use model::Model;
+use stops::{Stop, stops};
 
 /// Drives the interface as `task` says, from the last checkpoint if there is one.
 ///
@@ -47,57 +49,70 @@ fn drive<M: Model>(
     checkpoints: Option<&mut Checkpoints>,
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
-    fits::<M>(task, interface)?;
-    let course = Course::new(model, interface.catalogue_from, checkpoints)?;
-    let (events, maps) = course.follow(task, monitor)?;
+    let stops = stops(task, interface);
+    fits::<M>(&stops, interface)?;
+    let chain = interface.cells.len() == 1;
+    let course = Course::new(model, interface.catalogue_from, chain, checkpoints)?;
+    let found = course.follow(&stops, monitor)?;
     let summary = Summary {
         seed: Some(setting.scenario.ensemble.clone().unwrap_or_default().seed),
         sample: None,
-        catalogue: Some(catalogue::read::<M>(interface, &events)),
+        catalogue: Some(catalogue::read::<M>(interface, &found.events)),
         ..setting.heading()
     };
-    Ok((summary, record(interface, task, events, maps)))
+    Ok((summary, record::<M>(interface, &stops, found)))
 }
 
-/// Refuses before any work maps that could not be written after it.
-fn fits<M: Model>(task: &scenario::Drive, interface: &scenario::Interface) -> Result<()> {
-    let needed = task.maps.len() as u64 * interface.size() as u64 * (M::MAPS.len() * size_of::<f64>()) as u64;
+/// Refuses before any work looks at cells that could not be written after it.
+fn fits<M: Model>(stops: &[Stop], interface: &scenario::Interface) -> Result<()> {
+    let maps = stops.iter().filter(|stop| stop.map).count();
+    let each = (interface.size() * M::MAPS.len() * size_of::<f64>()) as u64;
+    let needed = maps as u64 * each;
     if needed <= LARGEST {
         return Ok(());
     }
-    let expected = format!("maps that fit in a result file of {} MB", LARGEST / 1_000_000);
-    let found = format!("{} maps, which take {} MB", task.maps.len(), needed / 1_000_000);
-    Err(Error::invalid("drive.maps", expected, found))
+    // Of a chain every point of the trace is a look at its cells.
+    let key = if interface.cells.len() == 1 { "drive.points" } else { "drive.maps" };
+    let expected = format!(
+        "looks at the cells that fit in a result file of {} MB: {}",
+        LARGEST / 1_000_000,
+        LARGEST / each
+    );
+    Err(Error::invalid(key, expected, format!("{maps}, which take {} MB", needed / 1_000_000)))
 }
 
-/// Events as variables `event_…`, cells at the drives of the maps.
-fn record(
-    interface: &scenario::Interface,
-    task: &scenario::Drive,
-    events: Record,
-    maps: Vec<(model::Map, Vec<f64>)>,
-) -> Record {
+/// Events as variables `event_…`, the trace, and cells at the drives of the maps.
+fn record<M: Model>(interface: &scenario::Interface, stops: &[Stop], found: Found) -> Record {
     let mut record = Record::default();
-    for mut variable in events.variables {
+    for mut variable in found.events.variables {
         variable.name = format!("event_{}", variable.name);
         record.variables.push(variable);
     }
-    if task.maps.is_empty() {
+    record
+        .variables
+        .extend(found.slipped.variables.into_iter().filter(|variable| !variable.values.is_empty()));
+    let drives =
+        |kind: fn(&Stop) -> bool| stops.iter().filter(|stop| kind(stop)).map(|stop| stop.drive).collect();
+    record.push("drive", "drive", Quantity::Length, &["point"], drives(|stop| stop.point));
+    for (column, values) in M::TRACE.iter().zip(found.trace) {
+        record.push(column.name, column.long_name, column.quantity, &["point"], values);
+    }
+    let maps: Vec<f64> = drives(|stop| stop.map);
+    if maps.is_empty() {
         return record;
     }
-    let words = "drive at which cells are shown";
-    record.push("map_drive", words, Quantity::Length, &["map_drive"], task.maps.clone());
-    let numbers = |size: usize| (0..size).map(|i| i as f64).collect();
+    record.push("map_drive", "drive at which cells are shown", Quantity::Length, &["map_drive"], maps);
     let sides = match interface.cells[..] {
         [rows, columns] => vec![("row", rows), ("column", columns)],
         _ => vec![("cell", interface.size())],
     };
     for &(side, size) in &sides {
-        record.push(side, &format!("{side} of cells"), Quantity::Number, &[side], numbers(size));
+        let numbers = (0..size).map(|i| i as f64).collect();
+        record.push(side, &format!("{side}, counted from 0"), Quantity::Number, &[side], numbers);
     }
     let along: Vec<_> = ["map_drive"].into_iter().chain(sides.iter().map(|side| side.0)).collect();
-    for (map, values) in maps {
-        record.push(map.name, map.long_name, map.quantity, &along, values);
+    for (column, values) in M::MAPS.iter().zip(found.maps) {
+        record.push(column.name, column.long_name, column.quantity, &along, values);
     }
     record
 }

@@ -17,8 +17,10 @@ pub trait Model {
     const MAGNITUDE: &'static str;
     /// Whether magnitudes are whole numbers.
     const WHOLE: bool;
+    /// What is known of the whole interface.
+    const TRACE: &'static [Column];
     /// What is known of every cell.
-    const MAPS: &'static [Map];
+    const MAPS: &'static [Column];
 
     /// The drive so far.
     fn drive(&self) -> f64;
@@ -38,8 +40,20 @@ pub trait Model {
     /// Events as columns, the drive among them, under the names that they have in `events.csv`.
     fn columns(&self, events: &[Self::Event]) -> Record;
 
+    /// The cells that took part in events of a chain, event after event, the first one being number `first`.
+    fn slipped(&self, events: &[Self::Event], first: usize) -> Record;
+
+    /// What is known of the whole now, in the order of [`Model::TRACE`].
+    ///
+    /// # Errors
+    /// Those of the cells.
+    fn trace(&mut self) -> Result<Vec<f64>>;
+
     /// What is known of every cell now, in the order of [`Model::MAPS`].
-    fn maps(&self) -> Vec<Vec<f64>>;
+    ///
+    /// # Errors
+    /// Those of the cells.
+    fn maps(&mut self) -> Result<Vec<Vec<f64>>>;
 
     /// All of it that changes.
     fn state(&self) -> Self::State;
@@ -51,9 +65,9 @@ pub trait Model {
     fn restore(&mut self, state: Self::State) -> Result<()>;
 }
 
-/// Something that is known of every cell.
+/// Something that is known.
 #[derive(Debug, Clone, Copy)]
-pub struct Map {
+pub struct Column {
     /// Its name in files.
     pub name: &'static str,
     /// Its name for people.
