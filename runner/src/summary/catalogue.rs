@@ -44,7 +44,7 @@ pub struct PowerLaw {
     pub cut_off: Extended,
     /// Its error.
     pub cut_off_error: Extended,
-    /// The lowest magnitude, from which on the law fits best.
+    /// The lowest magnitude that is fitted.
     pub from: f64,
     /// Events from there on.
     pub events: usize,
