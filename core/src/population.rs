@@ -70,7 +70,7 @@ pub struct Books {
 ///
 /// Forces are totals, in the unit of stiffness × length; positions X are lengths. What may take long asks a monitor,
 /// and tells it nothing of how much is done; where that stops it, the population is of no use any more.
-pub trait Population: Send {
+pub trait Population: Send + Sync {
     /// Position X of the slider's bottom.
     fn position(&self) -> f64;
 

@@ -1,5 +1,6 @@
 //! The numbers of a run, for people.
 
+mod catalogue;
 mod timed;
 
 use std::fmt::Write as _;
@@ -22,6 +23,9 @@ pub fn readable(summary: &Summary) -> String {
         lines.extend(slid(summary, sliding));
     }
     lines.extend(timed::lines(summary));
+    if let Some(catalogue) = &summary.catalogue {
+        lines.extend(catalogue::lines(summary, catalogue));
+    }
     if let (Some(seed), Some(size)) = (summary.seed, summary.sample) {
         let quenched =
             if summary.disorder == Some(Disorder::Quenched) { "quenched thresholds, " } else { "" };

@@ -32,9 +32,17 @@ fn value(summary: &Summary, number: f64, quantity: Quantity) -> String {
 
 /// A fitted number, no finer than two digits of its error.
 fn fitted(summary: &Summary, fitted: Fitted, quantity: Quantity) -> String {
-    let decimals = (1.0 - fitted.error.log10().floor()).clamp(0.0, 12.0) as usize;
-    let text = format!("{:.decimals$} ± {:.decimals$}", fitted.value, fitted.error);
-    with_unit(text, fitted.value, &summary.units.label(quantity))
+    with_unit(with_error(fitted), fitted.value, &summary.units.label(quantity))
+}
+
+/// A fitted number and its error, both no finer than two digits of the error.
+pub fn with_error(fitted: Fitted) -> String {
+    let place = fitted.error.log10().floor() - 1.0;
+    let decimals = (-place).clamp(0.0, 12.0) as usize;
+    let coarse = |number: f64| {
+        if place > 0.0 { (number / 10f64.powf(place)).round() * 10f64.powf(place) } else { number }
+    };
+    format!("{:.decimals$} ± {:.decimals$}", coarse(fitted.value), coarse(fitted.error))
 }
 
 fn ends(summary: &Summary, limits: &CurveLimits) -> Vec<(&'static str, String)> {

@@ -11,6 +11,7 @@ mod drive;
 mod ensemble;
 mod hold_curve;
 mod initial;
+mod interface;
 mod law;
 mod logarithmic;
 mod master_equation;
@@ -33,6 +34,7 @@ pub use drive::Drive;
 pub use ensemble::{Disorder, Ensemble};
 pub use hold_curve::HoldCurve;
 pub use initial::Start;
+pub use interface::{CellSlip, Coupling, Edges, Interface, Loading, PerCell, Scales};
 pub use law::{Component, Law, Tabulated};
 pub use master_equation::MasterEquation;
 pub use protocol::{Protocol, Step};
@@ -86,6 +88,9 @@ pub struct Scenario {
     /// The slider between its top, which is driven, and its bottom; without this table it is rigid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub block: Option<Block>,
+    /// Cells of a slider that deforms; without this table it moves as one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interface: Option<Interface>,
     /// How the master equation is solved.
     #[serde(default)]
     pub master_equation: MasterEquation,
@@ -111,6 +116,7 @@ impl Scenario {
         task.check()?;
         self.check_time(task, &contacts)?;
         self.check_block(task)?;
+        self.check_interface(task, &contacts)?;
         self.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &self.compare {
             compare.check(task).map_err(|e| e.under("compare"))?;
@@ -131,6 +137,27 @@ impl Scenario {
                 Err(Error::invalid("block", "a block only with the tasks [drive] and [[protocol]]", found))
             }
         }
+    }
+
+    fn check_interface(&self, task: Task<'_>, contacts: &crate::contacts::Contacts) -> Result<()> {
+        let Some(interface) = &self.interface else {
+            return match task {
+                Task::Drive(Drive { maps, .. }) if !maps.is_empty() => {
+                    let expected = "no maps without [interface], whose cells they show";
+                    Err(Error::invalid("drive.maps", expected, format!("{} of them", maps.len())))
+                }
+                _ => Ok(()),
+            };
+        };
+        let Task::Drive(drive) = task else {
+            let found = format!("one with [{}]", task.name());
+            return Err(Error::invalid("interface", "an interface only with the task [drive]", found));
+        };
+        if self.block.is_some() {
+            let expected = "no block beside [interface], whose cells have connections of their own";
+            return Err(Error::invalid("block", expected, "one"));
+        }
+        interface.check(contacts, drive, self.ensemble.as_ref())
     }
 
     /// Refuses what does not go with a block that is moved in time.

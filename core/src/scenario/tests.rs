@@ -13,6 +13,7 @@ fn scenario(thresholds: Law) -> Scenario {
         velocity_curve: None,
         hold_curve: None,
         block: None,
+        interface: None,
         master_equation: MasterEquation::default(),
         ensemble: None,
         units: Units::default(),

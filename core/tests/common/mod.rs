@@ -1,6 +1,7 @@
 //! Short names for tests of either solver.
 #![allow(dead_code)]
 
+pub mod chain;
 pub mod curve;
 pub mod pulled;
 

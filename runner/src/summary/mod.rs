@@ -1,11 +1,13 @@
 //! The few numbers of a run that people quote: `summary.json`.
 
+mod catalogue;
 mod time;
 
 use asperity::block::{End, Point, Regime, Slide, StickSlip};
 use asperity::scenario::{Disorder, Units};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+pub use catalogue::{Catalogue, Largest, PowerLaw};
 pub use time::{CurveLimits, Fitted, HoldCurve, Peak, RateState, Step};
 
 /// The numbers of a run.
@@ -42,6 +44,9 @@ pub struct Summary {
     /// What the curve against hold time says.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_curve: Option<HoldCurve>,
+    /// The events of an interface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub catalogue: Option<Catalogue>,
     /// Forces over the normal load, where one is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_coefficients: Option<Coefficients>,

@@ -1,61 +1,19 @@
 //! How contacts on a lattice hang together, and on the drive.
 
+use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
-
-/// How contacts lie; each is coupled to its nearest neighbours.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
-    /// So many in a row, two neighbours each.
-    Chain(usize),
-    /// Rows and columns of a square lattice, four neighbours each.
-    Square([usize; 2]),
-}
-
-/// What is beyond the outermost contacts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Edges {
-    /// Something rigid: the outward share of a break is lost.
-    #[default]
-    Open,
-    /// The contacts of the other side.
-    Periodic,
-}
 
 /// Springs between contacts and from each contact to the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupling {
     /// How contacts lie.
     pub shape: Shape,
-    /// What is beyond the outermost.
+    /// What is beyond the outermost; open edges are rigid, and take the outward share of a break.
     pub edges: Edges,
     /// K_int, stiffness of the spring between two neighbours.
     pub neighbours: f64,
     /// K_0, stiffness of the spring to the drive.
     pub connection: f64,
-}
-
-impl Shape {
-    /// Rows and columns; a chain is one row.
-    pub fn sides(self) -> [usize; 2] {
-        match self {
-            Self::Chain(length) => [1, length],
-            Self::Square(sides) => sides,
-        }
-    }
-
-    /// Number of contacts.
-    pub fn size(self) -> usize {
-        let [rows, columns] = self.sides();
-        rows.saturating_mul(columns)
-    }
-
-    /// z, the number of neighbours of a contact inside.
-    pub fn neighbours(self) -> usize {
-        match self {
-            Self::Chain(_) => 2,
-            Self::Square(_) => 4,
-        }
-    }
 }
 
 impl Coupling {
@@ -85,7 +43,7 @@ impl Coupling {
     /// No contacts, or fewer than three in a periodic direction; stiffnesses below 0 or not finite, or both 0; no
     /// connection where edges are periodic.
     pub fn check(&self) -> Result<()> {
-        self.check_sides()?;
+        self.shape.check(self.edges)?;
         for (key, value) in
             [("coupling.neighbours.stiffness", self.neighbours), ("connection", self.connection)]
         {
@@ -100,23 +58,6 @@ impl Coupling {
             let expected =
                 "above 0 where edges are periodic: nothing else takes force away, and avalanches never end";
             return Err(Error::invalid("connection", expected, 0.0));
-        }
-        Ok(())
-    }
-
-    fn check_sides(&self) -> Result<()> {
-        let (sides, least) = match (self.shape, self.edges) {
-            (Shape::Chain(length), Edges::Periodic) => (vec![length], 3),
-            (Shape::Chain(length), Edges::Open) => (vec![length], 1),
-            (Shape::Square(sides), Edges::Periodic) => (sides.to_vec(), 3),
-            (Shape::Square(sides), Edges::Open) => (sides.to_vec(), 1),
-        };
-        if sides.iter().any(|&side| side < least) {
-            let expected = match self.edges {
-                Edges::Open => "at least 1 in each direction",
-                Edges::Periodic => "at least 3 in each direction where edges are periodic",
-            };
-            return Err(Error::invalid("cells", expected, format!("{sides:?}")));
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! Places on a lattice with a rim of empty places around it, so that no neighbour is missing.
 
-use super::coupling::{Coupling, Edges};
+use super::coupling::Coupling;
+use crate::shape::Edges;
 
 /// Places in rows, the rim included.
 #[derive(Debug, Clone)]
@@ -72,7 +73,7 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ensemble::lattice::coupling::Shape;
+    use crate::shape::Shape;
 
     fn grid(shape: Shape, edges: Edges) -> Grid {
         Grid::new(&Coupling::sharing(shape, edges, 0.2))

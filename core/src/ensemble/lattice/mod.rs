@@ -9,8 +9,10 @@ mod minima;
 mod state;
 
 pub use avalanche::{Avalanche, record};
-pub use coupling::{Coupling, Edges, Shape};
+pub use coupling::Coupling;
 pub use state::State;
+
+pub use crate::shape::{Edges, Shape};
 
 use std::mem;
 
@@ -108,9 +110,8 @@ impl Lattice {
         seed: u64,
         disorder: Disorder,
     ) -> Result<Self> {
-        coupling.check().map_err(|e| e.under("interface"))?;
+        Self::check(&contacts, coupling)?;
         let unit = stiffness(&contacts)?;
-        fits(coupling.shape)?;
         let size = coupling.shape.size();
         let ensemble = Ensemble::new(contacts, initial, size, seed, disorder)?;
         let mean = ensemble.contacts.thresholds.mean();
@@ -139,6 +140,16 @@ impl Lattice {
         };
         lattice.stretch = lattice.sum();
         Ok(lattice)
+    }
+
+    /// Refuses what [`Lattice::new`] would, but for what the laws of contacts leave no room for.
+    ///
+    /// # Errors
+    /// The first thing refused, with the path of its key in a scenario.
+    pub fn check(contacts: &Contacts, coupling: &Coupling) -> Result<()> {
+        coupling.check().map_err(|e| e.under("interface"))?;
+        stiffness(contacts)?;
+        fits(coupling.shape)
     }
 
     /// Number of contacts.

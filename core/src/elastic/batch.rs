@@ -1,0 +1,63 @@
+//! Loops over cells that give the same bits on any number of threads.
+
+use rayon::prelude::*;
+
+/// Cells that are looked after together by one thread; fewer are not worth one.
+pub(super) const CHUNK: usize = 1 << 12;
+
+/// Fills a slice with a function of the cell.
+pub(super) fn fill<T: Send>(values: &mut [T], of: impl Fn(usize) -> T + Sync) {
+    let fill = |(chunk, values): (usize, &mut [T])| {
+        values.iter_mut().enumerate().for_each(|(i, value)| *value = of(chunk * CHUNK + i));
+    };
+    if values.len() <= CHUNK {
+        fill((0, values));
+    } else {
+        values.par_chunks_mut(CHUNK).enumerate().for_each(fill);
+    }
+}
+
+/// Changes each value of a slice by a function of the cell and the value.
+pub(super) fn change<T: Send + Copy>(values: &mut [T], of: impl Fn(usize, T) -> T + Sync) {
+    let change = |(chunk, values): (usize, &mut [T])| {
+        values.iter_mut().enumerate().for_each(|(i, value)| *value = of(chunk * CHUNK + i, *value));
+    };
+    if values.len() <= CHUNK {
+        change((0, values));
+    } else {
+        values.par_chunks_mut(CHUNK).enumerate().for_each(change);
+    }
+}
+
+/// A function of each cell, gathered chunk by chunk, and these in order.
+pub(super) fn gather<T: Send>(
+    number: usize,
+    nothing: impl Fn() -> T + Sync,
+    add: impl Fn(T, usize) -> T + Sync,
+    join: impl Fn(T, T) -> T,
+) -> T {
+    let part = |chunk: usize| {
+        let end = number.min((chunk + 1) * CHUNK);
+        (chunk * CHUNK..end).fold(nothing(), &add)
+    };
+    if number <= CHUNK {
+        return part(0);
+    }
+    let parts: Vec<T> = (0..number.div_ceil(CHUNK)).into_par_iter().map(part).collect();
+    parts.into_iter().fold(nothing(), join)
+}
+
+/// Σ of a function of the cell.
+pub(super) fn sum(number: usize, of: impl Fn(usize) -> f64 + Sync) -> f64 {
+    gather(number, || 0.0, |sum, cell| sum + of(cell), |a, b| a + b)
+}
+
+/// The largest of 0 and a function of the cell.
+pub(super) fn largest(number: usize, of: impl Fn(usize) -> f64 + Sync) -> f64 {
+    gather(number, || 0.0, |most: f64, cell| most.max(of(cell)), f64::max)
+}
+
+/// Whether something holds for every cell.
+pub(super) fn all(number: usize, of: impl Fn(usize) -> bool + Sync) -> bool {
+    gather(number, || true, |all, cell| all && of(cell), |a, b| a && b)
+}

@@ -1,0 +1,155 @@
+//! From the cells that slipped in a slide to events: each part of them that hangs together is one.
+
+use super::{Event, Interface, Slipped};
+use crate::shape::{Edges, Shape};
+
+/// A slide, as it is followed.
+pub(super) struct Slide {
+    /// Positions before.
+    pub before: Vec<f64>,
+    /// Pulls of drive and slider on the cells before.
+    pub pull: Vec<f64>,
+    /// Friction force before.
+    pub force: f64,
+    /// Work done on the contacts before.
+    pub work: f64,
+    /// Cells that slipped, in the order in which they began to.
+    pub fallen: Vec<Fallen>,
+    /// Whether a cell is one of them.
+    pub slipped: Vec<bool>,
+    /// When it was over.
+    pub over: f64,
+}
+
+/// A cell that begins to slip.
+#[derive(Clone, Copy)]
+pub(super) struct Fallen {
+    pub cell: usize,
+    pub time: f64,
+    /// How far it went in the step in which it did.
+    pub way: f64,
+}
+
+impl Interface {
+    /// The events of a slide that is over, in the order in which they began.
+    pub(super) fn events(&self, slide: &Slide) -> Vec<(Event, Vec<Slipped>)> {
+        let mut fallen = slide.fallen.clone();
+        // Of cells that begin in the same step the fastest one comes first.
+        fallen.sort_by(|a, b| a.time.total_cmp(&b.time).then(b.way.total_cmp(&a.way)).then(a.cell.cmp(&b.cell)));
+        let parts = self.parts(&fallen, &slide.slipped);
+        parts.iter().map(|part| self.event(slide, part, fallen[0].time)).collect()
+    }
+
+    /// Cells that hang together, each part in the order in which its cells began to slip.
+    fn parts(&self, fallen: &[Fallen], slipped: &[bool]) -> Vec<Vec<Fallen>> {
+        const NONE: u32 = u32::MAX;
+        let mut part_of = vec![NONE; slipped.len()];
+        let mut parts: Vec<Vec<Fallen>> = Vec::new();
+        for first in fallen {
+            if part_of[first.cell] != NONE {
+                continue;
+            }
+            let part = parts.len() as u32;
+            part_of[first.cell] = part;
+            let mut reached = vec![first.cell];
+            while let Some(cell) = reached.pop() {
+                for next in beside(cell, self.coupling.shape(), self.coupling.edges()) {
+                    if slipped[next] && part_of[next] == NONE {
+                        part_of[next] = part;
+                        reached.push(next);
+                    }
+                }
+            }
+            parts.push(Vec::new());
+        }
+        fallen.iter().for_each(|fallen| parts[part_of[fallen.cell] as usize].push(*fallen));
+        parts
+    }
+
+    fn event(&self, slide: &Slide, part: &[Fallen], begun: f64) -> (Event, Vec<Slipped>) {
+        let slip = |cell: usize| self.positions[cell] - slide.before[cell];
+        let slipped: Vec<Slipped> = part
+            .iter()
+            .map(|f| Slipped { cell: f.cell, start: f.time - begun, slip: slip(f.cell) })
+            .collect();
+        let mean = |of: &dyn Fn(usize) -> f64| part.iter().map(|f| of(f.cell)).sum::<f64>() / part.len() as f64;
+        let all = |of: &dyn Fn(usize) -> f64| part.iter().map(|f| of(f.cell)).sum::<f64>();
+        let timed = self.setting.viscosity.map_or(f64::NAN, |_| 1.0);
+        let [front_speed_left, front_speed_right] = fronts(&slipped, self.coupling.shape()).map(|v| timed * v);
+        let event = Event {
+            drive: self.drive,
+            time: timed * (self.time + part[0].time),
+            epicentre: part[0].cell,
+            cells: part.len(),
+            area: self.setting.area * part.len() as f64,
+            moment: self.setting.area * all(&slip),
+            duration: timed * (slide.over - part[0].time),
+            front_speed_left,
+            front_speed_right,
+            position_before: mean(&|cell| slide.before[cell]),
+            position_after: mean(&|cell| self.positions[cell]),
+            force_before: slide.force,
+            force_after: self.total_force(),
+            broken_fraction: all(&|cell| self.cells.since(cell).broken) / self.len() as f64,
+            dissipated_breaks: all(&|cell| self.cells.since(cell).lost),
+            dissipated_slip: all(&|cell| self.pulled(slide, cell) - self.cells.since(cell).work),
+        };
+        (event, slipped)
+    }
+}
+
+/// Nearest neighbours of a cell.
+fn beside(cell: usize, shape: Shape, edges: Edges) -> impl Iterator<Item = usize> {
+    let [rows, columns] = shape.sides();
+    let (row, column) = (cell / columns, cell % columns);
+    let along = move |place: usize, length: usize, on: bool| match (on, edges) {
+        (true, _) if place + 1 < length => Some(place + 1),
+        (false, _) if place > 0 => Some(place - 1),
+        (true, Edges::Periodic) => Some(0),
+        (false, Edges::Periodic) => Some(length - 1),
+        _ => None,
+    };
+    let sideways = [false, true].map(|on| along(column, columns, on).map(|column| row * columns + column));
+    let across = [false, true].map(|on| along(row, rows, on).map(|row| row * columns + column));
+    sideways.into_iter().chain(across).flatten()
+}
+
+/// Speeds at which slip spread from the first cell towards smaller and larger columns of its row: cells per time, by
+/// least squares of the starts over the distance; NaN where fewer than three cells follow one another.
+fn fronts(slipped: &[Slipped], shape: Shape) -> [f64; 2] {
+    let columns = shape.sides()[1];
+    let epicentre = slipped[0].cell;
+    let row = epicentre / columns;
+    let mut starts: Vec<(usize, f64)> =
+        slipped.iter().filter(|s| s.cell / columns == row).map(|s| (s.cell, s.start)).collect();
+    starts.sort_by_key(|(cell, _)| *cell);
+    let first = starts.partition_point(|(cell, _)| *cell < epicentre);
+    let (left, right) = (&starts[..=first], &starts[first..]);
+    let left: Vec<f64> = run(left.iter().rev());
+    let right: Vec<f64> = run(right.iter());
+    [left, right].map(|starts| speed(&starts))
+}
+
+/// Starts of cells that lie beside each other, from the first on.
+fn run<'a>(starts: impl Iterator<Item = &'a (usize, f64)> + Clone) -> Vec<f64> {
+    let next = starts.clone().skip(1).map(|(cell, _)| *cell);
+    let gaps = starts.clone().map(|(cell, _)| *cell).zip(next).take_while(|(a, b)| a.abs_diff(*b) == 1);
+    let length = 1 + gaps.count();
+    starts.take(length).map(|(_, start)| *start).collect()
+}
+
+/// Distance per time of starts at distances 0, 1, 2, …
+fn speed(starts: &[f64]) -> f64 {
+    let number = starts.len() as f64;
+    if starts.len() < 3 {
+        return f64::NAN;
+    }
+    let (middle, mean) = (0.5 * (number - 1.0), starts.iter().sum::<f64>() / number);
+    let (mut both, mut square) = (0.0, 0.0);
+    for (i, start) in starts.iter().enumerate() {
+        let distance = i as f64 - middle;
+        both += distance * (start - mean);
+        square += distance * distance;
+    }
+    square / both
+}

@@ -1,0 +1,218 @@
+//! A friction curve F(X) as a table: force, slopes and books of contacts that move forward.
+
+use super::{Account, Slopes};
+use crate::numerics::roots::brent_root;
+
+/// Coefficients of a polynomial of degree 5 in t ∈ [−1, 1].
+pub(super) type Quintic = [f64; 6];
+
+/// Places on a piece at which a slope is looked for.
+const PLACES: u32 = 16;
+
+/// A piece of the curve, one line of cache: F = Σ c_k t^k, t = 2(X − start)/length − 1.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Piece {
+    pub start: f64,
+    /// 2/length.
+    pub rate: f64,
+    pub force: Quintic,
+}
+
+/// What is seldom asked of a piece.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Books {
+    /// ∫F dX before it.
+    pub work: f64,
+    pub elastic: Quintic,
+    pub lost: Quintic,
+    pub broken: Quintic,
+}
+
+/// F(X) for X ≥ 0 in pieces, with breaks between them where contacts break together. What is asked for before 0 is
+/// that of the first piece, what is behind the end that of the last one.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Curve {
+    starts: Vec<f64>,
+    pieces: Vec<Piece>,
+    books: Vec<Books>,
+    slopes: Vec<Slopes>,
+    /// Whether the slope of a piece has its extremes at its ends.
+    monotone: Vec<bool>,
+    /// Whether contacts break where a piece begins.
+    breaks: Vec<bool>,
+    /// The piece in which each bucket of X begins, and buckets per length.
+    buckets: Vec<u32>,
+    density: f64,
+    steepest: f64,
+    strongest: f64,
+}
+
+/// Value and derivative by t.
+#[inline]
+pub(super) fn horner(c: &Quintic, t: f64) -> (f64, f64) {
+    let value = c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
+    let slope = c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * 5.0 * c[5])));
+    (value, slope)
+}
+
+/// ∫₋₁^t.
+fn primitive(c: &Quintic, t: f64) -> f64 {
+    let power = |n: i32| (t.powi(n) - (-1.0_f64).powi(n)) / f64::from(n);
+    (0..6).map(|k| c[k as usize] * power(k + 1)).sum()
+}
+
+impl Piece {
+    #[inline]
+    fn at(&self, x: f64) -> f64 {
+        (x - self.start) * self.rate - 1.0
+    }
+
+    #[inline]
+    fn response(&self, x: f64) -> (f64, f64) {
+        let (force, slope) = horner(&self.force, self.at(x));
+        (force, slope * self.rate)
+    }
+
+    pub fn work(&self, t: f64) -> f64 {
+        primitive(&self.force, t) / self.rate
+    }
+
+    /// Least and largest slope, as seen at [`PLACES`].
+    fn slopes(&self) -> Slopes {
+        let all = (0..=PLACES).map(|i| 2.0 * f64::from(i) / f64::from(PLACES) - 1.0);
+        let slopes = all.map(|t| horner(&self.force, t).1 * self.rate);
+        let start = Slopes { least: f64::INFINITY, largest: f64::NEG_INFINITY };
+        slopes.fold(start, |s, x| Slopes { least: s.least.min(x), largest: s.largest.max(x) })
+    }
+}
+
+impl Curve {
+    pub fn push(&mut self, piece: Piece, books: Books, breaks: bool) {
+        let slopes = piece.slopes();
+        self.steepest = self.steepest.max(slopes.largest.abs()).max(slopes.least.abs());
+        self.strongest = self.strongest.max(horner(&piece.force, 1.0).0.abs());
+        self.starts.push(piece.start);
+        self.pieces.push(piece);
+        self.books.push(books);
+        let [a, b] = [-1.0, 1.0].map(|t| horner(&piece.force, t).1 * piece.rate);
+        self.monotone.push(a.min(b) == slopes.least && a.max(b) == slopes.largest);
+        self.slopes.push(slopes);
+        self.breaks.push(breaks);
+    }
+
+    /// Largest |F'| so far.
+    pub fn steepest(&self) -> f64 {
+        self.steepest
+    }
+
+    /// Number of pieces.
+    pub fn len(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// Largest |F| so far, where pieces end.
+    pub fn strongest(&self) -> f64 {
+        self.strongest
+    }
+
+    /// Makes pieces findable.
+    pub fn index(&mut self) {
+        let (number, last) = (4 * self.pieces.len(), self.starts[self.starts.len() - 1]);
+        self.density = if last > 0.0 { number as f64 / last } else { 0.0 };
+        self.buckets.clear();
+        let mut piece = 0;
+        for bucket in 0..=number {
+            let place = bucket as f64 * last / number as f64;
+            while piece + 1 < self.starts.len() && self.starts[piece + 1] <= place {
+                piece += 1;
+            }
+            self.buckets.push(piece as u32);
+        }
+    }
+
+    /// The piece that x is in.
+    #[inline]
+    fn find(&self, x: f64) -> usize {
+        let bucket = ((x * self.density) as usize).min(self.buckets.len() - 1);
+        let mut piece = self.buckets[bucket] as usize;
+        while piece > 0 && self.starts[piece] > x {
+            piece -= 1;
+        }
+        while piece + 1 < self.starts.len() && self.starts[piece + 1] <= x {
+            piece += 1;
+        }
+        piece
+    }
+
+    /// F and F', where contacts break what is right after.
+    #[inline]
+    pub fn response(&self, x: f64) -> (f64, f64) {
+        self.pieces[self.find(x)].response(x)
+    }
+
+    /// Slopes from one place to another, not before it.
+    pub fn slopes(&self, from: f64, to: f64) -> Slopes {
+        let (first, last) = (self.find(from), self.find(to));
+        let mut all = Slopes { least: f64::INFINITY, largest: f64::NEG_INFINITY };
+        for piece in first..=last {
+            let start = if piece == first { self.pieces[piece].at(from) } else { -1.0 };
+            let end = if piece == last { self.pieces[piece].at(to) } else { 1.0 };
+            let here = self.slopes_on(piece, start, end);
+            all = Slopes { least: all.least.min(here.least), largest: all.largest.max(here.largest) };
+            if piece > first && self.breaks[piece] {
+                all.least = f64::NEG_INFINITY;
+            }
+        }
+        all
+    }
+
+    /// Slopes on a part of a piece.
+    fn slopes_on(&self, piece: usize, start: f64, end: f64) -> Slopes {
+        if !self.monotone[piece] {
+            return self.slopes[piece];
+        }
+        let Piece { force, rate, .. } = &self.pieces[piece];
+        let [a, b] = [start, end].map(|t| horner(force, t).1 * rate);
+        Slopes { least: a.min(b), largest: a.max(b) }
+    }
+
+    /// The first place in [from, to] from which on F' is below `slope`, or contacts break.
+    pub fn fall(&self, from: f64, to: f64, slope: f64) -> Option<f64> {
+        let (first, last) = (self.find(from), self.find(to));
+        (first..=last).find_map(|piece| {
+            if piece > first && self.breaks[piece] {
+                return Some(self.starts[piece]);
+            }
+            if self.slopes[piece].least >= slope {
+                return None;
+            }
+            let start = if piece == first { from } else { self.starts[piece] };
+            let end = if piece == last { to } else { self.starts[piece + 1] };
+            self.fall_on(piece, start, end, slope)
+        })
+    }
+
+    fn fall_on(&self, piece: usize, start: f64, end: f64, slope: f64) -> Option<f64> {
+        let height = |x: f64| self.pieces[piece].response(x).1 - slope;
+        let place = |i: u32| start + (end - start) * f64::from(i) / f64::from(PLACES);
+        let below = (0..=PLACES).find(|&i| height(place(i)) < 0.0)?;
+        if below == 0 {
+            return Some(start);
+        }
+        brent_root(height, place(below - 1), place(below), 0.0)
+    }
+
+    /// What contacts have done from 0 to x.
+    pub fn account(&self, x: f64) -> Account {
+        let found = self.find(x);
+        let (piece, books) = (&self.pieces[found], &self.books[found]);
+        let t = piece.at(x);
+        Account {
+            work: books.work + piece.work(t),
+            elastic: horner(&books.elastic, t).0,
+            lost: horner(&books.lost, t).0,
+            broken: horner(&books.broken, t).0,
+        }
+    }
+}

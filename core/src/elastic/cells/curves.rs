@@ -1,0 +1,268 @@
+//! Cells that share one friction curve, F_j(X) = s_j F(X/s_j): nothing but an advance is kept of each.
+
+use std::collections::HashMap;
+
+use super::curve::Curve;
+use super::tabulate::Table;
+use super::{Account, Cells, Slopes, State};
+use crate::elastic::batch::{change, fill, gather, largest};
+use crate::monitor::Monitor;
+use crate::population::{Direction, Population, Response};
+use crate::{Error, Result};
+
+/// Cells of contacts without rates, all of one kind: the force of each depends on its advance alone, along one curve
+/// that is tabulated as far as it is needed.
+///
+/// All start from where the population stands; after all contacts of a cell have broken together it follows the
+/// curve of contacts that have just re-formed. The scale s_j of a cell stretches thresholds and the stretches at which
+/// contacts re-form, and so does lengths and forces, but not stiffness.
+pub struct Curves {
+    first: Table,
+    fresh: Table,
+    /// X since the start, or since the contacts last re-formed together.
+    advances: Vec<f64>,
+    renewed: Vec<bool>,
+    /// Empty where all are 1.
+    scales: Vec<f64>,
+    largest_scale: f64,
+    free: Vec<bool>,
+    settled: Account,
+    /// Advances at the mark.
+    marked: Vec<f64>,
+    /// Cells that have parted since the mark.
+    parted: HashMap<usize, Parted>,
+    settled_at_mark: Account,
+}
+
+impl Curves {
+    /// So many cells that stand where `population` does.
+    ///
+    /// # Errors
+    /// Those of the population; stopped by the monitor.
+    pub fn new(population: &dyn Population, number: usize, monitor: &mut dyn Monitor) -> Result<Self> {
+        let mut fresh = population.copy();
+        fresh.reset(Direction::Forward, monitor)?;
+        Ok(Self {
+            first: Table::new(population.copy(), monitor)?,
+            fresh: Table::new(fresh, monitor)?,
+            advances: vec![0.0; number],
+            renewed: vec![false; number],
+            scales: Vec::new(),
+            largest_scale: 1.0,
+            free: vec![false; number],
+            settled: Account::default(),
+            marked: Vec::new(),
+            parted: HashMap::new(),
+            settled_at_mark: Account::default(),
+        })
+    }
+
+    /// The same cells with scales s_j, one for each.
+    ///
+    /// # Errors
+    /// Another number of scales than of cells; a scale that is not a finite number above 0, naming its cell.
+    pub fn scaled(mut self, scales: Vec<f64>) -> Result<Self> {
+        if scales.len() != self.advances.len() {
+            let expected = format!("a scale for each of the {} cells", self.advances.len());
+            return Err(Error::invalid("disorder", expected, format!("{} of them", scales.len())));
+        }
+        if let Some(cell) = scales.iter().position(|scale| !(*scale > 0.0 && scale.is_finite())) {
+            let found = format!("{} for cell {cell}", scales[cell]);
+            return Err(Error::invalid("disorder", "scales above 0, so that thresholds are", found));
+        }
+        self.largest_scale = scales.iter().fold(0.0, |most, scale| scale.max(most));
+        self.scales = scales;
+        Ok(self)
+    }
+
+    /// What threads may share.
+    fn batch(&self) -> Batch<'_> {
+        let Self { first, fresh, advances, renewed, scales, free, .. } = self;
+        Batch { first: &first.curve, fresh: &fresh.curve, advances, renewed, scales, free }
+    }
+
+    /// Sees to it that curves are known as far as cells may go.
+    fn reach(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
+        let batch = self.batch();
+        let furthest = |fresh: bool| {
+            largest(by.len(), |cell| if batch.renewed[cell] == fresh { batch.place(cell, by[cell]) } else { 0.0 })
+        };
+        let (first, fresh) = (furthest(false), furthest(true));
+        self.first.reach(first, monitor)?;
+        self.fresh.reach(fresh, monitor)
+    }
+}
+
+/// A cell whose contacts have broken together since the mark.
+struct Parted {
+    /// What it had done since then.
+    done: Account,
+    /// Whether they had before.
+    renewed: bool,
+}
+
+/// Curves and where cells are on them.
+struct Batch<'a> {
+    first: &'a Curve,
+    fresh: &'a Curve,
+    advances: &'a [f64],
+    renewed: &'a [bool],
+    scales: &'a [f64],
+    free: &'a [bool],
+}
+
+impl Batch<'_> {
+    fn scale(&self, cell: usize) -> f64 {
+        if self.scales.is_empty() { 1.0 } else { self.scales[cell] }
+    }
+
+    fn curve(&self, cell: usize) -> &Curve {
+        if self.renewed[cell] { self.fresh } else { self.first }
+    }
+
+    /// Where a cell is on its curve after an advance.
+    fn place(&self, cell: usize, by: f64) -> f64 {
+        let by = if self.free[cell] { 0.0 } else { by };
+        (self.advances[cell] + by) / self.scale(cell)
+    }
+
+    fn response(&self, cell: usize, by: f64) -> Response {
+        let (force, slope) = self.curve(cell).response(self.place(cell, by));
+        let tangent = if self.free[cell] { 0.0 } else { slope };
+        Response { force: self.scale(cell) * force, tangent }
+    }
+
+    fn slopes(&self, cell: usize, from: f64, to: f64) -> Slopes {
+        if self.free[cell] {
+            return Slopes::default();
+        }
+        self.curve(cell).slopes(self.place(cell, from), self.place(cell, to.max(from)))
+    }
+
+    /// What a cell has done since its contacts last re-formed together.
+    fn done(&self, cell: usize, advance: f64) -> Account {
+        let scale = self.scale(cell);
+        self.curve(cell).account(advance / scale).scaled(scale)
+    }
+
+    /// Of contacts that have just re-formed together.
+    fn newborn(&self, cell: usize) -> Account {
+        self.fresh.account(0.0).scaled(self.scale(cell))
+    }
+}
+
+impl Cells for Curves {
+    fn len(&self) -> usize {
+        self.advances.len()
+    }
+
+    fn steepest(&self) -> f64 {
+        self.first.curve.steepest().max(self.fresh.curve.steepest())
+    }
+
+    fn strongest(&self) -> f64 {
+        self.largest_scale * self.first.curve.strongest().max(self.fresh.curve.strongest())
+    }
+
+    fn ahead(&mut self, by: &[f64], responses: &mut [Response]) -> Result<()> {
+        self.reach(by, &mut ())?;
+        let batch = self.batch();
+        fill(responses, |cell| batch.response(cell, by[cell]));
+        Ok(())
+    }
+
+    fn slopes(&mut self, from: Option<&[f64]>, to: &[f64], slopes: &mut [Slopes]) -> Result<()> {
+        self.reach(to, &mut ())?;
+        let batch = self.batch();
+        fill(slopes, |cell| batch.slopes(cell, from.map_or(0.0, |from| from[cell]), to[cell]));
+        Ok(())
+    }
+
+    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<f64> {
+        let batch = self.batch();
+        if self.free[cell] {
+            return None;
+        }
+        let place = batch.curve(cell).fall(batch.place(cell, 0.0), batch.place(cell, by), slope)?;
+        Some((place * batch.scale(cell) - self.advances[cell]).clamp(0.0, by))
+    }
+
+    fn advance(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
+        self.reach(by, monitor)?;
+        let free = &self.free;
+        change(&mut self.advances, |cell, advance| if free[cell] { advance } else { advance + by[cell] });
+        Ok(())
+    }
+
+    fn part(&mut self, cell: usize, by: f64, _monitor: &mut dyn Monitor) -> Result<()> {
+        let batch = self.batch();
+        let (begun, newborn) = (batch.done(cell, self.marked[cell]), batch.newborn(cell));
+        let mut done = batch.done(cell, self.advances[cell] + by);
+        done.lost += done.elastic - newborn.elastic;
+        done.broken += 1.0;
+        done.elastic = newborn.elastic;
+        self.parted.insert(cell, Parted { done: done - begun, renewed: self.renewed[cell] });
+        self.settled = self.settled + Account { elastic: 0.0, ..done };
+        self.advances[cell] = 0.0;
+        self.renewed[cell] = true;
+        self.free[cell] = true;
+        Ok(())
+    }
+
+    fn rejoin(&mut self) {
+        for cell in self.parted.keys() {
+            self.free[*cell] = false;
+        }
+    }
+
+    fn mark(&mut self) {
+        self.marked.clone_from(&self.advances);
+        self.settled_at_mark = self.settled;
+        self.parted.clear();
+    }
+
+    fn recall(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
+        self.advances.clone_from(&self.marked);
+        self.settled = self.settled_at_mark;
+        for (cell, parted) in self.parted.drain() {
+            (self.renewed[cell], self.free[cell]) = (parted.renewed, false);
+        }
+        Ok(())
+    }
+
+    fn since(&self, cell: usize) -> Account {
+        let batch = self.batch();
+        match self.parted.get(&cell) {
+            Some(parted) => parted.done,
+            None => batch.done(cell, self.advances[cell]) - batch.done(cell, self.marked[cell]),
+        }
+    }
+
+    fn account(&self) -> Account {
+        let batch = self.batch();
+        let add = |sum, cell: usize| sum + batch.done(cell, batch.advances[cell]);
+        self.settled + gather(self.len(), Account::default, add, |a, b| a + b)
+    }
+
+    fn state(&self) -> State {
+        State {
+            advances: self.advances.clone(),
+            renewed: self.renewed.clone(),
+            ways: [self.first.ways(), self.fresh.ways()],
+            settled: self.settled,
+        }
+    }
+
+    fn restore(&mut self, state: State, monitor: &mut dyn Monitor) -> Result<()> {
+        let State { advances, renewed, ways, settled } = state;
+        if (advances.len(), renewed.len()) != (self.len(), self.len()) {
+            let expected = format!("that of {} cells", self.len());
+            return Err(Error::invalid("state", expected, format!("that of {}", advances.len())));
+        }
+        (self.advances, self.renewed, self.settled) = (advances, renewed, settled);
+        self.free.fill(false);
+        self.parted.clear();
+        self.first.resume(ways[0], monitor)?;
+        self.fresh.resume(ways[1], monitor)
+    }
+}

@@ -1,0 +1,163 @@
+//! Cells of an interface as a batch, seen from outside: slices in, slices out.
+
+mod curve;
+mod curves;
+mod tabulate;
+
+pub use curves::Curves;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Result;
+use crate::monitor::Monitor;
+use crate::population::Response;
+
+/// What contacts have done, each summed on its own.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Account {
+    /// ∫F dX, the work done on them.
+    pub work: f64,
+    /// Elastic energy Σ ½k x².
+    pub elastic: f64,
+    /// Lost in breaks: Σ over breaks of ½k x_b², less the ½k r² of what re-formed.
+    pub lost: f64,
+    /// Breaks, per contact of a cell.
+    pub broken: f64,
+}
+
+impl Account {
+    /// Of cells whose lengths and forces are `scale` times as large.
+    #[must_use]
+    pub(super) fn scaled(self, scale: f64) -> Self {
+        let energy = scale * scale;
+        Self {
+            work: energy * self.work,
+            elastic: energy * self.elastic,
+            lost: energy * self.lost,
+            ..self
+        }
+    }
+}
+
+impl std::ops::Add for Account {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            work: self.work + other.work,
+            elastic: self.elastic + other.elastic,
+            lost: self.lost + other.lost,
+            broken: self.broken + other.broken,
+        }
+    }
+}
+
+impl std::ops::Sub for Account {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self {
+            work: self.work - other.work,
+            elastic: self.elastic - other.elastic,
+            lost: self.lost - other.lost,
+            broken: self.broken - other.broken,
+        }
+    }
+}
+
+/// Least and largest tangent dF/dX on a part of a way; the least is −∞ where contacts break together on it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Slopes {
+    /// Least tangent.
+    pub least: f64,
+    /// Largest tangent, of what is told of the way.
+    pub largest: f64,
+}
+
+/// Cells, each with contacts of its own that move together.
+///
+/// Nothing is known here of where cells are: they stand, and go on by so much. A cell answers for itself alone, so that
+/// a batch may be worked on by any number of threads.
+pub trait Cells: Send + Sync {
+    /// Number of cells.
+    fn len(&self) -> usize;
+
+    /// Whether there are none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The largest |dF/dX| that a cell can have, short of jumps.
+    fn steepest(&self) -> f64;
+
+    /// The largest |F| that a cell is known to have somewhere: forces are good to about 1e-12 of it.
+    fn strongest(&self) -> f64;
+
+    /// Forces and tangents after advances `by` from where the cells stand; nothing moves.
+    ///
+    /// # Errors
+    /// Those of the population behind it.
+    fn ahead(&mut self, by: &[f64], responses: &mut [Response]) -> Result<()>;
+
+    /// Tangents between two advances from where the cells stand, or from there to the second.
+    ///
+    /// # Errors
+    /// Those of the population behind it.
+    fn slopes(&mut self, from: Option<&[f64]>, to: &[f64], slopes: &mut [Slopes]) -> Result<()>;
+
+    /// The first advance, up to `by`, from which on the tangent of a cell is below `slope`.
+    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<f64>;
+
+    /// Moves the cells on, through all that breaks there.
+    ///
+    /// # Errors
+    /// Those of the population behind it.
+    fn advance(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()>;
+
+    /// Moves a cell on by `by`; there all of its contacts break. It is free from then on, moves without them and is
+    /// held by the force alone that they will have when they re-form.
+    ///
+    /// # Errors
+    /// Those of the population behind it.
+    fn part(&mut self, cell: usize, by: f64, monitor: &mut dyn Monitor) -> Result<()>;
+
+    /// What is free re-forms where it is.
+    fn rejoin(&mut self);
+
+    /// Remembers the state of the cells, in place of the one before.
+    fn mark(&mut self);
+
+    /// Comes back to the state at the mark.
+    ///
+    /// # Errors
+    /// Those of the population behind it.
+    fn recall(&mut self, monitor: &mut dyn Monitor) -> Result<()>;
+
+    /// What a cell has done since the mark; its elastic energy is the change since then.
+    fn since(&self, cell: usize) -> Account;
+
+    /// What all cells have done; their elastic energy is that of now.
+    fn account(&self) -> Account;
+
+    /// All that changes as cells move.
+    fn state(&self) -> State;
+
+    /// Goes to what cells of the same description have come to.
+    ///
+    /// # Errors
+    /// A state of other cells; those of the population behind it.
+    fn restore(&mut self, state: State, monitor: &mut dyn Monitor) -> Result<()>;
+}
+
+/// What cells have come to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// How far each has gone since its contacts last re-formed all together.
+    advances: Vec<f64>,
+    /// Whether they have.
+    renewed: Vec<bool>,
+    /// How far curves were known, which decides on steps.
+    ways: [usize; 2],
+    /// What was done before.
+    settled: Account,
+}

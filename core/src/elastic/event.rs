@@ -1,0 +1,93 @@
+//! What happens at one drive, and catalogues of it.
+
+use crate::record::{Quantity, Record};
+
+/// Cells, connected with each other, that slipped in one slide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Event {
+    /// X_T.
+    pub drive: f64,
+    /// Time, of all slides before and of this one until its first cell slipped; NaN without viscosity.
+    pub time: f64,
+    /// The cell that slipped first, counted along rows.
+    pub epicentre: usize,
+    /// Cells that slipped.
+    pub cells: usize,
+    /// Their area.
+    pub area: f64,
+    /// ∫ of the slip over that area.
+    pub moment: f64,
+    /// From when the first cell slipped until the slide was over; NaN without viscosity.
+    pub duration: f64,
+    /// Speed at which the slip spread from the epicentre towards smaller numbers along a chain or the row of the
+    /// epicentre, cells per time; NaN where fewer than three cells slipped one after another.
+    pub front_speed_left: f64,
+    /// The same towards larger numbers.
+    pub front_speed_right: f64,
+    /// Mean position of the cells before.
+    pub position_before: f64,
+    /// Mean position of the cells after.
+    pub position_after: f64,
+    /// Friction force of the whole interface before the slide.
+    pub force_before: f64,
+    /// Friction force of the whole interface after the slide.
+    pub force_after: f64,
+    /// Breaks, per contact of the interface.
+    pub broken_fraction: f64,
+    /// Lost in breaks.
+    pub dissipated_breaks: f64,
+    /// Lost by the slider.
+    pub dissipated_slip: f64,
+}
+
+/// A cell that slipped in an event.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slipped {
+    /// Its number.
+    pub cell: usize,
+    /// When it began to, since the first cell of the slide did: a time, steps without viscosity.
+    pub start: f64,
+    /// How far it slipped.
+    pub slip: f64,
+}
+
+impl Event {
+    /// By how much the force fell in the slide.
+    pub fn drop(&self) -> f64 {
+        self.force_before - self.force_after
+    }
+
+    /// Mean slip of the cells.
+    pub fn slip(&self) -> f64 {
+        self.position_after - self.position_before
+    }
+}
+
+/// A catalogue as columns, those of `events.csv`.
+pub fn record(events: &[Event]) -> Record {
+    let mut record = Record::default();
+    let mut column = |name: &str, long_name: &str, quantity, value: &dyn Fn(&Event) -> f64| {
+        record.push(name, long_name, quantity, &["event"], events.iter().map(value).collect());
+    };
+    let (length, force) = (Quantity::Length, Quantity::Force);
+    let (energy, number) = (Quantity::Energy, Quantity::Number);
+    column("drive", "drive at the event", length, &|e| e.drive);
+    column("position_before", "mean position of the cells before", length, &|e| e.position_before);
+    column("position_after", "mean position of the cells after", length, &|e| e.position_after);
+    column("force_before", "force before", force, &|e| e.force_before);
+    column("force_after", "force after", force, &|e| e.force_after);
+    column("drop", "force drop", force, &Event::drop);
+    column("slip", "mean slip of the cells", length, &Event::slip);
+    column("broken_fraction", "breaks per contact", number, &|e| e.broken_fraction);
+    column("dissipated_breaks", "energy lost in breaks", energy, &|e| e.dissipated_breaks);
+    column("dissipated_slip", "energy lost by the slider", energy, &|e| e.dissipated_slip);
+    column("time", "time", Quantity::Time, &|e| e.time);
+    column("epicentre", "cell that slipped first", number, &|e| e.epicentre as f64);
+    column("cells", "cells that slipped", number, &|e| e.cells as f64);
+    column("area", "area that slipped", number, &|e| e.area);
+    column("moment", "slip times area", length, &|e| e.moment);
+    column("duration", "duration", Quantity::Time, &|e| e.duration);
+    column("front_speed_left", "front speed to the left", Quantity::PerTime, &|e| e.front_speed_left);
+    column("front_speed_right", "front speed to the right", Quantity::PerTime, &|e| e.front_speed_right);
+    record
+}

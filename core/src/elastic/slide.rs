@@ -1,0 +1,137 @@
+//! Slides at a fixed drive, from the loss of balance to the next one.
+
+use super::batch::{fill, sum};
+use super::catalogue::{Fallen, Slide};
+use super::{Event, Interface, Slip, Slipped};
+use crate::monitor::Monitor;
+use crate::{Error, Float, Result};
+
+/// Steps of time, in the time in which the steepest slope acts.
+const PACE: f64 = 0.02;
+
+/// Excess force, of the strongest one, below which steps grow: what moves so slowly is followed by its way.
+const SLOW: f64 = 2e-3;
+
+/// A slide is over when the excess force is this part of its largest.
+const OVER: f64 = 0.01;
+
+/// Steps between two reports to the monitor.
+const REPORT: u64 = 64;
+
+/// Steps after which a slide is given up: some 10⁴ times what they take.
+const MOST_STEPS: u64 = 10_000_000;
+
+impl Interface {
+    /// Slides to the next balance at this drive. Where it is stopped all is as it was before.
+    pub(super) fn slide(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        let mut slide = self.before();
+        self.cells.mark();
+        if let Err(error) = self.follow(&mut slide, monitor) {
+            self.cells.recall(monitor)?;
+            self.by.fill(0.0);
+            self.positions.copy_from_slice(&slide.before);
+            self.coupling.forces(&self.positions, &mut self.held);
+            return Err(error);
+        }
+        self.cells.rejoin();
+        self.excess_here()?;
+        let lost = self.lost(&slide);
+        self.enter_slide(lost);
+        self.pace.renew();
+        let events = self.events(&slide);
+        if self.setting.viscosity.is_some() {
+            self.time += slide.over;
+        }
+        Ok(events)
+    }
+
+    /// What has to be known of the state before.
+    fn before(&self) -> Slide {
+        let mut pull = vec![0.0; self.len()];
+        fill(&mut pull, |j| self.excess[j] + self.responses[j].force);
+        Slide {
+            before: self.positions.clone(),
+            pull,
+            force: self.total_force(),
+            work: self.cells.account().work,
+            fallen: Vec::new(),
+            slipped: vec![false; self.len()],
+            over: 0.0,
+        }
+    }
+
+    /// Steps until there is balance.
+    fn follow(&mut self, slide: &mut Slide, monitor: &mut dyn Monitor) -> Result<()> {
+        let (mut time, mut most, mut before, mut stable) = (0.0, 0.0_f64, f64::INFINITY, false);
+        for steps in 0..MOST_STEPS {
+            let excess = self.excess_here()?;
+            let precision = self.precision();
+            if excess <= precision || (stable && excess <= 1e3 * precision && excess > 0.5 * before) {
+                return Ok(());
+            }
+            before = excess;
+            let rate = self.rate(excess);
+            let during = self.setting.viscosity.map_or(1.0, |viscosity| viscosity / rate);
+            stable = self.step(rate)?.stable;
+            self.notice(slide, time, during, monitor)?;
+            self.commit(monitor)?;
+            most = most.max(excess);
+            if excess > OVER * most {
+                time += during;
+                slide.over = time;
+            }
+            if steps % REPORT == 0 {
+                self.tell(monitor)?;
+            }
+        }
+        let (reached, wanted) = (Float(before), Float(self.precision()));
+        Err(Error::Accuracy { what: "the balance of a slide".into(), reached, wanted })
+    }
+
+    /// η/dt of a step: short where cells move fast, and ever longer as they come to rest; 0 without viscosity.
+    fn rate(&self, excess: f64) -> f64 {
+        if self.setting.viscosity.is_none() {
+            return 0.0;
+        }
+        self.cells.steepest() / PACE * (excess / (SLOW * self.cells.strongest())).min(1.0)
+    }
+
+    /// Finds the cells that begin to slip in a step that has been tried; in a reset their contacts break there.
+    fn notice(
+        &mut self,
+        slide: &mut Slide,
+        time: f64,
+        during: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
+        self.cells.slopes(None, &self.by, &mut self.slopes)?;
+        for cell in 0..self.len() {
+            let way = self.positions[cell] + self.by[cell] - slide.before[cell];
+            let falls = self.slopes[cell].least < -self.connection(cell);
+            if slide.slipped[cell] || !falls || way <= self.setting.drive_tolerance {
+                continue;
+            }
+            let Some(on) = self.cells.fall(cell, self.by[cell], -self.connection(cell)) else { continue };
+            slide.slipped[cell] = true;
+            let part = if self.by[cell] > 0.0 { on / self.by[cell] } else { 0.0 };
+            slide.fallen.push(Fallen { cell, time: time + part * during, way: self.by[cell] });
+            if self.setting.slip == Slip::Reset {
+                self.cells.part(cell, on, monitor)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// ∫Σ[K_0(X_T − X_j) − (AX)_j − F_j] dX_j of a slide: pulls are linear in positions and A is symmetric, so that
+    /// their means before and after do for every way.
+    fn lost(&self, slide: &Slide) -> f64 {
+        let pulled = sum(self.len(), |j| self.pulled(slide, j));
+        pulled - (self.cells.account().work - slide.work)
+    }
+
+    /// Work of drive and slider on a cell in a slide.
+    pub(super) fn pulled(&self, slide: &Slide, cell: usize) -> f64 {
+        let after = self.excess[cell] + self.responses[cell].force;
+        0.5 * (slide.pull[cell] + after) * (self.positions[cell] - slide.before[cell])
+    }
+}

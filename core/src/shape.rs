@@ -1,0 +1,73 @@
+//! How cells or contacts lie beside each other, and what is beyond the outermost.
+
+use crate::{Error, Result};
+
+/// How cells lie; those beside each other are nearest neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// So many in a row, two neighbours each.
+    Chain(usize),
+    /// Rows and columns of a square lattice, four neighbours each; counted along rows.
+    Square([usize; 2]),
+}
+
+/// What is beyond the outermost cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Edges {
+    /// Nothing that takes part.
+    #[default]
+    Open,
+    /// The cells of the other side.
+    Periodic,
+}
+
+impl Shape {
+    /// Rows and columns; a chain is one row.
+    pub fn sides(self) -> [usize; 2] {
+        match self {
+            Self::Chain(length) => [1, length],
+            Self::Square(sides) => sides,
+        }
+    }
+
+    /// Number of cells.
+    pub fn size(self) -> usize {
+        let [rows, columns] = self.sides();
+        rows.saturating_mul(columns)
+    }
+
+    /// Number of cells in the first row of a lattice, 1 at the beginning of a chain.
+    pub fn first_row(self) -> usize {
+        match self {
+            Self::Chain(length) => length.min(1),
+            Self::Square([_, columns]) => columns,
+        }
+    }
+
+    /// z, the number of neighbours of a cell inside.
+    pub fn neighbours(self) -> usize {
+        match self {
+            Self::Chain(_) => 2,
+            Self::Square(_) => 4,
+        }
+    }
+
+    /// Checks that there are cells, and that none is its own neighbour, or twice that of another.
+    ///
+    /// # Errors
+    /// No cells, or fewer than three in a periodic direction; the key is `cells`.
+    pub fn check(self, edges: Edges) -> Result<()> {
+        let (least, expected) = match edges {
+            Edges::Open => (1, "at least 1 in each direction"),
+            Edges::Periodic => (3, "at least 3 in each direction where edges are periodic"),
+        };
+        let sides = match self {
+            Self::Chain(length) => vec![length],
+            Self::Square(sides) => sides.to_vec(),
+        };
+        if sides.iter().any(|&side| side < least) {
+            return Err(Error::invalid("cells", expected, format!("{sides:?}")));
+        }
+        Ok(())
+    }
+}
