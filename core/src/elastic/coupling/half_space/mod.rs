@@ -14,14 +14,14 @@ use crate::shape::{Edges, Shape};
 /// is −G*|q| X̂(q), and a cell bears it on its area a².
 ///
 /// On a lattice |q| is to be √(4 sin²(q_x a/2) + 4 sin²(q_y a/2))/a, the square root of the lattice Laplacian, so that
-/// A = G* a √Δ: the same for waves longer than cells, and an M-matrix as any power ≤ 1 of Δ is. What |q| itself is up to
-/// the edge of the Brillouin zone, it is not: in a row its kernel is (−1)^m/m² at even and odd distances m, and a cell that
-/// advances would pull some of the others back. At distance r = m a between cells of a lattice the force on one is
-/// G* a⁴/(2πr³), as between points, with corrections (a/r)²; along a chain it is G* a/(π(m² − ¼)) per unit displacement.
+/// A = G* a √Δ: the same for waves longer than cells, and an M-matrix as any power ≤ 1 of Δ is. |q| itself up to the edge
+/// of the Brillouin zone is not: on a lattice a cell that advances would pull back those at even distances along its row
+/// and its column; on a chain it would not act on them. At a distance r ≫ a the force on a cell is G* a⁴/(2πr³) per unit
+/// displacement, as between points, with corrections (a/r)²; at m cells along a chain it is G* a/(π(m² − ¼)).
 ///
 /// Periodic edges: forces and solutions are one convolution. Open edges: cells act on each other as in an infinite
 /// plane, and what is beyond follows freely, so that a rigid translation costs nothing; forces are one convolution
-/// with zeros beyond the edges, solutions are iterated to 1e-14 with the modes of free edges for a start, some ten
+/// with zeros beyond the edges, solutions are iterated to 1e-14 with the modes of free edges for a start, some fifteen
 /// convolutions. [`Coupling::add`] takes a multiplication and an addition per cell.
 ///
 /// Takes 18 bytes per cell where periodic, 110 where open.
