@@ -3,6 +3,7 @@
 mod avalanche;
 mod births;
 mod coupling;
+mod first;
 mod generation;
 mod grid;
 mod minima;
