@@ -65,6 +65,15 @@ impl FirstBreaks {
         self.points.iter().map(|&(drive, share)| (share - law.cumulative(drive)).abs()).fold(0.0, f64::max)
     }
 
+    /// The drives before and after which no more than the share `tail` breaks.
+    pub fn range(&self, tail: f64) -> (f64, f64) {
+        let at = |share: f64| {
+            let after = self.points.partition_point(|point| point.1 <= share);
+            self.points[after.min(self.points.len() - 1)].0
+        };
+        (at(tail), at(1.0 - tail))
+    }
+
     /// The mean density between neighbouring edges, which rise.
     pub fn densities(&self, edges: &[f64]) -> Vec<f64> {
         let density = |pair: &[f64]| (self.share(pair[1]) - self.share(pair[0])) / (pair[1] - pair[0]);
@@ -83,6 +92,7 @@ mod tests {
         assert_eq!([0.9, 1.0, 1.5, 2.0, 4.0].map(|x| breaks.share(x)), [0.0, 0.5, 0.5, 0.75, 1.0]);
         assert_eq!((breaks.mean(), breaks.std()), (1.75, 0.6875_f64.sqrt()));
         assert_eq!(breaks.densities(&[0.0, 1.0, 3.0]), [0.5, 0.25]);
+        assert_eq!(breaks.range(0.1), (1.0, 3.0));
         // Uniform on [0, 4]: farthest after the break at 1 and 3, by ¼.
         assert_eq!(breaks.distance(&Rectangular::new(0.0, 4.0).unwrap()), 0.25);
     }

@@ -11,7 +11,13 @@ use common::pulled::{near, pull};
 
 const TOLERANCE: f64 = 1e-13;
 
-fn interface(population: &dyn Population, cells: usize, stiffness: f64, connection: f64, slip: Slip) -> Interface {
+fn interface(
+    population: &dyn Population,
+    cells: usize,
+    stiffness: f64,
+    connection: f64,
+    slip: Slip,
+) -> Interface {
     let curves = Curves::new(population, cells, &mut ()).unwrap();
     let setting = Setting {
         connection,

@@ -6,15 +6,14 @@ use std::ops::ControlFlow;
 
 use asperity::Error;
 use asperity::block::Slip;
+use asperity::ensemble::Disorder;
 use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape};
-use asperity::ensemble::{Disorder, Ensemble};
 use asperity::first_breaks::FirstBreaks;
 use asperity::law::{Law, Renormalised, SharedLaw, critical_coupling};
 use asperity::monitor::Monitor;
 use asperity::numerics::legendre::RULE;
-use asperity::population::{Direction, Population};
 use common::pulled::{near, pull};
-use common::{contacts, gaussian, initial, master, point};
+use common::{contacts, gaussian, initial, master, point, together};
 
 const SEED: u64 = 11;
 
@@ -92,30 +91,6 @@ fn panels(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     (0..12).map(|i| RULE.integrate(at(i), at(i + 1), &f)).sum()
 }
 
-/// Contacts under one slider on a spring, which stretches all of them by every break: the share that has broken, against
-/// the drive (1 − κ)X_T = X − κ(X − F/N⟨k⟩), at the least drive that moves the slider on to where they break.
-fn all_to_all(thresholds: &SharedLaw, coupling: f64, size: usize) -> FirstBreaks {
-    let ensemble = Ensemble::new(
-        contacts(thresholds, &point(0.0)),
-        initial(&point(0.0)),
-        size,
-        SEED,
-        Disorder::Annealed,
-    );
-    let mut population = ensemble.unwrap().population(&mut ()).unwrap();
-    let (mut drive, mut points) = (0.0_f64, Vec::new());
-    while population.books().broken < 1.0 - 0.5 / size as f64 {
-        let way = population.way(Direction::Forward, &mut ()).unwrap();
-        let (position, force) = (population.position() + way.length, population.ahead(way.length).force);
-        drive = drive.max(position - coupling * (position - force));
-        points.push((drive, population.books().broken));
-        population.advance(way.length).unwrap();
-        population.cross(&mut ()).unwrap();
-        points.push((drive, population.books().broken));
-    }
-    FirstBreaks::of_shares(points)
-}
-
 /// Contacts one by one, all to all: the renormalised law within what their number allows.
 #[test]
 fn contacts_under_one_slider_have_the_renormalised_law() {
@@ -124,7 +99,7 @@ fn contacts_under_one_slider_have_the_renormalised_law() {
     // keeps the share at a given X as uncertain as that of free contacts, over 1 − κxP_c, at most 5.
     for (std, share) in [(0.1, 0.0), (0.1, 0.1), (0.1, 0.2), (0.05, 0.1)] {
         let thresholds = gaussian(1.0, std);
-        let breaks = all_to_all(&thresholds, share, SIZE);
+        let breaks = together::first_breaks(&thresholds, share, SIZE, SEED);
         let law = renormalised(&thresholds, share);
         let limit = 2.69 / (1.0 - share / critical_coupling(thresholds.as_ref())) / (SIZE as f64).sqrt();
         let distance = breaks.distance(&law);

@@ -17,6 +17,7 @@ mod space_time;
 mod stick_slip;
 mod stress_map;
 mod style;
+mod thresholds;
 mod velocity_curve;
 mod velocity_step;
 
@@ -48,6 +49,7 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("catalogue", catalogue::scene(outcome)),
         ("stress_map", stress_map::scene(outcome)),
         ("space_time", space_time::scene(outcome)),
+        ("thresholds", thresholds::scene(outcome)),
     ];
     let mut pictures = Vec::new();
     for (name, scene) in scenes {

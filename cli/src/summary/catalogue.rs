@@ -3,7 +3,7 @@
 use asperity::record::Quantity;
 use asperity_runner::summary::{Catalogue, Fitted, PowerLaw, Summary};
 
-use super::{digits, timed, with_unit};
+use super::{digits, with_error, with_unit};
 
 /// Lines as those of the rest of the summary.
 pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, String)> {
@@ -39,11 +39,11 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
 }
 
 fn told(catalogue: &Catalogue, law: &PowerLaw) -> String {
-    let exponent = timed::with_error(law.exponent);
+    let exponent = with_error(law.exponent);
     let cut_off = if law.cut_off.0.is_infinite() {
         "no cut-off".into()
     } else {
-        format!("cut-off {}", timed::with_error(Fitted { value: law.cut_off.0, error: law.cut_off_error.0 }))
+        format!("cut-off {}", with_error(Fitted { value: law.cut_off.0, error: law.cut_off_error.0 }))
     };
     format!(
         "τ = {exponent}, {cut_off}, of {} from {} on ({} events)",

@@ -1,9 +1,9 @@
 //! Steps, curves against velocity and hold time, and their reading by rate and state, for people.
 
 use asperity::record::Quantity;
-use asperity_runner::summary::{CurveLimits, Fitted, HoldCurve, RateState, Step, Summary};
+use asperity_runner::summary::{CurveLimits, HoldCurve, RateState, Step, Summary};
 
-use super::{digits, with_unit};
+use super::{digits, fitted, with_unit};
 
 /// Steps of a protocol that are listed, at most.
 const LISTED: usize = 12;
@@ -28,21 +28,6 @@ pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
 fn value(summary: &Summary, number: f64, quantity: Quantity) -> String {
     let rounded = format!("{number:.4e}").parse().unwrap_or(number);
     with_unit(digits(rounded), number, &summary.units.label(quantity))
-}
-
-/// A fitted number, no finer than two digits of its error.
-fn fitted(summary: &Summary, fitted: Fitted, quantity: Quantity) -> String {
-    with_unit(with_error(fitted), fitted.value, &summary.units.label(quantity))
-}
-
-/// A fitted number and its error, both no finer than two digits of the error.
-pub fn with_error(fitted: Fitted) -> String {
-    let place = fitted.error.log10().floor() - 1.0;
-    let decimals = (-place).clamp(0.0, 12.0) as usize;
-    let coarse = |number: f64| {
-        if place > 0.0 { (number / 10f64.powf(place)).round() * 10f64.powf(place) } else { number }
-    };
-    format!("{:.decimals$} ± {:.decimals$}", coarse(fitted.value), coarse(fitted.error))
 }
 
 fn ends(summary: &Summary, limits: &CurveLimits) -> Vec<(&'static str, String)> {

@@ -143,6 +143,14 @@ impl Interface {
     /// The first that does not, with its full path.
     pub fn check(&self, contacts: &Contacts, drive: &Drive, ensemble: Option<&Ensemble>) -> Result<()> {
         onwards(drive).map_err(|e| e.under("drive"))?;
+        self.check_cells(contacts, ensemble)
+    }
+
+    /// The same, whatever drives the cells.
+    ///
+    /// # Errors
+    /// The first value that does not, with its full path.
+    pub fn check_cells(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
         self.values().map_err(|e| e.under("interface"))?;
         match self.contacts {
             PerCell::Many => self.many(ensemble),
@@ -196,7 +204,10 @@ impl Interface {
     }
 
     /// Springs between single contacts.
-    fn springs(&self) -> Result<lattice::Coupling> {
+    ///
+    /// # Errors
+    /// A half-space.
+    pub fn springs(&self) -> Result<lattice::Coupling> {
         match self.coupling {
             Coupling::Neighbours { stiffness } => Ok(lattice::Coupling {
                 shape: self.shape()?,

@@ -17,6 +17,7 @@ mod logarithmic;
 mod master_equation;
 mod protocol;
 mod pull;
+mod renormalisation;
 mod rules;
 mod size;
 mod task;
@@ -39,6 +40,7 @@ pub use law::{Component, Law, Tabulated};
 pub use master_equation::MasterEquation;
 pub use protocol::{Protocol, Step};
 pub use pull::Pull;
+pub use renormalisation::Renormalisation;
 pub use rules::{Ageing, Barrier, Delay, Temperature};
 pub use task::Task;
 pub use units::Units;
@@ -55,7 +57,8 @@ use crate::{Error, Result};
     { "required": ["protocol"] },
     { "required": ["protocol_file"] },
     { "required": ["velocity_curve"] },
-    { "required": ["hold_curve"] }
+    { "required": ["hold_curve"] },
+    { "required": ["renormalisation"] }
 ]))]
 pub struct Scenario {
     /// What the summary and the pictures are headed with.
@@ -85,6 +88,9 @@ pub struct Scenario {
     /// A task: static friction against the time for which the slider has been held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_curve: Option<HoldCurve>,
+    /// A task: the law of the drives at which coupled contacts break for the first time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub renormalisation: Option<Renormalisation>,
     /// The slider between its top, which is driven, and its bottom; without this table it is rigid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub block: Option<Block>,
@@ -146,18 +152,27 @@ impl Scenario {
                     let expected = "no maps without [interface], whose cells they show";
                     Err(Error::invalid("drive.maps", expected, format!("{} of them", maps.len())))
                 }
+                Task::Renormalisation(_) => Err(Error::invalid(
+                    "interface",
+                    "one with [renormalisation]: contacts that are coupled",
+                    "none",
+                )),
                 _ => Ok(()),
             };
-        };
-        let Task::Drive(drive) = task else {
-            let found = format!("one with [{}]", task.name());
-            return Err(Error::invalid("interface", "an interface only with the task [drive]", found));
         };
         if self.block.is_some() {
             let expected = "no block beside [interface], whose cells have connections of their own";
             return Err(Error::invalid("block", expected, "one"));
         }
-        interface.check(contacts, drive, self.ensemble.as_ref())
+        match task {
+            Task::Drive(drive) => interface.check(contacts, drive, self.ensemble.as_ref()),
+            Task::Renormalisation(_) => Renormalisation::check_contacts(interface, contacts, self)
+                .and_then(|()| interface.check_cells(contacts, self.ensemble.as_ref())),
+            task => {
+                let expected = "an interface only with the tasks [drive] and [renormalisation]";
+                Err(Error::invalid("interface", expected, format!("one with [{}]", task.name())))
+            }
+        }
     }
 
     /// Refuses what does not go with a block that is moved in time.

@@ -12,6 +12,7 @@ fn scenario(thresholds: Law) -> Scenario {
         protocol_file: None,
         velocity_curve: None,
         hold_curve: None,
+        renormalisation: None,
         block: None,
         interface: None,
         master_equation: MasterEquation::default(),

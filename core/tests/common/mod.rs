@@ -4,6 +4,7 @@
 pub mod chain;
 pub mod curve;
 pub mod pulled;
+pub mod together;
 
 use std::sync::Arc;
 

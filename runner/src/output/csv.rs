@@ -73,6 +73,7 @@ pub(super) fn tables(record: &Record) -> impl Iterator<Item = (&'static str, Str
         ("sizes.csv", sizes(record)),
         ("velocity_curve.csv", velocity_curve(record)),
         ("hold_curve.csv", hold_curve(record)),
+        ("thresholds.csv", thresholds(record)),
     ];
     tables.into_iter().filter_map(|(name, text)| text.map(|text| (name, text)))
 }
@@ -130,6 +131,11 @@ fn events(record: &Record, prefix: &str) -> Option<String> {
     let columns: Vec<_> = SLIP.into_iter().filter(known).map(named).collect();
     let text = table(record, &columns, &IN_TIME.map(named)).unwrap_or_else(|| SLIP.join(",") + "\n");
     Some(numbered(&text))
+}
+
+fn thresholds(record: &Record) -> Option<String> {
+    let columns = ["drive", "free_density", "measured_density", "measured_error"].map(same);
+    table(record, &columns, &["mean_field_density"].map(same))
 }
 
 /// The events of an interface.

@@ -9,6 +9,7 @@ mod interface;
 mod part;
 mod protocol;
 mod pull;
+mod renormalisation;
 mod settling;
 pub mod sliding;
 mod velocity_curve;
@@ -58,6 +59,7 @@ pub fn run_with(
         Task::Protocol(task) => protocol::run(&setting, task, monitor)?,
         Task::VelocityCurve(task) => velocity_curve::run(&setting, task, monitor)?,
         Task::HoldCurve(task) => hold_curve::run(&setting, task, monitor)?,
+        Task::Renormalisation(task) => renormalisation::run(&setting, task, monitor)?,
     };
     Ok(Outcome { scenario: input::to_text(scenario), summary, record })
 }
@@ -111,6 +113,7 @@ impl Setting<'_> {
             steps: Vec::new(),
             limits: Vec::new(),
             hold_curve: None,
+            renormalisation: None,
             catalogue: None,
             compare: None,
             warnings: scenario.warnings(),
