@@ -82,9 +82,8 @@ mod tests {
     #[test]
     fn places_held_differently_are_in_balance() {
         let hold = |j: usize| 0.4 + (1.0 + 3.7 * j as f64).sin();
-        for (edges, length) in
-            [(Edges::Open, 1), (Edges::Open, 60), (Edges::Periodic, 3), (Edges::Periodic, 60)]
-        {
+        let lines = [(Edges::Open, 1), (Edges::Open, 60), (Edges::Periodic, 3), (Edges::Periodic, 60_usize)];
+        for (edges, length) in lines {
             let right: Vec<f64> = (0..length).map(|j| (0.3 * (j * j) as f64).cos()).collect();
             let mut x = right.clone();
             Chain::new(edges, 2.5).solve(hold, &mut x);
