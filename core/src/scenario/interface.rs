@@ -5,7 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use super::{Drive, Ensemble, exactly_one, positive, size};
 use crate::contacts::{Contacts, Initial};
-use crate::ensemble::lattice::{self, Lattice, Shape};
+use crate::elastic::cells::{Curves, scales};
+use crate::elastic::{self, coupling};
+use crate::ensemble::lattice::{self, Lattice};
+use crate::master::MasterEquation;
+use crate::monitor::Monitor;
+use crate::shape::{self, Shape};
 use crate::{Error, Result};
 
 /// An interface of cells coupled by elasticity, or of contacts coupled one by one; `[drive]` moves its top.
@@ -177,6 +182,60 @@ impl Interface {
         Lattice::new(contacts, initial, &self.springs()?, seed, disorder.into())
     }
 
+    /// Cells of many contacts, which follow the master equation.
+    ///
+    /// # Errors
+    /// What the master equation, cells and couplings refuse; stopped by the monitor.
+    pub fn deformable(
+        &self,
+        contacts: Contacts,
+        initial: &Initial,
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<elastic::Interface> {
+        let length = contacts.thresholds.mean();
+        let population = MasterEquation::new(contacts, initial)?.population(tolerance)?;
+        let cells = Curves::new(&population, self.size(), monitor)?;
+        self.over(cells, length).map_err(|e| e.under("interface"))
+    }
+
+    fn over(&self, cells: Curves, length: f64) -> Result<elastic::Interface> {
+        let cells = match &self.disorder {
+            Some(scales) => cells.scaled(scales.build(self.size())?)?,
+            None => cells,
+        };
+        elastic::Interface::new(Box::new(cells), self.elasticity()?, self.setting(length))
+    }
+
+    fn elasticity(&self) -> Result<Box<dyn elastic::Coupling>> {
+        let (shape, edges) = (self.shape()?, self.edges.into());
+        match self.coupling {
+            Coupling::Neighbours { stiffness } => coupling::neighbours(shape, edges, stiffness),
+            Coupling::HalfSpace { modulus, cell } => coupling::half_space(shape, edges, modulus, cell),
+        }
+    }
+
+    /// How cells are driven, the mean threshold being a `length`.
+    fn setting(&self, length: f64) -> elastic::Setting {
+        elastic::Setting {
+            connection: self.connection,
+            loading: match self.loading {
+                Loading::Uniform => elastic::Loading::Uniform,
+                Loading::Edge => elastic::Loading::Edge,
+            },
+            slip: match self.slip.unwrap_or_default() {
+                CellSlip::Reset => elastic::Slip::Reset,
+                CellSlip::Overdamped => elastic::Slip::Overdamped,
+            },
+            viscosity: self.viscosity,
+            drive_tolerance: self.drive_tolerance * length,
+            area: match self.coupling {
+                Coupling::Neighbours { .. } => 1.0,
+                Coupling::HalfSpace { cell, .. } => cell * cell,
+            },
+        }
+    }
+
     /// Values that make no sense whatever a cell is; keys are relative to this table.
     fn values(&self) -> Result<()> {
         let shape = self.shape()?;
@@ -221,13 +280,22 @@ impl Interface {
         }
     }
 
-    /// What does not go with cells of many contacts.
+    /// What cells of many contacts need, and what does not go with them.
     fn many(&self, ensemble: Option<&Ensemble>) -> Result<()> {
-        let scales = self.disorder.as_ref();
-        scales
-            .map_or(Ok(()), |scales| scales.check(self.size()).map_err(|e| e.under("interface.disorder")))?;
-        let contacts = ensemble.map_or(0, Ensemble::size).saturating_mul(self.size());
-        size::check("ensemble.size", contacts, BYTES_PER_CONTACT)
+        let check = || {
+            positive("connection", self.connection)?;
+            self.shape()?.check(self.edges.into())?;
+            self.disorder.as_ref().map_or(Ok(()), |scales| scales.build(self.size()).map(drop))
+        };
+        check().map_err(|e| e.under("interface"))?;
+        match ensemble {
+            Some(_) => {
+                let expected =
+                    "none beside interface.contacts = \"many\", whose cells follow the master equation";
+                Err(Error::invalid("ensemble", expected, "one"))
+            }
+            None => Ok(()),
+        }
     }
 
     /// What does not go with single contacts.
@@ -264,6 +332,15 @@ impl Coupling {
 }
 
 impl Scales {
+    /// The scales of so many cells.
+    fn build(&self, cells: usize) -> Result<Vec<f64>> {
+        self.check(cells).map_err(|e| e.under("disorder"))?;
+        match &self.scale {
+            Some(scale) => Ok(scale.clone()),
+            None => scales(cells, self.std.unwrap_or(0.0), self.seed.unwrap_or(1)),
+        }
+    }
+
     /// Checks the values for so many cells.
     fn check(&self, cells: usize) -> Result<()> {
         let given = [("std", self.std.is_some()), ("file", self.file.is_some() || self.scale.is_some())];
@@ -287,7 +364,7 @@ impl Scales {
     }
 }
 
-impl From<Edges> for lattice::Edges {
+impl From<Edges> for shape::Edges {
     fn from(edges: Edges) -> Self {
         match edges {
             Edges::Open => Self::Open,

@@ -2,9 +2,11 @@
 
 mod curve;
 mod curves;
+mod scales;
 mod tabulate;
 
 pub use curves::Curves;
+pub use scales::scales;
 
 use serde::{Deserialize, Serialize};
 

@@ -13,7 +13,15 @@ pub struct Broken {
     scar: Vec<usize>,
 }
 
-impl Model for Lattice {
+/// Contacts on a lattice.
+pub struct Contacts {
+    /// The contacts.
+    pub lattice: Lattice,
+    /// Whether they lie on a chain, of which it is told which ones break.
+    pub chain: bool,
+}
+
+impl Model for Contacts {
     type Event = Broken;
     type State = State;
 
@@ -25,7 +33,7 @@ impl Model for Lattice {
         &[Column { name: "cell_force", long_name: "force of a contact", quantity: Quantity::Force }];
 
     fn drive(&self) -> f64 {
-        self.drive()
+        self.lattice.drive()
     }
 
     fn advance(
@@ -36,11 +44,12 @@ impl Model for Lattice {
         each: &mut dyn FnMut(Broken),
     ) -> Result<bool> {
         for _ in 0..most {
-            if self.next_drive() > to {
-                return self.run(Until::Drive(to), monitor, &mut |_| ()).map(|()| true);
+            if self.lattice.next_drive() > to {
+                return self.lattice.run(Until::Drive(to), monitor, &mut |_| ()).map(|()| true);
             }
-            let avalanche = self.next_event();
-            each(Broken { avalanche, scar: self.scar().collect() });
+            let avalanche = self.lattice.next_event();
+            let scar = if self.chain { self.lattice.scar().collect() } else { Vec::new() };
+            each(Broken { avalanche, scar });
         }
         Ok(false)
     }
@@ -52,7 +61,7 @@ impl Model for Lattice {
         for variable in record.variables.iter_mut().filter(|variable| variable.name == "area") {
             variable.name = "cells".into();
         }
-        let share = avalanches.iter().map(|event| event.size as f64 / self.size() as f64).collect();
+        let share = avalanches.iter().map(|event| event.size as f64 / self.lattice.size() as f64).collect();
         record.push("broken_fraction", "breaks per contact", Quantity::Number, &["event"], share);
         record
     }
@@ -69,18 +78,18 @@ impl Model for Lattice {
     }
 
     fn trace(&mut self) -> Result<Vec<f64>> {
-        Ok(vec![self.force()])
+        Ok(vec![self.lattice.force()])
     }
 
     fn maps(&mut self) -> Result<Vec<Vec<f64>>> {
-        Ok(vec![self.forces()])
+        Ok(vec![self.lattice.forces()])
     }
 
     fn state(&self) -> State {
-        self.state()
+        self.lattice.state()
     }
 
-    fn restore(&mut self, state: State) -> Result<()> {
-        self.restore(state)
+    fn restore(&mut self, state: State, _monitor: &mut dyn Monitor) -> Result<()> {
+        self.lattice.restore(state)
     }
 }

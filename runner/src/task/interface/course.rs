@@ -73,19 +73,25 @@ impl Found {
 impl<'a, M: Model> Course<'a, M> {
     /// The course of a new `model`, taken up at the checkpoint to resume if there is one. Events are recorded `from` a
     /// drive on, with the cells that took part in them if it is a `chain`.
-    pub fn new(model: M, from: f64, chain: bool, checkpoints: Option<&'a mut Checkpoints>) -> Result<Self> {
+    pub fn new(
+        model: M,
+        from: f64,
+        chain: bool,
+        checkpoints: Option<&'a mut Checkpoints>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         let found = Found::empty(&model);
         let mut course = Self { model, count: 0, looks: 0, found, from, chain, checkpoints, last: 0 };
         let kept = course.checkpoints.as_mut().map(|checkpoints| checkpoints.take()).transpose()?.flatten();
         if let Some(kept) = kept {
-            course.resume(kept)?;
+            course.resume(kept, monitor)?;
         }
         Ok(course)
     }
 
-    fn resume(&mut self, kept: Kept<M::State>) -> Result<()> {
+    fn resume(&mut self, kept: Kept<M::State>, monitor: &mut dyn Monitor) -> Result<()> {
         let Kept { state, count, looks, columns } = kept;
-        self.model.restore(state)?;
+        self.model.restore(state, monitor)?;
         (self.count, self.last, self.looks) = (count, count, looks);
         self.found.columns().zip(columns).for_each(|(column, Bits(values))| *column = values);
         Ok(())

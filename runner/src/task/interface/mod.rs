@@ -1,6 +1,7 @@
 //! `[drive]` with `[interface]`: cells that elasticity couples, driven from event to event.
 
 mod catalogue;
+mod cells;
 mod contacts;
 mod course;
 mod model;
@@ -8,13 +9,15 @@ mod stops;
 
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
-use asperity::scenario::{self, PerCell};
+use asperity::scenario::{self, PerCell, Scales, Scenario};
 use asperity::{Error, Result};
 
 use super::Setting;
 use crate::checkpoint::Checkpoints;
 use crate::output::LARGEST;
 use crate::summary::Summary;
+use cells::Cells;
+use contacts::Contacts;
 use course::{Course, Found};
 use model::Model;
 use stops::{Stop, stops};
@@ -34,10 +37,16 @@ pub fn run(
     match interface.contacts {
         PerCell::One => {
             let ensemble = scenario.ensemble.as_ref();
-            let model = interface.lattice(contacts.clone(), initial.clone(), ensemble)?;
+            let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble)?;
+            let model = Contacts { lattice, chain: chain(interface) };
             drive(setting, task, interface, model, checkpoints, monitor)
         }
-        PerCell::Many => Err(Error::invalid("interface.contacts", "\"one\"", "many")),
+        PerCell::Many => {
+            let tolerance = scenario.master_equation.tolerance();
+            let built = interface.deformable(contacts.clone(), initial, tolerance, monitor)?;
+            let model = Cells { interface: built, timed: interface.viscosity.is_some() };
+            drive(setting, task, interface, model, checkpoints, monitor)
+        }
     }
 }
 
@@ -51,16 +60,28 @@ fn drive<M: Model>(
 ) -> Result<(Summary, Record)> {
     let stops = stops(task, interface);
     fits::<M>(&stops, interface)?;
-    let chain = interface.cells.len() == 1;
-    let course = Course::new(model, interface.catalogue_from, chain, checkpoints)?;
+    let course = Course::new(model, interface.catalogue_from, chain(interface), checkpoints, monitor)?;
     let found = course.follow(&stops, monitor)?;
     let summary = Summary {
-        seed: Some(setting.scenario.ensemble.clone().unwrap_or_default().seed),
+        seed: seed(setting.scenario, interface),
         sample: None,
         catalogue: Some(catalogue::read::<M>(interface, &found.events)),
         ..setting.heading()
     };
     Ok((summary, record::<M>(interface, &stops, found)))
+}
+
+/// The seed of what is drawn at random, if anything is.
+fn seed(scenario: &Scenario, interface: &scenario::Interface) -> Option<u64> {
+    match (interface.contacts, &interface.disorder) {
+        (PerCell::One, _) => Some(scenario.ensemble.clone().unwrap_or_default().seed),
+        (PerCell::Many, Some(Scales { std: Some(_), seed, .. })) => Some(seed.unwrap_or(1)),
+        (PerCell::Many, _) => None,
+    }
+}
+
+fn chain(interface: &scenario::Interface) -> bool {
+    interface.cells.len() == 1
 }
 
 /// Refuses before any work looks at cells that could not be written after it.
@@ -72,7 +93,7 @@ fn fits<M: Model>(stops: &[Stop], interface: &scenario::Interface) -> Result<()>
         return Ok(());
     }
     // Of a chain every point of the trace is a look at its cells.
-    let key = if interface.cells.len() == 1 { "drive.points" } else { "drive.maps" };
+    let key = if chain(interface) { "drive.points" } else { "drive.maps" };
     let expected = format!(
         "looks at the cells that fit in a result file of {} MB: {}",
         LARGEST / 1_000_000,

@@ -61,8 +61,8 @@ pub trait Model {
     /// Goes to where another one of the same description was.
     ///
     /// # Errors
-    /// A state of something else.
-    fn restore(&mut self, state: Self::State) -> Result<()>;
+    /// A state of something else; stopped by the monitor.
+    fn restore(&mut self, state: Self::State, monitor: &mut dyn Monitor) -> Result<()>;
 }
 
 /// Something that is known.

@@ -1,0 +1,103 @@
+//! Cells of many contacts as an interface: an event is a connected part of a slide.
+
+use asperity::Result;
+use asperity::elastic::{self, Event, Slipped, State};
+use asperity::monitor::Monitor;
+use asperity::record::{Quantity, Record};
+
+use super::model::{Column, Model};
+
+/// Columns that only slides with viscosity have.
+const IN_TIME: [&str; 4] = ["time", "duration", "front_speed_left", "front_speed_right"];
+
+/// Cells on an elastic slider.
+pub struct Cells {
+    /// The cells.
+    pub interface: elastic::Interface,
+    /// Whether slides take time.
+    pub timed: bool,
+}
+
+impl Model for Cells {
+    type Event = (Event, Vec<Slipped>);
+    type State = State;
+
+    const MAGNITUDE: &'static str = "moment";
+    const WHOLE: bool = false;
+    const TRACE: &'static [Column] = &[
+        Column { name: "position", long_name: "mean position of the cells", quantity: Quantity::Length },
+        Column { name: "force", long_name: "friction force of all cells", quantity: Quantity::Force },
+    ];
+    const MAPS: &'static [Column] = &[
+        Column { name: "cell_position", long_name: "position of a cell", quantity: Quantity::Length },
+        Column { name: "cell_force", long_name: "friction force of a cell", quantity: Quantity::Force },
+    ];
+
+    fn drive(&self) -> f64 {
+        self.interface.drive()
+    }
+
+    fn advance(
+        &mut self,
+        to: f64,
+        most: u64,
+        monitor: &mut dyn Monitor,
+        each: &mut dyn FnMut(Self::Event),
+    ) -> Result<bool> {
+        let mut count = 0;
+        while count < most {
+            let events = self.interface.next(to, monitor)?;
+            if events.is_empty() {
+                return Ok(true);
+            }
+            count += events.len() as u64;
+            events.into_iter().for_each(&mut *each);
+        }
+        Ok(false)
+    }
+
+    fn columns(&self, events: &[Self::Event]) -> Record {
+        let events: Vec<_> = events.iter().map(|event| event.0).collect();
+        let mut record = elastic::record(&events);
+        record.variables.retain(|variable| self.timed || !IN_TIME.contains(&variable.name.as_str()));
+        record
+    }
+
+    fn slipped(&self, events: &[Self::Event], first: usize) -> Record {
+        let mut record = Record::default();
+        let mut add = |name: &str, words: &str, quantity, value: &dyn Fn(usize, &Slipped) -> f64| {
+            let cells = |(event, number): (&Self::Event, usize)| {
+                event.1.iter().map(|slipped| value(number, slipped)).collect::<Vec<_>>()
+            };
+            let values = events.iter().zip(first..).flat_map(cells).collect();
+            record.push(name, words, quantity, &["slipped"], values);
+        };
+        let number = Quantity::Number;
+        add("slipped_event", "event in which cells slipped", number, &|event, _| event as f64);
+        add("slipped_cell", "cells that slipped in it", number, &|_, slipped| slipped.cell as f64);
+        add("slipped_by", "how far they slipped", Quantity::Length, &|_, slipped| slipped.slip);
+        if self.timed {
+            let words = "when they began to, since the first one did";
+            add("slipped_start", words, Quantity::Time, &|_, slipped| slipped.start);
+        }
+        record
+    }
+
+    fn trace(&mut self) -> Result<Vec<f64>> {
+        let positions = self.interface.positions();
+        let mean = positions.iter().sum::<f64>() / positions.len() as f64;
+        Ok(vec![mean, self.interface.force()?])
+    }
+
+    fn maps(&mut self) -> Result<Vec<Vec<f64>>> {
+        Ok(vec![self.interface.positions().to_vec(), self.interface.forces()?])
+    }
+
+    fn state(&self) -> State {
+        self.interface.state()
+    }
+
+    fn restore(&mut self, state: State, monitor: &mut dyn Monitor) -> Result<()> {
+        self.interface.restore(state, monitor)
+    }
+}
