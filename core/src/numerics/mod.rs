@@ -13,4 +13,5 @@ pub mod powerlaw;
 mod rearrange;
 pub mod roots;
 pub mod stencil;
+pub mod table;
 pub mod volterra;
