@@ -1,7 +1,7 @@
 //! What temperature does to contacts on a way at constant velocity: their breaking rate, summed along it.
 
+use super::constant::Constant;
 use crate::contacts::{Aged, Barrier, Contacts, Stiffness, Strength, Temperature};
-use crate::numerics::dawson::dawson;
 use crate::numerics::legendre::RULE;
 use crate::numerics::piecewise::{Piecewise, Resolution};
 
@@ -26,6 +26,18 @@ pub(super) struct Exposed<'a> {
     aged: Aged<'a>,
     /// ∫_r^x e^{k(ξ² − x²)/2T} dξ, where it is the same for all.
     common: Option<f64>,
+}
+
+/// A and w/v.
+pub(super) type Risk = (f64, f64);
+
+/// What is known of contacts with one newborn threshold that formed together.
+#[derive(Debug)]
+pub(super) enum Past {
+    /// Their threshold stays.
+    Constant(Constant),
+    /// A, by the advance.
+    Ageing(Piecewise),
 }
 
 /// Exponents that differ by less are left to one Gauss rule.
@@ -62,7 +74,9 @@ impl Exposure {
         let stretch = start + advance;
         let common = match (self.temperature.barrier, self.stiffness) {
             (Barrier::Elastic, Stiffness::Equal(stiffness)) if self.strength.is_constant() => {
-                Some(elastic(0.5 * stiffness / self.temperature.energy, start, stretch))
+                let whole = 0.5 * stiffness * stretch * stretch / self.temperature.energy;
+                let sum = || Constant::new(Barrier::Elastic, stretch, whole, start).at(advance).0;
+                Some(if advance > 0.0 { sum() } else { 0.0 })
             }
             _ => None,
         };
@@ -81,16 +95,6 @@ impl Exposure {
     /// ω/v.
     fn attempts(&self) -> f64 {
         self.temperature.attempt_rate / self.velocity
-    }
-
-    /// Whether A has no closed form that is cheap.
-    pub(super) fn is_costly(&self) -> bool {
-        let cheap = match self.temperature.barrier {
-            Barrier::Elastic => matches!(self.stiffness, Stiffness::Equal(_)),
-            Barrier::Bell => true,
-            Barrier::Catastrophe => false,
-        };
-        !(cheap && self.strength.is_constant())
     }
 
     /// The most by which the exponents of two newborn thresholds differ, of contacts without stretch, up to an age.
@@ -134,8 +138,59 @@ impl Exposed<'_> {
         now.max(then)
     }
 
+    /// What the risks of contacts with the newborn threshold take from their way; `end` is the last advance of interest.
+    pub(super) fn past(&self, newborn: f64, end: impl FnOnce() -> f64) -> Past {
+        if self.exposure.strength.is_constant() {
+            return Past::Constant(self.constant(newborn));
+        }
+        Past::Ageing(self.history(newborn, end()))
+    }
+
+    /// A, and w/v now, of contacts with the newborn threshold.
+    #[inline]
+    pub(super) fn risk(&self, newborn: f64) -> Risk {
+        if let Some(common) = self.common {
+            let rate = self.rate(newborn);
+            return (rate * common, rate);
+        }
+        if self.exposure.strength.is_constant() {
+            return self.of_constant(&self.constant(newborn));
+        }
+        (self.summed(newborn), self.rate(newborn))
+    }
+
+    /// The same where their past is known.
+    #[inline]
+    pub(super) fn known_risk(&self, newborn: f64, past: &Past) -> Risk {
+        match past {
+            Past::Constant(constant) => self.of_constant(constant),
+            Past::Ageing(broken) => {
+                let broken = broken.value_in(broken.nearest(self.advance), self.advance);
+                (broken, self.rate(newborn))
+            }
+        }
+    }
+
+    fn constant(&self, threshold: f64) -> Constant {
+        let Exposure { temperature, .. } = self.exposure;
+        let whole = self.exposure.exponent(0.0, threshold);
+        Constant::new(temperature.barrier, threshold, whole, self.start)
+    }
+
+    #[inline]
+    fn of_constant(&self, constant: &Constant) -> Risk {
+        let ((sum, now), attempts) = (constant.at(self.advance), self.exposure.attempts());
+        (attempts * sum, attempts * now)
+    }
+
+    /// w/v now.
+    #[inline]
+    fn rate(&self, newborn: f64) -> f64 {
+        self.exposure.attempts() * (-self.exponent(newborn)).exp()
+    }
+
     /// A of contacts with the newborn threshold, as a function of the advance up to `end`.
-    pub(super) fn history(&self, newborn: f64, end: f64) -> Piecewise {
+    fn history(&self, newborn: f64, end: f64) -> Piecewise {
         /// What a contact may break by without being missed.
         const NEGLIGIBLE: f64 = 1e-18;
         let exposure = self.exposure;
@@ -148,45 +203,6 @@ impl Exposed<'_> {
         rate.mirrored().integrated_from_end(0.0, &[]).mirrored()
     }
 
-    /// A, and w/v now, of contacts with the newborn threshold, of which the history of A is known.
-    pub(super) fn known_risk(&self, newborn: f64, history: &Piecewise) -> (f64, f64) {
-        let rate = self.exposure.attempts() * (-self.exponent(newborn)).exp();
-        (history.value_in(history.nearest(self.advance), self.advance), rate)
-    }
-
-    /// A, and w/v now, of contacts with the newborn threshold.
-    #[inline]
-    pub(super) fn risk(&self, newborn: f64) -> (f64, f64) {
-        let rate = self.exposure.attempts() * (-self.exponent(newborn)).exp();
-        let way = if let Some(common) = self.common {
-            common
-        } else if self.exposure.strength.is_constant() {
-            self.way(newborn)
-        } else {
-            return (self.summed(newborn), rate);
-        };
-        (rate * way, rate)
-    }
-
-    /// ∫_r^x e^{(ΔE(x) − ΔE(ξ))/T} dξ for a threshold h that does not change.
-    fn way(&self, threshold: f64) -> f64 {
-        let Exposure { temperature, .. } = self.exposure;
-        let stiffness = self.exposure.stiffness(threshold);
-        let half = 0.5 * stiffness / temperature.energy;
-        match temperature.barrier {
-            Barrier::Elastic => elastic(half, self.start, self.stretch),
-            Barrier::Bell => {
-                let slope = half * threshold;
-                -(-slope * self.advance).exp_m1() / slope
-            }
-            Barrier::Catastrophe => {
-                let missing = |x: f64| (1.0 - x / threshold).max(0.0).sqrt();
-                let (near, far) = (missing(self.stretch), missing(self.start));
-                threshold * catastrophe(half * threshold * threshold, near, far)
-            }
-        }
-    }
-
     /// A where thresholds age, by quadrature over the way.
     fn summed(&self, newborn: f64) -> f64 {
         let Exposure { strength, velocity, .. } = self.exposure;
@@ -197,27 +213,6 @@ impl Exposed<'_> {
         let ends = [0.0, self.advance].map(|u| (u, exponent(u)));
         self.exposure.attempts() * halved(&exponent, ends, (ends[0].1.min(ends[1].1), 0))
     }
-}
-
-/// ∫_r^x e^{b(ξ² − x²)} dξ = [D(√b x) − e^{b(r² − x²)} D(√b r)]/√b with Dawson's function D.
-fn elastic(b: f64, from: f64, to: f64) -> f64 {
-    let fall = b * (to - from) * (to + from);
-    if fall < ONE_RULE {
-        return RULE.integrate(from, to, |x| (b * (x - to) * (x + to)).exp());
-    }
-    let root = b.sqrt();
-    (dawson(root * to) - (-fall).exp() * dawson(root * from)) / root
-}
-
-/// ∫ e^{b(q³ − t³)} 2t dt over t from q to f: of e^{−b y^{3/2}}, with y = t², relative to its value at y = q².
-fn catastrophe(b: f64, near: f64, far: f64) -> f64 {
-    let (cube, mut low, mut sum) = (near * near * near, near, 0.0);
-    while low < far && b * (low * low * low - cube) < NOTHING {
-        let next = (low * low * low + ONE_RULE / b).cbrt().min(far);
-        sum += RULE.integrate(low, next, |t| 2.0 * t * (b * (cube - t * t * t)).exp());
-        low = next;
-    }
-    sum
 }
 
 /// ∫e^{−E} over an interval, halved until E is nearly straight on its parts and falls little; `least` is the least E known.

@@ -8,6 +8,7 @@ mod breaking;
 mod caught;
 mod cells;
 mod cohorts;
+mod constant;
 mod continuation;
 mod exposure;
 mod fate;

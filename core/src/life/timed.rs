@@ -4,14 +4,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use super::cells::{NEGLIGIBLE, scale, with_atoms};
-use super::exposure::{Exposed, Exposure, blur};
+use super::exposure::{Exposed, Exposure, Past, Risk, blur};
 use super::fate::{Cohort, Fate, Passing, Toll};
 use super::grid::{Grid, Share};
 use super::record::Record;
 use crate::Result;
 use crate::contacts::{Barrier, Contacts, Stiffness, Strength};
 use crate::law::{Break, SharedLaw};
-use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::brent_root;
 
 /// Contacts each of which has, at any age, a threshold that follows from its newborn one, and breaks where its stretch
@@ -39,9 +38,9 @@ struct Formed {
     of: Timed,
     start: f64,
     record: Record,
-    /// A at the fixed thresholds of the grid, once asked for, where it has no form that is cheap.
-    histories: Vec<OnceLock<Piecewise>>,
-    /// Whether they have been asked for their toll before: of those asked but once, no histories are kept.
+    /// What is known of the fixed thresholds of the grid, once asked for, …
+    pasts: OnceLock<Vec<OnceLock<Past>>>,
+    /// … but not of contacts that are asked but once for their toll.
     asked: AtomicBool,
 }
 
@@ -105,10 +104,8 @@ fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
 impl Fate for Timed {
     fn cohort(&self, start: f64) -> Arc<dyn Cohort> {
         let record = Record::new(&self.strength, self.velocity, start, self.highest);
-        let costly = self.exposure.as_ref().is_some_and(Exposure::is_costly);
-        let histories =
-            if costly { self.grid.fixed().map(|_| OnceLock::new()).collect() } else { Vec::new() };
-        Arc::new(Formed { of: self.clone(), start, record, histories, asked: AtomicBool::new(false) })
+        let (pasts, asked) = (OnceLock::new(), AtomicBool::new(false));
+        Arc::new(Formed { of: self.clone(), start, record, pasts, asked })
     }
 
     fn resolution(&self) -> f64 {
@@ -119,7 +116,7 @@ impl Fate for Timed {
         let aged = self.strength.at(advance / self.velocity);
         let pass = |hazard: &Break| {
             let start = aged.threshold(hazard.position) - advance;
-            if start >= hazard.position {
+            if start < 0.0 || start >= hazard.position {
                 return None;
             }
             let record = Record::new(&self.strength, self.velocity, start, self.highest);
@@ -144,16 +141,15 @@ impl Fate for Timed {
 }
 
 impl Formed {
-    /// The risk of contacts with the newborn threshold at a place of the grid.
-    fn risk(&self, exposed: &Exposed<'_>, place: usize, newborn: f64, asked: bool) -> (f64, f64) {
-        let Some(history) = self.histories.get(place).filter(|_| asked && newborn > self.start) else {
+    /// The risk of contacts at a place of the grid.
+    fn risk(&self, exposed: &Exposed<'_>, place: usize, asked: bool) -> Risk {
+        let newborn = self.of.grid.fixed()[place];
+        if !asked || newborn <= self.start || exposed.is_separable() {
             return exposed.risk(newborn);
-        };
-        let follow = || {
-            let end = self.record.meeting(newborn).unwrap_or(self.of.highest);
-            exposed.history(newborn, end)
-        };
-        exposed.known_risk(newborn, history.get_or_init(follow))
+        }
+        let pasts = self.pasts.get_or_init(|| self.of.grid.fixed().iter().map(|_| OnceLock::new()).collect());
+        let end = || self.record.meeting(newborn).unwrap_or(self.of.highest);
+        exposed.known_risk(newborn, pasts[place].get_or_init(|| exposed.past(newborn, end)))
     }
 
     /// Adds contacts of one newborn threshold.
@@ -178,16 +174,16 @@ impl Cohort for Formed {
         let mut toll = Toll::default();
         let mut reached = law.density(met) * pace;
         let exposed = self.of.exposure.as_ref().map(|exposure| exposure.at(self.start, advance));
+        let least = (met, exposed.as_ref().map_or((0.0, 0.0), |exposed| exposed.risk(met)));
         if exposed.is_some() || self.of.per_threshold {
             let asked = self.asked.swap(true, Ordering::Relaxed);
             let add = |share: Share| self.add(&mut toll, share, aged.threshold(share.newborn));
-            let known =
-                |exposed: &Exposed<'_>, place: usize, newborn: f64| self.risk(exposed, place, newborn, asked);
-            self.of.grid.each(met, exposed.as_ref(), &known, add);
+            let known = |exposed: &Exposed<'_>, place: usize| self.risk(exposed, place, asked);
+            self.of.grid.each(least, exposed.as_ref(), &known, add);
         } else {
             toll.unbroken[0] = law.survival(met);
         }
-        reached *= exposed.map_or(1.0, |exposed| (-exposed.risk(met).0).exp());
+        reached *= (-least.1.0).exp();
         toll.breaking[0] += reached;
         toll.breaking[1] += reached * stretch;
         toll

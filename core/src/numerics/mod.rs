@@ -20,4 +20,5 @@ mod rearrange;
 pub mod roots;
 pub mod springs;
 pub mod stencil;
+pub mod table;
 pub mod volterra;

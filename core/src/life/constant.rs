@@ -1,0 +1,164 @@
+//! What temperature breaks of contacts whose threshold stays as it is, in closed form.
+
+use std::sync::LazyLock;
+
+use crate::contacts::Barrier;
+use crate::numerics::dawson::dawson;
+use crate::numerics::legendre::RULE;
+use crate::numerics::table::Table;
+
+/// Contacts with one threshold h that formed at one stretch r.
+///
+/// ∫_r^x e^{−ΔE(ξ)/T} dξ = s [G(x) e^{−ΔE(x)/T} − G(r) e^{−ΔE(r)/T}], where
+///
+/// | barrier | s | G(x) |
+/// |---|---|---|
+/// | elastic | h √(T/E_0) | D(x/s), D Dawson's integral |
+/// | bell | h T/E_0 | 1 |
+/// | catastrophe | h (T/E_0)^{2/3} | g(√((h − x)/s)), g(t) = e^{t³} ∫_t^∞ 2τ e^{−τ³} dτ, an incomplete gamma function |
+#[derive(Debug)]
+pub(super) struct Constant {
+    barrier: Barrier,
+    threshold: f64,
+    /// E_0/T.
+    whole: f64,
+    start: f64,
+    /// ΔE(r)/T.
+    begun: f64,
+    /// s.
+    length: f64,
+    /// G(r) e^{−ΔE(r)/T}.
+    before: f64,
+}
+
+/// (1 + x) D(x)/x.
+static DAWSON: LazyLock<Table> = LazyLock::new(|| Table::of(|x| (1.0 + x) * dawson(x) / x));
+/// (1 + t) g(t).
+static CATASTROPHE: LazyLock<Table> = LazyLock::new(|| Table::of(|t| (1.0 + t) * catastrophe(t)));
+
+/// Of exponents that differ by less the closed form is a difference of nearly the same: a Gauss rule is closer then, …
+const ALIKE: f64 = 1.0 / 32.0;
+
+/// … of six points and weights, which misses less than rounding.
+const FEW: [(f64, f64); 6] = [
+    (-0.932_469_514_203_152, 0.171_324_492_379_170_36),
+    (-0.661_209_386_466_264_5, 0.360_761_573_048_138_6),
+    (-0.238_619_186_083_196_9, 0.467_913_934_572_691),
+    (0.238_619_186_083_196_9, 0.467_913_934_572_691),
+    (0.661_209_386_466_264_5, 0.360_761_573_048_138_6),
+    (0.932_469_514_203_152, 0.171_324_492_379_170_36),
+];
+
+impl Constant {
+    /// Contacts that need E_0 = `whole` T to break where they are not stretched.
+    pub(super) fn new(barrier: Barrier, threshold: f64, whole: f64, start: f64) -> Self {
+        let length = match barrier {
+            Barrier::Elastic => threshold / whole.sqrt(),
+            Barrier::Bell => threshold / whole,
+            Barrier::Catastrophe => threshold / whole.cbrt().powi(2),
+        };
+        let begun = whole * barrier.height(start / threshold);
+        let mut constant = Self { barrier, threshold, whole, start, begun, length, before: 0.0 };
+        constant.before = constant.gain(start) * (-begun).exp();
+        constant
+    }
+
+    /// ∫_r^x e^{−ΔE/T} dξ after an advance, and e^{−ΔE(x)/T}.
+    #[inline]
+    pub(super) fn at(&self, advance: f64) -> (f64, f64) {
+        let stretch = self.start + advance;
+        let exponent = self.whole * self.barrier.height(stretch / self.threshold);
+        let now = (-exponent).exp();
+        if self.begun - exponent < ALIKE && self.before > 0.0 {
+            return (self.short(stretch, advance), now);
+        }
+        (self.length * (self.gain(stretch) * now - self.before), now)
+    }
+
+    /// G.
+    #[inline]
+    fn gain(&self, stretch: f64) -> f64 {
+        match self.barrier {
+            Barrier::Elastic => {
+                let x = stretch / self.length;
+                x / (1.0 + x) * DAWSON.value(x)
+            }
+            Barrier::Bell => 1.0,
+            Barrier::Catastrophe => {
+                let t = ((self.threshold - stretch).max(0.0) / self.length).sqrt();
+                CATASTROPHE.value(t) / (1.0 + t)
+            }
+        }
+    }
+
+    /// The integral by a Gauss rule, over q = √(1 − ξ/h), in which every barrier is smooth.
+    fn short(&self, stretch: f64, advance: f64) -> f64 {
+        let missing = |x: f64| (1.0 - x / self.threshold).max(0.0).sqrt();
+        let (near, far) = (missing(stretch), missing(self.start));
+        let half = 0.5 * advance / (self.threshold * (near + far).max(f64::MIN_POSITIVE));
+        let term = |(t, weight): (f64, f64)| {
+            let q = near + half * (1.0 + t);
+            weight * q * (-self.whole * self.barrier.height(1.0 - q * q)).exp()
+        };
+        2.0 * self.threshold * half * FEW.into_iter().map(term).sum::<f64>()
+    }
+}
+
+/// g(t), over e^{−40} of its integrand, in parts on which that falls by e⁻⁴.
+fn catastrophe(t: f64) -> f64 {
+    const PART: f64 = 4.0;
+    const PARTS: u32 = 10;
+    let cube = t.powi(3);
+    // τ − t from τ³ − t³, which far out is far smaller.
+    let beyond = |excess: f64| {
+        let tau = (cube + excess).cbrt();
+        excess / (tau * tau + tau * t + t * t).max(f64::MIN_POSITIVE)
+    };
+    let part = |k: u32| {
+        let [low, high] = [k, k + 1].map(|k| beyond(PART * f64::from(k)));
+        RULE.integrate(low, high, |r| 2.0 * (t + r) * (-r * (3.0 * t * t + r * (3.0 * t + r))).exp())
+    };
+    (0..PARTS).map(part).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_incomplete_gamma_function_is_right_at_its_ends() {
+        // ∫2τ e^{−τ³} dτ = ⅔Γ(⅔), and 2/3t (1 − 1/3t³ + 4/9t⁶ − 28/27t⁹ …).
+        assert!((catastrophe(0.0) - 2.0 / 3.0 * libm::tgamma(2.0 / 3.0)).abs() < 2e-15);
+        let s = 1e-6;
+        let far = 2.0 / 300.0 * (1.0 - s / 3.0 + 4.0 / 9.0 * s * s);
+        assert!((catastrophe(100.0) / far - 1.0).abs() < 2e-15, "{}", catastrophe(100.0) / far - 1.0);
+        for k in 0..1000 {
+            let t = 1e-3 * 1.01_f64.powi(k);
+            assert!((CATASTROPHE.value(t) / (1.0 + t) / catastrophe(t) - 1.0).abs() < 3e-15, "{t}");
+        }
+    }
+
+    #[test]
+    fn closed_forms_are_the_integrals() {
+        for barrier in [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe] {
+            for (whole, start, advance) in
+                [(10.0, 0.0, 0.9), (10.0, 0.3, 1e-3), (400.0, 0.2, 0.7), (0.5, 0.0, 0.8), (3.0, 0.5, 0.5)]
+            {
+                let threshold = 1.0;
+                let constant = Constant::new(barrier, threshold, whole, start);
+                let (sum, now) = constant.at(advance);
+                let rate = |x: f64| (-whole * barrier.height(x / threshold)).exp();
+                // Cells that shrink towards the threshold, where the catastrophe's barrier is not smooth.
+                let edge = |k: i32| start + advance * (1.0 - 0.95_f64.powi(k));
+                let cells: f64 = (0..800).map(|k| RULE.integrate(edge(k), edge(k + 1), rate)).sum();
+                // Rounding of exponents of up to 400.
+                assert!(
+                    (sum / cells - 1.0).abs() < 2e-13,
+                    "{barrier:?} {whole} {start}: {}",
+                    sum / cells - 1.0
+                );
+                assert!((now / rate(start + advance) - 1.0).abs() < 2e-13);
+            }
+        }
+    }
+}
