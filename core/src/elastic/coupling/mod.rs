@@ -1,7 +1,20 @@
 //! Elastic coupling between the cells of an interface: from displacements to forces.
 
+mod half_space;
+mod neighbours;
+
+pub use half_space::HalfSpace;
+pub use neighbours::Neighbours;
+
+use rayon::prelude::*;
+
 use super::solve::solve;
+use crate::numerics::product::product;
 use crate::shape::{Edges, Shape};
+use crate::{Error, Result};
+
+/// Bytes that a coupling may take.
+const BYTES: u64 = 16 << 30;
 
 /// Linear elasticity of the slider between its cells: displacements X_i make the forces −Σ_i A_ji X_i.
 ///
@@ -26,6 +39,12 @@ pub trait Coupling: Send + Sync {
     /// Solves (diagonal + A) δ = right for the response δ of cells that are held by springs `diagonal` > 0 too.
     fn solve(&mut self, diagonal: f64, right: &mut [f64]);
 
+    /// About what [`Coupling::solve`] does, at the cost of little more than [`Coupling::forces`]: a symmetric positive
+    /// definite matrix.
+    fn near(&mut self, diagonal: f64, right: &mut [f64]) {
+        self.solve(diagonal, right);
+    }
+
     /// Solves (springs + A) δ = right where springs differ from cell to cell, and may push; whether the matrix is positive
     /// definite. If not, `right` is of no use.
     fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {
@@ -34,4 +53,45 @@ pub trait Coupling: Send + Sync {
 
     /// A_jj, the stiffness that a cell feels when it moves alone.
     fn own(&self, cell: usize) -> f64;
+
+    /// ½ X·A X, stored in the coupling, where `forces` are those at `displacements`.
+    fn energy(&self, displacements: &[f64], forces: &[f64]) -> f64 {
+        let Some(first) = displacements.first() else { return 0.0 };
+        // Forces add to 0 but for rounding, which is not to count with how far all have come.
+        let relative: Vec<f64> = displacements.par_iter().map(|x| x - first).collect();
+        -0.5 * product(&relative, forces)
+    }
+}
+
+/// Springs of stiffness K_int between nearest neighbours.
+///
+/// # Errors
+/// What [`Neighbours::new`] refuses.
+pub fn neighbours(shape: Shape, edges: Edges, stiffness: f64) -> Result<Box<dyn Coupling>> {
+    Ok(Box::new(Neighbours::new(shape, edges, stiffness)?))
+}
+
+/// A half-space of effective shear modulus G* under square cells of side `cell`.
+///
+/// # Errors
+/// What [`HalfSpace::new`] refuses.
+pub fn half_space(shape: Shape, edges: Edges, modulus: f64, cell: f64) -> Result<Box<dyn Coupling>> {
+    Ok(Box::new(HalfSpace::new(shape, edges, modulus, cell)?))
+}
+
+fn positive(key: &str, value: f64) -> Result<()> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(Error::invalid(key, "a finite number above 0", value))
+}
+
+/// Refuses what takes more memory than is allowed.
+fn fits(shape: Shape, bytes_per_cell: u64) -> Result<()> {
+    let needed = bytes_per_cell.saturating_mul(shape.size() as u64);
+    if needed > BYTES {
+        let what = format!("the coupling of {} cells", shape.size());
+        return Err(Error::TooLarge { what, needed, allowed: BYTES });
+    }
+    Ok(())
 }

@@ -1,0 +1,173 @@
+//! A half-space of which only a patch is covered by cells.
+
+use std::f64::consts::PI;
+
+use rayon::prelude::*;
+
+use super::sweep::Weights;
+use super::{from_first, sides};
+use crate::numerics::conjugate_gradients::ConjugateGradients;
+use crate::numerics::fractional::root_of_laplacian;
+use crate::numerics::line::Line;
+use crate::numerics::modes::Modes;
+use crate::shape::Shape;
+
+/// Reduction of the residual of [`Open::solve`], about what roundings leave.
+const TOLERANCE: f64 = 1e-14;
+
+/// A = own − weights, own_j = Σ_i weights_ji: cells act on each other as in an infinite plane.
+pub(super) struct Open {
+    sides: [usize; 2],
+    scale: f64,
+    pairs: Pairs,
+    weights: Weights,
+    /// Modes of the lattice with free edges, whose root of Δ is near A.
+    free: Modes,
+    iteration: ConjugateGradients,
+}
+
+/// The convolution with the weights, and what it makes of equal displacements.
+struct Pairs {
+    modes: Modes,
+    /// Factors of cosines along rows × down columns.
+    spectrum: Vec<f64>,
+    height: usize,
+    own: Vec<f64>,
+}
+
+impl Open {
+    pub(super) fn new(shape: Shape, scale: f64) -> Self {
+        let sides = sides(shape);
+        let mut values = match shape {
+            Shape::Chain(length) => (0..length).map(along_a_chain).collect(),
+            Shape::Square(sides) => root_of_laplacian(sides),
+        };
+        values.iter_mut().for_each(|weight| *weight *= scale);
+        let pairs = Pairs::new(sides, &values);
+        let columns = shape.sides()[1];
+        Self {
+            sides: shape.sides(),
+            scale,
+            pairs,
+            weights: Weights { values, columns, periodic: false },
+            free: Modes::new(sides, sides.map(Line::free)),
+            iteration: ConjugateGradients::new(shape.size()),
+        }
+    }
+
+    pub(super) fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
+        self.pairs.stiffness(displacements, forces);
+        forces.iter_mut().for_each(|force| *force = -*force);
+    }
+
+    pub(super) fn add(&self, cell: usize, displacement: f64, forces: &mut [f64]) {
+        self.weights.add(self.sides, cell, displacement, forces);
+        forces[cell] -= self.own(cell) * displacement;
+    }
+
+    /// Solves, and tells in how many steps.
+    pub(super) fn solve(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
+        let Self { scale, pairs, free, iteration, .. } = self;
+        let matrix = |x: &[f64], image: &mut [f64]| {
+            pairs.stiffness(x, image);
+            image.iter_mut().zip(x).for_each(|(y, x)| *y += diagonal * x);
+        };
+        let near = |x: &mut [f64]| free.apply(x, |λ| (diagonal + *scale * λ.sqrt()).recip());
+        iteration.solve(matrix, near, TOLERANCE, right)
+    }
+
+    /// About the same, in modes of free edges.
+    pub(super) fn near(&mut self, diagonal: f64, right: &mut [f64]) {
+        let Self { scale, free, .. } = self;
+        free.apply(right, |λ| (diagonal + *scale * λ.sqrt()).recip());
+    }
+
+    pub(super) fn own(&self, cell: usize) -> f64 {
+        self.pairs.own[cell]
+    }
+}
+
+/// −∫ 2|sin(q/2)| cos(qm) dq/2π over a Brillouin zone.
+fn along_a_chain(distance: usize) -> f64 {
+    let m = distance as f64;
+    if distance == 0 { 0.0 } else { 1.0 / (PI * (m - 0.5) * (m + 0.5)) }
+}
+
+impl Pairs {
+    fn new(sides: [usize; 2], weights: &[f64]) -> Self {
+        let lines = sides.map(|side| Line::joined(padded(side)));
+        let height = lines[0].length() / 2 + 1;
+        let spectrum = spectrum(weights, sides, &lines);
+        let mut pairs = Self { modes: Modes::new(sides, lines), spectrum, height, own: Vec::new() };
+        let mut own = vec![1.0; weights.len()];
+        pairs.convolve(&mut own);
+        pairs.own = own;
+        pairs
+    }
+
+    fn convolve(&mut self, field: &mut [f64]) {
+        let (spectrum, height) = (&self.spectrum, self.height);
+        self.modes.multiply(field, |mode, column| {
+            let factors = &spectrum[mode.div_ceil(2) * height..][..height];
+            column[0] *= factors[0];
+            for (pair, factor) in column[1..].chunks_mut(2).zip(&factors[1..]) {
+                pair.iter_mut().for_each(|amplitude| *amplitude *= factor);
+            }
+        });
+    }
+
+    /// A x.
+    fn stiffness(&mut self, x: &[f64], image: &mut [f64]) {
+        from_first(x, image);
+        self.convolve(image);
+        image.iter_mut().zip(x).zip(&self.own).for_each(|((y, near), own)| *y = own * (*near - x[0]) - *y);
+    }
+}
+
+/// Length of a ring on which a line of `side` cells does not meet itself, and which is quickly transformed: even, and
+/// without prime factors above 5.
+fn padded(side: usize) -> usize {
+    let smooth = |mut n: usize| {
+        for factor in [2, 3, 5] {
+            while n.is_multiple_of(factor) {
+                n /= factor;
+            }
+        }
+        n == 1
+    };
+    if side == 1 { 1 } else { (side..).map(|half| 2 * half).find(|&n| smooth(n)).unwrap_or(2 * side) }
+}
+
+/// Σ weights(d) cos of even weights on a torus of `lines`, modes along rows × modes down columns, cosines only.
+fn spectrum(weights: &[f64], [rows, columns]: [usize; 2], lines: &[Line; 2]) -> Vec<f64> {
+    let along = cosines(weights, rows, columns, &lines[1]);
+    let width = along.len() / rows;
+    let mut turned = vec![0.0; along.len()];
+    turned.par_chunks_mut(rows).enumerate().for_each(|(mode, column)| {
+        column.iter_mut().zip(along[mode..].iter().step_by(width)).for_each(|(to, from)| *to = *from);
+    });
+    cosines(&turned, width, rows, &lines[0])
+}
+
+/// Amplitudes of cosines of `count` lines of so many weights at distances 0, 1, … either way.
+fn cosines(weights: &[f64], count: usize, reach: usize, line: &Line) -> Vec<f64> {
+    let modes = line.length() / 2 + 1;
+    let mut out = vec![0.0; count * modes];
+    let room = || (line.scratch(), vec![0.0; line.length()]);
+    out.par_chunks_mut(modes).zip(weights.par_chunks(reach)).for_each_init(
+        room,
+        |(scratch, ring), (out, weights)| {
+            ring.fill(0.0);
+            ring[..reach].copy_from_slice(weights);
+            let length = ring.len();
+            (1..reach).for_each(|m| ring[length - m] = weights[m]);
+            line.to_modes(ring, scratch);
+            out[0] = ring[0];
+            out[1..]
+                .iter_mut()
+                .zip(ring[1..].iter().step_by(2))
+                .for_each(|(out, amplitude)| *out = *amplitude);
+        },
+    );
+    out
+}

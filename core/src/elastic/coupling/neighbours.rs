@@ -1,0 +1,149 @@
+//! Springs between nearest neighbours.
+
+use rayon::prelude::*;
+
+use super::{Coupling, fits, positive};
+use crate::Result;
+use crate::elastic::solve::solve;
+use crate::numerics::line::Line;
+use crate::numerics::modes::Modes;
+use crate::numerics::springs::Chain;
+use crate::shape::{Edges, Shape};
+
+/// Cells below which work is not shared among threads.
+const SHARE: usize = 1 << 14;
+
+/// Equal springs K_int between nearest neighbours: the force on cell j is K_int Σ (X_i − X_j) over its neighbours i.
+///
+/// Open edges are free: cells there have fewer neighbours. Eigenvalues of A are K_int times those of the lattice
+/// Laplacian, 2K_int(1 − cos q) for a wave along one direction. Forces take some additions per cell, a cell that moved
+/// touches its neighbours alone; [`Coupling::solve`] eliminates a chain, and takes a lattice apart into modes, cosines
+/// between open edges. Takes 8 bytes per cell of a chain (16 where periodic), 16 per cell of a lattice.
+pub struct Neighbours {
+    shape: Shape,
+    edges: Edges,
+    stiffness: f64,
+    solver: Solver,
+}
+
+enum Solver {
+    Chain(Chain),
+    Square(Modes),
+}
+
+impl Neighbours {
+    /// Springs of stiffness K_int between the cells of `shape`.
+    ///
+    /// # Errors
+    /// No cells, or fewer than three in a periodic direction; stiffness not above 0; more cells than fit in 16 GiB.
+    pub fn new(shape: Shape, edges: Edges, stiffness: f64) -> Result<Self> {
+        shape.check(edges)?;
+        positive("coupling.neighbours.stiffness", stiffness)?;
+        fits(shape, 16)?;
+        let line = match edges {
+            Edges::Open => Line::free,
+            Edges::Periodic => Line::joined,
+        };
+        let solver = match shape {
+            Shape::Chain(_) => Solver::Chain(Chain::new(edges, stiffness)),
+            Shape::Square(sides) => Solver::Square(Modes::new(sides, sides.map(line))),
+        };
+        Ok(Self { shape, edges, stiffness, solver })
+    }
+
+    /// The neighbours of a cell.
+    fn around(&self, cell: usize) -> impl Iterator<Item = usize> {
+        let [rows, columns] = self.shape.sides();
+        let (row, column) = (cell / columns, cell % columns);
+        let vertical = beside(row, rows, self.edges).map(move |row| row * columns + column);
+        let horizontal = beside(column, columns, self.edges).map(move |column| row * columns + column);
+        vertical.chain(horizontal)
+    }
+}
+
+/// What is beside a place on a line of so many.
+fn beside(place: usize, length: usize, edges: Edges) -> impl Iterator<Item = usize> {
+    let (before, after) = match edges {
+        _ if length == 1 => (None, None),
+        Edges::Open => (place.checked_sub(1), Some(place + 1).filter(|&next| next < length)),
+        Edges::Periodic => (Some((place + length - 1) % length), Some((place + 1) % length)),
+    };
+    before.into_iter().chain(after)
+}
+
+impl Coupling for Neighbours {
+    fn shape(&self) -> Shape {
+        self.shape
+    }
+
+    fn edges(&self) -> Edges {
+        self.edges
+    }
+
+    fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
+        let [rows, columns] = self.shape.sides();
+        let (edges, stiffness) = (self.edges, self.stiffness);
+        let row_of = |row: usize| &displacements[row * columns..(row + 1) * columns];
+        let sweep = |(row, forces): (usize, &mut [f64])| {
+            let own = row_of(row);
+            along(own, edges, forces);
+            beside(row, rows, edges).for_each(|other| pull(row_of(other), own, forces));
+            forces.iter_mut().for_each(|force| *force *= stiffness);
+        };
+        forces.par_chunks_mut(columns).enumerate().with_min_len(SHARE.div_ceil(columns)).for_each(sweep);
+    }
+
+    fn add(&self, cell: usize, displacement: f64, forces: &mut [f64]) {
+        let force = self.stiffness * displacement;
+        for other in self.around(cell) {
+            forces[other] += force;
+            forces[cell] -= force;
+        }
+    }
+
+    fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
+        let stiffness = self.stiffness;
+        match &mut self.solver {
+            Solver::Chain(chain) => {
+                chain.solve(|_| diagonal, right);
+            }
+            Solver::Square(modes) => modes.apply(right, |λ| (diagonal + stiffness * λ).recip()),
+        }
+    }
+
+    fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {
+        match &mut self.solver {
+            Solver::Chain(chain) => chain.solve(|j| springs[j], right),
+            Solver::Square(_) => solve(self, springs, right),
+        }
+    }
+
+    fn own(&self, cell: usize) -> f64 {
+        self.stiffness * self.around(cell).count() as f64
+    }
+}
+
+/// Σ (X_i − X_j) over the neighbours in a row.
+fn along(row: &[f64], edges: Edges, sums: &mut [f64]) {
+    let last = row.len() - 1;
+    if last == 0 {
+        sums[0] = 0.0;
+        return;
+    }
+    let (before, after) = match edges {
+        Edges::Open => (row[0], row[last]),
+        Edges::Periodic => (row[last], row[0]),
+    };
+    sums[0] = (before - row[0]) + (row[1] - row[0]);
+    sums[last] = (row[last - 1] - row[last]) + (after - row[last]);
+    for (sum, window) in sums[1..].iter_mut().zip(row.windows(3)) {
+        *sum = (window[0] - window[1]) + (window[2] - window[1]);
+    }
+}
+
+/// Adds the differences to a row beside.
+fn pull(other: &[f64], own: &[f64], sums: &mut [f64]) {
+    for ((sum, other), own) in sums.iter_mut().zip(other).zip(own) {
+        *sum += other - own;
+    }
+}

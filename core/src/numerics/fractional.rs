@@ -1,0 +1,151 @@
+//! The square root of the lattice Laplacian between two places of an infinite square lattice.
+
+use std::f64::consts::PI;
+
+use rayon::prelude::*;
+
+/// Step of the integration over s.
+const STEP: f64 = 0.16;
+
+/// Far from underflow, and its inverse from overflow, by more than the recurrence takes in a step.
+const SMALL: f64 = 1e-200;
+
+/// Rows computed by one thread.
+const GROUP: usize = 4;
+
+/// w(m, n) > 0 with (√Δ x)_i = Σ_j w(i − j)(x_i − x_j), Δ = 4 − Σ shifts the Laplacian of the square lattice with
+/// eigenvalues λ = 4 sin²(q_1/2) + 4 sin²(q_2/2); for 0 ≤ m < rows, 0 ≤ n < columns, along rows, w(0, 0) set to 0.
+///
+/// As √λ = ∫₀^∞ (1 − e^{−λt}) t^{−3/2} dt/(2√π), and e^{−Δt} is diffusion, which is independent in both directions,
+///
+/// w(m, n) = (1/2√π) ∫₀^∞ t^{−3/2} g_m(t) g_n(t) dt, g_m(t) = e^{−2t} I_m(2t).
+///
+/// With t = exp(s − e^{−s}) the integrand decays at both ends at least like e^{−|s|/2}, and equal steps converge like
+/// e^{−c/step}: right to 1e-13 of w(m, n), which is 1/2πr³ at distances r ≫ 1.
+pub fn root_of_laplacian([rows, columns]: [usize; 2]) -> Vec<f64> {
+    let longest = rows.max(columns);
+    let nodes: Vec<(f64, Vec<f64>)> =
+        times(longest).into_par_iter().map(|(t, w)| (w, spread(2.0 * t, longest))).collect();
+    let mut weights = vec![0.0; rows * columns];
+    weights.par_chunks_mut(GROUP * columns).enumerate().for_each(|(group, weights)| {
+        for (weight, spread) in &nodes {
+            for (m, row) in (GROUP * group..).zip(weights.chunks_mut(columns)) {
+                let factor = weight * spread[m];
+                row.iter_mut().zip(spread).for_each(|(w, g)| *w += factor * g);
+            }
+        }
+    });
+    weights[0] = 0.0;
+    weights
+}
+
+/// Times t and what g_m g_n at them count.
+fn times(longest: usize) -> Vec<(f64, f64)> {
+    // Beyond, what is left is below roundings of the least weight.
+    let last = 2.0 * (longest as f64).ln() + 26.0;
+    let first = -4.5_f64;
+    let count = ((last - first) / STEP).ceil() as usize;
+    let node = |i: usize| {
+        let s = first + STEP * i as f64;
+        let t = (s - (-s).exp()).exp();
+        (t, STEP * (1.0 + (-s).exp()) / (2.0 * (PI * t).sqrt()))
+    };
+    (0..count).map(node).collect()
+}
+
+/// e^{−z} I_m(z) for 0 ≤ m < `count`.
+fn spread(z: f64, count: usize) -> Vec<f64> {
+    let order = count as f64;
+    if z > 100.0 + 25.0 * order * order { late(z, count) } else { early(z, count) }
+}
+
+/// By the recurrence I_{m−1} = I_{m+1} + (2m/z) I_m from far above (J. C. P. Miller), and I_0 + 2 Σ I_m = e^z.
+fn early(z: f64, count: usize) -> Vec<f64> {
+    // Above, I_m is below 1e-36 I_0.
+    let start = 40 + (13.0 * z.sqrt()).ceil() as usize;
+    let mut values = vec![0.0; count];
+    let (mut above, mut here, mut sum) = (0.0, SMALL, 0.0);
+    for m in (1..=start).rev() {
+        if let Some(value) = values.get_mut(m) {
+            *value = here;
+        }
+        sum += 2.0 * here;
+        (above, here) = (here, above + (2.0 * m as f64 / z) * here);
+        if here > 1.0 / SMALL {
+            (above, here, sum) = (above * SMALL, here * SMALL, sum * SMALL);
+            values.iter_mut().take(start + 1).skip(m).for_each(|value| *value *= SMALL);
+        }
+    }
+    values[0] = here;
+    values.iter().map(|value| value / (sum + here)).collect()
+}
+
+/// By the series in 1/z (H. Hankel): Σ_k Π_{i ≤ k} ((2i − 1)² − 4m²)/(8 i z)/√(2πz).
+fn late(z: f64, count: usize) -> Vec<f64> {
+    let value = |m: usize| {
+        let square = 4.0 * (m * m) as f64;
+        let (mut term, mut sum) = (1.0, 1.0);
+        for i in 1..12 {
+            let odd = f64::from(2 * i - 1);
+            term *= (odd * odd - square) / (8.0 * f64::from(i) * z);
+            sum += term;
+        }
+        sum / (2.0 * PI * z).sqrt()
+    };
+    (0..count).map(value).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The inverse transform on tori of M² and 4M² places: what lies behind their edges counts as M⁻³, which the two
+    /// together are free of.
+    fn on_tori(m: usize, n: usize) -> f64 {
+        let on_torus = |places: usize| {
+            let angle = |k: usize| PI * k as f64 / places as f64;
+            let symbol: Vec<f64> = (0..places).map(|k| 4.0 * angle(k).sin().powi(2)).collect();
+            let wave =
+                |d: usize| -> Vec<f64> { (0..places).map(|k| (2.0 * angle(k * d % places)).cos()).collect() };
+            let (down, along) = (wave(m), wave(n));
+            let row =
+                |i: usize| -> f64 { (0..places).map(|j| (symbol[i] + symbol[j]).sqrt() * along[j]).sum() };
+            -(0..places).map(|i| down[i] * row(i)).sum::<f64>() / (places * places) as f64
+        };
+        (8.0 * on_torus(2048) - on_torus(1024)) / 7.0
+    }
+
+    #[test]
+    fn weights_are_those_of_the_inverse_transform() {
+        let weights = root_of_laplacian([5, 10]);
+        for (m, n) in [(0, 1), (1, 0), (1, 1), (0, 2), (2, 4), (4, 3)] {
+            let (found, expected) = (weights[10 * m + n], on_tori(m, n));
+            // What lies behind the edges leaves r²M⁻⁵, and sums of 4M² terms their roundings.
+            assert!((found - expected).abs() < 1e-14, "{m} {n}: {found} {expected}");
+        }
+        assert_eq!(weights[0], 0.0);
+    }
+
+    /// √λ = q − q³(3 + cos 4φ)/96 + …, whose inverse transform is 1/2πr³ + (9 + 35 cos 4θ)/64πr⁵ + O(r⁻⁷).
+    #[test]
+    fn far_away_weights_fall_with_the_cube() {
+        let weights = root_of_laplacian([2000, 1500]);
+        for (m, n) in [(0, 1499), (1999, 0), (700, 900), (1200, 1200), (1999, 1499)] {
+            let square = (m * m + n * n) as f64;
+            let angle = (m as f64).atan2(n as f64);
+            let expected = 1.0 + (9.0 + 35.0 * (4.0 * angle).cos()) / (32.0 * square);
+            let found = 2.0 * PI * square.powf(1.5) * weights[1500 * m + n];
+            // The next term is some 10/r⁴.
+            assert!((found - expected).abs() < 2e-11, "{m} {n}: {found} {expected}");
+        }
+    }
+
+    #[test]
+    fn both_ways_to_bessel_functions_meet() {
+        for count in [2, 50, 300] {
+            let z = 100.0 + 25.0 * (count * count) as f64;
+            let (early, late) = (early(z, count), late(z, count));
+            assert!(early.iter().zip(&late).all(|(a, b)| (a / b - 1.0).abs() < 1e-13), "{count}");
+        }
+    }
+}

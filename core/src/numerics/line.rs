@@ -1,0 +1,228 @@
+//! A line of numbers in the real eigenvectors of its second difference.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use num_complex::Complex64;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+
+/// Real eigenvectors of the second difference 2x_j − x_{j−1} − x_{j+1} on a line of n numbers.
+pub struct Line {
+    length: usize,
+    ends: Ends,
+    to: Arc<dyn RealToComplex<f64>>,
+    back: Arc<dyn ComplexToReal<f64>>,
+}
+
+enum Ends {
+    /// The line is a ring: cos(2πkj/n) and sin(2πkj/n), in the order 0, cos 1, sin 1, cos 2, …
+    Joined,
+    /// The ends are free, and x goes on as in a mirror: cos(πk(j + ½)/n). Holds exp(−iπk/2n).
+    Free(Vec<Complex64>),
+}
+
+/// Room for the transform of a line.
+#[derive(Default)]
+pub struct Scratch {
+    real: Vec<f64>,
+    complex: Vec<Complex64>,
+    inner: Vec<Complex64>,
+}
+
+impl Line {
+    /// A ring of `length` numbers.
+    pub fn joined(length: usize) -> Self {
+        Self::new(length, Ends::Joined)
+    }
+
+    /// A line of `length` numbers with free ends.
+    pub fn free(length: usize) -> Self {
+        let turn = |k: usize| Complex64::cis(-PI * k as f64 / (2 * length) as f64);
+        Self::new(length, Ends::Free((0..=length / 2).map(turn).collect()))
+    }
+
+    fn new(length: usize, ends: Ends) -> Self {
+        let mut planner = RealFftPlanner::new();
+        Self { length, ends, to: planner.plan_fft_forward(length), back: planner.plan_fft_inverse(length) }
+    }
+
+    /// Number of modes, n.
+    pub fn length(&self) -> usize {
+        self.length
+    }
+
+    /// Eigenvalue of a mode: 4 sin²(πk/n) on a ring, 4 sin²(πk/2n) between free ends.
+    pub fn eigenvalue(&self, mode: usize) -> f64 {
+        let half_angle = match self.ends {
+            Ends::Joined => PI * mode.div_ceil(2) as f64 / self.length as f64,
+            Ends::Free(_) => PI * mode as f64 / (2 * self.length) as f64,
+        };
+        4.0 * half_angle.sin().powi(2)
+    }
+
+    /// Room that [`Line::to_modes`] and [`Line::back`] need.
+    pub fn scratch(&self) -> Scratch {
+        let inner = self.to.get_scratch_len().max(self.back.get_scratch_len());
+        let zero = Complex64::ZERO;
+        Scratch {
+            real: vec![0.0; self.length],
+            complex: vec![zero; self.length / 2 + 1],
+            inner: vec![zero; inner],
+        }
+    }
+
+    /// Replaces the numbers of a line by the amplitudes of its modes.
+    pub fn to_modes(&self, line: &mut [f64], scratch: &mut Scratch) {
+        if self.length == 1 {
+            return;
+        }
+        match &self.ends {
+            Ends::Joined => {
+                self.transform(line, scratch);
+                pack(&scratch.complex, line);
+            }
+            Ends::Free(turns) => {
+                let mut real = std::mem::take(&mut scratch.real);
+                fold(line, &mut real);
+                self.transform(&mut real, scratch);
+                scratch.real = real;
+                separate(&scratch.complex, turns, line);
+            }
+        }
+    }
+
+    /// The way back, times n: after [`Line::to_modes`] a line is n times what it was.
+    pub fn back(&self, line: &mut [f64], scratch: &mut Scratch) {
+        if self.length == 1 {
+            return;
+        }
+        match &self.ends {
+            Ends::Joined => {
+                unpack(line, &mut scratch.complex);
+                self.transform_back(scratch, line);
+            }
+            Ends::Free(turns) => {
+                combine(line, turns, &mut scratch.complex);
+                let mut real = std::mem::take(&mut scratch.real);
+                self.transform_back(scratch, &mut real);
+                unfold(&real, line);
+                scratch.real = real;
+            }
+        }
+    }
+
+    fn transform(&self, line: &mut [f64], scratch: &mut Scratch) {
+        let done = self.to.process_with_scratch(line, &mut scratch.complex, &mut scratch.inner);
+        done.expect("lengths are those of the plan");
+    }
+
+    fn transform_back(&self, scratch: &mut Scratch, line: &mut [f64]) {
+        let done = self.back.process_with_scratch(&mut scratch.complex, line, &mut scratch.inner);
+        done.expect("lengths are those of the plan, and the ends of the spectrum are real");
+    }
+}
+
+/// Half a spectrum of real numbers as so many real numbers.
+fn pack(spectrum: &[Complex64], line: &mut [f64]) {
+    line[0] = spectrum[0].re;
+    for (pair, c) in line[1..].chunks_mut(2).zip(&spectrum[1..]) {
+        pair[0] = c.re;
+        if let Some(imaginary) = pair.get_mut(1) {
+            *imaginary = c.im;
+        }
+    }
+}
+
+fn unpack(line: &[f64], spectrum: &mut [Complex64]) {
+    spectrum[0] = Complex64::from(line[0]);
+    for (pair, c) in line[1..].chunks(2).zip(&mut spectrum[1..]) {
+        *c = Complex64::new(pair[0], pair.get(1).copied().unwrap_or(0.0));
+    }
+}
+
+/// Even places forth, odd places back: the cosine transform of n numbers as a Fourier transform of n numbers
+/// (J. Makhoul, IEEE Trans. Acoust. Speech Signal Process. 28, 27 (1980), doi:10.1109/TASSP.1980.1163351).
+fn fold(line: &[f64], folded: &mut [f64]) {
+    let (forth, back) = folded.split_at_mut(line.len().div_ceil(2));
+    forth.iter_mut().zip(line.iter().step_by(2)).for_each(|(to, from)| *to = *from);
+    back.iter_mut().rev().zip(line.iter().skip(1).step_by(2)).for_each(|(to, from)| *to = *from);
+}
+
+fn unfold(folded: &[f64], line: &mut [f64]) {
+    let (forth, back) = folded.split_at(line.len().div_ceil(2));
+    line.iter_mut().step_by(2).zip(forth).for_each(|(to, from)| *to = *from);
+    line.iter_mut().skip(1).step_by(2).zip(back.iter().rev()).for_each(|(to, from)| *to = *from);
+}
+
+/// Cosine amplitudes C_k from the spectrum V of the folded line: V_k exp(−iπk/2n) = C_k − i C_{n−k}.
+fn separate(spectrum: &[Complex64], turns: &[Complex64], line: &mut [f64]) {
+    let n = line.len();
+    for (k, (v, turn)) in spectrum.iter().zip(turns).enumerate().rev() {
+        let turned = v * turn;
+        if k > 0 {
+            line[n - k] = -turned.im;
+        }
+        line[k] = turned.re;
+    }
+}
+
+fn combine(line: &[f64], turns: &[Complex64], spectrum: &mut [Complex64]) {
+    let n = line.len();
+    spectrum[0] = Complex64::from(line[0]);
+    for k in 1..spectrum.len() {
+        spectrum[k] = Complex64::new(line[k], -line[n - k]) * turns[k].conj();
+    }
+    if n % 2 == 0 {
+        // Real but for rounding, and the transform insists on it.
+        spectrum[n / 2].im = 0.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(length: usize) -> Vec<f64> {
+        (0..length).map(|j| (1.0 + 7.3 * j as f64 * j as f64).sin()).collect()
+    }
+
+    fn lines() -> impl Iterator<Item = Line> {
+        [1, 2, 3, 4, 7, 12, 31, 128].into_iter().flat_map(|n| [Line::joined(n), Line::free(n)])
+    }
+
+    #[test]
+    fn there_and_back_multiplies_by_the_length() {
+        for line in lines() {
+            let (n, mut scratch) = (line.length(), line.scratch());
+            let known = noise(n);
+            let mut found = known.clone();
+            line.to_modes(&mut found, &mut scratch);
+            line.back(&mut found, &mut scratch);
+            // Some roundings per factor of the length.
+            assert!(found.iter().zip(&known).all(|(a, b)| (a / n as f64 - b).abs() < 1e-14), "{n}");
+        }
+    }
+
+    /// Modes times eigenvalues, against differences taken in place.
+    #[test]
+    fn modes_are_eigenvectors_of_the_second_difference() {
+        for line in lines() {
+            let (n, mut scratch) = (line.length(), line.scratch());
+            let known = noise(n);
+            let mut found = known.clone();
+            line.to_modes(&mut found, &mut scratch);
+            (0..n).for_each(|k| found[k] *= line.eigenvalue(k) / n as f64);
+            line.back(&mut found, &mut scratch);
+            let ring = matches!(line.ends, Ends::Joined);
+            for j in 0..n {
+                let (before, after) = if ring {
+                    ((j + n - 1) % n, (j + 1) % n)
+                } else {
+                    (j.saturating_sub(1), (j + 1).min(n - 1))
+                };
+                let expected = 2.0 * known[j] - known[before] - known[after];
+                assert!((found[j] - expected).abs() < 1e-13, "{n} {j}: {} {expected}", found[j]);
+            }
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Functions of the second difference of numbers on a lattice.
+
+use rayon::prelude::*;
+
+use super::line::{Line, Scratch};
+
+/// Lines transposed together: whole cache lines are read and written.
+const GROUP: usize = 16;
+
+/// Numbers below which work is not shared among threads.
+const SHARE: usize = 1 << 12;
+
+/// Numbers on a lattice of rows and columns in the modes of its lines.
+///
+/// With λ = λ_row + λ_column of the modes of a [`Line`] each way, the modes are eigenvectors of the lattice Laplacian
+/// (4 or fewer neighbours), and what multiplies them by f(λ) is that function of it. Lines may be longer than the
+/// lattice is: it is then followed by zeros, for convolutions that do not meet themselves behind the edge.
+///
+/// Every line is transformed by one thread: the same bits on any number of them.
+pub struct Modes {
+    sides: [usize; 2],
+    /// Along columns and along rows.
+    lines: [Line; 2],
+    eigenvalues: [Vec<f64>; 2],
+    /// Rows × modes along a row, and transposed.
+    rows: Vec<f64>,
+    columns: Vec<f64>,
+}
+
+impl Modes {
+    /// A lattice of `sides` (rows, columns), with a line as long as the first side or longer down its columns, and
+    /// one as long as the second or longer along its rows. Takes 16 bytes × rows × modes of a row.
+    pub fn new(sides: [usize; 2], lines: [Line; 2]) -> Self {
+        let eigenvalues = [0, 1].map(|i| {
+            let line: &Line = &lines[i];
+            (0..line.length()).map(|mode| line.eigenvalue(mode)).collect()
+        });
+        let room = sides[0] * lines[1].length();
+        Self { sides, lines, eigenvalues, rows: vec![0.0; room], columns: vec![0.0; room] }
+    }
+
+    /// f(Δ) of `field` in place, Δ the lattice Laplacian with eigenvalues λ ≥ 0.
+    pub fn apply(&mut self, field: &mut [f64], f: impl Fn(f64) -> f64 + Sync) {
+        let [down, along] = std::mem::take(&mut self.eigenvalues);
+        self.multiply(field, |mode, column| {
+            column.iter_mut().zip(&down).for_each(|(amplitude, other)| *amplitude *= f(along[mode] + other));
+        });
+        self.eigenvalues = [down, along];
+    }
+
+    /// Multiplies `field` in place by a factor for each mode: `factor` gets the mode along rows and the amplitudes of
+    /// all modes down its column.
+    pub fn multiply(&mut self, field: &mut [f64], factor: impl Fn(usize, &mut [f64]) + Sync) {
+        self.along_rows(field);
+        self.down_columns(factor);
+        self.back_along_rows(field);
+    }
+
+    fn along_rows(&mut self, field: &[f64]) {
+        let (line, width) = (&self.lines[1], self.sides[1]);
+        let rows = self.rows.par_chunks_mut(line.length()).zip(field.par_chunks(width));
+        let step = |scratch: &mut Scratch, (row, from): (&mut [f64], &[f64])| {
+            row[..width].copy_from_slice(from);
+            row[width..].fill(0.0);
+            line.to_modes(row, scratch);
+        };
+        rows.with_min_len(SHARE.div_ceil(line.length())).for_each_init(|| line.scratch(), step);
+    }
+
+    fn down_columns(&mut self, factor: impl Fn(usize, &mut [f64]) + Sync) {
+        let (line, height, width) = (&self.lines[0], self.sides[0], self.lines[1].length());
+        let rows = &self.rows;
+        let groups = self.columns.par_chunks_mut(GROUP * height).enumerate();
+        let step = |(scratch, padded): &mut (Scratch, Vec<f64>), (group, columns): (usize, &mut [f64])| {
+            let first = GROUP * group;
+            transpose(rows, width, first, columns, height);
+            for (mode, column) in (first..).zip(columns.chunks_mut(height)) {
+                padded[..height].copy_from_slice(column);
+                padded[height..].fill(0.0);
+                line.to_modes(padded, scratch);
+                factor(mode, padded);
+                line.back(padded, scratch);
+                column.copy_from_slice(&padded[..height]);
+            }
+        };
+        let room = || (line.scratch(), vec![0.0; line.length()]);
+        groups.with_min_len(SHARE.div_ceil(GROUP * line.length())).for_each_init(room, step);
+    }
+
+    fn back_along_rows(&mut self, field: &mut [f64]) {
+        let (line, [height, width]) = (&self.lines[1], self.sides);
+        let (modes, columns) = (line.length(), &self.columns);
+        let scale = 1.0 / (modes as f64 * self.lines[0].length() as f64);
+        let groups = field.par_chunks_mut(GROUP * width).enumerate();
+        let step = |(scratch, lines): &mut (Scratch, Vec<f64>), (group, field): (usize, &mut [f64])| {
+            transpose(columns, height, GROUP * group, &mut lines[..field.len() / width * modes], modes);
+            for (row, line_of) in field.chunks_mut(width).zip(lines.chunks_mut(modes)) {
+                line.back(line_of, scratch);
+                row.iter_mut().zip(line_of).for_each(|(to, from)| *to = scale * *from);
+            }
+        };
+        let room = || (line.scratch(), vec![0.0; GROUP * modes]);
+        groups.with_min_len(SHARE.div_ceil(GROUP * modes)).for_each_init(room, step);
+    }
+}
+
+/// Columns of `from`, a matrix of so many columns, from the `first` on, as rows of the given length.
+fn transpose(from: &[f64], columns: usize, first: usize, to: &mut [f64], length: usize) {
+    let count = to.len() / length;
+    for (at, row) in from.chunks(columns).enumerate() {
+        for (i, x) in row[first..first + count].iter().enumerate() {
+            to[i * length + at] = *x;
+        }
+    }
+}

@@ -1,0 +1,367 @@
+//! Elastic coupling between cells against dense matrices, closed forms of kernels and Green's functions.
+
+use std::f64::consts::PI;
+
+use asperity::Error;
+use asperity::elastic::coupling::{Coupling, half_space, neighbours};
+use asperity::shape::{Edges, Shape};
+
+const EDGES: [Edges; 2] = [Edges::Open, Edges::Periodic];
+
+fn shapes() -> [Shape; 5] {
+    [Shape::Chain(3), Shape::Chain(24), Shape::Square([3, 5]), Shape::Square([8, 6]), Shape::Square([4, 11])]
+}
+
+/// Every kind of coupling, small.
+fn couplings() -> impl Iterator<Item = Box<dyn Coupling>> {
+    let of =
+        |shape, edges| [neighbours(shape, edges, 2.5).unwrap(), half_space(shape, edges, 5.0, 0.5).unwrap()];
+    let alone = [Shape::Chain(1), Shape::Square([1, 1]), Shape::Square([1, 7]), Shape::Chain(2)];
+    let all = shapes().into_iter().flat_map(|shape| EDGES.map(|edges| (shape, edges)));
+    all.chain(alone.map(|shape| (shape, Edges::Open))).flat_map(move |(shape, edges)| of(shape, edges))
+}
+
+fn noise(size: usize) -> Vec<f64> {
+    (0..size).map(|j| (1.0 + 7.3 * j as f64 * j as f64).sin()).collect()
+}
+
+/// A, column by column, from the forces that one displaced cell makes.
+fn matrix(coupling: &mut dyn Coupling) -> Vec<Vec<f64>> {
+    let size = coupling.shape().size();
+    let column = |i: usize| {
+        let mut displacements = vec![0.0; size];
+        displacements[i] = 1.0;
+        let mut forces = vec![f64::NAN; size];
+        coupling.forces(&displacements, &mut forces);
+        forces.iter().map(|force| -force).collect()
+    };
+    (0..size).map(column).collect()
+}
+
+fn times(matrix: &[Vec<f64>], x: &[f64]) -> Vec<f64> {
+    matrix.iter().map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum()).collect()
+}
+
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().map(f64::abs).fold(0.0, f64::max)
+}
+
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    largest(a.iter().zip(b).map(|(a, b)| a - b))
+}
+
+/// Entries are of order 1, and some hundred roundings at most go into each.
+const ROUNDING: f64 = 1e-13;
+
+#[test]
+fn stiffness_is_a_symmetric_m_matrix_without_sum() {
+    for mut coupling in couplings() {
+        let a = matrix(&mut *coupling);
+        for i in 0..a.len() {
+            assert!((a[i][i] - coupling.own(i)).abs() < ROUNDING, "{:?} {i}", coupling.shape());
+            assert!(a[i].iter().sum::<f64>().abs() < ROUNDING);
+            for j in 0..a.len() {
+                assert!((a[i][j] - a[j][i]).abs() < ROUNDING);
+                assert!(i == j || a[i][j] < ROUNDING, "{:?} {i} {j}: {}", coupling.shape(), a[i][j]);
+            }
+        }
+    }
+}
+
+#[test]
+fn forces_are_linear_in_displacements() {
+    for mut coupling in couplings() {
+        let a = matrix(&mut *coupling);
+        let x = noise(a.len());
+        let mut forces = vec![0.0; a.len()];
+        coupling.forces(&x, &mut forces);
+        let expected = times(&a, &x);
+        assert!(largest(forces.iter().zip(&expected).map(|(f, e)| f + e)) < ROUNDING);
+        let energy: f64 = 0.5 * x.iter().zip(&expected).map(|(x, e)| x * e).sum::<f64>();
+        assert!((coupling.energy(&x, &forces) - energy).abs() < ROUNDING * a.len() as f64);
+    }
+}
+
+#[test]
+fn one_moved_cell_adds_its_column() {
+    for mut coupling in couplings() {
+        let a = matrix(&mut *coupling);
+        for cell in 0..a.len() {
+            let mut forces = noise(a.len());
+            coupling.add(cell, 0.7, &mut forces);
+            let expected: Vec<f64> = noise(a.len()).iter().zip(&a[cell]).map(|(f, a)| f - 0.7 * a).collect();
+            assert!(apart(&forces, &expected) < ROUNDING, "{:?} {cell}", coupling.shape());
+        }
+    }
+}
+
+#[test]
+fn solutions_give_back_what_was_asked() {
+    for mut coupling in couplings() {
+        for diagonal in [1e-3, 1.0, 300.0] {
+            let right = noise(coupling.shape().size());
+            let mut x = right.clone();
+            coupling.solve(diagonal, &mut x);
+            let mut forces = vec![0.0; x.len()];
+            coupling.forces(&x, &mut forces);
+            let found: Vec<f64> = x.iter().zip(&forces).map(|(x, f)| diagonal * x - f).collect();
+            // Up to stiffness/diagonal = 1e4 roundings of x.
+            assert!(
+                apart(&found, &right) < 1e-12,
+                "{:?} {diagonal}: {}",
+                coupling.shape(),
+                apart(&found, &right)
+            );
+        }
+    }
+}
+
+/// Springs in series on a chain keep all digits however weakly it is held.
+#[test]
+fn a_chain_held_by_little_keeps_its_digits() {
+    for edges in EDGES {
+        let mut chain = neighbours(Shape::Chain(1000), edges, 25.0).unwrap();
+        for diagonal in [1e-15, 1e-9, 1e-3] {
+            let mut x = vec![2.0; 1000];
+            chain.solve(diagonal, &mut x);
+            // A thousand steps with a rounding or two each.
+            assert!(x.iter().all(|x| (x * diagonal / 2.0 - 1.0).abs() < 1e-12));
+        }
+    }
+}
+
+#[test]
+fn a_rigid_translation_costs_nothing() {
+    for mut coupling in couplings() {
+        let size = coupling.shape().size();
+        let mut forces = vec![f64::NAN; size];
+        coupling.forces(&vec![1e9 / 3.0; size], &mut forces);
+        assert!(forces.iter().all(|&force| force == 0.0), "{:?}", coupling.shape());
+    }
+}
+
+/// Σ sin² for a wave q along each side of a torus: 2K(1 − cos q_x) + 2K(1 − cos q_y), and its root for a half-space.
+#[test]
+fn waves_on_a_torus_have_their_stiffness() {
+    let sides = [12, 20];
+    let shape = Shape::Square(sides);
+    let mut springs = neighbours(shape, Edges::Periodic, 3.0).unwrap();
+    let mut space = half_space(shape, Edges::Periodic, 8.0, 0.25).unwrap();
+    for waves in [[0, 1], [1, 0], [3, 4], [6, 10]] {
+        let q = [0, 1].map(|i| 2.0 * PI * waves[i] as f64 / sides[i] as f64);
+        let wave: Vec<f64> =
+            (0..240).map(|j| (q[0] * (j / 20) as f64 + q[1] * (j % 20) as f64 + 0.4).cos()).collect();
+        let laplacian: f64 = q.iter().map(|q| 2.0 * (1.0 - q.cos())).sum();
+        for (coupling, stiffness) in [(&mut springs, 3.0 * laplacian), (&mut space, 2.0 * laplacian.sqrt())] {
+            let mut forces = vec![0.0; 240];
+            coupling.forces(&wave, &mut forces);
+            assert!(largest(forces.iter().zip(&wave).map(|(f, x)| f + stiffness * x)) < ROUNDING);
+        }
+    }
+}
+
+/// The root of the lattice Laplacian has a kernel of one sign; |q| up to the edge of the zone has both.
+#[test]
+fn only_the_lattice_s_own_half_space_is_an_m_matrix() {
+    let n = 64;
+    let kernel = |symbol: &dyn Fn(f64) -> f64, m: usize| -> f64 {
+        let q = |k: usize| 2.0 * PI * (k.min(n - k)) as f64 / n as f64;
+        (0..n).map(|k| symbol(q(k)) * (2.0 * PI * (k * m % n) as f64 / n as f64).cos()).sum::<f64>()
+            / n as f64
+    };
+    let mut space = half_space(Shape::Chain(n), Edges::Periodic, 1.0, 1.0).unwrap();
+    let a = matrix(&mut *space);
+    for m in 1..n / 2 {
+        let exact = kernel(&|q| q, m);
+        assert_eq!(exact < -ROUNDING, m % 2 == 1, "|q|, m = {m}: {exact}");
+        assert!((a[0][m] - kernel(&|q| 2.0 * (0.5 * q).sin(), m)).abs() < ROUNDING);
+        assert!(a[0][m] < 0.0);
+    }
+}
+
+/// −G*a/(π(m² − ¼)) along a chain; −G*a⁴/2πr³ on a lattice, with G*a⁴(9 + 35 cos 4θ)a²/64πr⁵ to come.
+#[test]
+fn kernels_between_open_edges_are_those_of_a_plane() {
+    let chain = half_space(Shape::Chain(400), Edges::Open, 4.0, 0.5).unwrap();
+    let mut forces = vec![0.0; 400];
+    chain.add(0, 1.0, &mut forces);
+    for m in 1..400 {
+        let expected = 2.0 / (PI * ((m * m) as f64 - 0.25));
+        assert!((forces[m] / expected - 1.0).abs() < ROUNDING, "{m}");
+    }
+    let lattice = half_space(Shape::Square([300, 300]), Edges::Open, 4.0, 0.5).unwrap();
+    let mut forces = vec![0.0; 90_000];
+    lattice.add(0, 1.0, &mut forces);
+    for (row, column) in [(0, 200), (299, 0), (210, 210), (120, 250)] {
+        let (x, y) = (0.5 * column as f64, 0.5 * row as f64);
+        let r = x.hypot(y);
+        let anisotropy = (9.0 + 35.0 * (4.0 * y.atan2(x)).cos()) * 0.25 / (32.0 * r * r);
+        let expected = 4.0 * 0.5_f64.powi(4) / (2.0 * PI * r.powi(3)) * (1.0 + anisotropy);
+        let found = forces[300 * row + column];
+        // What follows is some 10(a/r)⁴.
+        assert!((found / expected - 1.0).abs() < 1e-8, "{row} {column}: {found} {expected}");
+    }
+}
+
+/// Free ends of a lattice are a mirror, so its response is half that of the torus it is folded from.
+#[test]
+fn free_edges_are_mirrors_for_neighbours() {
+    let (rows, columns) = (7, 10);
+    let mut open = neighbours(Shape::Square([rows, columns]), Edges::Open, 1.5).unwrap();
+    let mut torus = neighbours(Shape::Square([2 * rows, 2 * columns]), Edges::Periodic, 1.5).unwrap();
+    let mut small = noise(rows * columns);
+    let mirror = |j: usize, side: usize| if j < side { j } else { 2 * side - 1 - j };
+    let unfold = |small: &[f64]| -> Vec<f64> {
+        let at = |i: usize| mirror(i / (2 * columns), rows) * columns + mirror(i % (2 * columns), columns);
+        (0..4 * rows * columns).map(|i| small[at(i)]).collect()
+    };
+    let mut large = unfold(&small);
+    open.solve(0.3, &mut small);
+    torus.solve(0.3, &mut large);
+    assert!(apart(&unfold(&small), &large) < ROUNDING);
+}
+
+/// A cell of a chain that is pushed takes others along over √(K_int/k) cells: x ∝ e^{−m/ξ}, 2 sinh(1/2ξ) = √(k/K_int).
+#[test]
+fn a_chain_responds_over_its_correlation_length() {
+    let (k, springs) = (0.01, 25.0_f64);
+    for edges in EDGES {
+        let mut chain = neighbours(Shape::Chain(4001), edges, springs).unwrap();
+        let mut x = vec![0.0; 4001];
+        x[2000] = 1.0;
+        chain.solve(k, &mut x);
+        let inverse = 2.0 * (0.5 * (k / springs).sqrt()).asinh();
+        assert!((1.0 / inverse / (springs / k).sqrt() - 1.0).abs() < 1e-4);
+        let peak = 1.0 / (2.0 * springs * inverse.sinh());
+        for m in 0..500 {
+            let expected = peak * (-inverse * m as f64).exp();
+            // What ends or images at 40 lengths reflect is below 1e-13 of it.
+            assert!((x[2000 + m] / expected - 1.0).abs() < 1e-11, "{edges:?} {m}");
+        }
+    }
+}
+
+/// With λ_c = G*a²/k_c, a force f at a distance r moves an infinite plane by f/(2πG*r) · (1 − ξ ∫₀^∞ e^{−ξ sinh u} du),
+/// ξ = r/λ_c: f/(2πG*r) for r ≪ λ_c, f λ_c²/(2πG*r³) for r ≫ λ_c.
+#[test]
+fn a_half_space_responds_like_the_inverse_distance_and_then_its_cube() {
+    let (side, modulus, cell) = (1024, 2.0, 0.5);
+    let mut space = half_space(Shape::Square([side, side]), Edges::Periodic, modulus, cell).unwrap();
+    let mut responses = |cells: f64| {
+        let mut x = vec![0.0; side * side];
+        x[0] = 1.0;
+        // λ_c = so many cells.
+        space.solve(modulus * cell / cells, &mut x);
+        x
+    };
+    let shape = |ξ: f64| {
+        let f = |u: f64| (-ξ * u.sinh()).exp();
+        // Where f is 0 the sum ends; steps of 0.01 are right to 1e-6.
+        1.0 - ξ * 0.01 * (0.5 + (1..2000).map(|i| f(0.01 * f64::from(i))).sum::<f64>())
+    };
+    for cells in [2.0, 64.0] {
+        let x = responses(cells);
+        for m in [8, 12, 16, 32, 64, 100] {
+            let r = cell * m as f64;
+            let scaled = x[m] * 2.0 * PI * modulus * r;
+            let ξ = m as f64 / cells;
+            let e = shape(ξ);
+            println!("{cells} {m} {scaled} {e} {} {}", scaled / e - 1.0, e * ξ * ξ);
+        }
+    }
+}
+
+/// The least stiffness of a wave on a coupling, by inverse iteration, rigid translations left out.
+fn softest(coupling: &mut dyn Coupling) -> f64 {
+    let size = coupling.shape().size();
+    let (mut x, mut forces) = (noise(size), vec![0.0; size]);
+    // The next wave is at least 1.9 times as stiff.
+    for _ in 0..80 {
+        coupling.solve(1e-9, &mut x);
+        let mean = x.iter().sum::<f64>() / size as f64;
+        let norm = x.iter().map(|x| (x - mean).powi(2)).sum::<f64>().sqrt();
+        x.iter_mut().for_each(|x| *x = (*x - mean) / norm);
+    }
+    coupling.forces(&x, &mut forces);
+    2.0 * coupling.energy(&x, &forces)
+}
+
+/// Contacts that lose force by |F'| per displacement are stable on ℓ cells if half a wave on them is stiffer than
+/// |F'| − K_0; the shortest unstable ℓ is π√(K_int/(|F'| − K_0)) for springs, πG*a²/(|F'| − K_0) for a half-space.
+#[test]
+fn nucleation_lengths_are_half_waves() {
+    let half = 100;
+    let lengths = |soft: f64| (PI * (3.0 / soft).sqrt(), PI * 8.0 * 0.25 / soft);
+    // Half a wave between free ends, two of them on a ring; lattices are softer than the continuum by (π/ℓ)²/24.
+    let lattice = (PI / half as f64).powi(2) / 24.0;
+    for (cells, edges) in [(half, Edges::Open), (2 * half, Edges::Periodic)] {
+        let mut springs = neighbours(Shape::Chain(cells), edges, 3.0).unwrap();
+        let (length, _) = lengths(softest(&mut *springs));
+        assert!((length / half as f64 - 1.0 - lattice).abs() < 1e-6, "{edges:?}: {length}");
+    }
+    let mut space = half_space(Shape::Chain(2 * half), Edges::Periodic, 8.0, 0.5).unwrap();
+    let (_, length) = lengths(softest(&mut *space));
+    assert!((length / (0.5 * half as f64) - 1.0 - lattice).abs() < 1e-6, "{length}");
+}
+
+#[test]
+fn bad_numbers_are_refused() {
+    let key = |result: Result<Box<dyn Coupling>, Error>| match result.err() {
+        Some(Error::Invalid { key, .. }) => key,
+        other => panic!("{other:?}"),
+    };
+    let shape = Shape::Square([4, 4]);
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(key(neighbours(shape, Edges::Open, bad)), "coupling.neighbours.stiffness");
+        assert_eq!(key(half_space(shape, Edges::Open, bad, 1.0)), "coupling.half_space.modulus");
+        assert_eq!(key(half_space(shape, Edges::Periodic, 1.0, bad)), "coupling.half_space.cell");
+    }
+    let empty = [Shape::Chain(0), Shape::Square([0, 4]), Shape::Square([4, 0])];
+    for (shape, edges) in empty.into_iter().flat_map(|shape| EDGES.map(|edges| (shape, edges))) {
+        assert_eq!(key(neighbours(shape, edges, 1.0)), "cells");
+        assert_eq!(key(half_space(shape, edges, 1.0, 1.0)), "cells");
+    }
+    for shape in [Shape::Chain(2), Shape::Square([2, 8])] {
+        assert_eq!(key(neighbours(shape, Edges::Periodic, 1.0)), "cells");
+    }
+}
+
+#[test]
+fn too_many_cells_are_refused_with_what_they_need() {
+    let shape = Shape::Square([1 << 17, 1 << 17]);
+    for edges in EDGES {
+        for coupling in [neighbours(shape, edges, 1.0), half_space(shape, edges, 1.0, 1.0)] {
+            let Some(Error::TooLarge { needed, allowed, .. }) = coupling.err() else { panic!("not refused") };
+            assert!(needed >= 16 << 34 && needed < 200 << 34 && allowed == 16 << 30);
+        }
+    }
+    assert!(matches!(
+        neighbours(Shape::Chain(usize::MAX), Edges::Open, 1.0).err(),
+        Some(Error::TooLarge { .. })
+    ));
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let [one, two] = [1, 2].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
+    let shape = Shape::Square([150, 130]);
+    for edges in EDGES {
+        let make = || [neighbours(shape, edges, 2.0).unwrap(), half_space(shape, edges, 3.0, 1.0).unwrap()];
+        let results = |pool: &rayon::ThreadPool| {
+            pool.install(|| {
+                let mut bits = Vec::new();
+                for mut coupling in make() {
+                    let x = noise(shape.size());
+                    let (mut forces, mut solved) = (vec![0.0; x.len()], x.clone());
+                    coupling.forces(&x, &mut forces);
+                    coupling.solve(0.1, &mut solved);
+                    let energy = coupling.energy(&x, &forces);
+                    coupling.add(77, 0.3, &mut forces);
+                    bits.extend(forces.iter().chain(&solved).chain([&energy]).map(|x| x.to_bits()));
+                }
+                bits
+            })
+        };
+        assert!(results(&one) == results(&two));
+    }
+}
