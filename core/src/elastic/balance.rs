@@ -10,7 +10,7 @@ use crate::monitor::Monitor;
 const SOFTEST: f64 = 0.05;
 
 /// Forces in balance, of the largest that cells have.
-const BALANCED: f64 = 1e-13;
+const BALANCED: f64 = 1e-14;
 
 /// Roundings of a position by which the slider pulls.
 const ROUNDINGS: f64 = 4.0;
@@ -43,7 +43,7 @@ impl Interface {
     pub(super) fn precision(&self) -> f64 {
         let number = self.len();
         let pull = largest(number, |j| {
-            (self.connection(j) + self.coupling.own(j)) * self.positions[j].abs().max(self.drive.abs())
+            self.connection(j) * self.drive.abs() + self.coupling.own(j) * self.positions[j].abs()
         });
         BALANCED * self.cells.strongest() + ROUNDINGS * f64::EPSILON * pull
     }

@@ -48,8 +48,8 @@ pub enum Loading {
 
 /// What a cell does that loses its balance, at fixed X_T.
 ///
-/// A cell *slips* where it moves down a slope F_j' < −K_0j that no connection would hold, farther than
-/// [`Setting::drive_tolerance`].
+/// A cell *slips* where it moves down a slope F_j' < −K_0j that no connection would hold, having moved farther than
+/// [`Setting::drive_tolerance`], or where contacts break together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slip {
     /// All contacts of a cell that slips break where it begins to, and re-form where the slide ends; until then it is
@@ -270,8 +270,9 @@ impl Interface {
         if self.path.1 != drive {
             self.path = (self.drive, drive);
         }
+        let mut lost = self.excess_here()? > self.precision();
         loop {
-            if self.excess_here()? > self.precision() {
+            if lost {
                 let events = self.slide(monitor)?;
                 if !events.is_empty() {
                     return Ok(events);
@@ -282,7 +283,7 @@ impl Interface {
                 return Ok(Vec::new());
             }
             self.tell(monitor)?;
-            self.creep(drive)?;
+            lost = self.creep(drive)?;
         }
     }
 

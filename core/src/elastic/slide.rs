@@ -12,8 +12,11 @@ const PACE: f64 = 0.02;
 /// Excess force, of the strongest one, below which steps grow: what moves so slowly is followed by its way.
 const SLOW: f64 = 2e-3;
 
-/// A slide is over when the excess force is this part of its largest.
+/// A slide is over when no cell begins to slip any more, and the excess force is this part of its largest.
 const OVER: f64 = 0.01;
+
+/// Forces out of balance that become no smaller are rounding up to so many times what is expected of it.
+pub(super) const STALLED: f64 = 10.0;
 
 /// Steps between two reports to the monitor.
 const REPORT: u64 = 64;
@@ -24,6 +27,7 @@ const MOST_STEPS: u64 = 10_000_000;
 impl Interface {
     /// Slides to the next balance at this drive. Where it is stopped all is as it was before.
     pub(super) fn slide(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        self.excess_here()?;
         let mut slide = self.before();
         self.cells.mark();
         if let Err(error) = self.follow(&mut slide, monitor) {
@@ -66,18 +70,19 @@ impl Interface {
         for steps in 0..MOST_STEPS {
             let excess = self.excess_here()?;
             let precision = self.precision();
-            if excess <= precision || (stable && excess <= 1e3 * precision && excess > 0.5 * before) {
+            if stable && (excess <= precision || (excess <= STALLED * precision && excess > 0.5 * before)) {
                 return Ok(());
             }
             before = excess;
             let rate = self.rate(excess);
             let during = self.setting.viscosity.map_or(1.0, |viscosity| viscosity / rate);
             stable = self.step(rate)?.stable;
+            let fallen = slide.fallen.len();
             self.notice(slide, time, during, monitor)?;
             self.commit(monitor)?;
             most = most.max(excess);
-            if excess > OVER * most {
-                time += during;
+            time += during;
+            if excess > OVER * most || slide.fallen.len() > fallen {
                 slide.over = time;
             }
             if steps % REPORT == 0 {
@@ -101,8 +106,9 @@ impl Interface {
         self.cells.slopes(None, &self.by, &mut self.slopes)?;
         for cell in 0..self.len() {
             let way = self.positions[cell] + self.by[cell] - slide.before[cell];
-            let falls = self.slopes[cell].least < -self.connection(cell);
-            if slide.slipped[cell] || !falls || way <= self.setting.drive_tolerance {
+            let least = self.slopes[cell].least;
+            let far = way > self.setting.drive_tolerance || least == f64::NEG_INFINITY;
+            if slide.slipped[cell] || !far || least >= -self.connection(cell) {
                 continue;
             }
             let Some(on) = self.cells.fall(cell, self.by[cell], -self.connection(cell)) else { continue };
