@@ -69,7 +69,7 @@ impl FirstBreaks {
     pub fn range(&self, tail: f64) -> (f64, f64) {
         let at = |share: f64| {
             let after = self.points.partition_point(|point| point.1 <= share);
-            self.points[after.min(self.points.len() - 1)].0
+            self.points.get(after).or(self.points.last()).map_or(f64::NAN, |point| point.0)
         };
         (at(tail), at(1.0 - tail))
     }

@@ -6,14 +6,16 @@ use std::ops::ControlFlow;
 
 use asperity::Error;
 use asperity::block::Slip;
+use asperity::elastic::coupling::neighbours;
+use asperity::elastic::{self, Curves, Interface, Loading, Setting};
 use asperity::ensemble::Disorder;
 use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape};
-use asperity::first_breaks::FirstBreaks;
+use asperity::first_breaks::{FirstBreaks, broken};
 use asperity::law::{Law, Renormalised, SharedLaw, critical_coupling};
 use asperity::monitor::Monitor;
 use asperity::numerics::legendre::RULE;
 use common::pulled::{near, pull};
-use common::{contacts, gaussian, initial, master, point, together};
+use common::{contacts, gaussian, initial, master, mixture, point, together};
 
 const SEED: u64 = 11;
 
@@ -165,6 +167,46 @@ fn neighbours_make_nearly_the_renormalised_law() {
         assert!(breaks.distance(&law) < expected * breaks.distance(thresholds.as_ref()));
         assert!(breaks.std() > law.std() && breaks.mean() > law.mean());
     }
+}
+
+/// Cells of many contacts on springs, the share that has broken by the drives (1 − κ)X_T.
+fn cells(std: f64, scales: &[f64], share: f64, stiffness: f64) -> FirstBreaks {
+    let (thresholds, relaxed) = (gaussian(1.0, std), point(0.0));
+    let population = master(&thresholds, &relaxed, &relaxed).population(1e-12).unwrap();
+    let curves = Curves::new(&population, scales.len(), &mut ()).unwrap().scaled(scales.to_vec()).unwrap();
+    let springs = neighbours(Shape::Chain(scales.len()), Edges::Periodic, stiffness).unwrap();
+    let setting = Setting {
+        connection: 1.0 / share - 1.0,
+        loading: Loading::Uniform,
+        slip: elastic::Slip::Overdamped,
+        viscosity: None,
+        drive_tolerance: 1e-12,
+        area: 1.0,
+    };
+    let mut interface = Interface::new(Box::new(curves), springs, setting).unwrap();
+    let mut point = |i: u32| {
+        let drive = 0.01 * f64::from(i);
+        interface.run(drive, &mut (), &mut |_, _| panic!("a slip")).unwrap();
+        let places = interface.positions().iter().copied().zip(scales.iter().copied());
+        ((1.0 - share) * drive, broken(thresholds.as_ref(), places))
+    };
+    FirstBreaks::of_shares((0..140).map(&mut point).collect())
+}
+
+/// Cells of many contacts are mean field, whatever couples them, if all are alike; so are unlike ones that move as one.
+#[test]
+fn cells_that_move_alike_have_the_renormalised_law() {
+    let thresholds = gaussian(1.0, 0.05);
+    // Roundings of balance, over the slope of X(x).
+    let breaks = cells(0.05, &[1.0; 5], 0.1, 0.7);
+    assert!(breaks.distance(&renormalised(&thresholds, 0.1)) < 1e-9);
+    let scales = [0.95, 1.0, 1.08, 1.02];
+    let parts = scales.map(|scale| (0.25, gaussian(scale, 0.05 * scale)));
+    let law = renormalised(&mixture(&parts), 0.1);
+    // Cells differ by some 1e-7 where stiffnesses are as 1 to 10⁶.
+    let breaks = cells(0.05, &scales, 0.1, 1e6);
+    assert!(breaks.distance(&law) < 1e-5, "{}", breaks.distance(&law));
+    assert!((breaks.mean() - law.mean()).abs() < 1e-3, "{} {}", breaks.mean(), law.mean());
 }
 
 /// Who is asked whether to go on hears the share that has broken.

@@ -279,7 +279,7 @@ def test_sliders_of_any_kind(stiffness: float, mass: float, damping: float, slip
         (lambda: asp.Gaussian(float("nan"), 1.0), ValueError, r"gaussian\.mean: .* got NaN"),
         (lambda: asp.Gaussian("1", 1.0), TypeError, "must be real number, not str"),  # type: ignore[arg-type]
         (lambda: asp.Mixture([(0.5, LAW)]), ValueError, r"mixture.*sum"),
-        (lambda: asp.Renormalised(LAW, 0.9), ValueError, r"renormalised\.coupling: expected a number from 0 to below 0\.7"),
+        (lambda: asp.Renormalised(LAW, 0.9), ValueError, r"renormalised\.coupling: .* from 0 to below 0\.7"),
         (lambda: asp.Renormalised(asp.Point(1.0), 0.1), ValueError, r"renormalised\.law: .* identical"),
         (lambda: LAW.pdf([1.0, np.nan]), ValueError, r"x\.1: expected a number, got NaN"),
         (lambda: LAW.pdf(["a"]), TypeError, "x: expected numbers, got list of dtype <U1"),

@@ -7,6 +7,8 @@
 //! To add a law: a file of its own, shaped like its neighbours; its name in the list below; a variant
 //! of the scenario; a row of the table of laws in the documentation; a line in the tests of the family.
 
+mod critical_coupling;
+mod drives;
 mod exponential;
 mod gamma;
 mod gaussian;
@@ -26,6 +28,7 @@ mod tabulated;
 mod weibull;
 mod ziggurat;
 
+pub use critical_coupling::critical_coupling;
 pub use exponential::Exponential;
 pub use gamma::Gamma;
 pub use gaussian::Gaussian;
@@ -33,7 +36,7 @@ pub use lognormal::Lognormal;
 pub use mixture::Mixture;
 pub use point::Point;
 pub use rectangular::Rectangular;
-pub use renormalised::{Renormalised, critical_coupling};
+pub use renormalised::Renormalised;
 pub use root::Root;
 pub use series::Series;
 pub use tabulated::Tabulated;
