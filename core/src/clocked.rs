@@ -5,6 +5,20 @@
 
 use crate::Result;
 
+/// What contacts that know time store, and what came and went otherwise than by work, each summed on its own.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Books {
+    /// Elastic energy Σ ½k x² of the contacts, now.
+    pub elastic: f64,
+    /// Energy lost in breaks since the beginning: Σ over breaks of ½k x_b², less the ½k r² of what re-formed.
+    pub lost: f64,
+    /// Energy ∫Σ ½x² dk since the beginning, brought by ageing that makes stretched contacts stiffer (k = κ x_s with the
+    /// present threshold); below 0 where they weaken.
+    pub gained: f64,
+    /// Breaks since the beginning, per contact.
+    pub broken: f64,
+}
+
 /// Contacts that move together in time.
 ///
 /// Forces are totals, in the unit of stiffness × length; positions X are lengths.
@@ -21,11 +35,8 @@ pub trait Clocked: Send {
     /// dF/dX if the slider moved at once: what holds, stretched.
     fn tangent(&self) -> f64;
 
-    /// Elastic energy Σ ½k x² of the contacts.
-    fn elastic_energy(&self) -> f64;
-
-    /// Breaks so far, per contact.
-    fn broken(&self) -> f64;
+    /// Energies and breaks: the work on the contacts is the change of elastic − gained + lost.
+    fn books(&self) -> Books;
 
     /// The fraction of contacts that is free.
     fn free(&self) -> f64;

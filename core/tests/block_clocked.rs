@@ -65,7 +65,7 @@ fn slow_and_little_damped_it_is_the_overdamped_block() {
     near(slip.before.force, pull.force(slip.before.position), 1e-5);
     near(slip.after.force, pull.force(slip.after.position), 1e-5);
     // The lingering, times forces below 1.
-    near(slow.ledger.viscous, 0.07085, 2e-5);
+    near(slow.energy.viscous, 0.07085, 2e-5);
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn breaks_lose_what_they_do_in_the_athermal_block() {
     for (slip, velocity, accuracy) in [(Slip::Damped { damping: 1e-3 }, 1e-4, 2e-5), (UNDAMPED, 1e-5, 3e-4)] {
         let athermal = block(1.0, slip).pull(&mut population.clone(), &drive, &mut ()).unwrap();
         let run = first_slip(slip, velocity, 1e-5);
-        near(run.ledger.breaks(), athermal.energy.breaks, accuracy);
+        near(run.energy.breaks, athermal.energy.breaks, accuracy);
     }
 }
 

@@ -82,18 +82,19 @@ fn at_one_velocity_the_renewal_equation_is_reproduced() {
     let warm = thermal(Barrier::Elastic, 0.05);
     let with = |ageing: Ageing| Rules { ageing: Some(ageing), ..warm.clone() };
     let cases = [
-        ("athermal", contacts(mature(), Rules::default()), 1.0),
-        ("elastic", contacts(mature(), warm.clone()), 1e-3),
-        ("bell", contacts(mature(), thermal(Barrier::Bell, 0.05)), 1e-3),
-        ("catastrophe", contacts(mature(), thermal(Barrier::Catastrophe, 0.05)), 1e-3),
-        ("identical", contacts(point(1.0), thermal(Barrier::Elastic, 0.05)), 1e-4),
-        ("frozen_rank", contacts(newborn(), ageing(frozen_rank())), 0.3),
-        ("frozen_rank, thermal", contacts(newborn(), with(frozen_rank())), 1e-2),
-        ("logarithmic", contacts(mature(), ageing(logarithmic())), 1e-2),
-        ("jumping density", contacts(rectangular(0.75, 1.25), Rules::default()), 1.0),
+        ("athermal", contacts(mature(), Rules::default()), (3.0, 1.0)),
+        ("elastic", contacts(mature(), warm.clone()), (2.0, 1e-3)),
+        ("bell", contacts(mature(), thermal(Barrier::Bell, 0.05)), (2.0, 1e-3)),
+        ("catastrophe", contacts(mature(), thermal(Barrier::Catastrophe, 0.05)), (2.0, 1e-3)),
+        ("identical", contacts(point(1.0), thermal(Barrier::Elastic, 0.05)), (3.0, 1e-4)),
+        ("frozen_rank", contacts(newborn(), ageing(frozen_rank())), (3.0, 0.3)),
+        ("frozen_rank, thermal", contacts(newborn(), with(frozen_rank())), (1.5, 1e-2)),
+        ("logarithmic", contacts(mature(), ageing(logarithmic())), (3.0, 1e-2)),
+        ("jumping density", contacts(rectangular(0.75, 1.25), Rules::default()), (3.0, 1.0)),
     ];
-    for (name, contacts, velocity) in cases {
-        let (off, trace) = deviation(&contacts, &point(0.0), (3.0, velocity), 1e-6, 37);
+    // Ways on which all contacts break twice at least: those of heat take the square of the way.
+    for (name, contacts, way) in cases {
+        let (off, trace) = deviation(&contacts, &point(0.0), way, 1e-6, 37);
         // The tolerance asked for, in units of the mean threshold.
         assert!(off < 1e-6, "{name}: {off:e}");
         assert!(trace.error > 0.1 * off && trace.error < 1e-3, "{name}: {off:e} {:e}", trace.error);
@@ -106,16 +107,20 @@ fn so_it_is_for_spread_starts_and_stiffness_that_goes_with_the_threshold() {
         |thresholds, rules| Contacts { reforming: rectangular(0.0, 0.2), ..contacts(thresholds, rules) };
     let per_threshold = |contacts| Contacts { stiffness: Stiffness::PerThreshold(1.0), ..contacts };
     let warm = thermal(Barrier::Elastic, 0.05);
+    // Ways on which all contacts break twice: more takes the square of the time.
     let cases = [
-        (spread(gaussian(1.0, 0.1), Rules::default()), gaussian(0.1, 0.025), 1.0),
-        (spread(gaussian(0.5, 0.1), ageing(frozen_rank())), gaussian(0.1, 0.025), 0.3),
-        (per_threshold(contacts(gaussian(1.0, 0.1), ageing(logarithmic()))), point(0.0), 1e-2),
-        (per_threshold(contacts(gaussian(1.0, 0.1), warm.clone())), point(0.0), 1e-3),
-        (contacts(gaussian(1.0, 0.1), Rules { ageing: Some(logarithmic()), ..warm }), point(0.0), 1e-2),
+        (spread(gaussian(1.0, 0.1), Rules::default()), gaussian(0.1, 0.025), (2.0, 1.0)),
+        (spread(gaussian(0.5, 0.1), ageing(frozen_rank())), gaussian(0.1, 0.025), (1.5, 0.3)),
+        (per_threshold(contacts(gaussian(1.0, 0.1), ageing(logarithmic()))), point(0.0), (2.0, 1e-2)),
+        (per_threshold(contacts(gaussian(1.0, 0.1), warm.clone())), point(0.0), (2.0, 1e-3)),
+        (
+            contacts(gaussian(1.0, 0.1), Rules { ageing: Some(logarithmic()), ..warm }),
+            point(0.0),
+            (2.0, 1e-2),
+        ),
     ];
-    for (i, (contacts, initial, velocity)) in cases.into_iter().enumerate() {
-        // Every contact breaks twice: more takes the square of the time.
-        let (off, _) = deviation(&contacts, &initial, (2.0, velocity), 1e-5, 37);
+    for (i, (contacts, initial, way)) in cases.into_iter().enumerate() {
+        let (off, _) = deviation(&contacts, &initial, way, 1e-5, 37);
         // The tolerance asked for.
         assert!(off < 1e-5, "{i}: {off:e}");
     }
@@ -181,7 +186,7 @@ fn a_delay_shorter_than_any_step_is_none() {
 
 /// A slide, a jump of the velocity by five decades, a hold, and a slide again.
 fn wild() -> History {
-    moving(&[(1.0, 1.3), (1e-5, 1e4), (0.0, 1e3), (2.0, 1.1)])
+    moving(&[(1.0, 0.9), (1e-5, 1e4), (0.0, 1e3), (2.0, 0.3)])
 }
 
 #[test]
@@ -199,7 +204,8 @@ fn what_is_attached_and_what_is_free_are_all_contacts() {
     let history = wild();
     for (i, contacts) in cases.into_iter().enumerate() {
         let initial = Initial { law: gaussian(0.2, 0.1), start: Start::Relaxed };
-        let mut transport = Transport::new(contacts, &initial, 1e-3).unwrap();
+        // Nothing is lost at any tolerance; this is the largest.
+        let mut transport = Transport::new(contacts, &initial, 1e-2).unwrap();
         let trace = transport.follow(&history, &times(&history, 5), &mut ()).unwrap();
         let whole = transport.attached() + transport.free();
         // Rounding.

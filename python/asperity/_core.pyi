@@ -575,7 +575,7 @@ class Block(Description):
         slip_fraction: _Number = 0.05,
     ) -> Self: ...
     @property
-    def model(self) -> MasterEquation | Ensemble:
+    def model(self) -> MasterEquation | Transport | Ensemble:
         """The model of the contacts."""
 
     @property
@@ -595,6 +595,7 @@ class Block(Description):
         distance: _Number | None = None,
         points: SupportsIndex = 2001,
         *,
+        velocity: _Number | None = None,
         turning_points: ArrayLike | None = None,
         force_to: _Number | None = None,
         progress: _Progress = None,
@@ -610,6 +611,9 @@ class Block(Description):
         Raises ValueError for values that make no sense or too many point masses, MemoryError for results that do not fit,
         RuntimeError where the tolerance is not reached.
         """
+
+    def follow(self, steps: Sequence[Step], *, progress: _Progress = None) -> StickSlip:
+        """To be copied."""
 
     def equilibrium(self, distance: _Number | None = None, points: SupportsIndex = 2001) -> Equilibria:
         """The equilibria X_T(X) = X + F(X)/K of the first loading, before anything slips: drive, position, force, and whether
@@ -978,7 +982,7 @@ class Step(Description):
     ) -> Self: ...
 
 @final
-class Transport(Description):
+class Transport(Model):
     """The master equation of contacts under a slider whose velocity varies, contacts born together being followed in time.
 
     contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0. tolerance: error allowed in the force

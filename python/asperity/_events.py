@@ -11,7 +11,9 @@ if TYPE_CHECKING:
 
 
 class Event(NamedTuple):
-    """A slip, at a fixed drive."""
+    """A slip: at a fixed drive or, in time, from where the slider becomes ten times as fast as its top to where it no
+    longer is.
+    """
 
     drive: float
     """The drive, a length; or the imposed force."""
@@ -35,6 +37,14 @@ class Event(NamedTuple):
     """Energy lost in breaks."""
     dissipated_slip: float
     """Energy lost by the slider, by viscous damping or otherwise."""
+    time: float | None = None
+    """The time at which it begins; None where no time passes, as for all that follows."""
+    duration: float | None = None
+    """How long it lasts."""
+    velocity: float | None = None
+    """The highest velocity of the slider."""
+    strengthening: float | None = None
+    """Energy that ageing brought by making stretched contacts stiffer."""
 
 
 class Events(Sequence[Event]):

@@ -69,6 +69,10 @@ class Energy(NamedTuple):
     """The change of the energy of the spring, ½K(X_T - X)²."""
     elastic: float
     """The change of the elastic energy of the contacts, Σ½kx²."""
+    kinetic: float
+    """The change of the energy ½MẊ² of the slider, where it is followed in time."""
+    strengthening: float
+    """What ageing brought that makes stretched contacts stiffer, ∫Σ½x²dk: beside the work, not of it."""
     breaks: float
     """Lost in breaks."""
     slip: float
@@ -76,7 +80,7 @@ class Energy(NamedTuple):
     viscous: float
     """Lost by viscous damping."""
     imbalance: float
-    """The work less all the others: 0 but for rounding and the accuracy of the forces."""
+    """Work and strengthening less all the others: 0 but for rounding and the accuracy of the forces."""
 
 
 class Sizes(NamedTuple):

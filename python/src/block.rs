@@ -12,6 +12,7 @@ use crate::description::{Description, Plain, Slider};
 use crate::law::given;
 use crate::model::Model;
 use crate::stick_slip::StickSlip;
+use crate::transport::{self, Step};
 use crate::watch::watched;
 use crate::{error, values};
 
@@ -136,7 +137,7 @@ fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
 /// K(X_T - X) = F(X). Where F falls more steeply than the force of the spring, F' < -K, the slider loses its balance and
 /// slips at fixed X_T (Braun and Peyrard 2008).
 ///
-/// model: the contacts, a MasterEquation or an Ensemble. stiffness: the stiffness K, force per length, above 0; None or
+/// model: the contacts, a MasterEquation or an Ensemble, or, to be moved in time, a Transport or an Ensemble. stiffness: the stiffness K, force per length, above 0; None or
 /// inf for a rigid slider, which never loses its balance. slip: what happens in a slip:
 /// "reset" where all contacts break and re-form, and the spring is relaxed; "overdamped" where the slider moves to the
 /// next balance, contacts breaking and re-forming on the way; "arrest" where contacts that break stay free until it has
@@ -201,20 +202,23 @@ impl Block {
     /// which it is moved one after the other, forth and back, instead. force_to: the force, above 0, up to which a slider
     /// of infinite stiffness is pulled whatever its position, instead. points: the number of points of the trace, evenly
     /// spaced along the drive, both ends included; 2 or more; turning points, and points before and after every slip,
-    /// come on top. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    /// come on top. velocity: the velocity of the top, above 0, with which the slider is moved in time as by follow; needed
+    /// over a Transport, and over contacts that know time. progress: as for MasterEquation.pull. Ctrl-C stops it.
     ///
     /// Raises ValueError for values that make no sense or too many point masses, MemoryError for results that do not fit,
     /// RuntimeError where the tolerance is not reached.
     #[pyo3(
         signature = (
-            distance = None, points = Whole::new(2001), *, turning_points = None, force_to = None, progress = None
+            distance = None, points = Whole::new(2001), *, velocity = None, turning_points = None, force_to = None,
+            progress = None
         ),
-        text_signature = "($self, distance=None, points=2001, *, turning_points=None, force_to=None, progress=None)"
+        text_signature = "($self, distance=None, points=2001, *, velocity=None, turning_points=None, force_to=None, progress=None)"
     )]
     fn drive(
         slf: Bound<'_, Self>,
         distance: Option<f64>,
         points: Whole,
+        velocity: Option<f64>,
         turning_points: Option<&Bound<'_, PyAny>>,
         force_to: Option<f64>,
         progress: Option<Bound<'_, PyAny>>,
@@ -222,10 +226,38 @@ impl Block {
         let turning_points =
             turning_points.map(|points| convert::list("turning_points", points)).transpose()?;
         let points = points.get("points")?;
-        let asked =
-            scenario::Drive { distance, turning_points, force_to, points, ..scenario::Drive::default() };
+        let asked = scenario::Drive {
+            distance,
+            turning_points,
+            force_to,
+            points,
+            velocity,
+            ..scenario::Drive::default()
+        };
         asked.check().map_err(|e| error::core(e.under("drive")))?;
+        if velocity.is_some() {
+            let protocol = asked.forward().map_err(|e| error::core(e.under("drive")))?;
+            return StickSlip::in_time(slf, &protocol, progress);
+        }
         StickSlip::object(slf, &asked, progress)
+    }
+
+    /// Moves the top of the slider from balance at t = 0 through steps one after the other, and follows its bottom in time:
+    /// MẌ = K(X_T - X) - F - γẊ.
+    ///
+    /// The slip must be Damped or Inertial, as something must limit how fast a slip is. A slip is where the bottom is ten times
+    /// as fast as the top, and over an ensemble breaks the share slip_fraction of the contacts.
+    ///
+    /// steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    ///
+    /// Raises ValueError for no steps, another slip, a rigid slider, or a MasterEquation, which has one velocity.
+    #[pyo3(signature = (steps, *, progress = None))]
+    fn follow(
+        slf: Bound<'_, Self>,
+        steps: Vec<Bound<'_, Step>>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<StickSlip>> {
+        StickSlip::in_time(slf, &transport::protocol(steps)?, progress)
     }
 
     /// The equilibria X_T(X) = X + F(X)/K of the first loading, before anything slips: drive, position, force, and whether

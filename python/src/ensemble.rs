@@ -1,6 +1,7 @@
 //! The ensemble: contacts drawn at random and followed one by one.
 
 use asperity::ensemble::{self, Snapshots};
+use asperity::master::MasterEquation;
 use asperity::record::{self, Quantity};
 use asperity::scenario::{self, Units};
 use asperity_runner::task::Grid;
@@ -115,7 +116,7 @@ impl Ensemble {
         let Self { ensemble } = slf.get();
         let edges = match edges {
             Some(edges) => convert::list("edges", edges)?,
-            None => Grid::new(ensemble.contacts(), ensemble.initial(), &[]).edges(ensemble.size()),
+            None => even_edges(ensemble, velocity).map_err(error::core)?,
         };
         let positions = asked.positions();
         let snapshots = Snapshots { positions: asked.snapshots, edges };
@@ -158,6 +159,16 @@ impl Ensemble {
             _ => unreachable!("an ensemble is described as an ensemble"),
         }
     }
+}
+
+/// Edges of even bins up to where hardly any contact holds.
+fn even_edges(ensemble: &ensemble::Ensemble, velocity: Option<f64>) -> asperity::Result<Vec<f64>> {
+    let (contacts, initial) = (ensemble.contacts().clone(), ensemble.initial());
+    let equation = match velocity {
+        Some(velocity) => MasterEquation::at(contacts, initial, velocity)?,
+        None => MasterEquation::new(contacts, initial)?,
+    };
+    Ok(Grid::new(&equation, initial, &[]).edges(ensemble.size()))
 }
 
 /// The arguments that make an ensemble.

@@ -124,7 +124,7 @@ impl MasterEquation {
         const STRETCHES: Domain = Domain { low: 0.0, high: f64::MAX, what: "a stretch" };
         match wanted {
             Some(stretches) => convert::list_within("stretches", stretches, &STRETCHES),
-            None => Ok(Grid::new(self.equation.contacts(), &self.initial, positions).stretches),
+            None => Ok(Grid::new(&self.equation, &self.initial, positions).stretches),
         }
     }
 }
@@ -215,7 +215,8 @@ impl Relaxation {
         self.relaxation.length()
     }
 
-    /// The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds.
+    /// The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. Of contacts that know time, x̄
+    /// and σ are those of the ways from birth to rebirth in steady sliding.
     #[getter]
     fn paper_estimate(&self) -> f64 {
         self.relaxation.paper_estimate()

@@ -1,8 +1,10 @@
 //! What the models have in common: contacts, and how they start.
 
+use asperity::clocked::Clocked;
 use asperity::monitor::{Aside, Monitor};
 use asperity::population::Population;
-use asperity::{Result, ensemble, master, scenario};
+use asperity::{Error, Result, ensemble, master, scenario};
+use asperity_runner::task;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -12,6 +14,7 @@ use crate::description::{Description, Interface, Plain};
 use crate::ensemble::Ensemble;
 use crate::equation::MasterEquation;
 use crate::law::{AnyLaw, given};
+use crate::transport::Transport;
 
 /// What a model is made of.
 pub fn interface(
@@ -51,13 +54,18 @@ impl Model {
         if let Ok(ensemble) = model.cast::<Ensemble>() {
             return Solver::Ensemble(&ensemble.get().ensemble);
         }
-        let equation = model.cast::<MasterEquation>().expect("a model is a master equation or an ensemble");
+        if let Ok(transport) = model.cast::<Transport>() {
+            return Solver::Transport(transport.get(), Transport::plain(transport).tolerance_of_a_block());
+        }
+        let equation = model.cast::<MasterEquation>().expect("the other models are none");
         Solver::MasterEquation(&equation.get().equation, MasterEquation::plain(equation).tolerance())
     }
 
     fn plain<'a>(model: &'a Bound<'_, Self>) -> &'a Interface {
         match model.as_super().get().plain() {
-            Plain::MasterEquation(interface, _) | Plain::Ensemble(interface, _) => interface,
+            Plain::MasterEquation(interface, _)
+            | Plain::Transport(interface, _)
+            | Plain::Ensemble(interface, _) => interface,
             _ => unreachable!("a model is described as a model"),
         }
     }
@@ -68,6 +76,8 @@ impl Model {
 pub enum Solver<'a> {
     /// With its tolerance.
     MasterEquation(&'a master::MasterEquation, f64),
+    /// With that of a block over it.
+    Transport(&'a Transport, f64),
     Ensemble(&'a ensemble::Ensemble),
 }
 
@@ -75,6 +85,7 @@ impl<'a> Solver<'a> {
     pub fn contacts(self) -> &'a asperity::contacts::Contacts {
         match self {
             Self::MasterEquation(equation, _) => equation.contacts(),
+            Self::Transport(transport, _) => &transport.contacts,
             Self::Ensemble(ensemble) => ensemble.contacts(),
         }
     }
@@ -82,7 +93,7 @@ impl<'a> Solver<'a> {
     /// The number of contacts followed one by one, if they are.
     pub fn size(self) -> Option<usize> {
         match self {
-            Self::MasterEquation(..) => None,
+            Self::MasterEquation(..) | Self::Transport(..) => None,
             Self::Ensemble(ensemble) => Some(ensemble.size()),
         }
     }
@@ -91,8 +102,31 @@ impl<'a> Solver<'a> {
     pub fn population(self, monitor: &mut dyn Monitor) -> Result<Box<dyn Population>> {
         Ok(match self {
             Self::MasterEquation(equation, tolerance) => Box::new(equation.population(tolerance)?),
+            Self::Transport(..) => {
+                let expected = "a MasterEquation or an Ensemble where no time passes (Block.follow moves a Transport, and Block.drive at a velocity)";
+                return Err(Error::invalid("block.model", expected, "a Transport"));
+            }
             Self::Ensemble(ensemble) => Box::new(ensemble.population(&mut Aside { fraction: 0.0, monitor })?),
         })
+    }
+}
+
+impl Solver<'_> {
+    /// The contacts at t = 0, to be moved together in time, and what a step of a block over them may be off, a length.
+    pub fn in_time(self) -> Result<(Box<dyn Clocked>, f64)> {
+        let mean = self.contacts().thresholds.mean();
+        match self {
+            Self::Transport(transport, tolerance) => Ok((transport.transport.copy(), tolerance * mean)),
+            Self::Ensemble(ensemble) => {
+                let least = scenario::MasterEquation::default().tolerance_of_a_block();
+                let tolerance = task::tolerance_over(ensemble.size()).max(least);
+                Ok((Box::new(ensemble.in_time()?), tolerance * mean))
+            }
+            Self::MasterEquation(..) => {
+                let expected = "a Transport or an Ensemble where time passes";
+                Err(Error::invalid("block.model", expected, "a MasterEquation"))
+            }
+        }
     }
 }
 

@@ -18,7 +18,8 @@ use crate::{error, values};
 ///
 /// Its variables are those of the trace, `drive`, `position`, `force` and `spring_force`, all states of balance; those of
 /// the slips, `event_drive`, `event_drop`, …; for an inertial slip its course, `slip_time`, `slip_position`, …; for an
-/// ensemble the sizes of events, `size`, `size_events`, ….
+/// ensemble the sizes of events, `size`, `size_events`, …. In time the trace has `time`, `velocity` and `free` (the fraction of
+/// contacts that are free), too, and no course and no sizes.
 #[pyclass(frozen, extends = Record, module = "asperity")]
 pub struct StickSlip {
     block: Py<Block>,
@@ -51,6 +52,31 @@ impl StickSlip {
     }
 }
 
+impl StickSlip {
+    /// Moves the top of a block in time, and hands out what comes of it.
+    pub fn in_time(
+        block: Bound<'_, Block>,
+        protocol: &scenario::Protocol,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<Self>> {
+        let py = block.py();
+        let model = block.get().model.bind(py).clone();
+        let solver = Model::solver(&model);
+        let Some(table) = Block::table(&block) else {
+            let expected = "a finite stiffness in time (a rigid slider is moved by Transport.follow)";
+            return Err(error::invalid("block.stiffness", expected, f64::INFINITY));
+        };
+        let run = watched(progress, py, |monitor| {
+            let slider = table.in_time(solver.size().is_some())?;
+            let (contacts, tolerance) = solver.in_time()?;
+            slider.follow(contacts.as_ref(), &protocol.build()?, &protocol.times(), tolerance, monitor)
+        })?;
+        let found = Self { block: block.unbind(), sliding: Sliding::in_time(&run), energy: run.energy };
+        let record = Record::new(py, sliding::motion_in_time(&run), Units::default())?;
+        Py::new(py, record.add_subclass(found))
+    }
+}
+
 #[pymethods]
 impl StickSlip {
     /// The block that was driven.
@@ -65,7 +91,7 @@ impl StickSlip {
         slf.get_item("drive")
     }
 
-    /// The force K(X_T - X) of the spring along the trace, shape (n,): F, as the slider is in balance.
+    /// The force K(X_T - X) of the spring along the trace, shape (n,): F, where the slider is in balance.
     #[getter]
     fn spring_force<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.get_item("spring_force")

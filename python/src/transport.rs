@@ -13,6 +13,7 @@ use crate::convert::{self, Whole};
 use crate::description::{Description, Interface, Plain};
 use crate::error;
 use crate::law::{AnyLaw, given};
+use crate::model::Model;
 use crate::model::{interface, interface_arguments};
 use crate::record::Record;
 use crate::watch::watched;
@@ -75,14 +76,17 @@ pub fn step_arguments(step: &scenario::Step, into: &Bound<'_, PyDict>) -> PyResu
     given(into, "pieces", step.pieces)
 }
 
+/// Steps as a scenario has them.
+pub fn protocol(steps: Vec<Bound<'_, Step>>) -> PyResult<scenario::Protocol> {
+    let protocol = scenario::Protocol(steps.iter().map(Step::plain).collect());
+    protocol.check().map_err(|e| error::core(e.under("steps")))?;
+    Ok(protocol)
+}
+
 /// Steps as the solvers take them: the way, and the times at which to tell of it.
 pub fn way(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
-    let protocol = scenario::Protocol(steps.iter().map(Step::plain).collect());
-    let build = || {
-        protocol.check()?;
-        Ok((protocol.build()?, protocol.times()))
-    };
-    build().map_err(|e: Error| error::core(e.under("steps")))
+    let protocol = protocol(steps)?;
+    Ok((protocol.build().map_err(error::core)?, protocol.times()))
 }
 
 /// The master equation of contacts under a slider whose velocity varies, contacts born together being followed in time.
@@ -92,9 +96,10 @@ pub fn way(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
 /// Smoluchowski.
 ///
 /// Raises ValueError for values that make no sense, and for ageing by MeanField, which is no rule for one contact.
-#[pyclass(frozen, extends = Description, module = "asperity")]
+#[pyclass(frozen, extends = Model, module = "asperity")]
 pub struct Transport {
-    transport: master::Transport,
+    pub transport: master::Transport,
+    pub contacts: asperity::contacts::Contacts,
 }
 
 #[pymethods]
@@ -114,11 +119,12 @@ impl Transport {
             own.check().map_err(|e| e.under("transport"))?;
             let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
             let tolerance = own.tolerance_in_time(&contacts.rules);
-            Ok(Self { transport: master::Transport::new(contacts, &initial, tolerance)? })
+            let transport = master::Transport::new(contacts.clone(), &initial, tolerance)?;
+            Ok(Self { transport, contacts })
         };
         let transport = py.detach(build).map_err(error::core)?;
         let plain = Plain::Transport(Interface { contacts, initial, start }, own);
-        Ok(Description::new(plain).add_subclass(transport))
+        Ok(Model::new(plain).add_subclass(transport))
     }
 
     /// Follows the contacts from t = 0 through steps one after the other.
@@ -141,6 +147,16 @@ impl Transport {
         let mut transport = slf.get().transport.clone();
         let trace = watched(progress, py, |monitor| transport.follow(&history, &times, monitor))?;
         Py::new(py, Record::new(py, columns(trace), Units::default())?)
+    }
+}
+
+impl Transport {
+    /// How it is solved.
+    pub fn plain<'a>(transport: &'a Bound<'_, Self>) -> &'a scenario::MasterEquation {
+        match transport.as_super().as_super().get().plain() {
+            Plain::Transport(_, own) => own,
+            _ => unreachable!("a transport is described as a transport"),
+        }
     }
 }
 

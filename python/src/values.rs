@@ -65,8 +65,9 @@ pub fn state<'py>(py: Python<'py>, place: &Place) -> PyResult<Bound<'py, PyAny>>
 
 /// The books of a drive.
 pub fn energy<'py>(py: Python<'py>, energy: &Energy) -> PyResult<Bound<'py, PyAny>> {
-    let Energy { work, spring, elastic, breaks, slip, viscous } = *energy;
-    ENERGY.get(py)?.call1((work, spring, elastic, breaks, slip, viscous, energy.imbalance()))
+    let Energy { work, spring, elastic, kinetic, strengthening, breaks, slip, viscous } = *energy;
+    let imbalance = energy.imbalance();
+    ENERGY.get(py)?.call1((work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, imbalance))
 }
 
 /// Where a slider of a stiffness is in balance.

@@ -102,3 +102,52 @@ def test_scenarios_take_rules_and_steps_as_objects() -> None:
     assert result["force"].shape == (11 + 200,)
     assert np.isnan(result.kinetic_friction)
     assert [step["velocity"] for step in result.summary["steps"]] == [1.0, 0.0]
+
+
+AGEING = asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=asp.Logarithmic(0.05, 1.0))
+
+
+def test_a_block_is_moved_in_time() -> None:
+    block = asp.Block(asp.Transport(AGEING), 0.3, asp.Damped(0.1))
+    assert (block.model.contacts, block.model.start) == (AGEING, "conditional")
+    run = block.drive(5.0, 51, velocity=0.01)
+    same = block.follow([asp.Step(0.01, distance=5.0, points=51)])
+    assert np.array_equal(run["force"], same["force"])
+    assert (len(run.events), run.events[0].time) == (2, pytest.approx(409.013, abs=0.01))
+    assert set(run.events[0]._asdict()) == set(asp.Event._fields)
+    # a step is right to 1e-4, times forces below 1, over a way of 5
+    assert abs(run.energy.imbalance) < 5e-4 < run.energy.breaks
+    assert run.events["dissipated_breaks"].sum() < run.energy.breaks
+    assert run.energy.strengthening == run.energy.kinetic == 0.0
+    assert run["time"][0] == 0.0
+    assert run["free"] == pytest.approx(0.0, abs=1e-12)
+    # drives at slips scatter by some N^(-2/3), 0.016
+    sample = asp.Block(asp.Ensemble(AGEING, size=500), 0.3, asp.Damped(0.1)).drive(4.8, velocity=0.01)
+    assert sample.events[0].drive == pytest.approx(run.events[0].drive, abs=4 * 0.016)
+
+
+def test_ageing_that_stiffens_is_in_the_books() -> None:
+    stiffening = AGEING.replace(stiffness=None, stiffness_per_threshold=1.0)
+    run = asp.Block(asp.Transport(stiffening), 0.3, asp.Inertial(1.0, 0.1)).drive(2.0, velocity=0.01)
+    assert run.energy.strengthening > 0.01
+    # as above, over a way of 2
+    assert abs(run.energy.imbalance) < 2e-4
+
+
+def test_what_does_not_go_with_time_is_refused() -> None:
+    transport = asp.Transport(AGEING)
+    damped = asp.Damped(0.1)
+    with pytest.raises(ValueError, match=r"block\.model: expected a Transport or an Ensemble where time passes"):
+        asp.Block(asp.MasterEquation(AGEING, velocity=1.0), 1.0, damped).drive(velocity=1.0)
+    with pytest.raises(ValueError, match=r"block\.model: expected a MasterEquation or an Ensemble where no time"):
+        asp.Block(transport, 1.0, damped).drive()
+    with pytest.raises(ValueError, match=r"block\.slip: expected damped or inertial"):
+        asp.Block(transport, 1.0).drive(velocity=1.0)
+    with pytest.raises(ValueError, match=r"block\.stiffness: expected a finite stiffness in time"):
+        asp.Block(transport, None, damped).drive(velocity=1.0)
+    with pytest.raises(ValueError, match=r"drive\.turning_points\.1: expected a position above 3"):
+        asp.Block(transport, 1.0, damped).drive(turning_points=[3.0, 1.0], velocity=1.0)
+    with pytest.raises(ValueError, match=r"drive\.force_to: expected no imposed force"):
+        asp.Block(transport, None, damped).drive(force_to=1.0, velocity=1.0)
+    with pytest.raises(ValueError, match="steps"):
+        asp.Block(transport, 1.0, damped).follow([])

@@ -1,6 +1,6 @@
 //! Where the work of the drive goes.
 
-use std::ops::AddAssign;
+use std::ops::{Add, AddAssign, Mul, Sub};
 
 /// The books of a part of a motion; every term is computed on its own, none as the remainder.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -11,6 +11,10 @@ pub struct Energy {
     pub spring: f64,
     /// Change of the elastic energy Σ ½k x² of the contacts.
     pub elastic: f64,
+    /// Change of the energy ½MẊ² of the slider, where it is followed in time.
+    pub kinetic: f64,
+    /// What ageing brought that makes stretched contacts stiffer, ∫Σ ½x² dk: beside the work, not of it.
+    pub strengthening: f64,
     /// Lost in breaks of contacts.
     pub breaks: f64,
     /// Lost by the slider in slips: ∫[K(X_T − X) − F] dX where it has no inertia (`overdamped`, `damped`, `arrest`, the last
@@ -21,20 +25,64 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// Work less everything it went into: 0 but for rounding and the accuracy of the forces.
+    /// Work, and what ageing brought, less everything they went into: 0 but for rounding and the accuracy of the forces.
     #[must_use]
     pub fn imbalance(&self) -> f64 {
-        self.work - (self.spring + self.elastic + self.breaks + self.slip + self.viscous)
+        let stored = self.spring + self.elastic + self.kinetic;
+        self.work + self.strengthening - (stored + self.breaks + self.dissipated())
+    }
+
+    /// Lost by the slider: by its damping, and otherwise in slips.
+    #[must_use]
+    pub fn dissipated(&self) -> f64 {
+        self.slip + self.viscous
+    }
+}
+
+impl Mul<f64> for Energy {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Self {
+            work: factor * self.work,
+            spring: factor * self.spring,
+            elastic: factor * self.elastic,
+            kinetic: factor * self.kinetic,
+            strengthening: factor * self.strengthening,
+            breaks: factor * self.breaks,
+            slip: factor * self.slip,
+            viscous: factor * self.viscous,
+        }
+    }
+}
+
+impl Add for Energy {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            work: self.work + other.work,
+            spring: self.spring + other.spring,
+            elastic: self.elastic + other.elastic,
+            kinetic: self.kinetic + other.kinetic,
+            strengthening: self.strengthening + other.strengthening,
+            breaks: self.breaks + other.breaks,
+            slip: self.slip + other.slip,
+            viscous: self.viscous + other.viscous,
+        }
+    }
+}
+
+impl Sub for Energy {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        self + other * -1.0
     }
 }
 
 impl AddAssign for Energy {
     fn add_assign(&mut self, other: Self) {
-        self.work += other.work;
-        self.spring += other.spring;
-        self.elastic += other.elastic;
-        self.breaks += other.breaks;
-        self.slip += other.slip;
-        self.viscous += other.viscous;
+        *self = *self + other;
     }
 }

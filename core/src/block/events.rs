@@ -105,7 +105,6 @@ pub(super) fn record(events: &[Event], drive: Quantity) -> Record {
     column("slip", "slip", length, &Event::slip);
     column("broken_fraction", "breaks per contact", Quantity::Number, &|e| e.broken_fraction);
     column("dissipated_breaks", "energy lost in breaks", energy, &|e| e.energy.breaks);
-    let lost = |e: &Event| e.energy.slip + e.energy.viscous;
-    column("dissipated_slip", "energy lost by the slider", energy, &lost);
+    column("dissipated_slip", "energy lost by the slider", energy, &|e| e.energy.dissipated());
     record
 }

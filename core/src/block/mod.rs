@@ -23,7 +23,7 @@ mod slip;
 mod trace;
 mod walk;
 
-pub use clocked::{Ledger, Moment, Slide, TimedSlip};
+pub use clocked::{Moment, Slide, TimedSlip};
 pub use curves::{Curve, critical_stiffness};
 pub use energy::Energy;
 pub use events::{Event, Size, Sizes};

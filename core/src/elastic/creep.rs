@@ -84,7 +84,8 @@ impl Interface {
     /// drive alone goes there: whether it is.
     pub(super) fn creep(&mut self, end: f64) -> Result<bool> {
         let (from, to) = (self.drive, self.pace.aim(self.drive, end));
-        if self.pace.lost == Some(to) && to - from <= self.pace.least.max(ROUNDINGS * f64::EPSILON * to.abs()) {
+        if self.pace.lost == Some(to) && to - from <= self.pace.least.max(ROUNDINGS * f64::EPSILON * to.abs())
+        {
             self.lose(to);
             return Ok(true);
         }

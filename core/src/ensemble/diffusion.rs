@@ -8,7 +8,7 @@
 
 use rand_distr::{Distribution, StandardNormal};
 
-use super::passage::{Held, legs, stiffness};
+use super::passage::{Held, Leg, legs, stiffness};
 use super::sweep::TOGETHER;
 use crate::contacts::{Contacts, Stiffness, Temperature};
 use crate::history::History;
@@ -53,11 +53,24 @@ pub(super) struct Diffusion {
 }
 
 /// A threshold on its way.
-struct State {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wandering {
     time: f64,
     threshold: f64,
     /// The step last taken.
     step: f64,
+}
+
+impl Wandering {
+    /// The threshold of a contact that has just formed.
+    pub(super) fn newborn(threshold: f64) -> Self {
+        Self { time: 0.0, threshold, step: f64::INFINITY }
+    }
+
+    /// Where it is, or was when the contact broke.
+    pub(super) fn threshold(&self) -> f64 {
+        self.threshold
+    }
 }
 
 /// A step that a threshold may take.
@@ -109,7 +122,7 @@ impl Diffusion {
         let until = marks[marks.len() - 1];
         // Else steps do not know of them, nor do the ways of thresholds.
         let marks = if let Stiffness::PerThreshold(_) = self.stiffness { marks } else { &[] };
-        let mut state = State { time: held.birth, threshold: held.newborn, step: f64::INFINITY };
+        let mut state = Wandering::newborn(held.newborn);
         for leg in legs(history, held.birth..until) {
             state.time = leg.start;
             while state.time < leg.end.min(until) {
@@ -127,16 +140,47 @@ impl Diffusion {
         f64::INFINITY
     }
 
+    pub(super) fn is_hot(&self) -> bool {
+        self.temperature.is_some()
+    }
+
+    /// When a contact breaks on a leg, if it does; what diffusion brings it meanwhile by making it stiffer, ∫½x² dk, is added
+    /// to `gained`, with thresholds on straight lines.
+    pub(super) fn on(
+        &self,
+        held: &Held,
+        state: &mut Wandering,
+        leg: &Leg,
+        endurance: &mut f64,
+        stream: &mut Stream,
+        gained: &mut f64,
+    ) -> Option<f64> {
+        state.time = leg.start;
+        while state.time < leg.end {
+            let Wandering { time, threshold, .. } = *state;
+            let way = Way { stretch: leg.position(time) - held.origin, velocity: leg.velocity };
+            let ends = self.go(state, way, leg.end, endurance, stream);
+            let last = way.after(ends.unwrap_or(state.time - time));
+            let square = (way.stretch * (way.stretch + last) + last * last) / 3.0;
+            let [before, after] = [threshold, state.threshold].map(|h| stiffness(self.stiffness, h));
+            *gained += 0.5 * square * (after - before);
+            if let Some(span) = ends {
+                return Some(time + span);
+            }
+        }
+        None
+    }
+
     /// One step, up to `stop` at most; after which time the contact breaks, if it does.
     fn go(
         &self,
-        state: &mut State,
+        state: &mut Wandering,
         way: Way,
         stop: f64,
         endurance: &mut f64,
         stream: &mut Stream,
     ) -> Option<f64> {
-        let State { time, threshold, step } = *state;
+        let Wandering { time, threshold, step } = *state;
         let step = self.step(threshold, way, step, stop - time);
         let normal: f64 = StandardNormal.sample(stream);
         let next = step.mean + step.std * normal;
@@ -147,11 +191,12 @@ impl Diffusion {
         let span = if meets { step.span * meeting(gaps, step.bridge, stream) } else { step.span };
         let after = if meets { way.after(span) } else { self.reflected(next) };
         if let Some(fired) = self.fires(way, (threshold, after), span, endurance, stream) {
+            state.threshold += (after - threshold) * fired / span;
             return Some(fired);
         }
         // Stops are met exactly, and steps below rounding go on.
         let time = if step.span < stop - time { (time + step.span).max(time.next_up()) } else { stop };
-        *state = State { time, threshold: after, step: step.span };
+        *state = Wandering { time, threshold: after, step: step.span };
         meets.then_some(span)
     }
 

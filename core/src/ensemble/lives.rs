@@ -74,8 +74,19 @@ impl Lives {
         }
     }
 
-    /// Turns to contact number `index`, and gives its life at X = 0.
+    pub(super) fn seed(&self) -> u64 {
+        self.ensemble.seed
+    }
+
+    /// The number by which the random streams of contact `index` of the ensemble are known.
+    #[inline]
+    pub(super) fn number(&self, index: u64) -> u64 {
+        self.ensemble.first + index
+    }
+
+    /// Turns to contact `index`, and gives its life at X = 0.
     pub(super) fn first(&mut self, index: u64) -> Life {
+        let index = self.number(index);
         let Ensemble { disorder, ref initial, .. } = self.ensemble;
         self.thresholds.seek(index, 0);
         self.reforming.seek(index, 0);
@@ -103,8 +114,9 @@ impl Lives {
         }
     }
 
-    /// Turns back to contact number `index`, which has come to `drawn` and just broke at `threshold`.
+    /// Turns back to contact `index`, which has come to `drawn` and just broke at `threshold`.
     pub(super) fn resume(&mut self, index: u64, drawn: Drawn, threshold: f64) {
+        let index = self.number(index);
         self.thresholds.seek(index, drawn.thresholds.into());
         self.reforming.seek(index, drawn.reforming.into());
         self.conditional.seek(index, drawn.conditional.into());

@@ -2,8 +2,10 @@
 //!
 //! The answer of this module and that of the master equation share the description of the contacts and
 //! nothing else. Contacts go from break to break, so that no step of X limits the accuracy: one after another in a
-//! [`Ensemble::pull`] or, in time, when they are to [`Ensemble::follow`] a history; together in an [`Ensemble::population`].
+//! [`Ensemble::pull`] or, in time, when they are to [`Ensemble::follow`] a history; together in an [`Ensemble::population`] or, in
+//! time, as [`Ensemble::in_time`] gives them.
 
+mod clocked;
 mod diffusion;
 pub mod lattice;
 mod lives;
@@ -16,6 +18,7 @@ mod sweep;
 mod tally;
 mod timed;
 
+pub use clocked::EnsembleInTime;
 pub use population::EnsemblePopulation;
 pub use pull::{EnsemblePull, Snapshots};
 pub use timed::EnsembleTrace;
@@ -49,6 +52,8 @@ pub struct Ensemble {
     size: usize,
     seed: u64,
     disorder: Disorder,
+    /// The number of its first contact, which is that of its random streams.
+    first: u64,
 }
 
 impl Ensemble {
@@ -77,7 +82,13 @@ impl Ensemble {
             reforms(contacts.reforming.as_ref(), contacts.thresholds.as_ref())
                 .map_err(|e| e.under("contacts"))?;
         }
-        Ok(Self { contacts, initial, size, seed, disorder })
+        Ok(Self { contacts, initial, size, seed, disorder, first: 0 })
+    }
+
+    /// The same with contacts numbered from `first` on, in place of 0: independent of those of all lower numbers.
+    #[must_use]
+    pub fn numbered_from(self, first: u64) -> Self {
+        Self { first, ..self }
     }
 
     /// The rule by which the contacts know time, if any, as a key of a scenario.

@@ -9,6 +9,7 @@ use crate::Result;
 use crate::contacts::{Ageing, Stiffness, Strength, Temperature};
 use crate::history::History;
 use crate::numerics::accumulation::used_up;
+use crate::numerics::legendre::RULE;
 use crate::numerics::roots::brent_root;
 
 /// Parts into which e^{−t/τ} is cut where the thresholds of `frozen_rank` may fall and rise again.
@@ -38,6 +39,14 @@ impl Leg {
     #[inline]
     pub(super) fn position(&self, time: f64) -> f64 {
         self.position + self.velocity * (time - self.start)
+    }
+}
+
+impl Leg {
+    /// The rest of it from a time on.
+    #[inline]
+    pub(super) fn from(self, time: f64) -> Self {
+        Self { start: time, position: self.position(time), ..self }
     }
 }
 
@@ -71,6 +80,14 @@ pub(super) enum Passage {
 }
 
 impl Passage {
+    /// Whether heat breaks contacts.
+    pub(super) fn is_hot(&self) -> bool {
+        match self {
+            Self::Known(known) => known.temperature.is_some(),
+            Self::Diffusing(diffusion) => diffusion.is_hot(),
+        }
+    }
+
     /// # Errors
     /// Ageing by a rule that single contacts cannot follow.
     pub(super) fn of(ensemble: &Ensemble) -> Result<Self> {
@@ -111,16 +128,26 @@ impl Known {
     /// When a contact breaks that survives `endurance` = ∫w dt, if before the last of the `marks`, which rise; infinite if
     /// not.
     pub(super) fn end(&self, held: &Held, history: &History, marks: &[f64], mut endurance: f64) -> f64 {
-        for leg in legs(history, held.birth..marks[marks.len() - 1]) {
-            let meeting = self.meeting(held, &leg);
-            if let Some(end) = self.fires(held, &leg, meeting, &mut endurance) {
-                return end;
-            }
-            if meeting <= leg.end {
-                return meeting;
-            }
+        let mut legs = legs(history, held.birth..marks[marks.len() - 1]);
+        legs.find_map(|leg| self.on(held, &leg, &mut endurance)).unwrap_or(f64::INFINITY)
+    }
+
+    /// When it breaks on a leg, if it does.
+    pub(super) fn on(&self, held: &Held, leg: &Leg, endurance: &mut f64) -> Option<f64> {
+        let meeting = self.meeting(held, leg);
+        self.fires(held, leg, meeting, endurance).or((meeting <= leg.end).then_some(meeting))
+    }
+
+    /// What ageing brings to a contact from the start of a leg to a time by making it stiffer, ∫½x² dk, which is
+    /// ½[kx²] − ∫kx dX.
+    pub(super) fn gained(&self, held: &Held, leg: &Leg, end: f64) -> f64 {
+        if self.strength.is_constant() || matches!(self.stiffness, Stiffness::Equal(_)) {
+            return 0.0;
         }
-        f64::INFINITY
+        let stretch = |time| leg.position(time) - held.origin;
+        let force = |time| stiffness(self.stiffness, self.threshold(held, time)) * stretch(time);
+        let stored = |time| 0.5 * force(time) * stretch(time);
+        stored(end) - stored(leg.start) - leg.velocity * RULE.integrate(leg.start, end, force)
     }
 
     /// When the stretch meets the threshold, if the leg goes on for so long; infinite, or for a constant threshold after

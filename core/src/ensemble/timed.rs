@@ -206,7 +206,7 @@ impl<'a> Follow<'a> {
 
     /// One contact from t = 0 to the last mark.
     fn contact(&self, index: u64, lives: &mut Lives, chunk: &mut Chunk) {
-        let draws = |purpose| Stream::new(self.ensemble.seed, purpose, index);
+        let draws = |purpose| Stream::new(self.ensemble.seed, purpose, lives.number(index));
         let mut draws = Draws { breaking: draws(Purpose::Breaking), diffusion: draws(Purpose::Diffusion) };
         let (mut life, mut birth, mut next) = (lives.first(index), 0.0, 0);
         // Only a relaxed start has contacts at or above their thresholds: they break where they are.

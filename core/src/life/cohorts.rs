@@ -235,6 +235,29 @@ impl Cohorts {
     }
 }
 
+impl Cohorts {
+    /// Density at x of the stretches at which contacts break; atoms not counted.
+    pub(super) fn breaking(&self, x: f64) -> f64 {
+        let lumps = self.starts.lumps.iter().zip(&self.together).filter(|(lump, _)| lump.position <= x);
+        let one = |(lump, cohort): (&super::Lump, &Arc<dyn Cohort>)| {
+            lump.weight * cohort.toll(x - lump.position).breaking[0]
+        };
+        let met = |r: f64| self.fate.cohort(r).toll(x - r).breaking[0];
+        lumps.map(one).sum::<f64>() + self.starts.spread_below(x, met, &[])
+    }
+
+    /// Stretches at which contacts break together that formed at point masses.
+    pub(super) fn met_atoms(&self) -> Vec<Atom> {
+        let of = |(lump, cohort): (&super::Lump, &Arc<dyn Cohort>)| {
+            let (position, weight) = (lump.position, lump.weight);
+            let met = cohort.breaks().into_iter().filter(Break::is_atom);
+            met.map(move |b| Atom { position: position + b.position, weight: weight * b.amplitude })
+                .collect::<Vec<_>>()
+        };
+        self.starts.lumps.iter().zip(&self.together).flat_map(of).collect()
+    }
+}
+
 impl Sums {
     /// Adds what is left of a cohort at the stretch x, and what breaks of it.
     fn add(&mut self, toll: Toll, weight: f64, x: f64, per_threshold: bool) {

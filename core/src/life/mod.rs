@@ -30,6 +30,8 @@ use layer::Lump;
 pub use moving::moving;
 pub(crate) use stock::{Sums, life_of, strikes, tidied};
 
+use num_complex::Complex64;
+
 use crate::law::{Atom, Break, SharedLaw};
 use crate::numerics::volterra::Kernel;
 
@@ -122,6 +124,46 @@ impl Life {
     /// The mean advance after which a contact breaks, the time included for which it was free.
     pub fn mean(&self) -> f64 {
         self.survival.curve().integral()
+    }
+
+    /// ⟨u²⟩ of that advance, 2∫u S du.
+    pub(crate) fn mean_square(&self) -> f64 {
+        -2.0 * self.survival.curve().transform(Complex64::ZERO).1.re
+    }
+
+    /// The way from where a contact forms beyond which no more than a `share` of them still holds.
+    pub fn longest(&self, share: f64) -> f64 {
+        let survival = self.survival.curve();
+        let (mut low, mut high) = (self.wait, survival.end());
+        while high - low > 1e-6 * high {
+            let middle = 0.5 * (low + high);
+            if survival.value(middle) > share { low = middle } else { high = middle }
+        }
+        high - self.wait
+    }
+
+    /// Density at x of the stretches at which contacts break, point masses not counted.
+    pub(crate) fn met_density(&self, x: f64) -> f64 {
+        match &self.starts {
+            Starts::Layers { layers, thresholds } => {
+                thresholds.density(x)
+                    * layers.iter().map(|layer| layer.sum_below(x, |_| 1.0, &[])).sum::<f64>()
+            }
+            Starts::Cohorts(cohorts) => cohorts.breaking(x),
+        }
+    }
+
+    /// Point masses among the stretches at which contacts break that start at point masses.
+    pub(crate) fn met_atoms(&self) -> Vec<Atom> {
+        match &self.starts {
+            Starts::Layers { layers, thresholds } => {
+                let started =
+                    |x: f64| layers.iter().map(|layer| layer.sum_below(x, |_| 1.0, &[])).sum::<f64>();
+                let met = |atom: Atom| Atom { weight: atom.weight * started(atom.position), ..atom };
+                thresholds.atoms().into_iter().map(met).collect()
+            }
+            Starts::Cohorts(cohorts) => cohorts.met_atoms(),
+        }
     }
 
     /// The elastic energy of a contact that has just formed.

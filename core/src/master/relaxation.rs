@@ -44,6 +44,19 @@ const HARMONICS: f64 = 40.0;
 /// What the expansion may leave out of F/(N_c⟨k⟩ × mean life) where it is called valid.
 const LEFT_OUT: f64 = 1e-12;
 
+/// x̄²/σ.
+fn paper_estimate(contacts: &Contacts, reborn: &Life) -> f64 {
+    /// σ²/x̄² of a law that is no wider than rounding.
+    const IDENTICAL: f64 = 1e-12;
+    let law = &contacts.thresholds;
+    if !contacts.rules.know_time() {
+        return law.mean() * law.mean() / law.std();
+    }
+    let square = reborn.mean() * reborn.mean();
+    let variance = reborn.mean_square() - square;
+    if variance > IDENTICAL * square { square / variance.sqrt() } else { f64::INFINITY }
+}
+
 impl Relaxation {
     pub(super) fn new(contacts: &Contacts, first: &Life, reborn: &Life, stiffness: f64) -> Self {
         let transform = Transform::new(contacts, reborn);
@@ -63,7 +76,7 @@ impl Relaxation {
             roots,
             terms: terms.into_iter().map(|t| Term { amplitude: stiffness * t.amplitude, ..t }).collect(),
             length: 1.0 / slowest,
-            paper_estimate: law.mean() * law.mean() / law.std(),
+            paper_estimate: paper_estimate(contacts, reborn),
             kinetic_friction: stiffness * reborn.force().curve().integral() / reborn.mean(),
             valid_from,
         }
@@ -75,7 +88,9 @@ impl Relaxation {
         self.length
     }
 
-    /// The paper's estimate x̄²/σ; infinite for identical thresholds. For narrow laws X* is x̄³/(2π²σ²).
+    /// The paper's estimate x̄²/σ; infinite for identical thresholds. For narrow laws X* is x̄³/(2π²σ²). Of contacts that know
+    /// time, x̄ and σ are those of the ways from birth to rebirth in steady sliding, which the thresholds that they meet are
+    /// where they re-form at 0 and at once.
     pub fn paper_estimate(&self) -> f64 {
         self.paper_estimate
     }

@@ -3,8 +3,6 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use num_complex::Complex64;
-
 use super::Stretches;
 use crate::life::Life;
 
@@ -42,18 +40,13 @@ impl SteadyState {
     /// The length C³/(2π²σ²) over which contacts lose step whose ways from birth to rebirth scatter by σ about their mean C:
     /// that of relaxation where σ ≪ C.
     pub fn dephasing_length(&self) -> f64 {
-        let variance = (self.mean_square() - self.mean * self.mean).max(0.0);
+        let variance = (self.life.mean_square() - self.mean * self.mean).max(0.0);
         self.mean.powi(3) / (2.0 * PI * PI * variance)
     }
 
     /// Mean way from birth to rebirth of the contacts that are found at a moment, ⟨u²⟩/C: long lives are found more often.
     pub fn life_found(&self) -> f64 {
-        self.mean_square() / self.mean
-    }
-
-    /// ⟨u²⟩ = 2∫u S du.
-    fn mean_square(&self) -> f64 {
-        -2.0 * self.life.survival().curve().transform(Complex64::ZERO).1.re
+        self.life.mean_square() / self.mean
     }
 
     /// Standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c.
@@ -61,6 +54,14 @@ impl SteadyState {
         let first = self.life.force().curve().integral() / self.mean;
         let second = self.life.square().curve().integral() / self.mean;
         self.stiffness * ((second - first * first).max(0.0) / size).sqrt()
+    }
+
+    /// The law of the stretches at which contacts break, at given stretches: P_c where contacts know no time and re-form below
+    /// all thresholds. With time it is that of the thresholds that they meet, or come near to, at this velocity. Point masses
+    /// are those of contacts that re-form at one stretch.
+    pub fn thresholds_met(&self, stretches: &[f64]) -> Stretches {
+        let density = stretches.iter().map(|&x| self.life.met_density(x)).collect();
+        Stretches { density, atoms: self.life.met_atoms() }
     }
 
     /// Q_s at the given stretches; it has no point masses.

@@ -51,14 +51,15 @@ impl Block {
     /// The share that must break where nothing is said.
     pub const SLIP_FRACTION: f64 = 0.05;
 
-    /// The slider, to be moved in time.
+    /// The slider, to be moved in time; over an `ensemble`, events that break few of its contacts are no slips.
     ///
     /// # Errors
     /// A stiffness, mass or damping that makes no sense; a rule of slip that limits no velocity.
-    pub fn in_time(&self) -> Result<block::Block> {
+    pub fn in_time(&self, ensemble: bool) -> Result<block::Block> {
         let slip = block::Slip::from(self.slip);
+        let fraction = ensemble.then_some(self.slip_fraction);
         let built =
-            slip.limits().and_then(|_| block::Block::new(Loading::Spring(self.stiffness), slip, None));
+            slip.limits().and_then(|_| block::Block::new(Loading::Spring(self.stiffness), slip, fraction));
         built.map_err(|e| e.under("block"))
     }
 }

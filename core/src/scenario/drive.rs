@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Block, Start, positive, size};
+use super::{Block, Protocol, Start, Step, positive, size};
 use crate::block::{self, Loading};
 use crate::{Error, Result};
 
@@ -36,7 +36,7 @@ pub struct Drive {
     pub maps: Vec<f64>,
     /// How the stretches at X = 0 and the thresholds go together.
     pub start: Start,
-    /// Velocity of the top, above 0; needed only where contacts know time.
+    /// Velocity of the top, above 0; needed only where contacts know time, to whom the drive goes forward only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<f64>,
 }
@@ -77,6 +77,30 @@ impl Drive {
     pub fn build(&self) -> block::Drive {
         let turning_points = self.force_to.map_or_else(|| self.turns(), |force| vec![force]);
         block::Drive { turning_points, points: self.points }
+    }
+
+    /// The same in time, at its velocity, which is taken to be given.
+    ///
+    /// # Errors
+    /// An imposed force, or a way that does not go forward.
+    pub fn forward(&self) -> Result<Protocol> {
+        if let Some(force) = self.force_to {
+            let expected = "no imposed force where contacts know time: they would creep without end";
+            return Err(Error::invalid("force_to", expected, force));
+        }
+        let mut end = 0.0;
+        for (i, turn) in self.turns().into_iter().enumerate() {
+            if turn <= end {
+                let expected = format!(
+                    "a position above {end}: where contacts know time the drive goes forward only, as what they do on a way back is not followed in time"
+                );
+                return Err(Error::invalid(format!("turning_points.{i}"), expected, turn));
+            }
+            end = turn;
+        }
+        let points = self.points;
+        let step = Step { distance: Some(end), velocity: self.velocity, points, ..Step::default() };
+        Ok(Protocol(vec![step]))
     }
 
     /// The slider that is driven, rigid without a `block`; over an `ensemble`, events that break few of its contacts

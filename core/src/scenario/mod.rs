@@ -121,7 +121,7 @@ impl Scenario {
         let (contacts, initial) = interface(&self.contacts, &self.initial, task.start())?;
         task.check()?;
         self.check_time(task, &contacts)?;
-        self.check_block(task)?;
+        self.check_block(task, &contacts)?;
         self.check_interface(task, &contacts)?;
         self.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &self.compare {
@@ -133,10 +133,13 @@ impl Scenario {
         Ok((contacts, initial))
     }
 
-    fn check_block(&self, task: Task<'_>) -> Result<()> {
+    fn check_block(&self, task: Task<'_>, contacts: &crate::contacts::Contacts) -> Result<()> {
         match (task, &self.block) {
+            (Task::Drive(drive), Some(block)) if contacts.rules.know_time() => {
+                drive.slider(Some(block), true).and_then(|_| block.in_time(true)).map(drop)
+            }
             (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),
-            (Task::Protocol(_), Some(block)) => block.in_time().and_then(|_| self.check_alone()),
+            (Task::Protocol(_), Some(block)) => block.in_time(true).and_then(|_| self.check_alone()),
             (_, None) => Ok(()),
             (task, Some(_)) => {
                 let found = format!("one with [{}]", task.name());
@@ -177,16 +180,8 @@ impl Scenario {
 
     /// Refuses what does not go with a block that is moved in time.
     fn check_alone(&self) -> Result<()> {
-        let refused = |key: &str, expected: &str| Err(Error::invalid(key, expected, "one"));
-        if self.ensemble.is_some() {
-            let expected =
-                "no ensemble beside a [block] with [[protocol]], whose way follows from the master equation";
-            return refused("ensemble", expected);
-        }
-        match self.compare {
-            Some(_) => refused("compare", "no compared curve beside a [block] with [[protocol]]"),
-            None => Ok(()),
-        }
+        let expected = "no compared curve beside a [block] with [[protocol]]: force against position is no curve where the block slips";
+        self.compare.as_ref().map_or(Ok(()), |_| Err(Error::invalid("compare", expected, "one")))
     }
 
     /// Every `tabulated` law with the path of its key, so that a reader of files can fill it in.

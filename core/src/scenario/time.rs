@@ -1,6 +1,6 @@
 //! What a task and contacts that know time need of each other.
 
-use super::{Drive, Scenario, Task, VelocityCurve};
+use super::{Scenario, Task, VelocityCurve};
 use crate::contacts::{Ageing, Contacts};
 use crate::{Error, Result};
 
@@ -16,9 +16,7 @@ impl Scenario {
         let Some(rule) = contacts.rules.first() else { return Ok(()) };
         match task {
             Task::Pull(pull) => velocity(pull.velocity, rule),
-            Task::Drive(drive) => {
-                onwards(drive).and_then(|()| velocity(drive.velocity, rule)).and_then(|()| quasistatic(rule))
-            }
+            Task::Drive(drive) => velocity(drive.velocity, rule).and_then(|()| drive.forward().map(drop)),
             Task::Protocol(_) | Task::VelocityCurve(_) | Task::HoldCurve(_) | Task::Renormalisation(_) => {
                 Ok(())
             }
@@ -77,30 +75,6 @@ fn velocity(given: Option<f64>, rule: &str) -> Result<()> {
         Error::invalid("velocity", format!("a velocity above 0, since contacts.{rule} knows time"), "none")
     };
     given.map(drop).ok_or_else(missing)
-}
-
-/// Refuses drives for which there is no history of velocities.
-fn onwards(drive: &Drive) -> Result<()> {
-    if let Some(force) = drive.force_to {
-        let expected = "no imposed force where contacts know time: they would creep without end";
-        return Err(Error::invalid("force_to", expected, force));
-    }
-    let mut before = 0.0;
-    for (i, turn) in drive.turns().into_iter().enumerate() {
-        if turn <= before {
-            let expected =
-                format!("a position above {before}: where contacts know time the drive goes forward only");
-            return Err(Error::invalid(format!("turning_points.{i}"), expected, turn));
-        }
-        before = turn;
-    }
-    Ok(())
-}
-
-/// Refuses contacts that know time where the solver of the task does not.
-fn quasistatic(rule: &str) -> Result<()> {
-    let expected = "contacts that know no time, since balance is followed along the drive alone ([[protocol]] moves a slider in time, through its [block], too)";
-    Err(Error::invalid("", expected, format!("contacts.{rule}")))
 }
 
 /// Refuses temperatures where there is nothing that they could be the energy of.

@@ -4,8 +4,8 @@
 pub mod curve;
 pub mod polyline;
 pub mod pulled;
-pub mod together;
 pub mod sliders;
+pub mod together;
 
 use std::sync::Arc;
 

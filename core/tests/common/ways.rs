@@ -1,4 +1,5 @@
 //! Contacts that know time, of every kind that can be followed one by one, and ways of a slider over them in time.
+#![allow(dead_code)]
 
 use std::sync::Arc;
 
@@ -12,7 +13,8 @@ use asperity::master::Transport;
 pub struct Kind {
     /// What it is called.
     pub name: &'static str,
-    contacts: Contacts,
+    /// The contacts.
+    pub contacts: Contacts,
     velocity: f64,
 }
 

@@ -57,7 +57,7 @@ const EVENT: [&str; 20] = [
 ];
 
 /// Names of further columns of slips in time.
-const IN_TIME: [&str; 3] = ["time", "duration", "velocity"];
+const IN_TIME: [&str; 4] = ["time", "duration", "velocity", "strengthening"];
 
 /// The tables of a record: name and text of each that has any rows.
 pub(super) fn tables(record: &Record) -> impl Iterator<Item = (&'static str, String)> {
@@ -126,10 +126,7 @@ fn events(record: &Record, prefix: &str) -> Option<String> {
         return None;
     }
     let named = |name: &str| (name.to_owned(), format!("{prefix}event_{name}"));
-    // In time, losses in breaks are not told slip by slip.
-    let known = |name: &&str| column("time").is_none() || *name != "dissipated_breaks";
-    let columns: Vec<_> = SLIP.into_iter().filter(known).map(named).collect();
-    let text = table(record, &columns, &IN_TIME.map(named)).unwrap_or_else(|| SLIP.join(",") + "\n");
+    let text = table(record, &SLIP.map(named), &IN_TIME.map(named)).unwrap_or_else(|| SLIP.join(",") + "\n");
     Some(numbered(&text))
 }
 

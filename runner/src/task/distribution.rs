@@ -1,12 +1,15 @@
 //! Distributions of stretches and thresholds, from the master equation.
 
 use asperity::contacts::Contacts;
-use asperity::master::{Pull, SteadyState};
+use asperity::master::{Pull, SteadyState, Stretches};
 use asperity::record::{Quantity, Record};
 use asperity::scenario;
 
 use super::grid::Grid;
 use super::{atoms, placed};
+
+/// A density that no contact is seen of.
+const NONE: f64 = 1e-12;
 
 const STRETCH: (&str, &str) = ("stretch", "stretch at which contacts are together");
 
@@ -29,20 +32,28 @@ pub fn evolving(task: &scenario::Pull, pull: &Pull, grid: &Grid, record: &mut Re
     atoms(record, "stretch_atom", [("position", "position X of the snapshot"), STRETCH], masses.into_iter());
 }
 
-/// Q_s with P_c and P.
+/// Q_s with P_c and P; of contacts that know time, with the thresholds that they meet, and P from these.
 pub fn steady(contacts: &Contacts, steady: &SteadyState, grid: &Grid, record: &mut Record) {
     let stretches = steady.stretch_density(&grid.stretches);
     let law = contacts.thresholds.as_ref();
-    let each = |function: &dyn Fn(f64) -> f64| grid.stretches.iter().map(|&x| function(x)).collect();
+    let (words, thresholds, hazard) = if contacts.rules.know_time() {
+        let met = steady.thresholds_met(&grid.stretches);
+        // Where no contact is seen to hold, both are rounding.
+        let rate = |(met, &held): (&f64, &f64)| {
+            if held > NONE { met * steady.breaking_rate() / held } else { f64::INFINITY }
+        };
+        let hazard = met.density.iter().zip(&stretches.density).map(rate).collect();
+        ("density of the stretches at which contacts break in steady sliding", met, hazard)
+    } else {
+        let density = grid.stretches.iter().map(|&x| law.density(x)).collect();
+        let hazard = grid.stretches.iter().map(|&x| law.hazard(x)).collect();
+        ("density of thresholds", Stretches { density, atoms: law.atoms() }, hazard)
+    };
     let mut add = |name, words, values| record.push(name, words, Quantity::PerLength, &["stretch"], values);
     add("steady_stretch_density", "density of stretches in steady sliding", stretches.density);
-    add("threshold_density", "density of thresholds", each(&|x| law.density(x)));
-    add(
-        "hazard",
-        "hazard P(x), the share of contacts of stretch x breaking per length",
-        each(&|x| law.hazard(x)),
-    );
+    add("threshold_density", words, thresholds.density);
+    add("hazard", "hazard P(x), the share of contacts of stretch x breaking per length", hazard);
     atoms(record, "steady_atom", [STRETCH], stretches.atoms.iter().map(placed));
     let threshold = ("stretch", "threshold that contacts share");
-    atoms(record, "threshold_atom", [threshold], law.atoms().iter().map(placed));
+    atoms(record, "threshold_atom", [threshold], thresholds.atoms.iter().map(placed));
 }

@@ -5,13 +5,13 @@ use asperity::contacts::Contacts;
 use asperity::master::MasterEquation;
 use asperity::monitor::{Aside, Monitor};
 use asperity::population::Population;
-use asperity::record::{Quantity, Record, Variable};
+use asperity::record::{Quantity, Record};
 use asperity::scenario;
 use asperity::{Error, Result};
 
-use super::Setting;
 use super::part::Part;
-use super::sliding;
+use super::sliding::{self, adopt};
+use super::{Setting, in_time};
 use crate::output::LARGEST;
 use crate::summary::{Sliding, Summary};
 
@@ -34,6 +34,9 @@ pub fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let Setting { scenario, contacts, initial } = setting;
+    if contacts.rules.know_time() {
+        return at_a_velocity(setting, &task.forward()?, monitor);
+    }
     fits(task, scenario.ensemble.is_some())?;
     let equation = MasterEquation::new(contacts.clone(), initial)?;
     let tolerance = scenario.master_equation.tolerance();
@@ -68,6 +71,30 @@ pub fn run(
     Ok((Summary { sliding: Some(sliding), ..summary }, record))
 }
 
+/// Drives the slider over contacts that know time; friction is that of a pull at the velocity of its top.
+fn at_a_velocity(
+    setting: &Setting<'_>,
+    protocol: &scenario::Protocol,
+    monitor: &mut dyn Monitor,
+) -> Result<(Summary, Record)> {
+    const PULL: f64 = 0.1;
+    let Setting { scenario, contacts, initial } = setting;
+    in_time::fits(protocol, setting)?;
+    let velocity = protocol.0[0].velocities().0;
+    let equation = MasterEquation::at(contacts.clone(), initial, velocity)?;
+    let tolerance = scenario.master_equation.tolerance();
+    let part = &mut Part::new(monitor, 0.0, PULL);
+    let pull = equation.pull(first_loading(contacts), tolerance, part)?;
+    let part = &mut Part::new(monitor, PULL, 1.0 - PULL);
+    let (sliding, record) = match &scenario.block {
+        Some(block) => in_time::behind(setting, protocol, block, part)
+            .map(|(sliding, record)| (Some(sliding), record))?,
+        None => (None, in_time::rigid(setting, protocol, part)?.1),
+    };
+    let summary = setting.summary(&equation.steady_state(), &equation.relaxation(), &pull);
+    Ok((Summary { sliding, ..summary }, record))
+}
+
 /// How far the first loading of a slider is followed: five mean thresholds.
 pub fn first_loading(contacts: &Contacts) -> f64 {
     LOADING * contacts.thresholds.mean()
@@ -82,15 +109,6 @@ fn fits(task: &scenario::Drive, ensemble: bool) -> Result<()> {
     }
     let what = format!("a result file of a trace of {} points", task.points);
     Err(Error::TooLarge { what, needed, allowed: LARGEST })
-}
-
-/// Takes over the variables of a `part` that have values, `prefix` before their names and those of their dimensions.
-fn adopt(part: Record, prefix: &str, record: &mut Record) {
-    for variable in part.variables.into_iter().filter(|v| !v.values.is_empty()) {
-        let name = format!("{prefix}{}", variable.name);
-        let dimensions = variable.dimensions.iter().map(|d| format!("{prefix}{d}")).collect();
-        record.variables.push(Variable { name, dimensions, ..variable });
-    }
 }
 
 /// Where the slider is in balance on the first loading, and the potential at the first slip.

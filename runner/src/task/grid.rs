@@ -1,7 +1,8 @@
 //! The stretches at which distributions are given.
 
-use asperity::contacts::{Contacts, Initial, Start};
+use asperity::contacts::{Ageing, Initial, Start};
 use asperity::law::Law;
+use asperity::master::MasterEquation;
 
 /// Share of contacts that may lie above the last stretch.
 const BEYOND: f64 = 1e-6;
@@ -24,15 +25,24 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Stretches for the distributions of these contacts at X = `snapshots` and in steady sliding.
-    pub fn new(contacts: &Contacts, initial: &Initial, snapshots: &[f64]) -> Self {
+    /// Stretches for the distributions of an equation's contacts at X = `snapshots` and in steady sliding. Contacts that know
+    /// time come to where their lives end, whatever the law of the newborn.
+    pub fn new(equation: &MasterEquation, initial: &Initial, snapshots: &[f64]) -> Self {
+        let contacts = equation.contacts();
         let (thresholds, reforming) = (contacts.thresholds.as_ref(), contacts.reforming.as_ref());
         let mut laws = vec![thresholds, reforming];
         if initial.start == Start::Conditional {
             laws.push(initial.law.as_ref());
         }
-        let reach = laws.iter().map(|law| law.upper_quantile(BEYOND)).fold(0.0, f64::max);
-        let top = 1.05 * reach.min(thresholds.quantile(1.0));
+        let farthest = |law: &dyn Law| law.upper_quantile(BEYOND);
+        let reach = if contacts.rules.know_time() {
+            let first = farthest(initial.law.as_ref()) + equation.first_life().longest(BEYOND);
+            first.max(farthest(reforming) + equation.life().longest(BEYOND))
+        } else {
+            laws.iter().map(|&law| farthest(law)).fold(0.0, f64::max).min(thresholds.quantile(1.0))
+        };
+        let top = 1.05 * reach;
+        laws.extend(contacts.rules.ageing.as_ref().and_then(Ageing::mature).map(AsRef::as_ref));
         let widths = laws.iter().flat_map(|law| law.zones()).map(|zone| zone.resolution);
         let resolution = widths.fold(top, f64::min);
         let steps = (FINENESS * top / resolution).clamp(STEPS.0, STEPS.1).ceil();
@@ -76,14 +86,32 @@ fn jumps<'a>(
 mod tests {
     use std::sync::Arc;
 
+    use asperity::contacts::{Contacts, Rules};
     use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
 
     use super::*;
 
     fn grid(thresholds: SharedLaw, initial: SharedLaw, snapshots: &[f64]) -> Grid {
         let reforming = Arc::new(Point::new(0.0).unwrap());
-        let contacts = Contacts::new(thresholds, reforming);
-        Grid::new(&contacts, &Initial { law: initial, start: Start::Conditional }, snapshots)
+        let initial = Initial { law: initial, start: Start::Conditional };
+        Grid::new(&equation(Contacts::new(thresholds, reforming), &initial), &initial, snapshots)
+    }
+
+    fn equation(contacts: Contacts, initial: &Initial) -> MasterEquation {
+        MasterEquation::at(contacts, initial, 1e-2).unwrap()
+    }
+
+    #[test]
+    fn contacts_that_strengthen_stretch_beyond_the_newborn_thresholds() {
+        let thresholds = Arc::new(Gaussian::new(0.5, 0.1).unwrap());
+        let zero = Arc::new(Point::new(0.0).unwrap());
+        let mature: SharedLaw = Arc::new(Gaussian::new(1.0, 0.05).unwrap());
+        let rules = Rules { ageing: Some(Ageing::FrozenRank { mature, time: 1.0 }), ..Rules::default() };
+        let contacts = Contacts { rules, ..Contacts::new(thresholds, zero.clone()) };
+        let initial = Initial { law: zero, start: Start::Conditional };
+        let top = Grid::new(&equation(contacts, &initial), &initial, &[]).top;
+        // Where one mature contact in a million holds, 4.75 standard deviations up.
+        assert!((top / 1.05 - (1.0 + 4.75 * 0.05)).abs() < 1e-3, "{top}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod distribution;
 mod drive;
 mod grid;
 mod hold_curve;
+mod in_time;
 mod interface;
 mod part;
 mod protocol;
@@ -29,6 +30,7 @@ use crate::summary::{Coefficients, Comparison, Extended, Friction, StaticFrictio
 
 pub use drive::first_loading;
 pub use grid::Grid;
+pub use in_time::tolerance_over;
 pub use pull::along_the_pull;
 
 /// Computes `scenario`.

@@ -1,20 +1,16 @@
 //! `[[protocol]]`: the slider moved in time, step by step.
 
-use asperity::master::{MasterEquation, Trace, Transport};
+use asperity::Result;
+use asperity::master::{MasterEquation, Trace};
 use asperity::monitor::Monitor;
 use asperity::rate_state::VelocityStep;
-use asperity::record::{Quantity, Record};
+use asperity::record::Record;
 use asperity::scenario::{self, Scenario};
-use asperity::{Error, Result};
 
 use super::hold_curve::peak;
-use super::part::Part;
-use super::{Setting, compare, sliding};
-use crate::output::LARGEST;
-use crate::summary::{Comparison, RateState, Sliding, Step, Summary};
+use super::{Setting, compare, in_time};
+use crate::summary::{Comparison, RateState, Step, Summary};
 
-/// Columns of a trace, at most.
-const COLUMNS: usize = 11;
 /// Most velocities at which steady sliding is computed beside the trace.
 const SPEEDS: usize = 16;
 
@@ -27,82 +23,15 @@ pub fn run(
     task: &scenario::Protocol,
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
-    let Setting { scenario, contacts, initial } = setting;
-    fits(task)?;
-    if let Some(block) = &scenario.block {
-        return slide(setting, task, block, monitor);
+    in_time::fits(task, setting)?;
+    if let Some(block) = &setting.scenario.block {
+        let (sliding, record) = in_time::behind(setting, task, block, monitor)?;
+        return Ok((Summary { sliding: Some(sliding), ..setting.heading() }, record));
     }
-    let (history, times) = (task.build()?, task.times());
-    let master = if scenario.ensemble.is_some() { 0.5 } else { 1.0 };
-    let mut transport = Transport::new(
-        contacts.clone(),
-        initial,
-        scenario.master_equation.tolerance_in_time(&contacts.rules),
-    )?;
-    let trace = transport.follow(&history, &times, &mut Part::new(monitor, 0.0, master))?;
-    let mut record = traced(&trace, contacts.rules.delay > 0.0);
-    if let Some(ensemble) = &scenario.ensemble {
-        let model = ensemble.build(contacts.clone(), initial.clone())?;
-        let run = model.follow(&history, &times, &mut Part::new(monitor, master, 1.0 - master))?;
-        let along = &["point"];
-        record.push("ensemble_force", "friction force of the ensemble", Quantity::Force, along, run.force);
-        record.push("ensemble_error", "its standard error", Quantity::Force, along, run.error);
-    }
+    let (trace, mut record) = in_time::rigid(setting, task, monitor)?;
     let steps = told(setting, task, &trace)?;
-    let compare = compared(scenario, &trace, &mut record);
+    let compare = compared(setting.scenario, &trace, &mut record);
     Ok((Summary { steps, compare, ..setting.heading() }, record))
-}
-
-/// Moves the top of a block; its bottom follows.
-fn slide(
-    setting: &Setting<'_>,
-    task: &scenario::Protocol,
-    block: &scenario::Block,
-    monitor: &mut dyn Monitor,
-) -> Result<(Summary, Record)> {
-    let Setting { scenario, contacts, initial } = setting;
-    let tolerance = scenario.master_equation.tolerance_of_a_block();
-    let transport = Transport::new(contacts.clone(), initial, tolerance)?;
-    let length = tolerance * contacts.thresholds.mean();
-    let run = block.in_time()?.follow(&transport, &task.build()?, &task.times(), length, monitor)?;
-    let mut record = sliding::motion_in_time(&run);
-    let unused = |name: &str| name == "free" && contacts.rules.delay == 0.0;
-    record.variables.retain(|variable| !variable.values.is_empty() && !unused(&variable.name));
-    Ok((Summary { sliding: Some(Sliding::in_time(&run)), ..setting.heading() }, record))
-}
-
-/// Refuses before any work what could not be written after it.
-fn fits(task: &scenario::Protocol) -> Result<()> {
-    let needed = (task.points() * COLUMNS * size_of::<f64>()) as u64;
-    if needed <= LARGEST {
-        return Ok(());
-    }
-    let what = format!("a result file of a trace of {} points", task.points());
-    Err(Error::TooLarge { what, needed, allowed: LARGEST })
-}
-
-/// The trace; of a rigid slider the drive is its position.
-fn traced(trace: &Trace, free: bool) -> Record {
-    let mut record = Record::default();
-    let mut add = |name, words, quantity, values: &[f64]| {
-        record.push(name, words, quantity, &["point"], values.to_vec())
-    };
-    add("time", "time", Quantity::Time, &trace.time);
-    add("drive", "drive", Quantity::Length, &trace.position);
-    add("position", "position of the slider's bottom", Quantity::Length, &trace.position);
-    add("velocity", "velocity of the slider", Quantity::Velocity, &trace.velocity);
-    add("force", "friction force", Quantity::Force, &trace.force);
-    add("spring_force", "force that pulls", Quantity::Force, &trace.force);
-    add(
-        "breaking_frequency",
-        "fraction of contacts breaking per time",
-        Quantity::PerTime,
-        &trace.breaking_rate,
-    );
-    if free {
-        add("free", "fraction of contacts that are free", Quantity::Number, &trace.free);
-    }
-    record
 }
 
 /// The measured curve, and how far it is from the trace, linear between its points.

@@ -27,12 +27,12 @@ pub fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let Setting { scenario, contacts, initial, .. } = setting;
-    let grid = Grid::new(contacts, initial, &task.snapshots);
-    fits(scenario, task, &grid)?;
     let equation = match task.velocity {
         Some(velocity) => MasterEquation::at(contacts.clone(), initial, velocity)?,
         None => MasterEquation::new(contacts.clone(), initial)?,
     };
+    let grid = Grid::new(&equation, initial, &task.snapshots);
+    fits(scenario, task, &grid)?;
     let master = if scenario.ensemble.is_some() { 0.5 } else { 1.0 };
     let tolerance = scenario.master_equation.tolerance();
     let pull = equation.pull(task.distance, tolerance, &mut Part::new(monitor, 0.0, 0.6 * master))?;

@@ -13,6 +13,15 @@ pub fn motion_in_time(run: &Slide) -> Record {
     joined(run.trace_record(), run.events_record())
 }
 
+/// Takes over the variables of a `part` that have values, `prefix` before their names and those of their dimensions.
+pub fn adopt(part: Record, prefix: &str, record: &mut Record) {
+    for variable in part.variables.into_iter().filter(|v| !v.values.is_empty()) {
+        let name = format!("{prefix}{}", variable.name);
+        let dimensions = variable.dimensions.iter().map(|d| format!("{prefix}{d}")).collect();
+        record.variables.push(Variable { name, dimensions, ..variable });
+    }
+}
+
 fn joined(mut trace: Record, events: Record) -> Record {
     for slips in events.variables {
         let name = format!("event_{}", slips.name);

@@ -43,7 +43,8 @@ pub fn run(
             slow.push(contacts, velocity, limit.viscosity);
             if let Some(ensemble) = &setting.scenario.ensemble {
                 part::report(monitor, (friction.len() as f64 - 1.0 + MASTER) / points)?;
-                let slid = slide(setting, contacts, ensemble, velocity, steady.way)?;
+                let first = (force.len() * ensemble.size) as u64;
+                let slid = slide(setting, contacts, (ensemble, first), velocity, steady.way)?;
                 force.push(slid.0);
                 error.push(slid.1);
             }
@@ -127,15 +128,15 @@ impl Slow {
     }
 }
 
-/// Force of the ensemble and its standard error after a `way` at a velocity.
+/// Force of the ensemble, its contacts numbered from `first` on, and its standard error after a `way` at a velocity.
 fn slide(
     setting: &Setting<'_>,
     contacts: &Contacts,
-    ensemble: &scenario::Ensemble,
+    (ensemble, first): (&scenario::Ensemble, u64),
     velocity: f64,
     way: f64,
 ) -> Result<(f64, f64)> {
-    let model = ensemble.build(contacts.clone(), setting.initial.clone())?;
+    let model = ensemble.build(contacts.clone(), setting.initial.clone())?.numbered_from(first);
     let history = History::new(vec![Piece { velocity, duration: way / velocity }])?;
     let trace = model.follow(&history, &[history.duration()], &mut ())?;
     Ok((trace.force[0], trace.error[0]))

@@ -1,9 +1,9 @@
 //! What is kept of a slider's motion in time: moments, slips, and where the work of the drive went.
 
-use super::stage::{Dynamics, MEET, Pulled, State, WEIGHTS};
+use super::stage::{Dynamics, Pulled, State};
 use crate::block::regime::{self, Jump};
 use crate::block::run::End;
-use crate::block::{Point, Regime};
+use crate::block::{Energy, Point, Regime};
 use crate::clocked::Clocked;
 use crate::record::{Quantity, Record};
 
@@ -29,8 +29,8 @@ pub struct Moment {
     pub free: f64,
     /// Breaks so far, per contact.
     pub broken: f64,
-    /// Energies ½K(X_T − X)² of the spring, Σ ½k x² of the contacts and ½MẊ² of the slider.
-    pub stored: [f64; 3],
+    /// What is stored now, and what came and went since the start.
+    pub energy: Energy,
 }
 
 /// A slip: from where the slider becomes ten times as fast as the drive to where it no longer is, or comes to rest.
@@ -46,21 +46,8 @@ pub struct TimedSlip {
     pub fastest: f64,
     /// Breaks in the slip, per contact.
     pub broken_fraction: f64,
-    /// Energy lost by the slider: to its damping, and in coming to rest after an arrest.
-    pub dissipated: f64,
-}
-
-/// Where the work of the drive went; what is left of it is lost in breaks.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Ledger {
-    /// ∫K(X_T − X) dX_T.
-    pub work: f64,
-    /// Change of the energy of spring, contacts and slider.
-    pub stored: f64,
-    /// ∫γẊ² dt.
-    pub viscous: f64,
-    /// Lost in coming to rest after arrests, without inertia.
-    pub slip: f64,
+    /// Energies of the slip.
+    pub energy: Energy,
 }
 
 /// What came of a motion in time.
@@ -71,7 +58,7 @@ pub struct Slide {
     /// Slips that have ended.
     pub slips: Vec<TimedSlip>,
     /// Energies of the whole motion.
-    pub ledger: Ledger,
+    pub energy: Energy,
     /// What kind of sliding it was.
     pub regime: Regime,
 }
@@ -80,7 +67,8 @@ pub struct Slide {
 pub(super) struct Log {
     trace: Vec<Moment>,
     slips: Vec<TimedSlip>,
-    pub ledger: Ledger,
+    /// The share of contacts that breaks in the smallest slip.
+    fraction: f64,
     start: Moment,
     last: Moment,
     /// The velocity of the drive, when it last moved or, before, will first move.
@@ -94,21 +82,26 @@ pub(super) struct Log {
 struct Open {
     before: Moment,
     fastest: f64,
-    lost: f64,
 }
 
 impl Moment {
-    pub(super) fn of(dynamics: &Dynamics, state: &State, pulled: Pulled, time: f64) -> Self {
+    /// `spent` is what came and went that the contacts do not count.
+    pub(super) fn of(dynamics: &Dynamics, state: &State, pulled: Pulled, time: f64, spent: Energy) -> Self {
         let (tangent, stiffness) = (state.contacts.tangent(), dynamics.stiffness);
-        let excess = dynamics.excess(state, pulled.drive);
-        let held = state.velocity == 0.0 && excess < 0.0;
-        let back = if held { excess / (stiffness + tangent) } else { 0.0 };
+        let back = dynamics.back(state, pulled.drive);
         let velocity =
-            if held { stiffness * pulled.velocity / (stiffness + tangent) } else { state.velocity };
+            if back < 0.0 { stiffness * pulled.velocity / (stiffness + tangent) } else { state.velocity };
         let position = state.position() + back;
         let spring_force = stiffness * (pulled.drive - position);
-        let elastic = state.contacts.elastic_energy() + back * (state.force + 0.5 * tangent * back);
-        let spring = 0.5 * spring_force * spring_force / stiffness;
+        let books = state.contacts.books();
+        let energy = Energy {
+            spring: 0.5 * spring_force * spring_force / stiffness,
+            elastic: books.elastic + back * (state.force + 0.5 * tangent * back),
+            kinetic: 0.5 * dynamics.mass * state.velocity * state.velocity,
+            strengthening: books.gained,
+            breaks: books.lost,
+            ..Energy::default()
+        };
         Self {
             time,
             drive: pulled.drive,
@@ -117,8 +110,8 @@ impl Moment {
             force: state.force + tangent * back,
             spring_force,
             free: state.contacts.free(),
-            broken: state.contacts.broken(),
-            stored: [spring, elastic, 0.5 * dynamics.mass * state.velocity * state.velocity],
+            broken: books.broken,
+            energy: energy + spent,
         }
     }
 
@@ -135,7 +128,7 @@ impl Moment {
             spring_force: between(|m| m.spring_force),
             free: between(|m| m.free),
             broken: between(|m| m.broken),
-            stored: [between(|m| m.stored[0]), between(|m| m.stored[1]), between(|m| m.stored[2])],
+            energy: self.energy + (next.energy - self.energy) * share,
         }
     }
 
@@ -143,10 +136,6 @@ impl Moment {
     pub fn point(&self) -> Point {
         let &Self { drive, position, force, spring_force, .. } = self;
         Point { drive, position, force, spring_force }
-    }
-
-    fn energy(&self) -> f64 {
-        self.stored.iter().sum()
     }
 }
 
@@ -166,33 +155,12 @@ impl TimedSlip {
     }
 }
 
-impl Ledger {
-    /// Energy lost in breaks of contacts: what the work of the drive did not go into otherwise.
-    pub fn breaks(&self) -> f64 {
-        self.work - self.stored - self.viscous - self.slip
-    }
-
-    /// Enters a step.
-    pub(super) fn enter(&mut self, dynamics: &Dynamics, states: [&State; 3], pulled: Pulled, duration: f64) {
-        let times = [0.0, MEET * duration, duration];
-        for ((state, time), weight) in states.into_iter().zip(times).zip(WEIGHTS) {
-            let pull = dynamics.stiffness * (pulled.after(time) - state.position());
-            self.work += weight * duration * pulled.velocity * pull;
-            self.viscous += weight * duration * dynamics.damping * state.velocity * state.velocity;
-        }
-    }
-
-    fn lost(&self) -> f64 {
-        self.viscous + self.slip
-    }
-}
-
 impl Log {
-    pub fn new(start: Moment, pulled: f64, contacts: &dyn Clocked) -> Self {
+    pub fn new(start: Moment, pulled: f64, contacts: &dyn Clocked, fraction: f64) -> Self {
         Self {
             trace: Vec::new(),
             slips: Vec::new(),
-            ledger: Ledger::default(),
+            fraction,
             start,
             last: start,
             pulled,
@@ -222,7 +190,7 @@ impl Log {
         if self.open.is_none() && moment.velocity > fast {
             let before = self.last.until(&moment, fast);
             self.see(before);
-            self.open = Some(Open { before, fastest: 0.0, lost: self.ledger.lost() });
+            self.open = Some(Open { before, fastest: 0.0 });
         }
         if let Some(open) = &mut self.open {
             open.fastest = open.fastest.max(moment.velocity);
@@ -242,22 +210,25 @@ impl Log {
         let slows = self.last.velocity > fast && !arrested;
         let after = if slows { self.last.until(&moment, fast) } else { moment };
         self.see(after);
+        let broken_fraction = after.broken - open.before.broken;
+        if broken_fraction < self.fraction {
+            return;
+        }
         self.slips.push(TimedSlip {
             before: open.before,
             after,
             position_turn: if arrested { turn } else { after.position },
             fastest: open.fastest,
-            broken_fraction: after.broken - open.before.broken,
-            dissipated: self.ledger.lost() - open.lost,
+            broken_fraction,
+            energy: after.energy - open.before.energy,
         });
     }
 
     pub fn close(self) -> Slide {
-        let Self { trace, slips, mut ledger, start, last, most, .. } = self;
-        ledger.stored = last.energy() - start.energy();
+        let Self { trace, slips, start, last, most, .. } = self;
         let jumps: Vec<Jump> = slips.iter().map(TimedSlip::jump).collect();
         let regime = regime::tell(&jumps, start.point(), last.point(), most.0 / most.1, End::Reached);
-        Slide { trace, slips, ledger, regime }
+        Slide { trace, slips, energy: last.energy - start.energy, regime }
     }
 }
 
@@ -279,7 +250,7 @@ impl Slide {
     }
 
     /// The slips: `time`, `drive`, `position_before`, `position_after`, `position_turn`, `force_before`, `force_after`,
-    /// `drop`, `slip`, `duration`, `velocity`, `broken_fraction`, `dissipated_slip`.
+    /// `drop`, `slip`, `duration`, `velocity`, `broken_fraction`, `dissipated_breaks`, `dissipated_slip`, `strengthening`.
     pub fn events_record(&self) -> Record {
         let mut record = Record::default();
         let mut column = |name: &str, long_name: &str, quantity, value: fn(&TimedSlip) -> f64| {
@@ -298,7 +269,10 @@ impl Slide {
         column("duration", "how long the slip lasts", Quantity::Time, |s| s.after.time - s.before.time);
         column("velocity", "highest velocity", Quantity::Velocity, |s| s.fastest);
         column("broken_fraction", "breaks per contact", Quantity::Number, |s| s.broken_fraction);
-        column("dissipated_slip", "energy lost by the slider", Quantity::Energy, |s| s.dissipated);
+        column("dissipated_breaks", "energy lost in breaks", Quantity::Energy, |s| s.energy.breaks);
+        column("dissipated_slip", "energy lost by the slider", Quantity::Energy, |s| s.energy.dissipated());
+        let words = "energy that ageing brought by stiffening stretched contacts";
+        column("strengthening", words, Quantity::Energy, |s| s.energy.strengthening);
         record
     }
 }

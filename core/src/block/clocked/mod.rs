@@ -8,14 +8,14 @@
 mod log;
 mod stage;
 
-use super::{Block, Loading, Slip};
+use super::{Block, Energy, Loading, Slip};
 use crate::clocked::Clocked;
 use crate::history::History;
 use crate::monitor::{Monitor, report};
 use crate::{Error, Float, Result};
 use log::Log;
-pub use log::{Ledger, Moment, Slide, TimedSlip};
-use stage::{Dynamics, Pulled, State};
+pub use log::{Moment, Slide, TimedSlip};
+use stage::{Dynamics, MEET, Pulled, State, WEIGHTS};
 
 /// The largest factor by which a step grows, and the least by which it shrinks.
 const CHANGE: (f64, f64) = (3.0, 0.2);
@@ -50,7 +50,8 @@ impl Block {
         let dynamics = self.dynamics(tolerance)?;
         check(times, drive.duration())?;
         let moving = drive.pieces().iter().map(|piece| piece.velocity).find(|velocity| *velocity > 0.0);
-        let mut rider = Rider::new(dynamics, contacts, moving.unwrap_or(f64::INFINITY));
+        let fraction = self.slip_fraction.unwrap_or(0.0);
+        let mut rider = Rider::new(dynamics, contacts, moving.unwrap_or(f64::INFINITY), fraction);
         if times.first() == Some(&0.0) {
             rider.log.see(rider.moment());
         }
@@ -122,18 +123,21 @@ struct Rider {
     /// How long the next step may be.
     pace: f64,
     steps: u32,
+    /// What came and went that the contacts do not count.
+    spent: Energy,
     log: Log,
 }
 
 impl Rider {
-    /// `pulled` is the first velocity of the drive.
-    fn new(dynamics: Dynamics, contacts: &dyn Clocked, pulled: f64) -> Self {
+    /// `pulled` is the first velocity of the drive, `fraction` the share of contacts that breaks in the smallest slip.
+    fn new(dynamics: Dynamics, contacts: &dyn Clocked, pulled: f64, fraction: f64) -> Self {
         let state = State::of(contacts.copy());
         let drive = state.position() + state.force / dynamics.stiffness;
         let at = Pulled { drive, velocity: 0.0 };
-        let start = Moment::of(&dynamics, &state, at, 0.0);
-        let log = Log::new(start, pulled, state.contacts.as_ref());
-        Self { dynamics, state, pulled: at, time: 0.0, pace: f64::INFINITY, steps: 0, log }
+        let spent = Energy::default();
+        let start = Moment::of(&dynamics, &state, at, 0.0, spent);
+        let log = Log::new(start, pulled, state.contacts.as_ref(), fraction);
+        Self { dynamics, state, pulled: at, time: 0.0, pace: f64::INFINITY, steps: 0, spent, log }
     }
 
     /// From now on the drive has another velocity.
@@ -143,7 +147,7 @@ impl Rider {
     }
 
     fn moment(&self) -> Moment {
-        Moment::of(&self.dynamics, &self.state, self.pulled, self.time)
+        Moment::of(&self.dynamics, &self.state, self.pulled, self.time, self.spent)
     }
 
     /// Goes on until a time of a whole that lasts `whole`.
@@ -182,7 +186,11 @@ impl Rider {
     fn rest(&mut self, left: f64) -> Result<f64> {
         let Self { dynamics, state, pulled, .. } = self;
         let short = -dynamics.excess(state, pulled.drive);
-        let mut duration = (short / (dynamics.stiffness * pulled.velocity)).min(left);
+        let behind = short / dynamics.resistance(state);
+        // So that books by the trapezoidal rule are right.
+        let most = (dynamics.tolerance * behind).sqrt();
+        let mut duration =
+            (short.min(most * dynamics.resistance(state)) / (dynamics.stiffness * pulled.velocity)).min(left);
         loop {
             let mut contacts = state.contacts.copy();
             contacts.step(0.0, duration)?;
@@ -192,11 +200,12 @@ impl Rider {
                 duration *= (short / (short + excess)).max(CHANGE.1);
                 continue;
             }
-            let forces =
-                [(&*state, pulled.drive), (&rested, pulled.after(duration))].map(|(state, drive)| {
-                    Moment::of(dynamics, state, Pulled { drive, ..*pulled }, 0.0).spring_force
-                });
-            self.log.ledger.work += pulled.velocity * duration * 0.5 * (forces[0] + forces[1]);
+            let moved = (behind + dynamics.back(&rested, pulled.after(duration))).abs();
+            if moved > 2.0 * most && duration > SHORTEST * left {
+                duration *= (most / moved).max(CHANGE.1);
+                continue;
+            }
+            self.spent += dynamics.at_rest([state, &rested], *pulled, duration);
             self.state = rested;
             return Ok(duration);
         }
@@ -237,18 +246,44 @@ impl Rider {
     }
 
     fn accept(&mut self, tried: stage::Tried, duration: f64) {
-        self.log.ledger.enter(
-            &self.dynamics,
-            [&self.state, &tried.middle, &tried.end],
-            self.pulled,
-            duration,
-        );
+        let states = [&self.state, &tried.middle, &tried.end];
+        self.spent += self.dynamics.on_the_way(states, self.pulled, duration);
         self.state = tried.end;
         if self.state.velocity > 0.0 {
             return;
         }
         self.state.velocity = 0.0;
         let excess = self.dynamics.excess(&self.state, self.pulled.after(duration)).min(0.0);
-        self.log.ledger.slip += 0.5 * excess * excess / self.dynamics.resistance(&self.state);
+        self.spent.slip += 0.5 * excess * excess / self.dynamics.resistance(&self.state);
+    }
+}
+
+impl Dynamics {
+    /// What comes and goes in a step that is right to second order.
+    fn on_the_way(&self, states: [&State; 3], pulled: Pulled, duration: f64) -> Energy {
+        let mut energy = Energy::default();
+        let times = [0.0, MEET * duration, duration];
+        for ((state, time), weight) in states.into_iter().zip(times).zip(WEIGHTS) {
+            let pull = self.stiffness * (pulled.after(time) - state.position());
+            energy.work += weight * duration * pulled.velocity * pull;
+            energy.viscous += weight * duration * self.damping * state.velocity * state.velocity;
+        }
+        energy
+    }
+
+    /// The same of a slider at rest, by the trapezoidal rule. The contacts count their breaks at the stretches of X_2;
+    /// what the slider rests behind it changes those energies by b ΔF + ½b² ΔF'.
+    fn at_rest(&self, states: [&State; 2], pulled: Pulled, duration: f64) -> Energy {
+        let [before, after] = states;
+        let drives = [pulled.drive, pulled.after(duration)];
+        let [from, to] = [0, 1].map(|i| self.back(states[i], drives[i]));
+        let pull = |i: usize, back: f64| self.stiffness * (drives[i] - states[i].position() - back);
+        let force = after.force - before.force;
+        let tangent = after.contacts.tangent() - before.contacts.tangent();
+        Energy {
+            work: pulled.velocity * duration * 0.5 * (pull(0, from) + pull(1, to)),
+            breaks: -0.5 * ((from + to) * force + 0.5 * (from * from + to * to) * tangent),
+            ..Energy::default()
+        }
     }
 }

@@ -110,6 +110,12 @@ impl Dynamics {
         self.stiffness * (drive - state.position()) - state.force
     }
 
+    /// How far behind X_2 a slider rests that was arrested there, as a length below 0; 0 where it is not.
+    pub fn back(&self, state: &State, drive: f64) -> f64 {
+        let excess = self.excess(state, drive);
+        if state.velocity == 0.0 && excess < 0.0 { excess / self.resistance(state) } else { 0.0 }
+    }
+
     /// K + F'.
     pub fn resistance(&self, state: &State) -> f64 {
         self.stiffness + state.contacts.tangent()

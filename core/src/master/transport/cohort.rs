@@ -1,5 +1,6 @@
 //! Contacts that were born together.
 
+use super::broken::Share;
 use super::diffusing::Room;
 use super::model::{Model, State, Way};
 use super::path::Part;
@@ -29,6 +30,35 @@ pub(super) struct Cohort {
     stiffness: f64,
 }
 
+/// Energies, per unit of the stiffness of all.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Spent {
+    /// Σ ½k x² of what broke.
+    pub(super) lost: f64,
+    /// ∫Σ ½x² dk of what holds.
+    pub(super) gained: f64,
+}
+
+impl Spent {
+    /// From the changes of the stiffness in the halves of a way from one stretch to another, and the part that ageing has
+    /// in them: ½∫x² dk, the stiffness being a parabola that changes at the rate a + bs, 0 ≤ s ≤ 1.
+    fn on(from: f64, to: f64, changes: [f64; 2], aged: [f64; 2]) -> Self {
+        let way = to - from;
+        let mean = from * from + way * (from + way / 3.0);
+        let tilted = 0.5 * from * from + way * (2.0 / 3.0 * from + 0.25 * way);
+        let energy = |[first, second]: [f64; 2]| {
+            0.5 * ((3.0 * first - second) * mean + 4.0 * (second - first) * tilted)
+        };
+        let gained = energy(aged);
+        Self { lost: gained - energy(changes), gained }
+    }
+
+    /// Both together, `other` taken so many times.
+    pub(super) fn plus(self, times: f64, other: Self) -> Self {
+        Self { lost: self.lost + times * other.lost, gained: self.gained + times * other.gained }
+    }
+}
+
 impl Place {
     /// Whether all have one stretch.
     pub(super) fn is_point(&self) -> bool {
@@ -46,25 +76,44 @@ impl Cohort {
         cohort
     }
 
-    /// Goes a part of a step; the fraction of all contacts that breaks.
-    pub(super) fn advance(&mut self, model: &Model, way: &Way, part: Part, room: &mut Room) -> f64 {
+    /// Goes a whole step: what breaks, and energies, with the stiffness as a parabola in time.
+    pub(super) fn cross(&mut self, model: &Model, way: &Way, room: &mut Room) -> (Share, Spent) {
+        let (from, stiffness) = (self.place.stretch, self.tangent());
+        let (middle, first) = self.advance(model, way, Part::First, room);
+        let between = self.tangent();
+        let (end, second) = self.advance(model, way, Part::Second, room);
+        let changes = [between - stiffness, self.tangent() - between];
+        let spent = Spent::on(from, self.place.stretch, changes, [first, second]);
+        (Share { middle, end: middle + end }, spent)
+    }
+
+    /// Goes from where it is born in a step to its end: the fraction of all contacts that breaks, and energies.
+    pub(super) fn arrive(&mut self, model: &Model, way: &Way, part: Part, room: &mut Room) -> (f64, Spent) {
+        let (from, stiffness) = (self.place.stretch, self.tangent());
+        let (broken, aged) = self.advance(model, way, part, room);
+        let change = self.tangent() - stiffness;
+        (broken, Spent::on(from, self.place.stretch, [0.5 * change; 2], [0.5 * aged; 2]))
+    }
+
+    /// Goes a part of a step: the fraction of all contacts that breaks, and by how much ageing makes the others stiffer.
+    pub(super) fn advance(&mut self, model: &Model, way: &Way, part: Part, room: &mut Room) -> (f64, f64) {
         let before = self.left;
-        model.advance(&mut self.state, self.place, way, part, room);
+        let aged = model.advance(&mut self.state, self.place, way, part, room);
         let (from, to) = part.ends();
         self.place.stretch += way.path.advance(from, to);
         self.place.age += way.path.time(part);
         self.count(model);
-        self.mass * (before - self.left)
+        (self.mass * (before - self.left), self.mass * aged)
     }
 
-    /// Breaks those that stand where many do; the fraction of all contacts that does.
-    pub(super) fn strike(&mut self, model: &Model) -> f64 {
+    /// Breaks those that stand where many do: the fraction of all contacts that does, and the energy lost.
+    pub(super) fn strike(&mut self, model: &Model) -> (f64, f64) {
         if !self.place.is_point() || !model.strike(&mut self.state, self.place) {
-            return 0.0;
+            return (0.0, 0.0);
         }
-        let before = self.left;
+        let (before, energy) = (self.left, self.energy());
         self.count(model);
-        self.mass * (before - self.left)
+        (self.mass * (before - self.left), energy - self.energy())
     }
 
     /// When those at one stretch meet a threshold that many share, if they move at `velocity`, up to `limit`.

@@ -33,6 +33,22 @@ pub(super) struct Clock {
     steps: [Vec<Step>; Part::COUNT],
 }
 
+/// Contacts that hold, and those that heat breaks per time: how many, and their stiffness.
+#[derive(Debug, Clone, Copy, Default)]
+struct Standing {
+    count: f64,
+    heated: f64,
+    stiffness: f64,
+}
+
+impl Standing {
+    /// The stiffness of what broke from here to `after`; what heat did not break met its threshold at a stretch.
+    fn broken(&self, after: &Self, time: f64, stretch: f64) -> f64 {
+        let by_heat = 0.5 * time * (self.heated + after.heated);
+        0.5 * time * (self.stiffness + after.stiffness) + (self.count - after.count - by_heat) * stretch
+    }
+}
+
 /// Room to work in.
 #[derive(Debug, Default)]
 pub(super) struct Room {
@@ -106,7 +122,7 @@ impl Diffusing {
         RISE * self.operator.width() / path.advance(from, to).abs()
     }
 
-    /// Time passes, in steps that grow with the age.
+    /// Time passes, in steps that grow with the age. By how much diffusion makes those stiffer that do not break.
     pub(super) fn advance(
         &self,
         place: Place,
@@ -115,7 +131,7 @@ impl Diffusing {
         part: Part,
         clock: &Clock,
         room: &mut Room,
-    ) {
+    ) -> f64 {
         let steps = &clock.steps[part as usize];
         let (from, to) = part.ends();
         let finest = steps.len() - 1;
@@ -123,6 +139,8 @@ impl Diffusing {
         let fraction = |tick: u64| from + (to - from) * (tick as f64 / ticks as f64);
         let stretch = |s: f64| (place.stretch + path.advance(from, s)).abs();
         let risen = self.risen(path, part) * path.time(part);
+        let stiffness = self.measure(masses).1;
+        let mut broken = 0.0;
         let mut tick = 0_u64;
         while tick < ticks {
             let age = place.age + path.duration * (fraction(tick) - from);
@@ -133,11 +151,34 @@ impl Diffusing {
             let next = tick + (ticks >> halving);
             let (start, end) = (fraction(tick), fraction(next));
             let sink = self.sink(stretch(0.5 * (start + end)), &mut room.sink);
+            let before = self.standing(masses, sink);
             steps[halving].advance(&mut masses.0, (stretch(start), stretch(end)), sink, &mut room.work);
+            let after = self.standing(masses, sink);
+            broken += before.broken(&after, steps[halving].duration(), stretch(0.5 * (start + end)));
             tick = next;
         }
+        let before = self.standing(masses, None);
         let met = |cell: &usize| self.operator.edge(cell + 1) <= stretch(to);
         (0..self.cells()).take_while(met).for_each(|cell| masses.0[cell] = 0.0);
+        broken += before.broken(&self.standing(masses, None), 0.0, stretch(to));
+        if self.is_equal() { 0.0 } else { self.measure(masses).1 - stiffness + broken }
+    }
+
+    fn is_equal(&self) -> bool {
+        matches!(self.stiffness, Stiffness::Equal(_))
+    }
+
+    /// What stands, and what heat breaks of it; not counted where all are equally stiff, as nothing hangs on it.
+    fn standing(&self, masses: &Masses, sink: Option<&[f64]>) -> Standing {
+        if self.is_equal() {
+            return Standing::default();
+        }
+        let rate = |cell: usize| sink.map_or(0.0, |rates| rates[cell]);
+        masses.0.iter().enumerate().fold(Standing::default(), |sum, (cell, mass)| Standing {
+            count: sum.count + mass,
+            heated: sum.heated + rate(cell) * mass,
+            stiffness: sum.stiffness + rate(cell) * mass * self.operator.centre(cell),
+        })
     }
 
     /// The breaking rate of each cell at a stretch.

@@ -25,14 +25,14 @@ mod trial;
 use std::sync::Arc;
 
 use super::{Stretches, check};
-use crate::clocked::Clocked;
+use crate::clocked::{Books, Clocked};
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
 use crate::history::History;
 use crate::law::Atom;
 use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
 use broken::Broken;
-use cohort::Cohort;
+use cohort::{Cohort, Spent};
 use diffusing::Diffusing;
 use model::Model;
 use pace::Pace;
@@ -60,6 +60,8 @@ pub struct Transport {
     cohorts: Vec<Cohort>,
     broken: Broken,
     dropped: f64,
+    /// Energies since the beginning, per unit of the stiffness of all.
+    spent: Spent,
     pace: Pace,
     /// Fraction broken per time, now.
     rate: f64,
@@ -118,6 +120,7 @@ impl Transport {
         if initial.start == Start::Relaxed {
             transport.broken.strike(0.0, 1.0 - held);
             transport.deliver();
+            transport.spent = Spent::default();
         }
         Ok(transport)
     }
@@ -142,6 +145,7 @@ impl Transport {
             cohorts: Vec::new(),
             broken: Broken::new(contacts.rules.delay),
             dropped: 0.0,
+            spent: Spent::default(),
             pace: Pace::new(contacts, tolerance),
             rate: 0.0,
             kinks: Vec::new(),
@@ -159,9 +163,13 @@ impl Transport {
         self.stiffness * self.cohorts.iter().map(Cohort::tangent).sum::<f64>()
     }
 
-    /// Elastic energy Σ ½k x².
-    pub fn elastic_energy(&self) -> f64 {
-        self.stiffness * self.cohorts.iter().map(Cohort::energy).sum::<f64>()
+    /// Energies and breaks. What is lost is right to fourth order in the time step, as births are; how ageing and breaks
+    /// share a change of the stiffness to second order, which the books balance without.
+    pub fn books(&self) -> Books {
+        let stored = self.cohorts.iter().map(Cohort::energy).sum::<f64>();
+        let [elastic, lost, gained] =
+            [stored, self.spent.lost, self.spent.gained].map(|energy| self.stiffness * energy);
+        Books { elastic, lost, gained, broken: self.broken.all() }
     }
 
     /// The fraction of contacts that hold.
@@ -313,6 +321,7 @@ impl Transport {
         }
         self.rate = trial.share.slope(path.duration, before);
         self.broken.keep(self.time, path.duration, trial.share, trial.born);
+        self.spent = self.spent.plus(1.0, trial.spent);
         self.cohorts = trial.cohorts;
         self.time += path.duration;
         self.position += path.advance(0.0, 1.0);
@@ -325,11 +334,14 @@ impl Transport {
         /// A share of all contacts that no result shows.
         const NOTHING: f64 = 1e-17;
         let least = LEAST * self.tolerance;
-        self.dropped = 0.0;
-        let dropped = &mut self.dropped;
-        self.cohorts.retain(|cohort| {
+        let Self { cohorts, dropped, spent, .. } = self;
+        *dropped = 0.0;
+        cohorts.retain(|cohort| {
             let kept = cohort.left > least && cohort.attached() > NOTHING;
-            *dropped += if kept { 0.0 } else { cohort.attached() };
+            if !kept {
+                *dropped += cohort.attached();
+                spent.lost += cohort.energy();
+            }
             kept
         });
     }
@@ -343,7 +355,12 @@ impl Transport {
 
     /// What happens at once, here: contacts break where many have their thresholds, and lumps are born.
     fn happen(&mut self) {
-        let struck: f64 = self.cohorts.iter_mut().map(|cohort| cohort.strike(&self.model)).sum();
+        let mut struck = 0.0;
+        for cohort in &mut self.cohorts {
+            let (broken, lost) = cohort.strike(&self.model);
+            struck += broken;
+            self.spent.lost += lost;
+        }
         if struck > 0.0 {
             self.broken.strike(self.time, struck);
             self.turn();
@@ -359,8 +376,11 @@ impl Transport {
     /// Lumps are born that are due.
     fn deliver(&mut self) {
         while let Some(lump) = self.broken.due(self.time * (1.0 + SAME)) {
-            let born = |seed: &Seed| Cohort::born(&self.model, seed, lump.mass * seed.weight);
-            self.cohorts.extend(self.seeds.iter().map(born));
+            for seed in self.seeds.iter() {
+                let born = Cohort::born(&self.model, seed, lump.mass * seed.weight);
+                self.spent.lost -= born.energy();
+                self.cohorts.push(born);
+            }
         }
     }
 }
@@ -382,12 +402,8 @@ impl Clocked for Transport {
         Self::tangent(self)
     }
 
-    fn elastic_energy(&self) -> f64 {
-        Self::elastic_energy(self)
-    }
-
-    fn broken(&self) -> f64 {
-        self.broken.all()
+    fn books(&self) -> Books {
+        Self::books(self)
     }
 
     fn free(&self) -> f64 {

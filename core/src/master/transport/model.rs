@@ -47,12 +47,20 @@ impl Model {
         Way { path, clock }
     }
 
-    /// Time passes; `place` is where the contacts are at the beginning.
-    pub(super) fn advance(&self, state: &mut State, place: Place, way: &Way, part: Part, room: &mut Room) {
+    /// Time passes; `place` is where the contacts are at the beginning. By how much ageing makes those stiffer that do not
+    /// break, per contact born.
+    pub(super) fn advance(
+        &self,
+        state: &mut State,
+        place: Place,
+        way: &Way,
+        part: Part,
+        room: &mut Room,
+    ) -> f64 {
         match (self, state) {
             (Self::Ranked(ranks), State::Ranked(left)) => ranks.advance(place, left, &way.path, part.ends()),
             (Self::Diffusing(diffusing), State::Diffusing(masses)) => {
-                diffusing.advance(place, masses, &way.path, part, &way.clock, room);
+                diffusing.advance(place, masses, &way.path, part, &way.clock, room)
             }
             _ => unreachable!("cohorts are made by the model that moves them"),
         }

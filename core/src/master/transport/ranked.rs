@@ -115,8 +115,23 @@ impl Ranks {
         left
     }
 
-    /// Time passes: thermal breaks, and thresholds that are met.
-    pub(super) fn advance(&self, place: Place, left: &mut Left, path: &Path, (from, to): (f64, f64)) {
+    /// Time passes: thermal breaks, and thresholds that are met. By how much ageing makes the others stiffer.
+    pub(super) fn advance(&self, place: Place, left: &mut Left, path: &Path, ends: (f64, f64)) -> f64 {
+        let older = place.age + path.duration * (ends.1 - ends.0);
+        let before = self.stiffening(left, place.age, older);
+        self.go(place, left, path, ends);
+        0.5 * (before + self.stiffening(left, place.age, older))
+    }
+
+    /// By how much these contacts get stiffer from one age to another.
+    fn stiffening(&self, left: &Left, age: f64, older: f64) -> f64 {
+        if self.strength.is_constant() || matches!(self.stiffness, Stiffness::Equal(_)) {
+            return 0.0;
+        }
+        self.measure(left, older).1 - self.measure(left, age).1
+    }
+
+    fn go(&self, place: Place, left: &mut Left, path: &Path, (from, to): (f64, f64)) {
         if let Some(temperature) = &self.temperature {
             self.accumulate(temperature, place, left, path, (from, to));
         }

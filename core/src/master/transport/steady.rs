@@ -42,7 +42,8 @@ impl Transport {
         while held(&walkers) > super::LEAST * tolerance {
             let way = transport.model.way(Path::steady(velocity, duration));
             let mut after = walkers.clone();
-            let mut go = |cohort: &mut Cohort, part| cohort.advance(&transport.model, &way, part, &mut room);
+            let mut go =
+                |cohort: &mut Cohort, part| cohort.advance(&transport.model, &way, part, &mut room).0;
             let mut both = |part| after.iter_mut().map(|cohort| go(cohort, part)).sum::<f64>();
             let (first, second) = (both(Part::First), both(Part::Second));
             let lost = (first + second).max(most / bend * duration * (first - second).abs());

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::broken::{Born, Broken, Share};
-use super::cohort::Cohort;
+use super::cohort::{Cohort, Spent};
 use super::diffusing::Room;
 use super::model::Model;
 use super::path::{Part, Path};
@@ -21,6 +21,8 @@ pub(super) struct Trial {
     pub(super) born: f64,
     /// What breaks of the contacts born in it.
     pub(super) deaths: Deaths,
+    /// Energies, those of the births among what is lost.
+    pub(super) spent: Spent,
 }
 
 /// The shares of the contacts born at the two Gauss points of a step that break in it.
@@ -48,6 +50,12 @@ pub(super) const GAUSS: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_
 /// Numbers that a thread goes through at least before another is asked.
 const LEAST: usize = 4096;
 
+/// What becomes of all of these cohorts.
+fn total(passed: &[(Share, Spent)]) -> (Share, Spent) {
+    let nothing = (Share::default(), Spent::default());
+    passed.iter().fold(nothing, |sum, (share, spent)| (sum.0.plus(*share), sum.1.plus(1.0, *spent)))
+}
+
 /// What does not change within a step.
 pub(super) struct Stage<'a> {
     pub(super) model: &'a Model,
@@ -70,28 +78,27 @@ impl Stage<'_> {
         let chunk = (LEAST / self.model.cells()).max(1);
         let way = self.model.way(*path);
         let step = |room: &mut Room, (i, cohort): (usize, &mut Cohort)| {
-            let mut go = |part| cohort.advance(self.model, &way, part, room);
             if i < old {
-                let middle = go(Part::First);
-                return Share { middle, end: middle + go(Part::Second) };
+                return cohort.cross(self.model, &way, room);
             }
+            let stored = cohort.energy();
             let part = if i < old + self.seeds.len() { Part::Early } else { Part::Late };
-            Share { middle: 0.0, end: go(part) }
+            let (end, spent) = cohort.arrive(self.model, &way, part, room);
+            (Share { middle: 0.0, end }, Spent { lost: spent.lost - stored, ..spent })
         };
         let all = cohorts.par_iter_mut().enumerate().with_min_len(chunk);
-        let shares: Vec<Share> = all.map_init(Room::default, step).collect();
+        let passed: Vec<(Share, Spent)> = all.map_init(Room::default, step).collect();
         let dropped = Share { middle: 0.5 * self.dropped, end: self.dropped };
-        let before = shares[..old].iter().fold(dropped, |sum, share| sum.plus(*share));
-        let [early, late] = [0, 1].map(|j| {
-            let from = old + j * self.seeds.len();
-            shares[from..from + self.seeds.len()].iter().map(|share| share.end).sum::<f64>()
-        });
-        let deaths = Deaths { early, late };
-        let (share, masses) = self.settle(path, before, deaths);
+        let (before, spent) = total(&passed[..old]);
+        let [early, late] =
+            [old, old + self.seeds.len()].map(|from| total(&passed[from..][..self.seeds.len()]));
+        let deaths = Deaths { early: early.0.end, late: late.0.end };
+        let (share, masses) = self.settle(path, before.plus(dropped), deaths);
         for (i, cohort) in cohorts[old..].iter_mut().enumerate() {
             cohort.mass *= masses[i / self.seeds.len()];
         }
-        Trial { cohorts, share, born: masses[0] + masses[1], deaths }
+        let spent = spent.plus(masses[0], early.1).plus(masses[1], late.1);
+        Trial { cohorts, share, born: masses[0] + masses[1], deaths, spent }
     }
 
     /// Contacts born at the fraction s of a step, with a mass of 1 for all seeds.

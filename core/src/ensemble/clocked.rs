@@ -1,0 +1,325 @@
+//! The contacts of an ensemble that move together in time, a way in a time after the other.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::Ensemble;
+use super::diffusion::Wandering;
+use super::lives::{Drawn, Life, Lives};
+use super::passage::{Held, Leg, Passage, stiffness};
+use crate::clocked::{Books, Clocked};
+use crate::contacts::Stiffness;
+use crate::random::{Purpose, Stream};
+use crate::{Error, Result};
+
+/// Contacts that a thread goes through before it takes others; sums are made in their order.
+const CHUNK: usize = 256;
+
+/// The contacts of an ensemble that move together in time.
+///
+/// Under a slider that goes the way of a history they live the lives of [`Ensemble::follow`], those of thresholds that diffuse
+/// with other random numbers, as these are drawn step by step. A step takes the time of looking at every contact, and so
+/// does a copy; each takes 120 bytes.
+#[derive(Clone)]
+pub struct EnsembleInTime {
+    lives: Arc<Lives>,
+    passage: Arc<Passage>,
+    stiffness: Stiffness,
+    delay: f64,
+    contacts: Vec<Contact>,
+    time: f64,
+    position: f64,
+    now: Sums,
+    past: Toll,
+    /// From sums over the ensemble to the real contacts.
+    scale: f64,
+}
+
+impl Ensemble {
+    /// The contacts at t = 0 and X = 0, to be moved in time. What stands at its threshold in a relaxed start has broken.
+    ///
+    /// # Errors
+    /// Ageing by a rule that single contacts cannot follow; more contacts than can be numbered.
+    pub fn in_time(&self) -> Result<EnsembleInTime> {
+        let Ok(size) = u32::try_from(self.size) else {
+            return Err(Error::invalid("size", format!("up to {} contacts in time", u32::MAX), self.size));
+        };
+        let mut ensemble = EnsembleInTime {
+            lives: Arc::new(Lives::in_any_order(self)),
+            passage: Arc::new(Passage::of(self)?),
+            stiffness: self.contacts.stiffness,
+            delay: self.contacts.rules.delay,
+            contacts: Vec::new(),
+            time: 0.0,
+            position: 0.0,
+            now: Sums::default(),
+            past: Toll::default(),
+            scale: self.contacts.count / self.size as f64,
+        };
+        let mut hand = ensemble.hand();
+        ensemble.contacts = (0..size).map(|index| ensemble.drawn(index, &mut hand)).collect();
+        ensemble.go(&Leg { start: 0.0, end: 0.0, position: 0.0, velocity: 0.0 });
+        // Nothing has been lost before the beginning.
+        ensemble.past = Toll { lost: 0.0, ..ensemble.past };
+        Ok(ensemble)
+    }
+}
+
+/// A contact: its life, and how far it has come in its streams.
+#[derive(Debug, Clone, Copy)]
+struct Contact {
+    index: u32,
+    drawn: Drawn,
+    /// Words taken for breaking and for diffusion.
+    words: [u64; 2],
+    /// Whether it holds; if not, it will form at the birth of `held`.
+    holds: bool,
+    /// The stretch at which it formed, or will.
+    formed: f64,
+    held: Held,
+    /// What is left of ∫w dt before heat breaks it.
+    endurance: f64,
+    wandering: Wandering,
+}
+
+/// Sums over the contacts that hold.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    stiffness: f64,
+    force: f64,
+    /// Σ ½k x².
+    energy: f64,
+}
+
+/// What breaks and is gained on a leg.
+#[derive(Debug, Clone, Copy, Default)]
+struct Toll {
+    broken: f64,
+    lost: f64,
+    gained: f64,
+}
+
+/// What a thread draws lives with.
+struct Hand {
+    lives: Lives,
+    breaking: Stream,
+    diffusion: Stream,
+}
+
+impl Contact {
+    fn stretch(&self, position: f64) -> f64 {
+        position - self.held.origin
+    }
+
+    /// Begins another life, at a time to come.
+    fn live(&mut self, life: Life, birth: f64) {
+        self.holds = false;
+        self.formed = life.stretch;
+        self.held = Held { birth, origin: 0.0, newborn: life.threshold };
+        self.wandering = Wandering::newborn(life.threshold);
+    }
+}
+
+impl Hand {
+    /// Turns to where a contact has come.
+    fn take(&mut self, contact: &Contact) {
+        let number = self.lives.number(contact.index.into());
+        self.breaking.seek(number, contact.words[0]);
+        self.diffusion.seek(number, contact.words[1]);
+    }
+
+    /// The endurance of a life, or ∞ where nothing is hot.
+    fn endurance(&mut self, contact: &mut Contact, hot: bool) -> f64 {
+        if !hot {
+            return f64::INFINITY;
+        }
+        let endurance = -self.breaking.uniform().ln();
+        contact.words[0] = self.breaking.taken();
+        endurance
+    }
+}
+
+impl EnsembleInTime {
+    fn hand(&self) -> Hand {
+        let lives = (*self.lives).clone();
+        let stream = |purpose| Stream::new(lives.seed(), purpose, 0);
+        Hand { breaking: stream(Purpose::Breaking), diffusion: stream(Purpose::Diffusion), lives }
+    }
+
+    /// A contact as it is at t = 0, before anything breaks.
+    fn drawn(&self, index: u32, hand: &mut Hand) -> Contact {
+        let life = hand.lives.first(index.into());
+        let mut contact = Contact {
+            index,
+            drawn: hand.lives.drawn(),
+            words: [0; 2],
+            holds: false,
+            formed: 0.0,
+            held: Held { birth: 0.0, origin: 0.0, newborn: 0.0 },
+            endurance: 0.0,
+            wandering: Wandering::newborn(0.0),
+        };
+        contact.live(life, 0.0);
+        contact
+    }
+
+    /// All contacts go a leg.
+    fn go(&mut self, leg: &Leg) {
+        let mut contacts = std::mem::take(&mut self.contacts);
+        let chunk = |hand: &mut Hand, contacts: &mut [Contact]| {
+            contacts.iter_mut().fold((Toll::default(), Sums::default()), |(toll, sums), contact| {
+                (toll.plus(self.live(contact, *leg, hand)), sums.plus(self.look(contact, leg)))
+            })
+        };
+        let chunks = contacts.par_chunks_mut(CHUNK).map_init(|| self.hand(), chunk);
+        let chunks: Vec<(Toll, Sums)> = chunks.collect();
+        self.contacts = contacts;
+        self.now = chunks.iter().fold(Sums::default(), |sum, chunk| sum.plus(chunk.1));
+        self.past = chunks.iter().fold(self.past, |sum, chunk| sum.plus(chunk.0));
+    }
+
+    /// A contact goes a leg, in as many lives as it takes.
+    fn live(&self, contact: &mut Contact, mut leg: Leg, hand: &mut Hand) -> Toll {
+        let mut toll = Toll::default();
+        hand.take(contact);
+        loop {
+            if !contact.holds {
+                if contact.held.birth > leg.end {
+                    return toll;
+                }
+                leg = leg.from(contact.held.birth);
+                self.form(contact, leg.position, hand);
+                toll.lost -= self.energy(contact, &leg, leg.start);
+            }
+            let end = self.end(contact, &leg, hand, &mut toll.gained);
+            contact.words[1] = hand.diffusion.taken();
+            let Some(end) = end else { return toll };
+            toll.lost += self.energy(contact, &leg, end);
+            toll.broken += 1.0;
+            hand.lives.resume(contact.index.into(), contact.drawn, contact.held.newborn);
+            let next = hand.lives.next();
+            contact.drawn = hand.lives.drawn();
+            contact.live(next, end + self.delay);
+        }
+    }
+
+    fn form(&self, contact: &mut Contact, position: f64, hand: &mut Hand) {
+        contact.held.origin = position - contact.formed;
+        contact.endurance = hand.endurance(contact, self.passage.is_hot());
+        contact.holds = true;
+    }
+
+    /// When a contact breaks on a leg, if it does; what ageing brings meanwhile is added to `gained`.
+    fn end(&self, contact: &mut Contact, leg: &Leg, hand: &mut Hand, gained: &mut f64) -> Option<f64> {
+        // In a relaxed start some are beyond their thresholds.
+        if contact.formed >= contact.held.newborn {
+            return Some(leg.start);
+        }
+        let Contact { held, endurance, wandering, .. } = contact;
+        match self.passage.as_ref() {
+            Passage::Known(known) => {
+                let end = known.on(held, leg, endurance);
+                *gained += known.gained(held, leg, end.unwrap_or(leg.end));
+                end
+            }
+            Passage::Diffusing(diffusion) => {
+                let stream = &mut hand.diffusion;
+                diffusion.on(held, wandering, leg, endurance, stream, gained)
+            }
+        }
+    }
+
+    /// Stiffness at a time.
+    fn stiffness(&self, contact: &Contact, time: f64) -> f64 {
+        let threshold = match (self.stiffness, self.passage.as_ref()) {
+            (Stiffness::Equal(_), _) => 0.0,
+            (_, Passage::Known(known)) => known.threshold(&contact.held, time),
+            (_, Passage::Diffusing(_)) => contact.wandering.threshold(),
+        };
+        stiffness(self.stiffness, threshold)
+    }
+
+    /// ½k x² at a time of a leg.
+    fn energy(&self, contact: &Contact, leg: &Leg, time: f64) -> f64 {
+        let stretch = contact.stretch(leg.position(time));
+        0.5 * self.stiffness(contact, time) * stretch * stretch
+    }
+
+    /// What a contact adds to the sums at the end of a leg.
+    fn look(&self, contact: &Contact, leg: &Leg) -> Sums {
+        if !contact.holds {
+            return Sums::default();
+        }
+        let (stiffness, stretch) = (self.stiffness(contact, leg.end), contact.stretch(leg.position(leg.end)));
+        let force = stiffness * stretch;
+        Sums { count: 1.0, stiffness, force, energy: 0.5 * force * stretch }
+    }
+}
+
+impl Sums {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            stiffness: self.stiffness + other.stiffness,
+            force: self.force + other.force,
+            energy: self.energy + other.energy,
+        }
+    }
+}
+
+impl Toll {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            broken: self.broken + other.broken,
+            lost: self.lost + other.lost,
+            gained: self.gained + other.gained,
+        }
+    }
+}
+
+impl Clocked for EnsembleInTime {
+    fn position(&self) -> f64 {
+        self.position
+    }
+
+    fn time(&self) -> f64 {
+        self.time
+    }
+
+    fn force(&self) -> f64 {
+        self.scale * self.now.force
+    }
+
+    fn tangent(&self) -> f64 {
+        self.scale * self.now.stiffness
+    }
+
+    fn books(&self) -> Books {
+        let Toll { broken, lost, gained } = self.past;
+        let [elastic, lost, gained] = [self.now.energy, lost, gained].map(|energy| self.scale * energy);
+        Books { elastic, lost, gained, broken: broken / self.contacts.len() as f64 }
+    }
+
+    fn free(&self) -> f64 {
+        1.0 - self.now.count / self.contacts.len() as f64
+    }
+
+    fn step(&mut self, by: f64, during: f64) -> Result<()> {
+        if !(during > 0.0 && during.is_finite()) {
+            return Err(Error::invalid("during", "a finite number above 0", during));
+        }
+        if !(by >= 0.0 && by.is_finite()) {
+            return Err(Error::invalid("by", "a finite length, 0 or above", by));
+        }
+        let end = self.time + during;
+        self.go(&Leg { start: self.time, end, position: self.position, velocity: by / during });
+        (self.time, self.position) = (end, self.position + by);
+        Ok(())
+    }
+
+    fn copy(&self) -> Box<dyn Clocked> {
+        Box::new(self.clone())
+    }
+}
