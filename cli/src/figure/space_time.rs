@@ -110,7 +110,7 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
     let points: Vec<Point> = (0..events.len()).filter(own).map(|i| (who[i] + 0.5, starts[i])).collect();
     let times: Vec<f64> = points.iter().map(|point| point.1).collect();
     let (first, last) = style::range([times.as_slice()]);
-    if !(last > first) {
+    if last <= first || last.is_nan() {
         return None;
     }
     let epicentre = points.iter().find(|point| point.1 == first)?.0;

@@ -227,7 +227,8 @@ impl Interface {
             let expected = format!("a position for each of the {} cells", self.len());
             return Err(Error::invalid("positions", expected, positions.len()));
         }
-        if let Some(cell) = (0..self.len()).find(|&j| !(positions[j] >= self.positions[j])) {
+        let behind = |&j: &usize| positions[j].is_nan() || positions[j] < self.positions[j];
+        if let Some(cell) = (0..self.len()).find(behind) {
             let expected =
                 format!("no less than {} for cell {cell}: cells move forward", self.positions[cell]);
             return Err(Error::invalid("positions", expected, positions[cell]));

@@ -47,7 +47,7 @@ pub fn run(
         let trace = sliding.clone().follow(&history, &times, &mut Part::new(part, 0.0, master))?;
         let peak = columns.push(&trace);
         if let Some(ensemble) = &scenario.ensemble {
-            let first = (done * ensemble.size) as u64;
+            let first = (done * ensemble.size()) as u64;
             let model = ensemble.build(contacts.clone(), initial.clone())?.numbered_from(first);
             let moment = slide.duration + hold + (peak.position - trace.position[0]) / task.velocity;
             let history = History::new(vec![slide, held, on])?;

@@ -106,7 +106,7 @@ pub fn behind(
     let mut told = Sliding::in_time(&run);
     if let Some(ensemble) = &scenario.ensemble {
         let model = ensemble.build(contacts.clone(), initial.clone())?.in_time()?;
-        let length = mean * tolerance_over(ensemble.size).max(tolerance);
+        let length = mean * tolerance_over(ensemble.size()).max(tolerance);
         let part = &mut Part::new(monitor, master, 1.0 - master);
         let run = block.in_time(true)?.follow(&model, &history, &times, length, part)?;
         sliding::adopt(known(sliding::motion_in_time(&run), contacts), "ensemble_", &mut record);

@@ -43,7 +43,7 @@ pub fn run(
             slow.push(contacts, velocity, limit.viscosity);
             if let Some(ensemble) = &setting.scenario.ensemble {
                 part::report(monitor, (friction.len() as f64 - 1.0 + MASTER) / points)?;
-                let first = (force.len() * ensemble.size) as u64;
+                let first = (force.len() * ensemble.size()) as u64;
                 let slid = slide(setting, contacts, (ensemble, first), velocity, steady.way)?;
                 force.push(slid.0);
                 error.push(slid.1);
