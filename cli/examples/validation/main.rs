@@ -23,7 +23,6 @@ mod time;
 #[path = "../../../core/tests/common/together.rs"]
 mod together;
 #[path = "../../../core/tests/common/ways.rs"]
-#[allow(dead_code)]
 mod ways;
 
 use std::path::{Path, PathBuf};
