@@ -55,6 +55,8 @@ fn outcome() -> Outcome {
         steps: Vec::new(),
         limits: Vec::new(),
         hold_curve: None,
+        catalogue: None,
+        renormalisation: None,
         compare: None,
         warnings: Vec::new(),
     };
