@@ -62,34 +62,35 @@ pub(super) struct Stage<'a> {
 impl Stage<'_> {
     /// The step along a path.
     pub(super) fn attempt(&self, cohorts: &[Cohort], path: &Path) -> Trial {
-        let mut cohorts = cohorts.to_vec();
-        let born =
-            GAUSS.into_iter().flat_map(|s| self.seeds.iter().map(move |seed| self.newborn(seed, path, s)));
-        let old = cohorts.len();
-        cohorts.extend(born);
+        let (old, seeds) = (cohorts.len(), self.seeds.len());
         let chunk = (LEAST / self.model.cells()).max(1);
         let way = self.model.way(*path);
-        let step = |room: &mut Room, (i, cohort): (usize, &mut Cohort)| {
-            let mut go = |part| cohort.advance(self.model, &way, part, room);
-            if i < old {
+        // Copies and births take as much of memory as steps do.
+        let step = |room: &mut Room, i: usize| {
+            if let Some(cohort) = cohorts.get(i) {
+                let mut cohort = cohort.clone();
+                let mut go = |part| cohort.advance(self.model, &way, part, room);
                 let middle = go(Part::First);
-                return Share { middle, end: middle + go(Part::Second) };
+                let end = middle + go(Part::Second);
+                return (cohort, Share { middle, end });
             }
-            let part = if i < old + self.seeds.len() { Part::Early } else { Part::Late };
-            Share { middle: 0.0, end: go(part) }
+            let (born, part) = ((i - old) / seeds, [Part::Early, Part::Late]);
+            let mut cohort = self.newborn(&self.seeds[(i - old) % seeds], path, GAUSS[born]);
+            let end = cohort.advance(self.model, &way, part[born], room);
+            (cohort, Share { middle: 0.0, end })
         };
-        let all = cohorts.par_iter_mut().enumerate().with_min_len(chunk);
-        let shares: Vec<Share> = all.map_init(Room::default, step).collect();
+        let all = (0..old + GAUSS.len() * seeds).into_par_iter().with_min_len(chunk);
+        let (mut cohorts, shares): (Vec<Cohort>, Vec<Share>) = all.map_init(Room::default, step).unzip();
         let dropped = Share { middle: 0.5 * self.dropped, end: self.dropped };
         let before = shares[..old].iter().fold(dropped, |sum, share| sum.plus(*share));
         let [early, late] = [0, 1].map(|j| {
-            let from = old + j * self.seeds.len();
-            shares[from..from + self.seeds.len()].iter().map(|share| share.end).sum::<f64>()
+            let from = old + j * seeds;
+            shares[from..from + seeds].iter().map(|share| share.end).sum::<f64>()
         });
         let deaths = Deaths { early, late };
         let (share, masses) = self.settle(path, before, deaths);
         for (i, cohort) in cohorts[old..].iter_mut().enumerate() {
-            cohort.mass *= masses[i / self.seeds.len()];
+            cohort.mass *= masses[i / seeds];
         }
         Trial { cohorts, share, born: masses[0] + masses[1], deaths }
     }
