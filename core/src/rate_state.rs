@@ -5,8 +5,14 @@
 //!
 //! F(X) = F₀ + a ln(v/v₀) − b ln(v/v₀) (1 − e^{−(X − X_p)/D_c}),
 //!
-//! and static friction that grows with the logarithm of the hold time. What is read here are numbers on a curve,
-//! computed or measured: whether the curve has that form is told by the errors of the fit.
+//! and static friction after a hold of the time t,
+//!
+//! F_s(t) = F_s(0) + β ln(1 + t/t_c),
+//!
+//! which heals by β ln 10 per factor of ten in hold time where t ≫ t_c, and hardly before. What is read here are numbers on
+//! a curve, computed or measured: whether the curve has that form is told by the errors of the fit.
+
+use std::f64::consts::LN_10;
 
 use crate::numerics::linear::solve;
 use crate::numerics::roots::brent_minimum;
@@ -37,18 +43,24 @@ pub struct VelocityStep {
     pub residual: f64,
 }
 
-/// Healing: static friction grows by so much per factor of ten in hold time.
+/// Healing: static friction grows with the logarithm of the hold time, from a cutoff time on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Healing {
-    /// The growth per factor of ten, a force.
+    /// β ln 10, the growth per factor of ten in hold time where that is logarithmic, a force.
     pub per_decade: Fitted,
-    /// The fitted force at a hold of 1, a force.
+    /// t_c, a time; `None` where all holds are so much longer that they do not tell it, and the growth is logarithmic throughout.
+    pub cutoff: Option<Fitted>,
+    /// The fitted force after a hold of 1, a force.
     pub at_one: Fitted,
+    /// Root mean square of what the fit leaves over.
+    pub residual: f64,
 }
 
-/// Fewest points that a fit of three numbers is made to.
+/// Fewest points of a velocity step that a fit of three numbers is made to, …
 const FEWEST: usize = 8;
-/// Candidate lengths that are tried before the best of them is refined.
+/// … and fewest holds.
+const FEWEST_HOLDS: usize = 4;
+/// Candidate scales that are tried before the best of them is refined.
 const CANDIDATES: usize = 60;
 
 impl VelocityStep {
@@ -66,12 +78,16 @@ impl VelocityStep {
         let peak = peak(force, size.signum())?;
         let (way, force) = (position.get(peak..)?, force.get(peak..)?);
         let way: Vec<f64> = way.iter().map(|x| x - way[0]).collect();
-        let fit = Decay::fit(&way, force)?;
+        if way.len() < FEWEST {
+            return None;
+        }
+        let reach = *way.last()?;
+        let fit = Fit::of(&DECAY, &way, force, (1e-3 * reach, 3.0 * reach))?;
         let error = |gradient: [f64; 3]| fit.error(gradient) / size.abs();
         Some(Self {
-            direct: Fitted { value: (fit.end + fit.height - before) / size, error: error([1.0, 1.0, 0.0]) },
-            evolution: Fitted { value: fit.height / size, error: error([0.0, 1.0, 0.0]) },
-            distance: Fitted { value: fit.length, error: fit.error([0.0, 0.0, 1.0]) },
+            direct: Fitted { value: (fit.offset + fit.size - before) / size, error: error([1.0, 1.0, 0.0]) },
+            evolution: Fitted { value: fit.size / size, error: error([0.0, 1.0, 0.0]) },
+            distance: Fitted { value: fit.scale, error: fit.error([0.0, 0.0, 1.0]) },
             before,
             peak: position[peak],
             residual: fit.residual(),
@@ -93,35 +109,45 @@ fn peak(force: &[f64], side: f64) -> Option<usize> {
     Some(if 2 * highest < force.len() && force.len() - highest >= FEWEST { highest } else { 0 })
 }
 
-/// y = end + height e^{−x/length}, with the covariance of the three.
-struct Decay {
-    end: f64,
-    height: f64,
-    length: f64,
+/// A curve s(z) with its slope, that stretched along both axes is fitted to points.
+struct Shape {
+    value: fn(f64) -> f64,
+    slope: fn(f64) -> f64,
+}
+
+/// e^{−z}.
+const DECAY: Shape = Shape { value: |z| (-z).exp(), slope: |z| -(-z).exp() };
+
+/// ln(1 + z).
+const GROWTH: Shape = Shape { value: f64::ln_1p, slope: |z| 1.0 / (1.0 + z) };
+
+/// y = offset + size s(x/scale), with the covariance of the three.
+struct Fit {
+    offset: f64,
+    size: f64,
+    scale: f64,
     covariance: [[f64; 3]; 3],
     squares: f64,
     points: usize,
 }
 
-impl Decay {
-    fn fit(x: &[f64], y: &[f64]) -> Option<Self> {
-        let reach = *x.last()?;
-        if x.len() < FEWEST || x.len() != y.len() || reach.is_nan() || reach <= 0.0 {
+impl Fit {
+    /// Least squares, with a scale between `low` and `high`.
+    fn of(shape: &Shape, x: &[f64], y: &[f64], (low, high): (f64, f64)) -> Option<Self> {
+        if x.len() < 4 || x.len() != y.len() || !(low > 0.0 && high.is_finite()) {
             return None;
         }
-        let left_over = |log: f64| linear(x, y, log.exp()).map_or(f64::INFINITY, |fit| fit.2);
-        let (low, high) = ((1e-3 * reach).ln(), (3.0 * reach).ln());
+        let best = |scale: f64| linear(x.iter().map(|x| (shape.value)(x / scale)), y);
+        let left_over = |log: f64| best(log.exp()).map_or(f64::INFINITY, |fit| fit.2);
+        let (low, high) = (low.ln(), high.ln());
         let step = (high - low) / CANDIDATES as f64;
         let candidates = (0..=CANDIDATES).map(|i| low + step * i as f64);
-        let best = candidates.min_by(|a, b| left_over(*a).total_cmp(&left_over(*b)))?;
-        let length = brent_minimum(left_over, best - step, best + step, 1e-10).0.exp();
-        let (end, height, squares) = linear(x, y, length)?;
-        let gradients = x.iter().map(|x| {
-            let decayed = (-x / length).exp();
-            [1.0, decayed, height * decayed * x / (length * length)]
-        });
+        let nearest = candidates.min_by(|a, b| left_over(*a).total_cmp(&left_over(*b)))?;
+        let scale = brent_minimum(left_over, nearest - step, nearest + step, 1e-10).0.exp();
+        let (offset, size, squares) = best(scale)?;
+        let gradients = x.iter().map(|x| gradient(shape, size, scale, *x));
         let covariance = inverse(normal(gradients))?;
-        Some(Self { end, height, length, covariance, squares, points: x.len() })
+        Some(Self { offset, size, scale, covariance, squares, points: x.len() })
     }
 
     /// Standard error of a sum of the three numbers with the weights `gradient`.
@@ -136,13 +162,19 @@ impl Decay {
     }
 }
 
-/// The best end and height at a length, and the sum of squares that they leave over.
-fn linear(x: &[f64], y: &[f64], length: f64) -> Option<(f64, f64, f64)> {
-    let columns = || x.iter().map(|x| [1.0, (-x / length).exp()]);
-    let right = columns().zip(y).fold([0.0; 2], |sum, (row, y)| [sum[0] + y * row[0], sum[1] + y * row[1]]);
-    let [end, height] = solve(normal(columns()), right)?;
-    let squares = columns().zip(y).map(|(row, y)| (y - end * row[0] - height * row[1]).powi(2)).sum();
-    Some((end, height, squares))
+/// How the fitted curve at x changes with offset, size and scale.
+fn gradient(shape: &Shape, size: f64, scale: f64, x: f64) -> [f64; 3] {
+    let z = x / scale;
+    [1.0, (shape.value)(z), -size * (shape.slope)(z) * z / scale]
+}
+
+/// The straight line through y over a column, as offset and size, and the sum of squares that it leaves over.
+fn linear(column: impl Iterator<Item = f64> + Clone, y: &[f64]) -> Option<(f64, f64, f64)> {
+    let rows = || column.clone().map(|c| [1.0, c]).zip(y);
+    let right = rows().fold([0.0; 2], |sum, (row, y)| [sum[0] + y * row[0], sum[1] + y * row[1]]);
+    let [offset, size] = solve(normal(rows().map(|row| row.0)), right)?;
+    let squares = rows().map(|(row, y)| (y - offset - size * row[1]).powi(2)).sum();
+    Some((offset, size, squares))
 }
 
 /// Σ g gᵀ.
@@ -162,24 +194,53 @@ fn inverse<const N: usize>(matrix: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
 }
 
 impl Healing {
-    /// The straight line through static friction against the decimal logarithm of the hold time, by least squares.
+    /// The fit of the three numbers to static friction after holds, by least squares.
     ///
-    /// `None` for fewer than 3 holds.
+    /// A cutoff time a thousand times shorter than the shortest hold is none. `None` for fewer than 4 holds, and where the
+    /// longest hold is no longer than the cutoff time: what grows is then no logarithm.
     pub fn read(hold: &[f64], force: &[f64]) -> Option<Self> {
-        if hold.len() < 3 || hold.len() != force.len() {
+        /// The shortest cutoff time that is looked for, in units of the shortest hold.
+        const SHORTEST: f64 = 1e-3;
+        let shortest = hold.iter().copied().fold(f64::INFINITY, f64::min);
+        let longest = hold.iter().copied().fold(0.0, f64::max);
+        if hold.len() < FEWEST_HOLDS || hold.len() != force.len() {
             return None;
         }
-        let rows = || hold.iter().map(|t| [1.0, t.log10()]);
-        let covariance = inverse(normal(rows()))?;
-        let right =
-            rows().zip(force).fold([0.0; 2], |sum, (row, f)| [sum[0] + f * row[0], sum[1] + f * row[1]]);
-        let [at_one, slope] = [0, 1].map(|i| covariance[i][0] * right[0] + covariance[i][1] * right[1]);
-        let squares: f64 = rows().zip(force).map(|(row, f)| (f - at_one - slope * row[1]).powi(2)).sum();
+        let fit = Fit::of(&GROWTH, hold, force, (SHORTEST * shortest, 2.0 * longest))?;
+        if fit.scale >= longest {
+            return None;
+        }
+        if fit.scale <= SHORTEST * shortest {
+            return Self::straight(hold, force);
+        }
+        let decade = LN_10 * fit.size;
+        let at_one = gradient(&GROWTH, fit.size, fit.scale, 1.0);
+        Some(Self {
+            per_decade: Fitted { value: decade, error: LN_10 * fit.error([0.0, 1.0, 0.0]) },
+            cutoff: Some(Fitted { value: fit.scale, error: fit.error([0.0, 0.0, 1.0]) }),
+            at_one: Fitted { value: fit.offset + fit.size * at_one[1], error: fit.error(at_one) },
+            residual: fit.residual(),
+        })
+    }
+
+    /// The straight line over the logarithm of the hold time.
+    fn straight(hold: &[f64], force: &[f64]) -> Option<Self> {
+        let logs = || hold.iter().map(|t| t.log10());
+        let (at_one, slope, squares) = linear(logs(), force)?;
+        let covariance = inverse(normal(logs().map(|log| [1.0, log])))?;
         let error = |i: usize| (squares / (hold.len() - 2) as f64 * covariance[i][i]).sqrt();
         Some(Self {
             per_decade: Fitted { value: slope, error: error(1) },
+            cutoff: None,
             at_one: Fitted { value: at_one, error: error(0) },
+            residual: (squares / hold.len() as f64).sqrt(),
         })
+    }
+
+    /// The fitted static friction after a hold.
+    pub fn force(&self, hold: f64) -> f64 {
+        let cutoff = self.cutoff.map_or(0.0, |cutoff| cutoff.value);
+        self.at_one.value + self.per_decade.value * ((hold + cutoff) / (1.0 + cutoff)).log10()
     }
 }
 
@@ -234,13 +295,53 @@ mod tests {
         assert_eq!(VelocityStep::read(&position, &force, 0.6, 1.0), None);
     }
 
+    /// Hold times from 0.1 on, four a decade.
+    fn holds(decades: u32) -> Vec<f64> {
+        (0..=4 * decades).map(|i| 0.1 * 10.0_f64.powf(0.25 * f64::from(i))).collect()
+    }
+
     #[test]
-    fn healing_is_the_slope_per_decade() {
+    fn healing_gives_back_growth_and_cutoff_time() {
+        let hold = holds(6);
+        for (growth, cutoff) in [(0.008, 3.0), (0.02, 0.05), (0.002, 1e3)] {
+            let force: Vec<f64> = hold.iter().map(|t| 0.6 + growth * (1.0 + t / cutoff).ln()).collect();
+            let read = Healing::read(&hold, &force).unwrap();
+            let time = read.cutoff.unwrap();
+            // Rounding of 0.6, 1e-16, over the growth, amplified by the square root of the tolerance.
+            assert!((read.per_decade.value / (growth * LN_10) - 1.0).abs() < 1e-7, "{read:?}");
+            assert!((time.value / cutoff - 1.0).abs() < 1e-6, "{read:?}");
+            assert!(read.per_decade.error < 1e-7 * growth && time.error < 1e-6 * cutoff, "{read:?}");
+            assert!(hold.iter().zip(&force).all(|(&t, f)| (read.force(t) - f).abs() < 1e-9));
+        }
+    }
+
+    #[test]
+    fn errors_of_healing_are_those_of_the_scatter() {
+        let hold = holds(6);
+        // A deterministic scatter of standard deviation 1e-4.
+        let noise = |i: usize| 1e-4 * f64::sqrt(2.0) * (2.4 * i as f64).sin();
+        let law = |(i, t): (usize, &f64)| 0.6 + 0.008 * (1.0 + t / 3.0).ln() + noise(i);
+        let force: Vec<f64> = hold.iter().enumerate().map(law).collect();
+        let read = Healing::read(&hold, &force).unwrap();
+        // within 4 standard errors, and those no wider than a twentieth of growth and a fifth of the cutoff time
+        for (fitted, known, part) in
+            [(read.per_decade, 0.008 * LN_10, 0.05), (read.cutoff.unwrap(), 3.0, 0.2)]
+        {
+            assert!((fitted.value - known).abs() < 4.0 * fitted.error, "{fitted:?} is not {known}");
+            assert!(fitted.error < part * known && fitted.error > 0.0, "{fitted:?}");
+        }
+        assert!((read.residual / 1e-4 - 1.0).abs() < 0.15, "{}", read.residual);
+    }
+
+    #[test]
+    fn growth_without_a_cutoff_among_the_holds_is_a_straight_line() {
         let hold = [1.0, 10.0, 100.0, 1000.0];
         let read = Healing::read(&hold, &hold.map(|t: f64| 0.6 + 0.008 * t.log10())).unwrap();
         // rounding of 0.6
         assert!((read.per_decade.value - 0.008).abs() < 1e-15 && read.per_decade.error < 1e-15);
-        assert!((read.at_one.value - 0.6).abs() < 1e-15);
-        assert_eq!(Healing::read(&hold[..2], &[0.6, 0.61]), None);
+        assert!((read.at_one.value - 0.6).abs() < 1e-15 && read.cutoff.is_none());
+        assert_eq!(Healing::read(&hold[..3], &[0.6, 0.61, 0.62]), None);
+        // Growth that goes with the hold time itself is no healing by a logarithm.
+        assert_eq!(Healing::read(&hold, &hold.map(|t| 0.6 + 1e-5 * t)), None);
     }
 }

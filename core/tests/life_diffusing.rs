@@ -175,3 +175,12 @@ fn temperature_breaks_contacts_that_cannot_diffuse_as_it_does_those_that_do_not_
         assert!(still.survival().curve().value(0.9) < 0.7);
     }
 }
+
+#[test]
+fn edges_that_hardly_diffuse_are_refused() {
+    let contacts =
+        |diffusion| contacts(Arc::new(Rectangular::new(0.4, 0.6).unwrap()), gaussian(1.0, 0.1), diffusion);
+    let error = moving(&contacts(1e-9), &contacts(1e-9).reforming, true, 1.0, false).unwrap_err();
+    assert!(error.to_string().contains("hardly diffuse"), "{error}");
+    assert!(moving(&contacts(1e-2), &contacts(1e-2).reforming, true, 1.0, false).is_ok());
+}

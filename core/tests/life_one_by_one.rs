@@ -269,3 +269,12 @@ fn ageing_of_contacts_that_start_among_thresholds() {
         Case { thresholds, reforming, stiffness: EQUAL, rules, velocity }.check(QUADRATURE);
     }
 }
+
+#[test]
+fn ageing_at_a_temperature_of_contacts_that_start_at_any_stretch() {
+    for law in [logarithmic(), weakening()] {
+        let (thresholds, reforming) = (gaussian(1.0, 0.1), rectangular(0.0, 0.2));
+        let rules = Rules { ageing: Some(law), ..thermal(0.05, Barrier::Elastic) };
+        Case { thresholds, reforming, stiffness: EQUAL, rules, velocity: 1e-2 }.check(QUADRATURE);
+    }
+}

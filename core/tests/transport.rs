@@ -102,6 +102,25 @@ fn at_one_velocity_the_renewal_equation_is_reproduced() {
 }
 
 #[test]
+fn diffusing_thresholds_reproduce_the_renewal_equation_to_what_is_asked() {
+    let diffusing = contacts(gaussian(0.5, 0.1), ageing(smoluchowski()));
+    // Cells of second order, whose width goes as the square root of the tolerance; each tenth of it costs 20 times more.
+    for tolerance in [1e-3, 1e-4, 1e-5] {
+        let (initial, velocity, distance) = (conditional(point(0.0)), 0.3, 1.0);
+        let history = moving(&[(velocity, distance / velocity)]);
+        let mut transport = Transport::new(diffusing.clone(), &initial, tolerance).unwrap();
+        let trace = transport.follow(&history, &times(&history, 37), &mut ()).unwrap();
+        let equation = MasterEquation::at(diffusing.clone(), &initial, velocity).unwrap();
+        // Lives of diffusing thresholds are known to about 1e-7.
+        let pull = equation.pull(distance, 1e-7, &mut ()).unwrap();
+        let off = |(&x, &force): (&f64, &f64)| (force - pull.force(x)).abs();
+        let off = trace.position.iter().zip(&trace.force).map(off).fold(0.0, f64::max);
+        // "About": twice.
+        assert!(off < 2.0 * tolerance && off > 0.2 * tolerance, "{tolerance:e}: {off:e}");
+    }
+}
+
+#[test]
 fn so_it_is_for_spread_starts_and_stiffness_that_goes_with_the_threshold() {
     let spread =
         |thresholds, rules| Contacts { reforming: rectangular(0.0, 0.2), ..contacts(thresholds, rules) };

@@ -35,15 +35,28 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     Some(render_multiple(plots, style::legend_below(layout, legend)))
 }
 
-/// The fitted line, and the kinetic friction from which static friction grows.
+/// Points of the fitted law.
+const POINTS: u32 = 200;
+
+/// The fitted law, and the kinetic friction from which static friction grows.
 fn healing(outcome: &Outcome, hold: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
     let Some(read) = outcome.summary.hold_curve else { return };
     let unit = outcome.summary.units.label(Quantity::Force);
     let ends = [hold[0], hold[hold.len() - 1]];
     if let (Some(slope), Some(at_one)) = (read.healing_per_decade, read.at_one) {
-        let fitted = ends.map(|t| (t, at_one + slope.value * t.log10())).to_vec();
+        let cutoff = read.healing_cutoff.map_or(0.0, |cutoff| cutoff.value);
+        let force = |t: f64| at_one + slope.value * ((t + cutoff) / (1.0 + cutoff)).log10();
+        let time = |k: u32| ends[0] * (ends[1] / ends[0]).powf(f64::from(k) / f64::from(POINTS));
+        let fitted = (0..=POINTS).map(time).map(|t| (t, force(t))).collect();
         plots.push(line(fitted, GREY, 1.4, Some(DASHES)));
-        let words = format!("healing {} per decade", style::with_unit(slope.value, &unit));
+        let time = outcome.summary.units.label(Quantity::Time);
+        let from =
+            read.healing_cutoff.map(|cutoff| format!(" from {} on", style::with_unit(cutoff.value, &time)));
+        let words = format!(
+            "healing {} per decade{}",
+            style::with_unit(slope.value, &unit),
+            from.unwrap_or_default()
+        );
         legend.push(style::line(words, GREY, Some(DASHES)));
     }
     plots.push(line(ends.map(|t| (t, read.kinetic_friction)).to_vec(), GREY, 1.4, Some(DOTS)));

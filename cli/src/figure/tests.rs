@@ -176,13 +176,17 @@ fn a_hold_curve_shows_healing_and_what_it_grows_from() {
         kinetic_friction: 0.5,
         healing_per_decade: Some(fitted),
         healing_relative: Some(0.02),
+        healing_cutoff: Some(Fitted { value: 3.0, error: 0.1 }),
         at_one: Some(0.6),
     });
     let pictures = draw(&outcome).unwrap();
     let text = svg(&pictures, "hold_curve.svg");
-    for words in
-        ["Hold time (s)", "Static friction F_s (MPa)", "healing 0.01 MPa per decade", "kinetic 0.5 MPa"]
-    {
+    for words in [
+        "Hold time (s)",
+        "Static friction F_s (MPa)",
+        "healing 0.01 MPa per decade from 3 s on",
+        "kinetic 0.5 MPa",
+    ] {
         assert!(text.contains(words), "{words}");
     }
 }

@@ -74,5 +74,8 @@ fn healed(summary: &Summary, curve: &HoldCurve) -> Vec<(&'static str, String)> {
             format!("{text} per factor of ten in hold time ({:.2} % of F_k)", 100.0 * relative),
         ));
     }
+    if let Some(cutoff) = curve.healing_cutoff {
+        lines.push(("", format!("from a cutoff time of {} on", fitted(summary, cutoff, Quantity::Time))));
+    }
     lines
 }

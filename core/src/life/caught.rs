@@ -1,6 +1,7 @@
 //! Contacts whose thresholds diffuse: the stretch that grows, or a threshold that falls, catches them.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::cells::scale;
 use super::fate::{Cohort, Fate, Toll};
@@ -9,6 +10,7 @@ use crate::law::Break;
 use crate::numerics::diffusion::{Followed, Potential, Rise};
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::stencil::Stencil;
+use crate::{Error, Float, Result};
 
 /// Contacts with v ∂_x p = D∂_h[U' + ∂_h]p − w p on h > x, p = 0 at h = x, from P_ci above where they formed.
 #[derive(Debug, Clone)]
@@ -19,6 +21,8 @@ pub(super) struct Diffusing {
     temperature: Option<Temperature>,
     stiffness: Stiffness,
     resolution: f64,
+    /// The largest error of survival that was met, as bits.
+    missed: Arc<AtomicU64>,
 }
 
 /// Those formed at one stretch.
@@ -51,6 +55,9 @@ const LEVELS: (usize, usize) = (4, 6);
 /// What two successive extrapolations may differ by. Of smooth laws the later one is nearer by a factor of about 50.
 const TOLERANCE: f64 = 2e-6;
 
+/// What they may differ by in the end, where laws have edges.
+const ALLOWED: f64 = 1e-3;
+
 /// How finely the layer D/v above the stretch is resolved, and how thin at least, as part of all: a thinner one holds fewer
 /// contacts than any result shows.
 const LAYER: f64 = 40.0;
@@ -66,7 +73,22 @@ impl Diffusing {
             temperature: contacts.rules.temperature,
             stiffness: contacts.stiffness,
             resolution: scale(contacts.thresholds.as_ref()),
+            missed: Arc::default(),
         }
+    }
+
+    /// Refuses lives that are not right: newborn thresholds with edges that hardly diffuse stay rough, and cells that follow
+    /// the stretch smear them.
+    ///
+    /// # Errors
+    /// Survival of a cohort that was off by more than [`ALLOWED`].
+    pub(super) fn check(&self) -> Result<()> {
+        let missed = f64::from_bits(self.missed.load(Ordering::Relaxed));
+        if missed <= ALLOWED {
+            return Ok(());
+        }
+        let what = "survival of contacts whose newborn thresholds have edges and hardly diffuse".to_owned();
+        Err(Error::Accuracy { what, reached: Float(missed), wanted: Float(ALLOWED) })
     }
 
     /// D, at least as large as is needed for a layer that can be resolved.
@@ -165,6 +187,8 @@ impl Diffusing {
             let apart = apart(best, &fourth);
             levels.push([plain, second, fourth.clone()]);
             if (levels.len() >= LEVELS.0 && apart < TOLERANCE) || levels.len() == LEVELS.1 {
+                // Positive numbers are in the order of their bits.
+                self.missed.fetch_max(apart.to_bits(), Ordering::Relaxed);
                 return fourth;
             }
         }

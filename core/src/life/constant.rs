@@ -31,8 +31,8 @@ pub(super) struct Constant {
     before: f64,
 }
 
-/// (1 + x) D(x)/x.
-static DAWSON: LazyLock<Table> = LazyLock::new(|| Table::of(|x| (1.0 + x) * dawson(x) / x));
+/// (1 + x)² D(x)/x.
+static DAWSON: LazyLock<Table> = LazyLock::new(|| Table::of(|x| (1.0 + x).powi(2) * dawson(x) / x));
 /// (1 + t) g(t).
 static CATASTROPHE: LazyLock<Table> = LazyLock::new(|| Table::of(|t| (1.0 + t) * catastrophe(t)));
 
@@ -81,7 +81,7 @@ impl Constant {
         match self.barrier {
             Barrier::Elastic => {
                 let x = stretch / self.length;
-                x / (1.0 + x) * DAWSON.value(x)
+                x / (1.0 + x).powi(2) * DAWSON.value(x)
             }
             Barrier::Bell => 1.0,
             Barrier::Catastrophe => {

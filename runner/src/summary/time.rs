@@ -92,12 +92,16 @@ pub struct HoldCurve {
     pub velocity: f64,
     /// F_k there.
     pub kinetic_friction: f64,
-    /// Growth of static friction per factor of ten in hold time; absent for fewer than 3 holds.
+    /// Growth of static friction per factor of ten in hold time, where that is logarithmic; absent for fewer than 4 holds,
+    /// and where it is not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub healing_per_decade: Option<Fitted>,
     /// The same over F_k.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub healing_relative: Option<f64>,
+    /// The hold time t_c from which on it is, F_s = F_s(0) + β ln(1 + t/t_c); absent where all holds are much longer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub healing_cutoff: Option<Fitted>,
     /// The fitted static friction after a hold of 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at_one: Option<f64>,
@@ -141,6 +145,7 @@ impl HoldCurve {
             kinetic_friction,
             healing_per_decade: healing.map(|healing| healing.per_decade.into()),
             healing_relative: healing.map(|healing| healing.per_decade.value / kinetic_friction),
+            healing_cutoff: healing.and_then(|healing| healing.cutoff).map(Fitted::from),
             at_one: healing.map(|healing| healing.at_one.value),
         }
     }

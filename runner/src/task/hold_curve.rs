@@ -1,7 +1,7 @@
 //! `[hold_curve]`: slide until that is steady, hold, slide on; static friction against how long it was held.
 
 use asperity::history::{History, Piece};
-use asperity::master::{Trace, Transport};
+use asperity::master::Transport;
 use asperity::monitor::Monitor;
 use asperity::rate_state::Healing;
 use asperity::record::{Quantity, Record};
@@ -14,8 +14,10 @@ use crate::summary::{HoldCurve, Peak, Summary};
 
 /// Mean thresholds, of newborn or mature contacts, within which the force peaks after a hold.
 const REACH: f64 = 2.0;
-/// Points between which the peak is looked for.
-const POINTS: usize = 401;
+/// Points between which the peak is looked for first, …
+const POINTS: usize = 41;
+/// … and between the neighbours of the highest of them.
+const CLOSER: usize = 21;
 
 /// Computes the curve that `task` asks for.
 ///
@@ -33,24 +35,26 @@ pub fn run(
     let reach = REACH * contacts.thresholds.mean().max(mature).max(steady.life);
     let holds = task.holds();
     let tolerance = scenario.master_equation.tolerance_in_time(&contacts.rules);
-    let sliding = Transport::steady(contacts, task.velocity, tolerance)?;
+    let mut held = Transport::steady(contacts, task.velocity, tolerance)?;
     let slide = moving(task.velocity, steady.way);
     let mut columns = Columns::default();
+    let mut before = 0.0;
     for (done, &hold) in holds.iter().enumerate() {
         let share = 1.0 / holds.len() as f64;
         let part = &mut Part::new(monitor, done as f64 * share, share);
-        let held = Piece { velocity: 0.0, duration: hold };
         let on = moving(task.velocity, reach);
-        let history = History::new(vec![held, on])?;
-        let times = times(&history);
         let master = if scenario.ensemble.is_some() { 0.5 } else { 1.0 };
-        let trace = sliding.clone().follow(&history, &times, &mut Part::new(part, 0.0, master))?;
-        let peak = columns.push(&trace);
+        // A longer hold goes on where the shorter one ended.
+        let longer = History::new(vec![Piece { velocity: 0.0, duration: hold - before }])?;
+        held.follow(&longer, &[], &mut Part::new(part, 0.0, 0.2 * master))?;
+        before = hold;
+        let peak = slid(&held, on, &mut Part::new(part, 0.2 * master, 0.8 * master))?;
+        columns.push(peak, held.force());
         if let Some(ensemble) = &scenario.ensemble {
             let first = (done * ensemble.size()) as u64;
             let model = ensemble.build(contacts.clone(), initial.clone())?.numbered_from(first);
-            let moment = slide.duration + hold + (peak.position - trace.position[0]) / task.velocity;
-            let history = History::new(vec![slide, held, on])?;
+            let moment = slide.duration + hold + peak.position / task.velocity;
+            let history = History::new(vec![slide, Piece { velocity: 0.0, duration: hold }, on])?;
             let run = model.follow(&history, &[moment], &mut Part::new(part, master, 1.0 - master))?;
             columns.ensemble_force.push(run.force[0]);
             columns.ensemble_error.push(run.error[0]);
@@ -66,15 +70,31 @@ fn moving(velocity: f64, way: f64) -> Piece {
     Piece { velocity, duration: way / velocity }
 }
 
-/// Times from the end of the hold, with which the history begins, to the end of the motion after it.
-fn times(history: &History) -> Vec<f64> {
-    let (start, end) = (history.knots()[1].0, history.duration());
-    (0..POINTS).map(|i| start + (end - start) * (i as f64 / (POINTS - 1) as f64)).collect()
+/// The highest force of contacts that were held and then slide `on`, by the way since.
+fn slid(held: &Transport, on: Piece, monitor: &mut dyn Monitor) -> Result<Peak> {
+    let look = |(from, to): (f64, f64), points: usize, part: &mut Part<'_>| {
+        let time = |i: usize| {
+            if i + 1 < points { from + (to - from) * (i as f64 / (points - 1) as f64) } else { to }
+        };
+        let times: Vec<f64> = (0..points).map(time).collect();
+        held.clone().follow(&History::new(vec![Piece { duration: to, ..on }])?, &times, part)
+    };
+    let rough = look((0.0, on.duration), POINTS, &mut Part::new(monitor, 0.0, 0.5))?;
+    let highest = highest(&rough.force);
+    let time = |point: usize| on.duration * (point.min(POINTS - 1) as f64 / (POINTS - 1) as f64);
+    let near = (time(highest.saturating_sub(1)), time(highest + 1));
+    let trace = look(near, CLOSER, &mut Part::new(monitor, 0.5, 0.5))?;
+    let peak = peak(&trace.position, &trace.force);
+    Ok(Peak { position: peak.position - held.position(), ..peak })
+}
+
+fn highest(force: &[f64]) -> usize {
+    (0..force.len()).max_by(|&i, &j| force[i].total_cmp(&force[j])).unwrap_or(0)
 }
 
 /// The highest force of a trace: the vertex of the parabola through its highest point and both neighbours.
 pub fn peak(position: &[f64], force: &[f64]) -> Peak {
-    let highest = (0..force.len()).max_by(|&i, &j| force[i].total_cmp(&force[j])).unwrap_or(0);
+    let highest = highest(force);
     let top = Peak { force: force[highest], position: position[highest] };
     if highest == 0 || highest + 1 == force.len() {
         return top;
@@ -101,12 +121,10 @@ struct Columns {
 }
 
 impl Columns {
-    fn push(&mut self, trace: &Trace) -> Peak {
-        let peak = peak(&trace.position, &trace.force);
+    fn push(&mut self, peak: Peak, held: f64) {
         self.peak.push(peak.force);
-        self.place.push(peak.position - trace.position[0]);
-        self.held.push(trace.force[0]);
-        peak
+        self.place.push(peak.position);
+        self.held.push(held);
     }
 
     fn record(self, holds: Vec<f64>) -> Record {

@@ -463,12 +463,9 @@ fn model(contacts: &Contacts, tolerance: f64) -> Result<Model> {
             let diffusing = Diffusing::new(contacts, pace::scale(contacts), tolerance);
             Ok(Model::Diffusing(diffusing.expect("smoluchowski has a mature law")))
         }
-        _ => Ok(Model::Ranked(Ranks::new(contacts, CHANGE * tolerance.powf(0.25))?)),
+        _ => Ok(Model::Ranked(Ranks::new(contacts, tolerance)?)),
     }
 }
-
-/// How much ln w may change between two points of a time step, in units of the fourth root of the tolerance.
-const CHANGE: f64 = 8.0;
 
 /// The widest cell of a law of stretches: no wider than the thresholds can see.
 fn widest(contacts: &Contacts) -> f64 {

@@ -9,7 +9,6 @@ use super::cohort::Place;
 use super::panels::{Panel, panels};
 use super::path::Path;
 use super::seeds::Seed;
-use super::trial::GAUSS;
 use crate::Result;
 use crate::contacts::{Barrier, Contacts, Stiffness, Strength, Temperature};
 use crate::law::{Atom, SharedLaw};
@@ -23,8 +22,8 @@ pub(super) struct Ranks {
     strength: Strength,
     temperature: Option<Temperature>,
     stiffness: Stiffness,
-    /// ln w may change by this much between two Gauss points of a time step.
-    most_change: f64,
+    /// By how much ln w may change in a part of a time step that one of the [`RULES`] is to sum.
+    most_change: [f64; RULES.len()],
     panels: Vec<Panel>,
     /// Newborn thresholds at the Gauss points of the panels, then the atoms' …
     labels: Vec<f64>,
@@ -52,6 +51,18 @@ pub(super) struct Left {
     newborn: f64,
 }
 
+/// Gauss rules on [0, 1], as points and weights.
+const RULES: [&[(f64, f64)]; 3] = [
+    &[(0.211_324_865_405_187_13, 0.5), (0.788_675_134_594_812_9, 0.5)],
+    &[(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)],
+    &[
+        (0.069_431_844_202_973_71, 0.173_927_422_568_726_92),
+        (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
+        (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
+        (0.930_568_155_797_026_3, 0.173_927_422_568_726_92),
+    ],
+];
+
 /// Contacts with a larger A are gone; what adds less is nothing.
 const GONE: f64 = 60.0;
 const NOTHING: f64 = 1e-15;
@@ -71,8 +82,16 @@ fn widest(contacts: &Contacts, temperature: &Temperature) -> f64 {
     folds * temperature.energy / (stiffness * mean)
 }
 
+/// The change c of ln w over which a rule of n points misses the tolerance: ∫₀¹ e^{cs} ds to c²ⁿ (n!)⁴/[(2n + 1)((2n)!)³].
+fn most_change(rule: &[(f64, f64)], tolerance: f64) -> f64 {
+    let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
+    let n = rule.len();
+    let error = factorial(n).powi(4) / ((2 * n + 1) as f64 * factorial(2 * n).powi(3));
+    (tolerance / error).powf(0.5 / n as f64)
+}
+
 impl Ranks {
-    pub(super) fn new(contacts: &Contacts, most_change: f64) -> Result<Self> {
+    pub(super) fn new(contacts: &Contacts, tolerance: f64) -> Result<Self> {
         let law = contacts.thresholds.clone();
         let temperature = contacts.rules.temperature;
         let widest = temperature.map_or(f64::INFINITY, |t| widest(contacts, &t));
@@ -91,7 +110,7 @@ impl Ranks {
             strength,
             temperature,
             stiffness: contacts.stiffness,
-            most_change,
+            most_change: RULES.map(|rule| most_change(rule, tolerance)),
             panels,
             labels,
             weights,
@@ -144,7 +163,7 @@ impl Ranks {
         }
     }
 
-    /// Adds ∫w dt to the exponents, by two Gauss points on each part in which ln w changes little.
+    /// Adds ∫w dt to the exponents, by a Gauss rule on each part in which ln w changes little.
     fn accumulate(
         &self,
         temperature: &Temperature,
@@ -153,17 +172,17 @@ impl Ranks {
         path: &Path,
         (from, to): (f64, f64),
     ) {
-        let parts = self.parts(temperature, place, path, (from, to));
+        let (rule, parts) = self.rule(temperature, place, path, (from, to));
         let gone = left.exponents.partition_point(|&exponent| exponent > GONE);
         let first = (self.first(left.met) * NODES).min(self.spread).max(gone.min(self.spread));
         for part in 0..parts {
             let width = (to - from) / f64::from(parts);
             let start = from + width * f64::from(part);
-            for point in GAUSS {
+            for (point, weight) in rule {
                 let s = start + point * width;
                 let stretch = (place.stretch + path.advance(from, s)).abs();
                 let aged = self.strength.at(place.age + path.duration * (s - from));
-                let time = 0.5 * path.duration * width;
+                let time = weight * path.duration * width;
                 let added = |label: f64| {
                     time * self.rate(temperature, stretch, aged.threshold(label).max(f64::MIN_POSITIVE))
                 };
@@ -191,8 +210,14 @@ impl Ranks {
         temperature.attempt_rate * (-whole / temperature.energy * missing).exp()
     }
 
-    /// In how many parts ln w changes little in each.
-    fn parts(&self, temperature: &Temperature, place: Place, path: &Path, (from, to): (f64, f64)) -> u32 {
+    /// The rule that needs the fewest points in all, and in how many parts ln w changes little enough for it.
+    fn rule(
+        &self,
+        temperature: &Temperature,
+        place: Place,
+        path: &Path,
+        (from, to): (f64, f64),
+    ) -> (&'static [(f64, f64)], u32) {
         /// Enough for any rate.
         const MOST: f64 = 256.0;
         let newborn = self.panels.last().map_or(0.0, |panel| panel.high);
@@ -203,7 +228,9 @@ impl Ranks {
         let top = before.max(after);
         let moved = path.advance(from, to).abs() + (after - before).abs();
         let change = self.stiffness.of(top) * top * moved / temperature.energy;
-        (change / self.most_change).ceil().clamp(1.0, MOST) as u32
+        let parts = |most: f64| (change / most).ceil().clamp(1.0, MOST) as u32;
+        let rules = RULES.into_iter().zip(self.most_change.map(parts));
+        rules.min_by_key(|(rule, parts)| rule.len() as u32 * parts).unwrap_or((RULES[0], 1))
     }
 
     /// The first panel that reaches above a label.

@@ -70,32 +70,32 @@ pub(super) struct Stage<'a> {
 impl Stage<'_> {
     /// The step along a path.
     pub(super) fn attempt(&self, cohorts: &[Cohort], path: &Path) -> Trial {
-        let mut cohorts = cohorts.to_vec();
-        let born =
-            GAUSS.into_iter().flat_map(|s| self.seeds.iter().map(move |seed| self.newborn(seed, path, s)));
-        let old = cohorts.len();
-        cohorts.extend(born);
+        let (old, seeds) = (cohorts.len(), self.seeds.len());
         let chunk = (LEAST / self.model.cells()).max(1);
         let way = self.model.way(*path);
-        let step = |room: &mut Room, (i, cohort): (usize, &mut Cohort)| {
-            if i < old {
-                return cohort.cross(self.model, &way, room);
+        // Copies and births take as much of memory as steps do.
+        let step = |room: &mut Room, i: usize| {
+            if let Some(cohort) = cohorts.get(i) {
+                let mut cohort = cohort.clone();
+                let passed = cohort.cross(self.model, &way, room);
+                return (cohort, passed);
             }
+            let (born, part) = ((i - old) / seeds, [Part::Early, Part::Late]);
+            let mut cohort = self.newborn(&self.seeds[(i - old) % seeds], path, GAUSS[born]);
             let stored = cohort.energy();
-            let part = if i < old + self.seeds.len() { Part::Early } else { Part::Late };
-            let (end, spent) = cohort.arrive(self.model, &way, part, room);
-            (Share { middle: 0.0, end }, Spent { lost: spent.lost - stored, ..spent })
+            let (end, spent) = cohort.arrive(self.model, &way, part[born], room);
+            (cohort, (Share { middle: 0.0, end }, Spent { lost: spent.lost - stored, ..spent }))
         };
-        let all = cohorts.par_iter_mut().enumerate().with_min_len(chunk);
-        let passed: Vec<(Share, Spent)> = all.map_init(Room::default, step).collect();
+        let all = (0..old + GAUSS.len() * seeds).into_par_iter().with_min_len(chunk);
+        let (mut cohorts, passed): (Vec<Cohort>, Vec<(Share, Spent)>) =
+            all.map_init(Room::default, step).unzip();
         let dropped = Share { middle: 0.5 * self.dropped, end: self.dropped };
         let (before, spent) = total(&passed[..old]);
-        let [early, late] =
-            [old, old + self.seeds.len()].map(|from| total(&passed[from..][..self.seeds.len()]));
+        let [early, late] = [old, old + seeds].map(|from| total(&passed[from..][..seeds]));
         let deaths = Deaths { early: early.0.end, late: late.0.end };
         let (share, masses) = self.settle(path, before.plus(dropped), deaths);
         for (i, cohort) in cohorts[old..].iter_mut().enumerate() {
-            cohort.mass *= masses[i / self.seeds.len()];
+            cohort.mass *= masses[i / seeds];
         }
         let spent = spent.plus(masses[0], early.1).plus(masses[1], late.1);
         Trial { cohorts, share, born: masses[0] + masses[1], deaths, spent }
