@@ -15,12 +15,18 @@ const BALANCED: f64 = 1e-14;
 /// Roundings of a position by which the slider pulls.
 const ROUNDINGS: f64 = 4.0;
 
+/// A change of slopes that is seen in what a step leaves, of the excess force: at a fold it leaves a quarter, and half of it
+/// is bent.
+const CURVED: f64 = 0.1;
+
 /// A step that has been made.
 pub(super) struct Step {
     /// Whether the state that it was made from is stable.
     pub stable: bool,
     /// The largest advance.
     pub largest: f64,
+    /// Whether slopes on the way mattered for what the step has left of the excess forces: then it is no rounding.
+    pub curved: bool,
 }
 
 impl Interface {
@@ -101,7 +107,10 @@ impl Interface {
         }
         self.springs = springs;
         change(&mut self.by, |j, by| by + way[j]);
-        Ok(Step { stable, largest: largest(way.len(), |j| way[j].abs()) })
+        let excess = largest(way.len(), |j| self.excess[j].abs());
+        let bend = |j: usize| (self.slopes[j].largest - self.slopes[j].least) * way[j].abs();
+        let curved = largest(way.len(), bend) > CURVED * excess;
+        Ok(Step { stable, largest: largest(way.len(), |j| way[j].abs()), curved })
     }
 
     /// Whether every state between here and the advances that are tried is stable, so that there is one way in balance
