@@ -17,7 +17,10 @@ use cpu_time::{ProcessTime, ThreadTime};
 
 fn main() {
     sweeps();
-    println!("\n{:<22} {:>8} {:>8} {:>14} {:>16}", "coupling", "cells", "events", "cells/event", "event, CPU ms");
+    println!(
+        "\n{:<22} {:>8} {:>8} {:>14} {:>16}",
+        "coupling", "cells", "events", "cells/event", "event, CPU ms"
+    );
     for side in [128, 512] {
         let shape = Shape::Square([side, side]);
         row("neighbours", neighbours(shape, Edges::Periodic, 1.0).unwrap());

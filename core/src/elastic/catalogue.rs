@@ -35,7 +35,9 @@ impl Interface {
     pub(super) fn events(&self, slide: &Slide) -> Vec<(Event, Vec<Slipped>)> {
         let mut fallen = slide.fallen.clone();
         // Of cells that begin in the same step the fastest one comes first.
-        fallen.sort_by(|a, b| a.time.total_cmp(&b.time).then(b.way.total_cmp(&a.way)).then(a.cell.cmp(&b.cell)));
+        fallen.sort_by(|a, b| {
+            a.time.total_cmp(&b.time).then(b.way.total_cmp(&a.way)).then(a.cell.cmp(&b.cell))
+        });
         let parts = self.parts(&fallen, &slide.slipped);
         parts.iter().map(|part| self.event(slide, part, fallen[0].time)).collect()
     }
@@ -72,10 +74,12 @@ impl Interface {
             .iter()
             .map(|f| Slipped { cell: f.cell, start: f.time - begun, slip: slip(f.cell) })
             .collect();
-        let mean = |of: &dyn Fn(usize) -> f64| part.iter().map(|f| of(f.cell)).sum::<f64>() / part.len() as f64;
+        let mean =
+            |of: &dyn Fn(usize) -> f64| part.iter().map(|f| of(f.cell)).sum::<f64>() / part.len() as f64;
         let all = |of: &dyn Fn(usize) -> f64| part.iter().map(|f| of(f.cell)).sum::<f64>();
         let timed = self.setting.viscosity.map_or(f64::NAN, |_| 1.0);
-        let [front_speed_left, front_speed_right] = fronts(&slipped, self.coupling.shape()).map(|v| timed * v);
+        let [front_speed_left, front_speed_right] =
+            fronts(&slipped, self.coupling.shape()).map(|v| timed * v);
         let event = Event {
             drive: self.drive,
             time: timed * (self.time + part[0].time),

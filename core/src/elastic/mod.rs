@@ -227,8 +227,10 @@ impl Interface {
             let expected = format!("a position for each of the {} cells", self.len());
             return Err(Error::invalid("positions", expected, positions.len()));
         }
-        if let Some(cell) = (0..self.len()).find(|&j| !(positions[j] >= self.positions[j])) {
-            let expected = format!("no less than {} for cell {cell}: cells move forward", self.positions[cell]);
+        let forward = |j: usize| positions[j].is_finite() && positions[j] >= self.positions[j];
+        if let Some(cell) = (0..self.len()).find(|&j| !forward(j)) {
+            let expected =
+                format!("no less than {} for cell {cell}: cells move forward", self.positions[cell]);
             return Err(Error::invalid("positions", expected, positions[cell]));
         }
         for (by, (to, from)) in self.by.iter_mut().zip(positions.iter().zip(&self.positions)) {

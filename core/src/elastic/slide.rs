@@ -103,13 +103,7 @@ impl Interface {
     }
 
     /// Finds the cells that begin to slip in a step that has been tried; in a reset their contacts break there.
-    fn notice(
-        &mut self,
-        slide: &mut Slide,
-        time: f64,
-        during: f64,
-        monitor: &mut dyn Monitor,
-    ) -> Result<()> {
+    fn notice(&mut self, slide: &mut Slide, time: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
         self.cells.slopes(None, &self.by, &mut self.slopes)?;
         let steep = -self.mean_connection();
         for cell in 0..self.len() {

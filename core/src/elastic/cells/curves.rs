@@ -85,7 +85,10 @@ impl Curves {
     fn reach(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
         let batch = self.batch();
         let furthest = |fresh: bool| {
-            largest(by.len(), |cell| if batch.renewed[cell] == fresh { batch.place(cell, by[cell]) } else { 0.0 })
+            largest(
+                by.len(),
+                |cell| if batch.renewed[cell] == fresh { batch.place(cell, by[cell]) } else { 0.0 },
+            )
         };
         let (first, fresh) = (furthest(false), furthest(true));
         self.first.reach(first, monitor)?;

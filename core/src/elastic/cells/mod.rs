@@ -30,12 +30,7 @@ impl Account {
     #[must_use]
     pub(super) fn scaled(self, scale: f64) -> Self {
         let energy = scale * scale;
-        Self {
-            work: energy * self.work,
-            elastic: energy * self.elastic,
-            lost: energy * self.lost,
-            ..self
-        }
+        Self { work: energy * self.work, elastic: energy * self.elastic, lost: energy * self.lost, ..self }
     }
 }
 

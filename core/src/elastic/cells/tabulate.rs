@@ -42,7 +42,8 @@ impl Table {
         population.way(Direction::Forward, monitor)?;
         let begun = population.books();
         let curve = Curve::default();
-        let mut table = Self { population, origin, curve, end: 0.0, work: 0.0, breaks: false, begun, ways: 0 };
+        let mut table =
+            Self { population, origin, curve, end: 0.0, work: 0.0, breaks: false, begun, ways: 0 };
         table.go_on(monitor)?;
         table.curve.index();
         Ok(table)
