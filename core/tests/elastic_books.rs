@@ -10,10 +10,10 @@ use common::pulled::near;
 use common::sliders::{events, interface, scales, setting};
 
 fn couplings() -> Vec<Box<dyn Coupling>> {
-    let square = Shape::Square([12, 9]);
+    let square = Shape::Square([6, 5]);
     vec![
-        neighbours(Shape::Chain(80), Edges::Open, 4.0).unwrap(),
-        neighbours(Shape::Chain(60), Edges::Periodic, 1.0).unwrap(),
+        neighbours(Shape::Chain(40), Edges::Open, 4.0).unwrap(),
+        neighbours(Shape::Chain(30), Edges::Periodic, 1.0).unwrap(),
         neighbours(square, Edges::Open, 1.0).unwrap(),
         half_space(square, Edges::Periodic, 1.0, 1.0).unwrap(),
         half_space(square, Edges::Open, 1.0, 1.0).unwrap(),
@@ -40,16 +40,16 @@ fn forces_and_energies_balance_after_every_event() {
     for slip in [Slip::Overdamped, Slip::Reset] {
         for loading in [Loading::Uniform, Loading::Edge] {
             for (mut coupling, same) in couplings().into_iter().zip(couplings()) {
-                let connection = if loading == Loading::Edge { 2.0 } else { 0.1 };
+                let (connection, end) = if loading == Loading::Edge { (2.0, 9.0) } else { (0.3, 5.0) };
                 let connected = match loading {
                     Loading::Uniform => coupling.shape().size(),
                     Loading::Edge => coupling.shape().first_row(),
                 };
-                let setting = Setting { loading, ..setting(connection, slip, 1e-6) };
+                let setting = Setting { loading, ..setting(connection, slip, 1e-4) };
                 let mut interface = disordered(same, setting);
                 let mut number = 0;
                 loop {
-                    let found = interface.next(6.0, &mut ()).unwrap();
+                    let found = interface.next(end, &mut ()).unwrap();
                     if found.is_empty() {
                         break;
                     }
@@ -58,7 +58,8 @@ fn forces_and_energies_balance_after_every_event() {
                     assert!(excess < 1e-10, "{excess:e} after event {number}");
                     near(interface.energy().imbalance(), 0.0, 1e-10 * interface.len() as f64);
                 }
-                assert!(number > 5, "{number} events, {slip:?}, {loading:?}, {:?}", coupling.shape());
+                let least = if slip == Slip::Reset { 1 } else { 5 };
+                assert!(number >= least, "{number} events, {slip:?}, {loading:?}, {:?}", coupling.shape());
                 let energy = interface.energy();
                 assert!(energy.slip > 0.0 && energy.breaks > 0.0);
             }
@@ -88,20 +89,20 @@ fn work_is_that_of_the_springs() {
 fn an_interface_goes_on_from_its_state_bit_for_bit() {
     for slip in [Slip::Overdamped, Slip::Reset] {
         let new = || {
-            let coupling = half_space(Shape::Square([10, 10]), Edges::Periodic, 1.0, 1.0).unwrap();
-            disordered(coupling, setting(0.1, slip, 1e-6))
+            let coupling = half_space(Shape::Square([6, 6]), Edges::Periodic, 1.0, 1.0).unwrap();
+            disordered(coupling, setting(0.3, slip, 1e-4))
         };
         let mut whole = new();
-        let all = events(&mut whole, 8.0);
+        let all = events(&mut whole, 6.0);
         let (mut first, mut part) = (new(), Vec::new());
         while part.len() < all.len() / 2 {
-            part.extend(first.next(8.0, &mut ()).unwrap().iter().map(|(event, _)| *event));
+            part.extend(first.next(6.0, &mut ()).unwrap().iter().map(|(event, _)| *event));
         }
         let state = first.state();
         drop(first);
         let mut second = new();
         second.restore(state, &mut ()).unwrap();
-        part.extend(events(&mut second, 8.0));
+        part.extend(events(&mut second, 6.0));
         assert_eq!(written(&part), written(&all));
         assert_eq!(second.state(), whole.state());
     }
@@ -117,8 +118,8 @@ fn catalogues_are_the_same_on_any_number_of_threads() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let coupling = neighbours(Shape::Square([80, 80]), Edges::Periodic, 1.0).unwrap();
-            let mut interface = disordered(coupling, setting(1.0, Slip::Reset, 1e-4));
+            let coupling = neighbours(Shape::Square([66, 66]), Edges::Periodic, 1.0).unwrap();
+            let mut interface = disordered(coupling, setting(1.0, Slip::Reset, 1e-3));
             let events = events(&mut interface, 1.75);
             assert!(!events.is_empty());
             (written(&events), interface.state())

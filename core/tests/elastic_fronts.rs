@@ -130,7 +130,6 @@ fn fronts_advance_above_the_force_of_equal_areas() {
     assert_eq!(speed(25.0, -0.01), 0.0);
     for (above, expected) in [(0.01, 0.2085), (0.03, 0.629), (0.08, 1.702)] {
         let found = speed(25.0, above);
-        println!("{above} {found} {expected}");
         assert!((found / expected - 1.0).abs() < 0.02, "{found} instead of {expected}");
     }
 }

@@ -15,12 +15,16 @@ const BALANCED: f64 = 1e-14;
 /// Roundings of a position by which the slider pulls.
 const ROUNDINGS: f64 = 4.0;
 
+/// A change of slopes that is seen in what a step leaves, of the excess force: at a fold it leaves a quarter, and half of it
+/// is bent.
+const CURVED: f64 = 0.1;
+
 /// A step that has been made.
 pub(super) struct Step {
     /// Whether the state that it was made from is stable.
     pub stable: bool,
-    /// The largest advance.
-    pub largest: f64,
+    /// Whether slopes on the way mattered for what the step has left of the excess forces: then it is no rounding.
+    pub curved: bool,
 }
 
 impl Interface {
@@ -101,15 +105,38 @@ impl Interface {
         }
         self.springs = springs;
         change(&mut self.by, |j, by| by + way[j]);
-        Ok(Step { stable, largest: largest(way.len(), |j| way[j].abs()) })
+        let excess = largest(way.len(), |j| self.excess[j].abs());
+        let bend = |j: usize| (self.slopes[j].largest - self.slopes[j].least) * way[j].abs();
+        let curved = largest(way.len(), bend) > CURVED * excess;
+        Ok(Step { stable, curved })
     }
 
-    /// Whether every state between here and the advances that are tried is stable, so that there is one way in balance
-    /// from here to there: the matrix of the least slopes is positive definite.
-    pub(super) fn is_stable_ahead(&mut self) -> Result<bool> {
+    /// Goes on from the advances that are tried by Newton's step: the largest advance; none where the state is unstable.
+    pub(super) fn newton(&mut self) -> Result<Option<f64>> {
+        let mut springs = std::mem::take(&mut self.springs);
+        fill(&mut springs, |j| self.responses[j].tangent + self.connection(j));
+        let mut way = self.excess.clone();
+        let stable = self.coupling.respond(&springs, &mut way);
+        self.springs = springs;
+        if !stable {
+            return Ok(None);
+        }
+        change(&mut self.by, |j, by| by + way[j]);
+        Ok(Some(largest(way.len(), |j| way[j].abs())))
+    }
+
+    /// Whether every state between here, with the given forces, and the advances that are tried, in balance at a drive that
+    /// has gone by `distance`, is stable, so that there is one way from here to there: the matrix M of the least slopes is
+    /// positive definite.
+    ///
+    /// It is, its off-diagonals being ≤ 0, if M δ > 0 for some δ > 0. The balances before and after give that for the
+    /// advances δ themselves: (M δ)_j = K_0j ΔX_T − (ΔF_j − least slope · δ_j).
+    pub(super) fn is_stable_ahead(&mut self, forces: &[f64], distance: f64) -> Result<bool> {
         self.cells.slopes(None, &self.by, &mut self.slopes)?;
         let least = |j: usize| self.slopes[j].least + self.connection(j);
-        if all(self.len(), |j| least(j) > 0.0) {
+        let bent = |j: usize| self.responses[j].force - forces[j] - self.slopes[j].least * self.by[j];
+        let proven = |j: usize| self.by[j] > 0.0 && bent(j) < self.connection(j) * distance;
+        if all(self.len(), |j| least(j) > 0.0) || all(self.len(), proven) {
             return Ok(true);
         }
         if !all(self.len(), |j| least(j) > f64::NEG_INFINITY) {

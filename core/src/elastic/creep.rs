@@ -6,8 +6,8 @@ use super::Interface;
 use super::slide::STALLED;
 use crate::Result;
 
-/// Steps after which a stride was too long.
-const MOST_STEPS: usize = 30;
+/// What Newton's step leaves of the excess force where there is a balance; right at a fold it is a quarter.
+const CONVERGING: f64 = 0.3;
 
 /// The first stride, in tolerances of the drive.
 const FIRST: f64 = 1e3;
@@ -103,24 +103,28 @@ impl Interface {
         Ok(false)
     }
 
-    /// Tries to go to a drive in balance; the largest speed dX/dX_T at the beginning if there is one way to do so.
+    /// Tries to go to a drive in balance, by Newton's method; the largest speed dX/dX_T at the beginning if there is one way
+    /// to do so.
     fn attempt(&mut self, to: f64) -> Result<Option<f64>> {
         let distance = to - self.drive;
         self.drive = to;
         let (mut speed, mut before) = (None, f64::INFINITY);
-        for _ in 0..MOST_STEPS {
+        let mut forces = Vec::new();
+        loop {
             let excess = self.excess_ahead()?;
-            if excess <= self.precision() || (excess <= STALLED * self.precision() && excess > 0.5 * before) {
-                return Ok(speed.or(Some(0.0)));
+            if forces.is_empty() {
+                forces.extend(self.responses.iter().map(|response| response.force));
             }
-            before = excess;
-            let step = self.step(0.0)?;
-            if !step.stable || !self.is_stable_ahead()? {
+            if excess <= self.precision() || (excess <= STALLED * self.precision() && excess > 0.5 * before) {
+                return Ok(if self.is_stable_ahead(&forces, distance)? { speed.or(Some(0.0)) } else { None });
+            }
+            if excess > CONVERGING * before {
                 return Ok(None);
             }
-            speed.get_or_insert(step.largest / distance);
+            before = excess;
+            let Some(largest) = self.newton()? else { return Ok(None) };
+            speed.get_or_insert(largest / distance);
         }
-        Ok(None)
     }
 
     /// Moves the drive to where balance is lost.

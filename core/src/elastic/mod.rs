@@ -48,8 +48,8 @@ pub enum Loading {
 
 /// What a cell does that loses its balance, at fixed X_T.
 ///
-/// A cell *slips* where it moves down a slope F_j' < −K_0j that no connection would hold, having moved farther than
-/// [`Setting::drive_tolerance`], or where contacts break together.
+/// A cell *slips* where it moves down a slope F_j' < −ΣK_0i/n, which the connection of all n cells together would not hold,
+/// having moved farther than [`Setting::drive_tolerance`]; or where contacts break together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slip {
     /// All contacts of a cell that slips break where it begins to, and re-form where the slide ends; until then it is
@@ -227,8 +227,8 @@ impl Interface {
             let expected = format!("a position for each of the {} cells", self.len());
             return Err(Error::invalid("positions", expected, positions.len()));
         }
-        let behind = |&j: &usize| positions[j].is_nan() || positions[j] < self.positions[j];
-        if let Some(cell) = (0..self.len()).find(behind) {
+        let forward = |j: usize| positions[j].is_finite() && positions[j] >= self.positions[j];
+        if let Some(cell) = (0..self.len()).find(|&j| !forward(j)) {
             let expected =
                 format!("no less than {} for cell {cell}: cells move forward", self.positions[cell]);
             return Err(Error::invalid("positions", expected, positions[cell]));
@@ -297,6 +297,11 @@ impl Interface {
     /// K_0j.
     fn connection(&self, cell: usize) -> f64 {
         if cell < self.connected { self.setting.connection } else { 0.0 }
+    }
+
+    /// ΣK_0j per cell.
+    fn mean_connection(&self) -> f64 {
+        self.setting.connection * self.connected as f64 / self.len() as f64
     }
 
     /// Force of the cells in their last responses.

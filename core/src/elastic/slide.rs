@@ -66,17 +66,18 @@ impl Interface {
 
     /// Steps until there is balance.
     fn follow(&mut self, slide: &mut Slide, monitor: &mut dyn Monitor) -> Result<()> {
-        let (mut time, mut most, mut before, mut stable) = (0.0, 0.0_f64, f64::INFINITY, false);
+        let (mut time, mut most, mut before, mut settled) = (0.0, 0.0_f64, f64::INFINITY, false);
         for steps in 0..MOST_STEPS {
             let excess = self.excess_here()?;
             let precision = self.precision();
-            if stable && (excess <= precision || (excess <= STALLED * precision && excess > 0.5 * before)) {
+            if settled && (excess <= precision || (excess <= STALLED * precision && excess > 0.5 * before)) {
                 return Ok(());
             }
             before = excess;
             let rate = self.rate(excess);
             let during = self.setting.viscosity.map_or(1.0, |viscosity| viscosity / rate);
-            stable = self.step(rate)?.stable;
+            let step = self.step(rate)?;
+            settled = step.stable && !step.curved;
             let fallen = slide.fallen.len();
             self.notice(slide, time, during, monitor)?;
             self.commit(monitor)?;
@@ -104,14 +105,15 @@ impl Interface {
     /// Finds the cells that begin to slip in a step that has been tried; in a reset their contacts break there.
     fn notice(&mut self, slide: &mut Slide, time: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
         self.cells.slopes(None, &self.by, &mut self.slopes)?;
+        let steep = -self.mean_connection();
         for cell in 0..self.len() {
             let way = self.positions[cell] + self.by[cell] - slide.before[cell];
             let least = self.slopes[cell].least;
             let far = way > self.setting.drive_tolerance || least == f64::NEG_INFINITY;
-            if slide.slipped[cell] || !far || least >= -self.connection(cell) {
+            if slide.slipped[cell] || !far || least >= steep {
                 continue;
             }
-            let Some(on) = self.cells.fall(cell, self.by[cell], -self.connection(cell)) else { continue };
+            let Some(on) = self.cells.fall(cell, self.by[cell], steep) else { continue };
             slide.slipped[cell] = true;
             let part = if self.by[cell] > 0.0 { on / self.by[cell] } else { 0.0 };
             slide.fallen.push(Fallen { cell, time: time + part * during, way: self.by[cell] });

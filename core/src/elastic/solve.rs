@@ -7,7 +7,7 @@ use super::coupling::Coupling;
 const PRECISION: f64 = 1e-7;
 
 /// Steps after which no more is expected.
-const MOST_STEPS: usize = 400;
+const MOST_STEPS: usize = 100;
 
 /// Solves (springs + A) δ = right by conjugate gradients, the response of cells on equal springs being the
 /// preconditioner. Whether the matrix was found to be positive definite; if not, `right` is of no use.
