@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Interface;
+use super::slide::STALLED;
 use crate::Result;
 
 /// Steps after which a stride was too long.
@@ -13,6 +14,9 @@ const FIRST: f64 = 1e3;
 
 /// How much of the way to where balance will be lost a stride goes.
 const CAREFUL: f64 = 0.9;
+
+/// Roundings of a drive within which no other is found.
+const ROUNDINGS: f64 = 8.0;
 
 /// The first stride after a slide, of the longest before it.
 const AGAIN: f64 = 0.25;
@@ -59,13 +63,13 @@ impl Pace {
             stride = stride.min(if fold.is_some() { lost - to } else { 0.5 * (lost - to) });
         }
         self.before = Some((from, now));
-        self.stride = stride.max(self.least);
+        self.stride = stride.max(0.5 * self.least);
     }
 
     /// A stride lost balance.
     fn failed(&mut self, from: f64, to: f64) {
         self.lost = Some(to);
-        self.stride = (0.5 * (to - from)).max(self.least);
+        self.stride = (0.5 * (to - from)).max(0.5 * self.least);
     }
 
     /// There was a slide.
@@ -76,13 +80,13 @@ impl Pace {
 }
 
 impl Interface {
-    /// Makes a stride in balance towards `end`; where balance is known to be lost within the tolerance, the drive alone
-    /// goes there.
-    pub(super) fn creep(&mut self, end: f64) -> Result<()> {
+    /// Makes a stride in balance towards `end`, or tries to. Where balance is known to be lost within the tolerance the
+    /// drive alone goes there: whether it is.
+    pub(super) fn creep(&mut self, end: f64) -> Result<bool> {
         let (from, to) = (self.drive, self.pace.aim(self.drive, end));
-        if self.pace.lost == Some(to) && to - from <= self.pace.least {
+        if self.pace.lost == Some(to) && to - from <= self.pace.least.max(ROUNDINGS * f64::EPSILON * to.abs()) {
             self.lose(to);
-            return Ok(());
+            return Ok(true);
         }
         match self.attempt(to)? {
             Some(speed) => {
@@ -95,7 +99,7 @@ impl Interface {
                 self.pace.failed(from, to);
             }
         }
-        Ok(())
+        Ok(false)
     }
 
     /// Tries to go to a drive in balance; the largest speed dX/dX_T at the beginning if there is one way to do so.
@@ -105,7 +109,7 @@ impl Interface {
         let (mut speed, mut before) = (None, f64::INFINITY);
         for _ in 0..MOST_STEPS {
             let excess = self.excess_ahead()?;
-            if excess <= self.precision() || (excess <= 1e3 * self.precision() && excess > 0.5 * before) {
+            if excess <= self.precision() || (excess <= STALLED * self.precision() && excess > 0.5 * before) {
                 return Ok(speed.or(Some(0.0)));
             }
             before = excess;

@@ -46,7 +46,7 @@ impl Interface {
         let (positions, drive, held) = (&self.positions, self.drive, &self.held);
         Stored {
             connection: sum(number, |j| 0.5 * self.connection(j) * (drive - positions[j]).powi(2)),
-            coupling: sum(number, |j| -0.5 * positions[j] * held[j]),
+            coupling: self.coupling.energy(positions, held),
             contacts: self.cells.account(),
         }
     }

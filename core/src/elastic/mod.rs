@@ -48,8 +48,8 @@ pub enum Loading {
 
 /// What a cell does that loses its balance, at fixed X_T.
 ///
-/// A cell *slips* where it moves down a slope F_j' < −K_0j that no connection would hold, farther than
-/// [`Setting::drive_tolerance`].
+/// A cell *slips* where it moves down a slope F_j' < −ΣK_0i/n, which the connection of all n cells together would not hold,
+/// having moved farther than [`Setting::drive_tolerance`]; or where contacts break together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slip {
     /// All contacts of a cell that slips break where it begins to, and re-form where the slide ends; until then it is
@@ -269,8 +269,9 @@ impl Interface {
         if self.path.1 != drive {
             self.path = (self.drive, drive);
         }
+        let mut lost = self.excess_here()? > self.precision();
         loop {
-            if self.excess_here()? > self.precision() {
+            if lost {
                 let events = self.slide(monitor)?;
                 if !events.is_empty() {
                     return Ok(events);
@@ -281,7 +282,7 @@ impl Interface {
                 return Ok(Vec::new());
             }
             self.tell(monitor)?;
-            self.creep(drive)?;
+            lost = self.creep(drive)?;
         }
     }
 
@@ -294,6 +295,11 @@ impl Interface {
     /// K_0j.
     fn connection(&self, cell: usize) -> f64 {
         if cell < self.connected { self.setting.connection } else { 0.0 }
+    }
+
+    /// ΣK_0j per cell.
+    fn mean_connection(&self) -> f64 {
+        self.setting.connection * self.connected as f64 / self.len() as f64
     }
 
     /// Force of the cells in their last responses.

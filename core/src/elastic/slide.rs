@@ -12,8 +12,11 @@ const PACE: f64 = 0.02;
 /// Excess force, of the strongest one, below which steps grow: what moves so slowly is followed by its way.
 const SLOW: f64 = 2e-3;
 
-/// A slide is over when the excess force is this part of its largest.
+/// A slide is over when no cell begins to slip any more, and the excess force is this part of its largest.
 const OVER: f64 = 0.01;
+
+/// Forces out of balance that become no smaller are rounding up to so many times what is expected of it.
+pub(super) const STALLED: f64 = 10.0;
 
 /// Steps between two reports to the monitor.
 const REPORT: u64 = 64;
@@ -24,6 +27,7 @@ const MOST_STEPS: u64 = 10_000_000;
 impl Interface {
     /// Slides to the next balance at this drive. Where it is stopped all is as it was before.
     pub(super) fn slide(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        self.excess_here()?;
         let mut slide = self.before();
         self.cells.mark();
         if let Err(error) = self.follow(&mut slide, monitor) {
@@ -62,22 +66,24 @@ impl Interface {
 
     /// Steps until there is balance.
     fn follow(&mut self, slide: &mut Slide, monitor: &mut dyn Monitor) -> Result<()> {
-        let (mut time, mut most, mut before, mut stable) = (0.0, 0.0_f64, f64::INFINITY, false);
+        let (mut time, mut most, mut before, mut settled) = (0.0, 0.0_f64, f64::INFINITY, false);
         for steps in 0..MOST_STEPS {
             let excess = self.excess_here()?;
             let precision = self.precision();
-            if excess <= precision || (stable && excess <= 1e3 * precision && excess > 0.5 * before) {
+            if settled && (excess <= precision || (excess <= STALLED * precision && excess > 0.5 * before)) {
                 return Ok(());
             }
             before = excess;
             let rate = self.rate(excess);
             let during = self.setting.viscosity.map_or(1.0, |viscosity| viscosity / rate);
-            stable = self.step(rate)?.stable;
+            let step = self.step(rate)?;
+            settled = step.stable && !step.curved;
+            let fallen = slide.fallen.len();
             self.notice(slide, time, during, monitor)?;
             self.commit(monitor)?;
             most = most.max(excess);
-            if excess > OVER * most {
-                time += during;
+            time += during;
+            if excess > OVER * most || slide.fallen.len() > fallen {
                 slide.over = time;
             }
             if steps % REPORT == 0 {
@@ -105,13 +111,15 @@ impl Interface {
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
         self.cells.slopes(None, &self.by, &mut self.slopes)?;
+        let steep = -self.mean_connection();
         for cell in 0..self.len() {
             let way = self.positions[cell] + self.by[cell] - slide.before[cell];
-            let falls = self.slopes[cell].least < -self.connection(cell);
-            if slide.slipped[cell] || !falls || way <= self.setting.drive_tolerance {
+            let least = self.slopes[cell].least;
+            let far = way > self.setting.drive_tolerance || least == f64::NEG_INFINITY;
+            if slide.slipped[cell] || !far || least >= steep {
                 continue;
             }
-            let Some(on) = self.cells.fall(cell, self.by[cell], -self.connection(cell)) else { continue };
+            let Some(on) = self.cells.fall(cell, self.by[cell], steep) else { continue };
             slide.slipped[cell] = true;
             let part = if self.by[cell] > 0.0 { on / self.by[cell] } else { 0.0 };
             slide.fallen.push(Fallen { cell, time: time + part * during, way: self.by[cell] });

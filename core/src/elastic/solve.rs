@@ -24,7 +24,7 @@ pub(super) fn solve<C: Coupling + ?Sized>(coupling: &mut C, springs: &[f64], rig
     let mean = sum(number, |j| springs[j].abs()) / number as f64;
     let (mut answer, mut way) = (vec![0.0; number], vec![0.0; number]);
     let mut held = right.to_vec();
-    coupling.solve(mean, &mut held);
+    coupling.near(mean, &mut held);
     way.copy_from_slice(&held);
     let mut product = sum(number, |j| right[j] * held[j]);
     for _ in 0..MOST_STEPS {
@@ -42,7 +42,7 @@ pub(super) fn solve<C: Coupling + ?Sized>(coupling: &mut C, springs: &[f64], rig
             break;
         }
         fill(&mut held, |j| right[j]);
-        coupling.solve(mean, &mut held);
+        coupling.near(mean, &mut held);
         let before = std::mem::replace(&mut product, sum(number, |j| right[j] * held[j]));
         change(&mut way, |j, way| held[j] + product / before * way);
     }

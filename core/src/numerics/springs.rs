@@ -22,10 +22,9 @@ impl Chain {
         Self { stiffness, edges, ratios: Vec::new(), follow: Vec::new() }
     }
 
-    /// Replaces `right` by the solution; `hold` tells g_j, not all 0.
-    ///
-    /// Where some g_j are negative it is the solution as long as all s_j + k are positive.
-    pub fn solve(&mut self, hold: impl Fn(usize) -> f64, right: &mut [f64]) {
+    /// Replaces `right` by the solution; `hold` tells g_j, not all 0. Where some are negative the matrix may not be positive
+    /// definite: whether it is; if not, `right` is of no use.
+    pub fn solve(&mut self, hold: impl Fn(usize) -> f64, right: &mut [f64]) -> bool {
         match self.edges {
             Edges::Open => self.eliminate(hold, right),
             Edges::Periodic => self.close(hold, right),
@@ -33,30 +32,35 @@ impl Chain {
     }
 
     /// Free ends.
-    fn eliminate(&mut self, hold: impl Fn(usize) -> f64, right: &mut [f64]) {
-        let Some(last) = right.len().checked_sub(1) else { return };
+    fn eliminate(&mut self, hold: impl Fn(usize) -> f64, right: &mut [f64]) -> bool {
+        let Some(last) = right.len().checked_sub(1) else { return true };
         let k = self.stiffness;
         self.ratios.resize(right.len(), 0.0);
         let (mut behind, mut carried) = (hold(0), right[0]);
+        let mut definite = true;
         for j in 0..last {
+            // Pivots are k + s_j, and s at the end.
+            definite &= k + behind > 0.0;
             let ratio = k / (k + behind);
             self.ratios[j] = ratio;
             carried = right[j + 1] + ratio * carried;
             right[j + 1] = carried;
             behind = hold(j + 1) + ratio * behind;
         }
+        definite &= behind > 0.0;
         right[last] /= behind;
         let mut ahead = right[last];
         for j in (0..last).rev() {
             ahead = self.ratios[j] * (right[j] / k + ahead);
             right[j] = ahead;
         }
+        definite
     }
 
     /// A ring, as a chain that follows its last place: x = x at rest + follow · x_last.
-    fn close(&mut self, hold: impl Fn(usize) -> f64, right: &mut [f64]) {
+    fn close(&mut self, hold: impl Fn(usize) -> f64, right: &mut [f64]) -> bool {
         let k = self.stiffness;
-        let [rest @ .., last] = right else { return };
+        let [rest @ .., last] = right else { return true };
         let end = rest.len() - 1;
         let both = |j: usize| hold(j) + if j == 0 || j == end { k } else { 0.0 };
         let mut follow = std::mem::take(&mut self.follow);
@@ -65,11 +69,13 @@ impl Chain {
         follow[0] += k;
         follow[end] += k;
         self.eliminate(both, &mut follow);
-        self.eliminate(both, rest);
+        let definite = self.eliminate(both, rest);
         // Holding springs alone resist where all places follow.
         let resist: f64 = follow.iter().enumerate().map(|(j, x)| hold(j) * x).sum();
-        *last = (*last + k * (rest[0] + rest[end])) / (hold(end + 1) + resist);
+        let held = hold(end + 1) + resist;
+        *last = (*last + k * (rest[0] + rest[end])) / held;
         rest.iter_mut().zip(&follow).for_each(|(x, follow)| *x += follow * *last);
         self.follow = follow;
+        definite && held > 0.0
     }
 }

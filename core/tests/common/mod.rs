@@ -1,9 +1,10 @@
 //! Short names for tests of either solver.
 #![allow(dead_code)]
 
-pub mod chain;
 pub mod curve;
+pub mod polyline;
 pub mod pulled;
+pub mod sliders;
 
 use std::sync::Arc;
 

@@ -177,12 +177,12 @@ impl Curve {
         Slopes { least: a.min(b), largest: a.max(b) }
     }
 
-    /// The first place in [from, to] from which on F' is below `slope`, or contacts break.
+    /// The first place in [from, to] from which on F' is below `slope`, or right before contacts break.
     pub fn fall(&self, from: f64, to: f64, slope: f64) -> Option<f64> {
         let (first, last) = (self.find(from), self.find(to));
         (first..=last).find_map(|piece| {
             if piece > first && self.breaks[piece] {
-                return Some(self.starts[piece]);
+                return Some(self.starts[piece] * (1.0 - 4.0 * f64::EPSILON));
             }
             if self.slopes[piece].least >= slope {
                 return None;

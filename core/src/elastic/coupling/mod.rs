@@ -39,6 +39,12 @@ pub trait Coupling: Send + Sync {
     /// Solves (diagonal + A) δ = right for the response δ of cells that are held by springs `diagonal` > 0 too.
     fn solve(&mut self, diagonal: f64, right: &mut [f64]);
 
+    /// About what [`Coupling::solve`] does, at the cost of little more than [`Coupling::forces`]: a symmetric positive
+    /// definite matrix.
+    fn near(&mut self, diagonal: f64, right: &mut [f64]) {
+        self.solve(diagonal, right);
+    }
+
     /// Solves (springs + A) δ = right where springs differ from cell to cell, and may push; whether the matrix is positive
     /// definite. If not, `right` is of no use.
     fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {

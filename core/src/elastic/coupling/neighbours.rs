@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::{Coupling, fits, positive};
 use crate::Result;
+use crate::elastic::solve::solve;
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::numerics::springs::Chain;
@@ -103,8 +104,17 @@ impl Coupling for Neighbours {
     fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
         let stiffness = self.stiffness;
         match &mut self.solver {
-            Solver::Chain(chain) => chain.solve(|_| diagonal, right),
+            Solver::Chain(chain) => {
+                chain.solve(|_| diagonal, right);
+            }
             Solver::Square(modes) => modes.apply(right, |λ| (diagonal + stiffness * λ).recip()),
+        }
+    }
+
+    fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {
+        match &mut self.solver {
+            Solver::Chain(chain) => chain.solve(|j| springs[j], right),
+            Solver::Square(_) => solve(self, springs, right),
         }
     }
 

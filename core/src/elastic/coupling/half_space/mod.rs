@@ -109,6 +109,13 @@ impl Coupling for HalfSpace {
         }
     }
 
+    fn near(&mut self, diagonal: f64, right: &mut [f64]) {
+        match &mut self.kind {
+            Kind::Periodic(periodic) => periodic.solve(diagonal, right),
+            Kind::Open(open) => open.near(diagonal, right),
+        }
+    }
+
     fn own(&self, cell: usize) -> f64 {
         match &self.kind {
             Kind::Periodic(periodic) => periodic.own(),

@@ -76,6 +76,12 @@ impl Open {
         iteration.solve(matrix, near, TOLERANCE, right)
     }
 
+    /// About the same, in modes of free edges.
+    pub(super) fn near(&mut self, diagonal: f64, right: &mut [f64]) {
+        let Self { scale, free, .. } = self;
+        free.apply(right, |λ| (diagonal + *scale * λ.sqrt()).recip());
+    }
+
     pub(super) fn own(&self, cell: usize) -> f64 {
         self.pairs.own[cell]
     }

@@ -1,0 +1,130 @@
+//! Disordered interfaces: forces, energies, catalogues that stay the same.
+
+mod common;
+
+use asperity::elastic::coupling::{half_space, neighbours};
+use asperity::elastic::{Coupling, Event, Interface, Loading, Setting, Slip};
+use asperity::shape::{Edges, Shape};
+use common::curve::gaussian;
+use common::pulled::near;
+use common::sliders::{events, interface, scales, setting};
+
+fn couplings() -> Vec<Box<dyn Coupling>> {
+    let square = Shape::Square([6, 5]);
+    vec![
+        neighbours(Shape::Chain(40), Edges::Open, 4.0).unwrap(),
+        neighbours(Shape::Chain(30), Edges::Periodic, 1.0).unwrap(),
+        neighbours(square, Edges::Open, 1.0).unwrap(),
+        half_space(square, Edges::Periodic, 1.0, 1.0).unwrap(),
+        half_space(square, Edges::Open, 1.0, 1.0).unwrap(),
+    ]
+}
+
+fn disordered(coupling: Box<dyn Coupling>, setting: Setting) -> Interface {
+    let scales = scales(coupling.shape().size(), 0.15);
+    interface(&gaussian(0.1), Some(scales), coupling, setting)
+}
+
+/// The largest force out of balance, each term from what the interface shows.
+fn excess(interface: &mut Interface, coupling: &mut dyn Coupling, connected: usize, connection: f64) -> f64 {
+    let mut pulls = vec![0.0; interface.len()];
+    coupling.forces(interface.positions(), &mut pulls);
+    let forces = interface.forces().unwrap();
+    let (drive, positions) = (interface.drive(), interface.positions());
+    let spring = |j: usize| if j < connected { connection * (drive - positions[j]) } else { 0.0 };
+    (0..forces.len()).map(|j| (spring(j) + pulls[j] - forces[j]).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn forces_and_energies_balance_after_every_event() {
+    for slip in [Slip::Overdamped, Slip::Reset] {
+        for loading in [Loading::Uniform, Loading::Edge] {
+            for (mut coupling, same) in couplings().into_iter().zip(couplings()) {
+                let (connection, end) = if loading == Loading::Edge { (2.0, 9.0) } else { (0.3, 5.0) };
+                let connected = match loading {
+                    Loading::Uniform => coupling.shape().size(),
+                    Loading::Edge => coupling.shape().first_row(),
+                };
+                let setting = Setting { loading, ..setting(connection, slip, 1e-4) };
+                let mut interface = disordered(same, setting);
+                let mut number = 0;
+                loop {
+                    let found = interface.next(end, &mut ()).unwrap();
+                    if found.is_empty() {
+                        break;
+                    }
+                    number += found.len();
+                    let excess = excess(&mut interface, coupling.as_mut(), connected, connection);
+                    assert!(excess < 1e-10, "{excess:e} after event {number}");
+                    near(interface.energy().imbalance(), 0.0, 1e-10 * interface.len() as f64);
+                }
+                let least = if slip == Slip::Reset { 1 } else { 5 };
+                assert!(number >= least, "{number} events, {slip:?}, {loading:?}, {:?}", coupling.shape());
+                let energy = interface.energy();
+                assert!(energy.slip > 0.0 && energy.breaks > 0.0);
+            }
+        }
+    }
+}
+
+/// Stiffer than K_c nothing slips, and the work of the drive is an integral that Simpson's rule knows to its fourth
+/// order, here 1e-7.
+#[test]
+fn work_is_that_of_the_springs() {
+    let coupling = neighbours(Shape::Chain(30), Edges::Open, 4.0).unwrap();
+    let mut interface = disordered(coupling, setting(5.0, Slip::Overdamped, 1e-6));
+    let (steps, mut work) = (400, 0.0);
+    let step = 3.0 / f64::from(steps);
+    for i in 0..=steps {
+        assert!(events(&mut interface, f64::from(i) * step).is_empty());
+        let weight = if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
+        work += weight * step / 3.0 * interface.force().unwrap();
+    }
+    near(interface.energy().work, work, 1e-6);
+    near(interface.energy().slip, 0.0, 0.0);
+    near(interface.energy().imbalance(), 0.0, 1e-9);
+}
+
+#[test]
+fn an_interface_goes_on_from_its_state_bit_for_bit() {
+    for slip in [Slip::Overdamped, Slip::Reset] {
+        let new = || {
+            let coupling = half_space(Shape::Square([6, 6]), Edges::Periodic, 1.0, 1.0).unwrap();
+            disordered(coupling, setting(0.3, slip, 1e-4))
+        };
+        let mut whole = new();
+        let all = events(&mut whole, 6.0);
+        let (mut first, mut part) = (new(), Vec::new());
+        while part.len() < all.len() / 2 {
+            part.extend(first.next(6.0, &mut ()).unwrap().iter().map(|(event, _)| *event));
+        }
+        let state = first.state();
+        drop(first);
+        let mut second = new();
+        second.restore(state, &mut ()).unwrap();
+        part.extend(events(&mut second, 6.0));
+        assert_eq!(written(&part), written(&all));
+        assert_eq!(second.state(), whole.state());
+    }
+}
+
+/// What a file would hold: events hold NaN where there is no time.
+fn written(events: &[Event]) -> Vec<String> {
+    events.iter().map(|event| format!("{event:?}")).collect()
+}
+
+#[test]
+fn catalogues_are_the_same_on_any_number_of_threads() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let coupling = neighbours(Shape::Square([66, 66]), Edges::Periodic, 1.0).unwrap();
+            let mut interface = disordered(coupling, setting(1.0, Slip::Reset, 1e-3));
+            let events = events(&mut interface, 1.75);
+            assert!(!events.is_empty());
+            (written(&events), interface.state())
+        })
+    };
+    let (one, two) = (run(1), run(2));
+    assert!(one == two, "{} events and {}", one.0.len(), two.0.len());
+}

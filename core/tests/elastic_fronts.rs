@@ -1,0 +1,143 @@
+//! Where slips nucleate on a chain, and how fast and under which force they spread.
+
+mod common;
+
+use std::f64::consts::PI;
+
+use asperity::elastic::coupling::neighbours;
+use asperity::elastic::{Coupling, Interface, Setting, Slip, Slipped};
+use asperity::exact::{ClosedForm, Gaussian};
+use asperity::shape::{Edges, Shape};
+use common::curve::gaussian;
+use common::polyline::Polyline;
+use common::sliders::{interface, setting};
+
+/// Springs between neighbours and from the outermost cells to walls.
+struct BetweenWalls {
+    cells: usize,
+    stiffness: f64,
+}
+
+impl Coupling for BetweenWalls {
+    fn shape(&self) -> Shape {
+        Shape::Chain(self.cells)
+    }
+
+    fn edges(&self) -> Edges {
+        Edges::Open
+    }
+
+    fn forces(&mut self, x: &[f64], forces: &mut [f64]) {
+        let at = |j: Option<usize>| j.and_then(|j| x.get(j)).copied().unwrap_or(0.0);
+        for j in 0..self.cells {
+            forces[j] = self.stiffness * (at(j.checked_sub(1)) + at(Some(j + 1)) - 2.0 * x[j]);
+        }
+    }
+
+    fn add(&self, cell: usize, displacement: f64, forces: &mut [f64]) {
+        forces[cell] -= self.own(cell) * displacement;
+        for next in [cell.wrapping_sub(1), cell + 1] {
+            if let Some(force) = forces.get_mut(next) {
+                *force += self.stiffness * displacement;
+            }
+        }
+    }
+
+    fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
+        self.respond(&vec![diagonal; self.cells], right);
+    }
+
+    fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {
+        let mut pivots: Vec<f64> = Vec::new();
+        for j in 0..self.cells {
+            let ratio = pivots.last().map_or(0.0, |last| self.stiffness / last);
+            right[j] += if j > 0 { ratio * right[j - 1] } else { 0.0 };
+            pivots.push(springs[j] + self.own(j) - ratio * self.stiffness);
+        }
+        for j in (0..self.cells).rev() {
+            let next = right.get(j + 1).copied().unwrap_or(0.0);
+            right[j] = (right[j] + self.stiffness * next) / pivots[j];
+        }
+        pivots.iter().all(|pivot| *pivot > 0.0)
+    }
+
+    fn own(&self, _cell: usize) -> f64 {
+        2.0 * self.stiffness
+    }
+}
+
+/// Events of so many cells that are weakening from the start, by −F' = 2, until the drive has gone on by 0.01.
+fn weakening(cells: usize, stiffness: f64, connection: f64) -> usize {
+    let falling = Polyline::new(1.0, &[(0.3, -2.0), (f64::INFINITY, 1.0)]);
+    let walls = BetweenWalls { cells, stiffness };
+    let mut patch = interface(&falling, None, Box::new(walls), setting(connection, Slip::Overdamped, 1e-6));
+    let mut events = 0;
+    let end = patch.drive() + 0.01;
+    patch.run(end, &mut (), &mut |_, _| events += 1).unwrap();
+    events
+}
+
+#[test]
+fn slips_nucleate_in_patches_of_half_a_wavelength() {
+    for (stiffness, connection) in [(2000.0, 0.1), (3000.0, 1.0)] {
+        let length = PI * f64::sqrt(stiffness / (2.0 - connection));
+        let [short, long] = [0.98, 1.02].map(|part| (part * length).round() as usize);
+        assert_eq!(weakening(short, stiffness, connection), 0, "{short} cells, ℓ_c = {length}");
+        assert!(weakening(long, stiffness, connection) > 0, "{long} cells, ℓ_c = {length}");
+    }
+}
+
+/// The position in a bracket where the curve of σ = 0.1 has this force.
+fn place(force: f64, mut low: f64, mut high: f64) -> f64 {
+    let curve = Gaussian::new(1.0, 0.1);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if curve.force(middle) < force { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// A chain under a constant force on each cell, 40 of its cells one generation of contacts ahead.
+fn split(stiffness: f64, force: f64) -> (Interface, usize) {
+    const SOFT: f64 = 1e-7;
+    let (ahead, cells) = (40, 160);
+    let coupling = neighbours(Shape::Chain(cells), Edges::Open, stiffness).unwrap();
+    let timed = Setting { viscosity: Some(1.0), ..setting(SOFT, Slip::Overdamped, 1e-6) };
+    let mut chain = interface(&gaussian(0.1), None, coupling, timed);
+    let (front, rest) = (place(force, 1.25, 1.7), place(force, 0.0, 0.84));
+    let positions: Vec<f64> = (0..cells).map(|j| if j < ahead { front } else { rest }).collect();
+    chain.put(force / SOFT, &positions).unwrap();
+    (chain, ahead)
+}
+
+/// Cells per time at which slip spreads, between the 20th and the 60th cell that it reaches; 0 where it reaches fewer
+/// than 20.
+fn speed(stiffness: f64, above: f64) -> f64 {
+    let maxwell = 0.5 + 0.1 * 0.1;
+    let (mut chain, ahead) = split(stiffness, maxwell + above);
+    let drive = chain.drive();
+    let mut starts = vec![f64::NAN; chain.len()];
+    let mut log = |slipped: &[Slipped]| slipped.iter().for_each(|s| starts[s.cell] = s.start);
+    chain.run(drive, &mut (), &mut |_, slipped| log(slipped)).unwrap();
+    if starts[ahead + 20].is_nan() {
+        return 0.0;
+    }
+    40.0 / (starts[ahead + 60] - starts[ahead + 20])
+}
+
+#[test]
+fn fronts_advance_above_the_force_of_equal_areas() {
+    assert_eq!(speed(25.0, -0.01), 0.0);
+    for (above, expected) in [(0.01, 0.2085), (0.03, 0.629), (0.08, 1.702)] {
+        let found = speed(25.0, above);
+        assert!((found / expected - 1.0).abs() < 0.02, "{found} instead of {expected}");
+    }
+}
+
+#[test]
+fn coarse_chains_pin_fronts() {
+    assert_eq!(speed(1.0, 0.03), 0.0);
+    let found = speed(1.0, 0.08);
+    assert!((found / 0.219 - 1.0).abs() < 0.02, "{found} instead of 0.219");
+    assert_eq!(speed(0.25, 0.08), 0.0);
+}
