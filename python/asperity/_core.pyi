@@ -951,11 +951,79 @@ class Result(Record):
     def relaxation_length(self) -> float:
         """The relaxation length X*; inf where the force never settles, nan where no root is found."""
 
+    @property
+    def events(self) -> Events | None:
+        """The events of a slider or an interface; None where the task has none."""
+
     def save(self, folder: str | PathLike[str]) -> None:
         """Writes the folder that `asperity run` would write, but for its pictures; open_result reads it.
 
         Raises FileExistsError where a folder is in the way that asperity did not make, OSError where the system refuses.
         """
+
+@disjoint_base
+class Deformable(Description):
+    """What the kinds of interfaces have in common: a drive that moves their top."""
+
+    def drive(
+        self,
+        distance: _Number = 20.0,
+        points: SupportsIndex = 2001,
+        *,
+        maps: ArrayLike | None = None,
+        catalogue_from: _Number = 0.0,
+        progress: _Progress = None,
+    ) -> Result:
+        """doc"""
+
+    @property
+    def contacts(self) -> Contacts:
+        """The contacts."""
+
+    @property
+    def cells(self) -> list[int]:
+        """The length of a chain, or rows and columns of a lattice."""
+
+@final
+class Interface(Deformable):
+    """doc"""
+
+    def __new__(
+        cls,
+        contacts: Contacts,
+        cells: Sequence[int],
+        initial: _AnyLaw | None = None,
+        *,
+        connection: _Number,
+        neighbours: _Number | None = None,
+        half_space: tuple[_Number, _Number] | None = None,
+        edges: Literal["open", "periodic"] = "open",
+        loading: Literal["uniform", "edge"] = "uniform",
+        slip: Literal["reset", "overdamped"] = "reset",
+        viscosity: _Number | None = None,
+        disorder: _Number | ArrayLike | None = None,
+        seed: _Seed = 1,
+        drive_tolerance: _Number = 1e-6,
+        start: Literal["conditional", "relaxed"] = "conditional",
+    ) -> Self: ...
+
+@final
+class Lattice(Deformable):
+    """doc"""
+
+    def __new__(
+        cls,
+        contacts: Contacts,
+        cells: Sequence[int],
+        initial: _AnyLaw | None = None,
+        *,
+        neighbours: _Number,
+        connection: _Number,
+        edges: Literal["open", "periodic"] = "open",
+        seed: _Seed = 1,
+        disorder: Literal["annealed", "quenched"] = "annealed",
+        start: Literal["conditional", "relaxed"] = "conditional",
+    ) -> Self: ...
 
 @final
 class Step(Description):
@@ -1028,6 +1096,9 @@ def run(
     overrides: Mapping[str, Any] | None = None,
     *,
     progress: _Progress = None,
+    folder: str | PathLike[str] | None = None,
+    checkpoint: SupportsIndex | None = None,
+    resume: bool = False,
 ) -> Result:
     """Computes a scenario.
 

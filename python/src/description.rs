@@ -11,7 +11,8 @@ use pyo3::types::{PyDict, PyTuple, PyType};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
-use crate::{block, contacts, ensemble, equation, law, rules, transport};
+use crate::interface::Surface;
+use crate::{block, contacts, ensemble, equation, interface, law, rules, transport};
 
 /// The plain values of a description, as they stand in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -28,6 +29,7 @@ pub enum Plain {
     Ensemble(Interface, scenario::Ensemble),
     Slip(Slip),
     Block(Slider),
+    Surface(Surface),
 }
 
 /// Contacts and how they start.
@@ -74,6 +76,7 @@ impl Plain {
             Self::Ensemble(..) => py.get_type::<ensemble::Ensemble>(),
             Self::Slip(slip) => block::slip_class(*slip, py),
             Self::Block(_) => py.get_type::<block::Block>(),
+            Self::Surface(surface) => interface::class(surface, py),
         }
     }
 
@@ -92,6 +95,7 @@ impl Plain {
             Self::Ensemble(interface, own) => ensemble::arguments(interface, own, &arguments),
             Self::Slip(slip) => block::slip_arguments(*slip, &arguments),
             Self::Block(slider) => block::arguments(slider, &arguments),
+            Self::Surface(surface) => interface::arguments(surface, &arguments),
         }?;
         Ok(arguments)
     }
@@ -122,9 +126,11 @@ impl Description {
             Plain::Temperature(temperature) => Value::try_from(temperature),
             Plain::Ageing(ageing) => Value::try_from(ageing),
             Plain::Step(step) => Value::try_from(step),
-            Plain::MasterEquation(..) | Plain::Transport(..) | Plain::Ensemble(..) | Plain::Block(_) => {
-                return None;
-            }
+            Plain::MasterEquation(..)
+            | Plain::Transport(..)
+            | Plain::Ensemble(..)
+            | Plain::Block(_)
+            | Plain::Surface(_) => return None,
         };
         value.ok()
     }

@@ -3,7 +3,7 @@
 use std::io::Error as IoError;
 
 use asperity::Error;
-use asperity_runner::{input, output};
+use asperity_runner::{checkpoint, input, output};
 use pyo3::exceptions::{
     PyFileExistsError, PyKeyboardInterrupt, PyMemoryError, PyRuntimeError, PyTypeError, PyValueError,
 };
@@ -34,6 +34,17 @@ pub fn files(error: output::Error) -> PyErr {
         output::Error::System { source, .. } => IoError::new(source.kind(), text).into(),
         output::Error::Foreign { .. } => PyFileExistsError::new_err(text),
         output::Error::TooLarge { .. } => PyMemoryError::new_err(text),
+        _ => PyValueError::new_err(text),
+    }
+}
+
+/// Checkpoints: those of something else and damaged ones are `ValueError`, those in the way `FileExistsError`, others
+/// `OSError` of the right kind.
+pub fn checkpoint(error: checkpoint::Error) -> PyErr {
+    let text = error.to_string();
+    match error {
+        checkpoint::Error::System { source, .. } => IoError::new(source.kind(), text).into(),
+        checkpoint::Error::Unfinished { .. } => PyFileExistsError::new_err(text),
         _ => PyValueError::new_err(text),
     }
 }

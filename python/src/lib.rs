@@ -10,6 +10,7 @@ mod ensemble;
 mod equation;
 mod error;
 mod exact;
+mod interface;
 mod law;
 mod model;
 mod pull;
@@ -42,6 +43,8 @@ mod _core {
     use crate::exact::{
         kinetic_friction, kinetic_friction_per_threshold, steady_variance, steady_variance_per_threshold,
     };
+    #[pymodule_export]
+    use crate::interface::{Deformable, Interface, Lattice};
     #[pymodule_export]
     use crate::law::{
         Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Renormalised, Series,

@@ -1,7 +1,10 @@
 //! Scenarios computed, and results read back.
 
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
+use asperity::scenario::Scenario;
+use asperity_runner::checkpoint::Checkpoints;
 use asperity_runner::output::{self, Outcome};
 use asperity_runner::summary::{Friction, StaticFriction, Summary};
 use asperity_runner::{input, task};
@@ -22,7 +25,8 @@ pub struct Result {
     summary: Summary,
 }
 
-fn object(py: Python<'_>, outcome: Outcome) -> PyResult<Py<Result>> {
+/// What came of a task, as Python has it.
+pub fn object(py: Python<'_>, outcome: Outcome) -> PyResult<Py<Result>> {
     let Outcome { scenario, summary, record } = outcome;
     let record = Record::new(py, record, summary.units.clone())?;
     Py::new(py, record.add_subclass(Result { scenario, summary }))
@@ -78,6 +82,18 @@ impl Result {
         self.friction(|friction| friction.relaxation_length.0)
     }
 
+    /// The events of a slider or an interface; None where the task has none.
+    #[getter]
+    fn events<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let columns = PyDict::new(slf.py());
+        for name in slf.as_super().get().names() {
+            if let Some(column) = name.strip_prefix("event_") {
+                columns.set_item(column, slf.get_item(name)?)?;
+            }
+        }
+        if columns.is_empty() { Ok(None) } else { values::events(slf.py(), columns).map(Some) }
+    }
+
     /// Writes the folder that `asperity run` would write, but for its pictures; open_result reads it.
     ///
     /// Raises FileExistsError where a folder is in the way that asperity did not make, OSError where the system refuses.
@@ -102,21 +118,59 @@ impl Result {
 /// in which laws and contacts may be objects.
 /// overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a law replaces the law that is
 /// there. progress: as for MasterEquation.pull.
+/// folder: where to write the results, as Result.save does. Beside it the drive of an interface can keep what it has come
+/// to: checkpoint: every so many events. resume: whether to go on from the last checkpoint, or to begin where there is none.
+/// The checkpoints are removed once the results are written.
 ///
-/// Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came; OSError for a
-/// file that cannot be read; MemoryError for results that do not fit.
+/// Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came, and for a
+/// checkpoint of another scenario; OSError for a file that cannot be read, FileExistsError for a checkpoint of a run that
+/// was not finished; MemoryError for results that do not fit.
 #[pyfunction]
-#[pyo3(signature = (scenario, overrides = None, *, progress = None))]
+#[pyo3(signature = (scenario, overrides = None, *, progress = None, folder = None, checkpoint = None, resume = false))]
 pub fn run(
     scenario: &Bound<'_, PyAny>,
     overrides: Option<&Bound<'_, PyDict>>,
     progress: Option<Bound<'_, PyAny>>,
+    folder: Option<PathBuf>,
+    checkpoint: Option<NonZeroU64>,
+    resume: bool,
 ) -> PyResult<Py<Result>> {
+    let py = scenario.py();
     let overrides = overrides.map(assignments).transpose()?.unwrap_or_default();
-    let Text { text, name, folder } = Text::of(scenario)?;
-    let input = input::parse(&text, &name, &folder, &overrides).map_err(|e| error::scenario(&e))?;
-    let outcome = watched(progress, scenario.py(), |monitor| task::run(&input.scenario, monitor))?;
-    object(scenario.py(), outcome)
+    let Text { text, name, folder: relative } = Text::of(scenario)?;
+    let input = input::parse(&text, &name, &relative, &overrides).map_err(|e| error::scenario(&e))?;
+    let Some(folder) = folder else {
+        if checkpoint.is_some() || resume {
+            return Err(error::invalid("folder", "one, beside which checkpoints are kept", "None"));
+        }
+        return object(py, watched(progress, py, |monitor| task::run(&input.scenario, monitor))?);
+    };
+    output::check(&folder).map_err(error::files)?;
+    let mut kept = checkpoints(&input.scenario, &folder, checkpoint, resume)?;
+    let outcome = watched(progress, py, |monitor| task::run_with(&input.scenario, kept.as_mut(), monitor));
+    // A stop for a checkpoint that could not be written has its own reason.
+    let failure = kept.as_mut().and_then(Checkpoints::failure);
+    let outcome = failure.map_or(outcome, |failure| Err(error::checkpoint(failure)))?;
+    py.detach(|| output::write(&folder, &outcome, &[])).map_err(error::files)?;
+    kept.map_or(Ok(()), Checkpoints::remove).map_err(error::checkpoint)?;
+    object(py, outcome)
+}
+
+/// The checkpoints that are asked for.
+fn checkpoints(
+    scenario: &Scenario,
+    folder: &Path,
+    every: Option<NonZeroU64>,
+    resume: bool,
+) -> PyResult<Option<Checkpoints>> {
+    if every.is_none() && !resume {
+        return Ok(None);
+    }
+    if scenario.interface.is_none() {
+        return Err(error::invalid("checkpoint", "a scenario with interface", "one without"));
+    }
+    let begin = if resume { Checkpoints::resume } else { Checkpoints::begin };
+    begin(folder, scenario, every).map(Some).map_err(error::checkpoint)
 }
 
 /// Reads what `asperity run` or Result.save wrote.

@@ -133,7 +133,7 @@ pub struct Scales {
 }
 
 fn drive_tolerance() -> f64 {
-    1e-6
+    Interface::DRIVE_TOLERANCE
 }
 
 /// Bytes that a contact coupled one by one takes at most.
@@ -142,6 +142,9 @@ const BYTES_PER_CONTACT: f64 = 64.0;
 const BYTES_PER_CELL: f64 = 128.0;
 
 impl Interface {
+    /// The accuracy of drives, in mean thresholds, where nothing is said.
+    pub const DRIVE_TOLERANCE: f64 = 1e-6;
+
     /// Whether every value makes sense, and goes with the contacts, the drive and the ensemble.
     ///
     /// # Errors

@@ -84,8 +84,9 @@ fn same(name: &str) -> (String, String) {
 }
 
 fn trace(record: &Record, prefix: &str) -> Option<String> {
-    if record.get("event_epicentre").is_some() && prefix.is_empty() {
-        return table(record, &["drive"].map(same), &["position", "force"].map(same));
+    if prefix.is_empty() && record.get("spring_force").is_none() {
+        // An interface has no one spring, and single contacts have no positions.
+        return table(record, &["drive", "force"].map(same), &[same("position")]);
     }
     let column = |name: &str| (name.to_owned(), format!("{prefix}{name}"));
     let timed = ["time", "velocity", "free"].map(column);

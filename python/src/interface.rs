@@ -1,0 +1,281 @@
+//! Interfaces that deform: cells on an elastic slider, and contacts coupled one by one.
+
+use asperity::scenario::{self, CellSlip, Coupling, Drive, Edges, Loading, PerCell, Scales, Scenario, Units};
+use asperity_runner::task;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::contacts::Contacts;
+use crate::convert::{self, Seed, Whole};
+use crate::description::{Description, Plain};
+use crate::law::{AnyLaw, given};
+use crate::model::{interface, interface_arguments};
+use crate::result::{self, Result};
+use crate::watch::watched;
+use crate::{description, error};
+
+/// An interface whose cells move differently, and how its contacts start.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Surface {
+    pub contacts: description::Interface,
+    pub own: scenario::Interface,
+    pub ensemble: Option<scenario::Ensemble>,
+}
+
+impl Surface {
+    /// The scenario of a drive.
+    fn scenario(&self, drive: Drive) -> Scenario {
+        let description::Interface { contacts, initial, start } = self.contacts.clone();
+        Scenario {
+            title: String::new(),
+            contacts,
+            initial,
+            pull: None,
+            drive: Some(Drive { start, ..drive }),
+            protocol: None,
+            protocol_file: None,
+            velocity_curve: None,
+            hold_curve: None,
+            block: None,
+            interface: Some(self.own.clone()),
+            master_equation: scenario::MasterEquation::default(),
+            ensemble: self.ensemble.clone(),
+            units: Units::default(),
+            compare: None,
+        }
+    }
+}
+
+/// What the kinds of interfaces have in common: a drive that moves their top.
+#[pyclass(frozen, subclass, extends = Description, module = "asperity")]
+pub struct Deformable;
+
+#[pymethods]
+impl Deformable {
+    /// Drives the interface from X_T = 0 to distance, from event to event.
+    ///
+    /// points: the number of points of the trace, both ends included. maps: a list of drives, rising, at which every cell
+    /// is shown; of a chain it is at every point. catalogue_from: the drive from which on events are recorded. progress:
+    /// as for MasterEquation.pull. Ctrl-C stops it.
+    ///
+    /// Returns the Result of the scenario that this is: its `events` are the catalogue, its `summary["catalogue"]` says
+    /// how large events are and how long one waits for them. run takes such scenarios, too, and can keep checkpoints.
+    ///
+    /// Raises ValueError for values that make no sense, or for more than fits in a result file.
+    #[pyo3(
+        signature = (distance = 20.0, points = Whole::new(2001), *, maps = None, catalogue_from = 0.0, progress = None),
+        text_signature = "($self, distance=20.0, points=2001, *, maps=None, catalogue_from=0.0, progress=None)"
+    )]
+    fn drive(
+        slf: &Bound<'_, Self>,
+        distance: f64,
+        points: Whole,
+        maps: Option<&Bound<'_, PyAny>>,
+        catalogue_from: f64,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Py<Result>> {
+        let py = slf.py();
+        let maps = maps.map_or(Ok(Vec::new()), |maps| convert::list("maps", maps))?;
+        let points = points.get("points")?;
+        let drive = Drive { distance: Some(distance), points, maps, ..Drive::default() };
+        let mut scenario = Self::plain(slf).scenario(drive);
+        if let Some(own) = &mut scenario.interface {
+            own.catalogue_from = catalogue_from;
+        }
+        let outcome = watched(progress, py, |monitor| {
+            scenario.build()?;
+            task::run(&scenario, monitor)
+        })?;
+        result::object(py, outcome)
+    }
+
+    /// The contacts.
+    #[getter]
+    fn contacts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        Plain::Contacts(Self::plain(slf).contacts.contacts.clone()).object(slf.py())
+    }
+
+    /// The length of a chain, or rows and columns of a lattice.
+    #[getter]
+    fn cells(slf: &Bound<'_, Self>) -> Vec<usize> {
+        Self::plain(slf).own.cells.clone()
+    }
+}
+
+impl Deformable {
+    fn plain<'a>(interface: &'a Bound<'_, Self>) -> &'a Surface {
+        match interface.as_super().get().plain() {
+            Plain::Surface(surface) => surface,
+            _ => unreachable!("an interface is described as one"),
+        }
+    }
+
+    fn made(surface: Surface) -> PyResult<PyClassInitializer<Self>> {
+        surface.scenario(Drive::default()).build().map_err(error::core)?;
+        Ok(Description::new(Plain::Surface(surface)).add_subclass(Self))
+    }
+}
+
+/// Cells of many contacts on a slider that deforms, each connected to the drive by a spring.
+///
+/// contacts: those of a cell. cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
+/// initial, start: as for MasterEquation. connection: K_0, the stiffness of the spring between a cell and the drive.
+/// neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a half-space
+/// and the side of a cell. edges: "open" or "periodic". loading: "uniform", or "edge" where the drive pulls the first cell
+/// or row alone. slip: "reset", where all contacts of an unstable cell break and re-form, or "overdamped". viscosity: the
+/// drag of a moving cell, force per velocity; with it events take time. disorder: the standard deviation of the scales of
+/// cells, which multiply all lengths of their contacts, drawn from a Gaussian of mean 1 with the seed; or a list of them.
+/// drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds.
+///
+/// Raises ValueError for values that make no sense.
+#[pyclass(frozen, extends = Deformable, module = "asperity")]
+pub struct Interface;
+
+#[pymethods]
+impl Interface {
+    #[new]
+    #[pyo3(
+        signature = (
+            contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, edges = "open",
+            loading = "uniform", slip = "reset", viscosity = None, disorder = None, seed = Seed(1),
+            drive_tolerance = 1e-6, start = "conditional"
+        ),
+        text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, edges='open', loading='uniform', slip='reset', viscosity=None, disorder=None, seed=1, drive_tolerance=1e-6, start='conditional')"
+    )]
+    fn new(
+        contacts: &Bound<'_, Contacts>,
+        cells: Vec<usize>,
+        initial: Option<AnyLaw>,
+        connection: f64,
+        neighbours: Option<f64>,
+        half_space: Option<(f64, f64)>,
+        edges: &str,
+        loading: &str,
+        slip: &str,
+        viscosity: Option<f64>,
+        disorder: Option<&Bound<'_, PyAny>>,
+        seed: Seed,
+        drive_tolerance: f64,
+        start: &str,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let coupling = match (neighbours, half_space) {
+            (Some(stiffness), None) => Coupling::Neighbours { stiffness },
+            (None, Some((modulus, cell))) => Coupling::HalfSpace { modulus, cell },
+            (both, _) => {
+                let found = if both.is_some() { "both" } else { "neither" };
+                return Err(error::invalid("neighbours", "either neighbours or half_space", found));
+            }
+        };
+        let own = scenario::Interface {
+            cells,
+            contacts: PerCell::Many,
+            connection,
+            coupling,
+            edges: convert::word("edges", edges)?,
+            loading: convert::word("loading", loading)?,
+            slip: Some(convert::word("slip", slip)?),
+            viscosity,
+            disorder: disorder.map(|disorder| scales(disorder, seed.0)).transpose()?,
+            drive_tolerance,
+            catalogue_from: 0.0,
+        };
+        let surface = Surface { contacts: interface(contacts, initial, start)?, own, ensemble: None };
+        Ok(Deformable::made(surface)?.add_subclass(Self))
+    }
+}
+
+/// A standard deviation, or the scales themselves.
+fn scales(disorder: &Bound<'_, PyAny>, seed: u64) -> PyResult<Scales> {
+    if let Ok(std) = disorder.extract::<f64>() {
+        return Ok(Scales { std: Some(std), seed: Some(seed), ..Scales::default() });
+    }
+    Ok(Scales { scale: Some(convert::list("disorder", disorder)?), ..Scales::default() })
+}
+
+/// Contacts coupled one by one, which re-form when the slide is over: the automaton of Olami, Feder and Christensen for
+/// any law of thresholds.
+///
+/// contacts: their laws, and the number that they stand for all together. cells: the length of a chain, or rows and
+/// columns. initial, start: as for Ensemble. neighbours, connection: the stiffness of the spring between two neighbours and
+/// of that to the drive; a neighbour gains the share neighbours/(z neighbours + connection) of what a breaking contact lets
+/// go, z being 4, or 2 on a chain. edges: "open" or "periodic". seed, disorder: as for Ensemble.
+///
+/// Raises ValueError for values that make no sense.
+#[pyclass(frozen, extends = Deformable, module = "asperity")]
+pub struct Lattice;
+
+#[pymethods]
+impl Lattice {
+    #[new]
+    #[pyo3(
+        signature = (
+            contacts, cells, initial = None, *, neighbours, connection, edges = "open", seed = Seed(1),
+            disorder = "annealed", start = "conditional"
+        ),
+        text_signature = "(contacts, cells, initial=None, *, neighbours, connection, edges='open', seed=1, disorder='annealed', start='conditional')"
+    )]
+    fn new(
+        contacts: &Bound<'_, Contacts>,
+        cells: Vec<usize>,
+        initial: Option<AnyLaw>,
+        neighbours: f64,
+        connection: f64,
+        edges: &str,
+        seed: Seed,
+        disorder: &str,
+        start: &str,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let own = scenario::Interface {
+            cells,
+            contacts: PerCell::One,
+            connection,
+            coupling: Coupling::Neighbours { stiffness: neighbours },
+            edges: convert::word("edges", edges)?,
+            loading: Loading::Uniform,
+            slip: None,
+            viscosity: None,
+            disorder: None,
+            drive_tolerance: scenario::Interface::DRIVE_TOLERANCE,
+            catalogue_from: 0.0,
+        };
+        let disorder = convert::word("disorder", disorder)?;
+        let ensemble = Some(scenario::Ensemble { size: None, seed: seed.0, disorder });
+        let surface = Surface { contacts: interface(contacts, initial, start)?, own, ensemble };
+        Ok(Deformable::made(surface)?.add_subclass(Self))
+    }
+}
+
+/// The class of an interface.
+pub fn class<'py>(surface: &Surface, py: Python<'py>) -> Bound<'py, pyo3::types::PyType> {
+    match surface.own.contacts {
+        PerCell::Many => py.get_type::<Interface>(),
+        PerCell::One => py.get_type::<Lattice>(),
+    }
+}
+
+/// The arguments that make an interface.
+pub fn arguments(surface: &Surface, into: &Bound<'_, PyDict>) -> PyResult<()> {
+    let Surface { contacts, own, ensemble } = surface;
+    interface_arguments(contacts, into)?;
+    into.set_item("cells", own.cells.clone())?;
+    into.set_item("connection", own.connection)?;
+    match own.coupling {
+        Coupling::Neighbours { stiffness } => into.set_item("neighbours", stiffness)?,
+        Coupling::HalfSpace { modulus, cell } => into.set_item("half_space", (modulus, cell))?,
+    }
+    given(into, "edges", (own.edges == Edges::Periodic).then_some("periodic"))?;
+    given(into, "loading", (own.loading == Loading::Edge).then_some("edge"))?;
+    given(into, "slip", (own.slip == Some(CellSlip::Overdamped)).then_some("overdamped"))?;
+    given(into, "viscosity", own.viscosity)?;
+    let tolerance = own.drive_tolerance;
+    given(into, "drive_tolerance", (tolerance != scenario::Interface::DRIVE_TOLERANCE).then_some(tolerance))?;
+    if let Some(scales) = &own.disorder {
+        given(into, "disorder", scales.std)?;
+        given(into, "disorder", scales.scale.clone())?;
+        given(into, "seed", scales.seed.filter(|&seed| seed != 1))?;
+    }
+    let Some(ensemble) = ensemble else { return Ok(()) };
+    given(into, "seed", Some(ensemble.seed).filter(|&seed| seed != 1))?;
+    let quenched = ensemble.disorder != scenario::Disorder::default();
+    given(into, "disorder", quenched.then(|| convert::disorder(ensemble.disorder)))
+}
