@@ -36,6 +36,7 @@ impl Surface {
             protocol_file: None,
             velocity_curve: None,
             hold_curve: None,
+            renormalisation: None,
             block: None,
             interface: Some(self.own.clone()),
             master_equation: scenario::MasterEquation::default(),
