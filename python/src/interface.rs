@@ -135,6 +135,7 @@ pub struct Interface;
 #[pymethods]
 impl Interface {
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     #[pyo3(
         signature = (
             contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, edges = "open",
@@ -208,6 +209,7 @@ pub struct Lattice;
 #[pymethods]
 impl Lattice {
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     #[pyo3(
         signature = (
             contacts, cells, initial = None, *, neighbours, connection, edges = "open", seed = Seed(1),
