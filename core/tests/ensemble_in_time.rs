@@ -3,6 +3,7 @@
 
 mod common;
 #[path = "common/ways.rs"]
+#[allow(dead_code)]
 mod ways;
 
 use asperity::block::{Block, Drive, Loading, Slide, Slip};

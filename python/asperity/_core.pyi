@@ -556,7 +556,7 @@ class Block(Description):
     K(X_T - X) = F(X). Where F falls more steeply than the force of the spring, F' < -K, the slider loses its balance and
     slips at fixed X_T (Braun and Peyrard 2008).
 
-    model: the contacts, a MasterEquation or an Ensemble. stiffness: the stiffness K, force per length, above 0; None or
+    model: the contacts, a MasterEquation or an Ensemble, or, to be moved in time, a Transport or an Ensemble. stiffness: the stiffness K, force per length, above 0; None or
     inf for a rigid slider, which never loses its balance. slip: what happens in a slip:
     "reset" where all contacts break and re-form, and the spring is relaxed; "overdamped" where the slider moves to the
     next balance, contacts breaking and re-forming on the way; "arrest" where contacts that break stay free until it has
@@ -606,14 +606,24 @@ class Block(Description):
         which it is moved one after the other, forth and back, instead. force_to: the force, above 0, up to which a slider
         of infinite stiffness is pulled whatever its position, instead. points: the number of points of the trace, evenly
         spaced along the drive, both ends included; 2 or more; turning points, and points before and after every slip,
-        come on top. progress: as for MasterEquation.pull. Ctrl-C stops it.
+        come on top. velocity: the velocity of the top, above 0, with which the slider is moved in time as by follow; needed
+        over a Transport, and over contacts that know time. progress: as for MasterEquation.pull. Ctrl-C stops it.
 
         Raises ValueError for values that make no sense or too many point masses, MemoryError for results that do not fit,
         RuntimeError where the tolerance is not reached.
         """
 
     def follow(self, steps: Sequence[Step], *, progress: _Progress = None) -> StickSlip:
-        """To be copied."""
+        """Moves the top of the slider from balance at t = 0 through steps one after the other, and follows its bottom in time:
+        MẌ = K(X_T - X) - F - γẊ.
+
+        The slip must be Damped or Inertial, as something must limit how fast a slip is. A slip is where the bottom is ten times
+        as fast as the top, and over an ensemble breaks the share slip_fraction of the contacts.
+
+        steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+
+        Raises ValueError for no steps, another slip, a rigid slider, or a MasterEquation, which has one velocity.
+        """
 
     def equilibrium(self, distance: _Number | None = None, points: SupportsIndex = 2001) -> Equilibria:
         """The equilibria X_T(X) = X + F(X)/K of the first loading, before anything slips: drive, position, force, and whether
@@ -791,7 +801,8 @@ class StickSlip(Record):
 
     Its variables are those of the trace, `drive`, `position`, `force` and `spring_force`, all states of balance; those of
     the slips, `event_drive`, `event_drop`, …; for an inertial slip its course, `slip_time`, `slip_position`, …; for an
-    ensemble the sizes of events, `size`, `size_events`, ….
+    ensemble the sizes of events, `size`, `size_events`, …. In time the trace has `time`, `velocity` and `free` (the fraction of
+    contacts that are free), too, and no course and no sizes.
     """
 
     @property
@@ -804,7 +815,7 @@ class StickSlip(Record):
 
     @property
     def spring_force(self) -> _Array:
-        """The force K(X_T - X) of the spring along the trace, shape (n,): F, as the slider is in balance."""
+        """The force K(X_T - X) of the spring along the trace, shape (n,): F, where the slider is in balance."""
 
     @property
     def events(self) -> Events:
@@ -901,7 +912,9 @@ class Relaxation:
 
     @property
     def paper_estimate(self) -> float:
-        """The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds."""
+        """The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. Of contacts that know time, x̄
+        and σ are those of the ways from birth to rebirth in steady sliding.
+        """
 
     @property
     def valid_from(self) -> float:

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
 
 
 class Event(NamedTuple):
-    """A slip: at a fixed drive or, in time, from where the slider becomes ten times as fast as its top to where it no
-    longer is.
+    """A slip: at a fixed drive or, in time, from where the slider becomes ten times as fast as its top to
+    where it no longer is.
     """
 
     drive: float

@@ -254,7 +254,7 @@ fn a_block_over_ageing_contacts_sticks_and_slips_for_ever() {
     assert_eq!(
         table.lines().next(),
         Some(
-            "event,drive,position_before,position_after,position_turn,force_before,force_after,drop,slip,broken_fraction,dissipated_slip,time,duration,velocity"
+            "event,drive,position_before,position_after,position_turn,force_before,force_after,drop,slip,broken_fraction,dissipated_breaks,dissipated_slip,time,duration,velocity"
         )
     );
     assert_eq!(table.lines().count(), sliding.slips + 1);
@@ -275,4 +275,75 @@ fn ageing_makes_steady_sliding_unstable_behind_soft_springs() {
     let table = std::fs::read_to_string(dir.join("velocity_curve.csv")).unwrap();
     let header = "velocity,kinetic_friction,critical_stiffness,critical_stiffness_sliding";
     assert_eq!(table.lines().next(), Some(header));
+}
+
+#[test]
+fn points_of_a_curve_are_sampled_by_contacts_of_their_own() {
+    let text = format!(
+        "{THERMAL} velocity_curve = {{ from = 1e-2, to = 1.0, points = 2, temperatures = [0.05, 0.05] }}
+         ensemble = {{ size = 1000 }}"
+    );
+    let outcome = run(&text);
+    let column = |name| outcome.record.values(name).unwrap();
+    let (force, error) = (column("ensemble_force"), column("ensemble_error"));
+    for i in 0..2 {
+        // the same point twice: within 5 standard errors of a difference, by chance twice in a million
+        assert!(force[i] != force[i + 2]);
+        near(force[i], force[i + 2], 5.0 * error[i].hypot(error[i + 2]));
+    }
+}
+
+const BLOCK: &str = "block = { stiffness = 0.3, slip.damped = { damping = 0.1 } }\n";
+const STRONG: &str = "
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.2 }
+contacts.ageing.logarithmic = { growth = 0.05, time = 1.0 }
+";
+
+#[test]
+fn a_drive_at_a_velocity_is_a_protocol_of_one_step() {
+    let drive = run(&format!("{STRONG}{BLOCK}drive = {{ distance = 5.0, velocity = 1e-2, points = 51 }}"));
+    let protocol =
+        run(&format!("{STRONG}{BLOCK}protocol = [{{ distance = 5.0, velocity = 1e-2, points = 51 }}]"));
+    for name in ["time", "drive", "position", "velocity", "force", "event_drive", "event_dissipated_breaks"] {
+        assert_eq!(drive.record.values(name).unwrap(), protocol.record.values(name).unwrap(), "{name}");
+    }
+    assert_eq!(drive.summary.sliding, protocol.summary.sliding);
+    // and of a pull at that velocity, from rest, the peak, which a block of finite stiffness slips beyond
+    let friction = drive.summary.friction.unwrap();
+    near(friction.kinetic_friction, 0.6481395, 1e-6);
+    assert!(drive.summary.sliding.unwrap().slips == 2 && drive.record.get("free").is_none());
+}
+
+#[test]
+fn a_rigid_drive_at_a_velocity_is_a_pull() {
+    let rigid = run(&format!("{STRONG}drive = {{ distance = 2.0, velocity = 1e-2, points = 21 }}"));
+    let pull = run(&format!("{STRONG}pull = {{ distance = 2.0, velocity = 1e-2, points = 21 }}"));
+    let column = |outcome: &Outcome| outcome.record.values("force").unwrap().to_vec();
+    for (rigid, pull) in column(&rigid).into_iter().zip(column(&pull)) {
+        // the tolerance where velocities might vary
+        near(rigid, pull, 1e-6);
+    }
+    let friction = |outcome: &Outcome| outcome.summary.friction.clone().unwrap();
+    assert_eq!(friction(&rigid).kinetic_friction, friction(&pull).kinetic_friction);
+    assert_eq!(rigid.summary.sliding, None);
+}
+
+#[test]
+fn an_ensemble_slips_beside_its_block() {
+    let stiffening = "contacts.stiffness_per_threshold = 1.0\n";
+    let rest = "drive = { distance = 6.0, velocity = 1e-2, points = 51 }\nensemble = { size = 300 }\n";
+    let outcome = run(&format!("{STRONG}{stiffening}{BLOCK}{rest}"));
+    let (_base, dir) = folder();
+    output::write(&dir, &outcome, &[]).unwrap();
+    for name in ["events.csv", "ensemble_events.csv"] {
+        let table = std::fs::read_to_string(dir.join(name)).unwrap();
+        let header = table.lines().next().unwrap();
+        assert!(header.ends_with("dissipated_breaks,dissipated_slip,time,duration,velocity,strengthening"));
+        assert!(table.lines().count() > 1, "{name}");
+    }
+    assert!(dir.join("ensemble_trace.csv").exists());
+    let sliding = outcome.summary.sliding.unwrap();
+    let first = |sliding: &asperity_runner::summary::Sliding| sliding.first_instability.unwrap().drive;
+    // drives at slips scatter by some N^(-2/3)
+    near(first(sliding.ensemble.as_ref().unwrap()), first(&sliding), 4.0 * 300.0_f64.powf(-2.0 / 3.0));
 }

@@ -1,5 +1,4 @@
 //! Contacts that know time, of every kind that can be followed one by one, and ways of a slider over them in time.
-#![allow(dead_code)]
 
 use std::sync::Arc;
 
