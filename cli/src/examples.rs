@@ -12,7 +12,7 @@ macro_rules! shipped {
 }
 
 /// All of them, simple ones first; tables stand after the scenario that names them.
-const SHIPPED: [Shipped; 28] = shipped![
+const SHIPPED: [Shipped; 31] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -40,7 +40,10 @@ const SHIPPED: [Shipped; 28] = shipped![
     "healing.toml",
     "stick-slip-ageing.toml",
     "ofc.toml",
+    "front-chain.toml",
+    "precursors-edge.toml",
     "first_loading.csv",
+    "front-chain.csv",
 ];
 
 /// The text called `name`, with or without `.toml`.
