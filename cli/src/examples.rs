@@ -12,7 +12,7 @@ macro_rules! shipped {
 }
 
 /// All of them, simple ones first; tables stand after the scenario that names them.
-const SHIPPED: [Shipped; 29] = shipped![
+const SHIPPED: [Shipped; 32] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -40,8 +40,11 @@ const SHIPPED: [Shipped; 29] = shipped![
     "healing.toml",
     "stick-slip-ageing.toml",
     "ofc.toml",
+    "front-chain.toml",
+    "precursors-edge.toml",
     "renormalised.toml",
     "first_loading.csv",
+    "front-chain.csv",
 ];
 
 /// The text called `name`, with or without `.toml`.

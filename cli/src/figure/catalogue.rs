@@ -47,7 +47,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
 fn told(law: &PowerLaw) -> String {
     let decimals = (1.0 - law.exponent.error.log10().floor()).clamp(0.0, 6.0) as usize;
     let exponent = format!("{:.decimals$} ± {:.decimals$}", law.exponent.value, law.exponent.error);
-    if law.cut_off.0.is_infinite() {
+    if !law.is_cut_off() {
         return format!("τ = {exponent}");
     }
     format!("τ = {exponent}, cut-off {}", rounded(law.cut_off.0))

@@ -16,6 +16,8 @@ use super::style::{self, BLACK, ORANGE, Plots, RED};
 const LARGE: f64 = 0.05;
 /// Events that are drawn at most: the largest.
 const MOST: usize = 300;
+/// Share of the cells of an event that its time axis may leave out at the beginning.
+const HESITANT: f64 = 0.1;
 /// Width of the panel of colours.
 const BAR: f64 = 95.0;
 const HEIGHT: f64 = 420.0;
@@ -129,7 +131,12 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
     plots.push(Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(1.6)));
     let speeds =
         if words.is_empty() { String::new() } else { format!(": {} cells per time", words.join(", ")) };
-    let layout = panel((0.0, cells as f64), (0.0, style::headroom(last)))
+    // The first cells may have hesitated long before the rest followed.
+    let mut sorted = times;
+    sorted.sort_by(f64::total_cmp);
+    let from = sorted[(HESITANT * sorted.len() as f64) as usize];
+    let air = 0.08 * (last - from).max(1e-3 * last);
+    let layout = panel((0.0, cells as f64), ((from - air).max(first), last + air))
         .with_title(format!("Largest event, at X_T = {}{speeds}", style::digits(largest.drive)))
         .with_title_size(12)
         .with_x_label("Cell")

@@ -40,8 +40,8 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
 
 fn told(catalogue: &Catalogue, law: &PowerLaw) -> String {
     let exponent = with_error(law.exponent);
-    let cut_off = if law.cut_off.0.is_infinite() {
-        "no cut-off".into()
+    let cut_off = if !law.is_cut_off() {
+        "no cut-off seen".into()
     } else {
         format!("cut-off {}", with_error(Fitted { value: law.cut_off.0, error: law.cut_off_error.0 }))
     };

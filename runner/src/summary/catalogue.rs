@@ -52,6 +52,13 @@ pub struct PowerLaw {
     pub distance: f64,
 }
 
+impl PowerLaw {
+    /// Whether the events tell that there is a cut-off: where its error is as large as itself, they do not.
+    pub fn is_cut_off(&self) -> bool {
+        self.cut_off_error.0 < self.cut_off.0
+    }
+}
+
 /// The largest event.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Largest {
