@@ -120,7 +120,7 @@ figures: $(venv)/installed
 
 # How fast it is, and what a call from Python costs.
 bench: $(venv)/installed
-	cargo bench --locked --package asperity --bench ensemble --bench block --bench elastic --bench lattice --bench master --bench population --bench scaling --bench velocity --bench transport --bench diffusion
+	cargo bench --locked --package asperity --bench ensemble --bench block --bench coupling --bench elastic --bench lattice --bench master --bench population --bench scaling --bench velocity --bench transport --bench diffusion
 	$(venv)/bin/python -P python/benches/overhead.py
 
 # The page of how fast it is next to what one would write in Python, anew.

@@ -1,5 +1,6 @@
 //! What may be typed after `asperity`.
 
+use std::num::NonZeroU64;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -53,6 +54,12 @@ pub struct Run {
     /// Number of threads; results do not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+    /// Keep what the drive of an [interface] has come to every so many events, for --resume
+    #[arg(long, value_name = "EVENTS")]
+    pub checkpoint: Option<NonZeroU64>,
+    /// Go on from the last checkpoint of a run that was stopped, or begin where there is none
+    #[arg(long)]
+    pub resume: bool,
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,

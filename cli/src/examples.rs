@@ -12,7 +12,7 @@ macro_rules! shipped {
 }
 
 /// All of them, simple ones first; tables stand after the scenario that names them.
-const SHIPPED: [Shipped; 27] = shipped![
+const SHIPPED: [Shipped; 29] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -39,6 +39,8 @@ const SHIPPED: [Shipped; 27] = shipped![
     "slide-hold-slide.toml",
     "healing.toml",
     "stick-slip-ageing.toml",
+    "ofc.toml",
+    "renormalised.toml",
     "first_loading.csv",
 ];
 

@@ -10,9 +10,10 @@ mod summary;
 
 use std::fmt;
 use std::io::Write as _;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use asperity_runner::input;
+use asperity_runner::{checkpoint, input};
 use clap::{CommandFactory as _, Parser as _};
 
 use arguments::{Arguments, Command};
@@ -23,8 +24,8 @@ enum Failure {
     Run(String),
     /// Wrong input, drawn.
     Input(String),
-    /// Ctrl-C.
-    Interrupted,
+    /// Ctrl-C, and the checkpoint from which the run can go on.
+    Interrupted(Option<PathBuf>),
 }
 
 impl Failure {
@@ -39,12 +40,25 @@ impl From<Box<input::Diagnostic>> for Failure {
     }
 }
 
+impl From<checkpoint::Error> for Failure {
+    fn from(error: checkpoint::Error) -> Self {
+        match error {
+            checkpoint::Error::Another { .. } => Self::Input(format!("error: {error}\n")),
+            other => Self::run(other),
+        }
+    }
+}
+
 fn main() -> ExitCode {
     let (message, code) = match execute(Arguments::parse().command) {
         Ok(()) => return ExitCode::SUCCESS,
         Err(Failure::Run(message)) => (message, 1),
         Err(Failure::Input(message)) => (message, 2),
-        Err(Failure::Interrupted) => ("interrupted: nothing was written\n".into(), 130),
+        Err(Failure::Interrupted(None)) => ("interrupted: nothing was written\n".into(), 130),
+        Err(Failure::Interrupted(Some(checkpoint))) => {
+            let path = checkpoint.display();
+            (format!("interrupted: no results were written; --resume goes on from {path}\n"), 130)
+        }
     };
     // Where even this cannot be written, the exit code still tells.
     let _ = std::io::stderr().write_all(message.as_bytes());

@@ -26,6 +26,8 @@ pub struct Progress {
     started: Instant,
     shown: bool,
     bar: Option<ProgressBar>,
+    /// How many events there were, where they are counted.
+    counted: String,
 }
 
 const STEPS: u64 = 1000;
@@ -33,7 +35,12 @@ const STEPS: u64 = 1000;
 impl Progress {
     /// A watcher, from now on.
     pub fn new(quiet: bool) -> Self {
-        Self { started: Instant::now(), shown: !quiet && std::io::stderr().is_terminal(), bar: None }
+        Self {
+            started: Instant::now(),
+            shown: !quiet && std::io::stderr().is_terminal(),
+            bar: None,
+            counted: String::new(),
+        }
     }
 
     fn draw(&mut self, fraction: f64) {
@@ -41,10 +48,11 @@ impl Progress {
             return;
         }
         let bar = self.bar.get_or_insert_with(|| {
-            let style =
-                ProgressStyle::with_template("{bar:40} {percent:>3} % after {elapsed}").expect("it is valid");
+            let style = ProgressStyle::with_template("{bar:40} {percent:>3} % after {elapsed}{msg}")
+                .expect("it is valid");
             ProgressBar::new(STEPS).with_style(style).with_elapsed(self.started.elapsed())
         });
+        bar.set_message(self.counted.clone());
         bar.set_position((fraction * STEPS as f64) as u64);
     }
 }
@@ -53,6 +61,12 @@ impl Monitor for Progress {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
         self.draw(fraction);
         if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn events(&mut self, events: u64, drive: f64) {
+        if self.shown {
+            self.counted = format!(", {events} events, drive {drive:.6}");
+        }
     }
 }
 

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity::contacts::{Contacts, Initial, Start};
+use asperity::elastic::coupling::half_space;
 use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
@@ -90,6 +91,16 @@ fn against_python() {
         let name = "numba, the lattice looked through for every avalanche";
         against(&job, name, &format!("lattice.py {share}"), None, || coupled(share));
     }
+    for side in [1024, 4096] {
+        let job = format!("{side} × {side} cells under a periodic half-space, all forces once");
+        let positions: Vec<f64> = (0..side * side).map(|j| (0.37 * j as f64).sin()).collect();
+        let mut forces = vec![0.0; positions.len()];
+        let mut slider = half_space(Shape::Square([side; 2]), Edges::Periodic, 1.0, 1.0).unwrap();
+        against(&job, "NumPy, rfft2 and irfft2", &format!("convolution.py {side}"), None, || {
+            slider.forces(&positions, &mut forces);
+            forces[0]
+        });
+    }
 }
 
 /// The mean force at X = 2 of contacts that share what they let go, from random stretches.
@@ -106,11 +117,11 @@ fn coupled(share: f64) -> f64 {
 
 /// One line of the table, of a job that has F(5).
 fn row(job: &str, name: &str, script: &str, ours: impl Fn() -> f64 + Sync) {
-    against(job, name, script, Some(EXACT), ours);
+    against(job, name, script, Some(EXACT), &ours);
 }
 
 /// One line of the table, ours on this thread alone, of a job that has a force, perhaps known exactly.
-fn against(job: &str, name: &str, script: &str, exact: Option<f64>, ours: impl Fn() -> f64 + Sync) {
+fn against(job: &str, name: &str, script: &str, exact: Option<f64>, mut ours: impl FnMut() -> f64 + Send) {
     let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let mut peer = Peer::start(script);
     let mut off = 0.0;

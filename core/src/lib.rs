@@ -13,6 +13,7 @@ pub mod elastic;
 pub mod ensemble;
 mod error;
 pub mod exact;
+pub mod first_breaks;
 pub mod history;
 pub mod law;
 pub mod life;

@@ -8,6 +8,9 @@ use std::ops::ControlFlow;
 pub trait Monitor: Send {
     /// Called now and then with the fraction of the work done, in `[0, 1]`, never decreasing.
     fn progress(&mut self, fraction: f64) -> ControlFlow<()>;
+
+    /// Called, by what goes from event to event, with the number of events so far and the drive.
+    fn events(&mut self, _events: u64, _drive: f64) {}
 }
 
 impl Monitor for () {

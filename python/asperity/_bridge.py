@@ -1,8 +1,9 @@
 """Laws from what else describes one: frozen distributions of scipy.stats, and samples."""
 
 import sys
-from math import erfc, exp, expm1, inf, sqrt
-from typing import TYPE_CHECKING, Any
+from itertools import pairwise
+from math import erfc, exp, expm1, inf, log2, sqrt
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from asperity._core import (
     Mixture,
     Point,
     Rectangular,
-    Series,
     Tabulated,
     Weibull,
     _resolve,
@@ -32,11 +32,29 @@ EPSILON = sys.float_info.epsilon
 # A cell at the start holds this share of a law at most: no peak is missed.
 SHARE = 0.125
 
+# Halves of a cell share its mass evenly where a density is finite, nearly so where it jumps; at a pole that
+# a Series cannot follow, one of them has more than this.
+UNEVEN = 0.55
+
+# A pole is closed in on to this, relative to where it is; what is nearer is a point, unless it is less than
+# FAINT.
+NEAR = 1e-6
+FAINT = 1e-8
+
 # More values of a discrete distribution are not taken one by one.
 MOST = 1000
 
 # A distribution function and its density agree to this.
 AGREE = 1e-6
+
+
+class Peak(NamedTuple):
+    """What lies near a pole of a density, on one side of it."""
+
+    low: float
+    high: float
+    mass: float
+    mean: float
 
 
 def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
@@ -45,8 +63,10 @@ def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
     Of scipy.stats, norm, truncnorm, halfnorm, uniform, gamma, erlang, expon, weibull_min and lognorm become
     the law of asperity that has the same density, if there is one: cut at 0, if at all. Any other
     distribution on x >= 0 becomes a Series, right to rounding of its pdf; so does what has the methods pdf,
-    cdf and support of one, such as stats.Mixture and stats.rv_histogram. A discrete distribution becomes a
-    Mixture of Points. A list of samples becomes Tabulated(samples=x).
+    cdf and support of one, such as stats.Mixture and stats.rv_histogram. Where its pdf is infinite at an x
+    above 0, what lies within 1e-6 x of there becomes a Point with the same mass and mean, in a Mixture with
+    the Series. A discrete distribution becomes a Mixture of Points. A list of samples becomes
+    Tabulated(samples=x).
 
     Raises ValueError for a distribution with values below 0 or a variance that is not finite, RuntimeError
     for a pdf that cannot be followed, TypeError for anything else, such as a distribution that is not frozen.
@@ -82,7 +102,7 @@ def from_scipy(frozen: Any) -> Law:
     return series(frozen, name) if hasattr(frozen, "pdf") else points(frozen, name)
 
 
-def series(distribution: Any, name: str) -> Series:
+def series(distribution: Any, name: str) -> Law:
     """The law of a density, and of a distribution function that tells where to look for it."""
     with np.errstate(all="ignore"):
         low, high = (float(end) for end in distribution.support())
@@ -93,13 +113,52 @@ def series(distribution: Any, name: str) -> Series:
                 f"law: expected a law on x >= 0, got {name} with a share {share:.3g} below{hint}"
             )
         edges = bulk(distribution, max(low, 0.0), high)
-        found = _resolve(distribution.pdf, edges if edges[-1] == high else [*edges, inf])
+        peaks = poles(distribution, edges)
+        found = mixed(distribution, edges if edges[-1] == high else [*edges, inf], peaks)
         apart = float(np.max(np.abs(found.cdf(edges) - distribution.cdf(np.array(edges)))))
     if not apart < AGREE:
         raise ValueError(
             f"law: expected a pdf and a cdf that agree, got {name}, where they are {apart:.3g} apart"
         )
     return found
+
+
+def poles(distribution: Any, edges: list[float]) -> list[Peak]:
+    """What lies near the poles of a density: each cell halved towards where there is more of it.
+
+    Where p ~ |x - pole|^(e - 1) the near half has 2^-e of the mass, and the mean is e / (1 + e) of the way
+    from the pole.
+    """
+    found = []
+    for low, high in pairwise(edges):
+        below, above = (float(distribution.cdf(end)) for end in (low, high))
+        share, fixed = 0.5, low
+        while low > 0.0 and high - low > NEAR * high:
+            middle = 0.5 * (low + high)
+            here = float(distribution.cdf(middle))
+            mass, rising = above - below, above - here > here - below
+            low, below, high, above = (middle, here, high, above) if rising else (low, below, middle, here)
+            share, fixed = (above - below) / mass if mass > 0.0 else 0.5, high if rising else low
+        if above - below > FAINT and share > UNEVEN:
+            power = -log2(share)
+            mean = fixed + (low + high - 2.0 * fixed) * power / (1.0 + power)
+            found.append(Peak(low, high, above - below, mean))
+    return found
+
+
+def mixed(distribution: Any, edges: list[float], peaks: list[Peak]) -> Law:
+    """The Series of a density, with a Point for each of its peaks."""
+    if not peaks:
+        return _resolve(distribution.pdf, edges)
+
+    def between(x: "NDArray[np.float64]") -> "NDArray[np.float64]":
+        within = [(peak.low < x) & (x < peak.high) for peak in peaks]
+        return np.where(np.any(within, axis=0), 0.0, distribution.pdf(x))
+
+    ends = {end for peak in peaks for end in (peak.low, peak.high)}
+    rest = _resolve(between, sorted({*edges, *ends}))
+    parts = [(peak.mass, Point(peak.mean)) for peak in peaks]
+    return Mixture([(1.0 - sum(mass for mass, _ in parts), rest), *parts])
 
 
 def points(distribution: Any, name: str) -> Mixture:

@@ -217,6 +217,26 @@ class Mixture(Law):
     def __new__(cls, components: Sequence[tuple[_Number, _AnyLaw]]) -> Self: ...
 
 @final
+class Renormalised(Law):
+    """Thresholds as the drive sees them where every break stretches all other contacts, relaxed at first: of lower mean
+    and narrower than law, that of the thresholds, which must have no point mass above 0.
+
+    coupling: κ, the share of its stretch that a contact that breaks passes on to all others together, from 0 to below
+    critical_coupling(law). All that has broken by the time that the unbroken are stretched by x has passed on
+    κ∫ξ P_c(ξ)dξ, so that the drive has stretched them by X = x - κ∫ξ P_c(ξ)dξ, and P_eff(X) = P_c(x)/(1 - κ x P_c(x)).
+    """
+
+    def __new__(cls, law: _AnyLaw, coupling: _Number) -> Self: ...
+
+def critical_coupling(law: _AnyLaw) -> float:
+    """κ_c = 1/max(x P_c(x)), the coupling at which contacts with thresholds of this law break in one avalanche; 0 where some
+    are identical.
+
+    For a slider of stiffness K over contacts of total stiffness N⟨k⟩ the coupling is κ = N⟨k⟩/(K + N⟨k⟩), and critical
+    where K is the critical stiffness, for narrow laws.
+    """
+
+@final
 class Areas(Description):
     """Contacts described by their areas A: of stiffness k = modulus √A, they break at the force strength × A.
 

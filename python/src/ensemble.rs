@@ -50,7 +50,7 @@ impl Ensemble {
     ) -> PyResult<PyClassInitializer<Self>> {
         let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
         let (size, disorder) = (size.get("size")?, convert::word("disorder", disorder)?);
-        let own = scenario::Ensemble { size, seed: seed.0, disorder };
+        let own = scenario::Ensemble { size: Some(size), seed: seed.0, disorder };
         let build = || {
             let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
             own.build(contacts, initial)
@@ -63,7 +63,7 @@ impl Ensemble {
     /// The number of contacts followed.
     #[getter]
     fn size(slf: &Bound<'_, Self>) -> usize {
-        Self::plain(slf).size
+        Self::plain(slf).size()
     }
 
     /// The seed of the random numbers.
@@ -163,7 +163,7 @@ impl Ensemble {
 /// The arguments that make an ensemble.
 pub fn arguments(interface: &Interface, own: &scenario::Ensemble, into: &Bound<'_, PyDict>) -> PyResult<()> {
     interface_arguments(interface, into)?;
-    into.set_item("size", own.size)?;
+    into.set_item("size", own.size())?;
     into.set_item("seed", own.seed)?;
     let disorder = (own.disorder != scenario::Disorder::default()).then(|| convert::disorder(own.disorder));
     given(into, "disorder", disorder)

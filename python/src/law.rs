@@ -206,6 +206,15 @@ laws! {
     Mixture(components) { components: Vec<(f64, AnyLaw)> } => scenario::Law::Mixture(
         components.into_iter().map(|(weight, law)| Component { weight, law: law.0 }).collect(),
     );
+    /// Thresholds as the drive sees them where every break stretches all other contacts, relaxed at first: of lower mean
+    /// and narrower than law, that of the thresholds, which must have no point mass above 0.
+    ///
+    /// coupling: κ, the share of its stretch that a contact that breaks passes on to all others together, from 0 to below
+    /// critical_coupling(law). All that has broken by the time that the unbroken are stretched by x has passed on
+    /// κ∫ξ P_c(ξ)dξ, so that the drive has stretched them by X = x - κ∫ξ P_c(ξ)dξ, and P_eff(X) = P_c(x)/(1 - κ x P_c(x)).
+    Renormalised(law, coupling) { law: AnyLaw, coupling: f64 } => scenario::Law::Renormalised {
+        law: Box::new(law.0), coupling,
+    };
 }
 
 fn table(
@@ -234,6 +243,16 @@ fn series(
         coefficients,
         cut,
     })
+}
+
+/// κ_c = 1/max(x P_c(x)), the coupling at which contacts with thresholds of this law break in one avalanche; 0 where some
+/// are identical.
+///
+/// For a slider of stiffness K over contacts of total stiffness N⟨k⟩ the coupling is κ = N⟨k⟩/(K + N⟨k⟩), and critical
+/// where K is the critical stiffness, for narrow laws.
+#[pyfunction]
+pub fn critical_coupling(law: AnyLaw) -> PyResult<f64> {
+    Ok(law::critical_coupling(built(law)?.as_ref()))
 }
 
 /// The law of a density that is called with arrays of points, as close as rounding lets it be.
@@ -271,6 +290,7 @@ pub fn class<'py>(law: &scenario::Law, py: Python<'py>) -> Bound<'py, PyType> {
         scenario::Law::Tabulated(_) => py.get_type::<Tabulated>(),
         scenario::Law::Series { .. } => py.get_type::<Series>(),
         scenario::Law::Mixture(_) => py.get_type::<Mixture>(),
+        scenario::Law::Renormalised { .. } => py.get_type::<Renormalised>(),
     }
 }
 
@@ -299,6 +319,10 @@ pub fn arguments(law: &scenario::Law, into: &Bound<'_, PyDict>) -> PyResult<()> 
             let component =
                 |part: &Component| Ok((part.weight, Plain::Law(part.law.clone()).object(into.py())?));
             into.set_item("components", components.iter().map(component).collect::<PyResult<Vec<_>>>()?)
+        }
+        scenario::Law::Renormalised { ref law, coupling } => {
+            into.set_item("law", Plain::Law((**law).clone()).object(into.py())?)?;
+            into.set_item("coupling", coupling)
         }
     }
 }

@@ -44,8 +44,8 @@ mod _core {
     };
     #[pymodule_export]
     use crate::law::{
-        Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Series, Tabulated,
-        Weibull, resolve,
+        Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Renormalised, Series,
+        Tabulated, Weibull, critical_coupling, resolve,
     };
     #[pymodule_export]
     use crate::model::Model;

@@ -87,6 +87,34 @@ def test_a_series_does_as_its_law_does(name: str) -> None:
     np.testing.assert_allclose(force, reference, rtol=0.0, atol=1e-10)
 
 
+@pytest.mark.parametrize(
+    "frozen",
+    [stats.arcsine(), stats.gamma(0.5, loc=1.0, scale=0.1), stats.dgamma(0.5, loc=2.0, scale=0.02)],
+    ids=["upper end", "lower end", "inside"],
+)
+def test_what_is_near_a_pole_becomes_a_point(frozen: Any) -> None:
+    law = asp.law(frozen)
+    assert isinstance(law, asp.Mixture)
+    x = frozen.ppf(np.linspace(0.02, 0.98, 97))
+    with np.errstate(divide="ignore"):
+        away = x[frozen.pdf(x) < 100.0]
+        moments = frozen.moment(2), frozen.mean()
+    np.testing.assert_allclose(law.cdf(away), frozen.cdf(away), rtol=1e-11)
+    theory = asp.MasterEquation(asp.Contacts(law))
+    sliding = moments[0] / (2.0 * moments[1])
+    # What is near the pole, 1e-3 of the law, keeps its mean but for a millionth of its width.
+    assert theory.steady_state().kinetic_friction == pytest.approx(sliding, rel=1e-11)
+
+
+def test_the_force_of_contacts_with_thresholds_near_a_pole() -> None:
+    # Until a contact breaks for the second time, at X = 2, F = X - ∫ξ P_c(ξ) dξ over what has broken.
+    frozen = stats.gamma(0.5, loc=1.0, scale=0.1)
+    theory = asp.MasterEquation(asp.Contacts(asp.law(frozen)), tolerance=1e-8)
+    pull = theory.pull(1.9, 20)
+    broken = [frozen.expect(lambda x: x, lb=1.0, ub=X) if X > 1.0 else 0.0 for X in pull.position]
+    np.testing.assert_allclose(pull.force, pull.position - broken, rtol=0.0, atol=1e-8)
+
+
 def test_a_law_whose_tail_was_cut_off_claims_nothing_of_it() -> None:
     relaxation = asp.MasterEquation(asp.Contacts(asp.law(stats.fisk(4.0)))).relaxation()
     assert np.isnan(relaxation.length)

@@ -20,6 +20,8 @@ LAWS: list[asp.Law] = [
     asp.Series([0.0, 1.0, 3.0], [[0.5], [0.25, -0.25]]),
     asp.Series([0.0, 1.0], [[1.0]], cut=1e-40),
     asp.Mixture([(0.25, asp.Point(1.0)), (0.75, asp.Gaussian(2.0, 0.5))]),
+    asp.Renormalised(asp.Gaussian(1.0, 0.1), 0.2),
+    asp.Renormalised(asp.Renormalised(asp.Rectangular(0.5, 1.5), 0.1), coupling=0.1),
 ]
 AREAS = asp.Areas(asp.Gamma(1.0, 0.5), modulus=2.0, strength=3.0)
 CONTACTS = [

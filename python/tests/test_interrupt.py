@@ -20,7 +20,7 @@ LONG: dict[str, Callable[[], object]] = {
     "annealed": lambda: asp.Ensemble(GAUSSIAN, size=10**9).pull(100.0),
     "quenched": lambda: asp.Ensemble(GAUSSIAN, size=10**9, disorder="quenched").pull(100.0),
     "far": lambda: asp.Ensemble(GAUSSIAN, size=10**6).pull(1e6),
-    "many positions": lambda: asp.Ensemble(GAUSSIAN, size=10**9).pull(100.0, 1_000_001),
+    "many positions": lambda: asp.Ensemble(GAUSSIAN, size=10**9).pull(100.0, 10_000_001),
     "gamma": lambda: asp.Ensemble(asp.Contacts(asp.Gamma(1.0, 0.5)), size=10**9).pull(100.0),
     "master equation": lambda: asp.MasterEquation(GAUSSIAN, tolerance=1e-12).pull(1e7, 100_001),
     "samples": lambda: asp.MasterEquation(asp.Contacts(SAMPLES)).pull(20.0),

@@ -172,6 +172,19 @@ def test_an_array_gives_an_array_of_its_shape(x: Any) -> None:
     np.testing.assert_array_equal(values.ravel(), [law.pdf(float(one)) for one in array.ravel()])
 
 
+def test_renormalised_thresholds_break_as_the_drive_says() -> None:
+    law, coupling = asp.Gaussian(1.0, 0.1), 0.2
+    renormalised = asp.Renormalised(law, coupling)
+    # Contacts in the order of their thresholds, each stretching all others by its share.
+    thresholds = np.sort(law.rvs(1_000_000, seed=1))
+    drives = thresholds - coupling * np.cumsum(thresholds) / thresholds.size
+    # 4 standard errors of the mean of free contacts; of the rest as much.
+    assert renormalised.mean() == pytest.approx(drives.mean(), abs=4e-4)
+    assert renormalised.std() == pytest.approx(drives.std(), abs=4e-4)
+    assert asp.critical_coupling(law) == pytest.approx(0.2494, abs=5e-5)
+    assert asp.critical_coupling(asp.Point(1.0)) == 0.0
+
+
 def test_point_masses() -> None:
     law = asp.Mixture([(0.25, asp.Point(0.7)), (0.75, asp.Rectangular(0.0, 1.0))])
     np.testing.assert_array_equal(law.atoms.position, [0.7])

@@ -149,6 +149,21 @@ TABLE: dict[str, Any] = {
 }
 
 
+def test_first_breaks_of_coupled_contacts() -> None:
+    law = asp.Gaussian(1.0, 0.1)
+    interface = {"cells": [50, 50], "contacts": "one", "connection": 0.9, "coupling": {"neighbours": {"stiffness": 0.025}}}
+    result = asp.run({"contacts": {"thresholds": law}, "interface": interface, "renormalisation": {"runs": 4}})
+    found, mean_field = result.summary["renormalisation"], asp.Renormalised(law, 0.1)
+    assert found["coupling"] == pytest.approx(0.1, rel=1e-15)
+    assert found["critical_coupling"] == asp.critical_coupling(law)
+    assert found["mean_field"]["std"] == pytest.approx(mean_field.std(), rel=1e-15)
+    assert mean_field.mean() < found["mean"]["value"] < law.mean()
+    width = np.diff(result["drive"])[0]
+    edges = result["drive"][0] + width * (np.arange(result["drive"].size + 1) - 0.5)
+    # Differences of probabilities, rounded at 1e-16, over the width.
+    np.testing.assert_allclose(result["mean_field_density"], np.diff(mean_field.cdf(edges)) / width, atol=1e-12)
+
+
 def test_scenarios_may_be_texts_or_dictionaries(tmp_path: Path) -> None:
     path = tmp_path / "rough.toml"
     path.write_text(TEXT, encoding="utf-8")

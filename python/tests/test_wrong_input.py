@@ -126,6 +126,9 @@ CALLS: dict[str, Callable[[Any], object]] = {
     "Mixture": lambda x: asp.Mixture(x),
     "Mixture.weight": lambda x: asp.Mixture([(x, LAW)]),
     "Mixture.law": lambda x: asp.Mixture([(1.0, x)]),
+    "Renormalised.law": lambda x: asp.Renormalised(x, 0.1),
+    "Renormalised.coupling": lambda x: asp.Renormalised(LAW, x),
+    "critical_coupling": lambda x: asp.critical_coupling(x),
     "Tabulated.samples": lambda x: asp.Tabulated(samples=x),
     "Tabulated.stretch": lambda x: asp.Tabulated(stretch=x, density=[1.0, 1.0]),
     "Tabulated.density": lambda x: asp.Tabulated(stretch=[0.0, 1.0], density=x),
@@ -276,6 +279,8 @@ def test_sliders_of_any_kind(stiffness: float, mass: float, damping: float, slip
         (lambda: asp.Gaussian(float("nan"), 1.0), ValueError, r"gaussian\.mean: .* got NaN"),
         (lambda: asp.Gaussian("1", 1.0), TypeError, "must be real number, not str"),  # type: ignore[arg-type]
         (lambda: asp.Mixture([(0.5, LAW)]), ValueError, r"mixture.*sum"),
+        (lambda: asp.Renormalised(LAW, 0.9), ValueError, r"renormalised\.coupling: expected a number from 0 to below 0\.7"),
+        (lambda: asp.Renormalised(asp.Point(1.0), 0.1), ValueError, r"renormalised\.law: .* identical"),
         (lambda: LAW.pdf([1.0, np.nan]), ValueError, r"x\.1: expected a number, got NaN"),
         (lambda: LAW.pdf(["a"]), TypeError, "x: expected numbers, got list of dtype <U1"),
         (lambda: LAW.pdf(1j), TypeError, "x: expected numbers, got complex of dtype complex128"),

@@ -1,5 +1,6 @@
 //! Scenario files in, results out: what every front end of asperity shares.
 
+pub mod checkpoint;
 pub mod input;
 pub mod output;
 pub mod summary;

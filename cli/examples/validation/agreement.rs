@@ -11,7 +11,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, powers, small};
+use crate::page::{Page, small};
 use crate::style::{self, BLACK, BLUE, GREY};
 use crate::{equal, gaussian, point, rectangular, start};
 
@@ -201,7 +201,7 @@ scatter itself is known to ± {:.0} % (one standard error).
     ];
     let layout = style::layout((5.0, 2e5), (1e-4, 1.0))
         .with_log_scale()
-        .with_tick_format(powers())
+        .with_tick_format(style::powers())
         .with_x_label("Number of contacts N")
         .with_y_label("Standard deviation of F(5)");
     let caption = "Noise of the force against the number of contacts: ensembles, and the master equation at no cost in N.";

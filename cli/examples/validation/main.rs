@@ -12,6 +12,7 @@ mod curve;
 mod lattice;
 mod page;
 mod relaxation;
+mod renormalised;
 mod scatter;
 mod speed;
 mod stability;
@@ -19,6 +20,8 @@ mod stability;
 #[allow(dead_code)]
 mod style;
 mod time;
+#[path = "../../../core/tests/common/together.rs"]
+mod together;
 #[path = "../../../core/tests/common/ways.rs"]
 #[allow(dead_code)]
 mod ways;
@@ -40,6 +43,7 @@ fn main() -> std::io::Result<()> {
     let page = Page::default();
     let page = closed::section(agreement::section(relaxation::section(cost::section(page, false))));
     let page = lattice::section(scatter::section(stability::section(page, false), false), false);
+    let page = renormalised::section(page, false);
     let page = speed::section(time::section(page, false));
     page.write(&folder())
 }
@@ -86,6 +90,7 @@ mod tests {
         let page =
             closed::section(agreement::section(relaxation::section(cost::section(Page::default(), true))));
         let page = lattice::section(scatter::section(stability::section(page, true), true), true);
+        let page = renormalised::section(page, true);
         let page = time::section(page, true);
         let written = std::fs::read_to_string(folder().join("index.md")).unwrap();
         let missing: Vec<&str> = page.lasting().filter(|line| !written.contains(line)).collect();

@@ -8,6 +8,8 @@ use kuva::backend::svg::SvgBackend;
 use kuva::render::layout::TickFormat;
 use kuva::render::render::Scene;
 
+use crate::style;
+
 const HEAD: &str = "\
 <!-- Written by `make validation`: change cli/examples/validation instead. -->
 # Validation
@@ -104,16 +106,5 @@ pub fn below(error: f64) -> String {
 
 /// Ticks of an axis that shows exponents of ten.
 pub fn decades() -> TickFormat {
-    TickFormat::Custom(Arc::new(power))
-}
-
-/// Ticks of a logarithmic axis.
-pub fn powers() -> TickFormat {
-    TickFormat::Custom(Arc::new(|value: f64| power(value.log10())))
-}
-
-fn power(exponent: f64) -> String {
-    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| RAISED[digit as usize]);
-    format!("{exponent:.0}").chars().map(raise).fold("10".into(), |text, c| text + &c.to_string())
+    TickFormat::Custom(Arc::new(style::power))
 }

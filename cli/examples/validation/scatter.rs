@@ -8,7 +8,7 @@ use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
 
 use crate::curve::line;
-use crate::page::{Page, powers, small};
+use crate::page::{Page, small};
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots, RED};
 use crate::{equal, gaussian, master, point, start};
 
@@ -197,7 +197,7 @@ fn picture(all: &[Vec<Slips>], scatter: f64, bias: f64) -> Scene {
     legend.push(style::line("excess of X_T, N^(−2/3)", BLACK, Some("8 5")));
     let layout = style::layout((ends[0], ends[1]), (1e-5, 0.1))
         .with_log_scale()
-        .with_tick_format(powers())
+        .with_tick_format(style::powers())
         .with_x_label("Number of contacts N")
         .with_y_label("Scatter of X₁, excess of the drive");
     render_multiple(plots, style::legend_below(layout, legend))

@@ -1,18 +1,23 @@
 //! The pictures of a run, as SVG and PNG.
 
+mod catalogue;
 mod curve;
 mod dashes;
 mod distribution;
 mod equilibrium;
 mod evolution;
+mod field;
 mod force;
 mod hold_curve;
 mod potential;
 mod protocol;
 mod sizes;
 mod slip;
+mod space_time;
 mod stick_slip;
+mod stress_map;
 mod style;
+mod thresholds;
 mod velocity_curve;
 mod velocity_step;
 
@@ -41,6 +46,10 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("potential", potential::scene(outcome)),
         ("slip", slip::scene(outcome)),
         ("sizes", sizes::scene(outcome)),
+        ("catalogue", catalogue::scene(outcome)),
+        ("stress_map", stress_map::scene(outcome)),
+        ("space_time", space_time::scene(outcome)),
+        ("thresholds", thresholds::scene(outcome)),
     ];
     let mut pictures = Vec::new();
     for (name, scene) in scenes {

@@ -1,10 +1,12 @@
 //! What all pictures have in common: size, letters, colours, labels.
 
+use std::sync::Arc;
+
 use asperity::record::Variable;
 use asperity::scenario::Disorder;
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, LegendPosition, LegendShape, MarkerShape};
-use kuva::render::layout::Layout;
+use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::theme::Theme;
 
@@ -164,6 +166,18 @@ pub fn heights(low: f64, high: f64) -> (f64, f64) {
         return (low - air, high + air);
     }
     (1.08 * low.min(0.0), headroom(high))
+}
+
+/// Ticks of a logarithmic axis.
+pub fn powers() -> TickFormat {
+    TickFormat::Custom(Arc::new(|value: f64| power(value.log10())))
+}
+
+/// A power of ten.
+pub fn power(exponent: f64) -> String {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raise = |c: char| c.to_digit(10).map_or('⁻', |digit| RAISED[digit as usize]);
+    format!("{exponent:.0}").chars().map(raise).fold("10".into(), |text, c| text + &c.to_string())
 }
 
 /// Plots in the order in which they are drawn.

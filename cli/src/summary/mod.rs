@@ -1,12 +1,14 @@
 //! The numbers of a run, for people.
 
+mod catalogue;
+mod renormalisation;
 mod timed;
 
 use std::fmt::Write as _;
 
 use asperity::record::Quantity;
 use asperity::scenario::Disorder;
-use asperity_runner::summary::{Friction, Place, Sliding, StaticFriction, Summary};
+use asperity_runner::summary::{Fitted, Friction, Place, Sliding, StaticFriction, Summary};
 
 /// Aligned lines: what it is, its value with its unit.
 pub fn readable(summary: &Summary) -> String {
@@ -22,6 +24,10 @@ pub fn readable(summary: &Summary) -> String {
         lines.extend(slid(summary, sliding));
     }
     lines.extend(timed::lines(summary));
+    if let Some(catalogue) = &summary.catalogue {
+        lines.extend(catalogue::lines(summary, catalogue));
+    }
+    lines.extend(summary.renormalisation.iter().flat_map(|found| renormalisation::lines(summary, found)));
     if let (Some(seed), Some(size)) = (summary.seed, summary.sample) {
         let quenched =
             if summary.disorder == Some(Disorder::Quenched) { "quenched thresholds, " } else { "" };
@@ -91,6 +97,21 @@ fn slid(summary: &Summary, sliding: &Sliding) -> Vec<(&'static str, String)> {
         lines.push(("drop", value(drop, Quantity::Force)));
     }
     lines
+}
+
+/// A fitted number, no finer than two digits of its error.
+fn fitted(summary: &Summary, fitted: Fitted, quantity: Quantity) -> String {
+    with_unit(with_error(fitted), fitted.value, &summary.units.label(quantity))
+}
+
+/// A fitted number and its error, both no finer than two digits of the error.
+fn with_error(fitted: Fitted) -> String {
+    let place = fitted.error.log10().floor() - 1.0;
+    let decimals = (-place).clamp(0.0, 12.0) as usize;
+    let coarse = |number: f64| {
+        if place > 0.0 { (number / 10f64.powf(place)).round() * 10f64.powf(place) } else { number }
+    };
+    format!("{:.decimals$} ± {:.decimals$}", coarse(fitted.value), coarse(fitted.error))
 }
 
 fn with_unit(text: String, number: f64, unit: &str) -> String {

@@ -1,9 +1,9 @@
 //! Steps, curves against velocity and hold time, and their reading by rate and state, for people.
 
 use asperity::record::Quantity;
-use asperity_runner::summary::{CurveLimits, Fitted, HoldCurve, RateState, Step, Summary};
+use asperity_runner::summary::{CurveLimits, HoldCurve, RateState, Step, Summary};
 
-use super::{digits, with_unit};
+use super::{digits, fitted, with_unit};
 
 /// Steps of a protocol that are listed, at most.
 const LISTED: usize = 12;
@@ -28,13 +28,6 @@ pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
 fn value(summary: &Summary, number: f64, quantity: Quantity) -> String {
     let rounded = format!("{number:.4e}").parse().unwrap_or(number);
     with_unit(digits(rounded), number, &summary.units.label(quantity))
-}
-
-/// A fitted number, no finer than two digits of its error.
-fn fitted(summary: &Summary, fitted: Fitted, quantity: Quantity) -> String {
-    let decimals = (1.0 - fitted.error.log10().floor()).clamp(0.0, 12.0) as usize;
-    let text = format!("{:.decimals$} ± {:.decimals$}", fitted.value, fitted.error);
-    with_unit(text, fitted.value, &summary.units.label(quantity))
 }
 
 fn ends(summary: &Summary, limits: &CurveLimits) -> Vec<(&'static str, String)> {

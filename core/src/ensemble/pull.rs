@@ -21,8 +21,9 @@ const PERIOD: Duration = Duration::from_millis(50);
 /// Breaks that take less than that, whatever the law.
 const QUICK: usize = 2_000_000;
 
-/// Breaks of a chunk between two reports.
+/// Breaks of a chunk between two reports, and what it may take for them to be as quick as they can be.
 const PART: usize = 500_000;
+const CACHE: usize = 16 << 20;
 
 /// Bytes that a round of chunks may take, if it is more than one chunk.
 const ROUND_BYTES: usize = 512 << 20;
@@ -134,7 +135,9 @@ impl Ensemble {
     ) -> Result<EnsemblePull> {
         let plan = self.plan::<C>(positions, snapshots)?;
         let sweep = Sweep { ensemble: self, grid: Grid::new(positions), positions, snapshots };
+        report(monitor, 0.0)?;
         let mut total = sweep.nothing::<C>();
+        report(monitor, 0.0)?;
         let (mut done, mut round) = (0, plan.first());
         while done < self.size {
             let begun = Instant::now();
@@ -143,6 +146,7 @@ impl Ensemble {
             let chunk = |&start: &usize| (start..end.min(start + plan.chunk), sweep.nothing());
             let mut chunks: Vec<(Range<usize>, Chunk<C>)> = starts.par_iter().map(chunk).collect();
             let mut aside = Aside { fraction: done as f64 / self.size as f64, monitor };
+            report(&mut aside, 0.0)?;
             sweep.fill(&mut chunks, &plan, &mut aside)?;
             // Summed in the order of contacts, whichever thread was first.
             for (_, chunk) in &chunks {
@@ -154,8 +158,8 @@ impl Ensemble {
             round = plan.next(round, begun.elapsed());
         }
         let scale = stiffness * self.contacts.count;
-        let (mut force, mut error) = forces(&total.cells, positions, self.size);
-        force.iter_mut().chain(&mut error).for_each(|f| *f *= scale);
+        let mut aside = Aside { fraction: 1.0, monitor };
+        let (force, error) = forces(&total.cells, positions, self.size, scale, &mut aside)?;
         let Chunk { histograms, breaks, .. } = total;
         Ok(EnsemblePull { force, error, breaks, histograms, edges: snapshots.edges.clone(), size: self.size })
     }
@@ -173,7 +177,8 @@ impl Ensemble {
         let breaks = (expected * self.size as f64 / ROUND as f64).clamp(least, least.max(1e6));
         let chunk = (breaks / expected).ceil() as usize;
         let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
-        let part = (PART as f64 / expected).ceil() as usize;
+        let quick = if bytes > CACHE { PART / 8 } else { PART };
+        let part = (quick as f64 / expected).ceil() as usize;
         Ok(Plan { chunk, part, round, expected: expected as usize })
     }
 

@@ -4,6 +4,9 @@
 //! positions thus follow from each other and from the jumps at the breaks in between, *both sides of
 //! which are taken at the later position*: nothing grows with X, so nothing cancels.
 
+use crate::Result;
+use crate::monitor::{Monitor, report};
+
 /// What is remembered between two positions: jumps, summed over breaks.
 pub(super) trait Cell: Copy + Send + Sync {
     const ZERO: Self;
@@ -124,14 +127,26 @@ fn nearest(x: f64) -> usize {
     (x.max(0.0) + POWER).to_bits() as u32 as usize
 }
 
-/// The mean force of `size` contacts at each position, and its standard error.
+/// Positions between two reports to the monitor.
+const PART: usize = 1 << 20;
+
+/// The mean force of `size` contacts at each position, and its standard error, both times `scale`.
 ///
 /// `cells[g]` holds what changed after position g − 1 and not after position g.
-pub(super) fn forces<C: Cell>(cells: &[C], positions: &[f64], size: usize) -> (Vec<f64>, Vec<f64>) {
+///
+/// # Errors
+/// Stopped by `monitor`.
+pub(super) fn forces<C: Cell>(
+    cells: &[C],
+    positions: &[f64],
+    size: usize,
+    scale: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<(Vec<f64>, Vec<f64>)> {
     let n = size as f64;
     let [mut k, mut f, mut kk, mut kf, mut ff] = C::constant(n);
     let mut before = positions[0];
-    let point = |(cell, &position): (&C, &f64)| {
+    let mut point = |(cell, &position): (&C, &f64)| {
         let step = position - before;
         before = position;
         ff += step * (2.0 * kf + step * kk);
@@ -140,9 +155,14 @@ pub(super) fn forces<C: Cell>(cells: &[C], positions: &[f64], size: usize) -> (V
         let [dk, df, dkk, dkf, dff] = cell.sums();
         (k, f, kk, kf, ff) = (k + dk, f + df, kk + dkk, kf + dkf, ff + dff);
         let mean = f / n;
-        (mean, ((ff / n - mean * mean).max(0.0) / (n - 1.0)).sqrt())
+        (scale * mean, scale * ((ff / n - mean * mean).max(0.0) / (n - 1.0)).sqrt())
     };
-    cells.iter().zip(positions).map(point).unzip()
+    let mut all = (Vec::with_capacity(cells.len()), Vec::with_capacity(cells.len()));
+    for (cells, positions) in cells.chunks(PART).zip(positions.chunks(PART)) {
+        all.extend(cells.iter().zip(positions).map(&mut point));
+        report(monitor, 0.0)?;
+    }
+    Ok(all)
 }
 
 #[cfg(test)]

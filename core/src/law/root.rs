@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 
+use super::places::places;
 use super::quadrature::between;
 use super::{ALL, Atom, Break, Law, Parameter, SharedLaw, Zone, positive, shared};
 use crate::Result;
@@ -50,20 +51,10 @@ impl Root {
         Ok(law)
     }
 
-    /// Nodes at marks and where either tail has fallen by e, never a factor 2 apart; moments summed from above.
+    /// Moments at the places of the law, summed from above.
     fn sum_nodes(&self) -> Vec<Node> {
-        let tails = (0..46).map(|j| 0.5 * (-f64::from(j)).exp());
-        let mut ends: Vec<f64> =
-            tails.flat_map(|tail| [self.quantile(tail), self.upper_quantile(tail)]).collect();
-        ends.extend(self.marks.iter().map(|mark| mark.0));
-        ends.sort_by(f64::total_cmp);
-        let mut places = vec![0.0];
-        for end in ends {
-            while places.last().is_some_and(|&last| last > 0.0 && end > 2.0 * last) {
-                places.push(2.0 * places[places.len() - 1]);
-            }
-            places.push(end);
-        }
+        let mut places = places(self);
+        places.insert(0, 0.0);
         places.dedup();
         let atoms = self.atoms();
         let atom = |x: f64| match atoms.binary_search_by(|atom| atom.position.total_cmp(&x)) {

@@ -282,7 +282,7 @@ impl Series {
         let high = inside().map(|cell| cell.1).fold(0.0, f64::max);
         let resolution = inside().map(|cell| cell.2).fold(self.std, f64::max);
         let apart = |(low, high, _): &(f64, f64, f64)| {
-            let far = |b: &Break| high - low < 0.2 * (0.5 * (low + high) - b.position).abs();
+            let far = |b: &Break| high - low < 0.02 * (0.5 * (low + high) - b.position).abs();
             self.breaks.iter().all(far)
         };
         let fine = cells().filter(apart).map(|(low, high, resolution)| Zone { low, high, resolution });

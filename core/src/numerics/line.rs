@@ -172,7 +172,7 @@ fn combine(line: &[f64], turns: &[Complex64], spectrum: &mut [Complex64]) {
     for k in 1..spectrum.len() {
         spectrum[k] = Complex64::new(line[k], -line[n - k]) * turns[k].conj();
     }
-    if n % 2 == 0 {
+    if n.is_multiple_of(2) {
         // Real but for rounding, and the transform insists on it.
         spectrum[n / 2].im = 0.0;
     }

@@ -4,6 +4,7 @@ pub mod accumulation;
 pub mod breaks;
 pub mod compensated;
 pub mod conjugate_gradients;
+pub mod cutoff;
 pub mod dawson;
 pub mod diffusion;
 pub mod fractional;

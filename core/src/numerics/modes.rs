@@ -5,7 +5,10 @@ use rayon::prelude::*;
 use super::line::{Line, Scratch};
 
 /// Lines transposed together: whole cache lines are read and written.
-const GROUP: usize = 16;
+const GROUP: usize = 32;
+
+/// Rows transposed together: what is read of them stays in the first cache until whole cache lines are written.
+const BLOCK: usize = 8;
 
 /// Numbers below which work is not shared among threads.
 const SHARE: usize = 1 << 12;
@@ -75,12 +78,19 @@ impl Modes {
             let first = GROUP * group;
             transpose(rows, width, first, columns, height);
             for (mode, column) in (first..).zip(columns.chunks_mut(height)) {
-                padded[..height].copy_from_slice(column);
-                padded[height..].fill(0.0);
-                line.to_modes(padded, scratch);
-                factor(mode, padded);
-                line.back(padded, scratch);
-                column.copy_from_slice(&padded[..height]);
+                let mut filter = |column: &mut [f64]| {
+                    line.to_modes(column, scratch);
+                    factor(mode, column);
+                    line.back(column, scratch);
+                };
+                if height == padded.len() {
+                    filter(column);
+                } else {
+                    padded[..height].copy_from_slice(column);
+                    padded[height..].fill(0.0);
+                    filter(padded);
+                    column.copy_from_slice(&padded[..height]);
+                }
             }
         };
         let room = || (line.scratch(), vec![0.0; line.length()]);
@@ -107,9 +117,28 @@ impl Modes {
 /// Columns of `from`, a matrix of so many columns, from the `first` on, as rows of the given length.
 fn transpose(from: &[f64], columns: usize, first: usize, to: &mut [f64], length: usize) {
     let count = to.len() / length;
-    for (at, row) in from.chunks(columns).enumerate() {
-        for (i, x) in row[first..first + count].iter().enumerate() {
-            to[i * length + at] = *x;
+    for (from, at) in from.chunks(BLOCK * columns).zip((0..).step_by(BLOCK)) {
+        for tile in (0..count).step_by(BLOCK) {
+            let (from, to) = (&from[first + tile..], &mut to[tile * length + at..]);
+            if at + BLOCK <= length && tile + BLOCK <= count {
+                transpose_tile(from, columns, to, length);
+            } else {
+                let (rows, columns_left) = ((length - at).min(BLOCK), (count - tile).min(BLOCK));
+                (0..rows)
+                    .for_each(|r| (0..columns_left).for_each(|c| to[c * length + r] = from[r * columns + c]));
+            }
         }
+    }
+}
+
+/// A whole tile, through registers.
+fn transpose_tile(from: &[f64], columns: usize, to: &mut [f64], length: usize) {
+    let mut tile = [[0.0; BLOCK]; BLOCK];
+    for (row, from) in tile.iter_mut().zip(from.chunks(columns)) {
+        row.copy_from_slice(&from[..BLOCK]);
+    }
+    for (c, to) in to.chunks_mut(length).take(BLOCK).enumerate() {
+        let column: [f64; BLOCK] = std::array::from_fn(|r| tile[r][c]);
+        to[..BLOCK].copy_from_slice(&column);
     }
 }

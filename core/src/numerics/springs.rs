@@ -79,3 +79,29 @@ impl Chain {
         definite && held > 0.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Put back into the equations, with some places pushed away by what holds them.
+    #[test]
+    fn places_held_differently_are_in_balance() {
+        let hold = |j: usize| 0.4 + (1.0 + 3.7 * j as f64).sin();
+        let lines = [(Edges::Open, 1), (Edges::Open, 60), (Edges::Periodic, 3), (Edges::Periodic, 60_usize)];
+        for (edges, length) in lines {
+            let right: Vec<f64> = (0..length).map(|j| (0.3 * (j * j) as f64).cos()).collect();
+            let mut x = right.clone();
+            Chain::new(edges, 2.5).solve(hold, &mut x);
+            for j in 0..length {
+                let (before, after) = match edges {
+                    Edges::Open => (j.saturating_sub(1), (j + 1).min(length - 1)),
+                    Edges::Periodic => ((j + length - 1) % length, (j + 1) % length),
+                };
+                let found = hold(j) * x[j] + 2.5 * ((x[j] - x[before]) + (x[j] - x[after]));
+                // Some roundings of x, which is of order 1.
+                assert!((found - right[j]).abs() < 1e-12, "{edges:?} {j}: {found} {}", right[j]);
+            }
+        }
+    }
+}

@@ -30,6 +30,10 @@ pub struct Drive {
     pub force_to: Option<f64>,
     /// Number of points at which the trace is given, evenly spaced along the drive, both ends included.
     pub points: usize,
+    /// Drives at which the cells of an interface are shown, rising.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("default" = []))]
+    pub maps: Vec<f64>,
     /// How the stretches at X = 0 and the thresholds go together.
     pub start: Start,
     /// Velocity of the top, above 0; needed only where contacts know time.
@@ -47,6 +51,7 @@ impl Default for Drive {
             turning_points: None,
             force_to: None,
             points: 2001,
+            maps: Vec::new(),
             start: Start::Conditional,
             velocity: None,
         }
@@ -59,8 +64,13 @@ impl Drive {
         match (&self.turning_points, self.force_to) {
             (Some(turns), _) => turns.clone(),
             (None, Some(_)) => Vec::new(),
-            (None, None) => vec![self.distance.unwrap_or(DISTANCE)],
+            (None, None) => vec![self.distance()],
         }
+    }
+
+    /// How far the top is moved where it does not turn.
+    pub fn distance(&self) -> f64 {
+        self.distance.unwrap_or(DISTANCE)
     }
 
     /// The way of the drive, or of the force.
@@ -110,10 +120,24 @@ impl Drive {
         self.velocity.map(|velocity| positive("velocity", velocity)).transpose()?;
         self.force_to.map(|force| positive("force_to", force)).transpose()?;
         self.turning_points.as_deref().map(turning).transpose()?;
+        self.check_maps()?;
         if self.points < 2 {
             return Err(Error::invalid("points", "2 points or more (both ends count)", self.points));
         }
         size::check("points", self.points, size::BYTES_PER_POINT)
+    }
+
+    fn check_maps(&self) -> Result<()> {
+        let end = self.distance();
+        let mut before = 0.0;
+        for (i, &map) in self.maps.iter().enumerate() {
+            if !(map >= before && map <= end) || (i > 0 && map == before) {
+                let expected = format!("rising drives from 0 to the distance {end}");
+                return Err(Error::invalid(format!("maps.{i}"), expected, map));
+            }
+            before = map;
+        }
+        Ok(())
     }
 }
 

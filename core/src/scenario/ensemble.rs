@@ -10,8 +10,10 @@ use crate::{Error, Result, ensemble};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ensemble {
-    /// Number of contacts followed; forces are scaled to `contacts.count`.
-    pub size: usize,
+    /// Number of contacts followed, or of each cell of an interface; forces are scaled to `contacts.count`. 100000 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 100_000))]
+    pub size: Option<usize>,
     /// Seed of the random numbers; the same seed gives the same contacts.
     pub seed: u64,
     /// Whether a contact gets a new threshold when it re-forms.
@@ -31,23 +33,31 @@ pub enum Disorder {
 
 impl Default for Ensemble {
     fn default() -> Self {
-        Self { size: 100_000, seed: 1, disorder: Disorder::Annealed }
+        Self { size: None, seed: 1, disorder: Disorder::Annealed }
     }
 }
 
 impl Ensemble {
+    /// Number of contacts where nothing is said.
+    pub const SIZE: usize = 100_000;
+
+    /// Number of contacts followed.
+    pub fn size(&self) -> usize {
+        self.size.unwrap_or(Self::SIZE)
+    }
+
     /// The contacts, drawn at random.
     ///
     /// # Errors
     /// No contacts, or laws that leave a contact nowhere to be.
     pub fn build(&self, contacts: Contacts, initial: Initial) -> Result<ensemble::Ensemble> {
         self.check().map_err(|e| e.under("ensemble"))?;
-        ensemble::Ensemble::new(contacts, initial, self.size, self.seed, self.disorder.into())
+        ensemble::Ensemble::new(contacts, initial, self.size(), self.seed, self.disorder.into())
     }
 
     fn check(&self) -> Result<()> {
-        if self.size == 0 {
-            return Err(Error::invalid("size", "1 contact or more", self.size));
+        if self.size == Some(0) {
+            return Err(Error::invalid("size", "1 contact or more", 0));
         }
         // TOML has no whole numbers above this.
         if i64::try_from(self.seed).is_err() {

@@ -74,6 +74,13 @@ pub enum Law {
     },
     /// A weighted sum of laws; points and densities may be mixed.
     Mixture(Vec<Component>),
+    /// Thresholds as the drive sees them where every break stretches all other contacts, relaxed at first.
+    Renormalised {
+        /// The law of the thresholds; without identical ones.
+        law: Box<Law>,
+        /// κ, the share of its stretch that a contact that breaks passes on to all others together, 0 or above and below κ_c.
+        coupling: f64,
+    },
 }
 
 /// A law given by numbers: a density in rows, linear between them, or a sample of lengths.
@@ -106,7 +113,7 @@ pub struct Component {
 
 impl Law {
     /// The names of all laws.
-    pub const NAMES: [&str; 10] = [
+    pub const NAMES: [&str; 11] = [
         "gaussian",
         "gamma",
         "lognormal",
@@ -117,6 +124,7 @@ impl Law {
         "tabulated",
         "series",
         "mixture",
+        "renormalised",
     ];
 
     /// All at 0.
@@ -142,6 +150,7 @@ impl Law {
                 ("series", shared(law::Series::new(boundaries, coefficients, cut)))
             }
             Self::Mixture(ref components) => ("mixture", mixture(components)),
+            Self::Renormalised { ref law, coupling } => ("renormalised", renormalised(law, coupling)),
         };
         law.map_err(|e| e.under(name))
     }
@@ -154,6 +163,7 @@ impl Law {
                     component.law.tables(&format!("{key}.mixture.{i}.law"), tables);
                 }
             }
+            Self::Renormalised { law, .. } => law.tables(&format!("{key}.renormalised.law"), tables),
             _ => {}
         }
     }
@@ -192,6 +202,11 @@ fn mixture(components: &[Component]) -> Result<SharedLaw> {
         Ok((weight, law))
     });
     shared(law::Mixture::new(built.collect::<Result<_>>()?))
+}
+
+fn renormalised(law: &Law, coupling: f64) -> Result<SharedLaw> {
+    let thresholds = law.build().map_err(|e| e.under("law"))?;
+    shared(law::Renormalised::new(thresholds, coupling))
 }
 
 fn shared<L: law::Law + 'static>(law: Result<L>) -> Result<SharedLaw> {

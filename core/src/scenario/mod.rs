@@ -11,11 +11,13 @@ mod drive;
 mod ensemble;
 mod hold_curve;
 mod initial;
+mod interface;
 mod law;
 mod logarithmic;
 mod master_equation;
 mod protocol;
 mod pull;
+mod renormalisation;
 mod rules;
 mod size;
 mod task;
@@ -33,10 +35,12 @@ pub use drive::Drive;
 pub use ensemble::{Disorder, Ensemble};
 pub use hold_curve::HoldCurve;
 pub use initial::Start;
+pub use interface::{CellSlip, Coupling, Edges, Interface, Loading, PerCell, Scales};
 pub use law::{Component, Law, Tabulated};
 pub use master_equation::MasterEquation;
 pub use protocol::{Protocol, Step};
 pub use pull::Pull;
+pub use renormalisation::Renormalisation;
 pub use rules::{Ageing, Barrier, Delay, Temperature};
 pub use task::Task;
 pub use units::Units;
@@ -53,7 +57,8 @@ use crate::{Error, Result};
     { "required": ["protocol"] },
     { "required": ["protocol_file"] },
     { "required": ["velocity_curve"] },
-    { "required": ["hold_curve"] }
+    { "required": ["hold_curve"] },
+    { "required": ["renormalisation"] }
 ]))]
 pub struct Scenario {
     /// What the summary and the pictures are headed with.
@@ -83,9 +88,15 @@ pub struct Scenario {
     /// A task: static friction against the time for which the slider has been held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_curve: Option<HoldCurve>,
+    /// A task: the law of the drives at which coupled contacts break for the first time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub renormalisation: Option<Renormalisation>,
     /// The slider between its top, which is driven, and its bottom; without this table it is rigid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub block: Option<Block>,
+    /// Cells of a slider that deforms; without this table it moves as one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub interface: Option<Interface>,
     /// How the master equation is solved.
     #[serde(default)]
     pub master_equation: MasterEquation,
@@ -111,6 +122,7 @@ impl Scenario {
         task.check()?;
         self.check_time(task, &contacts)?;
         self.check_block(task)?;
+        self.check_interface(task, &contacts)?;
         self.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &self.compare {
             compare.check(task).map_err(|e| e.under("compare"))?;
@@ -129,6 +141,36 @@ impl Scenario {
             (task, Some(_)) => {
                 let found = format!("one with [{}]", task.name());
                 Err(Error::invalid("block", "a block only with the tasks [drive] and [[protocol]]", found))
+            }
+        }
+    }
+
+    fn check_interface(&self, task: Task<'_>, contacts: &crate::contacts::Contacts) -> Result<()> {
+        let Some(interface) = &self.interface else {
+            return match task {
+                Task::Drive(Drive { maps, .. }) if !maps.is_empty() => {
+                    let expected = "no maps without [interface], whose cells they show";
+                    Err(Error::invalid("drive.maps", expected, format!("{} of them", maps.len())))
+                }
+                Task::Renormalisation(_) => Err(Error::invalid(
+                    "interface",
+                    "one with [renormalisation]: contacts that are coupled",
+                    "none",
+                )),
+                _ => Ok(()),
+            };
+        };
+        if self.block.is_some() {
+            let expected = "no block beside [interface], whose cells have connections of their own";
+            return Err(Error::invalid("block", expected, "one"));
+        }
+        match task {
+            Task::Drive(drive) => interface.check(contacts, drive, self.ensemble.as_ref()),
+            Task::Renormalisation(_) => Renormalisation::check_contacts(interface, contacts, self)
+                .and_then(|()| interface.check_cells(contacts, self.ensemble.as_ref())),
+            task => {
+                let expected = "an interface only with the tasks [drive] and [renormalisation]";
+                Err(Error::invalid("interface", expected, format!("one with [{}]", task.name())))
             }
         }
     }

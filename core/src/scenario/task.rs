@@ -1,6 +1,6 @@
 //! What is to be computed: one of the tables that are tasks.
 
-use super::{Drive, HoldCurve, Protocol, Pull, Scenario, Start, VelocityCurve};
+use super::{Drive, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Start, VelocityCurve};
 use crate::{Error, Result};
 
 /// The task of a scenario.
@@ -16,11 +16,12 @@ pub enum Task<'a> {
     VelocityCurve(&'a VelocityCurve),
     /// `[hold_curve]`: static friction against hold time.
     HoldCurve(&'a HoldCurve),
+    /// `[renormalisation]`: the law of first breaks of coupled contacts.
+    Renormalisation(&'a Renormalisation),
 }
 
 /// The tables that are tasks, for messages.
-const TASKS: &str =
-    "a task: one of the tables [pull], [drive], [[protocol]], [velocity_curve] and [hold_curve]";
+const TASKS: &str = "a task: one of the tables [pull], [drive], [[protocol]], [velocity_curve], [hold_curve] and [renormalisation]";
 
 impl Scenario {
     /// The one task that the scenario has.
@@ -34,6 +35,7 @@ impl Scenario {
             self.protocol.as_ref().map(Task::Protocol),
             self.velocity_curve.as_ref().map(Task::VelocityCurve),
             self.hold_curve.as_ref().map(Task::HoldCurve),
+            self.renormalisation.as_ref().map(Task::Renormalisation),
         ];
         let mut given = tasks.into_iter().flatten();
         let Some(task) = given.next() else {
@@ -67,6 +69,7 @@ impl Task<'_> {
             Self::Protocol(_) => "protocol",
             Self::VelocityCurve(_) => "velocity_curve",
             Self::HoldCurve(_) => "hold_curve",
+            Self::Renormalisation(_) => "renormalisation",
         }
     }
 
@@ -74,7 +77,7 @@ impl Task<'_> {
         match self {
             Self::Pull(pull) => pull.start,
             Self::Drive(drive) => drive.start,
-            Self::Protocol(_) | Self::VelocityCurve(_) | Self::HoldCurve(_) => Start::Conditional,
+            _ => Start::Conditional,
         }
     }
 
@@ -85,6 +88,7 @@ impl Task<'_> {
             Self::Protocol(protocol) => protocol.check(),
             Self::VelocityCurve(curve) => curve.check(),
             Self::HoldCurve(curve) => curve.check(),
+            Self::Renormalisation(task) => task.check(),
         }
         .map_err(|e| e.under(self.name()))
     }

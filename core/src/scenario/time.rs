@@ -19,7 +19,9 @@ impl Scenario {
             Task::Drive(drive) => {
                 onwards(drive).and_then(|()| velocity(drive.velocity, rule)).and_then(|()| quasistatic(rule))
             }
-            Task::Protocol(_) | Task::VelocityCurve(_) | Task::HoldCurve(_) => Ok(()),
+            Task::Protocol(_) | Task::VelocityCurve(_) | Task::HoldCurve(_) | Task::Renormalisation(_) => {
+                Ok(())
+            }
         }
         .map_err(|e| e.under(task.name()))
     }

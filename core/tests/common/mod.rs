@@ -5,6 +5,7 @@ pub mod curve;
 pub mod polyline;
 pub mod pulled;
 pub mod sliders;
+pub mod together;
 
 use std::sync::Arc;
 

@@ -20,6 +20,14 @@ pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
         let [position, force] = exactly(columns.map_err(|fault| fault.under("compare.file"))?);
         (compare.position, compare.force) = (Some(position), Some(force));
     }
+    let scales = scenario.interface.as_mut().and_then(|interface| interface.disorder.as_mut());
+    if let Some(scales) = scales
+        && let Some(file) = scales.file.take_if(|_| scales.scale.is_none())
+    {
+        let columns = read(&directory.join(file), &[&["scale"]]);
+        let [scale] = exactly(columns.map_err(|fault| fault.under("interface.disorder.file"))?);
+        scales.scale = Some(scale);
+    }
     if scenario.protocol.is_none()
         && let Some(file) = scenario.protocol_file.take()
     {

@@ -32,6 +32,30 @@ const CURVE: [&str; 5] = [
     "critical_stiffness_sliding",
 ];
 
+/// Names of the columns of events of an interface, as far as they are known.
+const EVENT: [&str; 20] = [
+    "drive",
+    "position_before",
+    "position_after",
+    "force_before",
+    "force_after",
+    "drop",
+    "slip",
+    "broken_fraction",
+    "dissipated_breaks",
+    "dissipated_slip",
+    "time",
+    "epicentre",
+    "cells",
+    "size",
+    "area",
+    "moment",
+    "released",
+    "duration",
+    "front_speed_left",
+    "front_speed_right",
+];
+
 /// Names of further columns of slips in time.
 const IN_TIME: [&str; 3] = ["time", "duration", "velocity"];
 
@@ -43,12 +67,13 @@ pub(super) fn tables(record: &Record) -> impl Iterator<Item = (&'static str, Str
         ("force.csv", table(record, &force, &ensemble)),
         ("atoms.csv", atoms(record)),
         ("trace.csv", trace(record, "")),
-        ("events.csv", events(record, "")),
+        ("events.csv", catalogue(record).or_else(|| events(record, ""))),
         ("ensemble_trace.csv", trace(record, "ensemble_")),
         ("ensemble_events.csv", events(record, "ensemble_")),
         ("sizes.csv", sizes(record)),
         ("velocity_curve.csv", velocity_curve(record)),
         ("hold_curve.csv", hold_curve(record)),
+        ("thresholds.csv", thresholds(record)),
     ];
     tables.into_iter().filter_map(|(name, text)| text.map(|text| (name, text)))
 }
@@ -59,6 +84,9 @@ fn same(name: &str) -> (String, String) {
 }
 
 fn trace(record: &Record, prefix: &str) -> Option<String> {
+    if record.get("event_epicentre").is_some() && prefix.is_empty() {
+        return table(record, &["drive"].map(same), &["position", "force"].map(same));
+    }
     let column = |name: &str| (name.to_owned(), format!("{prefix}{name}"));
     let timed = ["time", "velocity", "free"].map(column);
     let ensemble = ["ensemble_force", "ensemble_error"].map(same);
@@ -102,11 +130,28 @@ fn events(record: &Record, prefix: &str) -> Option<String> {
     let known = |name: &&str| column("time").is_none() || *name != "dissipated_breaks";
     let columns: Vec<_> = SLIP.into_iter().filter(known).map(named).collect();
     let text = table(record, &columns, &IN_TIME.map(named)).unwrap_or_else(|| SLIP.join(",") + "\n");
-    let numbered = text.lines().enumerate().map(|(row, line)| match row {
+    Some(numbered(&text))
+}
+
+fn thresholds(record: &Record) -> Option<String> {
+    let columns = ["drive", "free_density", "measured_density", "measured_error"].map(same);
+    table(record, &columns, &["mean_field_density"].map(same))
+}
+
+/// The events of an interface.
+fn catalogue(record: &Record) -> Option<String> {
+    let named = |name: &str| (name.to_owned(), format!("event_{name}"));
+    record.get("event_epicentre")?;
+    table(record, &[], &EVENT.map(named)).map(|text| numbered(&text))
+}
+
+/// The rows of a table numbered from 1.
+fn numbered(text: &str) -> String {
+    let row = |(row, line): (usize, &str)| match row {
         0 => format!("event,{line}\n"),
         event => format!("{event},{line}\n"),
-    });
-    Some(numbered.collect())
+    };
+    text.lines().enumerate().map(row).collect()
 }
 
 fn sizes(record: &Record) -> Option<String> {

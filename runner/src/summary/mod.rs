@@ -1,11 +1,15 @@
 //! The few numbers of a run that people quote: `summary.json`.
 
+mod catalogue;
+mod renormalisation;
 mod time;
 
 use asperity::block::{End, Point, Regime, Slide, StickSlip};
 use asperity::scenario::{Disorder, Units};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+pub use catalogue::{Catalogue, Largest, PowerLaw};
+pub use renormalisation::{Compared, Renormalisation};
 pub use time::{CurveLimits, Fitted, HoldCurve, Peak, RateState, Step};
 
 /// The numbers of a run.
@@ -42,6 +46,12 @@ pub struct Summary {
     /// What the curve against hold time says.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_curve: Option<HoldCurve>,
+    /// The law of first breaks of coupled contacts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub renormalisation: Option<Renormalisation>,
+    /// The events of an interface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub catalogue: Option<Catalogue>,
     /// Forces over the normal load, where one is given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_coefficients: Option<Coefficients>,

@@ -5,9 +5,11 @@ mod distribution;
 mod drive;
 mod grid;
 mod hold_curve;
+mod interface;
 mod part;
 mod protocol;
 mod pull;
+mod renormalisation;
 mod settling;
 pub mod sliding;
 mod velocity_curve;
@@ -20,6 +22,7 @@ use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::scenario::{Scenario, Task};
 
+use crate::checkpoint::Checkpoints;
 use crate::input;
 use crate::output::Outcome;
 use crate::summary::{Coefficients, Comparison, Extended, Friction, StaticFriction, Summary};
@@ -33,14 +36,30 @@ pub use pull::along_the_pull;
 /// # Errors
 /// A value that makes no sense, results too large for one file, or the monitor's wish to stop.
 pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Outcome> {
+    run_with(scenario, None, monitor)
+}
+
+/// The same, going on from the last of `checkpoints` and keeping new ones. Only `[drive]` of an `[interface]` has any.
+///
+/// # Errors
+/// As [`run`]; a stop, too, where a checkpoint could not be written or taken up ([`Checkpoints::failure`]).
+pub fn run_with(
+    scenario: &Scenario,
+    checkpoints: Option<&mut Checkpoints>,
+    monitor: &mut dyn Monitor,
+) -> Result<Outcome> {
     let (contacts, initial) = scenario.build()?;
     let setting = Setting { scenario, contacts, initial };
     let (summary, record) = match scenario.task()? {
         Task::Pull(task) => pull::run(&setting, task, monitor)?,
-        Task::Drive(task) => drive::run(&setting, task, monitor)?,
+        Task::Drive(task) => match &scenario.interface {
+            Some(interface) => interface::run(&setting, task, interface, checkpoints, monitor)?,
+            None => drive::run(&setting, task, monitor)?,
+        },
         Task::Protocol(task) => protocol::run(&setting, task, monitor)?,
         Task::VelocityCurve(task) => velocity_curve::run(&setting, task, monitor)?,
         Task::HoldCurve(task) => hold_curve::run(&setting, task, monitor)?,
+        Task::Renormalisation(task) => renormalisation::run(&setting, task, monitor)?,
     };
     Ok(Outcome { scenario: input::to_text(scenario), summary, record })
 }
@@ -94,6 +113,8 @@ impl Setting<'_> {
             steps: Vec::new(),
             limits: Vec::new(),
             hold_curve: None,
+            renormalisation: None,
+            catalogue: None,
             compare: None,
             warnings: scenario.warnings(),
         }
@@ -103,7 +124,7 @@ impl Setting<'_> {
 /// Number of contacts that the force's scatter is shown for.
 fn sample(scenario: &Scenario) -> Option<f64> {
     let counted = Some(scenario.contacts.count).filter(|&count| count > 1.0);
-    scenario.ensemble.as_ref().map(|ensemble| ensemble.size as f64).or(counted)
+    scenario.ensemble.as_ref().map(|ensemble| ensemble.size() as f64).or(counted)
 }
 
 /// Adds the measured curve, if there is one, and says how far it is from the computed `force`, known up to X = `end`.

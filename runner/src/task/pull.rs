@@ -60,7 +60,7 @@ pub fn run(
 /// Refuses before any work what could not be written after it.
 fn fits(scenario: &Scenario, pull: &scenario::Pull, grid: &Grid) -> Result<()> {
     let densities = (pull.snapshots.len() + 3) * grid.stretches.len();
-    let bins = scenario.ensemble.as_ref().map_or(0, |ensemble| grid.bins(ensemble.size));
+    let bins = scenario.ensemble.as_ref().map_or(0, |ensemble| grid.bins(ensemble.size()));
     let histograms = (pull.snapshots.len() + 1) * bins;
     let needed = ((pull.points * COLUMNS + densities + histograms) * size_of::<f64>()) as u64;
     if needed <= LARGEST {

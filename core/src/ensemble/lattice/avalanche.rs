@@ -1,9 +1,11 @@
 //! What one break sets off, and catalogues of it.
 
+use serde::{Deserialize, Serialize};
+
 use crate::record::{Quantity, Record};
 
 /// All that happens at one drive.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Avalanche {
     /// X, by which the drive has stretched every contact when the first one breaks.
     pub drive: f64,

@@ -27,6 +27,11 @@ impl Coupling {
         self.neighbours / self.stiffness()
     }
 
+    /// κ = zα = zK_int/(z K_int + K_0), what all neighbours of a contact inside gain together.
+    pub fn total_share(&self) -> f64 {
+        self.shape.neighbours() as f64 * self.share()
+    }
+
     /// 1 − zα = K_0/(z K_int + K_0), what the drive takes of it.
     pub fn dissipated(&self) -> f64 {
         self.connection / self.stiffness()

@@ -3,6 +3,7 @@
 mod avalanche;
 mod births;
 mod coupling;
+mod first;
 mod generation;
 mod grid;
 mod minima;
@@ -110,9 +111,8 @@ impl Lattice {
         seed: u64,
         disorder: Disorder,
     ) -> Result<Self> {
-        coupling.check().map_err(|e| e.under("interface"))?;
+        Self::check(&contacts, coupling)?;
         let unit = stiffness(&contacts)?;
-        fits(coupling.shape)?;
         let size = coupling.shape.size();
         let ensemble = Ensemble::new(contacts, initial, size, seed, disorder)?;
         let mean = ensemble.contacts.thresholds.mean();
@@ -141,6 +141,16 @@ impl Lattice {
         };
         lattice.stretch = lattice.sum();
         Ok(lattice)
+    }
+
+    /// Refuses what [`Lattice::new`] would, but for what the laws of contacts leave no room for.
+    ///
+    /// # Errors
+    /// The first thing refused, with the path of its key in a scenario.
+    pub fn check(contacts: &Contacts, coupling: &Coupling) -> Result<()> {
+        coupling.check().map_err(|e| e.under("interface"))?;
+        stiffness(contacts)?;
+        fits(coupling.shape)
     }
 
     /// Number of contacts.

@@ -171,3 +171,25 @@ fn cosines(weights: &[f64], count: usize, reach: usize, line: &Line) -> Vec<f64>
     );
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rings_are_long_enough_and_quickly_transformed() {
+        assert_eq!([1, 2, 3, 7, 13, 512, 1000, 1021].map(padded), [1, 4, 6, 16, 30, 1024, 2000, 2048]);
+    }
+
+    #[test]
+    fn modes_of_free_edges_come_near_at_any_size() {
+        for side in [20, 200] {
+            let mut open = Open::new(Shape::Square([side, side]), 1.0);
+            for diagonal in [1e-4, 0.1] {
+                let mut right: Vec<f64> = (0..side * side).map(|j| (0.1 * (j * j) as f64).sin()).collect();
+                let steps = open.solve(diagonal, &mut right);
+                assert!(steps <= 20, "{side} {diagonal}: {steps}");
+            }
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The drives at which coupled contacts first break, against what mean field makes of their thresholds.
+
+use asperity::ensemble::Disorder;
+use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape};
+use asperity::first_breaks::FirstBreaks;
+use asperity::law::{Law, Renormalised, critical_coupling};
+use kuva::plot::{MarkerShape, ScatterPlot};
+use kuva::render::plots::Plot;
+use kuva::render::render::{Scene, render_multiple};
+
+use crate::curve::line;
+use crate::page::Page;
+use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots};
+use crate::{equal, gaussian, point, start, together};
+
+/// Contacts: a power of 4, of which a square has whole sides.
+const SIZE: usize = 1 << 16;
+
+/// Whom a contact stretches when it breaks.
+#[derive(Clone, Copy, PartialEq)]
+enum Others {
+    /// Its two neighbours on a chain.
+    Chain,
+    /// Its four neighbours on a square lattice.
+    Square,
+    /// All.
+    All,
+}
+
+const KINDS: [(Others, &str, &str); 3] =
+    [(Others::Chain, "2", GREEN), (Others::Square, "4", ORANGE), (Others::All, "all", BLACK)];
+
+/// σ and κ/κ_c.
+const CASES: [(f64, f64); 7] =
+    [(0.05, 0.5), (0.1, 0.1), (0.1, 0.2), (0.1, 0.4), (0.1, 0.8), (0.1, 0.95), (0.2, 0.8)];
+
+impl Others {
+    fn first_breaks(self, std: f64, coupling: f64) -> FirstBreaks {
+        let thresholds = gaussian(1.0, std);
+        let shape = match self {
+            Self::Chain => Shape::Chain(SIZE),
+            Self::Square => Shape::Square([SIZE.isqrt(); 2]),
+            Self::All => return together::first_breaks(&thresholds, coupling, SIZE, 1),
+        };
+        let springs = Coupling::sharing(shape, Edges::Periodic, coupling / shape.neighbours() as f64);
+        let lattice = Lattice::new(
+            equal(&thresholds, &point(0.0)),
+            start(&point(0.0)),
+            &springs,
+            1,
+            Disorder::Annealed,
+        );
+        let drives = lattice.expect("relaxed contacts").first_breaks(&mut ()).expect("nothing stops it");
+        FirstBreaks::of_contacts(&drives)
+    }
+}
+
+pub fn section(mut page: Page, quick: bool) -> Page {
+    page.text(
+        "
+## Renormalised thresholds
+
+How far mean field goes: 65536 relaxed contacts with Gaussian thresholds, each of which passes on the share κ of what it
+lets go, in equal parts to two neighbours on a chain, to four on a square lattice (edges periodic), or to all others,
+contacts under one slider on a spring. *Distance* is Kolmogorov's, between the measured law of the drives at which contacts
+first break and the law P_c of their thresholds, or P_eff, which [mean field](../theory.md#renormalised-thresholds) makes of
+it; chance alone makes 0.003 of free contacts.
+",
+    );
+    page.head(&[
+        "σ",
+        "κ/κ_c",
+        "κ",
+        "stretches",
+        "mean",
+        "std",
+        "mean of P_eff",
+        "std of P_eff",
+        "distance from P_c",
+        "from P_eff",
+    ]);
+    for (std, near) in CASES {
+        let thresholds = gaussian(1.0, std);
+        let coupling = near * critical_coupling(thresholds.as_ref());
+        let law = Renormalised::new(thresholds.clone(), coupling).expect("a coupling below the critical one");
+        for (others, name, _) in KINDS {
+            // Every break of these counts as a first one.
+            if others == Others::All && std > 0.1 {
+                continue;
+            }
+            let found = others.first_breaks(std, coupling);
+            let four = |value: f64| format!("{value:.4}");
+            let numbers = [found.mean(), found.std(), law.mean(), law.std()].map(four);
+            let distances = [thresholds.as_ref(), &law as &dyn Law].map(|law| four(found.distance(law)));
+            let cells = [std.to_string(), near.to_string(), four(coupling), name.to_owned()];
+            page.row(&[&cells[..], &numbers, &distances].concat());
+        }
+    }
+    page.end();
+    if !quick {
+        let caption = "First breaks at σ = 0.1 and κ = 0.8 κ_c, of contacts that stretch two neighbours, four, or all others, with the law of their thresholds and the mean field's.";
+        page.picture("renormalised", caption, &picture(0.1, 0.8));
+    }
+    page
+}
+
+fn picture(std: f64, near: f64) -> Scene {
+    let thresholds = gaussian(1.0, std);
+    let coupling = near * critical_coupling(thresholds.as_ref());
+    let law = Renormalised::new(thresholds.clone(), coupling).expect("a coupling below the critical one");
+    let (low, high, bins) = (0.6, 1.3, 70);
+    let edges: Vec<f64> = (0..=bins).map(|i| low + (high - low) * f64::from(i) / f64::from(bins)).collect();
+    let smooth =
+        |law: &dyn Law| (0..=1400).map(|i| low + f64::from(i) * 5e-4).map(|x| (x, law.density(x))).collect();
+    let mut plots: Plots =
+        vec![line(smooth(thresholds.as_ref()), GREY, 1.8, Some("8 5")), line(smooth(&law), BLUE, 2.0, None)];
+    let mut legend =
+        vec![style::line("thresholds, P_c", GREY, Some("8 5")), style::line("mean field, P_eff", BLUE, None)];
+    for (others, name, color) in KINDS {
+        let densities = others.first_breaks(std, coupling).densities(&edges);
+        let points =
+            edges.windows(2).zip(densities).map(|(ends, density)| (0.5 * (ends[0] + ends[1]), density));
+        plots.push(Plot::Scatter(ScatterPlot::new().with_data(points).with_color(color).with_size(2.6)));
+        legend.push(style::marker(format!("stretching {name}"), color, MarkerShape::Circle));
+    }
+    let layout = style::layout((low, high), (0.0, 11.0))
+        .with_x_label("Drive X")
+        .with_y_label("Density of contacts that break first");
+    render_multiple(plots, style::legend_below(layout, legend))
+}

@@ -1,0 +1,164 @@
+//! `catalogue`: the force along the drive, how many events are how large, and how long one waits for the next.
+
+use asperity_runner::output::Outcome;
+use asperity_runner::summary::{Catalogue, PowerLaw};
+use kuva::plot::{MarkerShape, ScatterPlot};
+use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::Scene;
+
+use super::curve::{Point, line, thinned};
+use super::style::{self, BLUE, GREY, ORANGE, Plots};
+
+const DASHES: &str = "8 5";
+/// Bins per factor of ten.
+const PER_DECADE: f64 = 8.0;
+/// Events that the force is shown before and after of, at most.
+const FEW: usize = 500;
+/// Points of the fitted law.
+const FINE: usize = 200;
+/// Waiting times, over their mean, that are shown.
+const WAITING: (f64, f64) = (1e-3, 1e2);
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let catalogue = outcome.summary.catalogue.as_ref()?;
+    let panels = [force(outcome)?, magnitudes(outcome, catalogue)?, waiting(outcome, catalogue)?];
+    let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
+    let (title, size) = style::heading(&outcome.summary.title);
+    let mut legend = vec![style::marker(format!("{} events", catalogue.events), ORANGE, MarkerShape::Circle)];
+    legend.extend(catalogue.law.map(|law| style::line(told(&law), BLUE, None)));
+    legend.push(style::line("events that come by chance", GREY, Some(DASHES)));
+    let figure = Figure::new(2, 2)
+        .with_structure(vec![vec![0, 1], vec![2], vec![3]])
+        .with_title(title)
+        .with_title_size(size)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(style::WIDTH / 2.0, 300.0)
+        .with_row_height(0, 200.0)
+        .with_spacing(10.0)
+        .with_shared_legend_entries(legend)
+        .with_shared_legend_position(FigureLegendPosition::BottomCenter);
+    Some(figure.render())
+}
+
+/// The fitted law in words.
+fn told(law: &PowerLaw) -> String {
+    let decimals = (1.0 - law.exponent.error.log10().floor()).clamp(0.0, 6.0) as usize;
+    let exponent = format!("{:.decimals$} ± {:.decimals$}", law.exponent.value, law.exponent.error);
+    if law.cut_off.0.is_infinite() {
+        return format!("τ = {exponent}");
+    }
+    format!("τ = {exponent}, cut-off {}", rounded(law.cut_off.0))
+}
+
+/// `value` in two digits.
+fn rounded(value: f64) -> String {
+    let two: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    style::digits(two)
+}
+
+/// The force along the drive: at the points of the trace and, where they are few, before and after every event.
+fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
+    let record = &outcome.record;
+    let mut points: Vec<Point> = pairs(record.values("drive")?, record.values("force")?).collect();
+    let drives = record.values("event_drive").filter(|drives| drives.len() <= FEW).unwrap_or_default();
+    let (before, after) = (record.values("event_force_before")?, record.values("event_force_after")?);
+    for (&drive, (&before, &after)) in drives.iter().zip(before.iter().zip(after)) {
+        points.extend([(drive, before), (drive, after)]);
+    }
+    // Stable, so that the force falls in an event.
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let heights: Vec<f64> = points.iter().map(|point| point.1).collect();
+    let (low, high) = style::range([heights.as_slice()]);
+    let last = points.last()?.0;
+    let layout = panel((points[0].0, last), style::heights(low, high))
+        .with_x_label(style::axis(outcome, "Drive X_T", record.get("drive")?))
+        .with_y_label(style::axis(outcome, "Force F", record.get("force")?));
+    Some((vec![line(thinned(points), BLUE, 1.2, None)], layout))
+}
+
+/// Share of events per unit of magnitude, and the fitted law.
+fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> {
+    let variable = outcome.record.get(&format!("event_{}", catalogue.magnitude))?;
+    let whole = variable.values.iter().all(|value| value.fract() == 0.0);
+    let points = density(&variable.values, whole);
+    let (first, last) = (points.first()?.0, points.last()?.0);
+    let low = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
+    let high = points.iter().map(|point| point.1).fold(0.0, f64::max);
+    let mut plots = vec![scatter(points)];
+    if let Some(law) = catalogue.law {
+        let share = law.events as f64 / catalogue.events as f64;
+        let curve = fitted(&law, share, last).into_iter().filter(|point| point.1 > 0.5 * low).collect();
+        plots.push(line(curve, BLUE, 1.8, None));
+    }
+    let words = match catalogue.magnitude.as_str() {
+        "size" => "Breaks in an event",
+        _ => "Moment of an event",
+    };
+    let layout = logarithmic((0.7 * first, 1.5 * last), (0.4 * low, 2.5 * high))
+        .with_x_label(style::axis(outcome, words, variable))
+        .with_y_label("Share of events per unit");
+    Some((plots, layout))
+}
+
+/// Density of the waiting times over their mean.
+fn waiting(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> {
+    let drives = outcome.record.values("event_drive")?;
+    let mean = catalogue.mean_waiting.filter(|&mean| mean > 0.0)?;
+    let times: Vec<f64> = drives.windows(2).map(|pair| (pair[1] - pair[0]) / mean).collect();
+    let shown = |point: &Point| (WAITING.0..WAITING.1).contains(&point.0);
+    let points: Vec<Point> = density(&times, false).into_iter().filter(shown).collect();
+    let low = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
+    let high = points.iter().map(|point| point.1).fold(0.0, f64::max);
+    let last = points.last()?.0;
+    let steps = (0..=FINE).map(|i| WAITING.0 * (last / WAITING.0).powf(i as f64 / FINE as f64));
+    let chance = steps.map(|t| (t, (-t).exp())).filter(|point| point.1 > 0.5 * low).collect();
+    let layout = logarithmic((0.7 * points[0].0, 1.5 * last), (0.4 * low, 2.5 * high.max(1.0)))
+        .with_x_label("Drive to the next event, over its mean")
+        .with_y_label("Density");
+    Some((vec![line(chance, GREY, 1.4, Some(DASHES)), scatter(points)], layout))
+}
+
+/// Shares of `values` per unit, in bins of equal width on a logarithmic axis.
+fn density(values: &[f64], whole: bool) -> Vec<Point> {
+    let mut bins = std::collections::BTreeMap::<i64, u64>::new();
+    for value in values.iter().filter(|&&value| value > 0.0) {
+        *bins.entry((PER_DECADE * value.log10()).round() as i64).or_default() += 1;
+    }
+    let edge = |bin: f64| 10f64.powf(bin / PER_DECADE);
+    let share = |(bin, count): (i64, u64)| {
+        let (from, to) = (edge(bin as f64 - 0.5), edge(bin as f64 + 0.5));
+        let width = if whole { (to.ceil() - from.ceil()).max(1.0) } else { to - from };
+        (edge(bin as f64), count as f64 / values.len() as f64 / width)
+    };
+    bins.into_iter().map(share).collect()
+}
+
+/// The law from its lowest magnitude up to `last`, of which all of it is the given share of events.
+fn fitted(law: &PowerLaw, share: f64, last: f64) -> Vec<Point> {
+    let rate = law.cut_off.0.recip();
+    let height = |x: f64| x.powf(-law.exponent.value) * (-rate * x).exp();
+    let at = |i: usize| law.from * (last / law.from).powf(i as f64 / FINE as f64);
+    let points: Vec<Point> = (0..=FINE).map(|i| (at(i), height(at(i)))).collect();
+    let under = |pair: &[Point]| 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0);
+    let area: f64 = points.windows(2).map(under).sum();
+    points.into_iter().map(|(x, y)| (x, share * y / area)).collect()
+}
+
+fn pairs<'a>(x: &'a [f64], y: &'a [f64]) -> impl Iterator<Item = Point> + 'a {
+    x.iter().copied().zip(y.iter().copied())
+}
+
+fn scatter(points: Vec<Point>) -> Plot {
+    Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(3.0))
+}
+
+fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {
+    style::layout(x, y).with_tick_size(11).with_label_size(13)
+}
+
+fn logarithmic(x: (f64, f64), y: (f64, f64)) -> Layout {
+    panel(x, y).with_log_scale().with_tick_format(style::powers())
+}

@@ -1,0 +1,74 @@
+//! Fields on a plane in colours that several panels share.
+
+use std::sync::Arc;
+
+use kuva::plot::{ColorMap, Heatmap};
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+
+use super::style;
+
+/// Cells that a picture draws at most: each is a rectangle of its own.
+const MOST: usize = 40_000;
+
+/// A field, row by row, and the ranges that it covers.
+pub struct Field<'a> {
+    /// The values.
+    pub values: &'a [f64],
+    /// Rows and columns.
+    pub sides: [usize; 2],
+    /// What the columns cover.
+    pub x: (f64, f64),
+    /// What the rows cover.
+    pub y: (f64, f64),
+}
+
+impl Field<'_> {
+    /// The field in the colours of `scale`, averaged over blocks of cells where there are too many for `panels` of them.
+    pub fn plot(&self, scale: (f64, f64), panels: usize) -> Plot {
+        let [rows, columns] = self.sides;
+        let most = ((MOST / panels.max(1)) as f64).sqrt() as usize;
+        let (across, along) = (rows.min(most), columns.min(most));
+        let block = |i: usize, of: usize, parts: usize| i * of / parts..(i + 1) * of / parts;
+        let mean = |i: usize, j: usize| {
+            let (rows, among) = (block(i, rows, across), block(j, columns, along));
+            let count = (rows.len() * among.len()) as f64;
+            let row = |row: usize| self.values[row * columns..][among.clone()].iter().sum::<f64>();
+            rows.map(row).sum::<f64>() / count
+        };
+        let data: Vec<Vec<f64>> = (0..across).map(|i| (0..along).map(|j| mean(i, j)).collect()).collect();
+        Plot::Heatmap(heatmap(data, scale, self.x, self.y))
+    }
+}
+
+/// The colours from the lower to the upper end of `scale`, as a panel of its own, and its axes.
+pub fn bar(scale: (f64, f64), label: &str) -> (Vec<Plot>, Layout) {
+    const STEPS: usize = 128;
+    let value = |i: usize| scale.0 + (scale.1 - scale.0) * i as f64 / (STEPS - 1) as f64;
+    let data = (0..STEPS).map(|i| vec![value(i)]).collect();
+    let plot = Plot::Heatmap(heatmap(data, scale, (0.0, 1.0), scale));
+    let layout = style::layout((0.0, 1.0), scale).with_y_label(label).with_tick_size(11).with_label_size(13);
+    (
+        vec![plot],
+        layout.with_x_tick_format(kuva::render::layout::TickFormat::Custom(Arc::new(|_| String::new()))),
+    )
+}
+
+/// A scale that just holds all values, or a little more where they are the same.
+pub fn scale(values: &[f64]) -> (f64, f64) {
+    let (low, high) = style::range([values]);
+    if high > low { (low, high) } else { (low - 0.5, low + 0.5) }
+}
+
+/// Rows upward. The library spreads its colours over the values that there are: this is undone, so that panels agree.
+fn heatmap(data: Vec<Vec<f64>>, scale: (f64, f64), x: (f64, f64), y: (f64, f64)) -> Heatmap {
+    let (low, high) = style::range(data.iter().map(Vec::as_slice));
+    let colour = move |part: f64| {
+        let value = low + part * (high - low);
+        ColorMap::Viridis.map((value - scale.0) / (scale.1 - scale.0))
+    };
+    let mut heatmap = Heatmap::new().with_data(data).with_color_map(ColorMap::Custom(Arc::new(colour)));
+    // Full cells overlap a little, so that no line is left between them.
+    (heatmap.x_range, heatmap.y_range, heatmap.cell_size) = (Some(x), Some(y), 1.0);
+    heatmap
+}

@@ -1,0 +1,142 @@
+//! `space_time`: the forces along a chain as it is driven, where it slips, and the fronts of its largest event.
+
+use asperity::record::Record;
+use asperity_runner::output::Outcome;
+use kuva::plot::ScatterPlot;
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::Scene;
+
+use super::curve::{Point, line};
+use super::field::{Field, bar, scale};
+use super::style::{self, BLACK, ORANGE, Plots, RED};
+
+/// Share of the cells that must take part in an event for it to be drawn.
+const LARGE: f64 = 0.05;
+/// Events that are drawn at most: the largest.
+const MOST: usize = 300;
+/// Width of the panel of colours.
+const BAR: f64 = 95.0;
+const HEIGHT: f64 = 420.0;
+const DASHES: &str = "8 5";
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let cells = record.length("cell")?;
+    let ends = scale(record.values("cell_force")?);
+    let (plots, layout) = forces(outcome, cells, ends)?;
+    let (colours, axes) = bar(ends, &style::axis(outcome, "Force of a cell", record.get("cell_force")?));
+    let (mut plots, mut layouts) = (vec![plots, colours], vec![layout, axes]);
+    let mut structure = vec![vec![0], vec![1]];
+    if let Some((front, axes)) = front(outcome, cells) {
+        plots.push(front);
+        layouts.push(axes);
+        structure.push(vec![2]);
+    }
+    let rows = if structure.len() > 2 { 2 } else { 1 };
+    let (title, size) = style::heading(&outcome.summary.title);
+    let figure = Figure::new(rows, 2)
+        .with_structure(structure)
+        .with_title(title)
+        .with_title_size(size)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size(style::WIDTH, 260.0)
+        .with_row_height(0, HEIGHT)
+        .with_col_width(1, BAR)
+        .with_spacing(6.0);
+    Some(figure.render())
+}
+
+/// The forces of the cells at the points of the trace, with the events that many cells took part in.
+fn forces(outcome: &Outcome, cells: usize, ends: (f64, f64)) -> Option<(Plots, Layout)> {
+    let record = &outcome.record;
+    let (looks, points) = (record.values("map_drive")?, record.values("drive")?);
+    let last = *points.last()?;
+    let rows: Vec<usize> = (0..looks.len())
+        .filter(|&row| points.binary_search_by(|point| point.total_cmp(&looks[row])).is_ok())
+        .collect();
+    let values: Vec<f64> =
+        rows.iter().filter_map(|&row| record.row("cell_force", row)).flatten().copied().collect();
+    // A row shows the cells at a drive: it lies around it.
+    let half = 0.5 * last / (rows.len().max(2) - 1) as f64;
+    let field = Field {
+        values: &values,
+        sides: [rows.len(), cells],
+        x: (0.0, cells as f64),
+        y: (-half, last + half),
+    };
+    let mut plots = vec![field.plot(ends, 1)];
+    plots.extend(spans(record, cells).into_iter().map(|span| line(span, BLACK, 1.2, None)));
+    let layout = panel((0.0, cells as f64), (0.0, last)).with_x_label("Cell").with_y_label(style::axis(
+        outcome,
+        "Drive X_T",
+        record.get("drive")?,
+    ));
+    Some((plots, layout))
+}
+
+/// For each large event a line at its drive, from the first cell that took part in it to the last.
+fn spans(record: &Record, cells: usize) -> Vec<Vec<Point>> {
+    let Some((drives, slipped)) = record.values("event_drive").zip(record.values("slipped_event")) else {
+        return Vec::new();
+    };
+    let who = record.values("slipped_cell").unwrap_or_default();
+    let mut start = 0;
+    let mut events: Vec<(usize, Vec<Point>)> = Vec::new();
+    for run in slipped.chunk_by(|a, b| a == b) {
+        let part = &who[start..start + run.len()];
+        start += run.len();
+        if (run.len() as f64) < LARGE * cells as f64 {
+            continue;
+        }
+        let (low, high) = style::range([part]);
+        let drive = drives[run[0] as usize - 1];
+        events.push((run.len(), vec![(low, drive), (high + 1.0, drive)]));
+    }
+    events.sort_by_key(|event| std::cmp::Reverse(event.0));
+    events.into_iter().take(MOST).map(|event| event.1).collect()
+}
+
+/// When the cells of the largest event began to slip, and the speeds of its fronts.
+fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
+    let record = &outcome.record;
+    let largest = outcome.summary.catalogue.as_ref()?.largest?;
+    let columns =
+        [record.values("slipped_event")?, record.values("slipped_cell")?, record.values("slipped_start")?];
+    let [events, who, starts] = columns;
+    let own = |&i: &usize| events[i] == largest.event as f64;
+    let points: Vec<Point> = (0..events.len()).filter(own).map(|i| (who[i] + 0.5, starts[i])).collect();
+    let times: Vec<f64> = points.iter().map(|point| point.1).collect();
+    let (first, last) = style::range([times.as_slice()]);
+    if !(last > first) {
+        return None;
+    }
+    let epicentre = points.iter().find(|point| point.1 == first)?.0;
+    let mut plots: Plots = Vec::new();
+    let mut words = Vec::new();
+    for (name, sign) in [("left", -1.0), ("right", 1.0)] {
+        let speed = record.values(&format!("event_front_speed_{name}"))?[largest.event - 1];
+        if speed.is_finite() {
+            let room = if sign < 0.0 { epicentre } else { cells as f64 - epicentre };
+            let time = (last - first).min(room / speed);
+            let end = (epicentre + sign * speed * time, first + time);
+            plots.push(line(vec![(epicentre, first), end], RED, 1.6, Some(DASHES)));
+            words.push(format!("{} to the {name}", style::digits((1e3 * speed).round() / 1e3)));
+        }
+    }
+    plots.push(Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(1.6)));
+    let speeds =
+        if words.is_empty() { String::new() } else { format!(": {} cells per time", words.join(", ")) };
+    let layout = panel((0.0, cells as f64), (0.0, style::headroom(last)))
+        .with_title(format!("Largest event, at X_T = {}{speeds}", style::digits(largest.drive)))
+        .with_title_size(12)
+        .with_x_label("Cell")
+        .with_y_label(style::axis(outcome, "Time until it slips", record.get("slipped_start")?));
+    Some((plots, layout))
+}
+
+fn panel(x: (f64, f64), y: (f64, f64)) -> Layout {
+    style::layout(x, y).with_tick_size(11).with_label_size(13)
+}

@@ -1,0 +1,88 @@
+//! `stress_map`: the forces of the cells of a lattice at the drives asked for, one panel each.
+
+use asperity_runner::output::Outcome;
+use kuva::render::figure::Figure;
+use kuva::render::layout::Layout;
+use kuva::render::render::Scene;
+
+use super::field::{Field, bar, scale};
+use super::style::{self, Plots};
+
+/// Panels that a picture has at most; of more maps some are left out.
+const PANELS: usize = 6;
+/// Width of the panel of colours.
+const BAR: f64 = 95.0;
+/// Height of a panel, with its title.
+const HEIGHT: f64 = 270.0;
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let (drives, force) = (record.values("map_drive")?, record.get("cell_force")?);
+    let sides = [record.length("row")?, record.length("column")?];
+    let shown = chosen(drives.len());
+    let size = sides[0] * sides[1];
+    let columns = shown.len().min(if shown.len() == 4 { 2 } else { 3 });
+    let rows = shown.len().div_ceil(columns);
+    let ends =
+        scale(&shown.iter().flat_map(|&map| force.values[map * size..][..size].to_vec()).collect::<Vec<_>>());
+    let panel = |&map: &usize| -> (Plots, Layout) {
+        let field = Field {
+            values: &force.values[map * size..][..size],
+            sides,
+            x: (0.0, sides[1] as f64),
+            y: (0.0, sides[0] as f64),
+        };
+        let layout = style::layout(field.x, field.y)
+            .with_title(format!("X_T = {}", style::digits(drives[map])))
+            .with_title_size(12)
+            .with_ticks(4)
+            .with_tick_size(11)
+            .with_label_size(13)
+            .with_x_label("Column")
+            .with_y_label("Row");
+        (vec![field.plot(ends, shown.len())], layout)
+    };
+    let (mut plots, mut layouts): (Vec<_>, Vec<_>) = shown.iter().map(panel).unzip();
+    // Cells of the figure that are left empty.
+    for _ in shown.len()..rows * columns {
+        plots.push(Plots::new());
+        layouts.push(style::layout((0.0, 1.0), (0.0, 1.0)));
+    }
+    let (colours, axes) = bar(ends, &style::axis(outcome, "Force of a cell", force));
+    let structure = structure(rows, columns);
+    let order = shown.len().min(columns);
+    plots.insert(order, colours);
+    layouts.insert(order, axes);
+    let (title, size) = style::heading(&outcome.summary.title);
+    let figure = Figure::new(rows, columns + 1)
+        .with_structure(structure)
+        .with_title(title)
+        .with_title_size(size)
+        .with_plots(plots)
+        .with_layouts(layouts)
+        .with_cell_size((style::WIDTH * 1.3 - BAR) / columns as f64, HEIGHT)
+        .with_col_width(columns, BAR)
+        .with_spacing(6.0);
+    Some(figure.render())
+}
+
+/// The maps drawn: all, or so many evenly chosen, first and last among them.
+fn chosen(count: usize) -> Vec<usize> {
+    if count <= PANELS {
+        return (0..count).collect();
+    }
+    (0..PANELS).map(|i| i * (count - 1) / (PANELS - 1)).collect()
+}
+
+/// Panels row by row; beside those of the first row the colours, as high as all of them.
+fn structure(rows: usize, columns: usize) -> Vec<Vec<usize>> {
+    let width = columns + 1;
+    let mut cells = Vec::new();
+    for row in 0..rows {
+        cells.extend((0..columns).map(|column| vec![row * width + column]));
+        if row == 0 {
+            cells.push((0..rows).map(|row| row * width + columns).collect());
+        }
+    }
+    cells
+}

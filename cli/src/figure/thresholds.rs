@@ -1,0 +1,33 @@
+//! `thresholds`: the drives at which coupled contacts first break, with the law of their thresholds and the mean field's.
+
+use asperity_runner::output::Outcome;
+use kuva::plot::MarkerShape;
+use kuva::render::render::{Scene, render_multiple};
+
+use super::curve::{curve, errors, line};
+use super::style::{self, BLUE, GREY, ORANGE, Plots};
+
+const DASHES: &str = "8 5";
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let found = outcome.summary.renormalisation?;
+    let (drive, measured) = (record.values("drive")?, record.values("measured_density")?);
+    let free = record.values("free_density")?;
+    let mean_field = record.values("mean_field_density");
+    let mut plots: Plots = vec![line(curve(drive, free), GREY, 1.8, Some(DASHES))];
+    let mut legend = vec![style::line("thresholds, P_c", GREY, Some(DASHES))];
+    if let Some(density) = mean_field {
+        plots.push(line(curve(drive, density), BLUE, 2.0, None));
+        legend.push(style::line(format!("mean field, κ = {}", style::digits(found.coupling)), BLUE, None));
+    }
+    plots.extend(errors(drive, measured, record.values("measured_error")?, ORANGE));
+    let contacts = format!("first breaks, {} × {} contacts", found.runs, found.contacts);
+    legend.push(style::marker(contacts, ORANGE, MarkerShape::Circle));
+    let top = style::range([measured, free, mean_field.unwrap_or(&[])]).1;
+    let ends = (drive[0], drive[drive.len() - 1]);
+    let layout = style::titled(style::layout(ends, (0.0, style::headroom(top))), &outcome.summary.title)
+        .with_x_label(style::axis(outcome, "Drive X", record.get("drive")?))
+        .with_y_label(style::axis(outcome, "Density of contacts that break", record.get("free_density")?));
+    Some(render_multiple(plots, style::legend_below(layout, legend)))
+}

@@ -1,0 +1,54 @@
+//! Events of an interface, for people.
+
+use asperity::record::Quantity;
+use asperity_runner::summary::{Catalogue, Fitted, PowerLaw, Summary};
+
+use super::{digits, with_error, with_unit};
+
+/// Lines as those of the rest of the summary.
+pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, String)> {
+    let value = |number: f64, quantity| with_unit(digits(number), number, &summary.units.label(quantity));
+    let drive = |number| value(number, Quantity::Length);
+    let from = if catalogue.from > 0.0 {
+        format!(" from X_T = {} on", drive(catalogue.from))
+    } else {
+        String::new()
+    };
+    let mut lines = vec![("events", format!("{}{from}, over {} cells", catalogue.events, catalogue.cells))];
+    if let Some(mean) = catalogue.mean_waiting {
+        let variation = catalogue.waiting_variation.map_or(String::new(), |variation| {
+            format!(", coefficient of variation {} (1: by chance)", digits(variation))
+        });
+        lines.push(("mean waiting", format!("{} of drive{variation}", drive(mean))));
+    }
+    if let Some(largest) = catalogue.largest {
+        let what = format!("{} {}", catalogue.magnitude, digits(largest.magnitude));
+        lines.push((
+            "largest event",
+            format!("{what}, {} cells, at X_T = {}", largest.cells, drive(largest.drive)),
+        ));
+    }
+    if let Some(law) = &catalogue.law {
+        lines.push(("magnitudes", told(catalogue, law)));
+    }
+    if let (Some(breaks), Some(slip)) = (catalogue.dissipated_breaks, catalogue.dissipated_slip) {
+        let energy = |number| value(number, Quantity::Energy);
+        lines.push(("dissipated", format!("{} in breaks, {} in slips", energy(breaks), energy(slip))));
+    }
+    lines
+}
+
+fn told(catalogue: &Catalogue, law: &PowerLaw) -> String {
+    let exponent = with_error(law.exponent);
+    let cut_off = if law.cut_off.0.is_infinite() {
+        "no cut-off".into()
+    } else {
+        format!("cut-off {}", with_error(Fitted { value: law.cut_off.0, error: law.cut_off_error.0 }))
+    };
+    format!(
+        "τ = {exponent}, {cut_off}, of {} from {} on ({} events)",
+        catalogue.magnitude,
+        digits(law.from),
+        law.events
+    )
+}

@@ -1,0 +1,31 @@
+//! The law of first breaks, for people.
+
+use asperity::record::Quantity;
+use asperity_runner::summary::{Compared, Renormalisation, Summary};
+
+use super::{digits, fitted, with_unit};
+
+/// Lines as those of the rest of the summary.
+pub fn lines(summary: &Summary, found: &Renormalisation) -> Vec<(&'static str, String)> {
+    let length = |number: f64| with_unit(digits(number), number, &summary.units.label(Quantity::Length));
+    let law = |law: &Compared| {
+        format!(
+            "mean {}, std {}; {:.4} from what is measured",
+            length(law.mean),
+            length(law.std),
+            law.distance
+        )
+    };
+    let (mean, std) =
+        (fitted(summary, found.mean, Quantity::Length), fitted(summary, found.std, Quantity::Length));
+    let none = || "none: from κ_c on a share of all contacts breaks at once".to_owned();
+    vec![
+        ("coupling", format!("κ = {}, κ_c = {}", digits(found.coupling), digits(found.critical_coupling))),
+        (
+            "first breaks",
+            format!("mean {mean}, std {std}; {} runs of {} contacts", found.runs, found.contacts),
+        ),
+        ("thresholds", law(&found.thresholds)),
+        ("mean field", found.mean_field.as_ref().map_or_else(none, law)),
+    ]
+}

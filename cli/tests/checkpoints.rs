@@ -1,0 +1,194 @@
+//! Runs that are killed, interrupted or found damaged, and go on from their checkpoints.
+#![cfg(unix)]
+
+mod support;
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use support::{Folder, errors, names};
+
+/// A few seconds of avalanches, all of them recorded.
+const SCENARIO: &str = "
+title = 'Avalanches'
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+contacts.count = 1024
+initial.rectangular = { min = 0.0, max = 0.5 }
+interface = { cells = [32, 32], contacts = 'one', coupling.neighbours = { stiffness = 0.2 }, connection = 0.2 }
+drive = { distance = 100.0, points = 11, maps = [40.0, 80.0] }
+";
+
+/// Long enough for a checkpoint to be seen, and never to be waited for.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("slow.toml", SCENARIO);
+    folder
+}
+
+fn start(folder: &Folder, more: &[&str]) -> Child {
+    let arguments = [&["run", "slow.toml", "--checkpoint", "2000"], more].concat();
+    let mut command = folder.asperity(&arguments);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn slots(folder: &Folder) -> [PathBuf; 2] {
+    [0, 1].map(|slot| folder.path().join(format!("out/slow.checkpoint.{slot}")))
+}
+
+/// Events at a checkpoint, from its header.
+fn events(path: &Path) -> Option<u64> {
+    let bytes = std::fs::read(path).ok()?;
+    let header = bytes.split(|&byte| byte == b'\n').nth(1)?;
+    serde_json::from_slice::<serde_json::Value>(header).ok()?["events"].as_u64()
+}
+
+/// Waits until a checkpoint of so many events is seen.
+fn wait_for(folder: &Folder, number: u64) {
+    let begun = Instant::now();
+    while slots(folder).iter().filter_map(|path| events(path)).max().unwrap_or(0) < 2000 * number {
+        assert!(begun.elapsed() < PATIENCE, "no checkpoint {number}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Every file of a folder with its bytes.
+fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    names(folder).into_iter().map(|name| (name.clone(), std::fs::read(folder.join(&name)).unwrap())).collect()
+}
+
+/// The results of the same scenario, not interrupted.
+fn undisturbed() -> Vec<(String, Vec<u8>)> {
+    let folder = folder();
+    folder.succeed(&["run", "slow.toml", "--quiet"]);
+    contents(&folder.path().join("out/slow"))
+}
+
+fn same(folder: &Folder, expected: &[(String, Vec<u8>)]) {
+    let found = contents(&folder.path().join("out/slow"));
+    assert_eq!(found.len(), expected.len());
+    for ((name, bytes), (other, wanted)) in found.iter().zip(expected) {
+        assert!(name == other && bytes == wanted, "{name} differs from {other}");
+    }
+    assert_eq!(names(&folder.path().join("out")), ["slow"], "checkpoints are left");
+}
+
+#[test]
+fn a_run_killed_three_times_gives_the_same_bytes() {
+    let expected = undisturbed();
+    let folder = folder();
+    for (number, more) in [(1, &[][..]), (3, &["--resume"]), (5, &["--resume"])] {
+        let mut child = start(&folder, more);
+        wait_for(&folder, number);
+        child.kill().unwrap();
+        assert!(!child.wait().unwrap().success(), "it was over before checkpoint {number}");
+        assert!(!folder.path().join("out/slow").exists(), "results before the end");
+    }
+    let output = folder.run(&["run", "slow.toml", "--resume"]);
+    assert!(output.status.success() && errors(&output).contains("going on from"), "{}", errors(&output));
+    same(&folder, &expected);
+}
+
+#[test]
+fn ctrl_c_leaves_a_checkpoint_and_says_so() {
+    let expected = undisturbed();
+    let folder = folder();
+    let child = start(&folder, &[]);
+    wait_for(&folder, 1);
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", errors(&output));
+    assert!(errors(&output).contains("--resume goes on from out/slow.checkpoint."), "{}", errors(&output));
+    folder.succeed(&["run", "slow.toml", "--resume", "--quiet"]);
+    same(&folder, &expected);
+}
+
+/// A run stopped after two checkpoints at least.
+fn stopped() -> Folder {
+    let folder = folder();
+    let mut child = start(&folder, &[]);
+    wait_for(&folder, 2);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    folder
+}
+
+#[test]
+fn a_damaged_checkpoint_is_passed_over_for_the_one_before() {
+    let expected = undisturbed();
+    let folder = stopped();
+    let [older, newer] = {
+        let mut slots = slots(&folder);
+        slots.sort_by_key(|path| events(path));
+        slots
+    };
+    let damage = |path: &Path| {
+        let mut bytes = std::fs::read(path).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        std::fs::write(path, bytes).unwrap();
+    };
+    damage(&newer);
+    let before = events(&older).unwrap();
+    let output = folder.run(&["run", "slow.toml", "--resume"]);
+    let said = errors(&output);
+    assert!(output.status.success(), "{said}");
+    let name = |path: &Path| path.file_name().unwrap().to_str().unwrap().to_owned();
+    assert!(
+        said.contains(&format!("{}: a damaged checkpoint: its checksum is wrong", name(&newer))),
+        "{said}"
+    );
+    assert!(said.contains(&format!("{}, after {before} events", name(&older))), "{said}");
+    same(&folder, &expected);
+
+    let folder = stopped();
+    slots(&folder).iter().for_each(|path| damage(path));
+    let output = folder.run(&["run", "slow.toml", "--resume"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(errors(&output).contains("a damaged checkpoint"), "{}", errors(&output));
+    assert!(slots(&folder).iter().all(|path| path.exists()), "something was lost");
+}
+
+#[test]
+fn a_checkpoint_of_something_else_is_refused_with_the_difference() {
+    let folder = stopped();
+    let refused = |arguments: &[&str], code: i32, words: &[&str]| {
+        let output = folder.run(&[&["run", "slow.toml"], arguments].concat());
+        let said = errors(&output);
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        words.iter().for_each(|word| assert!(said.contains(word), "{word} not in {said}"));
+    };
+    let other = ["--resume", "--set", "ensemble.seed=7", "--set", "interface.connection=0.3"];
+    refused(&other, 2, &["interface.connection = 0.3", "interface.connection = 0.2", "ensemble.seed"]);
+    refused(&["--checkpoint", "10"], 1, &["not finished", "--resume"]);
+    // Another version: the header changed, and the checksum with it.
+    for path in slots(&folder) {
+        let bytes = std::fs::read(&path).unwrap();
+        let version = concat!("\"version\":\"", env!("CARGO_PKG_VERSION"), "\"");
+        let at = bytes.windows(version.len()).position(|window| window == version.as_bytes()).unwrap();
+        let body = &bytes[..bytes.len() - 4];
+        let mut changed = [&body[..at], b"\"version\":\"0.0.1\"", &body[at + version.len()..]].concat();
+        changed.extend(crc32fast::hash(&changed).to_le_bytes());
+        std::fs::write(path, changed).unwrap();
+    }
+    refused(&["--resume"], 2, &["asperity 0.0.1", concat!("asperity ", env!("CARGO_PKG_VERSION"))]);
+    let plain = folder.run(&["run", "slow.toml", "--set", "interface.cells=[0]"]);
+    assert_eq!(plain.status.code(), Some(2));
+}
+
+#[test]
+fn only_interfaces_have_checkpoints() {
+    let folder = Folder::new();
+    folder.write("pull.toml", "contacts.thresholds.point = { at = 1.0 }\npull.distance = 1.0\n");
+    for option in [&["--checkpoint", "10"][..], &["--resume"]] {
+        let output = folder.run(&[&["run", "pull.toml"], option].concat());
+        assert_eq!(output.status.code(), Some(2));
+        assert!(errors(&output).contains(option[0]), "{}", errors(&output));
+    }
+    folder.write("slow.toml", &SCENARIO.replace("100.0", "1.0").replace("[40.0, 80.0]", "[]"));
+    let output = folder.run(&["run", "slow.toml", "--resume"]);
+    assert!(output.status.success() && errors(&output).contains("begins at its start"));
+}

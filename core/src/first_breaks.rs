@@ -1,0 +1,113 @@
+//! The law of the drives at which contacts break for the first time, as it is found where they are coupled.
+
+use crate::law::Law;
+
+/// The share of contacts that have broken, once or more often, against the drive: of free contacts that start relaxed
+/// the distribution function of their thresholds, of coupled ones that of what the coupling makes of them.
+///
+/// A line between points (drive, share), upright where contacts break at one drive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FirstBreaks {
+    points: Vec<(f64, f64)>,
+}
+
+/// The share of contacts that have broken, in cells j of many contacts whose thresholds are s_j x_s: the mean of
+/// 1 − S(X_j/s_j), for cells that have been as far as X_j and contacts that started relaxed.
+pub fn broken(thresholds: &dyn Law, cells: impl ExactSizeIterator<Item = (f64, f64)>) -> f64 {
+    let count = cells.len() as f64;
+    cells.map(|(position, scale)| thresholds.cumulative(position / scale)).sum::<f64>() / count
+}
+
+impl FirstBreaks {
+    /// Of contacts that break at these drives, in any order.
+    pub fn of_contacts(drives: &[f64]) -> Self {
+        let mut sorted = drives.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let share = |count: usize| count as f64 / sorted.len() as f64;
+        let step = |(before, &drive): (usize, &f64)| [(drive, share(before)), (drive, share(before + 1))];
+        Self { points: sorted.iter().enumerate().flat_map(step).collect() }
+    }
+
+    /// Of shares (drive, share) that have broken by rising drives, such as those of cells ([`broken`]); linear between.
+    pub fn of_shares(points: Vec<(f64, f64)>) -> Self {
+        Self { points }
+    }
+
+    /// The share of contacts that have broken by a drive.
+    pub fn share(&self, drive: f64) -> f64 {
+        let after = self.points.partition_point(|point| point.0 <= drive);
+        let Some(&(low, below)) = after.checked_sub(1).map(|i| &self.points[i]) else { return 0.0 };
+        let Some(&(high, above)) = self.points.get(after) else { return below };
+        below + (above - below) * ((drive - low) / (high - low))
+    }
+
+    /// The mean drive, of those that have broken.
+    pub fn mean(&self) -> f64 {
+        self.average(|low, high| 0.5 * (low + high))
+    }
+
+    /// The standard deviation, of those that have broken.
+    pub fn std(&self) -> f64 {
+        let mean = self.mean();
+        self.average(|low, high| (0.5 * (low + high) - mean).powi(2) + (high - low).powi(2) / 12.0).sqrt()
+    }
+
+    /// The mean over breaks of something of which its mean over an interval of drives is given.
+    fn average(&self, over: impl Fn(f64, f64) -> f64) -> f64 {
+        let parts = self.points.windows(2).map(|pair| (pair[1].1 - pair[0].1, over(pair[0].0, pair[1].0)));
+        let (whole, sum) =
+            parts.fold((0.0, 0.0), |(whole, sum), (share, value)| (whole + share, sum + share * value));
+        sum / whole
+    }
+
+    /// Kolmogorov's distance from a law: the largest difference of the shares that have broken.
+    pub fn distance(&self, law: &dyn Law) -> f64 {
+        self.points.iter().map(|&(drive, share)| (share - law.cumulative(drive)).abs()).fold(0.0, f64::max)
+    }
+
+    /// The drives before and after which no more than the share `tail` breaks.
+    pub fn range(&self, tail: f64) -> (f64, f64) {
+        let at = |share: f64| {
+            let after = self.points.partition_point(|point| point.1 <= share);
+            self.points[after.min(self.points.len() - 1)].0
+        };
+        (at(tail), at(1.0 - tail))
+    }
+
+    /// The mean density between neighbouring edges, which rise.
+    pub fn densities(&self, edges: &[f64]) -> Vec<f64> {
+        let density = |pair: &[f64]| (self.share(pair[1]) - self.share(pair[0])) / (pair[1] - pair[0]);
+        edges.windows(2).map(density).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::{Exponential, Rectangular};
+
+    #[test]
+    fn contacts_make_steps() {
+        let breaks = FirstBreaks::of_contacts(&[3.0, 1.0, 1.0, 2.0]);
+        assert_eq!([0.9, 1.0, 1.5, 2.0, 4.0].map(|x| breaks.share(x)), [0.0, 0.5, 0.5, 0.75, 1.0]);
+        assert_eq!((breaks.mean(), breaks.std()), (1.75, 0.6875_f64.sqrt()));
+        assert_eq!(breaks.densities(&[0.0, 1.0, 3.0]), [0.5, 0.25]);
+        assert_eq!(breaks.range(0.1), (1.0, 3.0));
+        // Uniform on [0, 4]: farthest after the break at 1 and 3, by ¼.
+        assert_eq!(breaks.distance(&Rectangular::new(0.0, 4.0).unwrap()), 0.25);
+    }
+
+    #[test]
+    fn cells_that_move_alike_have_the_law_of_their_thresholds() {
+        let law = Exponential::new(0.7).unwrap();
+        let at = |i: u32| f64::from(i) * 0.01;
+        let share = |x: f64| broken(&law, [(x, 1.0); 3].into_iter());
+        let breaks = FirstBreaks::of_shares((0..=2000).map(|i| (at(i), share(at(i)))).collect());
+        // Chords of steps of 1/70 of the mean; 1e-12 has not broken.
+        assert!((breaks.mean() - 0.7).abs() < 2e-5 && (breaks.std() - 0.7).abs() < 2e-5);
+        assert!(breaks.distance(&law) < 1e-15);
+        // Two cells whose thresholds are scaled by 1 and 2.
+        let two = broken(&law, [(1.0, 1.0), (1.0, 2.0)].into_iter());
+        assert_eq!(two, 0.5 * (law.cumulative(1.0) + law.cumulative(0.5)));
+    }
+}

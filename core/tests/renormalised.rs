@@ -1,0 +1,183 @@
+//! Thresholds renormalised by the coupling of contacts, against the master equation and contacts one by one.
+
+mod common;
+
+use std::ops::ControlFlow;
+
+use asperity::Error;
+use asperity::block::Slip;
+use asperity::ensemble::Disorder;
+use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape};
+use asperity::first_breaks::FirstBreaks;
+use asperity::law::{Law, Renormalised, SharedLaw, critical_coupling};
+use asperity::monitor::Monitor;
+use asperity::numerics::legendre::RULE;
+use common::pulled::{near, pull};
+use common::{contacts, gaussian, initial, master, point, together};
+
+const SEED: u64 = 11;
+
+fn renormalised(thresholds: &SharedLaw, coupling: f64) -> Renormalised {
+    Renormalised::new(thresholds.clone(), coupling).unwrap()
+}
+
+/// κ = N⟨k⟩/(K + N⟨k⟩) of a slider of stiffness K under which N⟨k⟩ = 1.
+fn coupling(stiffness: f64) -> f64 {
+    1.0 / (stiffness + 1.0)
+}
+
+/// A slider is unstable where the coupling that it makes is critical, as long as F is that of the first cycle: for
+/// σ ≤ 0.1 to what second breaks make of it, 1e-9; not for σ = 0.2.
+#[test]
+fn critical_couplings_are_critical_stiffnesses() {
+    for std in [0.02, 0.05, 0.1] {
+        let thresholds = gaussian(1.0, std);
+        let pull = master(&thresholds, &point(0.0), &point(0.0)).pull(3.0, 1e-12, &mut ()).unwrap();
+        let critical = critical_coupling(thresholds.as_ref());
+        let off = critical / coupling(pull.critical_stiffness()) - 1.0;
+        assert!(off.abs() < 1e-9, "{std} {critical} {off:e}");
+    }
+    let wide = gaussian(1.0, 0.2);
+    let pull = master(&wide, &point(0.0), &point(0.0)).pull(3.0, 1e-12, &mut ()).unwrap();
+    // Printed to four digits.
+    assert!((critical_coupling(wide.as_ref()).recip() - 1.0 - 1.0335).abs() < 5e-5);
+    assert!((pull.critical_stiffness() - 1.0358).abs() < 5e-5);
+}
+
+/// Up to where second breaks are felt the slider's position, its top at X/(1 − κ), is the true stretch x(X), and its force
+/// what is left of that when every break has taken its stretch from it, x − (x − X)/κ.
+#[test]
+fn the_force_at_the_true_stretch_is_that_under_a_spring() {
+    // Second breaks: at x = 1.3, (x − 2x̄)/√2σ = −4.9 and −9.9 of a standard Gaussian.
+    for (std, stiffness, within) in [(0.1, 5.0, 1e-6), (0.1, 9.0, 1e-6), (0.05, 9.0, 1e-10)] {
+        let (thresholds, relaxed) = (gaussian(1.0, std), point(0.0));
+        let mut population = master(&thresholds, &relaxed, &relaxed).population(1e-12).unwrap();
+        let share = coupling(stiffness);
+        let law = renormalised(&thresholds, share);
+        let run = pull(&mut population, stiffness, Slip::Overdamped, &[1.3]);
+        assert!(run.events.is_empty() && run.trace.len() > 100);
+        for point in run.trace {
+            let drive = (1.0 - share) * point.drive;
+            let stretch = law.stretch(drive);
+            near(stretch, point.position, within);
+            near(stretch - (stretch - drive) / share, point.force, within / share);
+        }
+    }
+}
+
+/// The mass and the mean of the density itself, close to where it becomes infinite.
+#[test]
+fn the_density_near_the_critical_coupling() {
+    let thresholds = gaussian(1.0, 0.1);
+    let critical = critical_coupling(thresholds.as_ref());
+    for near in [0.9, 0.99, 0.999] {
+        let law = renormalised(&thresholds, near * critical);
+        let mut ends: Vec<f64> = law.zones().iter().flat_map(|zone| [zone.low, zone.high]).collect();
+        ends.sort_by(f64::total_cmp);
+        let integral = |g: &dyn Fn(f64) -> f64| -> f64 {
+            ends.windows(2).map(|w| (w[0], w[1])).map(|(a, b)| panels(a, b, |x| g(x) * law.density(x))).sum()
+        };
+        // Roundings of x, over the slope 1 − κ/κ_c of X(x).
+        let tolerance = 1e-13 / (1.0 - near);
+        assert!((integral(&|_| 1.0) - 1.0).abs() < tolerance, "{near}: {:e}", integral(&|_| 1.0) - 1.0);
+        assert!((integral(&|x| x) - law.mean()).abs() < tolerance);
+        let variance = integral(&|x| (x - law.mean()).powi(2));
+        assert!((variance.sqrt() - law.std()).abs() < tolerance);
+    }
+}
+
+fn panels(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let at = |i: u32| a + (b - a) * f64::from(i) / 12.0;
+    (0..12).map(|i| RULE.integrate(at(i), at(i + 1), &f)).sum()
+}
+
+/// Contacts one by one, all to all: the renormalised law within what their number allows.
+#[test]
+fn contacts_under_one_slider_have_the_renormalised_law() {
+    const SIZE: usize = 40_000;
+    // Kolmogorov: P(√n D > 2.69) = 1e-6. Thresholds scatter as if free; the drive's own scatter, of what has broken,
+    // keeps the share at a given X as uncertain as that of free contacts, over 1 − κxP_c, at most 5.
+    for (std, share) in [(0.1, 0.0), (0.1, 0.1), (0.1, 0.2), (0.05, 0.1)] {
+        let thresholds = gaussian(1.0, std);
+        let breaks = together::first_breaks(&thresholds, share, SIZE, SEED);
+        let law = renormalised(&thresholds, share);
+        let limit = 2.69 / (1.0 - share / critical_coupling(thresholds.as_ref())) / (SIZE as f64).sqrt();
+        let distance = breaks.distance(&law);
+        assert!(distance < limit, "{std} {share} {distance} {limit}");
+    }
+}
+
+const SIDE: usize = 24;
+
+/// Contacts on a lattice, a share of what each lets go going to each of its four neighbours.
+fn lattice(thresholds: &SharedLaw, side: usize, share: f64) -> Lattice {
+    let coupling = Coupling::sharing(Shape::Square([side; 2]), Edges::Periodic, share);
+    let contacts = contacts(thresholds, &point(0.0));
+    Lattice::new(contacts, initial(&point(0.0)), &coupling, SEED, Disorder::Annealed).unwrap()
+}
+
+/// Contacts that break once, found by looking at all of them time and again; `thresholds` along rows.
+fn looked_at(thresholds: &[f64], share: f64) -> Vec<f64> {
+    let (mut gains, mut first) = (vec![0.0; SIDE * SIDE], vec![f64::INFINITY; SIDE * SIDE]);
+    let mut drive = 0.0_f64;
+    while first.contains(&f64::INFINITY) {
+        let unbroken = |i: &usize| first[*i] == f64::INFINITY;
+        let ends = (0..SIDE * SIDE).filter(unbroken).map(|i| thresholds[i] - gains[i]);
+        drive = ends.fold(f64::INFINITY, f64::min).max(drive);
+        let front: Vec<usize> =
+            (0..SIDE * SIDE).filter(unbroken).filter(|&i| thresholds[i] - gains[i] <= drive).collect();
+        let released: Vec<f64> = front.iter().map(|&i| drive + gains[i]).collect();
+        for (&i, released) in front.iter().zip(released) {
+            first[i] = drive;
+            let (row, column) = (i / SIDE, i % SIDE);
+            for (down, right) in [(1, 0), (SIDE - 1, 0), (0, 1), (0, SIDE - 1)] {
+                gains[(row + down) % SIDE * SIDE + (column + right) % SIDE] += share * released;
+            }
+        }
+    }
+    first
+}
+
+/// Contacts of narrow thresholds break a second time only when all have broken once. Uncoupled ones tell their thresholds.
+#[test]
+fn first_breaks_are_those_found_by_looking_at_all_contacts() {
+    let narrow = gaussian(1.0, 0.05);
+    let first = |share: f64| lattice(&narrow, SIDE, share).first_breaks(&mut ()).unwrap();
+    let thresholds = first(0.0);
+    for share in [0.01, 0.05, 0.2] {
+        let expected = looked_at(&thresholds, share);
+        assert!(first(share).iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-13), "{share}");
+    }
+}
+
+/// Of contacts coupled to few others the law is close to the mean field's where the share is small; each of the four has
+/// broken or has not, which scatters.
+#[test]
+fn neighbours_make_nearly_the_renormalised_law() {
+    let thresholds = gaussian(1.0, 0.1);
+    let breaks =
+        |share| FirstBreaks::of_contacts(&lattice(&thresholds, 300, share).first_breaks(&mut ()).unwrap());
+    // Kolmogorov, as above.
+    assert!(breaks(0.0).distance(thresholds.as_ref()) < 2.69 / 300.0);
+    for (share, expected) in [(0.0125, 0.1), (0.025, 0.2)] {
+        let (breaks, law) = (breaks(share), renormalised(&thresholds, 4.0 * share));
+        // Of the way from uncoupled contacts to the mean field; what is missing is in proportion to the share.
+        assert!(breaks.distance(&law) < expected * breaks.distance(thresholds.as_ref()));
+        assert!(breaks.std() > law.std() && breaks.mean() > law.mean());
+    }
+}
+
+/// Who is asked whether to go on hears the share that has broken.
+#[test]
+fn first_breaks_can_be_stopped() {
+    struct Half(f64);
+    impl Monitor for Half {
+        fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+            self.0 = fraction;
+            if fraction < 0.5 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        }
+    }
+    let (mut lattice, mut half) = (lattice(&gaussian(1.0, 0.1), 100, 0.02), Half(0.0));
+    assert_eq!(lattice.first_breaks(&mut half), Err(Error::Stopped));
+    assert!((0.5..0.7).contains(&half.0));
+}

@@ -1,0 +1,134 @@
+//! One checkpoint as a file: a line that says what it is, a header, the state, and a checksum of all before it.
+//!
+//! The header is a line of JSON, which people can read; the state is CBOR (RFC 8949); the checksum is that of CRC-32.
+
+use std::fmt;
+use std::path::Path;
+
+use serde::de::{Deserializer, Error as _, Visitor};
+use serde::{Deserialize, Serialize, Serializer};
+
+use super::error::{Error, Result};
+
+/// The first line. Another layout of files has another number.
+const FIRST: &[u8] = b"asperity checkpoint 1\n";
+const CHECKSUM: usize = size_of::<u32>();
+
+/// What a checkpoint is of.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Header {
+    /// The version of asperity that wrote it.
+    pub version: String,
+    /// Events so far.
+    pub events: u64,
+    /// The resolved scenario.
+    pub scenario: String,
+}
+
+/// A checkpoint.
+#[derive(Debug)]
+pub struct Content {
+    pub header: Header,
+    pub state: Vec<u8>,
+}
+
+/// The bytes of a checkpoint.
+pub fn encode<T: Serialize>(header: &Header, state: &T) -> Result<Vec<u8>> {
+    let mut bytes = FIRST.to_vec();
+    serde_json::to_writer(&mut bytes, header).expect("a header is plain data");
+    bytes.push(b'\n');
+    ciborium::into_writer(state, &mut bytes).expect("a state is plain data, and memory does not refuse it");
+    let checksum = crc32fast::hash(&bytes);
+    bytes.extend(checksum.to_le_bytes());
+    Ok(bytes)
+}
+
+/// The checkpoint at `path`, if there is one.
+pub fn read(path: &Path) -> Result<Option<Content>> {
+    match std::fs::read(path) {
+        Ok(bytes) => decode(&bytes).map(Some).map_err(|what| Error::Damaged { path: path.to_owned(), what }),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(Error::system(path, "read")(error)),
+    }
+}
+
+fn decode(bytes: &[u8]) -> std::result::Result<Content, String> {
+    let Some((body, checksum)) = bytes.split_last_chunk::<CHECKSUM>() else {
+        return Err(format!("it has {} bytes alone", bytes.len()));
+    };
+    let rest = body.strip_prefix(FIRST).ok_or("it does not begin as one")?;
+    if crc32fast::hash(body) != u32::from_le_bytes(*checksum) {
+        return Err("its checksum is wrong".into());
+    }
+    let end = rest.iter().position(|&byte| byte == b'\n').ok_or("it has no header")?;
+    let header = serde_json::from_slice(&rest[..end]).map_err(|error| error.to_string())?;
+    Ok(Content { header, state: rest[end + 1..].to_vec() })
+}
+
+/// Numbers kept bit for bit, eight bytes each.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Bits(pub Vec<f64>);
+
+impl Serialize for Bits {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let bytes: Vec<u8> = self.0.iter().flat_map(|value| value.to_le_bytes()).collect();
+        serializer.serialize_bytes(&bytes)
+    }
+}
+
+impl<'de> Deserialize<'de> for Bits {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        struct Bytes;
+        impl Visitor<'_> for Bytes {
+            type Value = Bits;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("eight bytes for each number")
+            }
+
+            fn visit_bytes<E: serde::de::Error>(self, bytes: &[u8]) -> std::result::Result<Bits, E> {
+                let (numbers, []) = bytes.as_chunks::<8>() else {
+                    return Err(E::invalid_length(bytes.len(), &self));
+                };
+                Ok(Bits(numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()))
+            }
+
+            fn visit_byte_buf<E: serde::de::Error>(self, bytes: Vec<u8>) -> std::result::Result<Bits, E> {
+                self.visit_bytes(&bytes)
+            }
+        }
+        deserializer.deserialize_byte_buf(Bytes).map_err(D::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header() -> Header {
+        Header { version: "1.2.3".into(), events: 7, scenario: "title = 'α'\n".into() }
+    }
+
+    #[test]
+    fn what_is_written_is_read_back_bit_for_bit() {
+        let numbers = Bits(vec![0.1, -0.0, f64::NAN, f64::INFINITY, 5e-324]);
+        let bytes = encode(&header(), &(numbers.clone(), "words")).unwrap();
+        let Content { header: found, state } = decode(&bytes).unwrap();
+        assert_eq!(found, header());
+        let (back, words): (Bits, String) = ciborium::from_reader(state.as_slice()).unwrap();
+        assert_eq!(words, "words");
+        let bits = |numbers: &Bits| numbers.0.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&back), bits(&numbers));
+    }
+
+    #[test]
+    fn any_byte_that_changes_and_any_end_that_is_cut_off_is_found() {
+        let bytes = encode(&header(), &Bits(vec![1.0, 2.0])).unwrap();
+        for place in 0..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[place] ^= 0x10;
+            assert!(decode(&changed).is_err(), "byte {place}");
+            assert!(decode(&bytes[..place]).is_err(), "{place} bytes");
+        }
+    }
+}

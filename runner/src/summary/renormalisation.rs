@@ -1,0 +1,38 @@
+//! What is quoted of the law of first breaks.
+
+use serde::{Deserialize, Serialize};
+
+use super::Fitted;
+
+/// The law of the drives at which coupled contacts first broke, and what it is compared with.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Renormalisation {
+    /// κ, the share of its stretch that a contact passes on.
+    pub coupling: f64,
+    /// κ_c of the thresholds.
+    pub critical_coupling: f64,
+    /// Contacts of each run.
+    pub contacts: usize,
+    /// Number of runs.
+    pub runs: usize,
+    /// Mean drive of first breaks.
+    pub mean: Fitted,
+    /// Their standard deviation.
+    pub std: Fitted,
+    /// The law of the thresholds, those of contacts that are not coupled.
+    pub thresholds: Compared,
+    /// The renormalised law; absent at κ_c and above, where a share of all contacts breaks at once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_field: Option<Compared>,
+}
+
+/// A law beside the measured one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Compared {
+    /// Its mean.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub std: f64,
+    /// Kolmogorov's distance from what was measured.
+    pub distance: f64,
+}

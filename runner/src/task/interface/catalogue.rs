@@ -1,0 +1,50 @@
+//! What is quoted of a catalogue of events: how large they are, and how long one waits for them.
+
+use asperity::numerics::cutoff::{CutOff, fit_real, fit_whole};
+use asperity::record::Record;
+use asperity::scenario::Interface;
+
+use super::model::Model;
+use crate::summary::{Catalogue, Extended, Fitted, Largest, PowerLaw};
+
+/// Reads what `events` tell.
+pub fn read<M: Model>(interface: &Interface, events: &Record) -> Catalogue {
+    let column = |name: &str| events.values(name).unwrap_or_default();
+    let (drives, magnitudes) = (column("drive"), column(M::MAGNITUDE));
+    let fit = if M::WHOLE { fit_whole(magnitudes) } else { fit_real(magnitudes) };
+    let waiting: Vec<f64> = drives.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mean = (!waiting.is_empty()).then(|| waiting.iter().sum::<f64>() / waiting.len() as f64);
+    let sum = |name: &str| events.values(name).map(|values| values.iter().sum());
+    Catalogue {
+        cells: interface.size(),
+        events: drives.len(),
+        from: interface.catalogue_from,
+        magnitude: M::MAGNITUDE.to_owned(),
+        law: fit.map(law),
+        mean_waiting: mean,
+        waiting_variation: mean.filter(|&mean| mean > 0.0).map(|mean| spread(&waiting, mean) / mean),
+        largest: largest(drives, magnitudes, column("cells")),
+        dissipated_breaks: sum("dissipated_breaks"),
+        dissipated_slip: sum("dissipated_slip"),
+    }
+}
+
+fn law(fit: CutOff) -> PowerLaw {
+    PowerLaw {
+        exponent: Fitted { value: fit.exponent, error: fit.error },
+        cut_off: Extended(fit.scale),
+        cut_off_error: Extended(fit.scale_error),
+        from: fit.low,
+        events: fit.count,
+        distance: fit.distance,
+    }
+}
+
+fn spread(values: &[f64], mean: f64) -> f64 {
+    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+fn largest(drives: &[f64], magnitudes: &[f64], cells: &[f64]) -> Option<Largest> {
+    let at = (0..magnitudes.len()).max_by(|&a, &b| magnitudes[a].total_cmp(&magnitudes[b]))?;
+    Some(Largest { magnitude: magnitudes[at], cells: cells[at], drive: drives[at], event: at + 1 })
+}
