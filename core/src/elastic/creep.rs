@@ -6,6 +6,9 @@ use super::Interface;
 use super::slide::STALLED;
 use crate::Result;
 
+/// Steps after which a stride was too long.
+const MOST_STEPS: usize = 30;
+
 /// What Newton's step leaves of the excess force where there is a balance; right at a fold it is a quarter.
 const CONVERGING: f64 = 0.3;
 
@@ -103,28 +106,37 @@ impl Interface {
         Ok(false)
     }
 
-    /// Tries to go to a drive in balance, by Newton's method; the largest speed dX/dX_T at the beginning if there is one way
-    /// to do so.
+    /// Tries to go to a drive in balance, by Newton's method, and where that fails by steps that pass no balance; the largest
+    /// speed dX/dX_T at the beginning if there is one way to do so.
     fn attempt(&mut self, to: f64) -> Result<Option<f64>> {
         let distance = to - self.drive;
         self.drive = to;
-        let (mut speed, mut before) = (None, f64::INFINITY);
+        let (mut speed, mut before, mut bounded) = (0.0, f64::INFINITY, false);
         let mut forces = Vec::new();
-        loop {
+        for _ in 0..MOST_STEPS {
             let excess = self.excess_ahead()?;
             if forces.is_empty() {
                 forces.extend(self.responses.iter().map(|response| response.force));
             }
             if excess <= self.precision() || (excess <= STALLED * self.precision() && excess > 0.5 * before) {
-                return Ok(if self.is_stable_ahead(&forces, distance)? { speed.or(Some(0.0)) } else { None });
+                return Ok(self.is_stable_ahead(&forces, distance)?.then_some(speed));
             }
-            if excess > CONVERGING * before {
-                return Ok(None);
+            if excess > CONVERGING * before && !bounded {
+                (bounded, before) = (true, f64::INFINITY);
+                self.by.fill(0.0);
+                continue;
             }
             before = excess;
+            if bounded {
+                if !self.step(0.0)?.stable {
+                    return Ok(None);
+                }
+                continue;
+            }
             let Some(largest) = self.newton()? else { return Ok(None) };
-            speed.get_or_insert(largest / distance);
+            speed = f64::max(speed, largest / distance);
         }
+        Ok(None)
     }
 
     /// Moves the drive to where balance is lost.
