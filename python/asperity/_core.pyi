@@ -987,7 +987,17 @@ class Deformable(Description):
         catalogue_from: _Number = 0.0,
         progress: _Progress = None,
     ) -> Result:
-        """doc"""
+        """Drives the interface from X_T = 0 to distance, from event to event.
+
+        points: the number of points of the trace, both ends included. maps: a list of drives, rising, at which every cell
+        is shown; of a chain it is at every point. catalogue_from: the drive from which on events are recorded. progress:
+        as for MasterEquation.pull. Ctrl-C stops it.
+
+        Returns the Result of the scenario that this is: its `events` are the catalogue, its `summary["catalogue"]` says
+        how large events are and how long one waits for them. run takes such scenarios, too, and can keep checkpoints.
+
+        Raises ValueError for values that make no sense, or for more than fits in a result file.
+        """
 
     @property
     def contacts(self) -> Contacts:
@@ -999,7 +1009,19 @@ class Deformable(Description):
 
 @final
 class Interface(Deformable):
-    """doc"""
+    """Cells of many contacts on a slider that deforms, each connected to the drive by a spring.
+
+    contacts: those of a cell. cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
+    initial, start: as for MasterEquation. connection: K_0, the stiffness of the spring between a cell and the drive.
+    neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a half-space
+    and the side of a cell. edges: "open" or "periodic". loading: "uniform", or "edge" where the drive pulls the first cell
+    or row alone. slip: "reset", where all contacts of an unstable cell break and re-form, or "overdamped". viscosity: the
+    drag of a moving cell, force per velocity; with it events take time. disorder: the standard deviation of the scales of
+    cells, which multiply all lengths of their contacts, drawn from a Gaussian of mean 1 with the seed; or a list of them.
+    drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds.
+
+    Raises ValueError for values that make no sense.
+    """
 
     def __new__(
         cls,
@@ -1016,13 +1038,22 @@ class Interface(Deformable):
         viscosity: _Number | None = None,
         disorder: _Number | ArrayLike | None = None,
         seed: _Seed = 1,
-        drive_tolerance: _Number = 1e-6,
+        drive_tolerance: _Number = 1e-06,
         start: Literal["conditional", "relaxed"] = "conditional",
     ) -> Self: ...
 
 @final
 class Lattice(Deformable):
-    """doc"""
+    """Contacts coupled one by one, which re-form when the slide is over: the automaton of Olami, Feder and Christensen for
+    any law of thresholds.
+
+    contacts: their laws, and the number that they stand for all together. cells: the length of a chain, or rows and
+    columns. initial, start: as for Ensemble. neighbours, connection: the stiffness of the spring between two neighbours and
+    of that to the drive; a neighbour gains the share neighbours/(z neighbours + connection) of what a breaking contact lets
+    go, z being 4, or 2 on a chain. edges: "open" or "periodic". seed, disorder: as for Ensemble.
+
+    Raises ValueError for values that make no sense.
+    """
 
     def __new__(
         cls,
@@ -1119,9 +1150,13 @@ def run(
     in which laws and contacts may be objects.
     overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a law replaces the law that is
     there. progress: as for MasterEquation.pull.
+    folder: where to write the results, as Result.save does. Beside it the drive of an interface can keep what it has come
+    to: checkpoint: every so many events. resume: whether to go on from the last checkpoint, or to begin where there is none.
+    The checkpoints are removed once the results are written.
 
-    Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came; OSError for a
-    file that cannot be read; MemoryError for results that do not fit.
+    Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came, and for a
+    checkpoint of another scenario; OSError for a file that cannot be read, FileExistsError for a checkpoint of a run that
+    was not finished; MemoryError for results that do not fit.
     """
 
 def open_result(folder: str | PathLike[str]) -> Result:

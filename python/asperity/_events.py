@@ -1,8 +1,8 @@
 """The slips of a drive, or the events of an interface, as a table."""
 
 from collections import namedtuple
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple, SupportsIndex, overload
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex, overload
 
 from asperity import _show
 
@@ -52,13 +52,15 @@ class Events(Sequence[Event]):
     """The slips of a drive, in order: a table whose rows are Event, and whose columns are arrays.
 
     `len(events)` is their number, `events[0]` the first, `events["drop"]` an array of the drops, shape (n,).
-    Columns are named like the parts of an Event. Events of an interface have the columns of its `events.csv`, and rows
-    with parts named like these.
+    Columns are named like the parts of an Event. Events of an interface have the columns of its `events.csv`,
+    and rows with parts named like these.
     """
 
     def __init__(self, columns: "Mapping[str, NDArray[np.float64]]") -> None:
         self._columns = columns
-        self._row = Event if set(columns) == set(Event._fields) else namedtuple("Event", list(columns))  # noqa: PYI024
+        self._row: Callable[..., Any] = Event
+        if set(columns) != set(Event._fields):
+            self._row = namedtuple("Event", list(columns))  # type: ignore[misc]
 
     def __len__(self) -> int:
         return len(self._columns["drive"])
@@ -74,7 +76,8 @@ class Events(Sequence[Event]):
             return self._columns[key]
         if isinstance(key, slice):
             return Events({name: column[key] for name, column in self._columns.items()})
-        return self._row(**{name: float(column[key]) for name, column in self._columns.items()})
+        row: Event = self._row(**{name: float(column[key]) for name, column in self._columns.items()})
+        return row
 
     def __repr__(self) -> str:
         return _show.listed(f"<asperity.Events: {len(self)}>", self._rows())

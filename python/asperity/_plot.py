@@ -1,5 +1,6 @@
 """Pictures by matplotlib."""
 
+import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -15,7 +16,7 @@ def draw(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
         ax = new_axes()
     line = sliding(record, ax, **style) if "drive" in record else force(record, ax, **style)
     steady = getattr(record, "kinetic_friction", None)
-    if steady is not None and steady == steady:
+    if steady is not None and math.isfinite(steady):
         ax.axhline(steady, linestyle="--", linewidth=0.8, color=line.get_color())
     return ax
 
@@ -30,7 +31,7 @@ def force(record: "Record", ax: "Axes", **style: Any) -> "Line2D":
 
 
 def sliding(record: "Record", ax: "Axes", **style: Any) -> "Line2D":
-    """The force of the spring, or of an interface, against the drive; an imposed force against the position."""
+    """The force of spring or interface against the drive; an imposed force against the position."""
     if record.labels["drive"].quantity == "force":
         return curve(record, ax, {"position": "X", "drive": "F"}, **style)
     force = "spring_force" if "spring_force" in record else "force"

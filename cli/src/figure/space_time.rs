@@ -18,6 +18,8 @@ const LARGE: f64 = 0.05;
 const MOST: usize = 300;
 /// Share of the cells of an event that its time axis may leave out at the beginning.
 const HESITANT: f64 = 0.1;
+/// Points of the line of a speed.
+const FINE: u32 = 200;
 /// Width of the panel of colours.
 const BAR: f64 = 95.0;
 const HEIGHT: f64 = 420.0;
@@ -116,27 +118,32 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
         return None;
     }
     let epicentre = points.iter().find(|point| point.1 == first)?.0;
+    // The first cells may have hesitated long before the rest followed.
+    let mut sorted = times;
+    sorted.sort_by(f64::total_cmp);
+    let from = sorted[(HESITANT * sorted.len() as f64) as usize];
+    let air = 0.08 * (last - from).max(1e-3 * last);
+    let window = ((from - air).max(first), last + air);
     let mut plots: Plots = Vec::new();
     let mut words = Vec::new();
     for (name, sign) in [("left", -1.0), ("right", 1.0)] {
         let speed = record.values(&format!("event_front_speed_{name}"))?[largest.event - 1];
-        if speed.is_finite() {
-            let room = if sign < 0.0 { epicentre } else { cells as f64 - epicentre };
-            let time = (last - first).min(room / speed);
-            let end = (epicentre + sign * speed * time, first + time);
-            plots.push(line(vec![(epicentre, first), end], RED, 1.6, Some(DASHES)));
+        let mut side: Vec<Point> =
+            points.iter().copied().filter(|p| sign * (p.0 - epicentre) > 0.0).collect();
+        side.sort_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some(&middle) = side.get(side.len() / 2).filter(|_| speed.is_finite()) {
+            let at = |time: f64| (middle.0 + sign * speed * (time - middle.1), time);
+            let inside = |point: &Point| (0.0..=cells as f64).contains(&point.0);
+            let steps =
+                (0..=FINE).map(|i| at(window.0 + (window.1 - window.0) * f64::from(i) / f64::from(FINE)));
+            plots.push(line(steps.filter(inside).collect(), RED, 1.6, Some(DASHES)));
             words.push(format!("{} to the {name}", style::digits((1e3 * speed).round() / 1e3)));
         }
     }
     plots.push(Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(1.6)));
     let speeds =
         if words.is_empty() { String::new() } else { format!(": {} cells per time", words.join(", ")) };
-    // The first cells may have hesitated long before the rest followed.
-    let mut sorted = times;
-    sorted.sort_by(f64::total_cmp);
-    let from = sorted[(HESITANT * sorted.len() as f64) as usize];
-    let air = 0.08 * (last - from).max(1e-3 * last);
-    let layout = panel((0.0, cells as f64), ((from - air).max(first), last + air))
+    let layout = panel((0.0, cells as f64), window)
         .with_title(format!("Largest event, at X_T = {}{speeds}", style::digits(largest.drive)))
         .with_title_size(12)
         .with_x_label("Cell")

@@ -170,7 +170,11 @@ pub fn heights(low: f64, high: f64) -> (f64, f64) {
 
 /// Ticks of a logarithmic axis.
 pub fn powers() -> TickFormat {
-    TickFormat::Custom(Arc::new(|value: f64| power(value.log10())))
+    TickFormat::Custom(Arc::new(|value: f64| {
+        let exponent = value.log10();
+        // Short axes have ticks between the powers of ten, too.
+        if (exponent - exponent.round()).abs() < 1e-9 { power(exponent.round() + 0.0) } else { digits(value) }
+    }))
 }
 
 /// A power of ten.

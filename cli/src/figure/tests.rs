@@ -2,8 +2,8 @@ use asperity::record::{Quantity, Record};
 use asperity::scenario::Units;
 use asperity_runner::output::{Attachment, Outcome};
 use asperity_runner::summary::{
-    Coefficients, CurveLimits, Extended, Fitted, Friction, HoldCurve, Peak, RateState, StaticFriction, Step,
-    Summary,
+    Catalogue, Coefficients, CurveLimits, Extended, Fitted, Friction, HoldCurve, Peak, RateState,
+    StaticFriction, Step, Summary,
 };
 
 use super::{draw, renumbered};
@@ -188,6 +188,49 @@ fn a_hold_curve_shows_healing_and_what_it_grows_from() {
         "kinetic 0.5 MPa",
     ] {
         assert!(text.contains(words), "{words}");
+    }
+}
+
+/// Forty events of sizes 1 to 40 over a lattice of 3 × 4 contacts, shown twice.
+#[test]
+fn an_interface_has_a_catalogue_and_maps() {
+    let mut outcome = timed();
+    let numbers = |count: i32| (1..=count).map(f64::from).collect::<Vec<_>>();
+    let mut add = |name: &str, quantity, along: &[&str], values| {
+        outcome.record.push(name, name, quantity, along, values);
+    };
+    add("event_drive", Quantity::Length, &["event"], numbers(40));
+    add("event_size", Quantity::Number, &["event"], numbers(40));
+    add("event_force_before", Quantity::Force, &["event"], vec![0.5; 40]);
+    add("event_force_after", Quantity::Force, &["event"], vec![0.4; 40]);
+    add("drive", Quantity::Length, &["point"], numbers(41));
+    add("force", Quantity::Force, &["point"], vec![0.45; 41]);
+    add("map_drive", Quantity::Length, &["map_drive"], vec![20.0, 40.0]);
+    add("row", Quantity::Number, &["row"], numbers(3));
+    add("column", Quantity::Number, &["column"], numbers(4));
+    add("cell_force", Quantity::Force, &["map_drive", "row", "column"], numbers(24));
+    outcome.summary.catalogue = Some(Catalogue {
+        cells: 12,
+        events: 40,
+        from: 0.0,
+        magnitude: "size".into(),
+        law: None,
+        mean_waiting: Some(1.0),
+        waiting_variation: Some(0.0),
+        largest: None,
+        dissipated_breaks: None,
+        dissipated_slip: None,
+    });
+    let pictures = draw(&outcome).unwrap();
+    let names: Vec<_> = pictures.iter().map(|p| p.name.as_str()).filter(|n| n.ends_with("svg")).collect();
+    assert_eq!(names, ["catalogue.svg", "stress_map.svg"]);
+    for (picture, words) in [
+        ("catalogue.svg", ["Drive X_T (µm)", "Force F (MPa)", "Breaks in an event", "40 events"]),
+        ("stress_map.svg", ["X_T = 20", "X_T = 40", "Force of a cell (MPa)", "Column"]),
+    ] {
+        for word in words {
+            assert!(svg(&pictures, picture).contains(word), "{picture} lacks {word}");
+        }
     }
 }
 

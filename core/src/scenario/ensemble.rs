@@ -10,7 +10,7 @@ use crate::{Error, Result, ensemble};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ensemble {
-    /// Number of contacts followed, or of each cell of an interface; forces are scaled to `contacts.count`. 100000 by default.
+    /// Number of contacts followed; forces are scaled to `contacts.count`. 100000 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 100_000))]
     pub size: Option<usize>,

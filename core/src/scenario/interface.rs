@@ -54,7 +54,7 @@ pub struct Interface {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PerCell {
-    /// Many contacts that move together: all of them, or `ensemble.size`.
+    /// Many contacts that move together, `contacts.count` of them.
     #[default]
     Many,
     /// One contact, which re-forms when the slide is over.

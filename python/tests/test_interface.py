@@ -1,0 +1,118 @@
+"""Interfaces that deform: what they are made of, their catalogues, and runs that are stopped and go on."""
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import asperity as asp
+import numpy as np
+import pytest
+
+CONTACTS = asp.Contacts(thresholds=asp.Gaussian(1.0, 0.1))
+OFC = Path(__file__).parents[2] / "scenarios" / "ofc.toml"
+
+
+def lattice() -> asp.Lattice:
+    return asp.Lattice(CONTACTS, [8, 8], asp.Rectangular(0.0, 0.5), neighbours=0.2, connection=0.2, seed=3)
+
+
+def test_a_drive_of_a_lattice_is_that_of_its_scenario() -> None:
+    result = lattice().drive(3.0, 4, maps=[1.0], catalogue_from=0.5)
+    scenario = asp.run(
+        {
+            "contacts": CONTACTS,
+            "initial": asp.Rectangular(0.0, 0.5),
+            "interface": {
+                "cells": [8, 8],
+                "contacts": "one",
+                "coupling": {"neighbours": {"stiffness": 0.2}},
+                "connection": 0.2,
+                "catalogue_from": 0.5,
+            },
+            "drive": {"distance": 3.0, "points": 4, "maps": [1.0]},
+            "ensemble": {"seed": 3},
+        }
+    )
+    assert list(result) == list(scenario)
+    for name in result:
+        np.testing.assert_array_equal(result[name], scenario[name])
+    assert result.events is not None
+    assert len(result.events) == result.summary["catalogue"]["events"]
+    assert result.events["drive"][0] >= 0.5
+    assert result.events[0]._fields == tuple(name[6:] for name in result if name.startswith("event_"))
+    assert result["cell_force"].shape == (1, 8, 8)
+
+
+def test_one_cell_is_a_block() -> None:
+    cell = asp.Interface(
+        CONTACTS, [1], neighbours=1.0, connection=1.0, slip="overdamped", drive_tolerance=1e-10
+    )
+    events = cell.drive(2.0, 5).events
+    block = asp.Block(asp.MasterEquation(CONTACTS), stiffness=1.0, slip="overdamped").drive(2.0)
+    assert events is not None
+    np.testing.assert_allclose(events["drive"], block.events["drive"], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(events["position_after"], block.events["position_after"], rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    "interface",
+    [
+        lattice(),
+        asp.Interface(CONTACTS, [4], neighbours=2.0, connection=0.5, disorder=0.1, seed=2, slip="overdamped"),
+        asp.Interface(
+            CONTACTS, [4, 4], half_space=(2.0, 1.0), connection=0.5, edges="periodic", viscosity=1.0
+        ),
+        asp.Interface(CONTACTS, [2], neighbours=2.0, connection=0.5, disorder=[1.0, 0.9], loading="edge"),
+    ],
+)
+def test_interfaces_are_their_descriptions(interface: asp.Deformable) -> None:
+    assert pickle.loads(pickle.dumps(interface)) == interface
+    assert interface.replace() == interface
+    assert type(interface)(**interface.parameters) == interface
+    assert interface.replace(connection=3.0) != interface
+    assert interface.contacts == CONTACTS
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"cells": [0]}, "interface.cells: expected .length."),
+        ({"connection": 0.0}, "interface.connection: expected a number above 0"),
+        ({"half_space": (1.0, 1.0)}, "neighbours: expected either neighbours or half_space, got both"),
+        ({"edges": "loose"}, "edges: expected one of open and periodic"),
+        ({"disorder": [1.0, -1.0]}, "interface.disorder.scale.1: expected a number above 0, got -1"),
+        (
+            {"cells": [200], "disorder": 5.0},
+            "interface.disorder.std: expected scales that leave all thresholds above 0",
+        ),
+        ({"viscosity": 0.0}, "interface.viscosity: expected a number above 0"),
+    ],
+)
+def test_what_makes_no_interface_is_refused(arguments: dict[str, Any], message: str) -> None:
+    good: dict[str, Any] = {"cells": [2], "neighbours": 1.0, "connection": 1.0}
+    with pytest.raises(ValueError, match=message):
+        asp.Interface(CONTACTS, **(good | arguments))
+
+
+def test_a_run_that_was_stopped_goes_on(tmp_path: Path) -> None:
+    folder = tmp_path / "ofc"
+
+    def stop(fraction: float) -> None:
+        if fraction > 0.5:
+            raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        asp.run(OFC, folder=folder, checkpoint=1000, progress=stop)
+    assert not folder.exists()
+    with pytest.raises(FileExistsError, match="not finished"):
+        asp.run(OFC, folder=folder, checkpoint=1000)
+    with pytest.raises(ValueError, match=r"interface.connection = 0.3.*interface.connection = 0.2"):
+        asp.run(OFC, {"interface.connection": 0.3}, folder=folder, resume=True)
+    resumed, whole = asp.run(OFC, folder=folder, checkpoint=1000, resume=True), asp.run(OFC)
+    for name in whole:
+        np.testing.assert_array_equal(resumed[name].view(np.uint64), whole[name].view(np.uint64))
+    assert [path.name for path in tmp_path.iterdir()] == ["ofc"]
+    with pytest.raises(ValueError, match="folder: expected one"):
+        asp.run(OFC, resume=True)
+    with pytest.raises(ValueError, match="checkpoint: expected a scenario with interface"):
+        asp.run(OFC.with_name("fig2.toml"), folder=tmp_path / "pull", checkpoint=10)

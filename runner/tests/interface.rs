@@ -1,0 +1,133 @@
+//! Drives of interfaces computed: what comes out is what the models say, and what does not fit is refused.
+
+use std::path::Path;
+
+use asperity::ensemble::lattice::{Avalanche, Until};
+use asperity_runner::output::Outcome;
+use asperity_runner::summary::Catalogue;
+use asperity_runner::{input, output, task};
+
+fn read(text: &str) -> input::Input {
+    input::parse(text, "test", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn run(text: &str) -> Outcome {
+    task::run(&read(text).scenario, &mut ()).unwrap()
+}
+
+fn catalogue(outcome: &Outcome) -> &Catalogue {
+    outcome.summary.catalogue.as_ref().expect("an interface has a catalogue")
+}
+
+fn column<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
+    outcome.record.values(name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+const LATTICE: &str = "
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+initial.rectangular = { min = 0.0, max = 0.5 }
+interface = { cells = [9, 7], contacts = 'one', coupling.neighbours = { stiffness = 0.2 }, connection = 0.2, catalogue_from = 1.5 }
+drive = { distance = 3.0, points = 4, maps = [0.5, 3.0] }
+";
+
+/// The catalogue is that of the lattice itself, from where it is asked for; looks on the way change nothing.
+#[test]
+fn contacts_one_by_one_make_the_avalanches_of_the_lattice() {
+    let input = read(LATTICE);
+    let (contacts, initial) = input.scenario.build().unwrap();
+    let mut lattice = input.scenario.interface.as_ref().unwrap().lattice(contacts, initial, None).unwrap();
+    let mut all: Vec<Avalanche> = Vec::new();
+    lattice.run(Until::Drive(3.0), &mut (), &mut |avalanche| all.push(*avalanche)).unwrap();
+    let late: Vec<_> = all.iter().filter(|avalanche| avalanche.drive >= 1.5).collect();
+    let outcome = task::run(&input.scenario, &mut ()).unwrap();
+    assert!(late.len() > 50 && late.len() < all.len());
+    assert_eq!(column(&outcome, "event_drive"), late.iter().map(|a| a.drive).collect::<Vec<_>>());
+    assert_eq!(column(&outcome, "event_size"), late.iter().map(|a| a.size as f64).collect::<Vec<_>>());
+    assert_eq!(column(&outcome, "event_cells"), late.iter().map(|a| a.area as f64).collect::<Vec<_>>());
+    assert_eq!(
+        (column(&outcome, "map_drive"), column(&outcome, "cell_force").len()),
+        (&[0.5, 3.0][..], 2 * 63)
+    );
+    assert_eq!(column(&outcome, "cell_force")[63..], lattice.forces());
+    assert_eq!(
+        (column(&outcome, "drive"), column(&outcome, "force")[3]),
+        (&[0.0, 1.0, 2.0, 3.0][..], lattice.force())
+    );
+    let told = catalogue(&outcome);
+    assert_eq!((told.cells, told.events, told.magnitude.as_str()), (63, late.len(), "size"));
+    let largest = told.largest.unwrap();
+    assert_eq!(largest.magnitude, late.iter().map(|a| a.size).max().unwrap() as f64);
+    assert_eq!(column(&outcome, "event_size")[largest.event - 1], largest.magnitude);
+    let waiting = (late[late.len() - 1].drive - late[0].drive) / (late.len() - 1) as f64;
+    assert!((told.mean_waiting.unwrap() / waiting - 1.0).abs() < 1e-12);
+    assert_eq!(outcome.summary.seed, Some(1));
+}
+
+/// One cell is a block: first slip and X_2 of the reference values (σ = 0.1, K = 1, overdamped). The drive is found to
+/// 1e-10, the position near the loss of balance as its root.
+#[test]
+fn one_cell_is_a_block() {
+    let outcome = run("
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+interface = { cells = [1], coupling.neighbours = { stiffness = 1.0 }, connection = 1.0, slip = 'overdamped', drive_tolerance = 1e-10 }
+drive = { distance = 2.0, points = 21 }
+");
+    let first = |name: &str| column(&outcome, name)[0];
+    assert!((first("event_drive") - 1.666198355430).abs() < 1e-8);
+    assert!((first("event_position_before") - 0.8925878043021).abs() < 1e-4);
+    assert!((first("event_position_after") - 1.332802416243).abs() < 1e-8);
+    assert_eq!(catalogue(&outcome).magnitude, "moment");
+    // A chain is looked at wherever the trace is.
+    assert_eq!(column(&outcome, "cell_force"), column(&outcome, "force"));
+    for name in ["event_time", "event_duration", "event_front_speed_left"] {
+        assert!(outcome.record.get(name).is_none(), "{name} without viscosity");
+    }
+}
+
+/// Scales drawn differ, those of a list are taken; events of a chain tell which cells slipped.
+#[test]
+fn cells_differ_as_they_are_told_to() {
+    let chain = |more: &str| {
+        run(&format!(
+            "contacts.thresholds.gaussian = {{ mean = 1.0, std = 0.1 }}
+[interface]
+cells = [4]
+coupling.neighbours = {{ stiffness = 1.0 }}
+connection = 1.0
+{more}
+[drive]
+distance = 3.0
+points = 4
+"
+        ))
+    };
+    let [even, listed, drawn] =
+        ["", "disorder.scale = [1.0, 1.0, 0.5, 1.0]", "disorder = { std = 0.1, seed = 5 }"].map(chain);
+    assert_eq!((column(&even, "event_cells")[0], even.summary.seed), (4.0, None));
+    assert_eq!((column(&listed, "event_epicentre")[0], listed.summary.seed), (2.0, None));
+    assert_eq!(column(&listed, "slipped_cell")[0], 2.0);
+    assert_eq!(drawn.summary.seed, Some(5));
+    assert!(column(&drawn, "event_drive")[0] < column(&even, "event_drive")[0]);
+}
+
+#[test]
+fn nothing_happens_on_a_short_way_and_is_written_all_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = run(&LATTICE.replace("3.0", "0.1").replace("0.5, 0.1", "0.05").replace("0.5 }", "0.1 }"));
+    assert_eq!(catalogue(&outcome).events, 0);
+    let results = folder.path().join("results");
+    output::write(&results, &outcome, &[]).unwrap();
+    assert!(!results.join("events.csv").exists() && results.join("trace.csv").exists());
+    assert_eq!(output::read(&results).unwrap(), outcome);
+}
+
+#[test]
+fn maps_that_no_file_can_hold_are_refused_before_any_work() {
+    let maps: Vec<_> = (1..=40).map(|i| format!("{i}.0")).collect();
+    let text = LATTICE
+        .replace("[9, 7]", "[2000, 2000]")
+        .replace("[0.5, 3.0]", &format!("[{}]", maps.join(", ")))
+        .replace("distance = 3.0", "distance = 40.0");
+    let error = task::run(&read(&text).scenario, &mut ()).unwrap_err().to_string();
+    assert!(error.starts_with("drive.maps: ") && error.contains("40, which take 1280 MB"), "{error}");
+}
