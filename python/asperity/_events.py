@@ -58,7 +58,7 @@ class Events(Sequence[Event]):
 
     def __init__(self, columns: "Mapping[str, NDArray[np.float64]]") -> None:
         self._columns = columns
-        self._row = Event if set(columns) == set(Event._fields) else namedtuple("Event", list(columns))  # noqa: PYI024
+        self._row = Event if set(columns) <= set(Event._fields) else namedtuple("Event", list(columns))  # noqa: PYI024
 
     def __len__(self) -> int:
         return len(self._columns["drive"])
