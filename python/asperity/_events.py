@@ -59,7 +59,7 @@ class Events(Sequence[Event]):
     def __init__(self, columns: "Mapping[str, NDArray[np.float64]]") -> None:
         self._columns = columns
         self._row: Callable[..., Any] = Event
-        if set(columns) != set(Event._fields):
+        if not set(columns) <= set(Event._fields):
             self._row = namedtuple("Event", list(columns))  # type: ignore[misc]
 
     def __len__(self) -> int:
