@@ -49,6 +49,7 @@ fn outcome(seed: u64) -> Outcome {
             steps: Vec::new(),
             limits: Vec::new(),
             hold_curve: None,
+        catalogue: None,
             compare: None,
             warnings: Vec::new(),
         },
