@@ -63,7 +63,7 @@ fn defaults_are_those_of_the_contract() {
 fn an_override_replaces_a_value_and_adds_tables() {
     let scenario = set(&["contacts.thresholds.gaussian.std=0.1", "ensemble.size=10", "title=Broad"]).scenario;
     assert_eq!(scenario.contacts.thresholds, Some(Law::Gaussian { mean: 1.0, std: 0.1 }));
-    assert_eq!(scenario.ensemble.map(|e| (e.size, e.seed, e.disorder)), Some((10, 1, Disorder::Annealed)));
+    assert_eq!(scenario.ensemble.map(|e| (e.size(), e.seed, e.disorder)), Some((10, 1, Disorder::Annealed)));
     assert_eq!(scenario.title, "Broad");
 }
 
