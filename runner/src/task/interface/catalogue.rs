@@ -14,7 +14,9 @@ pub fn read<M: Model>(interface: &Interface, events: &Record) -> Catalogue {
     let fit = if M::WHOLE { fit_whole(magnitudes) } else { fit_real(magnitudes) };
     let waiting: Vec<f64> = drives.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mean = (!waiting.is_empty()).then(|| waiting.iter().sum::<f64>() / waiting.len() as f64);
-    let sum = |name: &str| events.values(name).filter(|values| !values.is_empty()).map(|values| values.iter().sum());
+    let sum = |name: &str| {
+        events.values(name).filter(|values| !values.is_empty()).map(|values| values.iter().sum())
+    };
     Catalogue {
         cells: interface.size(),
         events: drives.len(),
