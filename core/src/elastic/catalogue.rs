@@ -3,6 +3,9 @@
 use super::{Event, Interface, Slipped};
 use crate::shape::{Edges, Shape};
 
+/// Cells that make a front, which fewer would not tell from the patch where slip began.
+const FRONT: usize = 5;
+
 /// A slide, as it is followed.
 pub(super) struct Slide {
     /// Positions before.
@@ -118,8 +121,8 @@ fn beside(cell: usize, shape: Shape, edges: Edges) -> impl Iterator<Item = usize
     sideways.into_iter().chain(across).flatten()
 }
 
-/// Speeds at which slip spread from the first cell towards smaller and larger columns of its row: cells per time, by
-/// least squares of the starts over the distance; NaN where fewer than three cells follow one another.
+/// Speeds at which slip spread from the first cell towards smaller and larger columns of its row: cells per time; NaN
+/// where fewer than [`FRONT`] cells beside each other began one after the other.
 fn fronts(slipped: &[Slipped], shape: Shape) -> [f64; 2] {
     let columns = shape.sides()[1];
     let epicentre = slipped[0].cell;
@@ -134,20 +137,23 @@ fn fronts(slipped: &[Slipped], shape: Shape) -> [f64; 2] {
     [left, right].map(|starts| speed(&starts))
 }
 
-/// Starts of cells that lie beside each other, from the first on.
+/// Starts of cells that lie beside each other and begin one after the other, from the first on.
 fn run<'a>(starts: impl Iterator<Item = &'a (usize, f64)> + Clone) -> Vec<f64> {
-    let next = starts.clone().skip(1).map(|(cell, _)| *cell);
-    let gaps = starts.clone().map(|(cell, _)| *cell).zip(next).take_while(|(a, b)| a.abs_diff(*b) == 1);
-    let length = 1 + gaps.count();
+    let pairs = starts.clone().zip(starts.clone().skip(1));
+    let follow = |(one, next): &(&(usize, f64), &(usize, f64))| one.0.abs_diff(next.0) == 1 && next.1 > one.1;
+    let length = 1 + pairs.take_while(follow).count();
     starts.take(length).map(|(_, start)| *start).collect()
 }
 
-/// Distance per time of starts at distances 0, 1, 2, …
+/// Distance per time of starts at distances 0, 1, 2, …, by least squares of the starts over the distance; of the middle
+/// half of them, as slip hesitates where it begins and hurries where it ends.
 fn speed(starts: &[f64]) -> f64 {
-    let number = starts.len() as f64;
-    if starts.len() < 3 {
+    if starts.len() < FRONT {
         return f64::NAN;
     }
+    let quarter = starts.len() / 4;
+    let starts = &starts[quarter..starts.len() - quarter];
+    let number = starts.len() as f64;
     let (middle, mean) = (0.5 * (number - 1.0), starts.iter().sum::<f64>() / number);
     let (mut both, mut square) = (0.0, 0.0);
     for (i, start) in starts.iter().enumerate() {

@@ -20,7 +20,7 @@ pub struct Event {
     /// From when the first cell slipped until the slide was over; NaN without viscosity.
     pub duration: f64,
     /// Speed at which the slip spread from the epicentre towards smaller numbers along a chain or the row of the
-    /// epicentre, cells per time; NaN where fewer than three cells slipped one after another.
+    /// epicentre, cells per time; NaN where fewer than five cells slipped one after another.
     pub front_speed_left: f64,
     /// The same towards larger numbers.
     pub front_speed_right: f64,
