@@ -159,6 +159,11 @@ impl Interface {
     /// # Errors
     /// The first value that does not, with its full path.
     pub fn check_cells(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
+        if let Some(rule) = contacts.rules.first() {
+            let expected =
+                "contacts that know no time, since balance of cells is followed along the drive alone";
+            return Err(Error::invalid(format!("contacts.{rule}"), expected, "one that does"));
+        }
         self.values().map_err(|e| e.under("interface"))?;
         match self.contacts {
             PerCell::Many => self.many(ensemble),
