@@ -974,7 +974,6 @@ class Result(Record):
         Raises FileExistsError where a folder is in the way that asperity did not make, OSError where the system refuses.
         """
 
-@disjoint_base
 class Deformable(Description):
     """What the kinds of interfaces have in common: a drive that moves their top."""
 
