@@ -19,6 +19,7 @@ TABLES = {
     "trace.csv": "point",
     "velocity_curve.csv": "velocity",
     "hold_curve.csv": "hold",
+    "thresholds.csv": "drive",
 }
 
 
