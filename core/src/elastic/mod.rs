@@ -23,7 +23,7 @@ mod slide;
 mod solve;
 mod state;
 
-pub use cells::{Cells, Curves};
+pub use cells::{Cells, Curves, Populations};
 pub use coupling::Coupling;
 pub use energy::Energy;
 pub use event::{Event, Slipped, record};
