@@ -54,6 +54,26 @@ def test_one_cell_is_a_block() -> None:
     np.testing.assert_allclose(events["position_after"], block.events["position_after"], rtol=0, atol=1e-8)
 
 
+def test_a_cell_of_few_contacts_is_a_block_over_their_ensemble() -> None:
+    cell = asp.Interface(
+        CONTACTS,
+        [1],
+        neighbours=1.0,
+        connection=0.5,
+        slip="overdamped",
+        drive_tolerance=1e-12,
+        size=20,
+        seed=4,
+        quenched=True,
+    )
+    events = cell.drive(8.0, 5).events
+    ensemble = asp.Ensemble(CONTACTS, size=20, seed=4, disorder="quenched")
+    block = asp.Block(ensemble, stiffness=0.5, slip="overdamped", slip_fraction=0.01).drive(8.0)
+    assert events is not None
+    assert len(events) > 20
+    np.testing.assert_allclose(events["drive"], block.events["drive"], rtol=0, atol=1e-10)
+
+
 @pytest.mark.parametrize(
     "interface",
     [
@@ -63,6 +83,9 @@ def test_one_cell_is_a_block() -> None:
             CONTACTS, [4, 4], half_space=(2.0, 1.0), connection=0.5, edges="periodic", viscosity=1.0
         ),
         asp.Interface(CONTACTS, [2], neighbours=2.0, connection=0.5, disorder=[1.0, 0.9], loading="edge"),
+        asp.Interface(
+            CONTACTS, [4], neighbours=2.0, connection=0.5, slip="overdamped", size=5, seed=3, quenched=True
+        ),
     ],
 )
 def test_interfaces_are_their_descriptions(interface: asp.Deformable) -> None:
@@ -86,6 +109,8 @@ def test_interfaces_are_their_descriptions(interface: asp.Deformable) -> None:
             "interface.disorder.std: expected scales that leave all thresholds above 0",
         ),
         ({"viscosity": 0.0}, "interface.viscosity: expected a number above 0"),
+        ({"size": 10}, "interface.slip: expected .overdamped. beside .ensemble."),
+        ({"quenched": True}, "quenched: expected False without a size"),
     ],
 )
 def test_what_makes_no_interface_is_refused(arguments: dict[str, Any], message: str) -> None:
