@@ -8,7 +8,7 @@ use crate::contacts::{Contacts, Initial};
 use crate::elastic::cells::{Cells, Curves, Populations, scales};
 use crate::elastic::{self, coupling};
 use crate::ensemble::lattice::{self, Lattice};
-use crate::master::MasterEquation;
+use crate::master::{MasterEquation, Stretches};
 use crate::monitor::Monitor;
 use crate::population::Population;
 use crate::shape::{self, Shape};
@@ -224,6 +224,27 @@ impl Interface {
         };
         let build = || elastic::Interface::new(cells, self.elasticity()?, self.setting(length));
         build().map_err(|e| e.under("interface"))
+    }
+
+    /// Stretches Q[x, X(r)] of the contacts of a cell, which follow an equation: of scale s, Q(x/s; X/s)/s.
+    ///
+    /// # Errors
+    /// Those of [`MasterEquation::pull`].
+    pub fn stretch_density(
+        equation: &MasterEquation,
+        cell: elastic::Standing,
+        stretches: &[f64],
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Stretches> {
+        let elastic::Standing { advance, scale, renewed } = cell;
+        let equation = if renewed { equation.renewed() } else { equation.clone() };
+        let distance = advance.max(equation.contacts().thresholds.mean());
+        let places: Vec<f64> = stretches.iter().map(|x| x / scale).collect();
+        let mut found = equation.pull(distance, tolerance, monitor)?.stretch_density(advance, &places);
+        found.density.iter_mut().for_each(|density| *density /= scale);
+        found.atoms.iter_mut().for_each(|atom| atom.position *= scale);
+        Ok(found)
     }
 
     /// The contacts of each cell.

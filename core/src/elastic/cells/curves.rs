@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::cell::Cell;
 use super::curve::Curve;
 use super::tabulate::Table;
-use super::{Account, Cells, Kept, Slopes, State, checked};
+use super::{Account, Cells, Kept, Slopes, Standing, State, checked};
 use crate::elastic::batch::{change, fill, gather, largest};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population, Response};
@@ -205,6 +205,12 @@ impl Cells for Curves {
         let batch = self.batch();
         let add = |sum, cell: usize| sum + batch.done(cell, batch.advances[cell]);
         self.settled + gather(self.len(), Account::default, add, |a, b| a + b)
+    }
+
+    fn standing(&self, cell: usize) -> Option<Standing> {
+        let batch = self.batch();
+        let at = batch.cell(cell);
+        Some(Standing { advance: at.place(0.0), scale: at.scale, renewed: self.renewed[cell] })
     }
 
     fn state(&self) -> State {

@@ -72,6 +72,18 @@ impl std::ops::Sub for Account {
     }
 }
 
+/// Where a cell is on the curve that it shares with others: its contacts are those of lengths 1 after an advance X/s, all
+/// lengths s times as large.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standing {
+    /// X/s, since the start, or since all of its contacts last re-formed together.
+    pub advance: f64,
+    /// s.
+    pub scale: f64,
+    /// Whether they have.
+    pub renewed: bool,
+}
+
 /// Least and largest tangent dF/dX on a part of a way; the least is −∞ where contacts break together on it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Slopes {
@@ -145,6 +157,11 @@ pub trait Cells: Send + Sync {
 
     /// What all cells have done; their elastic energy is that of now.
     fn account(&self) -> Account;
+
+    /// Where a cell is on a curve that it shares; none where it has contacts of its own.
+    fn standing(&self, _cell: usize) -> Option<Standing> {
+        None
+    }
 
     /// All that changes as cells move.
     fn state(&self) -> State;
