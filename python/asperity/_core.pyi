@@ -1044,6 +1044,17 @@ class Interface(Deformable):
         quenched: bool = False,
         start: Literal["conditional", "relaxed"] = "conditional",
     ) -> Self: ...
+    def stretch_density(
+        self, cell: SupportsIndex, stretches: ArrayLike, *, at: _Number, progress: _Progress = None
+    ) -> StretchDensity:
+        """The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
+
+        cell: its number, along rows. at: the drive. stretches: a list of n stretches. progress: as for
+        MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must be so many
+        that they follow the master equation.
+
+        Raises ValueError for a number of no cell, and for values that make no sense.
+        """
 
 @final
 class Lattice(Deformable):

@@ -1,5 +1,7 @@
 //! Interfaces that deform: cells on an elastic slider, and contacts coupled one by one.
 
+use asperity::Error;
+use asperity::master::MasterEquation;
 use asperity::scenario::{
     self, CellSlip, Coupling, Disorder, Drive, Edges, Loading, PerCell, Scales, Scenario, Units,
 };
@@ -14,7 +16,7 @@ use crate::law::{AnyLaw, given};
 use crate::model::{interface, interface_arguments};
 use crate::result::{self, Result};
 use crate::watch::watched;
-use crate::{description, error};
+use crate::{description, error, values};
 
 /// An interface whose cells move differently, and how its contacts start.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -191,6 +193,40 @@ impl Interface {
         let ensemble = few(size, seed.0, quenched)?;
         let surface = Surface { contacts: interface(contacts, initial, start)?, own, ensemble };
         Ok(Deformable::made(surface)?.add_subclass(Self))
+    }
+
+    /// The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
+    ///
+    /// cell: its number, along rows. at: the drive. stretches: a list of n stretches. progress: as for
+    /// MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must be so many
+    /// that they follow the master equation.
+    ///
+    /// Raises ValueError for a number of no cell, and for values that make no sense.
+    #[pyo3(signature = (cell, stretches, *, at, progress = None))]
+    fn stretch_density<'py>(
+        slf: &Bound<'py, Self>,
+        cell: Whole,
+        stretches: &Bound<'py, PyAny>,
+        at: f64,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        let (cell, stretches) = (cell.get("cell")?, convert::list("stretches", stretches)?);
+        let surface = Deformable::plain(slf.as_super());
+        let scenario = surface.scenario(Drive { distance: Some(at), ..Drive::default() });
+        let tolerance = scenario.master_equation.tolerance();
+        let found = watched(progress, py, |monitor| {
+            let (contacts, initial) = scenario.build()?;
+            let equation = MasterEquation::new(contacts.clone(), &initial)?;
+            let ensemble = surface.ensemble.as_ref();
+            let mut driven = surface.own.deformable(contacts, &initial, tolerance, ensemble, monitor)?;
+            driven.run(at, monitor, &mut |_, _| ())?;
+            let standing = driven.standing(cell)?.ok_or_else(|| {
+                Error::invalid("size", "None, so that contacts follow the master equation", "a number")
+            })?;
+            scenario::Interface::stretch_density(&equation, standing, &stretches, tolerance, monitor)
+        })?;
+        values::stretches(py, stretches, found)
     }
 }
 

@@ -74,6 +74,25 @@ def test_a_cell_of_few_contacts_is_a_block_over_their_ensemble() -> None:
     np.testing.assert_allclose(events["drive"], block.events["drive"], rtol=0, atol=1e-10)
 
 
+@pytest.mark.parametrize("slip", ["reset", "overdamped"])
+def test_stretches_of_a_cell_carry_its_force(slip: Any) -> None:
+    contacts = asp.Contacts(thresholds=asp.Gaussian(1.0, 0.1), reforming=asp.Rectangular(0.0, 0.2))
+    chain = asp.Interface(contacts, [3], neighbours=0.5, connection=0.5, slip=slip, disorder=[1.0, 0.9, 1.2])
+    forces = chain.drive(2.7, 2)["cell_force"][-1]
+    stretches = np.arange(0.0, 2.0, 1e-4)
+    for cell in range(3):
+        found = chain.stretch_density(cell, stretches, at=2.7)
+        assert not isinstance(found.atoms, list)
+        force = np.sum(found.density * stretches) * 1e-4 + np.sum(found.atoms.weight * found.atoms.position)
+        # A jump of the density of some 5 that falls between two stretches.
+        np.testing.assert_allclose(force, forces[cell], rtol=0, atol=5e-4)
+    with pytest.raises(ValueError, match="cell: expected a number below 3, got 3"):
+        chain.stretch_density(3, stretches, at=2.7)
+    few = chain.replace(slip="overdamped", size=5, disorder=None)
+    with pytest.raises(ValueError, match="size: expected None"):
+        few.stretch_density(0, stretches, at=1.0)
+
+
 @pytest.mark.parametrize(
     "interface",
     [
