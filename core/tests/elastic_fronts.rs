@@ -1,10 +1,10 @@
-//! Where slips nucleate on a chain, and how fast and under which force they spread.
+//! Where slips nucleate on a chain and on a half-space, and how fast and under which force they spread.
 
 mod common;
 
 use std::f64::consts::PI;
 
-use asperity::elastic::coupling::neighbours;
+use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::{Coupling, Interface, Setting, Slip, Slipped};
 use asperity::exact::{ClosedForm, Gaussian};
 use asperity::shape::{Edges, Shape};
@@ -66,24 +66,123 @@ impl Coupling for BetweenWalls {
     }
 }
 
-/// Events of so many cells that are weakening from the start, by −F' = 2, until the drive has gone on by 0.01.
-fn weakening(cells: usize, stiffness: f64, connection: f64) -> usize {
-    let falling = Polyline::new(1.0, &[(0.3, -2.0), (f64::INFINITY, 1.0)]);
-    let walls = BetweenWalls { cells, stiffness };
-    let mut patch = interface(&falling, None, Box::new(walls), setting(connection, Slip::Overdamped, 1e-6));
+/// A half-space over a row of cells beyond whose ends nothing moves, or everything does so oppositely, mirrored: half a wave
+/// fits between such mirrors.
+struct Beside {
+    cells: usize,
+    mirrored: bool,
+    /// The cells and, behind one at rest, what is beside them.
+    ring: Box<dyn Coupling>,
+}
+
+impl Beside {
+    fn mirrors(cells: usize, modulus: f64) -> Self {
+        Self { cells, mirrored: true, ring: ring(2 * (cells + 1), modulus) }
+    }
+
+    /// The ring, seen from far away, takes (π²/6 · 4/πR)/2.3 of the stiffness of cells on its Rth part: 0.2 %.
+    fn held(cells: usize, modulus: f64) -> Self {
+        Self { cells, mirrored: false, ring: ring(16 * cells, modulus) }
+    }
+
+    fn whole(&self, values: &[f64]) -> Vec<f64> {
+        let mut whole = vec![0.0; self.ring.shape().size()];
+        whole[1..=self.cells].copy_from_slice(values);
+        if self.mirrored {
+            let images = whole[self.cells + 2..].iter_mut().rev();
+            images.zip(values).for_each(|(image, value)| *image = -value);
+        }
+        whole
+    }
+}
+
+fn ring(cells: usize, modulus: f64) -> Box<dyn Coupling> {
+    half_space(Shape::Chain(cells), Edges::Periodic, modulus, 1.0).unwrap()
+}
+
+impl Coupling for Beside {
+    fn shape(&self) -> Shape {
+        Shape::Chain(self.cells)
+    }
+
+    fn edges(&self) -> Edges {
+        Edges::Open
+    }
+
+    fn forces(&mut self, x: &[f64], forces: &mut [f64]) {
+        let mut whole = vec![0.0; self.ring.shape().size()];
+        self.ring.forces(&self.whole(x), &mut whole);
+        forces.copy_from_slice(&whole[1..=self.cells]);
+    }
+
+    fn add(&self, cell: usize, displacement: f64, forces: &mut [f64]) {
+        let mut whole = self.whole(forces);
+        self.ring.add(cell + 1, displacement, &mut whole);
+        if self.mirrored {
+            self.ring.add(whole.len() - 1 - cell, -displacement, &mut whole);
+        }
+        forces.copy_from_slice(&whole[1..=self.cells]);
+    }
+
+    fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
+        self.respond(&vec![diagonal; self.cells], right);
+    }
+
+    fn near(&mut self, diagonal: f64, right: &mut [f64]) {
+        let mut whole = self.whole(right);
+        self.ring.solve(diagonal, &mut whole);
+        right.copy_from_slice(&whole[1..=self.cells]);
+    }
+
+    fn own(&self, cell: usize) -> f64 {
+        let mut forces = vec![0.0; self.cells];
+        self.add(cell, 1.0, &mut forces);
+        -forces[cell]
+    }
+}
+
+/// Contacts that weaken from the start, by −F' = 2.
+fn falling() -> Polyline {
+    Polyline::new(1.0, &[(0.3, -2.0), (f64::INFINITY, 1.0)])
+}
+
+/// Events of weakening cells until the drive has gone on by 0.01.
+fn weakening(coupling: Box<dyn Coupling>, connection: f64) -> usize {
+    let mut patch = interface(&falling(), None, coupling, setting(connection, Slip::Overdamped, 1e-6));
     let mut events = 0;
     let end = patch.drive() + 0.01;
     patch.run(end, &mut (), &mut |_, _| events += 1).unwrap();
     events
 }
 
+/// Checks that patches longer than a length give way, and shorter ones do not, to 2 %.
+#[track_caller]
+fn nucleate(length: f64, connection: f64, patch: impl Fn(usize) -> Box<dyn Coupling>) {
+    let [short, long] = [0.98, 1.02].map(|part| (part * length).round() as usize);
+    assert_eq!(weakening(patch(short), connection), 0, "{short} cells, ℓ_c = {length}");
+    assert!(weakening(patch(long), connection) > 0, "{long} cells, ℓ_c = {length}");
+}
+
 #[test]
 fn slips_nucleate_in_patches_of_half_a_wavelength() {
     for (stiffness, connection) in [(2000.0, 0.1), (3000.0, 1.0)] {
         let length = PI * f64::sqrt(stiffness / (2.0 - connection));
-        let [short, long] = [0.98, 1.02].map(|part| (part * length).round() as usize);
-        assert_eq!(weakening(short, stiffness, connection), 0, "{short} cells, ℓ_c = {length}");
-        assert!(weakening(long, stiffness, connection) > 0, "{long} cells, ℓ_c = {length}");
+        nucleate(length, connection, |cells| Box::new(BetweenWalls { cells, stiffness }));
+    }
+    for (modulus, connection) in [(100.0, 0.1), (60.0, 1.0)] {
+        let length = PI * modulus / (2.0 - connection);
+        nucleate(length, connection, |cells| Box::new(Beside::mirrors(cells, modulus)));
+    }
+}
+
+/// √−Δ on an interval of length 2, with nothing outside, has the least eigenvalue 1.1577738837 (M. Kwaśnicki, J. Funct.
+/// Anal. 262, 2379 (2012), doi:10.1016/j.jfa.2011.12.004), where half a wave has π/2.
+#[test]
+fn slips_nucleate_on_a_half_space_in_shorter_patches_if_nothing_moves_beside_them() {
+    const LEAST: f64 = 1.157_773_883_7;
+    for (modulus, connection) in [(100.0, 0.1), (60.0, 1.0)] {
+        let length = 2.0 * LEAST * modulus / (2.0 - connection);
+        nucleate(length, connection, |cells| Box::new(Beside::held(cells, modulus)));
     }
 }
 

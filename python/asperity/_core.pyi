@@ -1008,7 +1008,7 @@ class Deformable(Description):
 
 @final
 class Interface(Deformable):
-    """Cells of many contacts on a slider that deforms, each connected to the drive by a spring.
+    """Cells of contacts that move together, on a slider that deforms, each connected to the drive by a spring.
 
     contacts: those of a cell. cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
     initial, start: as for MasterEquation. connection: K_0, the stiffness of the spring between a cell and the drive.
@@ -1017,7 +1017,9 @@ class Interface(Deformable):
     or row alone. slip: "reset", where all contacts of an unstable cell break and re-form, or "overdamped". viscosity: the
     drag of a moving cell, force per velocity; with it events take time. disorder: the standard deviation of the scales of
     cells, which multiply all lengths of their contacts, drawn from a Gaussian of mean 1 with the seed; or a list of them.
-    drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds.
+    drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds. size: None where contacts
+    are so many that they follow the master equation; or the number of contacts in each cell, drawn with the seed and
+    followed one by one, with slip="overdamped". quenched: whether these keep their thresholds.
 
     Raises ValueError for values that make no sense.
     """
@@ -1038,8 +1040,21 @@ class Interface(Deformable):
         disorder: _Number | ArrayLike | None = None,
         seed: _Seed = 1,
         drive_tolerance: _Number = 1e-06,
+        size: SupportsIndex | None = None,
+        quenched: bool = False,
         start: Literal["conditional", "relaxed"] = "conditional",
     ) -> Self: ...
+    def stretch_density(
+        self, cell: SupportsIndex, stretches: ArrayLike, *, at: _Number, progress: _Progress = None
+    ) -> StretchDensity:
+        """The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
+
+        cell: its number, along rows. at: the drive. stretches: a list of n stretches. progress: as for
+        MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must be so many
+        that they follow the master equation.
+
+        Raises ValueError for a number of no cell, and for values that make no sense.
+        """
 
 @final
 class Lattice(Deformable):

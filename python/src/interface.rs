@@ -1,6 +1,10 @@
 //! Interfaces that deform: cells on an elastic slider, and contacts coupled one by one.
 
-use asperity::scenario::{self, CellSlip, Coupling, Drive, Edges, Loading, PerCell, Scales, Scenario, Units};
+use asperity::Error;
+use asperity::master::MasterEquation;
+use asperity::scenario::{
+    self, CellSlip, Coupling, Disorder, Drive, Edges, Loading, PerCell, Scales, Scenario, Units,
+};
 use asperity_runner::task;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -12,7 +16,7 @@ use crate::law::{AnyLaw, given};
 use crate::model::{interface, interface_arguments};
 use crate::result::{self, Result};
 use crate::watch::watched;
-use crate::{description, error};
+use crate::{description, error, values};
 
 /// An interface whose cells move differently, and how its contacts start.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -117,7 +121,7 @@ impl Deformable {
     }
 }
 
-/// Cells of many contacts on a slider that deforms, each connected to the drive by a spring.
+/// Cells of contacts that move together, on a slider that deforms, each connected to the drive by a spring.
 ///
 /// contacts: those of a cell. cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
 /// initial, start: as for MasterEquation. connection: K_0, the stiffness of the spring between a cell and the drive.
@@ -126,7 +130,9 @@ impl Deformable {
 /// or row alone. slip: "reset", where all contacts of an unstable cell break and re-form, or "overdamped". viscosity: the
 /// drag of a moving cell, force per velocity; with it events take time. disorder: the standard deviation of the scales of
 /// cells, which multiply all lengths of their contacts, drawn from a Gaussian of mean 1 with the seed; or a list of them.
-/// drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds.
+/// drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds. size: None where contacts
+/// are so many that they follow the master equation; or the number of contacts in each cell, drawn with the seed and
+/// followed one by one, with slip="overdamped". quenched: whether these keep their thresholds.
 ///
 /// Raises ValueError for values that make no sense.
 #[pyclass(frozen, extends = Deformable, module = "asperity")]
@@ -140,9 +146,9 @@ impl Interface {
         signature = (
             contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, edges = "open",
             loading = "uniform", slip = "reset", viscosity = None, disorder = None, seed = Seed(1),
-            drive_tolerance = 1e-6, start = "conditional"
+            drive_tolerance = 1e-6, size = None, quenched = false, start = "conditional"
         ),
-        text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, edges='open', loading='uniform', slip='reset', viscosity=None, disorder=None, seed=1, drive_tolerance=1e-6, start='conditional')"
+        text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, edges='open', loading='uniform', slip='reset', viscosity=None, disorder=None, seed=1, drive_tolerance=1e-6, size=None, quenched=False, start='conditional')"
     )]
     fn new(
         contacts: &Bound<'_, Contacts>,
@@ -158,6 +164,8 @@ impl Interface {
         disorder: Option<&Bound<'_, PyAny>>,
         seed: Seed,
         drive_tolerance: f64,
+        size: Option<Whole>,
+        quenched: bool,
         start: &str,
     ) -> PyResult<PyClassInitializer<Self>> {
         let coupling = match (neighbours, half_space) {
@@ -181,9 +189,55 @@ impl Interface {
             drive_tolerance,
             catalogue_from: 0.0,
         };
-        let surface = Surface { contacts: interface(contacts, initial, start)?, own, ensemble: None };
+        let size = size.map(|size| size.get("size")).transpose()?;
+        let ensemble = few(size, seed.0, quenched)?;
+        let surface = Surface { contacts: interface(contacts, initial, start)?, own, ensemble };
         Ok(Deformable::made(surface)?.add_subclass(Self))
     }
+
+    /// The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
+    ///
+    /// cell: its number, along rows. at: the drive. stretches: a list of n stretches. progress: as for
+    /// MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must be so many
+    /// that they follow the master equation.
+    ///
+    /// Raises ValueError for a number of no cell, and for values that make no sense.
+    #[pyo3(signature = (cell, stretches, *, at, progress = None))]
+    fn stretch_density<'py>(
+        slf: &Bound<'py, Self>,
+        cell: Whole,
+        stretches: &Bound<'py, PyAny>,
+        at: f64,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        let (cell, stretches) = (cell.get("cell")?, convert::list("stretches", stretches)?);
+        let surface = Deformable::plain(slf.as_super());
+        let scenario = surface.scenario(Drive { distance: Some(at), ..Drive::default() });
+        let tolerance = scenario.master_equation.tolerance();
+        let found = watched(progress, py, |monitor| {
+            let (contacts, initial) = scenario.build()?;
+            let equation = MasterEquation::new(contacts.clone(), &initial)?;
+            let ensemble = surface.ensemble.as_ref();
+            let mut driven = surface.own.deformable(contacts, &initial, tolerance, ensemble, monitor)?;
+            driven.run(at, monitor, &mut |_, _| ())?;
+            let standing = driven.standing(cell)?.ok_or_else(|| {
+                Error::invalid("size", "None, so that contacts follow the master equation", "a number")
+            })?;
+            scenario::Interface::stretch_density(&equation, standing, &stretches, tolerance, monitor)
+        })?;
+        values::stretches(py, stretches, found)
+    }
+}
+
+/// Contacts that are followed one by one, if their number is given.
+fn few(size: Option<usize>, seed: u64, quenched: bool) -> PyResult<Option<scenario::Ensemble>> {
+    if size.is_none() && quenched {
+        let expected = "False without a size: contacts that follow the master equation are annealed";
+        return Err(error::invalid("quenched", expected, "True"));
+    }
+    let disorder = if quenched { Disorder::Quenched } else { Disorder::Annealed };
+    Ok(size.map(|size| scenario::Ensemble { size: Some(size), seed, disorder }))
 }
 
 /// A standard deviation, or the scales themselves.
@@ -279,6 +333,10 @@ pub fn arguments(surface: &Surface, into: &Bound<'_, PyDict>) -> PyResult<()> {
     }
     let Some(ensemble) = ensemble else { return Ok(()) };
     given(into, "seed", Some(ensemble.seed).filter(|&seed| seed != 1))?;
-    let quenched = ensemble.disorder != scenario::Disorder::default();
+    let quenched = ensemble.disorder == Disorder::Quenched;
+    if ensemble.size.is_some() {
+        given(into, "size", ensemble.size)?;
+        return given(into, "quenched", quenched.then_some(true));
+    }
     given(into, "disorder", quenched.then(|| convert::disorder(ensemble.disorder)))
 }

@@ -54,6 +54,45 @@ def test_one_cell_is_a_block() -> None:
     np.testing.assert_allclose(events["position_after"], block.events["position_after"], rtol=0, atol=1e-8)
 
 
+def test_a_cell_of_few_contacts_is_a_block_over_their_ensemble() -> None:
+    cell = asp.Interface(
+        CONTACTS,
+        [1],
+        neighbours=1.0,
+        connection=0.5,
+        slip="overdamped",
+        drive_tolerance=1e-12,
+        size=20,
+        seed=4,
+        quenched=True,
+    )
+    events = cell.drive(8.0, 5).events
+    ensemble = asp.Ensemble(CONTACTS, size=20, seed=4, disorder="quenched")
+    block = asp.Block(ensemble, stiffness=0.5, slip="overdamped", slip_fraction=0.01).drive(8.0)
+    assert events is not None
+    assert len(events) > 20
+    np.testing.assert_allclose(events["drive"], block.events["drive"], rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("slip", ["reset", "overdamped"])
+def test_stretches_of_a_cell_carry_its_force(slip: Any) -> None:
+    contacts = asp.Contacts(thresholds=asp.Gaussian(1.0, 0.1), reforming=asp.Rectangular(0.0, 0.2))
+    chain = asp.Interface(contacts, [3], neighbours=0.5, connection=0.5, slip=slip, disorder=[1.0, 0.9, 1.2])
+    forces = chain.drive(2.7, 2)["cell_force"][-1]
+    stretches = np.arange(0.0, 2.0, 1e-4)
+    for cell in range(3):
+        found = chain.stretch_density(cell, stretches, at=2.7)
+        assert not isinstance(found.atoms, list)
+        force = np.sum(found.density * stretches) * 1e-4 + np.sum(found.atoms.weight * found.atoms.position)
+        # A jump of the density of some 5 that falls between two stretches.
+        np.testing.assert_allclose(force, forces[cell], rtol=0, atol=5e-4)
+    with pytest.raises(ValueError, match="cell: expected a number below 3, got 3"):
+        chain.stretch_density(3, stretches, at=2.7)
+    few = chain.replace(slip="overdamped", size=5, disorder=None)
+    with pytest.raises(ValueError, match="size: expected None"):
+        few.stretch_density(0, stretches, at=1.0)
+
+
 @pytest.mark.parametrize(
     "interface",
     [
@@ -63,6 +102,9 @@ def test_one_cell_is_a_block() -> None:
             CONTACTS, [4, 4], half_space=(2.0, 1.0), connection=0.5, edges="periodic", viscosity=1.0
         ),
         asp.Interface(CONTACTS, [2], neighbours=2.0, connection=0.5, disorder=[1.0, 0.9], loading="edge"),
+        asp.Interface(
+            CONTACTS, [4], neighbours=2.0, connection=0.5, slip="overdamped", size=5, seed=3, quenched=True
+        ),
     ],
 )
 def test_interfaces_are_their_descriptions(interface: asp.Deformable) -> None:
@@ -86,6 +128,8 @@ def test_interfaces_are_their_descriptions(interface: asp.Deformable) -> None:
             "interface.disorder.std: expected scales that leave all thresholds above 0",
         ),
         ({"viscosity": 0.0}, "interface.viscosity: expected a number above 0"),
+        ({"size": 10}, "interface.slip: expected .overdamped. beside .ensemble."),
+        ({"quenched": True}, "quenched: expected False without a size"),
     ],
 )
 def test_what_makes_no_interface_is_refused(arguments: dict[str, Any], message: str) -> None:

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::ensemble::lattice::{Avalanche, Until};
 use asperity_runner::output::Outcome;
 use asperity_runner::summary::Catalogue;
@@ -82,6 +83,29 @@ drive = { distance = 2.0, points = 21 }
     for name in ["event_time", "event_duration", "event_front_speed_left"] {
         assert!(outcome.record.get(name).is_none(), "{name} without viscosity");
     }
+}
+
+/// One cell of few contacts is a block over their ensemble, in which every break that moves it is a slip.
+#[test]
+fn a_cell_of_few_contacts_is_a_block_over_them() {
+    let input = read("
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+interface = { cells = [1], coupling.neighbours = { stiffness = 1.0 }, connection = 0.5, slip = 'overdamped', drive_tolerance = 1e-12 }
+ensemble = { size = 20, seed = 4, disorder = 'quenched' }
+drive = { distance = 8.0, points = 2 }
+");
+    let (contacts, initial) = input.scenario.build().unwrap();
+    let ensemble = input.scenario.ensemble.as_ref().unwrap().build(contacts, initial).unwrap();
+    let block = Block::new(Loading::Spring(0.5), Slip::Overdamped, None).unwrap();
+    let drive = Drive { turning_points: vec![8.0], points: 2 };
+    let slips = block.pull(&mut ensemble.population(&mut ()).unwrap(), &drive, &mut ()).unwrap();
+    let outcome = task::run(&input.scenario, &mut ()).unwrap();
+    let drives = column(&outcome, "event_drive");
+    assert!(drives.len() > 20 && drives.len() == slips.events.len());
+    for (drive, slip) in drives.iter().zip(&slips.events) {
+        assert!((drive - slip.before.drive).abs() < 1e-10);
+    }
+    assert_eq!(outcome.summary.seed, Some(4));
 }
 
 /// Scales drawn differ, those of a list are taken; events of a chain tell which cells slipped.

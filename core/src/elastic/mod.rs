@@ -23,7 +23,7 @@ mod slide;
 mod solve;
 mod state;
 
-pub use cells::{Cells, Curves};
+pub use cells::{Cells, Curves, Populations, Standing};
 pub use coupling::Coupling;
 pub use energy::Energy;
 pub use event::{Event, Slipped, record};
@@ -196,6 +196,17 @@ impl Interface {
     pub fn forces(&mut self) -> Result<Vec<f64>> {
         self.excess_here()?;
         Ok(self.responses.iter().map(|response| response.force).collect())
+    }
+
+    /// Where a cell is on the curve that it shares with others; none where it has contacts of its own.
+    ///
+    /// # Errors
+    /// A number of no cell.
+    pub fn standing(&self, cell: usize) -> Result<Option<Standing>> {
+        if cell >= self.len() {
+            return Err(Error::invalid("cell", format!("a number below {}", self.len()), cell));
+        }
+        Ok(self.cells.standing(cell))
     }
 
     /// Friction force of all cells.

@@ -105,6 +105,12 @@ impl MasterEquation {
         &self.contacts
     }
 
+    /// The same contacts where all have just re-formed.
+    #[must_use]
+    pub fn renewed(&self) -> Self {
+        Self { start: Start::Conditional, first: self.reborn.clone(), ..self.clone() }
+    }
+
     /// The life of contacts that re-form.
     pub fn life(&self) -> &Life {
         &self.reborn

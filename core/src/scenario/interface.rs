@@ -5,11 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use super::{Drive, Ensemble, exactly_one, positive, size};
 use crate::contacts::{Contacts, Initial};
-use crate::elastic::cells::{Curves, scales};
+use crate::elastic::cells::{Cells, Curves, Populations, scales};
 use crate::elastic::{self, coupling};
 use crate::ensemble::lattice::{self, Lattice};
-use crate::master::MasterEquation;
+use crate::master::{MasterEquation, Stretches};
 use crate::monitor::Monitor;
+use crate::population::Population;
 use crate::shape::{self, Shape};
 use crate::{Error, Result};
 
@@ -54,7 +55,8 @@ pub struct Interface {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PerCell {
-    /// Many contacts that move together, `contacts.count` of them.
+    /// Contacts that move together, `contacts.count` of them: so many that they follow the master equation, or
+    /// `ensemble.size` that are followed one by one.
     #[default]
     Many,
     /// One contact, which re-forms when the slide is over.
@@ -140,6 +142,8 @@ fn drive_tolerance() -> f64 {
 const BYTES_PER_CONTACT: f64 = 64.0;
 /// Bytes that a cell takes, with what it takes to couple it.
 const BYTES_PER_CELL: f64 = 128.0;
+/// Bytes that a cell of few contacts takes, and each of them.
+const BYTES_PER_ENSEMBLE: [f64; 2] = [16e3, 256.0];
 
 impl Interface {
     /// The accuracy of drives, in mean thresholds, where nothing is said.
@@ -190,29 +194,70 @@ impl Interface {
         Lattice::new(contacts, initial, &self.springs()?, seed, disorder.into())
     }
 
-    /// Cells of many contacts, which follow the master equation.
+    /// Cells whose contacts move together: by the master equation, or those of an `ensemble`, of which each cell has
+    /// `size`, the first cell the first ones.
     ///
     /// # Errors
-    /// What the master equation, cells and couplings refuse; stopped by the monitor.
+    /// What the master equation, the ensemble, cells and couplings refuse; stopped by the monitor.
     pub fn deformable(
         &self,
         contacts: Contacts,
         initial: &Initial,
         tolerance: f64,
+        ensemble: Option<&Ensemble>,
         monitor: &mut dyn Monitor,
     ) -> Result<elastic::Interface> {
         let length = contacts.thresholds.mean();
-        let population = MasterEquation::new(contacts, initial)?.population(tolerance)?;
-        let cells = Curves::new(&population, self.size(), monitor)?;
-        self.over(cells, length).map_err(|e| e.under("interface"))
+        let scales = self.disorder.as_ref().map(|scales| scales.build(self.size())).transpose();
+        let scales = scales.map_err(|e| e.under("interface"))?;
+        let cells: Box<dyn Cells> = match ensemble {
+            Some(ensemble) => {
+                let drawn = self.drawn(&ensemble.build(contacts, initial.clone())?, monitor)?;
+                let cells = Populations::new(drawn, monitor)?;
+                Box::new(if let Some(scales) = scales { cells.scaled(&scales)? } else { cells })
+            }
+            None => {
+                let population = MasterEquation::new(contacts, initial)?.population(tolerance)?;
+                let cells = Curves::new(&population, self.size(), monitor)?;
+                Box::new(if let Some(scales) = scales { cells.scaled(scales)? } else { cells })
+            }
+        };
+        let build = || elastic::Interface::new(cells, self.elasticity()?, self.setting(length));
+        build().map_err(|e| e.under("interface"))
     }
 
-    fn over(&self, cells: Curves, length: f64) -> Result<elastic::Interface> {
-        let cells = match &self.disorder {
-            Some(scales) => cells.scaled(scales.build(self.size())?)?,
-            None => cells,
+    /// Stretches Q[x, X(r)] of the contacts of a cell, which follow an equation: of scale s, Q(x/s; X/s)/s.
+    ///
+    /// # Errors
+    /// Those of [`MasterEquation::pull`].
+    pub fn stretch_density(
+        equation: &MasterEquation,
+        cell: elastic::Standing,
+        stretches: &[f64],
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Stretches> {
+        let elastic::Standing { advance, scale, renewed } = cell;
+        let equation = if renewed { equation.renewed() } else { equation.clone() };
+        let distance = advance.max(equation.contacts().thresholds.mean());
+        let places: Vec<f64> = stretches.iter().map(|x| x / scale).collect();
+        let mut found = equation.pull(distance, tolerance, monitor)?.stretch_density(advance, &places);
+        found.density.iter_mut().for_each(|density| *density /= scale);
+        found.atoms.iter_mut().for_each(|atom| atom.position *= scale);
+        Ok(found)
+    }
+
+    /// The contacts of each cell.
+    fn drawn(
+        &self,
+        ensemble: &crate::ensemble::Ensemble,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<Box<dyn Population>>> {
+        let cell = |cell: usize| -> Result<Box<dyn Population>> {
+            let first = (cell * ensemble.size()) as u64;
+            Ok(Box::new(ensemble.clone().numbered_from(first).population(monitor)?))
         };
-        elastic::Interface::new(Box::new(cells), self.elasticity()?, self.setting(length))
+        (0..self.size()).map(cell).collect()
     }
 
     fn elasticity(&self) -> Result<Box<dyn elastic::Coupling>> {
@@ -288,7 +333,7 @@ impl Interface {
         }
     }
 
-    /// What cells of many contacts need, and what does not go with them.
+    /// What cells of contacts that move together need, and what does not go with them.
     fn many(&self, ensemble: Option<&Ensemble>) -> Result<()> {
         let check = || {
             positive("connection", self.connection)?;
@@ -296,14 +341,22 @@ impl Interface {
             self.disorder.as_ref().map_or(Ok(()), |scales| scales.build(self.size()).map(drop))
         };
         check().map_err(|e| e.under("interface"))?;
-        match ensemble {
-            Some(_) => {
-                let expected =
-                    "none beside interface.contacts = \"many\", whose cells follow the master equation";
-                Err(Error::invalid("ensemble", expected, "one"))
-            }
-            None => Ok(()),
+        ensemble.map_or(Ok(()), |ensemble| self.few(ensemble))
+    }
+
+    /// What cells of few contacts need.
+    fn few(&self, ensemble: &Ensemble) -> Result<()> {
+        let Some(size) = ensemble.size else {
+            let expected = "the number of contacts followed in each cell of the interface";
+            return Err(Error::invalid("ensemble.size", expected, "none"));
+        };
+        if self.slip.unwrap_or_default() == CellSlip::Reset {
+            let expected = "\"overdamped\" beside [ensemble], where balance is lost at every break: in a reset all \
+                            contacts of a cell would break with its first one";
+            return Err(Error::invalid("interface.slip", expected, "reset"));
         }
+        let [cell, contact] = BYTES_PER_ENSEMBLE;
+        size::check("interface.cells", self.size(), cell + contact * size as f64)
     }
 
     /// What does not go with single contacts.

@@ -29,7 +29,7 @@ pub(super) struct Books {
     pub broken: Quintic,
 }
 
-/// F(X) for X ≥ 0 in pieces, with breaks between them where contacts break together. What is asked for before 0 is
+/// F(X) for X ≥ 0 in pieces, with breaks between them where contacts break together. What is asked for before them is
 /// that of the first piece, what is behind the end that of the last one.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Curve {
@@ -116,14 +116,35 @@ impl Curve {
         self.strongest
     }
 
+    /// Where the first piece begins that is kept.
+    #[inline]
+    pub fn first(&self) -> f64 {
+        self.starts[0]
+    }
+
+    /// Forgets the pieces before that of x. What is told of books goes on from them.
+    pub fn forget(&mut self, x: f64) {
+        let passed = ..self.find(x);
+        if passed.end == 0 {
+            return;
+        }
+        self.starts.drain(passed);
+        self.pieces.drain(passed);
+        self.books.drain(passed);
+        self.slopes.drain(passed);
+        self.monotone.drain(passed);
+        self.breaks.drain(passed);
+        self.index();
+    }
+
     /// Makes pieces findable.
     pub fn index(&mut self) {
-        let (number, last) = (4 * self.pieces.len(), self.starts[self.starts.len() - 1]);
-        self.density = if last > 0.0 { number as f64 / last } else { 0.0 };
+        let (number, length) = (4 * self.pieces.len(), self.starts[self.starts.len() - 1] - self.first());
+        self.density = if length > 0.0 { number as f64 / length } else { 0.0 };
         self.buckets.clear();
         let mut piece = 0;
         for bucket in 0..=number {
-            let place = bucket as f64 * last / number as f64;
+            let place = self.first() + bucket as f64 * length / number as f64;
             while piece + 1 < self.starts.len() && self.starts[piece + 1] <= place {
                 piece += 1;
             }
@@ -134,7 +155,7 @@ impl Curve {
     /// The piece that x is in.
     #[inline]
     fn find(&self, x: f64) -> usize {
-        let bucket = ((x * self.density) as usize).min(self.buckets.len() - 1);
+        let bucket = (((x - self.first()) * self.density) as usize).min(self.buckets.len() - 1);
         let mut piece = self.buckets[bucket] as usize;
         while piece > 0 && self.starts[piece] > x {
             piece -= 1;

@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 
+use super::cell::Cell;
 use super::curve::Curve;
 use super::tabulate::Table;
-use super::{Account, Cells, Slopes, State};
+use super::{Account, Cells, Kept, Slopes, Standing, State, checked};
 use crate::elastic::batch::{change, fill, gather, largest};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population, Response};
@@ -62,14 +63,7 @@ impl Curves {
     /// # Errors
     /// Another number of scales than of cells; a scale that is not a finite number above 0, naming its cell.
     pub fn scaled(mut self, scales: Vec<f64>) -> Result<Self> {
-        if scales.len() != self.advances.len() {
-            let expected = format!("a scale for each of the {} cells", self.advances.len());
-            return Err(Error::invalid("disorder", expected, format!("{} of them", scales.len())));
-        }
-        if let Some(cell) = scales.iter().position(|scale| !(*scale > 0.0 && scale.is_finite())) {
-            let found = format!("{} for cell {cell}", scales[cell]);
-            return Err(Error::invalid("disorder", "scales above 0, so that thresholds are", found));
-        }
+        checked(&scales, self.advances.len())?;
         self.largest_scale = scales.iter().fold(0.0, |most, scale| scale.max(most));
         self.scales = scales;
         Ok(self)
@@ -85,10 +79,9 @@ impl Curves {
     fn reach(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
         let batch = self.batch();
         let furthest = |fresh: bool| {
-            largest(
-                by.len(),
-                |cell| if batch.renewed[cell] == fresh { batch.place(cell, by[cell]) } else { 0.0 },
-            )
+            largest(by.len(), |cell| {
+                if batch.renewed[cell] == fresh { batch.cell(cell).place(by[cell]) } else { 0.0 }
+            })
         };
         let (first, fresh) = (furthest(false), furthest(true));
         self.first.reach(first, monitor)?;
@@ -115,42 +108,16 @@ struct Batch<'a> {
 }
 
 impl Batch<'_> {
-    fn scale(&self, cell: usize) -> f64 {
-        if self.scales.is_empty() { 1.0 } else { self.scales[cell] }
+    #[inline]
+    fn cell(&self, cell: usize) -> Cell<'_> {
+        let curve = if self.renewed[cell] { self.fresh } else { self.first };
+        let scale = if self.scales.is_empty() { 1.0 } else { self.scales[cell] };
+        Cell { curve, advance: self.advances[cell], scale, free: self.free[cell] }
     }
 
-    fn curve(&self, cell: usize) -> &Curve {
-        if self.renewed[cell] { self.fresh } else { self.first }
-    }
-
-    /// Where a cell is on its curve after an advance.
-    fn place(&self, cell: usize, by: f64) -> f64 {
-        let by = if self.free[cell] { 0.0 } else { by };
-        (self.advances[cell] + by) / self.scale(cell)
-    }
-
-    fn response(&self, cell: usize, by: f64) -> Response {
-        let (force, slope) = self.curve(cell).response(self.place(cell, by));
-        let tangent = if self.free[cell] { 0.0 } else { slope };
-        Response { force: self.scale(cell) * force, tangent }
-    }
-
-    fn slopes(&self, cell: usize, from: f64, to: f64) -> Slopes {
-        if self.free[cell] {
-            return Slopes::default();
-        }
-        self.curve(cell).slopes(self.place(cell, from), self.place(cell, to.max(from)))
-    }
-
-    /// What a cell has done since its contacts last re-formed together.
+    /// What a cell has done since its contacts last re-formed together, at such an advance since then.
     fn done(&self, cell: usize, advance: f64) -> Account {
-        let scale = self.scale(cell);
-        self.curve(cell).account(advance / scale).scaled(scale)
-    }
-
-    /// Of contacts that have just re-formed together.
-    fn newborn(&self, cell: usize) -> Account {
-        self.fresh.account(0.0).scaled(self.scale(cell))
+        Cell { advance, ..self.cell(cell) }.done(0.0)
     }
 }
 
@@ -170,24 +137,19 @@ impl Cells for Curves {
     fn ahead(&mut self, by: &[f64], responses: &mut [Response]) -> Result<()> {
         self.reach(by, &mut ())?;
         let batch = self.batch();
-        fill(responses, |cell| batch.response(cell, by[cell]));
+        fill(responses, |cell| batch.cell(cell).response(by[cell]));
         Ok(())
     }
 
     fn slopes(&mut self, from: Option<&[f64]>, to: &[f64], slopes: &mut [Slopes]) -> Result<()> {
         self.reach(to, &mut ())?;
         let batch = self.batch();
-        fill(slopes, |cell| batch.slopes(cell, from.map_or(0.0, |from| from[cell]), to[cell]));
+        fill(slopes, |cell| batch.cell(cell).slopes(from.map_or(0.0, |from| from[cell]), to[cell]));
         Ok(())
     }
 
     fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<f64> {
-        let batch = self.batch();
-        if self.free[cell] {
-            return None;
-        }
-        let place = batch.curve(cell).fall(batch.place(cell, 0.0), batch.place(cell, by), slope)?;
-        Some((place * batch.scale(cell) - self.advances[cell]).clamp(0.0, by))
+        self.batch().cell(cell).fall(by, slope)
     }
 
     fn advance(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
@@ -199,11 +161,9 @@ impl Cells for Curves {
 
     fn part(&mut self, cell: usize, by: f64, _monitor: &mut dyn Monitor) -> Result<()> {
         let batch = self.batch();
-        let (begun, newborn) = (batch.done(cell, self.marked[cell]), batch.newborn(cell));
-        let mut done = batch.done(cell, self.advances[cell] + by);
-        done.lost += done.elastic - newborn.elastic;
-        done.broken += 1.0;
-        done.elastic = newborn.elastic;
+        let begun = batch.done(cell, self.marked[cell]);
+        let newborn = Cell { curve: batch.fresh, advance: 0.0, ..batch.cell(cell) }.done(0.0);
+        let done = batch.cell(cell).done(by).renewed(newborn.elastic);
         self.parted.insert(cell, Parted { done: done - begun, renewed: self.renewed[cell] });
         self.settled = self.settled + Account { elastic: 0.0, ..done };
         self.advances[cell] = 0.0;
@@ -247,17 +207,25 @@ impl Cells for Curves {
         self.settled + gather(self.len(), Account::default, add, |a, b| a + b)
     }
 
+    fn standing(&self, cell: usize) -> Option<Standing> {
+        let batch = self.batch();
+        let at = batch.cell(cell);
+        Some(Standing { advance: at.place(0.0), scale: at.scale, renewed: self.renewed[cell] })
+    }
+
     fn state(&self) -> State {
-        State {
+        State(Kept::Curves {
             advances: self.advances.clone(),
             renewed: self.renewed.clone(),
             ways: [self.first.ways(), self.fresh.ways()],
             settled: self.settled,
-        }
+        })
     }
 
     fn restore(&mut self, state: State, monitor: &mut dyn Monitor) -> Result<()> {
-        let State { advances, renewed, ways, settled } = state;
+        let Kept::Curves { advances, renewed, ways, settled } = state.0 else {
+            return Err(Error::invalid("state", "that of cells that share a curve", "another one"));
+        };
         if (advances.len(), renewed.len()) != (self.len(), self.len()) {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", advances.len())));
@@ -265,7 +233,7 @@ impl Cells for Curves {
         (self.advances, self.renewed, self.settled) = (advances, renewed, settled);
         self.free.fill(false);
         self.parted.clear();
-        self.first.resume(ways[0], monitor)?;
-        self.fresh.resume(ways[1], monitor)
+        self.first.resume(ways[0], 0.0, monitor)?;
+        self.fresh.resume(ways[1], 0.0, monitor)
     }
 }

@@ -1,18 +1,21 @@
 //! Cells of an interface as a batch, seen from outside: slices in, slices out.
 
+mod cell;
 mod curve;
 mod curves;
+mod populations;
 mod scales;
 mod tabulate;
 
 pub use curves::Curves;
+pub use populations::Populations;
 pub use scales::scales;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Result;
 use crate::monitor::Monitor;
 use crate::population::Response;
+use crate::{Error, Result};
 
 /// What contacts have done, each summed on its own.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -33,6 +36,13 @@ impl Account {
     pub(super) fn scaled(self, scale: f64) -> Self {
         let energy = scale * scale;
         Self { work: energy * self.work, elastic: energy * self.elastic, lost: energy * self.lost, ..self }
+    }
+
+    /// After all contacts have broken, too, and re-formed with the elastic energy `newborn`.
+    #[must_use]
+    pub(super) fn renewed(self, newborn: f64) -> Self {
+        let lost = self.lost + self.elastic - newborn;
+        Self { lost, broken: self.broken + 1.0, elastic: newborn, ..self }
     }
 }
 
@@ -60,6 +70,18 @@ impl std::ops::Sub for Account {
             broken: self.broken - other.broken,
         }
     }
+}
+
+/// Where a cell is on the curve that it shares with others: its contacts are those of lengths 1 after an advance X/s, all
+/// lengths s times as large.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standing {
+    /// X/s, since the start, or since all of its contacts last re-formed together.
+    pub advance: f64,
+    /// s.
+    pub scale: f64,
+    /// Whether they have.
+    pub renewed: bool,
 }
 
 /// Least and largest tangent dF/dX on a part of a way; the least is −∞ where contacts break together on it.
@@ -136,6 +158,11 @@ pub trait Cells: Send + Sync {
     /// What all cells have done; their elastic energy is that of now.
     fn account(&self) -> Account;
 
+    /// Where a cell is on a curve that it shares; none where it has contacts of its own.
+    fn standing(&self, _cell: usize) -> Option<Standing> {
+        None
+    }
+
     /// All that changes as cells move.
     fn state(&self) -> State;
 
@@ -148,13 +175,42 @@ pub trait Cells: Send + Sync {
 
 /// What cells have come to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    /// How far each has gone since its contacts last re-formed all together.
-    advances: Vec<f64>,
-    /// Whether they have.
-    renewed: Vec<bool>,
-    /// How far curves were known, which decides on steps.
-    ways: [usize; 2],
-    /// What was done before.
-    settled: Account,
+pub struct State(Kept);
+
+/// The same, by what they are.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+enum Kept {
+    /// Cells that share a curve.
+    Curves {
+        /// How far each has gone since its contacts last re-formed all together.
+        advances: Vec<f64>,
+        /// Whether they have.
+        renewed: Vec<bool>,
+        /// How far curves were known, which decides on steps.
+        ways: [usize; 2],
+        /// What was done before.
+        settled: Account,
+    },
+    /// Cells of populations of their own.
+    Populations {
+        /// Each cell.
+        cells: Vec<populations::OwnState>,
+        /// The steepest slope and the strongest force that were known, which decide on steps.
+        known: [f64; 2],
+    },
+}
+
+/// Refuses scales s_j that are not one for each cell, or not above 0.
+fn checked(scales: &[f64], cells: usize) -> Result<()> {
+    if scales.len() != cells {
+        let expected = format!("a scale for each of the {cells} cells");
+        return Err(Error::invalid("disorder", expected, format!("{} of them", scales.len())));
+    }
+    match scales.iter().position(|scale| !(*scale > 0.0 && scale.is_finite())) {
+        Some(cell) => {
+            let found = format!("{} for cell {cell}", scales[cell]);
+            Err(Error::invalid("disorder", "scales above 0, so that thresholds are", found))
+        }
+        None => Ok(()),
+    }
 }

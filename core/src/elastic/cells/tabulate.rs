@@ -14,6 +14,9 @@ const HALVINGS: u32 = 10;
 /// Pieces that a curve may have: some 10⁸ bytes.
 const MOST: usize = 1 << 19;
 
+/// Pieces that are forgotten together.
+const PASSED: usize = 64;
+
 /// A curve that grows as it is asked for.
 pub(super) struct Table {
     population: Box<dyn Population>,
@@ -49,13 +52,18 @@ impl Table {
         Ok(table)
     }
 
+    /// Whether the curve reaches a place.
+    pub fn knows(&self, place: f64) -> bool {
+        place <= self.end
+    }
+
     /// Brings the curve to `end` at least.
     pub fn reach(&mut self, end: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        if end <= self.end {
+        if self.knows(end) {
             return Ok(());
         }
-        // Twice as far, so that asking again and again costs no more than asking once.
-        let end = end.max(2.0 * self.end);
+        // Twice as much, so that asking again and again costs no more than asking once.
+        let end = end.max(2.0 * self.end - self.curve.first());
         while self.end < end {
             self.go_on(monitor)?;
         }
@@ -63,10 +71,14 @@ impl Table {
         Ok(())
     }
 
-    /// Brings the curve to as many ways as it had before.
-    pub fn resume(&mut self, ways: usize, monitor: &mut dyn Monitor) -> Result<()> {
+    /// Brings the curve to as many ways as it had before; nothing is asked for before `from`.
+    pub fn resume(&mut self, ways: usize, from: f64, monitor: &mut dyn Monitor) -> Result<()> {
         while self.ways < ways {
             self.go_on(monitor)?;
+            if self.curve.len() > PASSED && self.end <= from {
+                self.curve.index();
+                self.curve.forget(from);
+            }
         }
         self.curve.index();
         Ok(())

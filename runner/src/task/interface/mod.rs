@@ -43,7 +43,8 @@ pub fn run(
         }
         PerCell::Many => {
             let tolerance = scenario.master_equation.tolerance();
-            let built = interface.deformable(contacts.clone(), initial, tolerance, monitor)?;
+            let ensemble = scenario.ensemble.as_ref();
+            let built = interface.deformable(contacts.clone(), initial, tolerance, ensemble, monitor)?;
             let model = Cells { interface: built, timed: interface.viscosity.is_some() };
             drive(setting, task, interface, model, checkpoints, monitor)
         }
@@ -75,6 +76,7 @@ fn drive<M: Model>(
 fn seed(scenario: &Scenario, interface: &scenario::Interface) -> Option<u64> {
     match (interface.contacts, &interface.disorder) {
         (PerCell::One, _) => Some(scenario.ensemble.clone().unwrap_or_default().seed),
+        (PerCell::Many, _) if scenario.ensemble.is_some() => scenario.ensemble.as_ref().map(|e| e.seed),
         (PerCell::Many, Some(Scales { std: Some(_), seed, .. })) => Some(seed.unwrap_or(1)),
         (PerCell::Many, _) => None,
     }

@@ -1,0 +1,50 @@
+//! A cell on its friction curve.
+
+use super::curve::Curve;
+use super::{Account, Slopes};
+use crate::population::Response;
+
+/// A cell of scale s on a curve of contacts: its force is s F(X/s).
+pub(super) struct Cell<'a> {
+    pub curve: &'a Curve,
+    /// X, from where the curve begins.
+    pub advance: f64,
+    pub scale: f64,
+    /// Whether it moves without its contacts.
+    pub free: bool,
+}
+
+impl Cell<'_> {
+    /// Where it is on the curve after an advance.
+    pub fn place(&self, by: f64) -> f64 {
+        let by = if self.free { 0.0 } else { by };
+        (self.advance + by) / self.scale
+    }
+
+    pub fn response(&self, by: f64) -> Response {
+        let (force, slope) = self.curve.response(self.place(by));
+        let tangent = if self.free { 0.0 } else { slope };
+        Response { force: self.scale * force, tangent }
+    }
+
+    pub fn slopes(&self, from: f64, to: f64) -> Slopes {
+        if self.free {
+            return Slopes::default();
+        }
+        self.curve.slopes(self.place(from), self.place(to.max(from)))
+    }
+
+    /// The first advance, up to `by`, from which on the slope is below `slope`.
+    pub fn fall(&self, by: f64, slope: f64) -> Option<f64> {
+        if self.free {
+            return None;
+        }
+        let place = self.curve.fall(self.place(0.0), self.place(by), slope)?;
+        Some((place * self.scale - self.advance).clamp(0.0, by))
+    }
+
+    /// What its contacts have done from the beginning of the curve to an advance from here.
+    pub fn done(&self, by: f64) -> Account {
+        self.curve.account((self.advance + by) / self.scale).scaled(self.scale)
+    }
+}

@@ -1,0 +1,300 @@
+//! Cells that are each a population of their own, such as ensembles of few contacts.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::cell::Cell;
+use super::tabulate::Table;
+use super::{Account, Cells, Kept, Slopes, State, checked};
+use crate::elastic::batch::{all, fill, gather};
+use crate::monitor::Monitor;
+use crate::population::{Direction, Population, Response};
+use crate::{Error, Result};
+
+/// Cells of contacts without rates, each a population that none of the others shares.
+///
+/// Each has a friction curve of its own, tabulated a little ahead of it and forgotten behind. Besides that it keeps its
+/// population as it was at first and as it last re-formed all together: what it has come to follows from the places at
+/// which it did.
+pub struct Populations {
+    cells: Vec<Own>,
+    /// Largest |F'| and |F| so far.
+    known: [f64; 2],
+}
+
+/// A cell.
+struct Own {
+    first: Arc<dyn Population>,
+    scale: f64,
+    stand: Stand,
+    /// Where its contacts re-formed all together, each from where they did before, per scale.
+    resets: Vec<f64>,
+    /// Its advance at the mark, and what it had done.
+    marked: (f64, Account),
+    /// What it was at the mark, if its contacts have broken all together since.
+    parted: Option<Box<Stand>>,
+}
+
+/// Where a cell stands.
+struct Stand {
+    /// Its contacts at first, or as they last re-formed all together.
+    base: Arc<dyn Population>,
+    /// Their curve from there.
+    table: Table,
+    /// X since then.
+    advance: f64,
+    free: bool,
+    /// What was done before, with no energy kept.
+    settled: Account,
+}
+
+/// What a cell has come to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct OwnState {
+    resets: Vec<f64>,
+    advance: f64,
+    ways: usize,
+    settled: Account,
+}
+
+impl Stand {
+    fn new(base: Arc<dyn Population>, settled: Account, monitor: &mut dyn Monitor) -> Result<Self> {
+        let table = Table::new(base.copy(), monitor)?;
+        Ok(Self { base, table, advance: 0.0, free: false, settled })
+    }
+}
+
+impl Own {
+    fn new(population: Box<dyn Population>, monitor: &mut dyn Monitor) -> Result<Self> {
+        let first: Arc<dyn Population> = population.into();
+        Ok(Self {
+            stand: Stand::new(first.clone(), Account::default(), monitor)?,
+            first,
+            scale: 1.0,
+            resets: Vec::new(),
+            marked: (0.0, Account::default()),
+            parted: None,
+        })
+    }
+
+    fn on_curve(&self) -> Cell<'_> {
+        let Stand { table, advance, free, .. } = &self.stand;
+        Cell { curve: &table.curve, advance: *advance, scale: self.scale, free: *free }
+    }
+
+    /// Whether its curve is known as far as an advance.
+    fn knows(&self, by: f64) -> bool {
+        self.stand.table.knows(self.on_curve().place(by))
+    }
+
+    /// Sees to it that it is.
+    fn reach(&mut self, by: f64) -> Result<()> {
+        let end = self.on_curve().place(by);
+        let passed = if self.parted.is_some() { 0.0 } else { self.marked.0.min(self.stand.advance) };
+        self.stand.table.curve.forget(passed / self.scale);
+        self.stand.table.reach(end, &mut ())
+    }
+
+    /// What it has done after an advance.
+    fn done(&self, by: f64) -> Account {
+        self.stand.settled + self.on_curve().done(by)
+    }
+
+    fn part(&mut self, by: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        let place = self.on_curve().place(by);
+        let mut stand = Stand::new(renewed(&*self.stand.base, place, monitor)?, Account::default(), monitor)?;
+        let newborn = stand.table.curve.account(0.0).scaled(self.scale);
+        stand.settled = Account { elastic: 0.0, ..self.done(by).renewed(newborn.elastic) };
+        stand.free = true;
+        self.resets.push(place);
+        self.parted = Some(Box::new(std::mem::replace(&mut self.stand, stand)));
+        Ok(())
+    }
+
+    fn mark(&mut self) {
+        self.marked = (self.stand.advance, self.done(0.0));
+        self.parted = None;
+    }
+
+    fn recall(&mut self) {
+        if let Some(stand) = self.parted.take() {
+            self.stand = *stand;
+            self.resets.pop();
+        }
+        self.stand.advance = self.marked.0;
+    }
+
+    fn state(&self) -> OwnState {
+        let Stand { table, advance, settled, .. } = &self.stand;
+        OwnState { resets: self.resets.clone(), advance: *advance, ways: table.ways(), settled: *settled }
+    }
+
+    fn restore(&mut self, kept: OwnState) -> Result<()> {
+        let OwnState { resets, advance, ways, settled } = kept;
+        let mut base = self.first.clone();
+        for &place in &resets {
+            base = renewed(&*base, place, &mut ())?;
+        }
+        self.stand = Stand { advance, ..Stand::new(base, settled, &mut ())? };
+        self.stand.table.resume(ways, advance / self.scale, &mut ())?;
+        self.resets = resets;
+        self.mark();
+        Ok(())
+    }
+}
+
+/// Contacts that have gone on to a place from where they are and re-formed there all together. What breaks within
+/// rounding of that place breaks with all others.
+fn renewed(base: &dyn Population, place: f64, monitor: &mut dyn Monitor) -> Result<Arc<dyn Population>> {
+    let mut population = base.copy();
+    let end = population.position() + place;
+    let near = 16.0 * f64::EPSILON * (end.abs() + place);
+    loop {
+        let way = population.way(Direction::Forward, monitor)?;
+        let left = (end - population.position()).max(0.0);
+        if left <= way.length + near {
+            population.advance(left.min(way.length))?;
+            population.reset(Direction::Forward, monitor)?;
+            return Ok(population.into());
+        }
+        population.advance(way.length)?;
+        if way.breaks {
+            population.cross(monitor)?;
+        }
+    }
+}
+
+impl Populations {
+    /// Cells that stand where their populations do.
+    ///
+    /// # Errors
+    /// Those of the populations; stopped by the monitor.
+    pub fn new(populations: Vec<Box<dyn Population>>, monitor: &mut dyn Monitor) -> Result<Self> {
+        let cells: Result<Vec<Own>> = populations.into_iter().map(|p| Own::new(p, monitor)).collect();
+        let mut populations = Self { cells: cells?, known: [0.0; 2] };
+        populations.know();
+        Ok(populations)
+    }
+
+    /// The same cells with scales s_j, one for each, as [`super::Curves::scaled`] has them.
+    ///
+    /// # Errors
+    /// Another number of scales than of cells; a scale that is not a finite number above 0, naming its cell.
+    pub fn scaled(mut self, scales: &[f64]) -> Result<Self> {
+        checked(scales, self.len())?;
+        self.cells.iter_mut().zip(scales).for_each(|(cell, scale)| cell.scale = *scale);
+        self.known = [0.0; 2];
+        self.know();
+        Ok(self)
+    }
+
+    /// Sees to it that curves are known as far as cells may go.
+    fn reach(&mut self, by: &[f64]) -> Result<()> {
+        if all(by.len(), |cell| self.cells[cell].knows(by[cell])) {
+            return Ok(());
+        }
+        let reach = |(cell, by): (&mut Own, &f64)| if cell.knows(*by) { Ok(()) } else { cell.reach(*by) };
+        self.cells.par_iter_mut().zip(by).try_for_each(reach)?;
+        self.know();
+        Ok(())
+    }
+
+    /// Looks at how strong forces and slopes are on what is known of the curves.
+    fn know(&mut self) {
+        let most = |known, cell: usize| {
+            let (scale, curve) = (self.cells[cell].scale, &self.cells[cell].stand.table.curve);
+            larger(known, [curve.steepest(), scale * curve.strongest()])
+        };
+        self.known = gather(self.len(), || self.known, most, larger);
+    }
+}
+
+fn larger(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0].max(b[0]), a[1].max(b[1])]
+}
+
+impl Cells for Populations {
+    fn len(&self) -> usize {
+        self.cells.len()
+    }
+
+    fn steepest(&self) -> f64 {
+        self.known[0]
+    }
+
+    fn strongest(&self) -> f64 {
+        self.known[1]
+    }
+
+    fn ahead(&mut self, by: &[f64], responses: &mut [Response]) -> Result<()> {
+        self.reach(by)?;
+        fill(responses, |cell| self.cells[cell].on_curve().response(by[cell]));
+        Ok(())
+    }
+
+    fn slopes(&mut self, from: Option<&[f64]>, to: &[f64], slopes: &mut [Slopes]) -> Result<()> {
+        self.reach(to)?;
+        let start = |cell: usize| from.map_or(0.0, |from| from[cell]);
+        fill(slopes, |cell| self.cells[cell].on_curve().slopes(start(cell), to[cell]));
+        Ok(())
+    }
+
+    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<f64> {
+        self.cells[cell].on_curve().fall(by, slope)
+    }
+
+    fn advance(&mut self, by: &[f64], _monitor: &mut dyn Monitor) -> Result<()> {
+        self.reach(by)?;
+        for (Own { stand, .. }, by) in self.cells.iter_mut().zip(by).filter(|(cell, _)| !cell.stand.free) {
+            stand.advance += by;
+        }
+        Ok(())
+    }
+
+    fn part(&mut self, cell: usize, by: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        self.cells[cell].part(by, monitor)
+    }
+
+    fn rejoin(&mut self) {
+        self.cells.iter_mut().for_each(|cell| cell.stand.free = false);
+    }
+
+    fn mark(&mut self) {
+        self.cells.iter_mut().for_each(Own::mark);
+    }
+
+    fn recall(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
+        self.cells.iter_mut().for_each(Own::recall);
+        Ok(())
+    }
+
+    fn since(&self, cell: usize) -> Account {
+        let cell = &self.cells[cell];
+        cell.done(0.0) - cell.marked.1
+    }
+
+    fn account(&self) -> Account {
+        let add = |sum, cell: usize| sum + self.cells[cell].done(0.0);
+        gather(self.len(), Account::default, add, |a, b| a + b)
+    }
+
+    fn state(&self) -> State {
+        let cells = self.cells.iter().map(Own::state).collect();
+        State(Kept::Populations { cells, known: self.known })
+    }
+
+    fn restore(&mut self, state: State, _monitor: &mut dyn Monitor) -> Result<()> {
+        let Kept::Populations { cells, known } = state.0 else {
+            return Err(Error::invalid("state", "that of cells of populations of their own", "another one"));
+        };
+        if cells.len() != self.len() {
+            let expected = format!("that of {} cells", self.len());
+            return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));
+        }
+        self.cells.par_iter_mut().zip(cells).try_for_each(|(cell, kept)| cell.restore(kept))?;
+        self.known = known;
+        Ok(())
+    }
+}
