@@ -1,0 +1,137 @@
+//! What of an interface makes sense, and with what it goes.
+
+use super::super::{Drive, Ensemble, positive, size};
+use super::{CellSlip, Coupling, Interface, Loading, PerCell};
+use crate::contacts::Contacts;
+use crate::ensemble::lattice::Lattice;
+use crate::{Error, Result};
+
+/// Bytes that a contact coupled one by one takes at most.
+const BYTES_PER_CONTACT: f64 = 64.0;
+/// Bytes that a cell takes, with what it takes to couple it.
+const BYTES_PER_CELL: f64 = 128.0;
+/// Bytes that a cell of few contacts takes, and each of them.
+const BYTES_PER_ENSEMBLE: [f64; 2] = [16e3, 256.0];
+
+impl Interface {
+    /// Whether every value makes sense, and goes with the contacts, the drive and the ensemble.
+    ///
+    /// # Errors
+    /// The first that does not, with its full path.
+    pub fn check(&self, contacts: &Contacts, drive: &Drive, ensemble: Option<&Ensemble>) -> Result<()> {
+        onwards(drive).map_err(|e| e.under("drive"))?;
+        self.check_cells(contacts, ensemble)
+    }
+
+    /// The same, whatever drives the cells.
+    ///
+    /// # Errors
+    /// The first value that does not, with its full path.
+    pub fn check_cells(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
+        if let Some(rule) = contacts.rules.first() {
+            let expected =
+                "contacts that know no time, since balance of cells is followed along the drive alone";
+            return Err(Error::invalid(format!("contacts.{rule}"), expected, "one that does"));
+        }
+        self.values().map_err(|e| e.under("interface"))?;
+        match self.contacts {
+            PerCell::Many => self.many(ensemble),
+            PerCell::One => self.one(contacts, ensemble),
+        }
+    }
+
+    /// Values that make no sense whatever a cell is; keys are relative to this table.
+    fn values(&self) -> Result<()> {
+        let shape = self.shape()?;
+        let bytes = match self.contacts {
+            PerCell::Many => BYTES_PER_CELL,
+            PerCell::One => BYTES_PER_CONTACT,
+        };
+        size::check("cells", shape.size(), bytes)?;
+        match self.contacts {
+            PerCell::Many => positive("connection", self.connection)?,
+            PerCell::One => not_negative("connection", self.connection)?,
+        };
+        self.coupling.check().map_err(|e| e.under("coupling"))?;
+        self.viscosity.map(|viscosity| positive("viscosity", viscosity)).transpose()?;
+        positive("drive_tolerance", self.drive_tolerance)?;
+        not_negative("catalogue_from", self.catalogue_from).map(drop)
+    }
+
+    /// What cells of contacts that move together need, and what does not go with them.
+    fn many(&self, ensemble: Option<&Ensemble>) -> Result<()> {
+        let check = || {
+            self.shape()?.check(self.edges.into())?;
+            self.disorder.as_ref().map_or(Ok(()), |scales| scales.build(self.size()).map(drop))
+        };
+        check().map_err(|e| e.under("interface"))?;
+        ensemble.map_or(Ok(()), |ensemble| self.few(ensemble))
+    }
+
+    /// What cells of few contacts need.
+    fn few(&self, ensemble: &Ensemble) -> Result<()> {
+        let Some(size) = ensemble.size else {
+            let expected = "the number of contacts followed in each cell of the interface";
+            return Err(Error::invalid("ensemble.size", expected, "none"));
+        };
+        if self.slip.unwrap_or_default() == CellSlip::Reset {
+            let expected = "\"overdamped\" beside [ensemble], where balance is lost at every break: in a reset all \
+                            contacts of a cell would break with its first one";
+            return Err(Error::invalid("interface.slip", expected, "reset"));
+        }
+        let [cell, contact] = BYTES_PER_ENSEMBLE;
+        size::check("interface.cells", self.size(), cell + contact * size as f64)
+    }
+
+    /// What does not go with single contacts.
+    fn one(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
+        let given = [
+            ("slip", self.slip.is_some(), "re-form when the slide is over", "a rule of slip"),
+            ("viscosity", self.viscosity.is_some(), "know no time", "one"),
+            ("disorder", self.disorder.is_some(), "draw their thresholds from contacts.thresholds", "one"),
+            ("loading", self.loading == Loading::Edge, "are all pulled by the drive", "edge"),
+        ];
+        if let Some((key, _, why, found)) = given.into_iter().find(|given| given.1) {
+            let expected =
+                format!("none beside interface.contacts = \"one\": contacts coupled one by one {why}");
+            return Err(Error::invalid(key, expected, found).under("interface"));
+        }
+        if let Some(size) = ensemble.and_then(|ensemble| ensemble.size) {
+            let expected = "none beside interface.contacts = \"one\", where every cell is a contact";
+            return Err(Error::invalid("ensemble.size", expected, size));
+        }
+        Lattice::check(contacts, &self.springs().map_err(|e| e.under("interface"))?)
+    }
+}
+
+impl Coupling {
+    fn check(&self) -> Result<()> {
+        match *self {
+            Self::Neighbours { stiffness } => not_negative("neighbours.stiffness", stiffness).map(drop),
+            Self::HalfSpace { modulus, cell } => {
+                positive("half_space.modulus", modulus)?;
+                positive("half_space.cell", cell).map(drop)
+            }
+        }
+    }
+}
+
+/// Refuses drives that an interface does not follow.
+fn onwards(drive: &Drive) -> Result<()> {
+    let given = [("turning_points", drive.turning_points.is_some()), ("force_to", drive.force_to.is_some())];
+    match given.into_iter().find(|given| given.1) {
+        Some((key, _)) => {
+            let expected = "a distance: an interface is driven forward only, through its connection";
+            Err(Error::invalid(key, expected, key))
+        }
+        None => Ok(()),
+    }
+}
+
+pub(super) fn not_negative(key: &str, value: f64) -> Result<f64> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(Error::invalid(key, "a finite number, 0 or above", value))
+    }
+}

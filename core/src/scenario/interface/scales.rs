@@ -1,0 +1,62 @@
+//! How the cells of an interface differ.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::super::exactly_one;
+use super::check::not_negative;
+use crate::elastic::cells::scales;
+use crate::{Error, Result};
+
+/// How cells differ: all lengths of cell j, its thresholds foremost, are those of the contacts times s_j.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scales {
+    /// Standard deviation of s_j, drawn from a Gaussian of mean 1, 0 or above.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub std: Option<f64>,
+    /// Seed of the draws; 1 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 1))]
+    pub seed: Option<u64>,
+    /// CSV file with the one column `scale`, a row for each cell, along rows, instead of `std`; its path is relative to the
+    /// scenario.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// The scales themselves, instead of `file`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale: Option<Vec<f64>>,
+}
+
+impl Scales {
+    /// The scales of so many cells.
+    pub(super) fn build(&self, cells: usize) -> Result<Vec<f64>> {
+        self.check(cells).map_err(|e| e.under("disorder"))?;
+        match &self.scale {
+            Some(scale) => Ok(scale.clone()),
+            None => scales(cells, self.std.unwrap_or(0.0), self.seed.unwrap_or(1)),
+        }
+    }
+
+    /// Checks the values for so many cells.
+    fn check(&self, cells: usize) -> Result<()> {
+        let given = [("std", self.std.is_some()), ("file", self.file.is_some() || self.scale.is_some())];
+        exactly_one("", "either std or file", &given)?;
+        if let (Some(seed), None) = (self.seed, self.std) {
+            return Err(Error::invalid("seed", "none beside file: nothing is drawn", seed));
+        }
+        self.std.map(|std| not_negative("std", std)).transpose()?;
+        // TOML has no whole numbers above this.
+        if let Some(seed) = self.seed.filter(|&seed| i64::try_from(seed).is_err()) {
+            return Err(Error::invalid("seed", "a whole number below 2^63", seed));
+        }
+        let Some(scales) = &self.scale else { return Ok(()) };
+        if scales.len() != cells {
+            return Err(Error::invalid("scale", format!("{cells} scales, one for each cell"), scales.len()));
+        }
+        match scales.iter().position(|&scale| !(scale.is_finite() && scale > 0.0)) {
+            Some(cell) => Err(Error::invalid(format!("scale.{cell}"), "a number above 0", scales[cell])),
+            None => Ok(()),
+        }
+    }
+}
