@@ -14,6 +14,12 @@ GAUSSIAN = asp.Contacts(asp.Gaussian(1.0, 0.05))
 EVEN = asp.Contacts(asp.Exponential(1.0))
 SAMPLES = asp.Tabulated(samples=asp.Gaussian(1.0, 0.05).rvs(40, seed=1))
 AGEING = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=asp.Smoluchowski(asp.Gaussian(1.0, 0.05), 0.0025))
+ROUGH = asp.Contacts(asp.Gaussian(1.0, 0.1))
+INTERFACE = asp.Interface(
+    ROUGH, [64, 64], connection=0.5, half_space=(1.0, 1.0), disorder=0.2, slip="overdamped", edges="periodic"
+)
+REBOUND = asp.Interface(ROUGH, [64, 64], connection=0.5, neighbours=1.0, disorder=0.2, viscosity=1.0)
+LATTICE = asp.Lattice(ROUGH, [256, 256], asp.Rectangular(0.0, 0.5), neighbours=0.249, connection=0.004)
 SOON = 0.2
 
 LONG: dict[str, Callable[[], object]] = {
@@ -31,6 +37,9 @@ LONG: dict[str, Callable[[], object]] = {
     "resets": lambda: asp.Block(asp.Ensemble(GAUSSIAN, size=2 * 10**6), 0.1).drive(1e7),
     "imposed force": lambda: asp.Block(asp.Ensemble(EVEN, size=10**6), None).drive(force_to=0.999),
     "diffusion": lambda: asp.Transport(AGEING, tolerance=1e-7).follow([asp.Step(1.0, distance=100.0)]),
+    "interface": lambda: INTERFACE.drive(1e7),
+    "slides": lambda: REBOUND.drive(1e7),
+    "lattice": lambda: LATTICE.drive(1e7, catalogue_from=1e6),
     "scenario": lambda: asp.run(SCENARIO, {"ensemble.size": 10**9}),
 }
 

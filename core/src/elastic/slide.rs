@@ -18,8 +18,8 @@ const OVER: f64 = 0.01;
 /// Forces out of balance that become no smaller are rounding up to so many times what is expected of it.
 pub(super) const STALLED: f64 = 10.0;
 
-/// Steps between two reports to the monitor.
-const REPORT: u64 = 64;
+/// Steps of a cell between two reports to the monitor.
+const REPORT: u64 = 1 << 12;
 
 /// Steps after which a slide is given up: some 10⁴ times what they take.
 const MOST_STEPS: u64 = 10_000_000;
@@ -67,6 +67,7 @@ impl Interface {
     /// Steps until there is balance.
     fn follow(&mut self, slide: &mut Slide, monitor: &mut dyn Monitor) -> Result<()> {
         let (mut time, mut most, mut before, mut settled) = (0.0, 0.0_f64, f64::INFINITY, false);
+        let quiet = REPORT.div_ceil(self.len() as u64);
         for steps in 0..MOST_STEPS {
             let excess = self.excess_here()?;
             let precision = self.precision();
@@ -86,7 +87,7 @@ impl Interface {
             if excess > OVER * most || slide.fallen.len() > fallen {
                 slide.over = time;
             }
-            if steps % REPORT == 0 {
+            if steps % quiet == 0 {
                 self.tell(monitor)?;
             }
         }

@@ -281,6 +281,7 @@ impl Series {
         let low = inside().map(|cell| cell.0).fold(f64::INFINITY, f64::min);
         let high = inside().map(|cell| cell.1).fold(0.0, f64::max);
         let resolution = inside().map(|cell| cell.2).fold(self.std, f64::max);
+        // Cells that narrow towards a break are halved further by rounding, near a pole to a twentieth of their distance.
         let apart = |(low, high, _): &(f64, f64, f64)| {
             let far = |b: &Break| high - low < 0.02 * (0.5 * (low + high) - b.position).abs();
             self.breaks.iter().all(far)
