@@ -44,10 +44,10 @@ impl Coupling for BetweenWalls {
     }
 
     fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
-        self.respond(&vec![diagonal; self.cells], right);
+        self.respond(&vec![diagonal; self.cells], right, 0.0);
     }
 
-    fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {
+    fn respond(&mut self, springs: &[f64], right: &mut [f64], _goal: f64) -> bool {
         let mut pivots: Vec<f64> = Vec::new();
         for j in 0..self.cells {
             let ratio = pivots.last().map_or(0.0, |last| self.stiffness / last);
@@ -125,13 +125,14 @@ impl Coupling for Beside {
     }
 
     fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
-        self.respond(&vec![diagonal; self.cells], right);
+        self.respond(&vec![diagonal; self.cells], right, 0.0);
     }
 
-    fn near(&mut self, diagonal: f64, right: &mut [f64]) {
+    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
         let mut whole = self.whole(right);
         self.ring.solve(diagonal, &mut whole);
         right.copy_from_slice(&whole[1..=self.cells]);
+        false
     }
 
     fn own(&self, cell: usize) -> f64 {

@@ -5,9 +5,11 @@ use super::batch::{all, change, fill, largest};
 use crate::Result;
 use crate::monitor::Monitor;
 
-/// The least spring of a step where a slope has no balance, of the steepest slope: the softer, the larger first steps
-/// are and the less is known of the slope on them.
-const SOFTEST: f64 = 0.05;
+/// Steps that lead farther, in lengths on which slopes change, are out of bounds.
+const FAR: f64 = 100.0;
+
+/// What a solution leaves of the largest force.
+const SOLVED: f64 = 1e-4;
 
 /// Forces in balance, of the largest that cells have.
 const BALANCED: f64 = 1e-14;
@@ -21,8 +23,8 @@ const CURVED: f64 = 0.1;
 
 /// A step that has been made.
 pub(super) struct Step {
-    /// Whether the state that it was made from is stable.
-    pub stable: bool,
+    /// η/dt.
+    pub rate: f64,
     /// Whether slopes on the way mattered for what the step has left of the excess forces: then it is no rounding.
     pub curved: bool,
 }
@@ -35,7 +37,8 @@ impl Interface {
             self.drive = self.total_force() / connected;
             self.excess_here()?;
             let springs: Vec<f64> = (0..self.len()).map(|j| self.connection(j)).collect();
-            self.coupling.respond(&springs, &mut self.excess);
+            let goal = SOLVED * largest(self.len(), |j| self.excess[j].abs());
+            self.coupling.respond(&springs, &mut self.excess, 1e-3 * goal);
             self.positions.copy_from_slice(&self.excess);
             self.coupling.forces(&self.positions, &mut self.held);
         }
@@ -76,22 +79,23 @@ impl Interface {
         Ok(largest(self.len(), |j| self.excess[j].abs()))
     }
 
-    /// Goes on from the advances that are tried by δ with (η/dt + D + A) δ = excess, `rate` being η/dt.
+    /// Goes on from the advances that are tried by δ with (η/dt + D + A) δ = excess, `rate` being η/dt; none, and nothing
+    /// done, where F' + K_0 + η/dt + A is not positive definite, or hardly.
     ///
     /// D_j ≥ F_j' + K_0j is an upper bound on the way that the cell takes, and (η/dt + D + A)⁻¹ has no entry below 0. So
     /// excess forces that are ≥ 0 stay so, and no state in balance is passed. Where slopes fall on the way F_j' where it
     /// begins is such a bound, and the step is Newton's; else a second solution takes the largest slope on the way of
     /// the first one, which is the longer.
-    pub(super) fn step(&mut self, rate: f64) -> Result<Step> {
-        let softest = SOFTEST * self.cells.steepest();
+    pub(super) fn step(&mut self, rate: f64) -> Result<Option<Step>> {
+        let excess = largest(self.len(), |j| self.excess[j].abs());
+        let goal = self.goal(excess);
         let mut springs = std::mem::take(&mut self.springs);
         fill(&mut springs, |j| self.responses[j].tangent + self.connection(j) + rate);
         let mut way = self.excess.clone();
-        let stable = self.coupling.respond(&springs, &mut way);
-        if !stable {
-            change(&mut springs, |_, spring| spring.max(softest));
-            way.copy_from_slice(&self.excess);
-            self.coupling.respond(&springs, &mut way);
+        let stable = self.coupling.respond(&springs, &mut way, goal);
+        if !stable || largest(way.len(), |j| way[j].abs()) > FAR * self.length() {
+            self.springs = springs;
+            return Ok(None);
         }
         change(&mut way, |j, way| self.by[j] + way);
         self.cells.slopes(Some(&self.by), &way, &mut self.slopes)?;
@@ -101,28 +105,37 @@ impl Interface {
         } else {
             change(&mut springs, |j, spring| spring.max(bound(j)));
             way.copy_from_slice(&self.excess);
-            self.coupling.respond(&springs, &mut way);
+            self.coupling.respond(&springs, &mut way, goal);
         }
         self.springs = springs;
         change(&mut self.by, |j, by| by + way[j]);
-        let excess = largest(way.len(), |j| self.excess[j].abs());
         let bend = |j: usize| (self.slopes[j].largest - self.slopes[j].least) * way[j].abs();
         let curved = largest(way.len(), bend) > CURVED * excess;
-        Ok(Step { stable, curved })
+        Ok(Some(Step { rate, curved }))
     }
 
-    /// Goes on from the advances that are tried by Newton's step: the largest advance; none where the state is unstable.
-    pub(super) fn newton(&mut self) -> Result<Option<f64>> {
+    /// The length on which the steepest slope makes the strongest force.
+    pub(super) fn length(&self) -> f64 {
+        self.cells.strongest() / self.cells.steepest()
+    }
+
+    /// What a solution for such forces may leave of them.
+    fn goal(&self, excess: f64) -> f64 {
+        (SOLVED * excess).max(0.3 * self.precision())
+    }
+
+    /// Goes on from the advances that are tried by Newton's step; whether the state there is stable.
+    pub(super) fn newton(&mut self) -> bool {
         let mut springs = std::mem::take(&mut self.springs);
         fill(&mut springs, |j| self.responses[j].tangent + self.connection(j));
         let mut way = self.excess.clone();
-        let stable = self.coupling.respond(&springs, &mut way);
+        let goal = self.goal(largest(self.len(), |j| self.excess[j].abs()));
+        let stable = self.coupling.respond(&springs, &mut way, goal);
         self.springs = springs;
-        if !stable {
-            return Ok(None);
+        if stable {
+            change(&mut self.by, |j, by| by + way[j]);
         }
-        change(&mut self.by, |j, by| by + way[j]);
-        Ok(Some(largest(way.len(), |j| way[j].abs())))
+        stable
     }
 
     /// Whether every state between here, with the given forces, and the advances that are tried, in balance at a drive that
@@ -145,7 +158,7 @@ impl Interface {
         let mut springs = vec![0.0; self.len()];
         fill(&mut springs, least);
         let mut answer = vec![1.0; self.len()];
-        Ok(self.coupling.respond(&springs, &mut answer))
+        Ok(self.coupling.respond(&springs, &mut answer, SOLVED))
     }
 
     /// Makes the advances that were tried.

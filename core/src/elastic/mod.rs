@@ -19,6 +19,7 @@ pub mod coupling;
 mod creep;
 mod energy;
 mod event;
+mod outlook;
 mod slide;
 mod solve;
 mod state;

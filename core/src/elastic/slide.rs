@@ -1,5 +1,6 @@
 //! Slides at a fixed drive, from the loss of balance to the next one.
 
+use super::balance::Step;
 use super::batch::{fill, sum};
 use super::catalogue::{Fallen, Slide};
 use super::{Event, Interface, Slip, Slipped};
@@ -11,6 +12,18 @@ const PACE: f64 = 0.02;
 
 /// Excess force, of the strongest one, below which steps grow: what moves so slowly is followed by its way.
 const SLOW: f64 = 2e-3;
+
+/// The least damping of a step where cells are not stable, of the steepest slope.
+const DAMPED: f64 = 1e-3;
+
+/// By how much damping changes where it was too little.
+const LONGER: f64 = 4.0;
+
+/// By how much it falls at most.
+const EASED: f64 = 2.0;
+
+/// Damping of the next step, in the negative stiffness that the last one saw.
+const SPARE: f64 = 3.0;
 
 /// A slide is over when no cell begins to slip any more, and the excess force is this part of its largest.
 const OVER: f64 = 0.01;
@@ -41,7 +54,6 @@ impl Interface {
         self.excess_here()?;
         let lost = self.lost(&slide);
         self.enter_slide(lost);
-        self.pace.renew();
         let events = self.events(&slide);
         if self.setting.viscosity.is_some() {
             self.time += slide.over;
@@ -67,18 +79,19 @@ impl Interface {
     /// Steps until there is balance.
     fn follow(&mut self, slide: &mut Slide, monitor: &mut dyn Monitor) -> Result<()> {
         let (mut time, mut most, mut before, mut settled) = (0.0, 0.0_f64, f64::INFINITY, false);
+        let mut damping = 0.0;
         let quiet = REPORT.div_ceil(self.len() as u64);
         for steps in 0..MOST_STEPS {
             let excess = self.excess_here()?;
             let precision = self.precision();
+            damping = self.eased(damping, excess / before);
             if settled && (excess <= precision || (excess <= STALLED * precision && excess > 0.5 * before)) {
                 return Ok(());
             }
             before = excess;
-            let rate = self.rate(excess);
-            let during = self.setting.viscosity.map_or(1.0, |viscosity| viscosity / rate);
-            let step = self.step(rate)?;
-            settled = step.stable && !step.curved;
+            let step = self.step_on(excess, &mut damping)?;
+            let during = self.setting.viscosity.map_or(1.0, |viscosity| viscosity / step.rate);
+            settled = damping == 0.0 && !step.curved;
             let fallen = slide.fallen.len();
             self.notice(slide, time, during, monitor)?;
             self.commit(monitor)?;
@@ -93,6 +106,32 @@ impl Interface {
         }
         let (reached, wanted) = (Float(before), Float(self.precision()));
         Err(Error::Accuracy { what: "the balance of a slide".into(), reached, wanted })
+    }
+
+    /// Makes a step, at the damping η/dt that it needs where cells are not stable.
+    fn step_on(&mut self, excess: f64, damping: &mut f64) -> Result<Step> {
+        let least = self.rate(excess);
+        loop {
+            let rate = least.max(*damping);
+            if let Some(step) = self.step(rate)? {
+                return Ok(step);
+            }
+            *damping = (LONGER * rate).max(DAMPED * self.cells.steepest());
+        }
+    }
+
+    /// Damping of the next step, the last one having changed the largest excess force by a factor: on the softest way, of
+    /// stiffness λ, that is damping/(damping + λ).
+    fn eased(&self, damping: f64, factor: f64) -> f64 {
+        let needed = SPARE * damping * (1.0 - 1.0 / factor);
+        let eased = damping / EASED;
+        if needed > 0.0 {
+            needed
+        } else if eased > DAMPED * self.cells.steepest() {
+            eased
+        } else {
+            0.0
+        }
     }
 
     /// η/dt of a step: short where cells move fast, and ever longer as they come to rest; 0 without viscosity.

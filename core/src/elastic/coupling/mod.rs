@@ -39,16 +39,17 @@ pub trait Coupling: Send + Sync {
     /// Solves (diagonal + A) δ = right for the response δ of cells that are held by springs `diagonal` > 0 too.
     fn solve(&mut self, diagonal: f64, right: &mut [f64]);
 
-    /// About what [`Coupling::solve`] does, at the cost of little more than [`Coupling::forces`]: a symmetric positive
-    /// definite matrix.
-    fn near(&mut self, diagonal: f64, right: &mut [f64]) {
+    /// About what [`Coupling::solve`] does, at the cost of little more than [`Coupling::forces`], by a symmetric positive
+    /// definite matrix; whether it is the same.
+    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
         self.solve(diagonal, right);
+        true
     }
 
-    /// Solves (springs + A) δ = right where springs differ from cell to cell, and may push; whether the matrix is positive
-    /// definite. If not, `right` is of no use.
-    fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {
-        solve(self, springs, right)
+    /// Solves (springs + A) δ = right where springs differ from cell to cell, and may push, until no force larger than
+    /// `goal` is left; whether the matrix is positive definite. If not, `right` is of no use.
+    fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> bool {
+        solve(self, springs, right, goal)
     }
 
     /// A_jj, the stiffness that a cell feels when it moves alone.

@@ -13,6 +13,9 @@ use crate::shape::{Edges, Shape};
 /// Cells below which work is not shared among threads.
 const SHARE: usize = 1 << 14;
 
+/// Springs between neighbours, of those to the ground, above which modes are worth their transforms.
+const STIFF: f64 = 4.0;
+
 /// Equal springs K_int between nearest neighbours: the force on cell j is K_int Σ (X_i − X_j) over its neighbours i.
 ///
 /// Open edges are free: cells there have fewer neighbours. Eigenvalues of A are K_int times those of the lattice
@@ -111,10 +114,22 @@ impl Coupling for Neighbours {
         }
     }
 
-    fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {
+    /// Where neighbours are not much stiffer than the ground, each cell alone.
+    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
+        let stiff = self.stiffness > STIFF * diagonal;
+        if stiff {
+            self.solve(diagonal, right);
+        } else {
+            let spring = diagonal + self.stiffness * self.shape.neighbours() as f64;
+            right.par_chunks_mut(SHARE).for_each(|right| right.iter_mut().for_each(|x| *x /= spring));
+        }
+        stiff
+    }
+
+    fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> bool {
         match &mut self.solver {
             Solver::Chain(chain) => chain.solve(|j| springs[j], right),
-            Solver::Square(_) => solve(self, springs, right),
+            Solver::Square(_) => solve(self, springs, right, goal),
         }
     }
 

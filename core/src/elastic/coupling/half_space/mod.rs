@@ -110,11 +110,12 @@ impl Coupling for HalfSpace {
         }
     }
 
-    fn near(&mut self, diagonal: f64, right: &mut [f64]) {
+    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
         match &mut self.kind {
             Kind::Periodic(periodic) => periodic.solve(diagonal, right),
             Kind::Open(open) => open.near(diagonal, right),
         }
+        matches!(self.kind, Kind::Periodic(_))
     }
 
     fn own(&self, cell: usize) -> f64 {
