@@ -130,7 +130,8 @@ impl Table {
     fn push(&mut self, part: &Part, origin: f64, monitor: &mut dyn Monitor) -> Result<()> {
         if self.curve.len() >= MOST {
             let (needed, allowed) = ((2 * MOST * 256) as u64, (MOST * 256) as u64);
-            return Err(Error::TooLarge { what: "a friction curve in pieces".into(), needed, allowed });
+            let (key, what) = ("contacts.thresholds".into(), "a friction curve in pieces".into());
+            return Err(Error::TooLarge { key, what, needed, allowed });
         }
         let mut read = [self.population.books(); 6];
         for (i, books) in read.iter_mut().enumerate().skip(1) {
