@@ -1049,7 +1049,7 @@ class Interface(Deformable):
     ) -> StretchDensity:
         """The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
 
-        cell: its number, along rows. at: the drive. stretches: a list of n stretches. progress: as for
+        cell: its number, along rows. at: the drive, 0 or above. stretches: a list of n stretches. progress: as for
         MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must be so many
         that they follow the master equation.
 
