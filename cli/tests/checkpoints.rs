@@ -19,6 +19,20 @@ interface = { cells = [32, 32], contacts = 'one', coupling.neighbours = { stiffn
 drive = { distance = 100.0, points = 11, maps = [40.0, 80.0] }
 ";
 
+/// Some seconds of events of cells of many contacts.
+const CELLS: &str = "
+title = 'Precursors'
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+drive = { distance = 80.0, points = 11 }
+[interface]
+cells = [30]
+coupling.neighbours = { stiffness = 4.0 }
+connection = 0.5
+loading = 'edge'
+disorder = { std = 0.05, seed = 1 }
+slip = 'overdamped'
+";
+
 /// Long enough for a checkpoint to be seen, and never to be waited for.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -45,11 +59,15 @@ fn events(path: &Path) -> Option<u64> {
     serde_json::from_slice::<serde_json::Value>(header).ok()?["events"].as_u64()
 }
 
-/// Waits until a checkpoint of so many events is seen.
+/// Waits until a checkpoint of so many times 2000 events is seen.
 fn wait_for(folder: &Folder, number: u64) {
+    wait_for_events(folder, 2000 * number);
+}
+
+fn wait_for_events(folder: &Folder, number: u64) {
     let begun = Instant::now();
-    while slots(folder).iter().filter_map(|path| events(path)).max().unwrap_or(0) < 2000 * number {
-        assert!(begun.elapsed() < PATIENCE, "no checkpoint {number}");
+    while slots(folder).iter().filter_map(|path| events(path)).max().unwrap_or(0) < number {
+        assert!(begun.elapsed() < PATIENCE, "no checkpoint of {number} events");
         std::thread::sleep(Duration::from_millis(1));
     }
 }
@@ -88,6 +106,24 @@ fn a_run_killed_three_times_gives_the_same_bytes() {
     }
     let output = folder.run(&["run", "slow.toml", "--resume"]);
     assert!(output.status.success() && errors(&output).contains("going on from"), "{}", errors(&output));
+    same(&folder, &expected);
+}
+
+/// How far the curve is known that cells share decides on their steps, and goes on, too.
+#[test]
+fn cells_that_are_killed_and_interrupted_give_the_same_bytes() {
+    let folder = Folder::new();
+    folder.write("slow.toml", CELLS);
+    folder.succeed(&["run", "slow.toml", "--quiet", "-o", "whole"]);
+    let expected = contents(&folder.path().join("whole"));
+    for (number, signal) in [(5, "-KILL"), (20, "-INT"), (40, "-KILL"), (60, "-INT")] {
+        let mut command = folder.asperity(&["run", "slow.toml", "--checkpoint", "5", "--resume"]);
+        let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+        wait_for_events(&folder, number);
+        std::process::Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+        assert!(!child.wait().unwrap().success(), "it was over before {number} events");
+    }
+    folder.succeed(&["run", "slow.toml", "--resume", "--quiet"]);
     same(&folder, &expected);
 }
 

@@ -65,6 +65,19 @@ fn a_scenario_that_is_not_there_is_named() {
     assert!(message.contains("nowhere.toml: No such file"), "{message}");
 }
 
+/// Hundreds of samples are so many jumps of the density of thresholds that there is an end to those that follow from them.
+#[test]
+fn what_takes_too_much_names_what_asks_for_it() {
+    let folder = Folder::new();
+    let samples: Vec<_> = (0..400).map(|i| format!("{}", 1.0 + 1e-3 * f64::from(i).powf(0.9))).collect();
+    let law = format!("contacts.thresholds.tabulated = {{ samples = [{}] }}\n", samples.join(", "));
+    folder.write("samples.toml", &format!("{law}pull.distance = 3.0\n"));
+    let output = folder.run(&["run", "samples.toml"]);
+    let message = flat(&errors(&output));
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("contacts.thresholds: expected what fits in"), "{message}");
+}
+
 #[test]
 fn a_wrong_command_line_is_refused() {
     for arguments in [&["rum"][..], &["run"], &["run", "a.toml", "--threads", "0"], &["example", "fig9"]] {

@@ -18,8 +18,10 @@ pub enum Error {
         found: String,
     },
     /// The job would not fit in memory.
-    #[error("{what} would need {needed} bytes, more than the {allowed} allowed")]
+    #[error("{key}: {what} would need {needed} bytes, more than the {allowed} allowed")]
     TooLarge {
+        /// Path of the key that asks for it, relative to the object that refuses it.
+        key: String,
         /// What was asked for.
         what: String,
         /// Bytes it would need.
@@ -62,13 +64,10 @@ impl Error {
 
     /// The same error, its key prefixed by the table it stands in.
     #[must_use]
-    pub fn under(self, table: &str) -> Self {
-        match self {
-            Self::Invalid { key, expected, found } => {
-                let key = if key.is_empty() { table.to_owned() } else { format!("{table}.{key}") };
-                Self::Invalid { key, expected, found }
-            }
-            other => other,
+    pub fn under(mut self, table: &str) -> Self {
+        if let Self::Invalid { key, .. } | Self::TooLarge { key, .. } = &mut self {
+            *key = if key.is_empty() { table.to_owned() } else { format!("{table}.{key}") };
         }
+        self
     }
 }

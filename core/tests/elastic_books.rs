@@ -7,7 +7,7 @@ use asperity::elastic::{Coupling, Event, Interface, Loading, Setting, Slip};
 use asperity::shape::{Edges, Shape};
 use common::curve::gaussian;
 use common::pulled::near;
-use common::sliders::{events, interface, scales, setting};
+use common::sliders::{Impatient, events, interface, scales, setting};
 
 fn couplings() -> Vec<Box<dyn Coupling>> {
     let square = Shape::Square([6, 5]);
@@ -105,6 +105,33 @@ fn an_interface_goes_on_from_its_state_bit_for_bit() {
         part.extend(events(&mut second, 6.0));
         assert_eq!(written(&part), written(&all));
         assert_eq!(second.state(), whole.state());
+    }
+}
+
+/// Stopped in slides, too.
+#[test]
+fn a_stop_leaves_no_trace() {
+    for slip in [Slip::Overdamped, Slip::Reset] {
+        let new = || {
+            let coupling = neighbours(Shape::Chain(12), Edges::Open, 4.0).unwrap();
+            disordered(coupling, setting(0.3, slip, 1e-4))
+        };
+        let mut whole = new();
+        let all = events(&mut whole, 4.0);
+        let (mut stopped, mut found, mut stops) = (new(), Vec::new(), 0);
+        loop {
+            match stopped.run(4.0, &mut Impatient(2 + stops), &mut |event, _| found.push(*event)) {
+                Ok(()) => break,
+                Err(asperity::Error::Stopped) => stops += 1,
+                Err(error) => panic!("{error}"),
+            }
+            let state = stopped.state();
+            stopped = new();
+            stopped.restore(state, &mut ()).unwrap();
+        }
+        assert!(stops > 5, "{stops} stops");
+        assert_eq!(written(&found), written(&all));
+        assert_eq!(stopped.state(), whole.state());
     }
 }
 

@@ -2,18 +2,15 @@
 
 mod common;
 
-use std::ops::ControlFlow;
-
 use asperity::block::{self, StickSlip};
 use asperity::contacts::Contacts;
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{Coupling, Event, Interface, Populations, Slip};
+use asperity::elastic::{Cells, Coupling, Event, Interface, Populations, Slip};
 use asperity::ensemble::{Disorder, Ensemble};
-use asperity::monitor::Monitor;
-use asperity::population::Population;
+use asperity::population::{Population, Response};
 use asperity::shape::{Edges, Shape};
 use common::pulled::{near, pull};
-use common::sliders::{events, setting};
+use common::sliders::{Impatient, events, setting};
 use common::{contacts, gaussian, initial, point, rectangular};
 
 /// Contacts number `first`, …, which stand for `count`.
@@ -152,20 +149,11 @@ fn cells_go_on_from_their_state_bit_for_bit() {
     }
 }
 
-/// Says stop when it is asked for the nth time.
-struct Impatient(usize);
-
-impl Monitor for Impatient {
-    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
-        self.0 = self.0.saturating_sub(1);
-        if self.0 == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
 #[test]
 fn what_was_stopped_goes_on_as_if_it_had_not_been() {
     for slip in [Slip::Overdamped, Slip::Reset] {
-        let all = events(&mut soft(slip), 4.0);
+        let mut whole = soft(slip);
+        let all = events(&mut whole, 4.0);
         let (mut interface, mut found, mut patience) = (soft(slip), Vec::new(), 2);
         loop {
             match interface.run(4.0, &mut Impatient(patience), &mut |event, _| found.push(*event)) {
@@ -175,6 +163,33 @@ fn what_was_stopped_goes_on_as_if_it_had_not_been() {
             }
         }
         assert_eq!(written(&found), written(&all));
+        assert_eq!(interface.state(), whole.state());
+    }
+}
+
+/// How far curves are known decides on steps.
+#[test]
+fn what_is_recalled_knows_no_more_than_at_the_mark() {
+    let curves = || asperity::elastic::Curves::new(&*ensemble(4, 0, 1.0, Disorder::Annealed), 3, &mut ());
+    let made: [&dyn Fn() -> Box<dyn Cells>; 2] = [&|| Box::new(cells(3, 4)), &|| Box::new(curves().unwrap())];
+    for new in made {
+        let mut twins = [new(), new()];
+        let mut forces = [Response { force: 0.0, tangent: 0.0 }; 3];
+        for cells in &mut twins {
+            cells.advance(&[0.3, 0.5, 0.7], &mut ()).unwrap();
+            cells.mark();
+        }
+        let [recalled, other] = &mut twins;
+        recalled.advance(&[7.0, 0.1, 5.0], &mut ()).unwrap();
+        recalled.part(1, 0.0, &mut ()).unwrap();
+        recalled.recall(&mut ()).unwrap();
+        let known = |cells: &dyn Cells| (cells.state(), cells.steepest(), cells.strongest());
+        assert_eq!(known(&**recalled), known(&**other));
+        for cells in &mut twins {
+            cells.ahead(&[1.5, 0.1, 2.0], &mut forces).unwrap();
+        }
+        let [recalled, other] = &twins;
+        assert_eq!(known(&**recalled), known(&**other));
     }
 }
 

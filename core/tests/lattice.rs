@@ -246,7 +246,8 @@ fn what_cannot_be_coupled_is_refused() {
         Some(Temperature { energy: 0.01, attempt_rate: 1.0, barrier: Default::default() });
     assert_eq!(make(warm, good), "contacts.temperature");
     let vast = square(1 << 20, Edges::Open, 0.2);
-    assert!(make(contacts(), vast).contains("TooLarge"));
+    let refused = make(contacts(), vast);
+    assert!(refused.contains("TooLarge") && refused.contains("interface.cells"), "{refused}");
 }
 
 /// Sizes of avalanches of identical contacts, after a transient.

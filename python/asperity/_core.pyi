@@ -441,8 +441,8 @@ class MasterEquation(Model):
         spaced, both ends included; 2 or more. progress: a function that is called with the fraction done now and then,
         or True for a bar (by tqdm). Ctrl-C stops it.
 
-        Raises ValueError for values that make no sense or too many point masses, RuntimeError where the tolerance is
-        not reached.
+        Raises ValueError for values that make no sense, MemoryError for too many point masses or samples, RuntimeError where
+        the tolerance is not reached.
         """
 
     def steady_state(self) -> SteadyState:
@@ -609,7 +609,7 @@ class Block(Description):
         come on top. velocity: the velocity of the top, above 0, with which the slider is moved in time as by follow; needed
         over a Transport, and over contacts that know time. progress: as for MasterEquation.pull. Ctrl-C stops it.
 
-        Raises ValueError for values that make no sense or too many point masses, MemoryError for results that do not fit,
+        Raises ValueError for values that make no sense, MemoryError for results that do not fit or too many point masses,
         RuntimeError where the tolerance is not reached.
         """
 
@@ -1049,7 +1049,7 @@ class Interface(Deformable):
     ) -> StretchDensity:
         """The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
 
-        cell: its number, along rows. at: the drive. stretches: a list of n stretches. progress: as for
+        cell: its number, along rows. at: the drive, 0 or above. stretches: a list of n stretches. progress: as for
         MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must be so many
         that they follow the master equation.
 

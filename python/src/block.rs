@@ -205,7 +205,7 @@ impl Block {
     /// come on top. velocity: the velocity of the top, above 0, with which the slider is moved in time as by follow; needed
     /// over a Transport, and over contacts that know time. progress: as for MasterEquation.pull. Ctrl-C stops it.
     ///
-    /// Raises ValueError for values that make no sense or too many point masses, MemoryError for results that do not fit,
+    /// Raises ValueError for values that make no sense, MemoryError for results that do not fit or too many point masses,
     /// RuntimeError where the tolerance is not reached.
     #[pyo3(
         signature = (

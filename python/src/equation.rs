@@ -81,8 +81,8 @@ impl MasterEquation {
     /// spaced, both ends included; 2 or more. progress: a function that is called with the fraction done now and then,
     /// or True for a bar (by tqdm). Ctrl-C stops it.
     ///
-    /// Raises ValueError for values that make no sense or too many point masses, RuntimeError where the tolerance is
-    /// not reached.
+    /// Raises ValueError for values that make no sense, MemoryError for too many point masses or samples, RuntimeError where
+    /// the tolerance is not reached.
     #[pyo3(
         signature = (distance = 20.0, points = Whole::new(2001), *, progress = None),
         text_signature = "($self, distance=20.0, points=2001, *, progress=None)"

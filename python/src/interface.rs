@@ -197,7 +197,7 @@ impl Interface {
 
     /// The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
     ///
-    /// cell: its number, along rows. at: the drive. stretches: a list of n stretches. progress: as for
+    /// cell: its number, along rows. at: the drive, 0 or above. stretches: a list of n stretches. progress: as for
     /// MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must be so many
     /// that they follow the master equation.
     ///
@@ -212,8 +212,11 @@ impl Interface {
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
         let (cell, stretches) = (cell.get("cell")?, convert::list("stretches", stretches)?);
+        if !(at.is_finite() && at >= 0.0) {
+            return Err(error::invalid("at", "a finite drive, 0 or above", at));
+        }
         let surface = Deformable::plain(slf.as_super());
-        let scenario = surface.scenario(Drive { distance: Some(at), ..Drive::default() });
+        let scenario = surface.scenario(Drive::default());
         let tolerance = scenario.master_equation.tolerance();
         let found = watched(progress, py, |monitor| {
             let (contacts, initial) = scenario.build()?;

@@ -88,6 +88,9 @@ def test_stretches_of_a_cell_carry_its_force(slip: Any) -> None:
         np.testing.assert_allclose(force, forces[cell], rtol=0, atol=5e-4)
     with pytest.raises(ValueError, match="cell: expected a number below 3, got 3"):
         chain.stretch_density(3, stretches, at=2.7)
+    with pytest.raises(ValueError, match="at: expected a finite drive, 0 or above, got -1"):
+        chain.stretch_density(0, stretches, at=-1.0)
+    assert chain.stretch_density(0, stretches, at=0.0).density.shape == stretches.shape
     few = chain.replace(slip="overdamped", size=5, disorder=None)
     with pytest.raises(ValueError, match="size: expected None"):
         few.stretch_density(0, stretches, at=1.0)

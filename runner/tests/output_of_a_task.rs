@@ -164,6 +164,7 @@ fn results_that_no_file_could_hold_are_refused_before_any_work() {
     scenario.pull.as_mut().unwrap().points = 10_500_000;
     let error = task::run(&scenario, &mut Patience { left: 0, last: 0.0 }).unwrap_err();
     assert!(matches!(error, Error::TooLarge { needed: 504_000_000.., .. }), "{error}");
+    assert!(error.to_string().starts_with("pull.points: "), "{error}");
 }
 
 /// Counts what it hears, and stops the work when it has heard enough.

@@ -9,6 +9,7 @@ mod cost;
 #[path = "../../src/figure/curve.rs"]
 #[allow(dead_code)]
 mod curve;
+mod interface;
 mod lattice;
 mod page;
 mod relaxation;
@@ -42,7 +43,7 @@ fn main() -> std::io::Result<()> {
     let page = Page::default();
     let page = closed::section(agreement::section(relaxation::section(cost::section(page, false))));
     let page = lattice::section(scatter::section(stability::section(page, false), false), false);
-    let page = renormalised::section(page, false);
+    let page = interface::section(renormalised::section(page, false));
     let page = speed::section(time::section(page, false));
     page.write(&folder())
 }
@@ -89,7 +90,7 @@ mod tests {
         let page =
             closed::section(agreement::section(relaxation::section(cost::section(Page::default(), true))));
         let page = lattice::section(scatter::section(stability::section(page, true), true), true);
-        let page = renormalised::section(page, true);
+        let page = interface::section(renormalised::section(page, true));
         let page = time::section(page, true);
         let written = std::fs::read_to_string(folder().join("index.md")).unwrap();
         let missing: Vec<&str> = page.lasting().filter(|line| !written.contains(line)).collect();

@@ -74,7 +74,8 @@ impl Ensemble {
         let bytes = self.size.saturating_mul(size_of::<Contact>());
         if bytes > BYTES {
             let what = format!("a population of {} contacts", self.size);
-            return Err(Error::TooLarge { what, needed: bytes as u64, allowed: BYTES as u64 });
+            let (key, needed) = ("ensemble.size".into(), bytes as u64);
+            return Err(Error::TooLarge { key, what, needed, allowed: BYTES as u64 });
         }
         let (Stiffness::Equal(unit) | Stiffness::PerThreshold(unit)) = self.contacts.stiffness;
         let mut population = EnsemblePopulation {

@@ -170,7 +170,8 @@ impl Ensemble {
         let bytes = positions.len() * size_of::<C>() + bins * size_of::<u64>();
         if bytes > CHUNK_BYTES {
             let what = format!("an ensemble at {} positions", positions.len());
-            return Err(Error::TooLarge { what, needed: bytes as u64, allowed: CHUNK_BYTES as u64 });
+            let (key, needed) = ("pull.points".into(), bytes as u64);
+            return Err(Error::TooLarge { key, what, needed, allowed: CHUNK_BYTES as u64 });
         }
         let expected = self.expected_breaks(positions[positions.len() - 1]);
         let least = (bytes as f64).max(20_000.0);

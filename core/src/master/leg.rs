@@ -66,7 +66,8 @@ impl Leg {
             light,
         };
         let kept = (first.survival().curve(), reborn.survival());
-        let solution = solve(first.breaking(), reborn.breaking(), kept, end, accuracy, monitor)?;
+        let solution = solve(first.breaking(), reborn.breaking(), kept, end, accuracy, monitor)
+            .map_err(|error| error.under("contacts.thresholds"))?;
         let force = solution.convolve(
             first.force().curve(),
             reborn.force(),

@@ -115,7 +115,7 @@ impl Ord for Queued {
 /// Breaks for which `matters` is false are left out, with all that follows from them; atoms never are.
 ///
 /// # Errors
-/// [`Error::TooLarge`] where more than a million would have to be kept; [`Error::Stopped`] by the monitor, who hears
+/// [`Error::TooLarge`] under no key where more than a million would have to be kept; [`Error::Stopped`] by the monitor, who hears
 /// nothing but 0.
 pub fn renewed(
     source: &[Break],
@@ -148,7 +148,8 @@ pub fn renewed(
         }
         if found.len() + queue.len() > MOST {
             return Err(Error::TooLarge {
-                what: "the points at which contacts break together".into(),
+                key: String::new(),
+                what: format!("jumps and kinks at more than {MOST} positions"),
                 needed: (found.len() + queue.len()) as u64 * size_of::<Break>() as u64,
                 allowed: (MOST * size_of::<Break>()) as u64,
             });

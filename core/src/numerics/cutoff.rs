@@ -1,4 +1,5 @@
-//! Power laws with an exponential cut-off, fitted by maximum likelihood to the larger ones of some numbers.
+//! Power laws with an exponential cut-off, fitted by maximum likelihood to the larger ones of some numbers: exponent,
+//! cut-off and beginning are all found. Within a window that is chosen, see [`super::powerlaw`].
 //!
 //! p(x) ∝ x^{−τ} e^{−x/ξ} above a lowest x₀. The best τ and ξ are those by which the means of ln x and x are those of the
 //! data; ξ is infinite where a power law without end has no larger mean. x₀ is the number from which on the law fits best

@@ -1,8 +1,8 @@
-//! Power laws between two ends, fitted by maximum likelihood.
+//! Power laws p(x) ∝ x^{−τ} between two given ends, fitted by maximum likelihood: exponents of what lies within a chosen
+//! window, whatever cuts the law off beyond it. Where the cut-off itself is asked for, see [`super::cutoff`].
 //!
 //! After A. Clauset, C. R. Shalizi and M. E. J. Newman, *Power-law distributions in empirical data*, SIAM Rev. 51, 661
-//! (2009), doi:10.1137/070710111, for p(x) ∝ x^{−τ} on a window low ≤ x ≤ high, which leaves out the cut-off of a
-//! finite system: the best τ is the one by which the mean of ln x is that of the data.
+//! (2009), doi:10.1137/070710111: the best τ is the one by which the mean of ln x is that of the data.
 
 use super::legendre::RULE;
 use super::roots::brent_root;

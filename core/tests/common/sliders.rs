@@ -1,8 +1,11 @@
 //! Interfaces of few words for tests.
 #![allow(dead_code)]
 
+use std::ops::ControlFlow;
+
 use asperity::elastic::coupling::neighbours;
 use asperity::elastic::{Coupling, Curves, Event, Interface, Loading, Setting, Slip};
+use asperity::monitor::Monitor;
 use asperity::population::Population;
 use asperity::shape::{Edges, Shape};
 
@@ -42,6 +45,16 @@ pub fn events(interface: &mut Interface, drive: f64) -> Vec<Event> {
     let mut events = Vec::new();
     interface.run(drive, &mut (), &mut |event, _| events.push(*event)).unwrap();
     events
+}
+
+/// A monitor that says stop when it is asked for the nth time.
+pub struct Impatient(pub usize);
+
+impl Monitor for Impatient {
+    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+        self.0 = self.0.saturating_sub(1);
+        if self.0 == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
 }
 
 /// Scales 1 + std z, with z from sums of twelve numbers of a congruential sequence (D. E. Knuth's MMIX).

@@ -73,14 +73,19 @@ impl Input {
     pub fn diagnose(&self, error: &asperity::Error) -> Box<Diagnostic> {
         self.document.draw(match error {
             asperity::Error::Invalid { key, expected, found } => Fault::new(expected, found).under(key),
-            asperity::Error::TooLarge { what, needed, allowed } => {
-                let gibibytes = |bytes: u64| format!("{:.1} GiB", bytes as f64 / f64::from(1 << 30));
-                let found = format!("{what}, which would need {}", gibibytes(*needed));
-                Fault::new(&format!("results within {}", gibibytes(*allowed)), &found).under("pull.points")
+            asperity::Error::TooLarge { key, what, needed, allowed } => {
+                let found = format!("{what}: {} or more", amount(*needed));
+                Fault::new(&format!("what fits in {}", amount(*allowed)), &found).under(key)
             }
             other => Fault::new("a scenario that can be computed", &other.to_string()),
         })
     }
+}
+
+/// Bytes for people.
+fn amount(bytes: u64) -> String {
+    let mebibytes = bytes as f64 / f64::from(1 << 20);
+    if mebibytes < 1024.0 { format!("{mebibytes:.0} MiB") } else { format!("{:.1} GiB", mebibytes / 1024.0) }
 }
 
 /// Reads a value that is one word of several, such as `quenched`.

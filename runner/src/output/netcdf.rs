@@ -29,7 +29,12 @@ pub(super) fn encode(outcome: &Outcome) -> Result<Vec<u8>> {
     describe(&mut file, outcome)?;
     let mut dimensions = Vec::new();
     for (name, length) in outcome.record.dimensions() {
-        dimensions.push((name, file.add_dimension(name, length as u64)?));
+        // Only a dimension without an end may have a length of 0.
+        let id = match length {
+            0 => file.add_unlimited_dimension(name)?,
+            length => file.add_dimension(name, length as u64)?,
+        };
+        dimensions.push((name, id));
     }
     for variable in &outcome.record.variables {
         let along: Vec<_> = variable

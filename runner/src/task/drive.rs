@@ -108,7 +108,7 @@ fn fits(task: &scenario::Drive, ensemble: bool) -> Result<()> {
         return Ok(());
     }
     let what = format!("a result file of a trace of {} points", task.points);
-    Err(Error::TooLarge { what, needed, allowed: LARGEST })
+    Err(Error::TooLarge { key: "drive.points".into(), what, needed, allowed: LARGEST })
 }
 
 /// Where the slider is in balance on the first loading, and the potential at the first slip.

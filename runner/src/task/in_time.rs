@@ -30,7 +30,7 @@ pub fn fits(protocol: &scenario::Protocol, setting: &Setting<'_>) -> Result<()> 
         return Ok(());
     }
     let what = format!("a result file of a trace of {} points", protocol.points());
-    Err(Error::TooLarge { what, needed, allowed: LARGEST })
+    Err(Error::TooLarge { key: "protocol".into(), what, needed, allowed: LARGEST })
 }
 
 /// Moves a rigid slider: its trace, and that as variables, with the force of the ensemble beside.

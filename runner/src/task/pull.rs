@@ -67,7 +67,7 @@ fn fits(scenario: &Scenario, pull: &scenario::Pull, grid: &Grid) -> Result<()> {
         return Ok(());
     }
     let what = format!("a result file of {} points and {} snapshots", pull.points, pull.snapshots.len());
-    Err(Error::TooLarge { what, needed, allowed: LARGEST })
+    Err(Error::TooLarge { key: "pull.points".into(), what, needed, allowed: LARGEST })
 }
 
 /// Adds force and breaking rate at `positions` to `record`, the scatter of the force of `sample` contacts, and the

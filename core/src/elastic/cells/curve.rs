@@ -6,6 +6,9 @@ use crate::numerics::roots::brent_root;
 /// Coefficients of a polynomial of degree 5 in t ∈ [−1, 1].
 pub(super) type Quintic = [f64; 6];
 
+/// A place may be rounded by so much of itself.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+
 /// Places on a piece at which a slope is looked for.
 const PLACES: u32 = 16;
 
@@ -29,6 +32,20 @@ pub(super) struct Books {
     pub broken: Quintic,
 }
 
+/// Buckets per piece: so many that few hold more than two pieces.
+const FINE: usize = 4;
+
+/// What pieces lie in a part of the curve.
+#[derive(Debug, Clone, Copy)]
+struct Bucket {
+    /// Where the second one begins.
+    second: f64,
+    /// The first one.
+    piece: u32,
+    /// Whether there are more than two.
+    many: bool,
+}
+
 /// F(X) for X ≥ 0 in pieces, with breaks between them where contacts break together. What is asked for before them is
 /// that of the first piece, what is behind the end that of the last one.
 #[derive(Debug, Clone, Default)]
@@ -41,8 +58,8 @@ pub(super) struct Curve {
     monotone: Vec<bool>,
     /// Whether contacts break where a piece begins.
     breaks: Vec<bool>,
-    /// The piece in which each bucket of X begins, and buckets per length.
-    buckets: Vec<u32>,
+    /// Equal parts of the curve, and how many there are per length.
+    buckets: Vec<Bucket>,
     density: f64,
     steepest: f64,
     strongest: f64,
@@ -51,9 +68,12 @@ pub(super) struct Curve {
 /// Value and derivative by t.
 #[inline]
 pub(super) fn horner(c: &Quintic, t: f64) -> (f64, f64) {
-    let value = c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
-    let slope = c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * 5.0 * c[5])));
-    (value, slope)
+    let (mut value, mut slope) = (c[5], c[5]);
+    for k in [4, 3, 2, 1] {
+        value = c[k] + t * value;
+        slope = value + t * slope;
+    }
+    (c[0] + t * value, slope)
 }
 
 /// ∫₋₁^t.
@@ -139,31 +159,37 @@ impl Curve {
 
     /// Makes pieces findable.
     pub fn index(&mut self) {
-        let (number, length) = (4 * self.pieces.len(), self.starts[self.starts.len() - 1] - self.first());
+        let (number, last) = (FINE * self.pieces.len(), self.starts.len() - 1);
+        let (first, length) = (self.first(), self.starts[last] - self.first());
         self.density = if length > 0.0 { number as f64 / length } else { 0.0 };
         self.buckets.clear();
+        let place = |bucket: usize| first + bucket as f64 * length / number as f64;
         let mut piece = 0;
         for bucket in 0..=number {
-            let place = self.first() + bucket as f64 * length / number as f64;
-            while piece + 1 < self.starts.len() && self.starts[piece + 1] <= place {
+            // Rounding may put what is right before a bucket into it.
+            let (begin, end) = (place(bucket) * (1.0 - ROUNDING), place(bucket + 1) * (1.0 + ROUNDING));
+            while piece < last && self.starts[piece + 1] <= begin {
                 piece += 1;
             }
-            self.buckets.push(piece as u32);
+            let second = self.starts.get(piece + 1).copied().unwrap_or(f64::INFINITY);
+            let many = self.starts.get(piece + 2).is_some_and(|third| *third <= end);
+            self.buckets.push(Bucket { second, piece: piece as u32, many });
         }
     }
 
     /// The piece that x is in.
     #[inline]
     fn find(&self, x: f64) -> usize {
-        let bucket = (((x - self.first()) * self.density) as usize).min(self.buckets.len() - 1);
-        let mut piece = self.buckets[bucket] as usize;
-        while piece > 0 && self.starts[piece] > x {
-            piece -= 1;
-        }
-        while piece + 1 < self.starts.len() && self.starts[piece + 1] <= x {
-            piece += 1;
-        }
-        piece
+        let bucket = (((x - self.starts[0]) * self.density) as usize).min(self.buckets.len() - 1);
+        let Bucket { second, piece, many } = self.buckets[bucket];
+        let piece = piece as usize + usize::from(x >= second);
+        if many { self.find_from(piece, x) } else { piece }
+    }
+
+    /// The same from a piece on that is not behind it.
+    #[cold]
+    fn find_from(&self, piece: usize, x: f64) -> usize {
+        piece + self.starts[piece + 1..].iter().take_while(|start| **start <= x).count()
     }
 
     /// F and F', where contacts break what is right after.
@@ -234,6 +260,32 @@ impl Curve {
             elastic: horner(&books.elastic, t).0,
             lost: horner(&books.lost, t).0,
             broken: horner(&books.broken, t).0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pieces of very different lengths, at and beside where they begin, before the first and behind the last.
+    #[test]
+    fn every_place_is_found_in_its_piece() {
+        let lengths = [1.0, 1e-9, 1e-9, 1e-9, 0.3, 0.01, 0.02, 1e-12, 2.0, 0.1, 0.1, 0.1];
+        let mut curve = Curve::default();
+        let mut start = 0.7;
+        for length in lengths {
+            let piece = Piece { start, rate: 2.0 / length, force: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0] };
+            let none = [0.0; 6];
+            curve.push(piece, Books { work: 0.0, elastic: none, lost: none, broken: none }, false);
+            start += length;
+        }
+        curve.index();
+        let even = (0..10_000).map(|i| 4.8 * f64::from(i) / 10_000.0);
+        let begins = curve.starts.iter().flat_map(|x| [x.next_down(), *x, x.next_up()]);
+        for x in even.chain(begins) {
+            let expected = curve.starts.partition_point(|start| *start <= x).saturating_sub(1);
+            assert_eq!(curve.find(x), expected, "{x}");
         }
     }
 }

@@ -6,7 +6,7 @@ use super::cell::Cell;
 use super::curve::Curve;
 use super::tabulate::Table;
 use super::{Account, Cells, Kept, Slopes, Standing, State, checked};
-use crate::elastic::batch::{change, fill, gather, largest};
+use crate::elastic::batch::{all, change, fill, gather, largest};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population, Response};
 use crate::{Error, Result};
@@ -78,14 +78,18 @@ impl Curves {
     /// Sees to it that curves are known as far as cells may go.
     fn reach(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
         let batch = self.batch();
+        let table = |cell: usize| if batch.renewed[cell] { &self.fresh } else { &self.first };
+        if all(by.len(), |cell| table(cell).knows(batch.cell(cell).place(by[cell]))) {
+            return Ok(());
+        }
         let furthest = |fresh: bool| {
             largest(by.len(), |cell| {
                 if batch.renewed[cell] == fresh { batch.cell(cell).place(by[cell]) } else { 0.0 }
             })
         };
         let (first, fresh) = (furthest(false), furthest(true));
-        self.first.reach(first, monitor)?;
-        self.fresh.reach(fresh, monitor)
+        self.first.reach(first, 0.0, monitor)?;
+        self.fresh.reach(fresh, 0.0, monitor)
     }
 }
 
@@ -127,11 +131,11 @@ impl Cells for Curves {
     }
 
     fn steepest(&self) -> f64 {
-        self.first.curve.steepest().max(self.fresh.curve.steepest())
+        self.first.steepest().max(self.fresh.steepest())
     }
 
     fn strongest(&self) -> f64 {
-        self.largest_scale * self.first.curve.strongest().max(self.fresh.curve.strongest())
+        self.largest_scale * self.first.strongest().max(self.fresh.strongest())
     }
 
     fn ahead(&mut self, by: &[f64], responses: &mut [Response]) -> Result<()> {
@@ -182,11 +186,13 @@ impl Cells for Curves {
         self.marked.clone_from(&self.advances);
         self.settled_at_mark = self.settled;
         self.parted.clear();
+        [&mut self.first, &mut self.fresh].into_iter().for_each(Table::mark);
     }
 
     fn recall(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
         self.advances.clone_from(&self.marked);
         self.settled = self.settled_at_mark;
+        [&mut self.first, &mut self.fresh].into_iter().for_each(Table::recall);
         for (cell, parted) in self.parted.drain() {
             (self.renewed[cell], self.free[cell]) = (parted.renewed, false);
         }

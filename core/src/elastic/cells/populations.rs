@@ -20,8 +20,9 @@ use crate::{Error, Result};
 /// which it did.
 pub struct Populations {
     cells: Vec<Own>,
-    /// Largest |F'| and |F| so far.
+    /// Largest |F'| and |F| so far, and at the mark.
     known: [f64; 2],
+    known_at_mark: [f64; 2],
 }
 
 /// A cell.
@@ -91,10 +92,10 @@ impl Own {
 
     /// Sees to it that it is.
     fn reach(&mut self, by: f64) -> Result<()> {
-        let end = self.on_curve().place(by);
+        let [here, end] = [0.0, by].map(|by| self.on_curve().place(by));
         let passed = if self.parted.is_some() { 0.0 } else { self.marked.0.min(self.stand.advance) };
         self.stand.table.curve.forget(passed / self.scale);
-        self.stand.table.reach(end, &mut ())
+        self.stand.table.reach(end, here, &mut ())
     }
 
     /// What it has done after an advance.
@@ -116,6 +117,7 @@ impl Own {
     fn mark(&mut self) {
         self.marked = (self.stand.advance, self.done(0.0));
         self.parted = None;
+        self.stand.table.mark();
     }
 
     fn recall(&mut self) {
@@ -124,6 +126,7 @@ impl Own {
             self.resets.pop();
         }
         self.stand.advance = self.marked.0;
+        self.stand.table.recall();
     }
 
     fn state(&self) -> OwnState {
@@ -173,7 +176,7 @@ impl Populations {
     /// Those of the populations; stopped by the monitor.
     pub fn new(populations: Vec<Box<dyn Population>>, monitor: &mut dyn Monitor) -> Result<Self> {
         let cells: Result<Vec<Own>> = populations.into_iter().map(|p| Own::new(p, monitor)).collect();
-        let mut populations = Self { cells: cells?, known: [0.0; 2] };
+        let mut populations = Self { cells: cells?, known: [0.0; 2], known_at_mark: [0.0; 2] };
         populations.know();
         Ok(populations)
     }
@@ -204,8 +207,8 @@ impl Populations {
     /// Looks at how strong forces and slopes are on what is known of the curves.
     fn know(&mut self) {
         let most = |known, cell: usize| {
-            let (scale, curve) = (self.cells[cell].scale, &self.cells[cell].stand.table.curve);
-            larger(known, [curve.steepest(), scale * curve.strongest()])
+            let Own { scale, stand: Stand { table, .. }, .. } = &self.cells[cell];
+            larger(known, [table.steepest(), scale * table.strongest()])
         };
         self.known = gather(self.len(), || self.known, most, larger);
     }
@@ -263,10 +266,12 @@ impl Cells for Populations {
 
     fn mark(&mut self) {
         self.cells.iter_mut().for_each(Own::mark);
+        self.known_at_mark = self.known;
     }
 
     fn recall(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
         self.cells.iter_mut().for_each(Own::recall);
+        self.known = self.known_at_mark;
         Ok(())
     }
 

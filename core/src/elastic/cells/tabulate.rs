@@ -18,16 +18,34 @@ const MOST: usize = 1 << 19;
 const PASSED: usize = 64;
 
 /// A curve that grows as it is asked for.
+///
+/// How far it is known decides on steps, by its steepest slope and its strongest force. So that what is recalled goes on
+/// as it would have done, what was tabulated since the mark is not known then, until it is asked for again.
 pub(super) struct Table {
     population: Box<dyn Population>,
     origin: f64,
     pub curve: Curve,
+    /// Where what is tabulated ends.
     end: f64,
     work: f64,
     /// Whether contacts break where the next piece begins.
     breaks: bool,
     begun: population::Books,
+    known: Known,
+    marked: Known,
+    /// What was known after each way that has been tabulated since the mark.
+    since: Vec<Known>,
+}
+
+/// How far a curve is known.
+#[derive(Debug, Clone, Copy, Default)]
+struct Known {
+    /// Ways of the population.
     ways: usize,
+    /// Where they end.
+    end: f64,
+    steepest: f64,
+    strongest: f64,
 }
 
 /// Part of a way: where it begins, its length, F on it.
@@ -45,36 +63,60 @@ impl Table {
         population.way(Direction::Forward, monitor)?;
         let begun = population.books();
         let curve = Curve::default();
-        let mut table =
-            Self { population, origin, curve, end: 0.0, work: 0.0, breaks: false, begun, ways: 0 };
+        let (known, marked, since) = (Known::default(), Known::default(), Vec::new());
+        let (end, work, breaks) = (0.0, 0.0, false);
+        let mut table = Self { population, origin, curve, end, work, breaks, begun, known, marked, since };
         table.go_on(monitor)?;
         table.curve.index();
+        table.mark();
         Ok(table)
     }
 
     /// Whether the curve reaches a place.
     pub fn knows(&self, place: f64) -> bool {
-        place <= self.end
+        place <= self.known.end
     }
 
-    /// Brings the curve to `end` at least.
-    pub fn reach(&mut self, end: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    /// Largest |F'| on what is known of the curve.
+    pub fn steepest(&self) -> f64 {
+        self.known.steepest
+    }
+
+    /// Largest |F| on it, where pieces end.
+    pub fn strongest(&self) -> f64 {
+        self.known.strongest
+    }
+
+    /// Brings the curve to `end` at least; what asks stands at `from`.
+    pub fn reach(&mut self, end: f64, from: f64, monitor: &mut dyn Monitor) -> Result<()> {
         if self.knows(end) {
             return Ok(());
         }
         // Twice as much, so that asking again and again costs no more than asking once.
-        let end = end.max(2.0 * self.end - self.curve.first());
-        while self.end < end {
+        let end = end.max(2.0 * self.known.end - from);
+        while !self.knows(end) {
             self.go_on(monitor)?;
         }
         self.curve.index();
         Ok(())
     }
 
+    /// Remembers how far the curve is known, in place of the time before.
+    pub fn mark(&mut self) {
+        self.since.drain(..self.known.ways - self.marked.ways);
+        self.marked = self.known;
+    }
+
+    /// Knows no more than at the mark.
+    pub fn recall(&mut self) {
+        self.known = self.marked;
+    }
+
     /// Brings the curve to as many ways as it had before; nothing is asked for before `from`.
     pub fn resume(&mut self, ways: usize, from: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        while self.ways < ways {
+        while self.known.ways < ways {
             self.go_on(monitor)?;
+            self.mark();
             if self.curve.len() > PASSED && self.end <= from {
                 self.curve.index();
                 self.curve.forget(from);
@@ -84,15 +126,27 @@ impl Table {
         Ok(())
     }
 
-    /// Ways of the population that are tabulated.
+    /// Ways of the population that are known.
     pub fn ways(&self) -> usize {
-        self.ways
+        self.known.ways
+    }
+
+    /// Knows the next way.
+    fn go_on(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
+        let next = self.known.ways - self.marked.ways;
+        if next == self.since.len() {
+            self.tabulate(monitor)?;
+            let Self { known, end, ref curve, .. } = *self;
+            let (steepest, strongest) = (curve.steepest(), curve.strongest());
+            self.since.push(Known { ways: known.ways + 1, end, steepest, strongest });
+        }
+        self.known = self.since[next];
+        Ok(())
     }
 
     /// Tabulates the next way.
-    fn go_on(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
+    fn tabulate(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let way = self.population.way(Direction::Forward, monitor)?;
-        self.ways += 1;
         if way.length.is_infinite() {
             self.push_endless();
             return Ok(());
@@ -130,7 +184,8 @@ impl Table {
     fn push(&mut self, part: &Part, origin: f64, monitor: &mut dyn Monitor) -> Result<()> {
         if self.curve.len() >= MOST {
             let (needed, allowed) = ((2 * MOST * 256) as u64, (MOST * 256) as u64);
-            return Err(Error::TooLarge { what: "a friction curve in pieces".into(), needed, allowed });
+            let (key, what) = ("contacts.thresholds".into(), "a friction curve in pieces".into());
+            return Err(Error::TooLarge { key, what, needed, allowed });
         }
         let mut read = [self.population.books(); 6];
         for (i, books) in read.iter_mut().enumerate().skip(1) {

@@ -92,7 +92,7 @@ fn fits(shape: Shape, bytes_per_cell: u64) -> Result<()> {
     let needed = bytes_per_cell.saturating_mul(shape.size() as u64);
     if needed > BYTES {
         let what = format!("the coupling of {} cells", shape.size());
-        return Err(Error::TooLarge { what, needed, allowed: BYTES });
+        return Err(Error::TooLarge { key: "cells".into(), what, needed, allowed: BYTES });
     }
     Ok(())
 }

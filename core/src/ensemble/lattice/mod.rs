@@ -275,7 +275,8 @@ fn fits(shape: Shape) -> Result<()> {
     let bytes = rows.saturating_mul(columns).saturating_mul(place);
     if bytes > BYTES {
         let what = format!("a lattice of {} contacts", shape.size());
-        return Err(Error::TooLarge { what, needed: bytes as u64, allowed: BYTES as u64 });
+        let (key, needed) = ("interface.cells".into(), bytes as u64);
+        return Err(Error::TooLarge { key, what, needed, allowed: BYTES as u64 });
     }
     Ok(())
 }

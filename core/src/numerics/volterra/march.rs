@@ -186,6 +186,7 @@ impl March<'_> {
         }
         let per_cell = 3 * size_of::<Nodal>() as u64;
         Err(Error::TooLarge {
+            key: String::new(),
             what: format!(
                 "a pull resolved that finely (it has come to {:.3} of {end:.3})",
                 self.density.end()

@@ -8,8 +8,8 @@ use crate::{Error, Result};
 
 /// Bytes that a contact coupled one by one takes at most.
 const BYTES_PER_CONTACT: f64 = 64.0;
-/// Bytes that a cell takes, with what it takes to couple it.
-const BYTES_PER_CELL: f64 = 128.0;
+/// Bytes that a cell takes at most, with what it takes to couple it: on a half-space with open edges, some cells sliding.
+const BYTES_PER_CELL: f64 = 208.0;
 /// Bytes that a cell of few contacts takes, and each of them.
 const BYTES_PER_ENSEMBLE: [f64; 2] = [16e3, 256.0];
 

@@ -111,9 +111,7 @@ fn record<M: Model>(interface: &scenario::Interface, stops: &[Stop], found: Foun
         variable.name = format!("event_{}", variable.name);
         record.variables.push(variable);
     }
-    record.variables.extend(found.slipped.variables);
-    // Where nothing happened there is nothing to list.
-    record.variables.retain(|variable| !variable.values.is_empty());
+    record.variables.extend(found.slipped.variables.into_iter().filter(|listed| !listed.values.is_empty()));
     let drives =
         |kind: fn(&Stop) -> bool| stops.iter().filter(|stop| kind(stop)).map(|stop| stop.drive).collect();
     record.push("drive", "drive", Quantity::Length, &["point"], drives(|stop| stop.point));
