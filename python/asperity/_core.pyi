@@ -982,6 +982,8 @@ class Deformable(Description):
         distance: _Number = 20.0,
         points: SupportsIndex = 2001,
         *,
+        velocity: _Number | None = None,
+        tolerance: _Number | None = None,
         maps: ArrayLike | None = None,
         catalogue_from: _Number = 0.0,
         progress: _Progress = None,

@@ -10,6 +10,8 @@ use crate::{Error, Result};
 const BYTES_PER_CONTACT: f64 = 64.0;
 /// Bytes that a cell takes, with what it takes to couple it.
 const BYTES_PER_CELL: f64 = 128.0;
+/// Bytes that a cell takes that follows the master equation in time, with what of it is tried in a step.
+const BYTES_PER_CELL_IN_TIME: f64 = 2e6;
 /// Bytes that a cell of few contacts takes, and each of them.
 const BYTES_PER_ENSEMBLE: [f64; 2] = [16e3, 256.0];
 
@@ -28,15 +30,18 @@ impl Interface {
     /// # Errors
     /// The first value that does not, with its full path.
     pub fn check_cells(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
-        if let Some(rule) = contacts.rules.first() {
-            let expected =
-                "contacts that know no time, since balance of cells is followed along the drive alone";
-            return Err(Error::invalid(format!("contacts.{rule}"), expected, "one that does"));
-        }
         self.values().map_err(|e| e.under("interface"))?;
-        match self.contacts {
-            PerCell::Many => self.many(ensemble),
-            PerCell::One => self.one(contacts, ensemble),
+        match (self.contacts, contacts.rules.first()) {
+            (PerCell::Many, None) => self.many(ensemble),
+            (PerCell::Many, Some(rule)) => {
+                self.aged(rule).map_err(|e| e.under("interface"))?;
+                self.many(ensemble)
+            }
+            (PerCell::One, None) => self.one(contacts, ensemble),
+            (PerCell::One, Some(rule)) => {
+                let expected = "contacts that know no time beside interface.contacts = \"one\": single contacts are followed along the drive alone";
+                Err(Error::invalid(format!("contacts.{rule}"), expected, "one that does"))
+            }
         }
     }
 
@@ -66,6 +71,19 @@ impl Interface {
         };
         check().map_err(|e| e.under("interface"))?;
         ensemble.map_or(Ok(()), |ensemble| self.few(ensemble))
+    }
+
+    /// What cells need whose contacts know time by a rule.
+    fn aged(&self, rule: &str) -> Result<()> {
+        let reason = format!("since contacts.{rule} knows time: that alone limits how fast cells slip");
+        if self.viscosity.is_none() {
+            return Err(Error::invalid("viscosity", format!("a viscosity above 0, {reason}"), "none"));
+        }
+        if self.slip.unwrap_or_default() == CellSlip::Reset {
+            let expected = format!("\"overdamped\" with a viscosity, {reason}");
+            return Err(Error::invalid("slip", expected, "reset"));
+        }
+        size::check("cells", self.size(), BYTES_PER_CELL_IN_TIME)
     }
 
     /// What cells of few contacts need.
