@@ -316,6 +316,22 @@ fn contacts_that_age_make_a_chain_slip_again_and_again() {
 }
 
 #[test]
+fn threads_change_nothing() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let coupling = half_space(Shape::Square([2, 3]), Edges::Open, 0.5, 1.0).unwrap();
+            let contacts = cells(&logarithmic(), &WEAK, 1e-3);
+            let mut interface = InterfaceInTime::new(contacts, coupling, setting(0.2, 0.1, 1e-3)).unwrap();
+            let events = events(&mut interface, 6.0, 1e-2);
+            assert!(!events.is_empty());
+            (interface.positions(), interface.energy(), events.len())
+        })
+    };
+    assert_eq!(run(1), run(3));
+}
+
+#[test]
 fn what_makes_no_sense_is_refused() {
     let make = |cells: usize, setting: SettingInTime| {
         let contacts = (0..cells).map(|_| transport(&athermal(), 1e-3)).collect();

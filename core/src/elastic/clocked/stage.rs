@@ -71,6 +71,13 @@ struct Guess {
     slope: f64,
 }
 
+/// How far cells are to go on from there.
+struct Correction {
+    by: Vec<f64>,
+    /// Whether a cell is not to move, as it would go back.
+    stands: Vec<bool>,
+}
+
 /// What the velocity at the end of a stage is of an advance δ: αδ + `carried`.
 struct Rule<'a> {
     alpha: f64,
@@ -95,6 +102,19 @@ impl State {
         let mut contacts = self.contacts.copy();
         contacts.step(advance, during)?;
         Ok(contacts)
+    }
+
+    /// The cell at the end of a stage; of an advance up to `near` nothing is learnt of the slope.
+    fn end(&self, contacts: Box<dyn Clocked>, guess: Guess, velocity: f64, near: f64) -> Self {
+        let Guess { advance, force, .. } = guess;
+        let slope = if advance > near { (force - self.force) / advance } else { self.slope };
+        Self { contacts, position: self.position + advance, force, velocity, slope }
+    }
+}
+
+impl Guess {
+    fn none(from: &State) -> Self {
+        Self { advance: 0.0, force: from.force, slope: from.slope }
     }
 }
 
@@ -145,9 +165,14 @@ impl Dynamics {
         };
         let error = (0..from.len()).map(error).fold(0.0, f64::max);
         end.iter_mut().for_each(|cell| cell.velocity = cell.velocity.max(0.0));
-        let times = [0.0, time, duration];
-        let (mut work, mut viscous) = (0.0, vec![0.0; from.len()]);
-        for ((cells, time), weight) in [from, &middle, &end].into_iter().zip(times).zip(WEIGHTS) {
+        let (work, viscous) = self.taken([from, &middle, &end], pulled, duration);
+        Ok(Some(Tried { end, error, work, viscous }))
+    }
+
+    /// Work of the drive in a step through these states, and what each cell loses by viscous drag.
+    fn taken(&self, states: [&[State]; 3], pulled: Pulled, duration: f64) -> (f64, Vec<f64>) {
+        let (mut work, mut viscous) = (0.0, vec![0.0; states[0].len()]);
+        for ((cells, time), weight) in states.into_iter().zip([0.0, MEET * duration, duration]).zip(WEIGHTS) {
             let drive = pulled.after(time);
             let pull = sum(self.connected, |j| self.connection * (drive - cells[j].position));
             work += weight * duration * pulled.velocity * pull;
@@ -155,7 +180,7 @@ impl Dynamics {
                 *lost += weight * duration * self.viscosity * cell.velocity * cell.velocity;
             }
         }
-        Ok(Some(Tried { end, error, work, viscous }))
+        (work, viscous)
     }
 
     /// The advances at whose end η Ẋ = pulls − F, by the secant rule for each cell and with the coupling as it is. Cells
@@ -168,40 +193,19 @@ impl Dynamics {
         rule: &Rule<'_>,
     ) -> Result<Option<Vec<State>>> {
         let near = NEAR * self.tolerance;
-        let begin = |cell: &State| Guess { advance: 0.0, force: cell.force, slope: cell.slope };
-        let mut guesses: Vec<Guess> = from.iter().map(begin).collect();
-        let mut contacts: Vec<Box<dyn Clocked>> = Vec::new();
+        let mut guesses: Vec<Guess> = from.iter().map(Guess::none).collect();
+        let Correction { by, .. } = self.correct(from, &guesses, drive, rule);
+        let mut contacts = first(from, &mut guesses, &by, during)?;
         for _ in 0..ROUNDS {
-            let excess = self.excess(from, &guesses, drive, rule);
-            let stands = |j: usize| guesses[j].advance == 0.0 && excess[j] <= 0.0;
-            let by = self.correct(from, &guesses, &excess, self.viscosity * rule.alpha, &stands);
-            if contacts.is_empty() {
-                contacts = from
-                    .par_iter()
-                    .zip(&by)
-                    .map(|(from, &by)| from.ahead(by, during))
-                    .collect::<Result<_>>()?;
-                for ((guess, by), contacts) in guesses.iter_mut().zip(by).zip(&contacts) {
-                    *guess = Guess { advance: by, force: contacts.force(), ..*guess };
-                }
-            } else if by.iter().all(|by| by.abs() <= near) {
-                let velocity = |j: usize| {
+            let Correction { by, stands } = self.correct(from, &guesses, drive, rule);
+            if by.iter().all(|by| by.abs() <= near) {
+                let end = |(j, contacts): (usize, Box<dyn Clocked>)| {
                     let free = rule.velocity(j, guesses[j].advance);
-                    if stands(j) { free.min(0.0) } else { free }
+                    from[j].end(contacts, guesses[j], if stands[j] { free.min(0.0) } else { free }, near)
                 };
-                let velocities: Vec<f64> = (0..from.len()).map(velocity).collect();
-                return Ok(Some(self.ended(from, &guesses, contacts, &velocities)));
-            } else {
-                let all = guesses.par_iter_mut().zip(&mut contacts).zip(from).zip(&by);
-                let far = all.filter(|(_, by)| by.abs() > near);
-                far.try_for_each(|(((guess, contacts), from), by)| -> Result<()> {
-                    *contacts = from.ahead(guess.advance + by, during)?;
-                    let force = contacts.force();
-                    let slope = (force - guess.force) / by;
-                    *guess = Guess { advance: guess.advance + by, force, slope };
-                    Ok(())
-                })?;
+                return Ok(Some(contacts.into_iter().enumerate().map(end).collect()));
             }
+            again(from, &mut guesses, &mut contacts, &by, near, during)?;
         }
         Ok(None)
     }
@@ -218,50 +222,55 @@ impl Dynamics {
     }
 
     /// How far cells are to go on, so that what is in excess vanishes where slopes stay as they are.
-    fn correct(
-        &mut self,
-        from: &[State],
-        guesses: &[Guess],
-        excess: &[f64],
-        viscous: f64,
-        stands: &dyn Fn(usize) -> bool,
-    ) -> Vec<f64> {
-        let own = |j: usize| viscous + self.connection(j);
+    fn correct(&mut self, from: &[State], guesses: &[Guess], drive: f64, rule: &Rule<'_>) -> Correction {
+        let excess = self.excess(from, guesses, drive, rule);
+        let stand = |(guess, excess): (&Guess, &f64)| guess.advance == 0.0 && *excess <= 0.0;
+        let stands: Vec<bool> = guesses.iter().zip(&excess).map(stand).collect();
+        let own = |j: usize| self.viscosity * rule.alpha + self.connection(j);
         let held = |j: usize| own(j) + from[j].contacts.tangent();
         let spring = |j: usize| {
-            if stands(j) { HOLD * (held(j) + self.coupling.own(j)) } else { own(j) + guesses[j].slope }
+            if stands[j] { HOLD * (held(j) + self.coupling.own(j)) } else { own(j) + guesses[j].slope }
         };
-        let mut springs: Vec<f64> = (0..from.len()).map(spring).collect();
-        // Those that push give way to what holds, stretched, where they push too hard.
-        let bounded: Vec<f64> = springs
-            .iter()
-            .enumerate()
-            .map(|(j, &spring)| if spring > 0.0 { spring } else { held(j) })
-            .collect();
-        let right: Vec<f64> = (0..from.len()).map(|j| if stands(j) { 0.0 } else { excess[j] }).collect();
-        let mut by = right.clone();
+        let springs: Vec<f64> = (0..from.len()).map(spring).collect();
+        // Where cells push too hard, they give way to what holds, stretched.
+        let hold = |j: usize| if springs[j] > 0.0 { springs[j] } else { held(j) };
+        let holding: Vec<f64> = (0..from.len()).map(hold).collect();
+        let right = |j: usize| if stands[j] { 0.0 } else { excess[j] };
+        let mut by: Vec<f64> = (0..from.len()).map(right).collect();
         if !self.coupling.respond(&springs, &mut by) {
-            springs = bounded;
-            by = right;
-            self.coupling.respond(&springs, &mut by);
+            by = (0..from.len()).map(right).collect();
+            self.coupling.respond(&holding, &mut by);
         }
-        by.iter().zip(guesses).map(|(by, guess)| (guess.advance + by).max(0.0) - guess.advance).collect()
+        let forward = |(by, guess): (&f64, &Guess)| (guess.advance + by).max(0.0) - guess.advance;
+        Correction { by: by.iter().zip(guesses).map(forward).collect(), stands }
     }
+}
 
-    /// What cells have come to.
-    fn ended(
-        &self,
-        from: &[State],
-        guesses: &[Guess],
-        contacts: Vec<Box<dyn Clocked>>,
-        velocities: &[f64],
-    ) -> Vec<State> {
-        let end = |(j, contacts): (usize, Box<dyn Clocked>)| {
-            let (from, Guess { advance, force, .. }) = (&from[j], guesses[j]);
-            let moved = advance > NEAR * self.tolerance;
-            let slope = if moved { (force - from.force) / advance } else { from.slope };
-            State { contacts, position: from.position + advance, force, velocity: velocities[j], slope }
-        };
-        contacts.into_iter().enumerate().map(end).collect()
+/// The contacts of all cells after the advances that are guessed first.
+fn first(from: &[State], guesses: &mut [Guess], by: &[f64], during: f64) -> Result<Vec<Box<dyn Clocked>>> {
+    let ahead = from.par_iter().zip(by).map(|(from, &by)| from.ahead(by, during));
+    let contacts: Vec<_> = ahead.collect::<Result<_>>()?;
+    for ((guess, &advance), contacts) in guesses.iter_mut().zip(by).zip(&contacts) {
+        (guess.advance, guess.force) = (advance, contacts.force());
     }
+    Ok(contacts)
+}
+
+/// The contacts of the cells that are to go on farther than `near`, once more, in one go from the beginning of the stage.
+fn again(
+    from: &[State],
+    guesses: &mut [Guess],
+    contacts: &mut [Box<dyn Clocked>],
+    by: &[f64],
+    near: f64,
+    during: f64,
+) -> Result<()> {
+    let all = guesses.par_iter_mut().zip(contacts).zip(from).zip(by);
+    all.filter(|(_, by)| by.abs() > near).try_for_each(|(((guess, contacts), from), by)| {
+        let advance = guess.advance + by;
+        *contacts = from.ahead(advance, during)?;
+        let force = contacts.force();
+        *guess = Guess { advance, force, slope: (force - guess.force) / by };
+        Ok(())
+    })
 }
