@@ -122,6 +122,7 @@ def test_cells_of_contacts_that_age_slip_as_a_block_does() -> None:
     result = aged.drive(8.0, points=9, velocity=1e-2)
     block = asp.Block(asp.Transport(contacts, tolerance=1e-4), 0.2, asp.Damped(0.1))
     slips = block.drive(8.0, points=9, velocity=1e-2).events
+    assert result.events is not None
     assert len(result.events) == len(slips) > 0
     np.testing.assert_array_equal(result.events["cells"], 3)
     # Both to the accuracy of a step, and the cells to their distances of some 1e-5.
