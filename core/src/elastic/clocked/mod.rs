@@ -99,7 +99,7 @@ impl InterfaceInTime {
     /// coupling is for.
     pub fn new(
         contacts: Vec<Box<dyn Clocked>>,
-        mut coupling: Box<dyn Coupling>,
+        coupling: Box<dyn Coupling>,
         setting: SettingInTime,
     ) -> Result<Self> {
         setting.check()?;
@@ -120,10 +120,11 @@ impl InterfaceInTime {
             .zip(&springs)
             .map(|(contacts, spring)| spring * drive - contacts.force())
             .collect();
-        coupling.respond(&springs, &mut positions);
         let SettingInTime { connection, viscosity, tolerance, slip_fraction, area, .. } = setting;
+        let mut dynamics = Dynamics { coupling, connection, connected, viscosity, tolerance };
+        dynamics.respond(&springs, &mut positions);
         let mut interface = Self {
-            dynamics: Dynamics { coupling, connection, connected, viscosity, tolerance },
+            dynamics,
             cells: contacts.into_iter().zip(positions).map(|(contacts, x)| State::of(contacts, x)).collect(),
             time: 0.0,
             drive,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::Result;
 use crate::clocked::Clocked;
 use crate::elastic::Coupling;
-use crate::elastic::batch::sum;
+use crate::elastic::batch::{largest, sum};
 use crate::numerics::two_stages::{self, CARRIED, MEET, WEIGHTS};
 
 /// Equations of stages are solved to this share of the tolerance.
@@ -13,6 +13,9 @@ const NEAR: f64 = 0.01;
 
 /// Rounds of the secant rule before a step is too long for it.
 const ROUNDS: u32 = 20;
+
+/// Forces that are left of those in excess when a way is found: stiff springs pull by much for a small way.
+const SOLVED: f64 = 1e-10;
 
 /// A spring that holds a cell which is not to move, in units of the stiffest that it feels.
 const HOLD: f64 = 1e9;
@@ -130,6 +133,12 @@ impl Dynamics {
         if cell < self.connected { self.connection } else { 0.0 }
     }
 
+    /// Solves (springs + A) δ = right; whether the matrix is positive definite.
+    pub fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {
+        let goal = SOLVED * largest(right.len(), |j| right[j].abs());
+        self.coupling.respond(springs, right, goal)
+    }
+
     /// Energy of the slider between cells.
     pub fn stored(&mut self, positions: &[f64]) -> f64 {
         let mut forces = vec![0.0; positions.len()];
@@ -237,9 +246,9 @@ impl Dynamics {
         let holding: Vec<f64> = (0..from.len()).map(hold).collect();
         let right = |j: usize| if stands[j] { 0.0 } else { excess[j] };
         let mut by: Vec<f64> = (0..from.len()).map(right).collect();
-        if !self.coupling.respond(&springs, &mut by) {
+        if !self.respond(&springs, &mut by) {
             by = (0..from.len()).map(right).collect();
-            self.coupling.respond(&holding, &mut by);
+            self.respond(&holding, &mut by);
         }
         let forward = |(by, guess): (&f64, &Guess)| (guess.advance + by).max(0.0) - guess.advance;
         Correction { by: by.iter().zip(guesses).map(forward).collect(), stands }
