@@ -54,12 +54,8 @@ fn checkpoints(scenario: &Scenario, arguments: &Run) -> Result<Option<Checkpoint
     if every.is_none() && !resume {
         return Ok(None);
     }
-    if scenario.interface.is_none() {
-        let option = if resume { "--resume" } else { "--checkpoint" };
-        return Err(Failure::Input(format!(
-            "error: {option}: expected a scenario with [interface], got one without, which has no checkpoints\n"
-        )));
-    }
+    let option = if resume { "--resume" } else { "--checkpoint" };
+    scenario.keeps_checkpoints(option).map_err(|error| Failure::Input(format!("error: {error}\n")))?;
     let directory = arguments.directory();
     if !resume {
         return Ok(Some(Checkpoints::begin(&directory, scenario, every)?));

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use support::{Folder, errors, names};
+use support::{Folder, errors, names, scenarios};
 
 /// A few seconds of avalanches, all of them recorded.
 const SCENARIO: &str = "
@@ -224,6 +224,9 @@ fn only_interfaces_have_checkpoints() {
         assert_eq!(output.status.code(), Some(2));
         assert!(errors(&output).contains(option[0]), "{}", errors(&output));
     }
+    let timed = folder.run(&["run", scenarios().join("front-ageing.toml").to_str().unwrap(), "--resume"]);
+    assert_eq!(timed.status.code(), Some(2));
+    assert!(errors(&timed).contains("--resume: expected a scenario whose contacts know no time"));
     folder.write("slow.toml", &SCENARIO.replace("100.0", "1.0").replace("[40.0, 80.0]", "[]"));
     let output = folder.run(&["run", "slow.toml", "--resume"]);
     assert!(output.status.success() && errors(&output).contains("begins at its start"));

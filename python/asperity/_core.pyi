@@ -982,13 +982,17 @@ class Deformable(Description):
         distance: _Number = 20.0,
         points: SupportsIndex = 2001,
         *,
+        velocity: _Number | None = None,
+        tolerance: _Number | None = None,
         maps: ArrayLike | None = None,
         catalogue_from: _Number = 0.0,
         progress: _Progress = None,
     ) -> Result:
         """Drives the interface from X_T = 0 to distance, from event to event.
 
-        points: the number of points of the trace, both ends included. maps: a list of drives, rising, at which every cell
+        points: the number of points of the trace, both ends included. velocity: that of the drive, above 0; needed where
+        contacts know time. tolerance: the error allowed in the force of a cell per mean threshold and per stiffness, 1e-10 if
+        nothing else is said; where contacts know time also in a step of a cell, per mean threshold, 1e-4. maps: a list of drives, rising, at which every cell
         is shown; of a chain it is at every point. catalogue_from: the drive from which on events are recorded. progress:
         as for MasterEquation.pull. Ctrl-C stops it.
 
@@ -1015,9 +1019,11 @@ class Interface(Deformable):
     neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a half-space
     and the side of a cell. edges: "open" or "periodic". loading: "uniform", or "edge" where the drive pulls the first cell
     or row alone. slip: "reset", where all contacts of an unstable cell break and re-form, or "overdamped". viscosity: the
-    drag of a moving cell, force per velocity; with it events take time. disorder: the standard deviation of the scales of
+    drag of a moving cell, force per velocity; with it events take time. Contacts that know time need it, with
+    slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j, and a cell slips while it is ten times as fast as the
+    drive. disorder: the standard deviation of the scales of
     cells, which multiply all lengths of their contacts, drawn from a Gaussian of mean 1 with the seed; or a list of them.
-    drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds. size: None where contacts
+    drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds, without time. size: None where contacts
     are so many that they follow the master equation; or the number of contacts in each cell, drawn with the seed and
     followed one by one, with slip="overdamped". quenched: whether these keep their thresholds.
 
@@ -1050,8 +1056,8 @@ class Interface(Deformable):
         """The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
 
         cell: its number, along rows. at: the drive, 0 or above. stretches: a list of n stretches. progress: as for
-        MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must be so many
-        that they follow the master equation.
+        MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must know no time, and
+        be so many that they follow the master equation.
 
         Raises ValueError for a number of no cell, and for values that make no sense.
         """
@@ -1165,7 +1171,7 @@ def run(
     overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a law replaces the law that is
     there. progress: as for MasterEquation.pull.
     folder: where to write the results, as Result.save does. Beside it the drive of an interface can keep what it has come
-    to: checkpoint: every so many events. resume: whether to go on from the last checkpoint, or to begin where there is none.
+    to, where contacts know no time: checkpoint: every so many events. resume: whether to go on from the last checkpoint, or to begin where there is none.
     The checkpoints are removed once the results are written.
 
     Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came, and for a

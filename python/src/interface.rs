@@ -59,7 +59,9 @@ pub struct Deformable;
 impl Deformable {
     /// Drives the interface from X_T = 0 to distance, from event to event.
     ///
-    /// points: the number of points of the trace, both ends included. maps: a list of drives, rising, at which every cell
+    /// points: the number of points of the trace, both ends included. velocity: that of the drive, above 0; needed where
+    /// contacts know time. tolerance: the error allowed in the force of a cell per mean threshold and per stiffness, 1e-10 if
+    /// nothing else is said; where contacts know time also in a step of a cell, per mean threshold, 1e-4. maps: a list of drives, rising, at which every cell
     /// is shown; of a chain it is at every point. catalogue_from: the drive from which on events are recorded. progress:
     /// as for MasterEquation.pull. Ctrl-C stops it.
     ///
@@ -68,13 +70,19 @@ impl Deformable {
     ///
     /// Raises ValueError for values that make no sense, or for more than fits in a result file.
     #[pyo3(
-        signature = (distance = 20.0, points = Whole::new(2001), *, maps = None, catalogue_from = 0.0, progress = None),
-        text_signature = "($self, distance=20.0, points=2001, *, maps=None, catalogue_from=0.0, progress=None)"
+        signature = (
+            distance = 20.0, points = Whole::new(2001), *, velocity = None, tolerance = None, maps = None,
+            catalogue_from = 0.0, progress = None
+        ),
+        text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, progress=None)"
     )]
+    #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     fn drive(
         slf: &Bound<'_, Self>,
         distance: f64,
         points: Whole,
+        velocity: Option<f64>,
+        tolerance: Option<f64>,
         maps: Option<&Bound<'_, PyAny>>,
         catalogue_from: f64,
         progress: Option<Bound<'_, PyAny>>,
@@ -82,8 +90,9 @@ impl Deformable {
         let py = slf.py();
         let maps = maps.map_or(Ok(Vec::new()), |maps| convert::list("maps", maps))?;
         let points = points.get("points")?;
-        let drive = Drive { distance: Some(distance), points, maps, ..Drive::default() };
+        let drive = Drive { distance: Some(distance), points, velocity, maps, ..Drive::default() };
         let mut scenario = Self::plain(slf).scenario(drive);
+        scenario.master_equation.tolerance = tolerance;
         if let Some(own) = &mut scenario.interface {
             own.catalogue_from = catalogue_from;
         }
@@ -116,7 +125,8 @@ impl Deformable {
     }
 
     fn made(surface: Surface) -> PyResult<PyClassInitializer<Self>> {
-        surface.scenario(Drive::default()).build().map_err(error::core)?;
+        // What drives it is asked for later.
+        surface.scenario(Drive { velocity: Some(1.0), ..Drive::default() }).build().map_err(error::core)?;
         Ok(Description::new(Plain::Surface(surface)).add_subclass(Self))
     }
 }
@@ -128,9 +138,11 @@ impl Deformable {
 /// neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a half-space
 /// and the side of a cell. edges: "open" or "periodic". loading: "uniform", or "edge" where the drive pulls the first cell
 /// or row alone. slip: "reset", where all contacts of an unstable cell break and re-form, or "overdamped". viscosity: the
-/// drag of a moving cell, force per velocity; with it events take time. disorder: the standard deviation of the scales of
+/// drag of a moving cell, force per velocity; with it events take time. Contacts that know time need it, with
+/// slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j, and a cell slips while it is ten times as fast as the
+/// drive. disorder: the standard deviation of the scales of
 /// cells, which multiply all lengths of their contacts, drawn from a Gaussian of mean 1 with the seed; or a list of them.
-/// drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds. size: None where contacts
+/// drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds, without time. size: None where contacts
 /// are so many that they follow the master equation; or the number of contacts in each cell, drawn with the seed and
 /// followed one by one, with slip="overdamped". quenched: whether these keep their thresholds.
 ///
@@ -198,8 +210,8 @@ impl Interface {
     /// The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
     ///
     /// cell: its number, along rows. at: the drive, 0 or above. stretches: a list of n stretches. progress: as for
-    /// MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must be so many
-    /// that they follow the master equation.
+    /// MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must know no time, and
+    /// be so many that they follow the master equation.
     ///
     /// Raises ValueError for a number of no cell, and for values that make no sense.
     #[pyo3(signature = (cell, stretches, *, at, progress = None))]
@@ -216,6 +228,10 @@ impl Interface {
             return Err(error::invalid("at", "a finite drive, 0 or above", at));
         }
         let surface = Deformable::plain(slf.as_super());
+        if surface.contacts.contacts.know_time() {
+            let expected = "contacts that know no time, whose stretches follow from where a cell is";
+            return Err(error::invalid("contacts", expected, "some that do"));
+        }
         let scenario = surface.scenario(Drive::default());
         let tolerance = scenario.master_equation.tolerance();
         let found = watched(progress, py, |monitor| {

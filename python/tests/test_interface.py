@@ -118,6 +118,28 @@ def test_interfaces_are_their_descriptions(interface: asp.Deformable) -> None:
     assert interface.contacts == CONTACTS
 
 
+def test_cells_of_contacts_that_age_slip_as_a_block_does() -> None:
+    ageing = asp.Logarithmic(growth=0.02, time=1.0)
+    contacts = asp.Contacts(thresholds=asp.Gaussian(1.0, 0.2), ageing=ageing)
+    aged = asp.Interface(contacts, [3], neighbours=1e5, connection=0.2, slip="overdamped", viscosity=0.1)
+    result = aged.drive(8.0, points=9, velocity=1e-2)
+    block = asp.Block(asp.Transport(contacts, tolerance=1e-4), 0.2, asp.Damped(0.1))
+    slips = block.drive(8.0, points=9, velocity=1e-2).events
+    assert result.events is not None
+    assert len(result.events) == len(slips) > 0
+    np.testing.assert_array_equal(result.events["cells"], 3)
+    # Both to the accuracy of a step, and the cells to their distances of some 1e-5.
+    np.testing.assert_allclose(result.events["drive"], slips["drive"], atol=4e-4)
+    np.testing.assert_allclose(result.events["drop"], 3 * slips["drop"], atol=1.2e-3)
+    np.testing.assert_allclose(result["time"], 100 * result["drive"])
+    with pytest.raises(ValueError, match="velocity: expected a velocity above 0"):
+        aged.drive(8.0)
+    with pytest.raises(ValueError, match="contacts: expected contacts that know no time"):
+        aged.stretch_density(0, [0.5], at=1.0)
+    with pytest.raises(ValueError, match=r"interface\.viscosity: expected a viscosity above 0"):
+        asp.Interface(contacts, [3], neighbours=1.0, connection=0.2, slip="overdamped")
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -161,5 +183,7 @@ def test_a_run_that_was_stopped_goes_on(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["ofc"]
     with pytest.raises(ValueError, match="folder: expected one"):
         asp.run(OFC, resume=True)
-    with pytest.raises(ValueError, match="checkpoint: expected a scenario with interface"):
+    with pytest.raises(
+        ValueError, match=r"checkpoint: expected a scenario with \[interface\], got one without"
+    ):
         asp.run(OFC.with_name("fig2.toml"), folder=tmp_path / "pull", checkpoint=10)

@@ -156,3 +156,82 @@ fn maps_that_no_file_can_hold_are_refused_before_any_work() {
     let error = task::run(&read(&text).scenario, &mut ()).unwrap_err().to_string();
     assert!(error.starts_with("drive.maps: ") && error.contains("40, which take 1280 MB"), "{error}");
 }
+
+const AGED: &str = "
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.2 }
+contacts.ageing.logarithmic = { growth = 0.02, time = 1.0 }
+master_equation.tolerance = 1e-4
+";
+
+/// One cell whose contacts know time is the block in time, up to the accuracy of a step of both.
+#[test]
+fn one_cell_in_time_is_a_block_in_time() {
+    let cell = run(&format!(
+        "{AGED}
+interface = {{ cells = [1], coupling.neighbours = {{ stiffness = 1.0 }}, connection = 0.2, slip = 'overdamped', viscosity = 0.1 }}
+drive = {{ distance = 12.0, velocity = 1e-2, points = 25 }}
+"
+    ));
+    let block = run(&format!(
+        "{AGED}
+block = {{ stiffness = 0.2, slip.damped = {{ damping = 0.1 }} }}
+drive = {{ distance = 12.0, velocity = 1e-2, points = 25 }}
+"
+    ));
+    assert!(column(&block, "event_drive").len() > 1);
+    for name in ["drive", "position_before", "position_after", "drop", "slip", "dissipated_breaks"] {
+        let [cell, block] = [&cell, &block].map(|outcome| column(outcome, &format!("event_{name}")));
+        assert_eq!(cell.len(), block.len(), "{name}");
+        for (cell, block) in cell.iter().zip(block) {
+            assert!((cell - block).abs() < 2e-4, "{name}: {cell} {block}");
+        }
+    }
+    let (drives, times) = (column(&cell, "drive"), column(&cell, "time"));
+    assert!(
+        drives.iter().zip(times).all(|(drive, time)| (time - 100.0 * drive).abs() < 1e-9 * time.max(1.0))
+    );
+    assert_eq!(column(&cell, "map_drive"), drives);
+    assert_eq!(column(&cell, "cell_velocity"), column(&cell, "velocity"));
+    assert_eq!(column(&cell, "slipped_event").len(), column(&cell, "event_drive").len());
+}
+
+/// A cell has all lengths times its scale and the temperature of all: that of contacts with such thresholds.
+#[test]
+fn a_scaled_cell_is_as_warm_as_the_others() {
+    let friction = |mean: f64, scale: f64| {
+        run(&format!(
+            "
+contacts.thresholds.gaussian = {{ mean = {mean}, std = {} }}
+contacts.temperature = {{ energy = 0.05, attempt_rate = 1.0, barrier = 'elastic' }}
+interface = {{ cells = [1], coupling.neighbours = {{ stiffness = 1.0 }}, connection = 1.0, slip = 'overdamped', viscosity = 0.1, disorder.scale = [{scale}] }}
+drive = {{ distance = 2.0, velocity = 1e-2, points = 11 }}
+master_equation.tolerance = 1e-4
+",
+            0.1 * mean
+        ))
+    };
+    let (scaled, plain, other) = (friction(1.0, 1.25), friction(1.25, 1.0), friction(1.0, 1.0));
+    let (scaled, plain, other) = (column(&scaled, "force"), column(&plain, "force"), column(&other, "force"));
+    for (scaled, plain) in scaled.iter().zip(plain) {
+        assert!((scaled - plain).abs() < 1e-4, "{scaled} {plain}");
+    }
+    assert!((plain[10] - 1.25 * other[10]).abs() > 1e-2);
+}
+
+/// Cells of few contacts that know time differ by chance, each seed by its own.
+#[test]
+fn cells_of_few_contacts_in_time_are_drawn() {
+    let events = |seed: u64| {
+        let outcome = run(&format!(
+            "{AGED}
+interface = {{ cells = [3], coupling.neighbours = {{ stiffness = 0.5 }}, connection = 0.2, slip = 'overdamped', viscosity = 0.1 }}
+ensemble = {{ size = 200, seed = {seed} }}
+drive = {{ distance = 5.0, velocity = 1e-2, points = 6 }}
+"
+        ));
+        assert_eq!(outcome.summary.seed, Some(seed));
+        column(&outcome, "event_drive").to_vec()
+    };
+    let [one, again, other] = [1, 1, 2].map(events);
+    assert!(!one.is_empty() && one == again && one != other, "{one:?} {other:?}");
+}

@@ -18,6 +18,10 @@ const LABEL: f64 = 26.0;
 const MARKERS: usize = 80;
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    // An interface has pictures of its own.
+    if outcome.summary.catalogue.is_some() {
+        return None;
+    }
     let (above, below) = (velocity(outcome)?, force(outcome)?);
     let (title, size) = style::heading(&outcome.summary.title);
     let figure = Figure::new(2, 1)

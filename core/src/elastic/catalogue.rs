@@ -106,7 +106,7 @@ impl Interface {
 }
 
 /// Nearest neighbours of a cell.
-fn beside(cell: usize, shape: Shape, edges: Edges) -> impl Iterator<Item = usize> {
+pub(super) fn beside(cell: usize, shape: Shape, edges: Edges) -> impl Iterator<Item = usize> {
     let [rows, columns] = shape.sides();
     let (row, column) = (cell / columns, cell % columns);
     let along = move |place: usize, length: usize, on: bool| match (on, edges) {
@@ -123,7 +123,7 @@ fn beside(cell: usize, shape: Shape, edges: Edges) -> impl Iterator<Item = usize
 
 /// Speeds at which slip spread from the first cell towards smaller and larger columns of its row: cells per time; NaN
 /// where fewer than [`FRONT`] cells beside each other began one after the other.
-fn fronts(slipped: &[Slipped], shape: Shape) -> [f64; 2] {
+pub(super) fn fronts(slipped: &[Slipped], shape: Shape) -> [f64; 2] {
     let columns = shape.sides()[1];
     let epicentre = slipped[0].cell;
     let row = epicentre / columns;

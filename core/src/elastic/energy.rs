@@ -17,6 +17,8 @@ pub struct Energy {
     pub coupling: f64,
     /// Change of the elastic energy Σ½kx² of the contacts.
     pub elastic: f64,
+    /// What ageing brought that makes stretched contacts stiffer, ∫Σ½x² dk: beside the work, not of it; 0 without time.
+    pub strengthening: f64,
     /// Lost in breaks of contacts.
     pub breaks: f64,
     /// Lost in slips: ∫Σ[K_0(X_T − X_j) − (AX)_j − F_j] dX_j.
@@ -24,10 +26,11 @@ pub struct Energy {
 }
 
 impl Energy {
-    /// Work less everything it went into: 0 but for rounding and the accuracy of the forces.
+    /// Work, and what ageing brought, less everything they went into: 0 but for rounding and the accuracy of the forces.
     #[must_use]
     pub fn imbalance(&self) -> f64 {
-        self.work - (self.connection + self.coupling + self.elastic + self.breaks + self.slip)
+        let stored = self.connection + self.coupling + self.elastic;
+        self.work + self.strengthening - (stored + self.breaks + self.slip)
     }
 }
 

@@ -2,12 +2,13 @@
 
 use crate::record::{Quantity, Record};
 
-/// Cells, connected with each other, that slipped in one slide.
+/// Cells, connected with each other, that slipped in one slide; where contacts know time, from when the first of them
+/// begins to slip until none does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Event {
     /// X_T.
     pub drive: f64,
-    /// Time, of all slides before and of this one until its first cell slipped; NaN without viscosity.
+    /// Time: where contacts know it, when the first cell slipped; else of all slides before and of this one until its first cell slipped; NaN without viscosity.
     pub time: f64,
     /// The cell that slipped first, counted along rows.
     pub epicentre: usize,
@@ -45,7 +46,8 @@ pub struct Event {
 pub struct Slipped {
     /// Its number.
     pub cell: usize,
-    /// When it began to, since the first cell of the slide did: a time, steps without viscosity.
+    /// When it began to, since the first cell of the slide, or of the event where contacts know time: a time, steps without
+    /// viscosity.
     pub start: f64,
     /// How far it slipped.
     pub slip: f64,

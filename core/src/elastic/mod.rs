@@ -15,6 +15,7 @@ mod balance;
 mod batch;
 mod catalogue;
 pub mod cells;
+pub mod clocked;
 pub mod coupling;
 mod creep;
 mod energy;
@@ -25,6 +26,7 @@ mod solve;
 mod state;
 
 pub use cells::{Cells, Curves, Populations, Standing};
+pub use clocked::{InterfaceInTime, SettingInTime};
 pub use coupling::Coupling;
 pub use energy::Energy;
 pub use event::{Event, Slipped, record};

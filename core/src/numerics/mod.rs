@@ -21,4 +21,5 @@ pub mod roots;
 pub mod springs;
 pub mod stencil;
 pub mod table;
+pub mod two_stages;
 pub mod volterra;

@@ -106,6 +106,11 @@ impl Contacts {
         Ok(contacts::Contacts { count, stiffness, thresholds, reforming, rules: self.rules()? })
     }
 
+    /// Whether they have a rule that needs a time.
+    pub fn know_time(&self) -> bool {
+        self.temperature.is_some() || self.ageing.is_some() || self.delay.is_some()
+    }
+
     fn rules(&self) -> Result<contacts::Rules> {
         let ageing = self.ageing.as_ref().map(|ageing| ageing.build().map_err(|e| e.under("ageing")));
         Ok(contacts::Rules {

@@ -85,8 +85,9 @@ fn same(name: &str) -> (String, String) {
 
 fn trace(record: &Record, prefix: &str) -> Option<String> {
     if prefix.is_empty() && record.get("spring_force").is_none() {
-        // An interface has no one spring, and single contacts have no positions.
-        return table(record, &["drive", "force"].map(same), &[same("position")]);
+        // An interface has no one spring, single contacts have no positions, and few have a time.
+        let optional = ["position", "time", "velocity"].map(same);
+        return table(record, &["drive", "force"].map(same), &optional);
     }
     let column = |name: &str| (name.to_owned(), format!("{prefix}{name}"));
     let timed = ["time", "velocity", "free"].map(column);

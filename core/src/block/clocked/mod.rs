@@ -12,13 +12,11 @@ use super::{Block, Energy, Loading, Slip};
 use crate::clocked::Clocked;
 use crate::history::History;
 use crate::monitor::{Monitor, report};
+use crate::numerics::two_stages::{CHANGE, MEET, WEIGHTS, change};
 use crate::{Error, Float, Result};
 use log::Log;
 pub use log::{Moment, Slide, TimedSlip};
-use stage::{Dynamics, MEET, Pulled, State, WEIGHTS};
-
-/// The largest factor by which a step grows, and the least by which it shrinks.
-const CHANGE: (f64, f64) = (3.0, 0.2);
+use stage::{Dynamics, Pulled, State};
 
 /// The first step, as a share of what it may be.
 const FIRST: f64 = 1e-3;
@@ -229,7 +227,7 @@ impl Rider {
                 continue;
             };
             let (error, velocity) = (tried.error / self.dynamics.tolerance, tried.end.velocity);
-            let factor = (0.9 / error.cbrt()).clamp(CHANGE.1, CHANGE.0);
+            let factor = change(error);
             let back = self.dynamics.way(&tried.end, -velocity);
             if error > 1.0 {
                 duration *= factor.min(0.9);

@@ -1,25 +1,9 @@
-//! One step of a slider in time: the trapezoidal rule to a point within it, the second backward difference to its end.
-//!
-//! R. E. Bank et al., *Transient simulation of silicon devices and circuits*, IEEE Trans. Electron Devices 32, 1992 (1985);
-//! the estimate of the error is that of M. E. Hosea and L. F. Shampine, Appl. Numer. Math. 20, 21 (1996). The rule is of
-//! second order and damps at once whatever is too fast for it, so that a step may be as long as a stick. Between these points
+//! One step of a slider in time, of two stages ([`two_stages`]), so that it may be as long as a stick. Between their ends
 //! contacts move at constant velocities.
 
 use crate::Result;
 use crate::clocked::Clocked;
-
-/// The fraction of a step at which the stages meet, 2 − √2: then both need the same matrix.
-pub(super) const MEET: f64 = 2.0 - std::f64::consts::SQRT_2;
-
-/// (1 − MEET)²/[MEET (2 − MEET)], how much of the first advance the second backward difference goes on with.
-const CARRIED: f64 = (1.0 - MEET) * (1.0 - MEET) / (MEET * (2.0 - MEET));
-
-/// Twice the constant of the local error, times the third derivative.
-const ERROR: f64 = (-3.0 * MEET * MEET + 4.0 * MEET - 2.0) / (6.0 * (2.0 - MEET));
-
-/// Weights of the quadrature of second degree through the ends of the stages.
-pub(super) const WEIGHTS: [f64; 3] =
-    [0.5 - 1.0 / (6.0 * MEET), 1.0 / (6.0 * MEET * (1.0 - MEET)), 0.5 - 1.0 / (6.0 * (1.0 - MEET))];
+use crate::numerics::two_stages::{self, CARRIED, MEET};
 
 /// Equations of stages are solved to this share of the tolerance.
 const NEAR: f64 = 0.01;
@@ -129,7 +113,7 @@ impl Dynamics {
 
     /// A step of a duration; `None` where its equations find no solution, or one that goes back.
     pub fn attempt(&self, from: &State, pulled: Pulled, duration: f64) -> Result<Option<Tried>> {
-        let alpha = 2.0 / (MEET * duration);
+        let alpha = two_stages::alpha(duration);
         let (v0, a0) = (from.velocity, self.acceleration(from, pulled.drive));
         let rule = Rule { alpha, velocity: -v0, acceleration: -alpha * v0 - a0 };
         let time = MEET * duration;
@@ -144,9 +128,7 @@ impl Dynamics {
         let time = duration - time;
         let Some(end) = self.stage(&middle, pulled.after(duration), time, &rule)? else { return Ok(None) };
         let a2 = rule.acceleration(end.velocity);
-        let error = |f: [f64; 3]| {
-            ERROR * duration * (f[0] / MEET - f[1] / (MEET * (1.0 - MEET)) + f[2] / (1.0 - MEET))
-        };
+        let error = |rates| two_stages::error(duration, rates);
         let of_velocity = if self.mass > 0.0 { error([a0, a1, a2]) } else { 0.0 };
         let swing = (self.mass / self.resistance(from)).sqrt();
         let error = error([v0, v1, end.velocity]).abs().max(swing * of_velocity.abs());

@@ -1,12 +1,14 @@
 //! An interface as the objects that it describes.
 
-use super::super::Ensemble;
+use super::super::{Block, Ensemble};
 use super::{CellSlip, Coupling, Edges, Interface, Loading};
+use crate::clocked::Clocked;
 use crate::contacts::{Contacts, Initial};
 use crate::elastic::cells::{Cells, Curves, Populations};
-use crate::elastic::{self, coupling};
+use crate::elastic::clocked::Scaled;
+use crate::elastic::{self, InterfaceInTime, SettingInTime, coupling};
 use crate::ensemble::lattice::{self, Lattice};
-use crate::master::{MasterEquation, Stretches};
+use crate::master::{MasterEquation, Stretches, Transport};
 use crate::monitor::Monitor;
 use crate::population::Population;
 use crate::shape;
@@ -56,6 +58,47 @@ impl Interface {
             }
         };
         let build = || elastic::Interface::new(cells, self.elasticity()?, self.setting(length));
+        build().map_err(|e| e.under("interface"))
+    }
+
+    /// Cells whose contacts know time: by transport to a `tolerance`, or those of an `ensemble`, of which each cell has
+    /// `size`, the first cell the first ones. A step of a cell is right to the length `step`.
+    ///
+    /// # Errors
+    /// What transport, the ensemble, cells and couplings refuse.
+    pub fn in_time(
+        &self,
+        contacts: &Contacts,
+        initial: &Initial,
+        tolerance: f64,
+        step: f64,
+        ensemble: Option<&Ensemble>,
+    ) -> Result<InterfaceInTime> {
+        let scales =
+            self.disorder.as_ref().map_or_else(|| Ok(vec![1.0; self.size()]), |s| s.build(self.size()));
+        let scales = scales.map_err(|e| e.under("interface"))?;
+        let cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn Clocked>> {
+            let contacts = cooler(contacts, scale);
+            let cell: Box<dyn Clocked> = match ensemble {
+                Some(ensemble) => {
+                    let first = (cell * ensemble.size()) as u64;
+                    Box::new(ensemble.build(contacts, initial.clone())?.numbered_from(first).in_time()?)
+                }
+                None => Box::new(Transport::new(contacts, initial, tolerance)?),
+            };
+            Ok(Box::new(Scaled::new(cell, scale)?))
+        };
+        let cells = scales.iter().enumerate().map(cell).collect::<Result<_>>()?;
+        let elastic::Setting { connection, loading, area, .. } = self.setting(1.0);
+        let setting = SettingInTime {
+            connection,
+            loading,
+            viscosity: self.viscosity.unwrap_or(f64::NAN),
+            tolerance: step,
+            slip_fraction: ensemble.map_or(0.0, |_| Block::SLIP_FRACTION),
+            area,
+        };
+        let build = || InterfaceInTime::new(cells, self.elasticity()?, setting);
         build().map_err(|e| e.under("interface"))
     }
 
@@ -140,6 +183,15 @@ impl Interface {
             }
         }
     }
+}
+
+/// Contacts at the temperature that is theirs once all lengths, and energies by the square, are `scale` times as large.
+fn cooler(contacts: &Contacts, scale: f64) -> Contacts {
+    let mut contacts = contacts.clone();
+    if let Some(temperature) = &mut contacts.rules.temperature {
+        temperature.energy /= scale * scale;
+    }
+    contacts
 }
 
 impl From<Edges> for shape::Edges {

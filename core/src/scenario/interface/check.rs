@@ -10,8 +10,12 @@ use crate::{Error, Result};
 const BYTES_PER_CONTACT: f64 = 64.0;
 /// Bytes that a cell takes at most, with what it takes to couple it: on a half-space with open edges, some cells sliding.
 const BYTES_PER_CELL: f64 = 208.0;
+/// Bytes that a cell takes that follows the master equation in time, with what of it is tried in a step.
+const BYTES_PER_CELL_IN_TIME: f64 = 2e6;
 /// Bytes that a cell of few contacts takes, and each of them.
 const BYTES_PER_ENSEMBLE: [f64; 2] = [16e3, 256.0];
+/// The same in time, with what of it is tried in a step.
+const BYTES_PER_ENSEMBLE_IN_TIME: [f64; 2] = [16e3, 640.0];
 
 impl Interface {
     /// Whether every value makes sense, and goes with the contacts, the drive and the ensemble.
@@ -28,15 +32,18 @@ impl Interface {
     /// # Errors
     /// The first value that does not, with its full path.
     pub fn check_cells(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
-        if let Some(rule) = contacts.rules.first() {
-            let expected =
-                "contacts that know no time, since balance of cells is followed along the drive alone";
-            return Err(Error::invalid(format!("contacts.{rule}"), expected, "one that does"));
-        }
         self.values().map_err(|e| e.under("interface"))?;
-        match self.contacts {
-            PerCell::Many => self.many(ensemble),
-            PerCell::One => self.one(contacts, ensemble),
+        match (self.contacts, contacts.rules.first()) {
+            (PerCell::Many, None) => self.many(ensemble, BYTES_PER_ENSEMBLE),
+            (PerCell::Many, Some(rule)) => {
+                self.aged(rule, ensemble.is_some()).map_err(|e| e.under("interface"))?;
+                self.many(ensemble, BYTES_PER_ENSEMBLE_IN_TIME)
+            }
+            (PerCell::One, None) => self.one(contacts, ensemble),
+            (PerCell::One, Some(rule)) => {
+                let expected = "contacts that know no time beside interface.contacts = \"one\": single contacts are followed along the drive alone";
+                Err(Error::invalid(format!("contacts.{rule}"), expected, "one that does"))
+            }
         }
     }
 
@@ -59,17 +66,30 @@ impl Interface {
     }
 
     /// What cells of contacts that move together need, and what does not go with them.
-    fn many(&self, ensemble: Option<&Ensemble>) -> Result<()> {
+    fn many(&self, ensemble: Option<&Ensemble>, bytes: [f64; 2]) -> Result<()> {
         let check = || {
             self.shape()?.check(self.edges.into())?;
             self.disorder.as_ref().map_or(Ok(()), |scales| scales.build(self.size()).map(drop))
         };
         check().map_err(|e| e.under("interface"))?;
-        ensemble.map_or(Ok(()), |ensemble| self.few(ensemble))
+        ensemble.map_or(Ok(()), |ensemble| self.few(ensemble, bytes))
     }
 
-    /// What cells of few contacts need.
-    fn few(&self, ensemble: &Ensemble) -> Result<()> {
+    /// What cells need whose contacts know time by a rule, be they few or not.
+    fn aged(&self, rule: &str, few: bool) -> Result<()> {
+        let reason = format!("since contacts.{rule} knows time: that alone limits how fast cells slip");
+        if self.viscosity.is_none() {
+            return Err(Error::invalid("viscosity", format!("a viscosity above 0, {reason}"), "none"));
+        }
+        if self.slip.unwrap_or_default() == CellSlip::Reset {
+            let expected = format!("\"overdamped\" with a viscosity, {reason}");
+            return Err(Error::invalid("slip", expected, "reset"));
+        }
+        if few { Ok(()) } else { size::check("cells", self.size(), BYTES_PER_CELL_IN_TIME) }
+    }
+
+    /// What cells of few contacts need, a cell and each contact taking so many bytes.
+    fn few(&self, ensemble: &Ensemble, [cell, contact]: [f64; 2]) -> Result<()> {
         let Some(size) = ensemble.size else {
             let expected = "the number of contacts followed in each cell of the interface";
             return Err(Error::invalid("ensemble.size", expected, "none"));
@@ -79,7 +99,6 @@ impl Interface {
                             contacts of a cell would break with its first one";
             return Err(Error::invalid("interface.slip", expected, "reset"));
         }
-        let [cell, contact] = BYTES_PER_ENSEMBLE;
         size::check("interface.cells", self.size(), cell + contact * size as f64)
     }
 

@@ -34,13 +34,14 @@ pub struct Interface {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "reset"))]
     pub slip: Option<CellSlip>,
-    /// Viscous drag of a moving cell, force per velocity, above 0: events then take time, and fronts have speeds.
+    /// Viscous drag of a moving cell, force per velocity, above 0: events then take time, and fronts have speeds. Needed
+    /// where contacts know time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
     /// How cells of many contacts differ; without this table they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub disorder: Option<Scales>,
-    /// How closely the drive at which balance is lost is found, in mean thresholds.
+    /// How closely the drive at which balance is lost is found, in mean thresholds, where contacts know no time.
     #[serde(default = "drive_tolerance")]
     pub drive_tolerance: f64,
     /// Drive from which on events are recorded, 0 or above.

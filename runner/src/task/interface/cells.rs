@@ -64,23 +64,7 @@ impl Model for Cells {
     }
 
     fn slipped(&self, events: &[Self::Event], first: usize) -> Record {
-        let mut record = Record::default();
-        let mut add = |name: &str, words: &str, quantity, value: &dyn Fn(usize, &Slipped) -> f64| {
-            let cells = |(event, number): (&Self::Event, usize)| {
-                event.1.iter().map(|slipped| value(number, slipped)).collect::<Vec<_>>()
-            };
-            let values = events.iter().zip(first..).flat_map(cells).collect();
-            record.push(name, words, quantity, &["slipped"], values);
-        };
-        let number = Quantity::Number;
-        add("slipped_event", "event in which cells slipped", number, &|event, _| event as f64);
-        add("slipped_cell", "cells that slipped in it", number, &|_, slipped| slipped.cell as f64);
-        add("slipped_by", "how far they slipped", Quantity::Length, &|_, slipped| slipped.slip);
-        if self.timed {
-            let words = "when they began to, since the first one did";
-            add("slipped_start", words, Quantity::Time, &|_, slipped| slipped.start);
-        }
-        record
+        slipped(events, first, self.timed)
     }
 
     fn trace(&mut self) -> Result<Vec<f64>> {
@@ -100,4 +84,25 @@ impl Model for Cells {
     fn restore(&mut self, state: State, monitor: &mut dyn Monitor) -> Result<()> {
         self.interface.restore(state, monitor)
     }
+}
+
+/// Cells that slipped in events, the first of which has the number `first`; when they began where slides are `timed`.
+pub fn slipped(events: &[(Event, Vec<Slipped>)], first: usize, timed: bool) -> Record {
+    let mut record = Record::default();
+    let mut add = |name: &str, words: &str, quantity, value: &dyn Fn(usize, &Slipped) -> f64| {
+        let cells = |(event, number): (&(Event, Vec<Slipped>), usize)| {
+            event.1.iter().map(|slipped| value(number, slipped)).collect::<Vec<_>>()
+        };
+        let values = events.iter().zip(first..).flat_map(cells).collect();
+        record.push(name, words, quantity, &["slipped"], values);
+    };
+    let number = Quantity::Number;
+    add("slipped_event", "event in which cells slipped", number, &|event, _| event as f64);
+    add("slipped_cell", "cells that slipped in it", number, &|_, slipped| slipped.cell as f64);
+    add("slipped_by", "how far they slipped", Quantity::Length, &|_, slipped| slipped.slip);
+    if timed {
+        let words = "when they began to, since the first one did";
+        add("slipped_start", words, Quantity::Time, &|_, slipped| slipped.start);
+    }
+    record
 }

@@ -4,6 +4,7 @@ mod catalogue;
 mod cells;
 mod contacts;
 mod course;
+mod in_time;
 mod model;
 mod stops;
 
@@ -19,6 +20,7 @@ use crate::summary::Summary;
 use cells::Cells;
 use contacts::Contacts;
 use course::{Course, Found};
+use in_time::CellsInTime;
 use model::Model;
 use stops::{Stop, stops};
 
@@ -39,6 +41,10 @@ pub fn run(
             let ensemble = scenario.ensemble.as_ref();
             let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble)?;
             let model = Contacts { lattice, chain: chain(interface) };
+            drive(setting, task, interface, model, checkpoints, monitor)
+        }
+        PerCell::Many if contacts.rules.know_time() => {
+            let model = CellsInTime::new(setting, task, interface)?;
             drive(setting, task, interface, model, checkpoints, monitor)
         }
         PerCell::Many => {

@@ -1,0 +1,60 @@
+//! Contacts whose lengths are larger than those of others.
+
+use crate::clocked::{Books, Clocked};
+use crate::{Error, Result};
+
+/// Contacts all of whose lengths, and with them forces, are s times those of others: F(X, t) = s F̂(X/s, t).
+pub struct Scaled {
+    contacts: Box<dyn Clocked>,
+    scale: f64,
+}
+
+impl Scaled {
+    /// Contacts s times as large as these.
+    ///
+    /// # Errors
+    /// A scale that is not above 0.
+    pub fn new(contacts: Box<dyn Clocked>, scale: f64) -> Result<Self> {
+        if scale > 0.0 && scale.is_finite() {
+            return Ok(Self { contacts, scale });
+        }
+        Err(Error::invalid("disorder", "scales above 0, so that thresholds are", scale))
+    }
+}
+
+impl Clocked for Scaled {
+    fn position(&self) -> f64 {
+        self.scale * self.contacts.position()
+    }
+
+    fn time(&self) -> f64 {
+        self.contacts.time()
+    }
+
+    fn force(&self) -> f64 {
+        self.scale * self.contacts.force()
+    }
+
+    fn tangent(&self) -> f64 {
+        self.contacts.tangent()
+    }
+
+    fn books(&self) -> Books {
+        let books = self.contacts.books();
+        let [elastic, lost, gained] =
+            [books.elastic, books.lost, books.gained].map(|energy| self.scale * self.scale * energy);
+        Books { elastic, lost, gained, ..books }
+    }
+
+    fn free(&self) -> f64 {
+        self.contacts.free()
+    }
+
+    fn step(&mut self, by: f64, during: f64) -> Result<()> {
+        self.contacts.step(by / self.scale, during)
+    }
+
+    fn copy(&self) -> Box<dyn Clocked> {
+        Box::new(Self { contacts: self.contacts.copy(), scale: self.scale })
+    }
+}

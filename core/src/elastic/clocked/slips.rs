@@ -1,0 +1,296 @@
+//! Who slips, and which cells slip together.
+
+use crate::elastic::catalogue::{beside, fronts};
+use crate::elastic::{Coupling, Event, Slipped};
+
+/// A cell faster than the drive by this factor slips.
+const FAST: f64 = 10.0;
+
+/// A cell as it is seen at one moment.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen {
+    pub position: f64,
+    pub velocity: f64,
+    pub force: f64,
+    /// Energy lost in breaks so far.
+    pub lost: f64,
+    /// Breaks so far, per contact.
+    pub broken: f64,
+    /// Energy lost by viscous drag so far.
+    pub viscous: f64,
+}
+
+/// All cells at one moment.
+#[derive(Debug, Clone)]
+pub(super) struct Look {
+    pub time: f64,
+    pub drive: f64,
+    pub cells: Vec<Seen>,
+}
+
+/// Cells that slip, and events that are not over or not told.
+///
+/// An event begins with a cell that slips where no other event is beside it. Cells that begin to slip beside a cell of an
+/// event that is not over belong to it, and make one event of all that are beside them. It is over when none of its cells
+/// slips any more.
+pub(super) struct Slips {
+    /// The share of the contacts of a cell that breaks in the smallest event.
+    fraction: f64,
+    /// Area of a cell.
+    area: f64,
+    /// Whether a cell slips.
+    slipping: Vec<bool>,
+    /// The number of the event that a cell belongs to.
+    member: Vec<Option<u64>>,
+    /// Events in the order in which they began.
+    events: Vec<Open>,
+    next: u64,
+}
+
+/// An event that is not told.
+struct Open {
+    number: u64,
+    /// When it began, where the drive was then, and the friction force of all cells.
+    begun: (f64, f64, f64),
+    started: Vec<Started>,
+    /// What came of it, or nothing if it was too small to count.
+    over: Option<Option<(Event, Vec<Slipped>)>>,
+}
+
+/// A cell that began to slip.
+#[derive(Clone, Copy)]
+struct Started {
+    cell: usize,
+    time: f64,
+    at: Seen,
+}
+
+impl Seen {
+    fn between(&self, next: &Self, share: f64) -> Self {
+        let between = |value: fn(&Self) -> f64| value(self) + share * (value(next) - value(self));
+        Self {
+            position: between(|s| s.position),
+            velocity: between(|s| s.velocity),
+            force: between(|s| s.force),
+            lost: between(|s| s.lost),
+            broken: between(|s| s.broken),
+            viscous: between(|s| s.viscous),
+        }
+    }
+
+    /// The part of the way to the next look at which it has a velocity.
+    fn until(&self, next: &Self, velocity: f64) -> f64 {
+        ((velocity - self.velocity) / (next.velocity - self.velocity)).clamp(0.0, 1.0)
+    }
+}
+
+impl Look {
+    /// The look at a part of the way to the next one, all values straight in time.
+    fn between(&self, next: &Self, share: f64) -> Self {
+        let cells = self.cells.iter().zip(&next.cells).map(|(seen, next)| seen.between(next, share));
+        Self {
+            time: self.time + share * (next.time - self.time),
+            drive: self.drive + share * (next.drive - self.drive),
+            cells: cells.collect(),
+        }
+    }
+
+    /// Friction force of all cells.
+    pub fn force(&self) -> f64 {
+        self.cells.iter().map(|seen| seen.force).sum()
+    }
+}
+
+impl Slips {
+    pub fn new(cells: usize, fraction: f64, area: f64) -> Self {
+        let (slipping, member) = (vec![false; cells], vec![None; cells]);
+        Self { fraction, area, slipping, member, events: Vec::new(), next: 0 }
+    }
+
+    /// A step has been made from one look to the next, the drive moving at a velocity.
+    pub fn pass(&mut self, before: &Look, now: &Look, velocity: f64, coupling: &dyn Coupling) {
+        let fast = FAST * velocity;
+        let share = |j: usize| before.cells[j].until(&now.cells[j], fast);
+        let change = |j: &usize| (now.cells[*j].velocity > fast) != self.slipping[*j];
+        let mut changed: Vec<(usize, f64)> =
+            (0..self.slipping.len()).filter(change).map(|j| (j, share(j))).collect();
+        changed.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let mut last = vec![None; self.slipping.len()];
+        for (cell, share) in changed {
+            self.slipping[cell] = !self.slipping[cell];
+            if self.slipping[cell] {
+                self.start(cell, share, before, now, coupling);
+            } else {
+                last[cell] = Some(share);
+            }
+        }
+        for index in 0..self.events.len() {
+            let event = &self.events[index];
+            if event.over.is_some() || event.started.iter().any(|s| self.slipping[s.cell]) {
+                continue;
+            }
+            let share = event.started.iter().filter_map(|s| last[s.cell]).fold(0.0, f64::max);
+            let told = self.tell(event, &before.between(now, share), coupling);
+            for started in &event.started {
+                self.member[started.cell] = None;
+            }
+            self.events[index].over = Some(told);
+        }
+    }
+
+    /// A cell begins to slip at a part of the way from one look to the next.
+    fn start(&mut self, cell: usize, share: f64, before: &Look, now: &Look, coupling: &dyn Coupling) {
+        if self.member[cell].is_some() {
+            return;
+        }
+        let time = before.time + share * (now.time - before.time);
+        let started = Started { cell, time, at: before.cells[cell].between(&now.cells[cell], share) };
+        let mut numbers: Vec<u64> =
+            beside(cell, coupling.shape(), coupling.edges()).filter_map(|j| self.member[j]).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let Some(&first) = numbers.first() else {
+            let look = before.between(now, share);
+            let (number, begun) = (self.next, (look.time, look.drive, look.force()));
+            self.events.push(Open { number, begun, started: vec![started], over: None });
+            self.member[cell] = Some(number);
+            self.next += 1;
+            return;
+        };
+        let mut joined = vec![started];
+        self.events.retain_mut(|event| {
+            let merges = numbers[1..].contains(&event.number);
+            if merges {
+                joined.append(&mut event.started);
+            }
+            !merges
+        });
+        joined.iter().for_each(|started| self.member[started.cell] = Some(first));
+        if let Some(event) = self.events.iter_mut().find(|event| event.number == first) {
+            event.started.append(&mut joined);
+        }
+    }
+
+    /// What came of an event that is over at a look; nothing where too few contacts broke.
+    fn tell(&self, event: &Open, end: &Look, coupling: &dyn Coupling) -> Option<(Event, Vec<Slipped>)> {
+        let mut started = event.started.clone();
+        started.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.cell.cmp(&b.cell)));
+        let part = |of: fn(&Seen) -> f64, s: &Started| of(&end.cells[s.cell]) - of(&s.at);
+        if !started.iter().any(|s| part(|seen| seen.broken, s) >= self.fraction) {
+            return None;
+        }
+        let all = |of: fn(&Seen) -> f64| started.iter().map(|s| part(of, s)).sum::<f64>();
+        let (time, drive, force_before) = event.begun;
+        let (number, cells) = (started.len(), self.member.len());
+        let slip = |s: &Started| part(|seen| seen.position, s);
+        let slipped: Vec<Slipped> =
+            started.iter().map(|s| Slipped { cell: s.cell, start: s.time - time, slip: slip(s) }).collect();
+        let mean = |of: &dyn Fn(&Started) -> f64| started.iter().map(of).sum::<f64>() / number as f64;
+        let [front_speed_left, front_speed_right] = fronts(&slipped, coupling.shape());
+        let told = Event {
+            drive,
+            time,
+            epicentre: started[0].cell,
+            cells: number,
+            area: self.area * number as f64,
+            moment: self.area * all(|seen| seen.position),
+            duration: end.time - time,
+            front_speed_left,
+            front_speed_right,
+            position_before: mean(&|s| s.at.position),
+            position_after: mean(&|s| end.cells[s.cell].position),
+            force_before,
+            force_after: end.force(),
+            broken_fraction: all(|seen| seen.broken) / cells as f64,
+            dissipated_breaks: all(|seen| seen.lost),
+            dissipated_slip: all(|seen| seen.viscous),
+        };
+        Some((told, slipped))
+    }
+
+    /// Events that are over, up to the first one that is not, in the order in which they began.
+    pub fn told(&mut self) -> Vec<(Event, Vec<Slipped>)> {
+        let over = self.events.iter().take_while(|event| event.over.is_some()).count();
+        self.events.drain(..over).filter_map(|event| event.over.flatten()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elastic::coupling::neighbours;
+    use crate::shape::{Edges, Shape};
+
+    /// Looks at a chain of nine cells at whole times, velocities alone given; of contacts, each cell breaks all in a time.
+    fn looks(velocities: &[[f64; 9]]) -> Vec<Look> {
+        let seen = |time: f64, velocity: f64| Seen {
+            position: time,
+            velocity,
+            force: -time,
+            lost: 0.0,
+            broken: time,
+            viscous: 0.0,
+        };
+        let look = |(i, velocities): (usize, &[f64; 9])| {
+            let time = i as f64;
+            Look { time, drive: 0.1 * time, cells: velocities.iter().map(|v| seen(time, *v)).collect() }
+        };
+        velocities.iter().enumerate().map(look).collect()
+    }
+
+    fn told(velocities: &[[f64; 9]], fraction: f64) -> Vec<(Event, Vec<Slipped>)> {
+        let coupling = neighbours(Shape::Chain(9), Edges::Open, 1.0).unwrap();
+        let mut slips = Slips::new(9, fraction, 1.0);
+        let mut all = Vec::new();
+        for pair in looks(velocities).windows(2) {
+            slips.pass(&pair[0], &pair[1], 1.0, coupling.as_ref());
+            all.append(&mut slips.told());
+        }
+        all
+    }
+
+    #[test]
+    fn cells_beside_each_other_slip_together_and_apart_they_do_not() {
+        let velocities = [
+            [0.0; 9],
+            [20.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 40.0],
+            [20.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            [0.0, 20.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            [0.0; 9],
+        ];
+        let told = told(&velocities, 0.0);
+        let cells = |i: usize| told[i].1.iter().map(|slipped| slipped.cell).collect::<Vec<_>>();
+        // Ten times as fast as the drive at a quarter of the first step, and no longer at three quarters of the second.
+        assert_eq!((cells(0), told[0].0.time, told[0].0.duration), (vec![8], 0.25, 1.5));
+        assert_eq!((cells(1), told[1].0.time, told[1].0.duration), (vec![0, 1, 2], 0.5, 3.0));
+        let starts: Vec<f64> = told[1].1.iter().map(|slipped| slipped.start).collect();
+        assert_eq!(starts, [0.0, 1.0, 2.0]);
+        let Event { moment, force_before, force_after, broken_fraction, .. } = told[1].0;
+        assert_eq!((moment, force_before, force_after), (3.0 + 2.0 + 1.0, -4.5, -31.5));
+        assert_eq!(broken_fraction, 6.0 / 9.0);
+        assert_eq!(told.len(), 2);
+    }
+
+    #[test]
+    fn what_grows_together_is_one_event_that_began_first() {
+        let velocities = [
+            [0.0; 9],
+            [0.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 20.0],
+            [0.0, 0.0, 20.0, 0.0, 20.0, 0.0, 0.0, 0.0, 20.0],
+            [0.0, 0.0, 20.0, 20.0, 0.0, 0.0, 0.0, 0.0, 20.0],
+            [0.0; 9],
+        ];
+        let told = told(&velocities, 0.0);
+        let cells = |i: usize| told[i].1.iter().map(|slipped| slipped.cell).collect::<Vec<_>>();
+        // That of cell 1 is over when cell 2 begins, as they are fast and slow at the same time.
+        assert_eq!(told.iter().map(|event| event.0.time).collect::<Vec<_>>(), [0.5, 0.5]);
+        assert_eq!((cells(0), cells(1)), (vec![1, 2, 4, 3], vec![8]));
+        assert_eq!(told[0].0.epicentre, 1);
+    }
+
+    #[test]
+    fn too_few_breaks_are_no_event() {
+        let velocities = [[0.0; 9], [0.0, 0.0, 0.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 9]];
+        assert_eq!((told(&velocities, 0.9).len(), told(&velocities, 1.1).len()), (1, 0));
+    }
+}

@@ -1,0 +1,109 @@
+//! Cells whose contacts know time as an interface that is driven at a velocity.
+
+use asperity::elastic::{self, Event, InterfaceInTime, Slipped};
+use asperity::monitor::Monitor;
+use asperity::record::{Quantity, Record};
+use asperity::{Error, Result, scenario};
+
+use super::cells::slipped;
+use super::model::{Column, Model};
+use crate::task::{Setting, tolerance_over};
+
+/// Cells in time on an elastic slider.
+pub struct CellsInTime {
+    interface: InterfaceInTime,
+    /// Of the drive.
+    velocity: f64,
+}
+
+impl CellsInTime {
+    /// The cells that `interface` describes, driven as `task` says.
+    ///
+    /// # Errors
+    /// What [`scenario::Interface::in_time`] refuses; no velocity.
+    pub fn new(
+        setting: &Setting<'_>,
+        task: &scenario::Drive,
+        interface: &scenario::Interface,
+    ) -> Result<Self> {
+        let Setting { scenario, contacts, initial } = setting;
+        let Some(velocity) = task.velocity else {
+            return Err(Error::invalid("drive.velocity", "a velocity above 0", "none"));
+        };
+        let tolerance = scenario.master_equation.tolerance_of_a_block();
+        let ensemble = scenario.ensemble.as_ref();
+        let share = ensemble.map_or(tolerance, |ensemble| tolerance_over(ensemble.size()).max(tolerance));
+        let step = share * contacts.thresholds.mean();
+        let interface = interface.in_time(contacts, initial, tolerance, step, ensemble)?;
+        Ok(Self { interface, velocity })
+    }
+}
+
+impl Model for CellsInTime {
+    type Event = (Event, Vec<Slipped>);
+    /// None is kept.
+    type State = ();
+
+    const MAGNITUDE: &'static str = "moment";
+    const WHOLE: bool = false;
+    const TRACE: &'static [Column] = &[
+        Column { name: "time", long_name: "time", quantity: Quantity::Time },
+        Column { name: "position", long_name: "mean position of the cells", quantity: Quantity::Length },
+        Column { name: "velocity", long_name: "mean velocity of the cells", quantity: Quantity::Velocity },
+        Column { name: "force", long_name: "friction force of all cells", quantity: Quantity::Force },
+    ];
+    const MAPS: &'static [Column] = &[
+        Column { name: "cell_position", long_name: "position of a cell", quantity: Quantity::Length },
+        Column { name: "cell_velocity", long_name: "velocity of a cell", quantity: Quantity::Velocity },
+        Column { name: "cell_force", long_name: "friction force of a cell", quantity: Quantity::Force },
+    ];
+
+    fn drive(&self) -> f64 {
+        self.interface.drive()
+    }
+
+    fn advance(
+        &mut self,
+        to: f64,
+        most: u64,
+        monitor: &mut dyn Monitor,
+        each: &mut dyn FnMut(Self::Event),
+    ) -> Result<bool> {
+        let mut count = 0;
+        while count < most {
+            let events = self.interface.next(to, self.velocity, monitor)?;
+            if events.is_empty() {
+                return Ok(true);
+            }
+            count += events.len() as u64;
+            events.into_iter().for_each(&mut *each);
+        }
+        Ok(false)
+    }
+
+    fn columns(&self, events: &[Self::Event]) -> Record {
+        elastic::record(&events.iter().map(|event| event.0).collect::<Vec<_>>())
+    }
+
+    fn slipped(&self, events: &[Self::Event], first: usize) -> Record {
+        slipped(events, first, true)
+    }
+
+    fn trace(&mut self) -> Result<Vec<f64>> {
+        let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+        let Self { interface, .. } = self;
+        let (position, velocity) = (mean(interface.positions()), mean(interface.velocities()));
+        Ok(vec![interface.time(), position, velocity, interface.force()])
+    }
+
+    fn maps(&mut self) -> Result<Vec<Vec<f64>>> {
+        let Self { interface, .. } = self;
+        Ok(vec![interface.positions(), interface.velocities(), interface.forces()])
+    }
+
+    fn state(&self) {}
+
+    fn restore(&mut self, (): (), _monitor: &mut dyn Monitor) -> Result<()> {
+        Err(Error::invalid("checkpoint", "contacts that know no time, to go on from one", "some that do"))
+    }
+}
