@@ -4,16 +4,24 @@
 //! layer of width D/v above it is resolved however thin, and nothing ever jumps: errors are even powers of the width of the
 //! cells and whole ones of the length of a step, from the second on, and can be extrapolated away. Through a face that
 //! moves at the speed w_i the flux is that of Scharfetter and Gummel less w_i times the mean of the two densities, by which
-//! what is carried neither grows nor decays. In exchange, cells whose content is rough may turn slightly negative.
+//! what is carried neither grows nor decays: while the floor rests, the law of density e^{−U} at the middles stays to
+//! rounding. Into the floor the flux is theirs in the frame of the floor, U' + v/D for U', which takes all that the floor
+//! meets where the layer is thinner than the lowest cell. In exchange, cells whose content is rough may turn slightly
+//! negative.
 
 use super::step::{GAMMA, SQRT_2};
 use super::{Potential, bernoulli};
 use crate::numerics::roots::brent_root;
 
-/// The cells, as fractions of the interval, and room for the elimination.
+/// The cells, as fractions of the interval.
 #[derive(Debug, Clone)]
 pub struct Followed {
     cells: Vec<Cell>,
+}
+
+/// Room for eliminations, used again and again.
+#[derive(Debug, Clone, Default)]
+pub struct Room {
     rows: Vec<Row>,
     stage: Vec<f64>,
 }
@@ -53,6 +61,17 @@ pub struct Rise {
 /// A rate per time at which mass is taken away: of the place h, and of the fraction of the step that has passed.
 pub type Sink<'a> = &'a dyn Fn(f64, f64) -> f64;
 
+/// What masses move in.
+#[derive(Clone, Copy)]
+pub struct Medium<'a> {
+    /// U.
+    pub potential: &'a Potential,
+    /// D, above 0.
+    pub diffusion: f64,
+    /// What takes mass away besides the floor.
+    pub sink: Option<Sink<'a>>,
+}
+
 impl Followed {
     /// So many cells, the lowest about `finest` times as wide as even ones. Half of them lie evenly, half crowd towards the
     /// floor: ξ = ½φ + ½ ln(1 + φ/δ)/ln(1 + 1/δ) for the fraction ξ of the cells below φ.
@@ -67,11 +86,12 @@ impl Followed {
             next: 1.0 / (middle(i + 1) - middle(i)),
             lag: 1.0 - face(i + 1),
         };
-        Self {
-            cells: (0..cells).map(cell).collect(),
-            rows: vec![Row::default(); cells],
-            stage: vec![0.0; cells],
-        }
+        Self { cells: (0..cells).map(cell).collect() }
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.cells.len()
     }
 
     /// The middles of the cells between a floor and a ceiling.
@@ -80,39 +100,34 @@ impl Followed {
     }
 
     /// Moves masses on: the two stages of [`super::Step`].
-    pub fn advance(
-        &mut self,
-        rise: &Rise,
-        (potential, diffusion): (&Potential, f64),
-        sink: Option<Sink<'_>>,
-        masses: &mut [f64],
-    ) {
-        let mut stage = std::mem::take(&mut self.stage);
-        self.solve(rise, GAMMA, (potential, diffusion), sink, masses, &mut stage);
+    pub fn advance(&self, rise: &Rise, medium: &Medium<'_>, masses: &mut [f64], room: &mut Room) {
+        let Room { rows, stage } = room;
+        rows.resize(masses.len(), Row::default());
+        stage.resize(masses.len(), 0.0);
+        self.solve(rise, medium, GAMMA, rows, masses, stage);
         for (stage, mass) in stage.iter_mut().zip(masses.iter()) {
             *stage = (1.0 + SQRT_2) * *stage - SQRT_2 * mass;
         }
-        self.solve(rise, 1.0, (potential, diffusion), sink, &stage, masses);
-        self.stage = stage;
+        self.solve(rise, medium, 1.0, rows, stage, masses);
     }
 
     /// The stage at a fraction of the step.
     fn solve(
-        &mut self,
+        &self,
         rise: &Rise,
+        medium: &Medium<'_>,
         fraction: f64,
-        (potential, diffusion): (&Potential, f64),
-        sink: Option<Sink<'_>>,
+        rows: &mut [Row],
         right: &[f64],
         out: &mut [f64],
     ) {
         let (start, end) = rise.floor;
         let (a, x) = (GAMMA * rise.duration, start + fraction * (end - start));
-        self.rates(x, rise, (a * diffusion, GAMMA * (end - start)), potential);
+        self.rates(x, rise, (a * medium.diffusion, GAMMA * (end - start)), medium.potential, rows);
         let length = rise.ceiling - x;
         let (mut kept, mut carried) = (0.0, 0.0);
-        for (i, row) in self.rows.iter_mut().enumerate().rev() {
-            let sunk = sink.map_or(0.0, |w| a * w(x + length * self.cells[i].middle, fraction));
+        for (i, row) in rows.iter_mut().enumerate().rev() {
+            let sunk = medium.sink.map_or(0.0, |w| a * w(x + length * self.cells[i].middle, fraction));
             let rest = 1.0 + sunk + row.up * kept;
             row.inverse = 1.0 / (rest + row.down);
             out[i] = right[i] + carried;
@@ -120,24 +135,31 @@ impl Followed {
             kept = rest * row.inverse;
         }
         let mut lifted = 0.0;
-        for (row, out) in self.rows.iter().zip(out) {
+        for (row, out) in rows.iter().zip(out) {
             *out = (*out + lifted) * row.inverse;
             lifted = row.up * *out;
         }
     }
 
     /// Rates times a between the cells, of a `spread` aD and a `travel` av.
-    fn rates(&mut self, x: f64, rise: &Rise, (spread, travel): (f64, f64), potential: &Potential) {
+    fn rates(
+        &self,
+        x: f64,
+        rise: &Rise,
+        (spread, travel): (f64, f64),
+        potential: &Potential,
+        rows: &mut [Row],
+    ) {
         let length = rise.ceiling - x;
         let per_length = 1.0 / length;
         let at = |cell: &Cell| potential.at(x + length * cell.middle);
         let mut low = at(&self.cells[0]);
-        self.rows[0].down = 0.0;
+        rows[0].down = 0.0;
         if rise.absorbing {
             let (cell, half) = (self.cells[0], length * self.cells[0].middle);
             let slope = at(&self.cells[1]) - low;
-            let fall = -slope * cell.next * cell.middle;
-            self.rows[0].down = spread * bernoulli(fall) / half * cell.inverse * per_length;
+            let fall = -slope * cell.next * cell.middle - travel / spread * half;
+            rows[0].down = spread * bernoulli(fall) / half * cell.inverse * per_length;
         }
         for i in 0..self.cells.len() - 1 {
             let (cell, next) = (&self.cells[i], &self.cells[i + 1]);
@@ -145,12 +167,12 @@ impl Followed {
             let (rise, rate, carried) =
                 (high - low, spread * cell.next * per_length, 0.5 * travel * cell.lag);
             let gentle = bernoulli(rise);
-            self.rows[i].up = (rate * gentle - carried) * cell.inverse * per_length;
-            self.rows[i + 1].down = (rate * (gentle + rise) + carried) * next.inverse * per_length;
+            rows[i].up = (rate * gentle - carried) * cell.inverse * per_length;
+            rows[i + 1].down = (rate * (gentle + rise) + carried) * next.inverse * per_length;
             low = high;
         }
-        let last = self.rows.len() - 1;
-        self.rows[last].up = 0.0;
+        let last = rows.len() - 1;
+        rows[last].up = 0.0;
     }
 }
 

@@ -8,7 +8,8 @@ const FAINTEST: f64 = 1e-280;
 pub struct Potential {
     /// The first point.
     first: f64,
-    spacing: f64,
+    /// Points per length.
+    per_length: f64,
     values: Vec<f64>,
 }
 
@@ -18,18 +19,18 @@ impl Potential {
         let spacing = (high - low) / points as f64;
         let first = low + 0.5 * spacing;
         let densities = (0..points).map(|i| density(first + i as f64 * spacing)).collect();
-        Self { first, spacing, values: continued(densities) }
+        Self { first, per_length: spacing.recip(), values: continued(densities) }
     }
 
     /// U(h); beyond the last points the cubic goes on.
     #[inline]
     pub fn at(&self, h: f64) -> f64 {
-        let place = (h - self.first) / self.spacing;
+        let place = (h - self.first) * self.per_length;
         let cell = (place as usize).clamp(1, self.values.len() - 3);
         let t = place - cell as f64;
-        let [a, b, c, d] = [-1, 0, 1, 2].map(|k| self.values[cell.wrapping_add_signed(k)]);
+        let [a, b, c, d] = self.values[cell - 1..][..4] else { unreachable!("four points or more") };
         let (before, after, beyond) = (t + 1.0, t - 1.0, t - 2.0);
-        let outer = (d * before - a * beyond) * t * after / 6.0;
+        let outer = (d * before - a * beyond) * t * after * (1.0 / 6.0);
         outer + 0.5 * (b * after - c * t) * before * beyond
     }
 }
