@@ -7,7 +7,7 @@ use super::cells::scale;
 use super::fate::{Cohort, Fate, Toll};
 use crate::contacts::{Contacts, Maturing, Stiffness, Temperature};
 use crate::law::Break;
-use crate::numerics::diffusion::{Followed, Medium, Potential, Rise, Room};
+use crate::numerics::diffusion::{Followed, Medium, Potential, Rise, Room, Sink};
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::stencil::Stencil;
 use crate::{Error, Float, Result};
@@ -151,12 +151,9 @@ impl Diffusing {
             let floor = (stretch[0].max(low), stretch[1].max(low));
             let rise = Rise { floor, ceiling, duration, absorbing: from >= low };
             let sink = self.temperature.map(|temperature| {
-                move |h: f64, part: f64| {
-                    let stretch = stretch[0] + part * (stretch[1] - stretch[0]);
-                    self.velocity * self.exposure(temperature, stretch, h)
-                }
+                move |h: f64| self.velocity * self.exposure(temperature, 0.5 * (stretch[0] + stretch[1]), h)
             });
-            let sink = sink.as_ref().map(|sink| sink as &dyn Fn(f64, f64) -> f64);
+            let sink = sink.as_ref().map(|sink| sink as Sink<'_>);
             let medium = Medium { potential: &self.potential, diffusion: self.diffusion(), sink };
             cells.advance(&rise, &medium, masses, &mut room);
             out.push(self.sums(stretch[1], low, cells, masses));

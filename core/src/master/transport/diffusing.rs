@@ -206,14 +206,13 @@ impl Diffusing {
         let (low, ceiling) = self.maturing.support;
         let (cells, masses) = (&self.levels[level], &mut masses.levels[level]);
         let [start, end] = [leg.from, leg.to].map(f64::abs);
-        let between = |part: f64| start + part * (end - start);
+        let middle = 0.5 * (start + end);
         let before = self.standing(start, cells, masses);
         if end < ceiling {
             let floor = (self.floor(start), self.floor(end));
-            let rise = Rise { floor, ceiling, duration: leg.duration, absorbing: between(0.5) >= low };
-            let heat = |temperature: Temperature| {
-                move |h: f64, part: f64| temperature.rate(between(part), h, self.stiffness.of(h))
-            };
+            let rise = Rise { floor, ceiling, duration: leg.duration, absorbing: middle >= low };
+            let heat =
+                |temperature: Temperature| move |h: f64| temperature.rate(middle, h, self.stiffness.of(h));
             let heat = self.temperature.map(heat);
             let sink = heat.as_ref().map(|heat| heat as Sink<'_>);
             let medium = Medium { potential: &self.potential, diffusion: self.maturing.diffusion, sink };
@@ -221,7 +220,7 @@ impl Diffusing {
         } else {
             masses.fill(0.0);
         }
-        before.broken(&self.standing(end, cells, masses), leg.duration, between(0.5))
+        before.broken(&self.standing(end, cells, masses), leg.duration, middle)
     }
 
     fn is_equal(&self) -> bool {

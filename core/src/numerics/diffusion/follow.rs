@@ -37,12 +37,13 @@ struct Cell {
     lag: f64,
 }
 
-/// Rates down and up from a cell, then 1/d of the elimination.
+/// Rates up and down from a cell, times a; and of the elimination 1/d, and what it hands down.
 #[derive(Debug, Clone, Copy, Default)]
 struct Row {
     down: f64,
     up: f64,
     inverse: f64,
+    handed: f64,
 }
 
 /// A step from one place of the floor to another.
@@ -58,8 +59,8 @@ pub struct Rise {
     pub absorbing: bool,
 }
 
-/// A rate per time at which mass is taken away: of the place h, and of the fraction of the step that has passed.
-pub type Sink<'a> = &'a dyn Fn(f64, f64) -> f64;
+/// A rate per time at which mass is taken away at the place h, half way through the step.
+pub type Sink<'a> = &'a dyn Fn(f64) -> f64;
 
 /// What masses move in.
 #[derive(Clone, Copy)]
@@ -99,45 +100,30 @@ impl Followed {
         self.cells.iter().map(move |cell| floor + (ceiling - floor) * cell.middle)
     }
 
-    /// Moves masses on: the two stages of [`super::Step`].
+    /// Moves masses on: the two stages of [`super::Step`], with the rates half way.
     pub fn advance(&self, rise: &Rise, medium: &Medium<'_>, masses: &mut [f64], room: &mut Room) {
         let Room { rows, stage } = room;
         rows.resize(masses.len(), Row::default());
         stage.resize(masses.len(), 0.0);
-        self.solve(rise, medium, GAMMA, rows, masses, stage);
+        self.eliminate(rise, medium, rows);
+        solve(rows, masses, stage);
         for (stage, mass) in stage.iter_mut().zip(masses.iter()) {
             *stage = (1.0 + SQRT_2) * *stage - SQRT_2 * mass;
         }
-        self.solve(rise, medium, 1.0, rows, stage, masses);
+        solve(rows, stage, masses);
     }
 
-    /// The stage at a fraction of the step.
-    fn solve(
-        &self,
-        rise: &Rise,
-        medium: &Medium<'_>,
-        fraction: f64,
-        rows: &mut [Row],
-        right: &[f64],
-        out: &mut [f64],
-    ) {
+    /// The elimination of (1 − aL + aw), from the top down.
+    fn eliminate(&self, rise: &Rise, medium: &Medium<'_>, rows: &mut [Row]) {
         let (start, end) = rise.floor;
-        let (a, x) = (GAMMA * rise.duration, start + fraction * (end - start));
+        let (a, x) = (GAMMA * rise.duration, 0.5 * (start + end));
         self.rates(x, rise, (a * medium.diffusion, GAMMA * (end - start)), medium.potential, rows);
-        let length = rise.ceiling - x;
-        let (mut kept, mut carried) = (0.0, 0.0);
-        for (i, row) in rows.iter_mut().enumerate().rev() {
-            let sunk = medium.sink.map_or(0.0, |w| a * w(x + length * self.cells[i].middle, fraction));
-            let rest = 1.0 + sunk + row.up * kept;
+        let (length, mut kept) = (rise.ceiling - x, 0.0);
+        for (row, cell) in rows.iter_mut().zip(&self.cells).rev() {
+            let rest = 1.0 + medium.sink.map_or(0.0, |w| a * w(x + length * cell.middle)) + row.up * kept;
             row.inverse = 1.0 / (rest + row.down);
-            out[i] = right[i] + carried;
-            carried = row.down * row.inverse * out[i];
+            row.handed = row.down * row.inverse;
             kept = rest * row.inverse;
-        }
-        let mut lifted = 0.0;
-        for (row, out) in rows.iter().zip(out) {
-            *out = (*out + lifted) * row.inverse;
-            lifted = row.up * *out;
         }
     }
 
@@ -173,6 +159,19 @@ impl Followed {
         }
         let last = rows.len() - 1;
         rows[last].up = 0.0;
+    }
+}
+
+/// Writes (1 − aL + aw)⁻¹ `right` into `out`.
+fn solve(rows: &[Row], right: &[f64], out: &mut [f64]) {
+    let (mut carried, mut lifted) = (0.0, 0.0);
+    for ((row, right), out) in rows.iter().zip(right).zip(out.iter_mut()).rev() {
+        *out = right + carried;
+        carried = row.handed * *out;
+    }
+    for (row, out) in rows.iter().zip(out) {
+        *out = (*out + lifted) * row.inverse;
+        lifted = row.up * *out;
     }
 }
 
