@@ -8,7 +8,7 @@ use std::sync::Arc;
 use asperity::contacts::{Ageing, Contacts, Maturing};
 use asperity::law::{Gaussian, Point, SharedLaw};
 use asperity::life::moving;
-use asperity::numerics::diffusion::{Step, Work};
+use asperity::numerics::diffusion::{Followed, Medium, Rise, Room, Sink};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 const DIFFUSION: f64 = 0.0025;
@@ -17,23 +17,26 @@ fn gaussian(mean: f64, std: f64) -> SharedLaw {
     Arc::new(Gaussian::new(mean, std).unwrap())
 }
 
-/// A step of all cells, with a floor in the lowest one: throughput is in cells.
+/// A step of all cells above a floor that rises: throughput is in cells.
 fn steps(criterion: &mut Criterion) {
     let maturing = Maturing::new(gaussian(0.5, 0.1), gaussian(1.0, 0.05), DIFFUSION);
+    let potential = maturing.potential();
+    let ceiling = maturing.support.1;
+    let sink: Sink<'_> = &|h| 1e-3 * h;
     let mut group = criterion.benchmark_group("step");
-    for cells in [256, 4096] {
-        let operator = Arc::new(maturing.operator(cells));
-        let newborn = maturing.newborn(&operator.middles(), 0.0);
-        let step = Step::new(&operator, 0.01);
-        let floor = (0.2 * operator.width(), 0.4 * operator.width());
-        let sink = vec![1e-3; cells];
-        let mut work = Work::default();
-        group.throughput(Throughput::Elements(cells as u64));
-        for (name, sink) in [("", None), (", with a sink", Some(sink.as_slice()))] {
-            group.bench_function(format!("{cells} cells{name}"), |bencher| {
+    for count in [256, 4096] {
+        let cells = Followed::new(count, 0.05);
+        let middles: Vec<f64> = cells.middles(0.2, ceiling).collect();
+        let newborn = maturing.newborn(&middles, 0.2);
+        let rise = Rise { floor: (0.2, 0.203), ceiling, duration: 0.01, absorbing: true };
+        let mut room = Room::default();
+        group.throughput(Throughput::Elements(count as u64));
+        for (name, sink) in [("", None), (", with a sink", Some(sink))] {
+            let medium = Medium { potential: &potential, diffusion: DIFFUSION, sink };
+            group.bench_function(format!("{count} cells{name}"), |bencher| {
                 bencher.iter_batched_ref(
                     || newborn.clone(),
-                    |masses| black_box(step.advance(masses, floor, sink, &mut work)),
+                    |masses| cells.advance(&rise, &medium, black_box(masses), &mut room),
                     criterion::BatchSize::SmallInput,
                 );
             });

@@ -9,7 +9,7 @@ use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
 use asperity::history::{History, Piece};
 use asperity::law::{Gaussian, Point, SharedLaw};
 use asperity::master::Transport;
-use asperity::numerics::diffusion::{Diffusion, Step, Work};
+use asperity::numerics::diffusion::{Followed, Medium, Potential, Rise, Room};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 fn gaussian(mean: f64, std: f64) -> SharedLaw {
@@ -62,13 +62,16 @@ fn steps(criterion: &mut Criterion) {
 fn cells(_: &mut Criterion) {
     const CELLS: usize = 700;
     const ROUNDS: usize = 20_000;
-    let operator = Arc::new(Diffusion::new(0.0, 0.002, &[0.0; CELLS], 0.0025));
-    let (step, mut work) = (Step::new(&operator, 0.01), Work::default());
+    let potential = Potential::of(|h| (-0.5 * ((h - 1.0) / 0.05_f64).powi(2)).exp(), (0.0, 1.4), 8192);
+    let medium = Medium { potential: &potential, diffusion: 0.0025, sink: None };
+    let (cells, mut room) = (Followed::new(CELLS, 0.05), Room::default());
+    let rise = Rise { floor: (0.2, 0.203), ceiling: 1.4, duration: 0.01, absorbing: true };
     let mut masses = vec![1.0 / CELLS as f64; CELLS];
     let begun = Instant::now();
     for _ in 0..ROUNDS {
-        step.advance(&mut masses, (0.0, 0.0), None, &mut work);
+        cells.advance(&rise, &medium, &mut masses, &mut room);
     }
+    std::hint::black_box(&masses);
     let hot = (ROUNDS * CELLS) as f64 / begun.elapsed().as_secs_f64();
     let (from, mut to) = (vec![1.0_f64; 1 << 25], vec![0.5_f64; 1 << 25]);
     let begun = Instant::now();

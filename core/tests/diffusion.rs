@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity::numerics::diffusion::{Diffusion, Step, Work};
+use asperity::numerics::diffusion::{Diffusion, Followed, Medium, Potential, Rise, Room, Step, Work};
 
 /// The normal distribution function.
 fn phi(z: f64) -> f64 {
@@ -108,5 +108,84 @@ fn first_passage_of_a_rising_floor_is_that_of_bachelier_and_levy() {
         assert!(errors[0] / errors[1] > 3.8 && errors[1] / errors[2] > 3.8, "{errors:?}");
         // What remains of (Δ/(D/v))²: cells of 1/40 and 1/8 of the layer D/v above the floor.
         assert!(errors[2] < best, "{errors:?}");
+    }
+}
+
+#[test]
+fn cells_that_follow_leave_the_stationary_law_alone_while_the_floor_rests() {
+    let potential = Potential::of(|h| (-0.5 * ((h - 1.0) / 0.05_f64).powi(2)).exp(), (0.0, 2.0), 8192);
+    let medium = Medium { potential: &potential, diffusion: 0.0025, sink: None };
+    for (count, finest) in [(16, 1.0), (200, 0.05), (3000, 1.0)] {
+        let cells = Followed::new(count, finest);
+        let mut face = 0.1;
+        let mass = |middle: f64| {
+            // Halfway between the faces, of which the lowest is the floor.
+            let width = 2.0 * (middle - face);
+            face += width;
+            width * (-potential.at(middle)).exp()
+        };
+        let stationary: Vec<f64> = cells.middles(0.1, 2.0).map(mass).collect();
+        let largest = stationary.iter().fold(0.0_f64, |a, &b| a.max(b));
+        for duration in [1e-6, 0.1, 1e3] {
+            let (mut now, mut room) = (stationary.clone(), Room::default());
+            let rest = Rise { floor: (0.1, 0.1), ceiling: 2.0, duration, absorbing: false };
+            (0..10).for_each(|_| cells.advance(&rest, &medium, &mut now, &mut room));
+            let error = now.iter().zip(&stationary).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            // Rounding of widths told from middles, each of which counts in all above it.
+            assert!(error < 1e-10 * largest, "{count} {duration} {error:e}");
+        }
+    }
+}
+
+/// What is left above a floor as in [`left`], and the least mass of a cell, on cells that follow it.
+fn left_of_followed(count: usize, steps: usize, diffusion: f64) -> (f64, f64) {
+    let potential = Potential::of(|_| 1.0, (0.0, 3.0), 8192);
+    let medium = Medium { potential: &potential, diffusion, sink: None };
+    let (start, end, ceiling) = (0.02, 0.5, 3.0);
+    let spread = (2.0 * diffusion * start).sqrt();
+    let cells = Followed::new(count, 0.2);
+    let mut face = 0.1 + start;
+    let mass = |middle: f64| {
+        let low = face;
+        face += 2.0 * (middle - face);
+        phi((face - 0.6) / spread) - phi((low - 0.6) / spread)
+    };
+    let mut now: Vec<f64> = cells.middles(0.1 + start, ceiling).map(mass).collect();
+    let (duration, mut room) = ((end - start) / steps as f64, Room::default());
+    for k in 0..steps {
+        let floor = |k: usize| 0.1 + start + duration * k as f64;
+        let rise = Rise { floor: (floor(k), floor(k + 1)), ceiling, duration, absorbing: true };
+        cells.advance(&rise, &medium, &mut now, &mut room);
+    }
+    (now.iter().sum(), now.iter().fold(0.0, |least, &mass| least.min(mass)))
+}
+
+#[test]
+fn first_passage_is_of_fourth_order_where_cells_follow_the_floor_and_are_extrapolated() {
+    for (diffusion, best) in [(0.1, 1e-7), (0.02, 3e-6)] {
+        let exact = bachelier_levy(0.5, 1.0, diffusion, 0.5);
+        let levels = [1, 2, 4].map(|fine| left_of_followed(60 * fine, 60 * fine, diffusion));
+        // Of smooth masses none turns negative by more than rounding.
+        assert!(levels.iter().all(|level| level.1 > -1e-15), "{levels:?}");
+        let extrapolated =
+            |coarse: (f64, f64), fine: (f64, f64)| (fine.0 + (fine.0 - coarse.0) / 3.0 - exact).abs();
+        let errors = [extrapolated(levels[0], levels[1]), extrapolated(levels[1], levels[2])];
+        // A factor of 8 for what is left of steps, of 16 for that of cells.
+        assert!(errors[0] / errors[1] > 7.0 && errors[1] < best, "{errors:?}");
+    }
+}
+
+#[test]
+fn cells_that_follow_a_floor_that_reflects_lose_nothing() {
+    let potential = Potential::of(|h| (-0.5 * ((h - 1.0) / 0.1_f64).powi(2)).exp(), (0.0, 2.0), 8192);
+    let medium = Medium { potential: &potential, diffusion: 0.01, sink: None };
+    let (cells, mut room) = (Followed::new(300, 0.05), Room::default());
+    let mut now = vec![1.0 / 300.0; 300];
+    for (from, to, duration) in [(0.0, 0.3, 1e-3), (0.3, 0.31, 30.0), (0.31, 0.1, 0.1), (0.1, 0.9, 2.0)] {
+        let rise = Rise { floor: (from, to), ceiling: 2.0, duration, absorbing: false };
+        cells.advance(&rise, &medium, &mut now, &mut room);
+        let whole: f64 = now.iter().sum();
+        // Rounding.
+        assert!((whole - 1.0).abs() < 1e-12, "{from} {to} {:e}", whole - 1.0);
     }
 }

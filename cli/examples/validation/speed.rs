@@ -1,13 +1,12 @@
 //! What contacts that know time cost: kinetic friction, velocity steps, threads, and diffusion cell by cell.
 
 use std::hint::black_box;
-use std::sync::Arc;
 use std::time::Instant;
 
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Start};
 use asperity::history::{History, Piece};
 use asperity::master::{MasterEquation, Transport};
-use asperity::numerics::diffusion::{Diffusion, Step, Work};
+use asperity::numerics::diffusion::{Followed, Medium, Potential, Rise, Room};
 use cpu_time::ThreadTime;
 
 use crate::page::{Page, small};
@@ -98,12 +97,14 @@ fn step(threads: usize) -> f64 {
 fn cells() -> f64 {
     const CELLS: usize = 700;
     const ROUNDS: usize = 20_000;
-    let operator = Arc::new(Diffusion::new(0.0, 0.002, &[0.0; CELLS], 0.0025));
-    let (step, mut work) = (Step::new(&operator, 0.01), Work::default());
+    let potential = Potential::of(|h| (-0.5 * ((h - 1.0) / 0.05_f64).powi(2)).exp(), (0.0, 1.4), 8192);
+    let medium = Medium { potential: &potential, diffusion: 0.0025, sink: None };
+    let (cells, mut room) = (Followed::new(CELLS, 0.05), Room::default());
+    let rise = Rise { floor: (0.2, 0.203), ceiling: 1.4, duration: 0.01, absorbing: true };
     let mut masses = vec![1.0 / CELLS as f64; CELLS];
     let seconds = cpu(|| {
         for _ in 0..ROUNDS {
-            step.advance(&mut masses, (0.0, 0.0), None, &mut work);
+            cells.advance(&rise, &medium, &mut masses, &mut room);
         }
     });
     black_box(masses);

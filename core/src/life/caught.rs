@@ -7,7 +7,7 @@ use super::cells::scale;
 use super::fate::{Cohort, Fate, Toll};
 use crate::contacts::{Contacts, Maturing, Stiffness, Temperature};
 use crate::law::Break;
-use crate::numerics::diffusion::{Followed, Potential, Rise};
+use crate::numerics::diffusion::{Followed, Medium, Potential, Rise, Room, Sink};
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::stencil::Stencil;
 use crate::{Error, Float, Result};
@@ -116,10 +116,10 @@ impl Diffusing {
     fn march(&self, start: f64, count: usize) -> Vec<Vec<Sum>> {
         let (low, high) = self.maturing.support;
         let floor = start.max(low);
-        let mut cells = Followed::new(count, self.finest(start));
+        let cells = Followed::new(count, self.finest(start));
         let middles: Vec<f64> = cells.middles(floor, high).collect();
         let mut masses = self.maturing.newborn(&middles, start);
-        let mut march = |way: (f64, f64)| self.walk(way, &mut cells, &mut masses);
+        let mut march = |way: (f64, f64)| self.walk(way, &cells, &mut masses);
         self.ways(start).into_iter().map(&mut march).collect()
     }
 
@@ -137,7 +137,8 @@ impl Diffusing {
     }
 
     /// The same for one way.
-    fn walk(&self, (from, to): (f64, f64), cells: &mut Followed, masses: &mut [f64]) -> Vec<Sum> {
+    fn walk(&self, (from, to): (f64, f64), cells: &Followed, masses: &mut [f64]) -> Vec<Sum> {
+        let mut room = Room::default();
         let ((low, ceiling), count) = (self.maturing.support, masses.len());
         let mut out = vec![self.sums(from, low, cells, masses)];
         for k in 0..count {
@@ -150,13 +151,11 @@ impl Diffusing {
             let floor = (stretch[0].max(low), stretch[1].max(low));
             let rise = Rise { floor, ceiling, duration, absorbing: from >= low };
             let sink = self.temperature.map(|temperature| {
-                move |h: f64, part: f64| {
-                    let stretch = stretch[0] + part * (stretch[1] - stretch[0]);
-                    self.velocity * self.exposure(temperature, stretch, h)
-                }
+                move |h: f64| self.velocity * self.exposure(temperature, 0.5 * (stretch[0] + stretch[1]), h)
             });
-            let sink = sink.as_ref().map(|sink| sink as &dyn Fn(f64, f64) -> f64);
-            cells.advance(&rise, (&self.potential, self.diffusion()), sink, masses);
+            let sink = sink.as_ref().map(|sink| sink as Sink<'_>);
+            let medium = Medium { potential: &self.potential, diffusion: self.diffusion(), sink };
+            cells.advance(&rise, &medium, masses, &mut room);
             out.push(self.sums(stretch[1], low, cells, masses));
         }
         out

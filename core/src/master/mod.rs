@@ -80,6 +80,9 @@ impl MasterEquation {
     /// The master equation of contacts that start from `initial` at t = 0, all of age 0, while the slider moves at the
     /// constant velocity v (a length per time); for contacts that know no time the same as [`MasterEquation::new`].
     ///
+    /// Where ageing makes contacts stiffer (k = κ x_s), the books of its population do not close: what ageing brings while
+    /// contacts are stretched is told by [`Transport::books`] alone.
+    ///
     /// # Errors
     /// A velocity that is not a finite number above 0; those of [`Contacts::check`]; ageing for which no life is known.
     pub fn at(contacts: Contacts, initial: &Initial, velocity: f64) -> Result<Self> {

@@ -1,10 +1,10 @@
 //! Contacts that were born together.
 
 use super::broken::Share;
-use super::diffusing::Room;
-use super::model::{Model, State, Way};
-use super::path::Part;
+use super::model::{Model, State};
+use super::path::{Part, Path};
 use super::seeds::Seed;
+use crate::numerics::diffusion::Room;
 
 /// Where the contacts of a cohort are: at one stretch, or spread evenly over a cell around it.
 #[derive(Debug, Clone, Copy)]
@@ -77,31 +77,31 @@ impl Cohort {
     }
 
     /// Goes a whole step: what breaks, and energies, with the stiffness as a parabola in time.
-    pub(super) fn cross(&mut self, model: &Model, way: &Way, room: &mut Room) -> (Share, Spent) {
+    pub(super) fn cross(&mut self, model: &Model, path: &Path, room: &mut Room) -> (Share, Spent) {
         let (from, stiffness) = (self.place.stretch, self.tangent());
-        let (middle, first) = self.advance(model, way, Part::First, room);
+        let (middle, first) = self.advance(model, path, Part::First, room);
         let between = self.tangent();
-        let (end, second) = self.advance(model, way, Part::Second, room);
+        let (end, second) = self.advance(model, path, Part::Second, room);
         let changes = [between - stiffness, self.tangent() - between];
         let spent = Spent::on(from, self.place.stretch, changes, [first, second]);
         (Share { middle, end: middle + end }, spent)
     }
 
     /// Goes from where it is born in a step to its end: the fraction of all contacts that breaks, and energies.
-    pub(super) fn arrive(&mut self, model: &Model, way: &Way, part: Part, room: &mut Room) -> (f64, Spent) {
+    pub(super) fn arrive(&mut self, model: &Model, path: &Path, part: Part, room: &mut Room) -> (f64, Spent) {
         let (from, stiffness) = (self.place.stretch, self.tangent());
-        let (broken, aged) = self.advance(model, way, part, room);
+        let (broken, aged) = self.advance(model, path, part, room);
         let change = self.tangent() - stiffness;
         (broken, Spent::on(from, self.place.stretch, [0.5 * change; 2], [0.5 * aged; 2]))
     }
 
     /// Goes a part of a step: the fraction of all contacts that breaks, and by how much ageing makes the others stiffer.
-    pub(super) fn advance(&mut self, model: &Model, way: &Way, part: Part, room: &mut Room) -> (f64, f64) {
+    pub(super) fn advance(&mut self, model: &Model, path: &Path, part: Part, room: &mut Room) -> (f64, f64) {
         let before = self.left;
-        let aged = model.advance(&mut self.state, self.place, way, part, room);
+        let aged = model.advance(&mut self.state, self.place, path, part, room);
         let (from, to) = part.ends();
-        self.place.stretch += way.path.advance(from, to);
-        self.place.age += way.path.time(part);
+        self.place.stretch += path.advance(from, to);
+        self.place.age += path.time(part);
         self.count(model);
         (self.mass * (before - self.left), self.mass * aged)
     }

@@ -1,36 +1,40 @@
-//! Thresholds that diffuse: a cohort carries the distribution of its thresholds above its stretch, on cells.
-
-use std::sync::Arc;
+//! Thresholds that diffuse: a cohort carries the distribution of its thresholds above its stretch, on cells that follow it.
+//!
+//! It does so twice, with twice as many cells and steps the second time: both errors are of second order, and
+//! (4 fine − coarse)/3 is free of them.
 
 use super::cohort::Place;
 use super::path::{Part, Path};
 use super::seeds::Seed;
 use crate::contacts::{Contacts, Maturing, Stiffness, Temperature};
-use crate::law::SharedLaw;
-use crate::numerics::diffusion::{Diffusion, Step, Work};
+use crate::numerics::diffusion::{Followed, Medium, Potential, Rise, Room, Sink};
 
 /// Thresholds that diffuse.
 #[derive(Debug)]
 pub(super) struct Diffusing {
-    operator: Arc<Diffusion>,
-    newborn: SharedLaw,
+    maturing: Maturing,
+    potential: Potential,
+    levels: [Followed; LEVELS],
     temperature: Option<Temperature>,
     stiffness: Stiffness,
+    /// Newborn contacts where they re-form, in the order of their stretches.
+    newborn: Vec<Masses>,
     /// The shortest time in which newborn thresholds change much.
     time: f64,
-    /// The share of its age (and of that time) that a step of a cohort may take.
+    /// The share of its age (and of that time) that a coarse step of a cohort may take, …
     share: f64,
+    /// … and how far it may stretch in it.
+    reach: f64,
 }
 
-/// The masses of a cohort in the cells, as shares of its contacts.
-#[derive(Debug, Clone)]
-pub(super) struct Masses(Vec<f64>);
+/// Coarse and fine.
+const LEVELS: usize = 2;
 
-/// Steps of the durations that a path asks for.
-#[derive(Debug, Default)]
-pub(super) struct Clock {
-    /// For each part of a path its whole duration, a half, a quarter, …
-    steps: [Vec<Step>; Part::COUNT],
+/// The masses of a cohort in the cells of each level, as shares of its contacts, above a stretch.
+#[derive(Debug, Clone)]
+pub(super) struct Masses {
+    stretch: f64,
+    levels: [Vec<f64>; LEVELS],
 }
 
 /// Contacts that hold, and those that heat breaks per time: how many, and their stiffness.
@@ -49,77 +53,99 @@ impl Standing {
     }
 }
 
-/// Room to work in.
-#[derive(Debug, Default)]
-pub(super) struct Room {
-    work: Work,
-    sink: Vec<f64>,
+/// A way that a cohort goes at one velocity, on one side of the lowest threshold.
+#[derive(Debug, Clone, Copy)]
+struct Leg {
+    /// Stretches at both ends.
+    from: f64,
+    to: f64,
+    duration: f64,
 }
 
-/// Width of a cell in units of the narrower law's, times the square root of the tolerance: of second order.
-const WIDTH: f64 = 4.0;
+impl Leg {
+    /// The k-th of so many equal parts.
+    fn part(&self, k: u32, parts: u32) -> Self {
+        let at = |k: u32| self.from + (self.to - self.from) * f64::from(k) / f64::from(parts);
+        Self { from: at(k), to: at(k + 1), duration: self.duration / f64::from(parts) }
+    }
 
-/// How many cells the stretch may pass in a step.
-const RISE: f64 = 1.5;
+    /// The first of so many equal parts, and the others.
+    fn split(&self, parts: f64) -> (Self, Option<Self>) {
+        if parts <= 1.0 {
+            return (*self, None);
+        }
+        let duration = self.duration / parts.ceil();
+        let middle = self.from + (self.to - self.from) / parts.ceil();
+        let rest = Self { from: middle, duration: self.duration - duration, ..*self };
+        (Self { to: middle, duration, ..*self }, Some(rest))
+    }
+}
 
-/// The share of its age that a step may take, times the cube root of the tolerance.
-const SHARE: f64 = 6.0;
+/// Coarse cells in the width of the narrower law, if they were even, at the tolerance 1.
+const CELLS: f64 = 0.6;
 
-/// The largest number of halvings.
-const MOST_HALVINGS: u32 = 40;
+/// Width of the lowest cell, relative to even ones: it holds what is near the stretch of fast contacts.
+const FINEST: f64 = 0.05;
+
+/// The share of its age that a coarse step may take, and how far contacts may stretch in it, in units of the width of the
+/// narrower law; both times the fourth root of the tolerance.
+const SHARE: f64 = 2.0;
+const REACH: f64 = 4.0;
+
+/// Cells below which no law is resolved at all.
+const FEWEST: f64 = 16.0;
 
 impl Diffusing {
-    /// Thresholds of these contacts; `scale` is the width of the narrowest law of theirs. `None` where they do not diffuse.
-    pub(super) fn new(contacts: &Contacts, scale: f64, tolerance: f64) -> Option<Self> {
+    /// Thresholds of these contacts, which re-form at the `seeds`; `scale` is the width of the narrowest law of theirs.
+    /// `None` where they do not diffuse.
+    pub(super) fn new(contacts: &Contacts, seeds: &[Seed], scale: f64, tolerance: f64) -> Option<Self> {
         let maturing = Maturing::of(contacts)?;
-        let width = scale * (WIDTH * tolerance.sqrt()).min(0.2);
         let (low, high) = maturing.support;
-        Some(Self {
-            operator: Arc::new(maturing.operator(((high - low) / width).ceil() as usize)),
-            newborn: contacts.thresholds.clone(),
+        let coarser = tolerance.powf(0.25);
+        let cells = (CELLS * (high - low) / (scale * coarser)).ceil().max(FEWEST) as usize;
+        let mut diffusing = Self {
+            potential: maturing.potential(),
+            levels: [1, 2].map(|fine| Followed::new(cells * fine, FINEST)),
             temperature: contacts.rules.temperature,
             stiffness: contacts.stiffness,
             time: scale * scale / maturing.diffusion,
-            share: (SHARE * tolerance.cbrt()).min(0.5),
-        })
+            share: (SHARE * coarser).min(0.5),
+            reach: REACH * coarser * scale,
+            newborn: Vec::new(),
+            maturing,
+        };
+        diffusing.newborn = seeds.iter().map(|seed| diffusing.above(seed.stretch)).collect();
+        diffusing.newborn.sort_by(|a, b| a.stretch.total_cmp(&b.stretch));
+        Some(diffusing)
     }
 
-    /// How many numbers a step of a cohort goes through.
+    /// How many numbers a step of a cohort goes through at least, in its two halves.
     pub(super) fn cells(&self) -> usize {
-        self.operator.cells()
+        let numbers = |(level, cells): (usize, &Followed)| (cells.cells() << level) * 2;
+        self.levels.iter().enumerate().map(numbers).sum()
     }
 
     /// P_ci above the stretch of a seed.
     pub(super) fn newborn(&self, seed: &Seed) -> Masses {
-        let edge = |cell: usize| self.operator.edge(cell).max(seed.stretch.abs());
-        let mass = |cell: usize| {
-            let (low, high) = (edge(cell), edge(cell + 1));
-            let above = self.newborn.survival(low) - self.newborn.survival(high);
-            let below = self.newborn.cumulative(high) - self.newborn.cumulative(low);
-            if self.newborn.survival(low) < 0.5 { above } else { below }
+        let found = self.newborn.binary_search_by(|masses| masses.stretch.total_cmp(&seed.stretch));
+        found.map_or_else(|_| self.above(seed.stretch), |place| self.newborn[place].clone())
+    }
+
+    /// P_ci above a stretch.
+    fn above(&self, stretch: f64) -> Masses {
+        let (floor, ceiling) = (self.floor(stretch), self.maturing.support.1);
+        let share = |level: &Followed| {
+            let middles: Vec<f64> = level.middles(floor, ceiling).collect();
+            let mut masses = self.maturing.newborn(&middles, stretch.abs());
+            let whole: f64 = masses.iter().sum();
+            masses.iter_mut().for_each(|mass| *mass /= whole);
+            masses
         };
-        let mut masses: Vec<f64> = (0..self.cells()).map(|cell| mass(cell).max(0.0)).collect();
-        let whole: f64 = masses.iter().sum();
-        masses.iter_mut().for_each(|mass| *mass /= whole);
-        Masses(masses)
+        Masses { stretch, levels: self.levels.each_ref().map(share) }
     }
 
-    /// The steps that a path asks for, of cohorts as young as those born in it.
-    pub(super) fn clock(&self, path: &Path) -> Clock {
-        Clock { steps: Part::ALL.map(|part| self.halvings(path, part)) }
-    }
-
-    fn halvings(&self, path: &Path, part: Part) -> Vec<Step> {
-        let whole = path.time(part);
-        let finest = (whole / (self.share * self.time)).max(1.0 / self.risen(path, part));
-        let most = finest.log2().ceil().clamp(0.0, f64::from(MOST_HALVINGS));
-        (0..=most as i32).map(|k| Step::new(&self.operator, whole * 0.5_f64.powi(k))).collect()
-    }
-
-    /// The share of a part in which the stretch passes as many cells as it may.
-    fn risen(&self, path: &Path, part: Part) -> f64 {
-        let (from, to) = part.ends();
-        RISE * self.operator.width() / path.advance(from, to).abs()
+    fn floor(&self, stretch: f64) -> f64 {
+        stretch.abs().max(self.maturing.support.0)
     }
 
     /// Time passes, in steps that grow with the age. By how much diffusion makes those stiffer that do not break.
@@ -129,39 +155,72 @@ impl Diffusing {
         masses: &mut Masses,
         path: &Path,
         part: Part,
-        clock: &Clock,
         room: &mut Room,
     ) -> f64 {
-        let steps = &clock.steps[part as usize];
-        let (from, to) = part.ends();
-        let finest = steps.len() - 1;
-        let ticks = 1_u64 << finest;
-        let fraction = |tick: u64| from + (to - from) * (tick as f64 / ticks as f64);
-        let stretch = |s: f64| (place.stretch + path.advance(from, s)).abs();
-        let risen = self.risen(path, part) * path.time(part);
         let stiffness = self.measure(masses).1;
-        let mut broken = 0.0;
-        let mut tick = 0_u64;
-        while tick < ticks {
-            let age = place.age + path.duration * (fraction(tick) - from);
-            let allowed = risen.min(self.share * (self.time + age));
-            let aligned = finest - (tick.trailing_zeros() as usize).min(finest);
-            let fits = |k: &usize| steps[*k].duration() <= allowed;
-            let halving = (aligned..=finest).find(fits).unwrap_or(finest);
-            let next = tick + (ticks >> halving);
-            let (start, end) = (fraction(tick), fraction(next));
-            let sink = self.sink(stretch(0.5 * (start + end)), &mut room.sink);
-            let before = self.standing(masses, sink);
-            steps[halving].advance(&mut masses.0, (stretch(start), stretch(end)), sink, &mut room.work);
-            let after = self.standing(masses, sink);
-            broken += before.broken(&after, steps[halving].duration(), stretch(0.5 * (start + end)));
-            tick = next;
+        let mut broken = [0.0; LEVELS];
+        let mut age = place.age;
+        for leg in self.legs(place, path, part) {
+            let mut left = Some(leg);
+            while let Some(leg) = left {
+                let (step, rest) = leg.split(self.steps(&leg, age));
+                for (level, broken) in broken.iter_mut().enumerate() {
+                    let parts = 1 << level;
+                    *broken +=
+                        (0..parts).map(|k| self.step(&step.part(k, parts), level, masses, room)).sum::<f64>();
+                }
+                age += step.duration;
+                left = rest;
+            }
         }
-        let before = self.standing(masses, None);
-        let met = |cell: &usize| self.operator.edge(cell + 1) <= stretch(to);
-        (0..self.cells()).take_while(met).for_each(|cell| masses.0[cell] = 0.0);
-        broken += before.broken(&self.standing(masses, None), 0.0, stretch(to));
-        if self.is_equal() { 0.0 } else { self.measure(masses).1 - stiffness + broken }
+        let (from, to) = part.ends();
+        masses.stretch = place.stretch + path.advance(from, to);
+        if self.is_equal() { 0.0 } else { self.measure(masses).1 - stiffness + extrapolated(broken) }
+    }
+
+    /// The ways of a part, between where the stretch meets the lowest threshold.
+    fn legs(&self, place: Place, path: &Path, part: Part) -> Vec<Leg> {
+        let low = self.maturing.support.0;
+        let (from, to) = part.ends();
+        let (start, by, time) = (place.stretch, path.advance(from, to), path.time(part));
+        let meets = |threshold: f64| (threshold - start) / by;
+        let mut ends: Vec<f64> = [-low, low].map(meets).into_iter().filter(|&s| s > 0.0 && s < 1.0).collect();
+        ends.extend([0.0, 1.0]);
+        ends.sort_by(f64::total_cmp);
+        let leg = |ends: &[f64]| Leg {
+            from: start + by * ends[0],
+            to: start + by * ends[1],
+            duration: time * (ends[1] - ends[0]),
+        };
+        ends.windows(2).map(leg).collect()
+    }
+
+    /// In how many coarse steps a way may be gone at an age.
+    fn steps(&self, leg: &Leg, age: f64) -> f64 {
+        let longest = self.share * (self.time + age);
+        (leg.duration / longest).max((leg.to - leg.from).abs() / self.reach)
+    }
+
+    /// A step of one level: the stiffness of what breaks.
+    fn step(&self, leg: &Leg, level: usize, masses: &mut Masses, room: &mut Room) -> f64 {
+        let (low, ceiling) = self.maturing.support;
+        let (cells, masses) = (&self.levels[level], &mut masses.levels[level]);
+        let [start, end] = [leg.from, leg.to].map(f64::abs);
+        let middle = 0.5 * (start + end);
+        let before = self.standing(start, cells, masses);
+        if end < ceiling {
+            let floor = (self.floor(start), self.floor(end));
+            let rise = Rise { floor, ceiling, duration: leg.duration, absorbing: middle >= low };
+            let heat =
+                |temperature: Temperature| move |h: f64| temperature.rate(middle, h, self.stiffness.of(h));
+            let heat = self.temperature.map(heat);
+            let sink = heat.as_ref().map(|heat| heat as Sink<'_>);
+            let medium = Medium { potential: &self.potential, diffusion: self.maturing.diffusion, sink };
+            cells.advance(&rise, &medium, masses, room);
+        } else {
+            masses.fill(0.0);
+        }
+        before.broken(&self.standing(end, cells, masses), leg.duration, middle)
     }
 
     fn is_equal(&self) -> bool {
@@ -169,38 +228,38 @@ impl Diffusing {
     }
 
     /// What stands, and what heat breaks of it; not counted where all are equally stiff, as nothing hangs on it.
-    fn standing(&self, masses: &Masses, sink: Option<&[f64]>) -> Standing {
+    fn standing(&self, stretch: f64, cells: &Followed, masses: &[f64]) -> Standing {
         if self.is_equal() {
             return Standing::default();
         }
-        let rate = |cell: usize| sink.map_or(0.0, |rates| rates[cell]);
-        masses.0.iter().enumerate().fold(Standing::default(), |sum, (cell, mass)| Standing {
-            count: sum.count + mass,
-            heated: sum.heated + rate(cell) * mass,
-            stiffness: sum.stiffness + rate(cell) * mass * self.operator.centre(cell),
+        let rate = |h: f64| self.temperature.map_or(0.0, |t| t.rate(stretch, h, self.stiffness.of(h)));
+        let middles = cells.middles(self.floor(stretch), self.maturing.support.1);
+        middles.zip(masses).fold(Standing::default(), |sum, (h, mass)| {
+            let heated = rate(h) * mass;
+            Standing {
+                count: sum.count + mass,
+                heated: sum.heated + heated,
+                stiffness: sum.stiffness + heated * h,
+            }
         })
-    }
-
-    /// The breaking rate of each cell at a stretch.
-    fn sink<'a>(&self, stretch: f64, room: &'a mut Vec<f64>) -> Option<&'a [f64]> {
-        let temperature = self.temperature.as_ref()?;
-        room.clear();
-        room.extend((0..self.cells()).map(|cell| {
-            let threshold = self.operator.centre(cell);
-            temperature.rate(stretch, threshold, self.stiffness.of(threshold))
-        }));
-        Some(room)
     }
 
     /// The share that is left, and its stiffness.
     pub(super) fn measure(&self, masses: &Masses) -> (f64, f64) {
-        let count: f64 = masses.0.iter().sum();
-        let stiffness = match self.stiffness {
-            Stiffness::Equal(_) => count,
-            Stiffness::PerThreshold(_) => {
-                masses.0.iter().enumerate().map(|(cell, mass)| mass * self.operator.centre(cell)).sum()
-            }
+        let count = extrapolated(masses.levels.each_ref().map(|masses| masses.iter().sum()));
+        if self.is_equal() {
+            return (count, count.max(0.0));
+        }
+        let (floor, high) = (self.floor(masses.stretch), self.maturing.support.1);
+        let sum = |level: usize| -> f64 {
+            let middles = self.levels[level].middles(floor, high);
+            middles.zip(&masses.levels[level]).map(|(h, mass)| mass * h).sum()
         };
-        (count, stiffness)
+        (count, extrapolated([sum(0), sum(1)]).max(0.0))
     }
+}
+
+/// What coarse and fine cells tell, without their error of second order.
+fn extrapolated([coarse, fine]: [f64; LEVELS]) -> f64 {
+    fine + (fine - coarse) / 3.0
 }

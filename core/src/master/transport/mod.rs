@@ -45,7 +45,8 @@ use trial::Stage;
 /// Contacts under a slider whose velocity varies.
 ///
 /// Births are right to fourth order in the time step where laws are smooth, to second order where their densities jump or
-/// where contacts that spread in stretch meet a threshold that many share.
+/// where contacts that spread in stretch meet a threshold that many share; so are thresholds that diffuse, in the width of
+/// their cells.
 #[derive(Debug, Clone)]
 pub struct Transport {
     model: Arc<Model>,
@@ -135,7 +136,7 @@ impl Transport {
         let seeds = seeds(contacts.reforming.as_ref(), contacts.highest_start(), widest(contacts), |_| 1.0);
         let (Stiffness::Equal(stiffness) | Stiffness::PerThreshold(stiffness)) = contacts.stiffness;
         Ok(Self {
-            model: Arc::new(model(contacts, tolerance)?),
+            model: Arc::new(model(contacts, &seeds, tolerance)?),
             seeds: seeds.into(),
             stiffness: contacts.count * stiffness,
             tolerance,
@@ -452,15 +453,15 @@ fn rough(tolerance: f64) -> f64 {
     (ROUGH * tolerance).min(1e-2)
 }
 
-/// The rules of the thresholds of these contacts.
-fn model(contacts: &Contacts, tolerance: f64) -> Result<Model> {
+/// The rules of the thresholds of these contacts, which re-form at the seeds.
+fn model(contacts: &Contacts, seeds: &[Seed], tolerance: f64) -> Result<Model> {
     match &contacts.rules.ageing {
         Some(Ageing::MeanField { .. }) => {
             let expected = "a rule for one contact: mean_field is the closure of steady sliding";
             Err(Error::invalid("contacts.ageing.mean_field", expected, "a velocity that varies"))
         }
         Some(Ageing::Smoluchowski { .. }) => {
-            let diffusing = Diffusing::new(contacts, pace::scale(contacts), tolerance);
+            let diffusing = Diffusing::new(contacts, seeds, pace::scale(contacts), tolerance);
             Ok(Model::Diffusing(diffusing.expect("smoluchowski has a mature law")))
         }
         _ => Ok(Model::Ranked(Ranks::new(contacts, tolerance)?)),

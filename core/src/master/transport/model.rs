@@ -1,10 +1,11 @@
 //! What time does to the thresholds of a cohort.
 
 use super::cohort::Place;
-use super::diffusing::{Clock, Diffusing, Masses, Room};
+use super::diffusing::{Diffusing, Masses};
 use super::path::{Part, Path};
 use super::ranked::{Left, Ranks};
 use super::seeds::Seed;
+use crate::numerics::diffusion::Room;
 
 /// The rules of the thresholds.
 #[derive(Debug)]
@@ -22,13 +23,6 @@ pub(super) enum State {
     Diffusing(Masses),
 }
 
-/// A step, as all cohorts go it.
-#[derive(Debug)]
-pub(super) struct Way {
-    pub(super) path: Path,
-    clock: Clock,
-}
-
 impl Model {
     /// The thresholds of contacts born at a seed.
     pub(super) fn newborn(&self, seed: &Seed) -> State {
@@ -38,29 +32,20 @@ impl Model {
         }
     }
 
-    /// What cohorts need to go a path.
-    pub(super) fn way(&self, path: Path) -> Way {
-        let clock = match self {
-            Self::Ranked(_) => Clock::default(),
-            Self::Diffusing(diffusing) => diffusing.clock(&path),
-        };
-        Way { path, clock }
-    }
-
     /// Time passes; `place` is where the contacts are at the beginning. By how much ageing makes those stiffer that do not
     /// break, per contact born.
     pub(super) fn advance(
         &self,
         state: &mut State,
         place: Place,
-        way: &Way,
+        path: &Path,
         part: Part,
         room: &mut Room,
     ) -> f64 {
         match (self, state) {
-            (Self::Ranked(ranks), State::Ranked(left)) => ranks.advance(place, left, &way.path, part.ends()),
+            (Self::Ranked(ranks), State::Ranked(left)) => ranks.advance(place, left, path, part.ends()),
             (Self::Diffusing(diffusing), State::Diffusing(masses)) => {
-                diffusing.advance(place, masses, &way.path, part, &way.clock, room)
+                diffusing.advance(place, masses, path, part, room)
             }
             _ => unreachable!("cohorts are made by the model that moves them"),
         }

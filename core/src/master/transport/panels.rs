@@ -50,10 +50,10 @@ pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<Panel> {
     let mut panels = Vec::new();
     for ends in stops.windows(2) {
         let (low, high) = (ends[0], ends[1]);
-        let over = zones.iter().filter(|zone| zone.low < high && zone.high > low);
-        let scale = over.map(|zone| WIDTH * zone.resolution).fold(f64::INFINITY, f64::min);
+        let over: Vec<_> = zones.iter().filter(|zone| zone.low < high && zone.high > low).collect();
+        let scale = over.iter().map(|zone| WIDTH * zone.resolution).fold(f64::INFINITY, f64::min);
         // Tails beyond all zones fall by no more than a power.
-        let tail = low > 0.0 && !scale.is_finite();
+        let tail = low > 0.0 && over.is_empty();
         let folds = if tail { (high / low).ln() / TAIL } else { 1.0 };
         let count = ((high - low) / scale.min(widest)).max(folds).ceil().max(1.0);
         let edge = |k: f64| {

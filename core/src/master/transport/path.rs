@@ -2,12 +2,11 @@
 
 use super::trial::GAUSS;
 
-/// Motion during a step, with s the fraction of its time: X(s) − X(0) = `linear` s + `square` s².
+/// Motion at one velocity during a step, `by` a length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Path {
     pub(super) duration: f64,
-    pub(super) linear: f64,
-    pub(super) square: f64,
+    pub(super) by: f64,
 }
 
 /// A part of a step that a cohort goes in one go.
@@ -24,9 +23,6 @@ pub(super) enum Part {
 }
 
 impl Part {
-    pub(super) const COUNT: usize = 4;
-    pub(super) const ALL: [Self; Self::COUNT] = [Self::First, Self::Second, Self::Early, Self::Late];
-
     /// The fractions between which it lies.
     pub(super) fn ends(self) -> (f64, f64) {
         match self {
@@ -41,12 +37,12 @@ impl Part {
 impl Path {
     /// Motion at one velocity.
     pub(super) fn steady(velocity: f64, duration: f64) -> Self {
-        Self { duration, linear: velocity * duration, square: 0.0 }
+        Self { duration, by: velocity * duration }
     }
 
     /// X(to) − X(from).
     pub(super) fn advance(&self, from: f64, to: f64) -> f64 {
-        (to - from) * (self.linear + self.square * (to + from))
+        (to - from) * self.by
     }
 
     /// How long a part lasts.

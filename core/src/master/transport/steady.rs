@@ -3,13 +3,13 @@
 use super::Transport;
 use super::broken::Broken;
 use super::cohort::Cohort;
-use super::diffusing::Room;
 use super::path::{Part, Path};
 use std::sync::Arc;
 
 use crate::Result;
 use crate::contacts::{Contacts, Initial, Start};
 use crate::law::Point;
+use crate::numerics::diffusion::Room;
 
 /// The share of contacts that breaks in a panel of ages, in units of the fourth root of the tolerance.
 const DEATHS: f64 = 3.0;
@@ -40,10 +40,10 @@ impl Transport {
         let mut duration = transport.pace.longest(velocity);
         let held = |cohorts: &[Cohort]| cohorts.iter().map(Cohort::attached).sum::<f64>();
         while held(&walkers) > super::LEAST * tolerance {
-            let way = transport.model.way(Path::steady(velocity, duration));
+            let path = Path::steady(velocity, duration);
             let mut after = walkers.clone();
             let mut go =
-                |cohort: &mut Cohort, part| cohort.advance(&transport.model, &way, part, &mut room).0;
+                |cohort: &mut Cohort, part| cohort.advance(&transport.model, &path, part, &mut room).0;
             let mut both = |part| after.iter_mut().map(|cohort| go(cohort, part)).sum::<f64>();
             let (first, second) = (both(Part::First), both(Part::Second));
             let lost = (first + second).max(most / bend * duration * (first - second).abs());
@@ -57,8 +57,8 @@ impl Transport {
                     go(&mut cohort, part);
                     let (from, to) = part.ends();
                     let at = to - from;
-                    cohort.place.below += way.path.advance(ends[0], at);
-                    cohort.place.above += way.path.advance(at, ends[1]);
+                    cohort.place.below += path.advance(ends[0], at);
+                    cohort.place.above += path.advance(at, ends[1]);
                     cohort.mass *= 0.5 * duration;
                     transport.cohorts.push(cohort);
                 }

@@ -8,10 +8,10 @@ use rayon::prelude::*;
 
 use super::broken::{Born, Broken, Share};
 use super::cohort::{Cohort, Spent};
-use super::diffusing::Room;
 use super::model::Model;
 use super::path::{Part, Path};
 use super::seeds::Seed;
+use crate::numerics::diffusion::Room;
 
 /// A step, tried.
 pub(super) struct Trial {
@@ -72,18 +72,17 @@ impl Stage<'_> {
     pub(super) fn attempt(&self, cohorts: &[Cohort], path: &Path) -> Trial {
         let (old, seeds) = (cohorts.len(), self.seeds.len());
         let chunk = (LEAST / self.model.cells()).max(1);
-        let way = self.model.way(*path);
         // Copies and births take as much of memory as steps do.
         let step = |room: &mut Room, i: usize| {
             if let Some(cohort) = cohorts.get(i) {
                 let mut cohort = cohort.clone();
-                let passed = cohort.cross(self.model, &way, room);
+                let passed = cohort.cross(self.model, path, room);
                 return (cohort, passed);
             }
             let (born, part) = ((i - old) / seeds, [Part::Early, Part::Late]);
             let mut cohort = self.newborn(&self.seeds[(i - old) % seeds], path, GAUSS[born]);
             let stored = cohort.energy();
-            let (end, spent) = cohort.arrive(self.model, &way, part[born], room);
+            let (end, spent) = cohort.arrive(self.model, path, part[born], room);
             (cohort, (Share { middle: 0.0, end }, Spent { lost: spent.lost - stored, ..spent }))
         };
         let all = (0..old + GAUSS.len() * seeds).into_par_iter().with_min_len(chunk);

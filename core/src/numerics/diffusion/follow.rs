@@ -4,16 +4,24 @@
 //! layer of width D/v above it is resolved however thin, and nothing ever jumps: errors are even powers of the width of the
 //! cells and whole ones of the length of a step, from the second on, and can be extrapolated away. Through a face that
 //! moves at the speed w_i the flux is that of Scharfetter and Gummel less w_i times the mean of the two densities, by which
-//! what is carried neither grows nor decays. In exchange, cells whose content is rough may turn slightly negative.
+//! what is carried neither grows nor decays: while the floor rests, the law of density e^{−U} at the middles stays to
+//! rounding. Into the floor the flux is theirs in the frame of the floor, U' + v/D for U', which takes all that the floor
+//! meets where the layer is thinner than the lowest cell. In exchange, cells whose content is rough may turn slightly
+//! negative.
 
 use super::step::{GAMMA, SQRT_2};
 use super::{Potential, bernoulli};
 use crate::numerics::roots::brent_root;
 
-/// The cells, as fractions of the interval, and room for the elimination.
+/// The cells, as fractions of the interval.
 #[derive(Debug, Clone)]
 pub struct Followed {
     cells: Vec<Cell>,
+}
+
+/// Room for eliminations, used again and again.
+#[derive(Debug, Clone, Default)]
+pub struct Room {
     rows: Vec<Row>,
     stage: Vec<f64>,
 }
@@ -29,12 +37,13 @@ struct Cell {
     lag: f64,
 }
 
-/// Rates down and up from a cell, then 1/d of the elimination.
+/// Rates up and down from a cell, times a; and of the elimination 1/d, and what it hands down.
 #[derive(Debug, Clone, Copy, Default)]
 struct Row {
     down: f64,
     up: f64,
     inverse: f64,
+    handed: f64,
 }
 
 /// A step from one place of the floor to another.
@@ -50,8 +59,19 @@ pub struct Rise {
     pub absorbing: bool,
 }
 
-/// A rate per time at which mass is taken away: of the place h, and of the fraction of the step that has passed.
-pub type Sink<'a> = &'a dyn Fn(f64, f64) -> f64;
+/// A rate per time at which mass is taken away at the place h, half way through the step.
+pub type Sink<'a> = &'a dyn Fn(f64) -> f64;
+
+/// What masses move in.
+#[derive(Clone, Copy)]
+pub struct Medium<'a> {
+    /// U.
+    pub potential: &'a Potential,
+    /// D, above 0.
+    pub diffusion: f64,
+    /// What takes mass away besides the floor.
+    pub sink: Option<Sink<'a>>,
+}
 
 impl Followed {
     /// So many cells, the lowest about `finest` times as wide as even ones. Half of them lie evenly, half crowd towards the
@@ -67,11 +87,12 @@ impl Followed {
             next: 1.0 / (middle(i + 1) - middle(i)),
             lag: 1.0 - face(i + 1),
         };
-        Self {
-            cells: (0..cells).map(cell).collect(),
-            rows: vec![Row::default(); cells],
-            stage: vec![0.0; cells],
-        }
+        Self { cells: (0..cells).map(cell).collect() }
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.cells.len()
     }
 
     /// The middles of the cells between a floor and a ceiling.
@@ -79,65 +100,52 @@ impl Followed {
         self.cells.iter().map(move |cell| floor + (ceiling - floor) * cell.middle)
     }
 
-    /// Moves masses on: the two stages of [`super::Step`].
-    pub fn advance(
-        &mut self,
-        rise: &Rise,
-        (potential, diffusion): (&Potential, f64),
-        sink: Option<Sink<'_>>,
-        masses: &mut [f64],
-    ) {
-        let mut stage = std::mem::take(&mut self.stage);
-        self.solve(rise, GAMMA, (potential, diffusion), sink, masses, &mut stage);
+    /// Moves masses on: the two stages of [`super::Step`], with the rates half way.
+    pub fn advance(&self, rise: &Rise, medium: &Medium<'_>, masses: &mut [f64], room: &mut Room) {
+        let Room { rows, stage } = room;
+        rows.resize(masses.len(), Row::default());
+        stage.resize(masses.len(), 0.0);
+        self.eliminate(rise, medium, rows);
+        solve(rows, masses, stage);
         for (stage, mass) in stage.iter_mut().zip(masses.iter()) {
             *stage = (1.0 + SQRT_2) * *stage - SQRT_2 * mass;
         }
-        self.solve(rise, 1.0, (potential, diffusion), sink, &stage, masses);
-        self.stage = stage;
+        solve(rows, stage, masses);
     }
 
-    /// The stage at a fraction of the step.
-    fn solve(
-        &mut self,
-        rise: &Rise,
-        fraction: f64,
-        (potential, diffusion): (&Potential, f64),
-        sink: Option<Sink<'_>>,
-        right: &[f64],
-        out: &mut [f64],
-    ) {
+    /// The elimination of (1 − aL + aw), from the top down.
+    fn eliminate(&self, rise: &Rise, medium: &Medium<'_>, rows: &mut [Row]) {
         let (start, end) = rise.floor;
-        let (a, x) = (GAMMA * rise.duration, start + fraction * (end - start));
-        self.rates(x, rise, (a * diffusion, GAMMA * (end - start)), potential);
-        let length = rise.ceiling - x;
-        let (mut kept, mut carried) = (0.0, 0.0);
-        for (i, row) in self.rows.iter_mut().enumerate().rev() {
-            let sunk = sink.map_or(0.0, |w| a * w(x + length * self.cells[i].middle, fraction));
-            let rest = 1.0 + sunk + row.up * kept;
+        let (a, x) = (GAMMA * rise.duration, 0.5 * (start + end));
+        self.rates(x, rise, (a * medium.diffusion, GAMMA * (end - start)), medium.potential, rows);
+        let (length, mut kept) = (rise.ceiling - x, 0.0);
+        for (row, cell) in rows.iter_mut().zip(&self.cells).rev() {
+            let rest = 1.0 + medium.sink.map_or(0.0, |w| a * w(x + length * cell.middle)) + row.up * kept;
             row.inverse = 1.0 / (rest + row.down);
-            out[i] = right[i] + carried;
-            carried = row.down * row.inverse * out[i];
+            row.handed = row.down * row.inverse;
             kept = rest * row.inverse;
-        }
-        let mut lifted = 0.0;
-        for (row, out) in self.rows.iter().zip(out) {
-            *out = (*out + lifted) * row.inverse;
-            lifted = row.up * *out;
         }
     }
 
     /// Rates times a between the cells, of a `spread` aD and a `travel` av.
-    fn rates(&mut self, x: f64, rise: &Rise, (spread, travel): (f64, f64), potential: &Potential) {
+    fn rates(
+        &self,
+        x: f64,
+        rise: &Rise,
+        (spread, travel): (f64, f64),
+        potential: &Potential,
+        rows: &mut [Row],
+    ) {
         let length = rise.ceiling - x;
         let per_length = 1.0 / length;
         let at = |cell: &Cell| potential.at(x + length * cell.middle);
         let mut low = at(&self.cells[0]);
-        self.rows[0].down = 0.0;
+        rows[0].down = 0.0;
         if rise.absorbing {
             let (cell, half) = (self.cells[0], length * self.cells[0].middle);
             let slope = at(&self.cells[1]) - low;
-            let fall = -slope * cell.next * cell.middle;
-            self.rows[0].down = spread * bernoulli(fall) / half * cell.inverse * per_length;
+            let fall = -slope * cell.next * cell.middle - travel / spread * half;
+            rows[0].down = spread * bernoulli(fall) / half * cell.inverse * per_length;
         }
         for i in 0..self.cells.len() - 1 {
             let (cell, next) = (&self.cells[i], &self.cells[i + 1]);
@@ -145,12 +153,25 @@ impl Followed {
             let (rise, rate, carried) =
                 (high - low, spread * cell.next * per_length, 0.5 * travel * cell.lag);
             let gentle = bernoulli(rise);
-            self.rows[i].up = (rate * gentle - carried) * cell.inverse * per_length;
-            self.rows[i + 1].down = (rate * (gentle + rise) + carried) * next.inverse * per_length;
+            rows[i].up = (rate * gentle - carried) * cell.inverse * per_length;
+            rows[i + 1].down = (rate * (gentle + rise) + carried) * next.inverse * per_length;
             low = high;
         }
-        let last = self.rows.len() - 1;
-        self.rows[last].up = 0.0;
+        let last = rows.len() - 1;
+        rows[last].up = 0.0;
+    }
+}
+
+/// Writes (1 − aL + aw)⁻¹ `right` into `out`.
+fn solve(rows: &[Row], right: &[f64], out: &mut [f64]) {
+    let (mut carried, mut lifted) = (0.0, 0.0);
+    for ((row, right), out) in rows.iter().zip(right).zip(out.iter_mut()).rev() {
+        *out = right + carried;
+        carried = row.handed * *out;
+    }
+    for (row, out) in rows.iter().zip(out) {
+        *out = (*out + lifted) * row.inverse;
+        lifted = row.up * *out;
     }
 }
 

@@ -14,7 +14,7 @@ mod step;
 
 pub use factors::Factors;
 use floor::Cut;
-pub use follow::{Followed, Rise, Sink};
+pub use follow::{Followed, Medium, Rise, Room, Sink};
 pub use potential::{Potential, continued};
 pub use step::{Lost, Step, Work};
 

@@ -8,8 +8,10 @@ const FAINTEST: f64 = 1e-280;
 pub struct Potential {
     /// The first point.
     first: f64,
-    spacing: f64,
-    values: Vec<f64>,
+    /// Points per length.
+    per_length: f64,
+    /// The cubic from each point to the next, in the part of the way.
+    cubics: Vec<[f64; 4]>,
 }
 
 impl Potential {
@@ -18,20 +20,31 @@ impl Potential {
         let spacing = (high - low) / points as f64;
         let first = low + 0.5 * spacing;
         let densities = (0..points).map(|i| density(first + i as f64 * spacing)).collect();
-        Self { first, spacing, values: continued(densities) }
+        Self {
+            first,
+            per_length: spacing.recip(),
+            cubics: continued(densities).windows(4).map(cubic).collect(),
+        }
     }
 
     /// U(h); beyond the last points the cubic goes on.
     #[inline]
     pub fn at(&self, h: f64) -> f64 {
-        let place = (h - self.first) / self.spacing;
-        let cell = (place as usize).clamp(1, self.values.len() - 3);
+        let place = (h - self.first) * self.per_length;
+        // The first and the last cubic reach to the points beyond.
+        let cell = (place as usize).clamp(1, self.cubics.len());
         let t = place - cell as f64;
-        let [a, b, c, d] = [-1, 0, 1, 2].map(|k| self.values[cell.wrapping_add_signed(k)]);
-        let (before, after, beyond) = (t + 1.0, t - 1.0, t - 2.0);
-        let outer = (d * before - a * beyond) * t * after / 6.0;
-        outer + 0.5 * (b * after - c * t) * before * beyond
+        let [value, slope, square, cube] = self.cubics[cell - 1];
+        value + t * (slope + t * (square + t * cube))
     }
+}
+
+/// The polynomial through values at −1, 0, 1 and 2.
+fn cubic(values: &[f64]) -> [f64; 4] {
+    let [a, b, c, d] = std::array::from_fn(|i| values[i]);
+    let square = 0.5 * (a + c) - b;
+    let cube = (d - a) / 6.0 + 0.5 * (b - c);
+    [b, c - b - square - cube, square, cube]
 }
 
 /// −ln of densities (or masses) along an axis, quadratic where they are too faint for it.
