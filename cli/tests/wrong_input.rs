@@ -65,11 +65,13 @@ fn a_scenario_that_is_not_there_is_named() {
     assert!(message.contains("nowhere.toml: No such file"), "{message}");
 }
 
-/// Hundreds of samples are so many jumps of the density of thresholds that there is an end to those that follow from them.
+/// Hundreds of samples that lie unevenly are so many jumps of the density of thresholds that there is an end to those that
+/// follow from them.
 #[test]
 fn what_takes_too_much_names_what_asks_for_it() {
     let folder = Folder::new();
-    let samples: Vec<_> = (0..400).map(|i| format!("{}", 1.0 + 1e-3 * f64::from(i).powf(0.9))).collect();
+    let uneven = |i: i32| 0.8 + 0.4 * (f64::from(i * i) * 0.618_034).fract();
+    let samples: Vec<_> = (0..400).map(|i| uneven(i).to_string()).collect();
     let law = format!("contacts.thresholds.tabulated = {{ samples = [{}] }}\n", samples.join(", "));
     folder.write("samples.toml", &format!("{law}pull.distance = 3.0\n"));
     let output = folder.run(&["run", "samples.toml"]);
