@@ -12,7 +12,7 @@ macro_rules! shipped {
 }
 
 /// All of them, simple ones first; tables stand after the scenario that names them.
-const SHIPPED: [Shipped; 33] = shipped![
+const SHIPPED: [Shipped; 34] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -42,6 +42,7 @@ const SHIPPED: [Shipped; 33] = shipped![
     "ofc.toml",
     "front-chain.toml",
     "precursors-edge.toml",
+    "half-space-512.toml",
     "front-ageing.toml",
     "renormalised.toml",
     "first_loading.csv",

@@ -14,7 +14,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity::contacts::{Contacts, Initial, Start};
+use asperity::elastic::cells::scales;
 use asperity::elastic::coupling::half_space;
+use asperity::elastic::{Curves, Interface, Loading, Setting, Slip, State};
 use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
@@ -35,7 +37,7 @@ nine turns in CPU seconds on the machine that made this page, the scripts compil
 the ratio. *Off* is how far their F(5) is from the exact one; ours is within 1e-10 by the master equation, and within
 the noise of the contacts by the ensemble. From break to break theirs is one sequential generator and the mean force,
 ours a stream for each contact, and standard errors. Coupled contacts start from other random stretches there and here;
-their mean forces at the end are within 0.02 of each other. The scripts are in `core/benches/peers`.
+their mean forces at the end are within 0.02 of each other, as are those of cells of other random scales. The scripts are in `core/benches/peers`.
 
 | job | ours, ms | theirs | theirs, ms | off | ratio |
 | --- | ---: | --- | ---: | ---: | ---: |";
@@ -101,6 +103,43 @@ fn against_python() {
             forces[0]
         });
     }
+    let (job, side) =
+        ("128 × 128 cells under a periodic half-space, the next event, to 1e-6 of the drive", 128);
+    let (mut cells, begun) = deformable(side, 2.3);
+    against(
+        job,
+        "NumPy, rfft2 and irfft2 in every step",
+        &format!("interface.py {side} 2.3 0.02"),
+        None,
+        || {
+            cells.restore(begun.clone(), &mut ()).unwrap();
+            cells.next(f64::INFINITY, &mut ()).unwrap();
+            cells.force().unwrap() / cells.len() as f64
+        },
+    );
+}
+
+/// Side × side cells with thresholds of 1 ± 0.1, stretched by 1 ± 0.05 from cell to cell, at a drive.
+fn deformable(side: usize, drive: f64) -> (Interface, State) {
+    let relaxed: SharedLaw = Arc::new(Point::new(0.0).unwrap());
+    let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1).unwrap()), relaxed.clone());
+    let start = Initial { law: relaxed, start: Start::Conditional };
+    let population = MasterEquation::new(contacts, &start).unwrap().population(1e-10).unwrap();
+    let cells = Curves::new(&population, side * side, &mut ()).unwrap();
+    let cells = cells.scaled(scales(side * side, 0.05, 1).unwrap()).unwrap();
+    let setting = Setting {
+        connection: 0.5,
+        loading: Loading::Uniform,
+        slip: Slip::Overdamped,
+        viscosity: None,
+        drive_tolerance: 1e-6,
+        area: 1.0,
+    };
+    let slider = half_space(Shape::Square([side; 2]), Edges::Periodic, 3.0, 1.0).unwrap();
+    let mut interface = Interface::new(Box::new(cells), slider, setting).unwrap();
+    interface.run(drive, &mut (), &mut |_, _| ()).unwrap();
+    let state = interface.state();
+    (interface, state)
 }
 
 /// The mean force at X = 2 of contacts that share what they let go, from random stretches.

@@ -1,10 +1,10 @@
-"""Cells under a periodic half-space that slip by reset, an FFT per generation; prints the mean force.
+"""The next event of cells under a periodic half-space, FFTs in every step; prints the mean force after it.
 
 Side × side cells have the friction curve of Gaussian thresholds (1 ± 0.1), stretched by 1 ± 0.05 from cell to cell;
-K_0 = 0.5, G*a = 3. The drive rises in equal steps. In every one of them all cells move together, by the response of a
-slider whose contacts are as stiff as the steepest rise of the curve, until forces balance; cells that then go down a
-slope steeper than K_0 re-form all their contacts. The arguments are the side, the first drive, which is reached from
-rest in one step and not timed, the last drive, and the number of steps between them.
+K_0 = 0.5, G*a = 3. At a drive all cells move together, by the response of a slider whose contacts are as stiff as the
+steepest rise of the curve, until forces balance: so no balance is passed. Where a cell goes far in a step of the drive
+there was an event in it; the step is halved until the drive of the event is known to 1e-6. The arguments are the side,
+the drive to start from, which is reached from rest and not timed, and the first step.
 """
 
 import sys
@@ -15,9 +15,11 @@ from clock import answer
 
 CONNECTION, MODULUS, WIDTH, SCATTER = 0.5, 3.0, 0.1, 0.05
 FINE = 1e-3
-BALANCE = 1e-8
+BALANCE = 1e-10
+TOLERANCE = 1e-6
+FAR = 0.1
 
-side, first, last, steps = int(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3]), int(sys.argv[4])
+side, first, step = int(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3])
 
 
 def curve(end):
@@ -33,8 +35,7 @@ def curve(end):
 
 
 force = curve(6.0)
-slope = np.gradient(force, FINE)
-steepest = slope.max()
+steepest = np.gradient(force, FINE).max()
 scales = 1 + SCATTER * np.random.default_rng(1).standard_normal((side, side))
 down = 2 * np.sin(np.pi * np.fft.fftfreq(side))
 along = 2 * np.sin(np.pi * np.fft.rfftfreq(side))
@@ -45,45 +46,34 @@ def filtered(field, factor):
     return np.fft.irfft2(factor * np.fft.rfft2(field), s=field.shape)
 
 
-class Interface:
-    def __init__(self):
-        self.positions = np.zeros((side, side))
-        self.origins = np.zeros((side, side))
-        self.generations = 0
+def friction(positions):
+    at = positions / (scales * FINE)
+    entry = np.minimum(at.astype(np.int64), len(force) - 2)
+    rest = at - entry
+    return scales * ((1 - rest) * force[entry] + rest * force[entry + 1])
 
-    def place(self):
-        """Where cells are on the table, and how far behind the entry."""
-        at = (self.positions - self.origins) / (scales * FINE)
-        entry = np.minimum(at.astype(np.int64), len(force) - 2)
-        return entry, at - entry
 
-    def friction(self):
-        entry, rest = self.place()
-        return scales * ((1 - rest) * force[entry] + rest * force[entry + 1])
-
-    def drive(self, to):
-        before = self.positions.copy()
-        while True:
-            excess = CONNECTION * (to - self.positions) - filtered(self.positions, stiffness) - self.friction()
-            if np.abs(excess).max() < BALANCE:
-                return
-            self.positions += filtered(excess, 1 / (CONNECTION + steepest + stiffness))
-            entry, _ = self.place()
-            slips = (slope[entry] < -CONNECTION) & (self.positions - before > 1e-6)
-            self.origins[slips] = self.positions[slips]
-            self.generations += 1
+def balanced(positions, drive):
+    """The next balance at a drive, from positions behind it."""
+    while True:
+        excess = CONNECTION * (drive - positions) - filtered(positions, stiffness) - friction(positions)
+        if np.abs(excess).max() < BALANCE:
+            return positions
+        positions = positions + filtered(excess, 1 / (CONNECTION + steepest + stiffness))
 
 
 def run():
-    interface = Interface()
-    interface.positions[:] = started.positions
-    for drive in np.linspace(first, last, steps + 1)[1:]:
-        interface.drive(drive)
-    run.generations = interface.generations
-    return interface.friction().mean()
+    positions, drive, by = started, first, step
+    while True:
+        ahead = balanced(positions, drive + by)
+        if (ahead - positions).max() < FAR:
+            positions, drive = ahead, drive + by
+        elif by <= TOLERANCE:
+            return friction(ahead).mean()
+        else:
+            by /= 2
 
 
-started = Interface()
-started.drive(first)
+started = balanced(np.zeros((side, side)), first)
 if __name__ == "__main__":
     answer(run)

@@ -61,3 +61,40 @@ pub(super) fn largest(number: usize, of: impl Fn(usize) -> f64 + Sync) -> f64 {
 pub(super) fn all(number: usize, of: impl Fn(usize) -> bool + Sync) -> bool {
     gather(number, || true, |all, cell| all && of(cell), |a, b| a && b)
 }
+
+/// Goes once through slices of one length: `of` makes new values of the first ones, by those and by the others, and a
+/// number that is joined to 0 and those of the other cells.
+pub(super) fn sweep<const W: usize, const R: usize>(
+    mut write: [&mut [f64]; W],
+    read: [&[f64]; R],
+    of: impl Fn([f64; W], [f64; R]) -> ([f64; W], f64) + Sync,
+    join: impl Fn(f64, f64) -> f64 + Sync,
+) -> f64 {
+    let number = write.first().map_or_else(|| read[0].len(), |first| first.len());
+    let part = |write: &mut [&mut [f64]; W], read: [&[f64]; R], length: usize| {
+        let write = write.each_mut().map(|values| &mut values[..length]);
+        let read = read.map(|values| &values[..length]);
+        let mut all = 0.0;
+        for i in 0..length {
+            let (new, one) = of(write.each_ref().map(|values| values[i]), read.map(|values| values[i]));
+            for k in 0..W {
+                write[k][i] = new[k];
+            }
+            all = join(all, one);
+        }
+        all
+    };
+    if number <= CHUNK {
+        return part(&mut write, read, number);
+    }
+    let mut rest = write.map(|values| values.chunks_mut(CHUNK));
+    let chunks: Vec<_> = (0..number.div_ceil(CHUNK))
+        .map(|_| rest.each_mut().map(|chunks| chunks.next().unwrap_or_default()))
+        .collect();
+    let each = |(chunk, mut write): (usize, [&mut [f64]; W])| {
+        let (start, end) = (chunk * CHUNK, number.min((chunk + 1) * CHUNK));
+        part(&mut write, read.map(|values| &values[start..end]), end - start)
+    };
+    let parts: Vec<f64> = chunks.into_par_iter().enumerate().map(each).collect();
+    parts.into_iter().fold(0.0, join)
+}

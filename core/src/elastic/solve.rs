@@ -1,6 +1,6 @@
 //! Response of coupled cells that are held by springs of different stiffness.
 
-use super::batch::{all, change, largest, sum};
+use super::batch::{all, change, largest, sum, sweep};
 use super::coupling::Coupling;
 
 /// Steps after which no more is expected.
@@ -28,33 +28,35 @@ pub(super) fn solve<C: Coupling + ?Sized>(
     let (mut answer, mut way) = (vec![0.0; number], right.to_vec());
     let exact = coupling.near(mean, &mut way);
     // What holds them on equal springs, (mean + A) way.
-    let mut held = right.to_vec();
-    let mut product = sum(number, |j| right[j] * way[j]);
-    let mut near = vec![0.0; number];
+    let (mut held, mut near) = (right.to_vec(), vec![0.0; number]);
+    let add = |a: f64, b: f64| a + b;
+    let mut product = sweep([], [right, &way], |[], [right, way]| ([], right * way), add);
     for _ in 0..MOST_STEPS {
         if !exact {
             coupling.forces(&way, &mut held);
             change(&mut held, |j, force| mean * way[j] - force);
         }
-        let pull = |j: usize| held[j] + (springs[j] - mean) * way[j];
-        let curvature = sum(number, |j| way[j] * pull(j));
+        let pull = |way: f64, held: f64, spring: f64| held + (spring - mean) * way;
+        let work = |[]: [f64; 0], [way, held, spring]: [f64; 3]| ([], way * pull(way, held, spring));
+        let curvature = sweep([], [&way, &held, springs], work, add);
         if curvature.is_nan() || curvature <= 0.0 {
             return false;
         }
         let length = product / curvature;
-        change(&mut answer, |j, answer| answer + length * way[j]);
-        change(right, |j, force| force - length * pull(j));
-        if largest(number, |j| right[j].abs()) <= goal {
+        let go = |[answer, right, _]: [f64; 3], [way, held, spring]: [f64; 3]| {
+            let left = right - length * pull(way, held, spring);
+            ([answer + length * way, left, left], left.abs())
+        };
+        if sweep([&mut answer, right, &mut near], [&way, &held, springs], go, f64::max) <= goal {
             break;
         }
-        near.copy_from_slice(right);
         coupling.near(mean, &mut near);
-        let before = std::mem::replace(&mut product, sum(number, |j| right[j] * near[j]));
+        let before = product;
+        product = sweep([], [right, &near], |[], [right, near]| ([], right * near), add);
         let turn = product / before;
-        change(&mut way, |j, way| near[j] + turn * way);
-        if exact {
-            change(&mut held, |j, held| right[j] + turn * held);
-        }
+        let turned =
+            |[way, held]: [f64; 2], [near, right]: [f64; 2]| ([near + turn * way, right + turn * held], 0.0);
+        sweep([&mut way, &mut held], [&near, right], turned, add);
     }
     right.copy_from_slice(&answer);
     let least = -(goal / begun).sqrt() * largest(number, |j| right[j]);
