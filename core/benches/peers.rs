@@ -204,11 +204,15 @@ struct Peer {
 impl Peer {
     fn start(script: &str) -> Self {
         let python = std::env::var("PEERS_PYTHON").unwrap_or_else(|_| "python3".into());
-        let (file, argument) = script.split_once(' ').unwrap_or((script, ""));
+        let (file, arguments) = script.split_once(' ').unwrap_or((script, ""));
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/peers/").to_owned() + file;
         let mut command = Command::new(python);
         // One core for each side: NumPy would else take more.
-        command.env("OMP_NUM_THREADS", "1").env("OPENBLAS_NUM_THREADS", "1").args([&path, argument]);
+        command
+            .env("OMP_NUM_THREADS", "1")
+            .env("OPENBLAS_NUM_THREADS", "1")
+            .arg(&path)
+            .args(arguments.split(' '));
         let mut process = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
         let (to, from) = (process.stdin.take(), BufReader::new(process.stdout.take().unwrap()));
         let mut peer = Self { process, to, from };
