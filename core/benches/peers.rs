@@ -37,15 +37,18 @@ nine turns in CPU seconds on the machine that made this page, the scripts compil
 the ratio. *Off* is how far their F(5) is from the exact one; ours is within 1e-10 by the master equation, and within
 the noise of the contacts by the ensemble. From break to break theirs is one sequential generator and the mean force,
 ours a stream for each contact, and standard errors. Coupled contacts start from other random stretches there and here;
-their mean forces at the end are within 0.02 of each other, as are those of cells of other random scales. The scripts are in `core/benches/peers`.
+their mean forces at the end are within 0.02 of each other, as are those of cells of other random scales. The scripts
+are in `core/benches/peers`.
 
 | job | ours, ms | theirs | theirs, ms | off | ratio |
 | --- | ---: | --- | ---: | ---: | ---: |";
 
 fn main() {
     println!("{HEAD}");
+    let memory = memory();
     against_python();
     alone();
+    println!("{memory}");
 }
 
 /// The laws of Fig. 2.
@@ -266,12 +269,16 @@ fn alone() {
         "* Two threads: {more:.2} times the CPU of one (1 is no overhead; free cores make it {:.2} times as fast).",
         2.0 / more
     );
-    let memory = |last: f64| {
+}
+
+/// What contacts take, before anything else has taken more.
+fn memory() -> String {
+    let peak = |last: f64| {
         let pull = ensemble(1_000).pull(&grid(last, last / 1000.0), &Snapshots::default(), &mut ()).unwrap();
         (pull.breaks, peak_memory())
     };
-    let ((few, before), (more, after)) = (memory(100.0), memory(10_000.0));
-    println!("* Peak memory: {before} kB after {few} breaks, {after} kB after {more} more.");
+    let ((few, before), (more, after)) = (peak(100.0), peak(10_000.0));
+    format!("* Peak memory: {before} kB after {few} breaks, {after} kB after {more} more.")
 }
 
 /// Most memory this process has had, kB; 0 where the system does not tell.
