@@ -23,14 +23,20 @@ const WAITING: (f64, f64) = (1e-3, 1e2);
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let catalogue = outcome.summary.catalogue.as_ref()?;
-    let panels = [force(outcome)?, magnitudes(outcome, catalogue)?, waiting(outcome, catalogue)?];
-    let (plots, layouts): (Vec<_>, Vec<_>) = panels.into_iter().unzip();
+    let below = [Some(magnitudes(outcome, catalogue)?), waiting(outcome, catalogue)];
+    let panels = std::iter::once(force(outcome)?).chain(below.into_iter().flatten());
+    let (plots, layouts): (Vec<_>, Vec<_>) = panels.unzip();
+    // Where nothing was waited for, magnitudes take the place.
+    let lower = if plots.len() > 2 { vec![vec![2], vec![3]] } else { vec![vec![2, 3]] };
     let (title, size) = style::heading(&outcome.summary.title);
-    let mut legend = vec![style::marker(format!("{} events", catalogue.events), ORANGE, MarkerShape::Circle)];
+    let events = format!("{} event{}", catalogue.events, if catalogue.events == 1 { "" } else { "s" });
+    let mut legend = vec![style::marker(events, ORANGE, MarkerShape::Circle)];
     legend.extend(catalogue.law.map(|law| style::line(told(&law), BLUE, None)));
-    legend.push(style::line("events that come by chance", GREY, Some(DASHES)));
+    if plots.len() > 2 {
+        legend.push(style::line("events that come by chance", GREY, Some(DASHES)));
+    }
     let figure = Figure::new(2, 2)
-        .with_structure(vec![vec![0, 1], vec![2], vec![3]])
+        .with_structure([vec![vec![0, 1]], lower].concat())
         .with_title(title)
         .with_title_size(size)
         .with_plots(plots)
@@ -106,8 +112,9 @@ fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout
 /// Density of the waiting times over their mean.
 fn waiting(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> {
     let drives = outcome.record.values("event_drive")?;
-    let mean = catalogue.mean_waiting.filter(|&mean| mean > 0.0)?;
-    let times: Vec<f64> = drives.windows(2).map(|pair| (pair[1] - pair[0]) / mean).collect();
+    let mean = catalogue.mean_waiting?;
+    let times: Vec<f64> =
+        drives.windows(2).map(|pair| (pair[1] - pair[0]) / mean).filter(|&time| time > 0.0).collect();
     let shown = |point: &Point| (WAITING.0..WAITING.1).contains(&point.0);
     let points: Vec<Point> = density(&times, false).into_iter().filter(shown).collect();
     let low = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);

@@ -232,6 +232,13 @@ fn an_interface_has_a_catalogue_and_maps() {
             assert!(svg(&pictures, picture).contains(word), "{picture} lacks {word}");
         }
     }
+    assert!(svg(&pictures, "catalogue.svg").contains("by chance"));
+    if let Some(catalogue) = &mut outcome.summary.catalogue {
+        catalogue.mean_waiting = None;
+    }
+    let alone = draw(&outcome).unwrap();
+    assert!(svg(&alone, "catalogue.svg").contains("Breaks in an event"));
+    assert!(!svg(&alone, "catalogue.svg").contains("by chance"));
 }
 
 #[test]

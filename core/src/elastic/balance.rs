@@ -37,8 +37,8 @@ impl Interface {
             self.drive = self.total_force() / connected;
             self.excess_here()?;
             let springs: Vec<f64> = (0..self.len()).map(|j| self.connection(j)).collect();
-            let goal = SOLVED * largest(self.len(), |j| self.excess[j].abs());
-            self.coupling.respond(&springs, &mut self.excess, 1e-3 * goal);
+            let goal = self.precision();
+            self.coupling.respond(&springs, &mut self.excess, goal);
             self.positions.copy_from_slice(&self.excess);
             self.coupling.forces(&self.positions, &mut self.held);
         }

@@ -115,8 +115,8 @@ impl Ord for Queued {
 /// Breaks for which `matters` is false are left out, with all that follows from them; atoms never are.
 ///
 /// # Errors
-/// [`Error::TooLarge`] under no key where more than a million would have to be kept; [`Error::Stopped`] by the monitor, who hears
-/// nothing but 0.
+/// [`Error::TooLarge`] under no key where more than a million would have to be kept; [`Error::Stopped`] by the monitor,
+/// who hears nothing but 0.
 pub fn renewed(
     source: &[Break],
     kernel: &[Break],

@@ -12,7 +12,9 @@ pub fn read<M: Model>(interface: &Interface, events: &Record) -> Catalogue {
     let column = |name: &str| events.values(name).unwrap_or_default();
     let (drives, magnitudes) = (column("drive"), column(M::MAGNITUDE));
     let fit = if M::WHOLE { fit_whole(magnitudes) } else { fit_real(magnitudes) };
-    let waiting: Vec<f64> = drives.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    // Clusters of one slide are events at the same drive, and none waits for another.
+    let waiting: Vec<f64> =
+        drives.windows(2).map(|pair| pair[1] - pair[0]).filter(|&wait| wait > 0.0).collect();
     let mean = (!waiting.is_empty()).then(|| waiting.iter().sum::<f64>() / waiting.len() as f64);
     let sum = |name: &str| {
         events.values(name).filter(|values| !values.is_empty()).map(|values| values.iter().sum())
@@ -24,7 +26,7 @@ pub fn read<M: Model>(interface: &Interface, events: &Record) -> Catalogue {
         magnitude: M::MAGNITUDE.to_owned(),
         law: fit.map(law),
         mean_waiting: mean,
-        waiting_variation: mean.filter(|&mean| mean > 0.0).map(|mean| spread(&waiting, mean) / mean),
+        waiting_variation: mean.map(|mean| spread(&waiting, mean) / mean),
         largest: largest(drives, magnitudes, column("cells")),
         dissipated_breaks: sum("dissipated_breaks"),
         dissipated_slip: sum("dissipated_slip"),

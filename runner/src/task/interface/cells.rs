@@ -44,16 +44,7 @@ impl Model for Cells {
         monitor: &mut dyn Monitor,
         each: &mut dyn FnMut(Self::Event),
     ) -> Result<bool> {
-        let mut count = 0;
-        while count < most {
-            let events = self.interface.next(to, monitor)?;
-            if events.is_empty() {
-                return Ok(true);
-            }
-            count += events.len() as u64;
-            events.into_iter().for_each(&mut *each);
-        }
-        Ok(false)
+        from_slide_to_slide(most, || self.interface.next(to, monitor), each)
     }
 
     fn columns(&self, events: &[Self::Event]) -> Record {
@@ -105,4 +96,22 @@ pub fn slipped(events: &[(Event, Vec<Slipped>)], first: usize, timed: bool) -> R
         add("slipped_start", words, Quantity::Time, &|_, slipped| slipped.start);
     }
     record
+}
+
+/// Goes on by `next` slides for `most` events; whether it came to the end, where there are none.
+pub fn from_slide_to_slide<E>(
+    most: u64,
+    mut next: impl FnMut() -> Result<Vec<E>>,
+    each: &mut dyn FnMut(E),
+) -> Result<bool> {
+    let mut count = 0;
+    while count < most {
+        let events = next()?;
+        if events.is_empty() {
+            return Ok(true);
+        }
+        count += events.len() as u64;
+        events.into_iter().for_each(&mut *each);
+    }
+    Ok(false)
 }

@@ -5,7 +5,7 @@ use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::{Error, Result, scenario};
 
-use super::cells::slipped;
+use super::cells::{from_slide_to_slide, slipped};
 use super::model::{Column, Model};
 use crate::task::{Setting, tolerance_over};
 
@@ -69,16 +69,7 @@ impl Model for CellsInTime {
         monitor: &mut dyn Monitor,
         each: &mut dyn FnMut(Self::Event),
     ) -> Result<bool> {
-        let mut count = 0;
-        while count < most {
-            let events = self.interface.next(to, self.velocity, monitor)?;
-            if events.is_empty() {
-                return Ok(true);
-            }
-            count += events.len() as u64;
-            events.into_iter().for_each(&mut *each);
-        }
-        Ok(false)
+        from_slide_to_slide(most, || self.interface.next(to, self.velocity, monitor), each)
     }
 
     fn columns(&self, events: &[Self::Event]) -> Record {
