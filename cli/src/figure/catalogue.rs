@@ -14,7 +14,7 @@ use super::style::{self, BLUE, GREY, ORANGE, Plots};
 const DASHES: &str = "8 5";
 /// Bins per factor of ten.
 const PER_DECADE: f64 = 8.0;
-/// Events that the force is shown before and after of, at most.
+/// Slides that the force is shown before and after of, at most.
 const FEW: usize = 500;
 /// Points of the fitted law.
 const FINE: usize = 200;
@@ -65,14 +65,18 @@ fn rounded(value: f64) -> String {
     style::digits(two)
 }
 
-/// The force along the drive: at the points of the trace and, where they are few, before and after every event.
+/// The force along the drive: at the points of the trace and, where they are few, before and after every slide.
 fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
     let mut points: Vec<Point> = pairs(record.values("drive")?, record.values("force")?).collect();
-    let drives = record.values("event_drive").filter(|drives| drives.len() <= FEW).unwrap_or_default();
     let (before, after) = (record.values("event_force_before")?, record.values("event_force_after")?);
-    for (&drive, (&before, &after)) in drives.iter().zip(before.iter().zip(after)) {
-        points.extend([(drive, before), (drive, after)]);
+    let drives = record.values("event_drive").unwrap_or_default();
+    // Events at the same drive are parts of one slide, and have its forces.
+    let mut slides: Vec<_> = drives.iter().zip(before.iter().zip(after)).collect();
+    slides.dedup_by_key(|(drive, _)| *drive);
+    if slides.len() <= FEW {
+        let both = slides.iter().flat_map(|&(&drive, (&before, &after))| [(drive, before), (drive, after)]);
+        points.extend(both);
     }
     // Stable, so that the force falls in an event.
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
