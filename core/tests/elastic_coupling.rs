@@ -83,19 +83,6 @@ fn forces_are_linear_in_displacements() {
 }
 
 #[test]
-fn one_moved_cell_adds_its_column() {
-    for mut coupling in couplings() {
-        let a = matrix(&mut *coupling);
-        for cell in 0..a.len() {
-            let mut forces = noise(a.len());
-            coupling.add(cell, 0.7, &mut forces);
-            let expected: Vec<f64> = noise(a.len()).iter().zip(&a[cell]).map(|(f, a)| f - 0.7 * a).collect();
-            assert!(apart(&forces, &expected) < ROUNDING, "{:?} {cell}", coupling.shape());
-        }
-    }
-}
-
-#[test]
 fn solutions_give_back_what_was_asked() {
     for mut coupling in couplings() {
         for diagonal in [1e-3, 1.0, 300.0] {
@@ -194,24 +181,26 @@ fn the_half_space_of_a_lattice_pushes_where_that_of_the_continuum_pulls() {
 /// −G*a/(π(m² − ¼)) along a chain; −G*a⁴/2πr³ on a lattice, with G*a⁴(9 + 35 cos 4θ)a²/64πr⁵ to come.
 #[test]
 fn kernels_between_open_edges_are_those_of_a_plane() {
-    let chain = half_space(Shape::Chain(400), Edges::Open, 4.0, 0.5).unwrap();
-    let mut forces = vec![0.0; 400];
-    chain.add(0, 1.0, &mut forces);
+    let moved = |shape: Shape| {
+        let (mut displacements, mut forces) = (vec![0.0; shape.size()], vec![0.0; shape.size()]);
+        displacements[0] = 1.0;
+        half_space(shape, Edges::Open, 4.0, 0.5).unwrap().forces(&displacements, &mut forces);
+        forces
+    };
+    let forces = moved(Shape::Chain(400));
     for m in 1..400 {
         let expected = 2.0 / (PI * ((m * m) as f64 - 0.25));
-        assert!((forces[m] / expected - 1.0).abs() < ROUNDING, "{m}");
+        assert!((forces[m] - expected).abs() < ROUNDING, "{m}");
     }
-    let lattice = half_space(Shape::Square([300, 300]), Edges::Open, 4.0, 0.5).unwrap();
-    let mut forces = vec![0.0; 90_000];
-    lattice.add(0, 1.0, &mut forces);
+    let forces = moved(Shape::Square([300, 300]));
     for (row, column) in [(0, 200), (299, 0), (210, 210), (120, 250)] {
         let (x, y) = (0.5 * column as f64, 0.5 * row as f64);
         let r = x.hypot(y);
         let anisotropy = (9.0 + 35.0 * (4.0 * y.atan2(x)).cos()) * 0.25 / (32.0 * r * r);
         let expected = 4.0 * 0.5_f64.powi(4) / (2.0 * PI * r.powi(3)) * (1.0 + anisotropy);
         let found = forces[300 * row + column];
-        // What follows is some 10(a/r)⁴.
-        assert!((found / expected - 1.0).abs() < 1e-8, "{row} {column}: {found} {expected}");
+        // What follows is some 10(a/r)⁴, and roundings of what is between neighbours.
+        assert!((found - expected).abs() < 1e-8 * expected + 1e-15, "{row} {column}: {found} {expected}");
     }
 }
 
@@ -351,7 +340,7 @@ fn too_many_cells_are_refused_with_what_they_need() {
             let Some(Error::TooLarge { key, needed, allowed, .. }) = coupling.err() else {
                 panic!("not refused")
             };
-            assert!(key == "cells" && (16 << 34..200 << 34).contains(&needed) && allowed == 16 << 30);
+            assert!(key == "cells" && (8 << 34..200 << 34).contains(&needed) && allowed == 16 << 30);
         }
     }
     assert!(matches!(
@@ -375,7 +364,6 @@ fn threads_change_no_bit() {
                     coupling.forces(&x, &mut forces);
                     coupling.solve(0.1, &mut solved);
                     let energy = coupling.energy(&x, &forces);
-                    coupling.add(77, 0.3, &mut forces);
                     bits.extend(forces.iter().chain(&solved).chain([&energy]).map(|x| x.to_bits()));
                 }
                 bits

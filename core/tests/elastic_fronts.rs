@@ -34,17 +34,8 @@ impl Coupling for BetweenWalls {
         }
     }
 
-    fn add(&self, cell: usize, displacement: f64, forces: &mut [f64]) {
-        forces[cell] -= self.own(cell) * displacement;
-        for next in [cell.wrapping_sub(1), cell + 1] {
-            if let Some(force) = forces.get_mut(next) {
-                *force += self.stiffness * displacement;
-            }
-        }
-    }
-
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
-        self.respond(&vec![diagonal; self.cells], right, 0.0);
+    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
+        self.respond(&vec![diagonal; self.cells], right, 0.0)
     }
 
     fn respond(&mut self, springs: &[f64], right: &mut [f64], _goal: f64) -> bool {
@@ -115,30 +106,16 @@ impl Coupling for Beside {
         forces.copy_from_slice(&whole[1..=self.cells]);
     }
 
-    fn add(&self, cell: usize, displacement: f64, forces: &mut [f64]) {
-        let mut whole = self.whole(forces);
-        self.ring.add(cell + 1, displacement, &mut whole);
-        if self.mirrored {
-            self.ring.add(whole.len() - 1 - cell, -displacement, &mut whole);
-        }
-        forces.copy_from_slice(&whole[1..=self.cells]);
-    }
-
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
-        self.respond(&vec![diagonal; self.cells], right, 0.0);
-    }
-
     fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
         let mut whole = self.whole(right);
-        self.ring.solve(diagonal, &mut whole);
+        self.ring.near(diagonal, &mut whole);
         right.copy_from_slice(&whole[1..=self.cells]);
         false
     }
 
+    /// But for its image.
     fn own(&self, cell: usize) -> f64 {
-        let mut forces = vec![0.0; self.cells];
-        self.add(cell, 1.0, &mut forces);
-        -forces[cell]
+        self.ring.own(cell + 1)
     }
 }
 

@@ -7,7 +7,7 @@ use asperity::contacts::Contacts;
 use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::{Cells, Coupling, Event, Interface, Populations, Slip};
 use asperity::ensemble::{Disorder, Ensemble};
-use asperity::population::{Population, Response};
+use asperity::population::Population;
 use asperity::shape::{Edges, Shape};
 use common::pulled::{near, pull};
 use common::sliders::{Impatient, events, setting};
@@ -174,7 +174,6 @@ fn what_is_recalled_knows_no_more_than_at_the_mark() {
     let made: [&dyn Fn() -> Box<dyn Cells>; 2] = [&|| Box::new(cells(3, 4)), &|| Box::new(curves().unwrap())];
     for new in made {
         let mut twins = [new(), new()];
-        let mut forces = [Response { force: 0.0, tangent: 0.0 }; 3];
         for cells in &mut twins {
             cells.advance(&[0.3, 0.5, 0.7], &mut ()).unwrap();
             cells.mark();
@@ -186,7 +185,7 @@ fn what_is_recalled_knows_no_more_than_at_the_mark() {
         let known = |cells: &dyn Cells| (cells.state(), cells.steepest(), cells.strongest());
         assert_eq!(known(&**recalled), known(&**other));
         for cells in &mut twins {
-            cells.ahead(&[1.5, 0.1, 2.0], &mut forces).unwrap();
+            cells.resist(&[1.5, 0.1, 2.0], &mut [0.0; 3], &mut [0.0; 3]).unwrap();
         }
         let [recalled, other] = &twins;
         assert_eq!(known(&**recalled), known(&**other));

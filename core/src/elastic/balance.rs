@@ -2,6 +2,7 @@
 
 use super::Interface;
 use super::batch::{all, change, fill, largest};
+use super::cells::Slopes;
 use crate::Result;
 use crate::monitor::Monitor;
 
@@ -33,14 +34,13 @@ impl Interface {
     /// Finds the balance from which the interface starts.
     pub(super) fn begin(&mut self) -> Result<()> {
         if self.excess_here()? > 0.0 {
-            let connected = self.connected as f64 * self.setting.connection;
-            self.drive = self.total_force() / connected;
+            self.drive = self.force()? / (self.connected as f64 * self.setting.connection);
             self.excess_here()?;
-            let springs: Vec<f64> = (0..self.len()).map(|j| self.connection(j)).collect();
+            let connection = self.connections();
+            fill(&mut self.springs, connection);
             let goal = self.precision();
-            self.coupling.respond(&springs, &mut self.excess, goal);
+            self.coupling.respond(&self.springs, &mut self.excess, goal);
             self.positions.copy_from_slice(&self.excess);
-            self.coupling.forces(&self.positions, &mut self.held);
         }
         self.closed = self.stored();
         Ok(())
@@ -55,63 +55,77 @@ impl Interface {
         BALANCED * self.cells.strongest() + ROUNDINGS * f64::EPSILON * pull
     }
 
-    /// The largest force out of balance where the cells are; forces, tangents and all excesses are known then.
+    /// The largest force out of balance where the cells are, no advances being tried; all of them are known then.
     pub(super) fn excess_here(&mut self) -> Result<f64> {
-        self.excess.fill(0.0);
+        self.coupling.forces(&self.positions, &mut self.excess);
         self.sense()
     }
 
-    /// The same after the advances that are tried.
-    pub(super) fn excess_ahead(&mut self) -> Result<f64> {
+    /// The same after the advances that are tried, from where the slider pulls by `held`.
+    pub(super) fn excess_ahead(&mut self, held: &[f64]) -> Result<f64> {
         self.coupling.forces(&self.by, &mut self.excess);
+        change(&mut self.excess, |j, force| held[j] + force);
         self.sense()
     }
 
-    /// Adds everything to the forces by which the slider answers to the advances that are tried.
+    /// Adds the drive and the contacts to the forces by which the slider pulls after the advances that are tried.
     fn sense(&mut self) -> Result<f64> {
-        self.cells.ahead(&self.by, &mut self.responses)?;
-        let (drive, connected, stiffness) = (self.drive, self.connected, self.setting.connection);
-        let (positions, by, held, responses) = (&self.positions, &self.by, &self.held, &self.responses);
-        change(&mut self.excess, |j, force| {
-            let pull = if j < connected { stiffness * (drive - positions[j] - by[j]) } else { 0.0 };
-            pull + (held[j] + force) - responses[j].force
-        });
-        Ok(largest(self.len(), |j| self.excess[j].abs()))
+        let connection = self.connections();
+        let (drive, positions, by) = (self.drive, &self.positions, &self.by);
+        let pull = |j: usize| connection(j) * (drive - positions[j] - by[j]);
+        change(&mut self.excess, |j, held| pull(j) + held);
+        self.cells.resist(&self.by, &mut self.excess, &mut self.springs)?;
+        change(&mut self.springs, |j, tangent| tangent + connection(j));
+        Ok(self.largest_excess())
+    }
+
+    /// The largest force out of balance that was found.
+    fn largest_excess(&self) -> f64 {
+        largest(self.len(), |j| self.excess[j].abs())
     }
 
     /// Goes on from the advances that are tried by δ with (η/dt + D + A) δ = excess, `rate` being η/dt; none, and nothing
-    /// done, where F' + K_0 + η/dt + A is not positive definite, or hardly.
+    /// done, where F' + K_0 + η/dt + A is not positive definite, or hardly. The excess has just been asked for, with
+    /// `held` where advances are tried, and is not known afterwards.
     ///
     /// D_j ≥ F_j' + K_0j is an upper bound on the way that the cell takes, and (η/dt + D + A)⁻¹ has no entry below 0. So
     /// excess forces that are ≥ 0 stay so, and no state in balance is passed. Where slopes fall on the way F_j' where it
     /// begins is such a bound, and the step is Newton's; else a second solution takes the largest slope on the way of
     /// the first one, which is the longer.
-    pub(super) fn step(&mut self, rate: f64) -> Result<Option<Step>> {
-        let excess = largest(self.len(), |j| self.excess[j].abs());
+    pub(super) fn step(&mut self, rate: f64, held: Option<&[f64]>) -> Result<Option<Step>> {
+        let excess = self.largest_excess();
         let goal = self.goal(excess);
-        let mut springs = std::mem::take(&mut self.springs);
-        fill(&mut springs, |j| self.responses[j].tangent + self.connection(j) + rate);
-        let mut way = self.excess.clone();
-        let stable = self.coupling.respond(&springs, &mut way, goal);
-        if !stable || largest(way.len(), |j| way[j].abs()) > FAR * self.length() {
-            self.springs = springs;
+        change(&mut self.springs, |_, spring| spring + rate);
+        let stable = self.coupling.respond(&self.springs, &mut self.excess, goal);
+        if !stable || self.largest_excess() > FAR * self.length() {
             return Ok(None);
         }
-        change(&mut way, |j, way| self.by[j] + way);
-        self.cells.slopes(Some(&self.by), &way, &mut self.slopes)?;
-        let bound = |j: usize| self.slopes[j].largest + self.connection(j) + rate;
-        if all(self.len(), |j| bound(j) <= springs[j]) {
-            change(&mut way, |j, way| way - self.by[j]);
-        } else {
-            change(&mut springs, |j, spring| spring.max(bound(j)));
-            way.copy_from_slice(&self.excess);
-            self.coupling.respond(&springs, &mut way, goal);
+        let connection = self.connections();
+        let mut slopes = self.slopes_ahead()?;
+        let bound = |j: usize| slopes[j].largest + connection(j) + rate;
+        if !all(self.len(), |j| bound(j) <= self.springs[j]) {
+            match held {
+                Some(held) => self.excess_ahead(held)?,
+                None => self.excess_here()?,
+            };
+            change(&mut self.springs, |j, spring| (spring + rate).max(bound(j)));
+            drop(slopes);
+            self.coupling.respond(&self.springs, &mut self.excess, goal);
+            slopes = self.slopes_ahead()?;
         }
-        self.springs = springs;
-        change(&mut self.by, |j, by| by + way[j]);
-        let bend = |j: usize| (self.slopes[j].largest - self.slopes[j].least) * way[j].abs();
-        let curved = largest(way.len(), bend) > CURVED * excess;
+        change(&mut self.by, |j, by| by + self.excess[j]);
+        let bent = |j: usize| self.springs[j] - rate - connection(j) - slopes[j].least;
+        let curved = largest(self.len(), |j| bent(j) * self.excess[j].abs()) > CURVED * excess;
         Ok(Some(Step { rate, curved }))
+    }
+
+    /// Slopes between the advances that are tried and those that a solution in place of the excess adds to them.
+    fn slopes_ahead(&mut self) -> Result<Vec<Slopes>> {
+        let mut slopes = vec![Slopes::default(); self.len()];
+        change(&mut self.excess, |j, way| self.by[j] + way);
+        self.cells.slopes(Some(&self.by), &self.excess, &mut slopes)?;
+        change(&mut self.excess, |j, end| end - self.by[j]);
+        Ok(slopes)
     }
 
     /// The length on which the steepest slope makes the strongest force.
@@ -124,41 +138,39 @@ impl Interface {
         (SOLVED * excess).max(0.3 * self.precision())
     }
 
-    /// Goes on from the advances that are tried by Newton's step; whether the state there is stable.
-    pub(super) fn newton(&mut self) -> bool {
-        let mut springs = std::mem::take(&mut self.springs);
-        fill(&mut springs, |j| self.responses[j].tangent + self.connection(j));
-        let mut way = self.excess.clone();
-        let goal = self.goal(largest(self.len(), |j| self.excess[j].abs()));
-        let stable = self.coupling.respond(&springs, &mut way, goal);
-        self.springs = springs;
+    /// Goes on from the advances that are tried by Newton's step, the largest excess having just been asked for; whether
+    /// the state there is stable.
+    pub(super) fn newton(&mut self, excess: f64) -> bool {
+        let goal = self.goal(excess);
+        let stable = self.coupling.respond(&self.springs, &mut self.excess, goal);
         if stable {
-            change(&mut self.by, |j, by| by + way[j]);
+            change(&mut self.by, |j, by| by + self.excess[j]);
         }
         stable
     }
 
-    /// Whether every state between here, with the given forces, and the advances that are tried, in balance at a drive that
-    /// has gone by `distance`, is stable, so that there is one way from here to there: the matrix M of the least slopes is
-    /// positive definite.
+    /// Whether every state between here and the advances that are tried, both in balance, is stable, so that there is one
+    /// way from here to there: the matrix M of the least slopes is positive definite.
     ///
-    /// It is, its off-diagonals being ≤ 0, if M δ > 0 for some δ > 0. The balances before and after give that for the
-    /// advances δ themselves: (M δ)_j = K_0j ΔX_T − (ΔF_j − least slope · δ_j).
-    pub(super) fn is_stable_ahead(&mut self, forces: &[f64], distance: f64) -> Result<bool> {
-        self.cells.slopes(None, &self.by, &mut self.slopes)?;
-        let least = |j: usize| self.slopes[j].least + self.connection(j);
-        let bent = |j: usize| self.responses[j].force - forces[j] - self.slopes[j].least * self.by[j];
-        let proven = |j: usize| self.by[j] > 0.0 && bent(j) < self.connection(j) * distance;
-        if all(self.len(), |j| least(j) > 0.0) || all(self.len(), proven) {
+    /// It is, its off-diagonals being ≤ 0, if M δ > 0 for some δ > 0, such as the advances themselves often are.
+    pub(super) fn is_stable_ahead(&mut self) -> Result<bool> {
+        let (number, connection) = (self.len(), self.connections());
+        let mut slopes = vec![Slopes::default(); number];
+        self.cells.slopes(None, &self.by, &mut slopes)?;
+        fill(&mut self.springs, |j| slopes[j].least + connection(j));
+        drop(slopes);
+        if all(number, |j| self.springs[j] > 0.0) {
             return Ok(true);
         }
-        if !all(self.len(), |j| least(j) > f64::NEG_INFINITY) {
+        if !all(number, |j| self.springs[j] > f64::NEG_INFINITY) {
             return Ok(false);
         }
-        let mut springs = vec![0.0; self.len()];
-        fill(&mut springs, least);
-        let mut answer = vec![1.0; self.len()];
-        Ok(self.coupling.respond(&springs, &mut answer, SOLVED))
+        self.coupling.forces(&self.by, &mut self.excess);
+        if all(number, |j| self.by[j] > 0.0 && self.springs[j] * self.by[j] > self.excess[j]) {
+            return Ok(true);
+        }
+        self.excess.fill(1.0);
+        Ok(self.coupling.respond(&self.springs, &mut self.excess, SOLVED))
     }
 
     /// Makes the advances that were tried.
@@ -166,7 +178,6 @@ impl Interface {
         self.cells.advance(&self.by, monitor)?;
         change(&mut self.positions, |j, position| position + self.by[j]);
         self.by.fill(0.0);
-        self.coupling.forces(&self.positions, &mut self.held);
         Ok(())
     }
 }

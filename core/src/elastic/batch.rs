@@ -29,6 +29,24 @@ pub(super) fn change<T: Send + Copy>(values: &mut [T], of: impl Fn(usize, T) -> 
     }
 }
 
+/// Changes each value of a slice by a function of the cell and the value that also fills another slice.
+pub(super) fn change_and_fill(
+    values: &mut [f64],
+    others: &mut [f64],
+    of: impl Fn(usize, f64) -> (f64, f64) + Sync,
+) {
+    let change = |(chunk, (values, others)): (usize, (&mut [f64], &mut [f64]))| {
+        for (i, (value, other)) in values.iter_mut().zip(others).enumerate() {
+            (*value, *other) = of(chunk * CHUNK + i, *value);
+        }
+    };
+    if values.len() <= CHUNK {
+        change((0, (values, others)));
+    } else {
+        values.par_chunks_mut(CHUNK).zip(others.par_chunks_mut(CHUNK)).enumerate().for_each(change);
+    }
+}
+
 /// A function of each cell, gathered chunk by chunk, and these in order.
 pub(super) fn gather<T: Send>(
     number: usize,

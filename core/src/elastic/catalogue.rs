@@ -10,98 +10,87 @@ const FRONT: usize = 5;
 pub(super) struct Slide {
     /// Positions before.
     pub before: Vec<f64>,
-    /// Pulls of drive and slider on the cells before.
-    pub pull: Vec<f64>,
     /// Friction force before.
     pub force: f64,
     /// Work done on the contacts before.
     pub work: f64,
     /// Cells that slipped, in the order in which they began to.
-    pub fallen: Vec<Fallen>,
-    /// Whether a cell is one of them.
-    pub slipped: Vec<bool>,
+    pub fallen: Vec<u32>,
+    /// When they did; NaN where they did not.
+    pub starts: Vec<f64>,
     /// When it was over.
     pub over: f64,
 }
 
-/// A cell that begins to slip.
-#[derive(Clone, Copy)]
-pub(super) struct Fallen {
-    pub cell: usize,
-    pub time: f64,
-    /// How far it went in the step in which it did.
-    pub way: f64,
+impl Slide {
+    pub fn has_slipped(&self, cell: usize) -> bool {
+        !self.starts[cell].is_nan()
+    }
 }
 
 impl Interface {
-    /// The events of a slide that is over, in the order in which they began.
-    pub(super) fn events(&self, slide: &Slide) -> Vec<(Event, Vec<Slipped>)> {
-        let mut fallen = slide.fallen.clone();
-        // Of cells that begin in the same step the fastest one comes first.
-        fallen.sort_by(|a, b| {
-            a.time.total_cmp(&b.time).then(b.way.total_cmp(&a.way)).then(a.cell.cmp(&b.cell))
-        });
-        let parts = self.parts(&fallen, &slide.slipped);
-        parts.iter().map(|part| self.event(slide, part, fallen[0].time)).collect()
+    /// The events of a slide that is over and has left this force, in the order in which they began; pulls are known
+    /// halfway.
+    pub(super) fn events(&self, slide: &Slide, force_after: f64) -> Vec<(Event, Vec<Slipped>)> {
+        let parts = self.parts(slide).into_iter();
+        parts.map(|slipped| (self.event(slide, &slipped, force_after), slipped)).collect()
     }
 
     /// Cells that hang together, each part in the order in which its cells began to slip.
-    fn parts(&self, fallen: &[Fallen], slipped: &[bool]) -> Vec<Vec<Fallen>> {
+    fn parts(&self, slide: &Slide) -> Vec<Vec<Slipped>> {
         const NONE: u32 = u32::MAX;
-        let mut part_of = vec![NONE; slipped.len()];
-        let mut parts: Vec<Vec<Fallen>> = Vec::new();
-        for first in fallen {
-            if part_of[first.cell] != NONE {
+        let mut part_of = vec![NONE; self.len()];
+        let mut parts: Vec<Vec<Slipped>> = Vec::new();
+        for &first in &slide.fallen {
+            if part_of[first as usize] != NONE {
                 continue;
             }
             let part = parts.len() as u32;
-            part_of[first.cell] = part;
-            let mut reached = vec![first.cell];
+            part_of[first as usize] = part;
+            let (mut reached, mut number) = (vec![first as usize], 1);
             while let Some(cell) = reached.pop() {
                 for next in beside(cell, self.coupling.shape(), self.coupling.edges()) {
-                    if slipped[next] && part_of[next] == NONE {
+                    if slide.has_slipped(next) && part_of[next] == NONE {
                         part_of[next] = part;
                         reached.push(next);
+                        number += 1;
                     }
                 }
             }
-            parts.push(Vec::new());
+            parts.push(Vec::with_capacity(number));
         }
-        fallen.iter().for_each(|fallen| parts[part_of[fallen.cell] as usize].push(*fallen));
+        let begun = slide.fallen.first().map_or(0.0, |&first| slide.starts[first as usize]);
+        for cell in slide.fallen.iter().map(|&cell| cell as usize) {
+            let slip = self.positions[cell] - slide.before[cell];
+            parts[part_of[cell] as usize].push(Slipped { cell, start: slide.starts[cell] - begun, slip });
+        }
         parts
     }
 
-    fn event(&self, slide: &Slide, part: &[Fallen], begun: f64) -> (Event, Vec<Slipped>) {
-        let slip = |cell: usize| self.positions[cell] - slide.before[cell];
-        let slipped: Vec<Slipped> = part
-            .iter()
-            .map(|f| Slipped { cell: f.cell, start: f.time - begun, slip: slip(f.cell) })
-            .collect();
-        let mean =
-            |of: &dyn Fn(usize) -> f64| part.iter().map(|f| of(f.cell)).sum::<f64>() / part.len() as f64;
-        let all = |of: &dyn Fn(usize) -> f64| part.iter().map(|f| of(f.cell)).sum::<f64>();
+    fn event(&self, slide: &Slide, slipped: &[Slipped], force_after: f64) -> Event {
+        let all = |of: &dyn Fn(usize) -> f64| slipped.iter().map(|s| of(s.cell)).sum::<f64>();
+        let mean = |of: &dyn Fn(usize) -> f64| all(of) / slipped.len() as f64;
         let timed = self.setting.viscosity.map_or(f64::NAN, |_| 1.0);
-        let [front_speed_left, front_speed_right] =
-            fronts(&slipped, self.coupling.shape()).map(|v| timed * v);
-        let event = Event {
+        let [front_speed_left, front_speed_right] = fronts(slipped, self.coupling.shape()).map(|v| timed * v);
+        let begun = slide.starts[slipped[0].cell];
+        Event {
             drive: self.drive,
-            time: timed * (self.time + part[0].time),
-            epicentre: part[0].cell,
-            cells: part.len(),
-            area: self.setting.area * part.len() as f64,
-            moment: self.setting.area * all(&slip),
-            duration: timed * (slide.over - part[0].time),
+            time: timed * (self.time + begun),
+            epicentre: slipped[0].cell,
+            cells: slipped.len(),
+            area: self.setting.area * slipped.len() as f64,
+            moment: self.setting.area * slipped.iter().map(|s| s.slip).sum::<f64>(),
+            duration: timed * (slide.over - begun),
             front_speed_left,
             front_speed_right,
             position_before: mean(&|cell| slide.before[cell]),
             position_after: mean(&|cell| self.positions[cell]),
             force_before: slide.force,
-            force_after: self.total_force(),
+            force_after,
             broken_fraction: all(&|cell| self.cells.since(cell).broken) / self.len() as f64,
             dissipated_breaks: all(&|cell| self.cells.since(cell).lost),
             dissipated_slip: all(&|cell| self.pulled(slide, cell) - self.cells.since(cell).work),
-        };
-        (event, slipped)
+        }
     }
 }
 

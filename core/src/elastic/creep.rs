@@ -91,15 +91,16 @@ impl Interface {
     /// balance; whether there is one way to do so.
     fn attempt(&mut self, to: f64, outlook: &Outlook) -> Result<bool> {
         let distance = to - self.drive;
-        self.excess_here()?;
-        let forces: Vec<f64> = self.responses.iter().map(|response| response.force).collect();
+        let mut held = vec![0.0; self.len()];
+        self.coupling.forces(&self.positions, &mut held);
         self.drive = to;
         fill(&mut self.by, |j| outlook.way(j, distance));
         let (mut before, mut bounded) = (f64::INFINITY, false);
         for _ in 0..MOST_STEPS {
-            let excess = self.excess_ahead()?;
+            let excess = self.excess_ahead(&held)?;
             if excess <= self.precision() || (excess <= STALLED * self.precision() && excess > 0.5 * before) {
-                return self.is_stable_ahead(&forces, distance);
+                drop(held);
+                return self.is_stable_ahead();
             }
             if excess > CONVERGING * before && !bounded {
                 (bounded, before) = (true, f64::INFINITY);
@@ -107,7 +108,7 @@ impl Interface {
                 continue;
             }
             before = excess;
-            let stable = if bounded { self.step(0.0)?.is_some() } else { self.newton() };
+            let stable = if bounded { self.step(0.0, Some(&held))?.is_some() } else { self.newton(excess) };
             if !stable {
                 return Ok(false);
             }

@@ -44,12 +44,12 @@ pub(super) struct Stored {
 
 impl Interface {
     /// What is stored now.
-    pub(super) fn stored(&self) -> Stored {
-        let number = self.positions.len();
-        let (positions, drive, held) = (&self.positions, self.drive, &self.held);
+    pub(super) fn stored(&mut self) -> Stored {
+        self.coupling.forces(&self.positions, &mut self.excess);
+        let (positions, drive) = (&self.positions, self.drive);
         Stored {
-            connection: sum(number, |j| 0.5 * self.connection(j) * (drive - positions[j]).powi(2)),
-            coupling: self.coupling.energy(positions, held),
+            connection: sum(self.len(), |j| 0.5 * self.connection(j) * (drive - positions[j]).powi(2)),
+            coupling: self.coupling.energy(positions, &self.excess),
             contacts: self.cells.account(),
         }
     }

@@ -32,11 +32,10 @@ pub use energy::Energy;
 pub use event::{Event, Slipped, record};
 pub use state::State;
 
-use self::cells::Slopes;
+use self::batch::change;
 use self::creep::Pace;
 use self::energy::Stored;
 use crate::monitor::{Monitor, report};
-use crate::population::Response;
 use crate::{Error, Result};
 
 /// Which cells are connected to the drive.
@@ -111,15 +110,12 @@ pub struct Interface {
     drive: f64,
     time: f64,
     positions: Vec<f64>,
-    /// −AX at these positions.
-    held: Vec<f64>,
     /// Advances that are tried from there.
     by: Vec<f64>,
-    responses: Vec<Response>,
-    /// Forces out of balance after these advances.
+    /// Forces out of balance after the advances that were last asked for; a step leaves something else.
     excess: Vec<f64>,
+    /// F_j' + K_0j there.
     springs: Vec<f64>,
-    slopes: Vec<Slopes>,
     pace: Pace,
     energy: Energy,
     closed: Stored,
@@ -143,7 +139,6 @@ impl Interface {
             Loading::Uniform => number,
             Loading::Edge => shape.first_row(),
         };
-        let none = Response { force: 0.0, tangent: 0.0 };
         let mut interface = Self {
             cells,
             coupling,
@@ -152,12 +147,9 @@ impl Interface {
             drive: 0.0,
             time: 0.0,
             positions: vec![0.0; number],
-            held: vec![0.0; number],
             by: vec![0.0; number],
-            responses: vec![none; number],
             excess: vec![0.0; number],
             springs: vec![0.0; number],
-            slopes: vec![Slopes::default(); number],
             pace: Pace::new(setting.drive_tolerance),
             energy: Energy::default(),
             closed: Stored::default(),
@@ -197,8 +189,10 @@ impl Interface {
     /// # Errors
     /// Those of the cells.
     pub fn forces(&mut self) -> Result<Vec<f64>> {
-        self.excess_here()?;
-        Ok(self.responses.iter().map(|response| response.force).collect())
+        let mut forces = vec![0.0; self.len()];
+        self.cells.resist(&self.by, &mut forces, &mut self.springs)?;
+        change(&mut forces, |_, force| 0.0 - force);
+        Ok(forces)
     }
 
     /// Where a cell is on the curve that it shares with others; none where it has contacts of its own.
@@ -217,8 +211,9 @@ impl Interface {
     /// # Errors
     /// Those of the cells.
     pub fn force(&mut self) -> Result<f64> {
-        self.excess_here()?;
-        Ok(self.total_force())
+        self.excess.fill(0.0);
+        self.cells.resist(&self.by, &mut self.excess, &mut self.springs)?;
+        Ok(0.0 - batch::sum(self.len(), |j| self.excess[j]))
     }
 
     /// Energies since the beginning.
@@ -308,18 +303,19 @@ impl Interface {
         report(monitor, if to > from { ((self.drive - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 })
     }
 
+    /// K_0j of each cell.
+    fn connections(&self) -> impl Fn(usize) -> f64 + Copy + use<> {
+        let (connected, connection) = (self.connected, self.setting.connection);
+        move |cell| if cell < connected { connection } else { 0.0 }
+    }
+
     /// K_0j.
     fn connection(&self, cell: usize) -> f64 {
-        if cell < self.connected { self.setting.connection } else { 0.0 }
+        self.connections()(cell)
     }
 
     /// ΣK_0j per cell.
     fn mean_connection(&self) -> f64 {
         self.setting.connection * self.connected as f64 / self.len() as f64
-    }
-
-    /// Force of the cells in their last responses.
-    fn total_force(&self) -> f64 {
-        batch::sum(self.len(), |j| self.responses[j].force)
     }
 }

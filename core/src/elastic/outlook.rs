@@ -1,7 +1,7 @@
 //! What is ahead of a balance: how fast cells go on, how they hurry, and where balance will be lost.
 
 use super::Interface;
-use super::batch::{fill, gather, largest, sum};
+use super::batch::{change, fill, gather, largest, sum};
 use crate::Result;
 
 /// What solutions leave, of the largest force.
@@ -46,10 +46,7 @@ impl Interface {
     pub(super) fn outlook(&mut self) -> Result<Option<Outlook>> {
         let number = self.len();
         self.excess_here()?;
-        let mut springs = std::mem::take(&mut self.springs);
-        fill(&mut springs, |j| self.responses[j].tangent + self.connection(j));
-        let found = self.speeds_and_growth(&springs)?;
-        self.springs = springs;
+        let found = self.speeds_and_growth()?;
         self.by.fill(0.0);
         let Some((speeds, growth)) = found else { return Ok(None) };
         let nearer = |a: (f64, f64), b: (f64, f64)| if b.0 < a.0 { b } else { a };
@@ -65,20 +62,22 @@ impl Interface {
         Ok(Some(Outlook { speeds, growth, fold: fold / (1.0 + calm), doubt: calm * calm, limit }))
     }
 
-    fn speeds_and_growth(&mut self, springs: &[f64]) -> Result<Option<(Vec<f64>, Vec<f64>)>> {
+    fn speeds_and_growth(&mut self) -> Result<Option<(Vec<f64>, Vec<f64>)>> {
         let number = self.len();
-        let (mut speeds, mut growth) = (vec![0.0; number], vec![0.0; number]);
-        fill(&mut speeds, |j| self.connection(j));
-        if !self.coupling.respond(springs, &mut speeds, SOLVED * self.setting.connection) {
+        let mut speeds: Vec<f64> = (0..number).map(|j| self.connection(j)).collect();
+        if !self.coupling.respond(&self.springs, &mut speeds, SOLVED * self.setting.connection) {
             return Ok(None);
         }
         let fastest = largest(number, |j| speeds[j].abs());
         let distance = LOOK * self.length() / fastest;
         fill(&mut self.by, |j| speeds[j] * distance);
-        self.cells.ahead(&self.by, &mut self.responses)?;
-        let slope = |j: usize| springs[j] - self.connection(j);
-        fill(&mut growth, |j| -speeds[j] * (self.responses[j].tangent - slope(j)) / distance);
+        // Tangents there, and then the forces by which they differ.
+        let mut growth = vec![0.0; number];
+        self.cells.resist(&self.by, &mut self.excess, &mut growth)?;
+        let slope = |j: usize| self.springs[j] - self.connection(j);
+        change(&mut growth, |j, tangent| -speeds[j] * (tangent - slope(j)) / distance);
         let most = largest(number, |j| growth[j].abs());
-        Ok(self.coupling.respond(springs, &mut growth, SOLVED * most).then_some((speeds, growth)))
+        let stable = self.coupling.respond(&self.springs, &mut growth, SOLVED * most);
+        Ok(stable.then_some((speeds, growth)))
     }
 }

@@ -1,8 +1,9 @@
 //! Slides at a fixed drive, from the loss of balance to the next one.
 
 use super::balance::Step;
-use super::batch::{fill, sum};
-use super::catalogue::{Fallen, Slide};
+use super::batch::{change, fill, sum};
+use super::catalogue::Slide;
+use super::cells::Slopes;
 use super::{Event, Interface, Slip, Slipped};
 use crate::monitor::Monitor;
 use crate::{Error, Float, Result};
@@ -40,21 +41,21 @@ const MOST_STEPS: u64 = 10_000_000;
 impl Interface {
     /// Slides to the next balance at this drive. Where it is stopped all is as it was before.
     pub(super) fn slide(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
-        self.excess_here()?;
-        let mut slide = self.before();
+        let mut slide = self.before()?;
         self.cells.mark();
         if let Err(error) = self.follow(&mut slide, monitor) {
             self.cells.recall(monitor)?;
             self.by.fill(0.0);
             self.positions.copy_from_slice(&slide.before);
-            self.coupling.forces(&self.positions, &mut self.held);
             return Err(error);
         }
         self.cells.rejoin();
-        self.excess_here()?;
+        let force_after = self.force()?;
+        self.pull_halfway(&slide.before);
+        let events = self.events(&slide, force_after);
         let lost = self.lost(&slide);
+        self.cells.unmark();
         self.enter_slide(lost);
-        let events = self.events(&slide);
         if self.setting.viscosity.is_some() {
             self.time += slide.over;
         }
@@ -62,18 +63,15 @@ impl Interface {
     }
 
     /// What has to be known of the state before.
-    fn before(&self) -> Slide {
-        let mut pull = vec![0.0; self.len()];
-        fill(&mut pull, |j| self.excess[j] + self.responses[j].force);
-        Slide {
+    fn before(&mut self) -> Result<Slide> {
+        Ok(Slide {
             before: self.positions.clone(),
-            pull,
-            force: self.total_force(),
+            force: self.force()?,
             work: self.cells.account().work,
-            fallen: Vec::new(),
-            slipped: vec![false; self.len()],
+            fallen: Vec::with_capacity(self.len()),
+            starts: vec![f64::NAN; self.len()],
             over: 0.0,
-        }
+        })
     }
 
     /// Steps until there is balance.
@@ -113,9 +111,10 @@ impl Interface {
         let least = self.rate(excess);
         loop {
             let rate = least.max(*damping);
-            if let Some(step) = self.step(rate)? {
+            if let Some(step) = self.step(rate, None)? {
                 return Ok(step);
             }
+            self.excess_here()?;
             *damping = (LONGER * rate).max(DAMPED * self.cells.steepest());
         }
     }
@@ -144,36 +143,52 @@ impl Interface {
 
     /// Finds the cells that begin to slip in a step that has been tried; in a reset their contacts break there.
     fn notice(&mut self, slide: &mut Slide, time: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        self.cells.slopes(None, &self.by, &mut self.slopes)?;
-        let steep = -self.mean_connection();
-        for cell in 0..self.len() {
+        let mut slopes = vec![Slopes::default(); self.len()];
+        self.cells.slopes(None, &self.by, &mut slopes)?;
+        let (steep, known) = (-self.mean_connection(), slide.fallen.len());
+        for (cell, Slopes { least, .. }) in slopes.into_iter().enumerate() {
             let way = self.positions[cell] + self.by[cell] - slide.before[cell];
-            let least = self.slopes[cell].least;
             let far = way > self.setting.drive_tolerance || least == f64::NEG_INFINITY;
-            if slide.slipped[cell] || !far || least >= steep {
+            if slide.has_slipped(cell) || !far || least >= steep {
                 continue;
             }
             let Some(on) = self.cells.fall(cell, self.by[cell], steep) else { continue };
-            slide.slipped[cell] = true;
             let part = if self.by[cell] > 0.0 { on / self.by[cell] } else { 0.0 };
-            slide.fallen.push(Fallen { cell, time: time + part * during, way: self.by[cell] });
+            slide.starts[cell] = time + part * during;
+            slide.fallen.push(cell as u32);
             if self.setting.slip == Slip::Reset {
                 self.cells.part(cell, on, monitor)?;
             }
         }
+        // Of cells that begin together the fastest one comes first.
+        let begun = |cell: u32| (slide.starts[cell as usize], -self.by[cell as usize], cell);
+        slide.fallen[known..].sort_unstable_by(|a, b| {
+            let (a, b) = (begun(*a), begun(*b));
+            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2))
+        });
         Ok(())
     }
 
-    /// ∫Σ[K_0(X_T − X_j) − (AX)_j − F_j] dX_j of a slide: pulls are linear in positions and A is symmetric, so that
-    /// their means before and after do for every way.
+    /// The pulls of drive and slider where cells are halfway between the positions before and now, in place of the excess:
+    /// their means on any way, as they are linear in positions and A is symmetric.
+    fn pull_halfway(&mut self, before: &[f64]) {
+        let connection = self.connections();
+        let positions = &self.positions;
+        fill(&mut self.by, |j| 0.5 * (before[j] + positions[j]));
+        self.coupling.forces(&self.by, &mut self.excess);
+        let (drive, middle) = (self.drive, &self.by);
+        change(&mut self.excess, |j, held| connection(j) * (drive - middle[j]) + held);
+        self.by.fill(0.0);
+    }
+
+    /// ∫Σ[K_0(X_T − X_j) − (AX)_j − F_j] dX_j of a slide, pulls being known halfway.
     fn lost(&self, slide: &Slide) -> f64 {
         let pulled = sum(self.len(), |j| self.pulled(slide, j));
         pulled - (self.cells.account().work - slide.work)
     }
 
-    /// Work of drive and slider on a cell in a slide.
+    /// Work of drive and slider on a cell in a slide, pulls being known halfway.
     pub(super) fn pulled(&self, slide: &Slide, cell: usize) -> f64 {
-        let after = self.excess[cell] + self.responses[cell].force;
-        0.5 * (slide.pull[cell] + after) * (self.positions[cell] - slide.before[cell])
+        self.excess[cell] * (self.positions[cell] - slide.before[cell])
     }
 }

@@ -48,7 +48,6 @@ impl Interface {
         (self.drive, self.time, self.positions) = (drive, time, positions);
         (self.pace, self.energy, self.closed) = (pace, energy, closed);
         self.by.fill(0.0);
-        self.coupling.forces(&self.positions, &mut self.held);
         Ok(())
     }
 }

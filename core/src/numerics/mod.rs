@@ -3,7 +3,6 @@
 pub mod accumulation;
 pub mod breaks;
 pub mod compensated;
-pub mod conjugate_gradients;
 pub mod cutoff;
 pub mod dawson;
 pub mod diffusion;

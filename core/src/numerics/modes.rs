@@ -25,21 +25,24 @@ pub struct Modes {
     /// Along columns and along rows.
     lines: [Line; 2],
     eigenvalues: [Vec<f64>; 2],
-    /// Rows × modes along a row, and transposed.
+    /// Rows × modes along a row, where there are more of these than columns.
     rows: Vec<f64>,
+    /// The same, transposed.
     columns: Vec<f64>,
 }
 
 impl Modes {
     /// A lattice of `sides` (rows, columns), with a line as long as the first side or longer down its columns, and
-    /// one as long as the second or longer along its rows. Takes 16 bytes × rows × modes of a row.
+    /// one as long as the second or longer along its rows. Takes 8 bytes × rows × modes of a row, and as much again where
+    /// these are longer than the lattice.
     pub fn new(sides: [usize; 2], lines: [Line; 2]) -> Self {
         let eigenvalues = [0, 1].map(|i| {
             let line: &Line = &lines[i];
             (0..line.length()).map(|mode| line.eigenvalue(mode)).collect()
         });
         let room = sides[0] * lines[1].length();
-        Self { sides, lines, eigenvalues, rows: vec![0.0; room], columns: vec![0.0; room] }
+        let rows = if lines[1].length() > sides[1] { vec![0.0; room] } else { Vec::new() };
+        Self { sides, lines, eigenvalues, rows, columns: vec![0.0; room] }
     }
 
     /// f(Δ) of `field` in place, Δ the lattice Laplacian with eigenvalues λ ≥ 0.
@@ -55,24 +58,31 @@ impl Modes {
     /// all modes down its column.
     pub fn multiply(&mut self, field: &mut [f64], factor: impl Fn(usize, &mut [f64]) + Sync) {
         self.along_rows(field);
-        self.down_columns(factor);
+        self.down_columns(field, factor);
         self.back_along_rows(field);
     }
 
-    fn along_rows(&mut self, field: &[f64]) {
+    /// In place where lines are no longer than the lattice.
+    fn along_rows(&mut self, field: &mut [f64]) {
         let (line, width) = (&self.lines[1], self.sides[1]);
+        let share = SHARE.div_ceil(line.length());
+        if self.rows.is_empty() {
+            let step = |scratch: &mut Scratch, row: &mut [f64]| line.to_modes(row, scratch);
+            field.par_chunks_mut(width).with_min_len(share).for_each_init(|| line.scratch(), step);
+            return;
+        }
         let rows = self.rows.par_chunks_mut(line.length()).zip(field.par_chunks(width));
         let step = |scratch: &mut Scratch, (row, from): (&mut [f64], &[f64])| {
             row[..width].copy_from_slice(from);
             row[width..].fill(0.0);
             line.to_modes(row, scratch);
         };
-        rows.with_min_len(SHARE.div_ceil(line.length())).for_each_init(|| line.scratch(), step);
+        rows.with_min_len(share).for_each_init(|| line.scratch(), step);
     }
 
-    fn down_columns(&mut self, factor: impl Fn(usize, &mut [f64]) + Sync) {
+    fn down_columns(&mut self, field: &[f64], factor: impl Fn(usize, &mut [f64]) + Sync) {
         let (line, height, width) = (&self.lines[0], self.sides[0], self.lines[1].length());
-        let rows = &self.rows;
+        let rows = if self.rows.is_empty() { field } else { &self.rows };
         let groups = self.columns.par_chunks_mut(GROUP * height).enumerate();
         let step = |(scratch, padded): &mut (Scratch, Vec<f64>), (group, columns): (usize, &mut [f64])| {
             let first = GROUP * group;

@@ -2,7 +2,6 @@
 
 use super::curve::Curve;
 use super::{Account, Slopes};
-use crate::population::Response;
 
 /// A cell of scale s on a curve of contacts: its force is s F(X/s).
 pub(super) struct Cell<'a> {
@@ -21,10 +20,10 @@ impl Cell<'_> {
         (self.advance + by) / self.scale
     }
 
-    pub fn response(&self, by: f64) -> Response {
+    /// What is left of a force that pulls at it after an advance, and its tangent there.
+    pub fn resist(&self, by: f64, pull: f64) -> (f64, f64) {
         let (force, slope) = self.curve.response(self.place(by));
-        let tangent = if self.free { 0.0 } else { slope };
-        Response { force: self.scale * force, tangent }
+        (pull - self.scale * force, if self.free { 0.0 } else { slope })
     }
 
     pub fn slopes(&self, from: f64, to: f64) -> Slopes {

@@ -6,9 +6,9 @@ use super::cell::Cell;
 use super::curve::Curve;
 use super::tabulate::Table;
 use super::{Account, Cells, Kept, Slopes, Standing, State, checked};
-use crate::elastic::batch::{all, change, fill, gather, largest};
+use crate::elastic::batch::{all, change, change_and_fill, fill, gather, largest};
 use crate::monitor::Monitor;
-use crate::population::{Direction, Population, Response};
+use crate::population::{Direction, Population};
 use crate::{Error, Result};
 
 /// Cells of contacts without rates, all of one kind: the force of each depends on its advance alone, along one curve
@@ -22,17 +22,27 @@ pub struct Curves {
     fresh: Table,
     /// X since the start, or since the contacts last re-formed together.
     advances: Vec<f64>,
-    renewed: Vec<bool>,
+    courses: Vec<Course>,
     /// Empty where all are 1.
     scales: Vec<f64>,
     largest_scale: f64,
-    free: Vec<bool>,
     settled: Account,
     /// Advances at the mark.
     marked: Vec<f64>,
     /// Cells that have parted since the mark.
     parted: HashMap<usize, Parted>,
     settled_at_mark: Account,
+}
+
+/// What a cell follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Course {
+    /// The curve of the contacts as they were at the start.
+    First,
+    /// That of contacts that have all re-formed together.
+    Fresh,
+    /// None, until its contacts, broken together, re-form.
+    Free,
 }
 
 impl Curves {
@@ -47,10 +57,9 @@ impl Curves {
             first: Table::new(population.copy(), monitor)?,
             fresh: Table::new(fresh, monitor)?,
             advances: vec![0.0; number],
-            renewed: vec![false; number],
+            courses: vec![Course::First; number],
             scales: Vec::new(),
             largest_scale: 1.0,
-            free: vec![false; number],
             settled: Account::default(),
             marked: Vec::new(),
             parted: HashMap::new(),
@@ -71,20 +80,20 @@ impl Curves {
 
     /// What threads may share.
     fn batch(&self) -> Batch<'_> {
-        let Self { first, fresh, advances, renewed, scales, free, .. } = self;
-        Batch { first: &first.curve, fresh: &fresh.curve, advances, renewed, scales, free }
+        let Self { first, fresh, advances, courses, scales, .. } = self;
+        Batch { first: &first.curve, fresh: &fresh.curve, advances, courses, scales }
     }
 
     /// Sees to it that curves are known as far as cells may go.
     fn reach(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
         let batch = self.batch();
-        let table = |cell: usize| if batch.renewed[cell] { &self.fresh } else { &self.first };
+        let table = |cell: usize| if batch.is_renewed(cell) { &self.fresh } else { &self.first };
         if all(by.len(), |cell| table(cell).knows(batch.cell(cell).place(by[cell]))) {
             return Ok(());
         }
         let furthest = |fresh: bool| {
             largest(by.len(), |cell| {
-                if batch.renewed[cell] == fresh { batch.cell(cell).place(by[cell]) } else { 0.0 }
+                if batch.is_renewed(cell) == fresh { batch.cell(cell).place(by[cell]) } else { 0.0 }
             })
         };
         let (first, fresh) = (furthest(false), furthest(true));
@@ -97,8 +106,8 @@ impl Curves {
 struct Parted {
     /// What it had done since then.
     done: Account,
-    /// Whether they had before.
-    renewed: bool,
+    /// What it followed before.
+    course: Course,
 }
 
 /// Curves and where cells are on them.
@@ -106,17 +115,22 @@ struct Batch<'a> {
     first: &'a Curve,
     fresh: &'a Curve,
     advances: &'a [f64],
-    renewed: &'a [bool],
+    courses: &'a [Course],
     scales: &'a [f64],
-    free: &'a [bool],
 }
 
 impl Batch<'_> {
     #[inline]
     fn cell(&self, cell: usize) -> Cell<'_> {
-        let curve = if self.renewed[cell] { self.fresh } else { self.first };
+        let curve = if self.is_renewed(cell) { self.fresh } else { self.first };
         let scale = if self.scales.is_empty() { 1.0 } else { self.scales[cell] };
-        Cell { curve, advance: self.advances[cell], scale, free: self.free[cell] }
+        Cell { curve, advance: self.advances[cell], scale, free: self.courses[cell] == Course::Free }
+    }
+
+    /// Whether its contacts have broken all together.
+    #[inline]
+    fn is_renewed(&self, cell: usize) -> bool {
+        self.courses[cell] != Course::First
     }
 
     /// What a cell has done since its contacts last re-formed together, at such an advance since then.
@@ -138,10 +152,10 @@ impl Cells for Curves {
         self.largest_scale * self.first.strongest().max(self.fresh.strongest())
     }
 
-    fn ahead(&mut self, by: &[f64], responses: &mut [Response]) -> Result<()> {
+    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<()> {
         self.reach(by, &mut ())?;
         let batch = self.batch();
-        fill(responses, |cell| batch.cell(cell).response(by[cell]));
+        change_and_fill(forces, tangents, |cell, force| batch.cell(cell).resist(by[cell], force));
         Ok(())
     }
 
@@ -158,8 +172,10 @@ impl Cells for Curves {
 
     fn advance(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
         self.reach(by, monitor)?;
-        let free = &self.free;
-        change(&mut self.advances, |cell, advance| if free[cell] { advance } else { advance + by[cell] });
+        let courses = &self.courses;
+        let on =
+            |cell: usize, advance| if courses[cell] == Course::Free { advance } else { advance + by[cell] };
+        change(&mut self.advances, on);
         Ok(())
     }
 
@@ -168,17 +184,16 @@ impl Cells for Curves {
         let begun = batch.done(cell, self.marked[cell]);
         let newborn = Cell { curve: batch.fresh, advance: 0.0, ..batch.cell(cell) }.done(0.0);
         let done = batch.cell(cell).done(by).renewed(newborn.elastic);
-        self.parted.insert(cell, Parted { done: done - begun, renewed: self.renewed[cell] });
+        self.parted.insert(cell, Parted { done: done - begun, course: self.courses[cell] });
         self.settled = self.settled + Account { elastic: 0.0, ..done };
         self.advances[cell] = 0.0;
-        self.renewed[cell] = true;
-        self.free[cell] = true;
+        self.courses[cell] = Course::Free;
         Ok(())
     }
 
     fn rejoin(&mut self) {
         for cell in self.parted.keys() {
-            self.free[*cell] = false;
+            self.courses[*cell] = Course::Fresh;
         }
     }
 
@@ -189,12 +204,16 @@ impl Cells for Curves {
         [&mut self.first, &mut self.fresh].into_iter().for_each(Table::mark);
     }
 
+    fn unmark(&mut self) {
+        (self.marked, self.parted) = (Vec::new(), HashMap::new());
+    }
+
     fn recall(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
         self.advances.clone_from(&self.marked);
         self.settled = self.settled_at_mark;
         [&mut self.first, &mut self.fresh].into_iter().for_each(Table::recall);
         for (cell, parted) in self.parted.drain() {
-            (self.renewed[cell], self.free[cell]) = (parted.renewed, false);
+            self.courses[cell] = parted.course;
         }
         Ok(())
     }
@@ -216,13 +235,14 @@ impl Cells for Curves {
     fn standing(&self, cell: usize) -> Option<Standing> {
         let batch = self.batch();
         let at = batch.cell(cell);
-        Some(Standing { advance: at.place(0.0), scale: at.scale, renewed: self.renewed[cell] })
+        Some(Standing { advance: at.place(0.0), scale: at.scale, renewed: batch.is_renewed(cell) })
     }
 
     fn state(&self) -> State {
+        let batch = self.batch();
         State(Kept::Curves {
             advances: self.advances.clone(),
-            renewed: self.renewed.clone(),
+            renewed: (0..self.len()).map(|cell| batch.is_renewed(cell)).collect(),
             ways: [self.first.ways(), self.fresh.ways()],
             settled: self.settled,
         })
@@ -236,8 +256,9 @@ impl Cells for Curves {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", advances.len())));
         }
-        (self.advances, self.renewed, self.settled) = (advances, renewed, settled);
-        self.free.fill(false);
+        let course = |renewed| if renewed { Course::Fresh } else { Course::First };
+        self.courses = renewed.into_iter().map(course).collect();
+        (self.advances, self.settled) = (advances, settled);
         self.parted.clear();
         self.first.resume(ways[0], 0.0, monitor)?;
         self.fresh.resume(ways[1], 0.0, monitor)

@@ -14,7 +14,6 @@ pub use scales::scales;
 use serde::{Deserialize, Serialize};
 
 use crate::monitor::Monitor;
-use crate::population::Response;
 use crate::{Error, Result};
 
 /// What contacts have done, each summed on its own.
@@ -112,11 +111,12 @@ pub trait Cells: Send + Sync {
     /// The largest |F| that a cell is known to have somewhere: forces are good to about 1e-12 of it.
     fn strongest(&self) -> f64;
 
-    /// Forces and tangents after advances `by` from where the cells stand; nothing moves.
+    /// Takes the forces F_j after advances `by` from where the cells stand off `forces`, and tells their tangents; nothing
+    /// moves.
     ///
     /// # Errors
     /// Those of the population behind it.
-    fn ahead(&mut self, by: &[f64], responses: &mut [Response]) -> Result<()>;
+    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<()>;
 
     /// Tangents between two advances from where the cells stand, or from there to the second.
     ///
@@ -145,6 +145,9 @@ pub trait Cells: Send + Sync {
 
     /// Remembers the state of the cells, in place of the one before.
     fn mark(&mut self);
+
+    /// That state is asked for no more.
+    fn unmark(&mut self) {}
 
     /// Comes back to the state at the mark.
     ///

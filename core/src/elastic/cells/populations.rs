@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::cell::Cell;
 use super::tabulate::Table;
 use super::{Account, Cells, Kept, Slopes, State, checked};
-use crate::elastic::batch::{all, fill, gather};
+use crate::elastic::batch::{all, change_and_fill, fill, gather};
 use crate::monitor::Monitor;
-use crate::population::{Direction, Population, Response};
+use crate::population::{Direction, Population};
 use crate::{Error, Result};
 
 /// Cells of contacts without rates, each a population that none of the others shares.
@@ -231,9 +231,10 @@ impl Cells for Populations {
         self.known[1]
     }
 
-    fn ahead(&mut self, by: &[f64], responses: &mut [Response]) -> Result<()> {
+    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<()> {
         self.reach(by)?;
-        fill(responses, |cell| self.cells[cell].on_curve().response(by[cell]));
+        let cells = &self.cells;
+        change_and_fill(forces, tangents, |cell, force| cells[cell].on_curve().resist(by[cell], force));
         Ok(())
     }
 

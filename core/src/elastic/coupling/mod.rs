@@ -13,6 +13,9 @@ use crate::numerics::product::product;
 use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
 
+/// What a solution leaves of the largest force, about what roundings do.
+const ROUNDED: f64 = 1e-14;
+
 /// Bytes that a coupling may take.
 const BYTES: u64 = 16 << 30;
 
@@ -33,17 +36,14 @@ pub trait Coupling: Send + Sync {
     /// Forces = −A X, of all cells.
     fn forces(&mut self, displacements: &[f64], forces: &mut [f64]);
 
-    /// What changes as one cell moves by `displacement`: forces −= A e_cell · displacement.
-    fn add(&self, cell: usize, displacement: f64, forces: &mut [f64]);
+    /// About (diagonal + A)⁻¹ right, at the cost of little more than [`Coupling::forces`], by a symmetric positive definite
+    /// matrix; whether it is that inverse.
+    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool;
 
-    /// Solves (diagonal + A) δ = right for the response δ of cells that are held by springs `diagonal` > 0 too.
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]);
-
-    /// About what [`Coupling::solve`] does, at the cost of little more than [`Coupling::forces`], by a symmetric positive
-    /// definite matrix; whether it is the same.
-    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
-        self.solve(diagonal, right);
-        true
+    /// Solves (diagonal + A) δ = right for the response δ of cells that are held by equal springs `diagonal` > 0 too, to
+    /// 1e-14 of the largest force where nothing better is known than iterations.
+    fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
+        iterate(self, diagonal, right);
     }
 
     /// Solves (springs + A) δ = right where springs differ from cell to cell, and may push, until no force larger than
@@ -62,6 +62,12 @@ pub trait Coupling: Send + Sync {
         let relative: Vec<f64> = displacements.par_iter().map(|x| x - first).collect();
         -0.5 * product(&relative, forces)
     }
+}
+
+/// [`Coupling::solve`] where nothing better is known.
+fn iterate<C: Coupling + ?Sized>(coupling: &mut C, diagonal: f64, right: &mut [f64]) {
+    let largest = right.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+    coupling.respond(&vec![diagonal; right.len()], right, ROUNDED * largest);
 }
 
 /// Springs of stiffness K_int between nearest neighbours.

@@ -21,7 +21,7 @@ const STIFF: f64 = 4.0;
 /// Open edges are free: cells there have fewer neighbours. Eigenvalues of A are K_int times those of the lattice
 /// Laplacian, 2K_int(1 − cos q) for a wave along one direction. Forces take some additions per cell, a cell that moved
 /// touches its neighbours alone; [`Coupling::solve`] eliminates a chain, and takes a lattice apart into modes, cosines
-/// between open edges. Takes 8 bytes per cell of a chain (16 where periodic), 16 per cell of a lattice.
+/// between open edges. Takes 8 bytes per cell of a lattice and of a chain, 16 of a periodic one.
 pub struct Neighbours {
     shape: Shape,
     edges: Edges,
@@ -54,13 +54,11 @@ impl Neighbours {
         Ok(Self { shape, edges, stiffness, solver })
     }
 
-    /// The neighbours of a cell.
-    fn around(&self, cell: usize) -> impl Iterator<Item = usize> {
+    /// How many neighbours a cell has.
+    fn around(&self, cell: usize) -> usize {
         let [rows, columns] = self.shape.sides();
         let (row, column) = (cell / columns, cell % columns);
-        let vertical = beside(row, rows, self.edges).map(move |row| row * columns + column);
-        let horizontal = beside(column, columns, self.edges).map(move |column| row * columns + column);
-        vertical.chain(horizontal)
+        beside(row, rows, self.edges).count() + beside(column, columns, self.edges).count()
     }
 }
 
@@ -96,24 +94,6 @@ impl Coupling for Neighbours {
         forces.par_chunks_mut(columns).enumerate().with_min_len(SHARE.div_ceil(columns)).for_each(sweep);
     }
 
-    fn add(&self, cell: usize, displacement: f64, forces: &mut [f64]) {
-        let force = self.stiffness * displacement;
-        for other in self.around(cell) {
-            forces[other] += force;
-            forces[cell] -= force;
-        }
-    }
-
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
-        let stiffness = self.stiffness;
-        match &mut self.solver {
-            Solver::Chain(chain) => {
-                chain.solve(|_| diagonal, right);
-            }
-            Solver::Square(modes) => modes.apply(right, |λ| (diagonal + stiffness * λ).recip()),
-        }
-    }
-
     /// Where neighbours are not much stiffer than the ground, each cell alone.
     fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
         let stiff = self.stiffness > STIFF * diagonal;
@@ -126,6 +106,16 @@ impl Coupling for Neighbours {
         stiff
     }
 
+    fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
+        let stiffness = self.stiffness;
+        match &mut self.solver {
+            Solver::Chain(chain) => {
+                chain.solve(|_| diagonal, right);
+            }
+            Solver::Square(modes) => modes.apply(right, |λ| (diagonal + stiffness * λ).recip()),
+        }
+    }
+
     fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> bool {
         match &mut self.solver {
             Solver::Chain(chain) => chain.solve(|j| springs[j], right),
@@ -134,7 +124,7 @@ impl Coupling for Neighbours {
     }
 
     fn own(&self, cell: usize) -> f64 {
-        self.stiffness * self.around(cell).count() as f64
+        self.stiffness * self.around(cell) as f64
     }
 }
 

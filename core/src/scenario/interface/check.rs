@@ -9,7 +9,7 @@ use crate::{Error, Result};
 /// Bytes that a contact coupled one by one takes at most.
 const BYTES_PER_CONTACT: f64 = 64.0;
 /// Bytes that a cell takes at most, with what it takes to couple it: on a half-space with open edges, some cells sliding.
-const BYTES_PER_CELL: f64 = 208.0;
+const BYTES_PER_CELL: f64 = 168.0;
 /// Bytes that a cell takes that follows the master equation in time, with what of it is tried in a step.
 const BYTES_PER_CELL_IN_TIME: f64 = 2e6;
 /// Bytes that a cell of few contacts takes, and each of them.

@@ -1,30 +1,22 @@
 //! A half-space with periodic edges.
 
 use super::from_first;
-use super::sweep::Weights;
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::shape::Shape;
 
 /// A = scale √Δ on a torus.
 pub(super) struct Periodic {
-    sides: [usize; 2],
     scale: f64,
     modes: Modes,
-    kernel: Weights,
+    own: f64,
 }
 
 impl Periodic {
     pub(super) fn new(shape: Shape, scale: f64) -> Self {
-        let lines = super::sides(shape);
-        let mut modes = Modes::new(lines, lines.map(Line::joined));
-        let mut response = vec![0.0; shape.size()];
-        response[0] = 1.0;
-        modes.apply(&mut response, |λ| scale * λ.sqrt());
-        let sides = shape.sides();
-        let [height, width] = sides.map(|side| side / 2 + 1);
-        let values = response.chunks(sides[1]).take(height).flat_map(|row| &row[..width]).copied().collect();
-        Self { sides, scale, modes, kernel: Weights { values, columns: width, periodic: true } }
+        let lines = super::sides(shape).map(Line::joined);
+        let own = scale * mean_root(&lines);
+        Self { scale, modes: Modes::new(super::sides(shape), lines), own }
     }
 
     pub(super) fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
@@ -33,16 +25,19 @@ impl Periodic {
         self.modes.apply(forces, |λ| -scale * λ.sqrt());
     }
 
-    pub(super) fn add(&self, cell: usize, displacement: f64, forces: &mut [f64]) {
-        self.kernel.add(self.sides, cell, -displacement, forces);
-    }
-
     pub(super) fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
         let scale = self.scale;
         self.modes.apply(right, |λ| (diagonal + scale * λ.sqrt()).recip());
     }
 
     pub(super) fn own(&self) -> f64 {
-        self.kernel.values[0]
+        self.own
     }
+}
+
+/// √λ, averaged over the modes of a lattice of such lines: what multiplies a cell by itself.
+fn mean_root(lines: &[Line; 2]) -> f64 {
+    let [down, along] = lines.each_ref().map(|line| (0..line.length()).map(|mode| line.eigenvalue(mode)));
+    let row = |other: f64| along.clone().map(|λ| (λ + other).sqrt()).sum::<f64>();
+    down.map(row).sum::<f64>() / (lines[0].length() * lines[1].length()) as f64
 }
