@@ -58,7 +58,7 @@ fn forces_and_energies_balance_after_every_event() {
                     assert!(excess < 1e-10, "{excess:e} after event {number}");
                     near(interface.energy().imbalance(), 0.0, 1e-10 * interface.len() as f64);
                 }
-                let least = if slip == Slip::Reset { 1 } else { 5 };
+                let least = if slip == Slip::Reset { 1 } else { 4 };
                 assert!(number >= least, "{number} events, {slip:?}, {loading:?}, {:?}", coupling.shape());
                 let energy = interface.energy();
                 assert!(energy.slip > 0.0 && energy.breaks > 0.0);

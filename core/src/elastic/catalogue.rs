@@ -1,7 +1,15 @@
 //! From the cells that slipped in a slide to events: each part of them that hangs together is one.
 
-use super::{Event, Interface, Slipped};
+use super::batch::largest;
+use super::{Event, Interface, Slip, Slipped};
 use crate::shape::{Edges, Shape};
+
+/// How far creep takes a cell to where balance is lost, in √(drive tolerance × length on which slopes change), and again
+/// as far past it.
+const CREEP: f64 = 4.0;
+
+/// A cell that goes less far than this part of the way of the one that goes farthest has been pulled along.
+const ALONG: f64 = 0.1;
 
 /// Cells that make a front, which fewer would not tell from the patch where slip began.
 const FRONT: usize = 5;
@@ -14,16 +22,19 @@ pub(super) struct Slide {
     pub force: f64,
     /// Work done on the contacts before.
     pub work: f64,
-    /// Cells that slipped, in the order in which they began to.
+    /// Cells that lost their balance, in the order in which they did.
     pub fallen: Vec<u32>,
     /// When they did; NaN where they did not.
     pub starts: Vec<f64>,
+    /// Whether contacts broke together.
+    pub together: bool,
     /// When it was over.
     pub over: f64,
 }
 
 impl Slide {
-    pub fn has_slipped(&self, cell: usize) -> bool {
+    /// Whether a cell has lost its balance.
+    pub fn has_fallen(&self, cell: usize) -> bool {
         !self.starts[cell].is_nan()
     }
 }
@@ -36,21 +47,35 @@ impl Interface {
         parts.map(|slipped| (self.event(slide, &slipped, force_after), slipped)).collect()
     }
 
-    /// Cells that hang together, each part in the order in which its cells began to slip.
+    /// How far cells have to go in a slide to slip in it; none where those do that lost their balance, however far they go.
+    fn least_slip(&self, slide: &Slide) -> Option<f64> {
+        if slide.together || self.setting.slip == Slip::Reset {
+            return None;
+        }
+        let most = largest(self.len(), |cell| self.positions[cell] - slide.before[cell]);
+        Some((ALONG * most).max(CREEP * (self.setting.drive_tolerance * self.length()).sqrt()))
+    }
+
+    /// Cells that slipped and hang together, over others that went as far with them, each part in the order in which its
+    /// cells began to slip.
     fn parts(&self, slide: &Slide) -> Vec<Vec<Slipped>> {
         const NONE: u32 = u32::MAX;
+        let slip = |cell: usize| self.positions[cell] - slide.before[cell];
+        let least = self.least_slip(slide);
+        let goes = |cell: usize| least.map_or_else(|| slide.has_fallen(cell), |least| slip(cell) > least);
+        let slipped = || slide.fallen.iter().map(|&cell| cell as usize).filter(|&cell| goes(cell));
         let mut part_of = vec![NONE; self.len()];
         let mut parts: Vec<Vec<Slipped>> = Vec::new();
-        for &first in &slide.fallen {
-            if part_of[first as usize] != NONE {
+        for first in slipped() {
+            if part_of[first] != NONE {
                 continue;
             }
             let part = parts.len() as u32;
-            part_of[first as usize] = part;
-            let (mut reached, mut number) = (vec![first as usize], 1);
+            part_of[first] = part;
+            let (mut reached, mut number) = (vec![first], 1);
             while let Some(cell) = reached.pop() {
                 for next in beside(cell, self.coupling.shape(), self.coupling.edges()) {
-                    if slide.has_slipped(next) && part_of[next] == NONE {
+                    if goes(next) && part_of[next] == NONE {
                         part_of[next] = part;
                         reached.push(next);
                         number += 1;
@@ -59,10 +84,10 @@ impl Interface {
             }
             parts.push(Vec::with_capacity(number));
         }
-        let begun = slide.fallen.first().map_or(0.0, |&first| slide.starts[first as usize]);
-        for cell in slide.fallen.iter().map(|&cell| cell as usize) {
-            let slip = self.positions[cell] - slide.before[cell];
-            parts[part_of[cell] as usize].push(Slipped { cell, start: slide.starts[cell] - begun, slip });
+        let begun = slipped().next().map_or(0.0, |first| slide.starts[first]);
+        for cell in slipped() {
+            let start = slide.starts[cell] - begun;
+            parts[part_of[cell] as usize].push(Slipped { cell, start, slip: slip(cell) });
         }
         parts
     }

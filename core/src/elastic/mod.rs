@@ -50,8 +50,11 @@ pub enum Loading {
 
 /// What a cell does that loses its balance, at fixed X_T.
 ///
-/// A cell *slips* where it moves down a slope F_j' < −ΣK_0i/n, which the connection of all n cells together would not hold,
-/// having moved farther than [`Setting::drive_tolerance`]; or where contacts break together.
+/// A cell loses its balance where it moves down a slope F_j' < −ΣK_0i/n, which the connection of all n cells together would
+/// not hold, having moved farther than [`Setting::drive_tolerance`]; or where contacts break together. By `Reset`, and
+/// where contacts broke together, it has slipped then. Else it has if it goes farther than creep may within the tolerance
+/// δ of the drive, near a fold some √(δℓ) with the length ℓ on which slopes change, and no less than a tenth as far as the
+/// cell that goes farthest: others have been pulled along.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Slip {
     /// All contacts of a cell that slips break where it begins to, and re-form where the slide ends; until then it is

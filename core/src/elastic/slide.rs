@@ -70,6 +70,7 @@ impl Interface {
             work: self.cells.account().work,
             fallen: Vec::with_capacity(self.len()),
             starts: vec![f64::NAN; self.len()],
+            together: false,
             over: 0.0,
         })
     }
@@ -148,10 +149,12 @@ impl Interface {
         let (steep, known) = (-self.mean_connection(), slide.fallen.len());
         for (cell, Slopes { least, .. }) in slopes.into_iter().enumerate() {
             let way = self.positions[cell] + self.by[cell] - slide.before[cell];
-            let far = way > self.setting.drive_tolerance || least == f64::NEG_INFINITY;
-            if slide.has_slipped(cell) || !far || least >= steep {
+            let together = least == f64::NEG_INFINITY;
+            let far = way > self.setting.drive_tolerance || together;
+            if slide.has_fallen(cell) || !far || least >= steep {
                 continue;
             }
+            slide.together |= together;
             let Some(on) = self.cells.fall(cell, self.by[cell], steep) else { continue };
             let part = if self.by[cell] > 0.0 { on / self.by[cell] } else { 0.0 };
             slide.starts[cell] = time + part * during;
