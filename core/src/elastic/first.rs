@@ -18,9 +18,8 @@ impl Interface {
     /// breaks: upright in slides, in a chord between looks.
     ///
     /// `coupling` is κ = F'/(F' + K_0), F' the slope of a cell none of whose contacts has broken: the share of the force that
-    /// a contact loses which the others gain together, whatever couples cells, of which no force is lost to outside. A
-    /// contact of a cell that has been as far as X_j has broken if its threshold is s_j x_s ≤ X_j, and if all of that cell
-    /// have re-formed together.
+    /// a contact loses which the others gain together, whatever couples cells. A contact of a cell that has been as far
+    /// as X_j has broken if its threshold is s_j x_s ≤ X_j, or if all of that cell have re-formed together.
     ///
     /// All contacts break: no cell is behind (1 − κ) X_T, since the one that is farthest behind is pulled on by the others,
     /// and held by F_j ≤ F' X_j.
@@ -40,16 +39,17 @@ impl Interface {
         }
         let end = scale * thresholds.upper_quantile(UNBROKEN);
         let apart = (thresholds.mean() / LOOKS[0]).min(thresholds.std() / LOOKS[1]);
-        let looks = (end / apart).ceil();
+        let looks = (end / apart).ceil() as usize;
         self.path = (self.drive, end / (1.0 - coupling));
         let mut points = vec![(0.0, 0.0)];
         let mut look = |interface: &Self| {
             points.push(((1.0 - coupling) * interface.drive, interface.broken_once(thresholds)));
         };
-        let mut i = 0.0;
-        while i < looks && self.broken_once(thresholds) < 1.0 - UNBROKEN {
-            i += 1.0;
-            let drive = self.path.1 * (i / looks);
+        for i in 1..=looks {
+            if self.broken_once(thresholds) >= 1.0 - UNBROKEN {
+                break;
+            }
+            let drive = self.path.1 * (i as f64 / looks as f64);
             while !self.go(drive, monitor, &mut look)?.is_empty() {}
         }
         report(monitor, 1.0)?;
