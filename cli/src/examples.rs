@@ -12,7 +12,7 @@ macro_rules! shipped {
 }
 
 /// All of them, simple ones first; tables stand after the scenario that names them.
-const SHIPPED: [Shipped; 34] = shipped![
+const SHIPPED: [Shipped; 35] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -45,6 +45,7 @@ const SHIPPED: [Shipped; 34] = shipped![
     "half-space-512.toml",
     "front-ageing.toml",
     "renormalised.toml",
+    "renormalised-cells.toml",
     "first_loading.csv",
     "front-chain.csv",
 ];

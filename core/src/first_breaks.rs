@@ -12,10 +12,10 @@ pub struct FirstBreaks {
 }
 
 /// The share of contacts that have broken, in cells j of many contacts whose thresholds are s_j x_s: the mean of
-/// 1 − S(X_j/s_j), for cells that have been as far as X_j and contacts that started relaxed.
-pub fn broken(thresholds: &dyn Law, cells: impl ExactSizeIterator<Item = (f64, f64)>) -> f64 {
-    let count = cells.len() as f64;
-    cells.map(|(position, scale)| thresholds.cumulative(position / scale)).sum::<f64>() / count
+/// 1 − S(X_j/s_j), given X_j/s_j, for cells that have been as far as X_j and contacts that started relaxed.
+pub fn broken(thresholds: &dyn Law, advances: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = advances.len() as f64;
+    advances.map(|advance| thresholds.cumulative(advance)).sum::<f64>() / count
 }
 
 impl FirstBreaks {
@@ -33,9 +33,31 @@ impl FirstBreaks {
         Self { points }
     }
 
+    /// Of the contacts of several runs, each with as many: the mean of the shares.
+    pub fn together(runs: &[Self]) -> Self {
+        let mut drives: Vec<f64> =
+            runs.iter().flat_map(|run| run.points.iter().map(|point| point.0)).collect();
+        drives.sort_by(f64::total_cmp);
+        drives.dedup();
+        let mean = |share: fn(&Self, f64) -> f64, drive: f64| {
+            runs.iter().map(|run| share(run, drive)).sum::<f64>() / runs.len() as f64
+        };
+        let step = |drive: f64| [(drive, mean(Self::share_below, drive)), (drive, mean(Self::share, drive))];
+        Self { points: drives.into_iter().flat_map(step).collect() }
+    }
+
     /// The share of contacts that have broken by a drive.
     pub fn share(&self, drive: f64) -> f64 {
-        let after = self.points.partition_point(|point| point.0 <= drive);
+        self.before(self.points.partition_point(|point| point.0 <= drive), drive)
+    }
+
+    /// The share before what breaks at the drive itself.
+    fn share_below(&self, drive: f64) -> f64 {
+        self.before(self.points.partition_point(|point| point.0 < drive), drive)
+    }
+
+    /// The share on the line to a point from the one before.
+    fn before(&self, after: usize, drive: f64) -> f64 {
         let Some(&(low, below)) = after.checked_sub(1).map(|i| &self.points[i]) else { return 0.0 };
         let Some(&(high, above)) = self.points.get(after) else { return below };
         below + (above - below) * ((drive - low) / (high - low))
@@ -101,13 +123,31 @@ mod tests {
     fn cells_that_move_alike_have_the_law_of_their_thresholds() {
         let law = Exponential::new(0.7).unwrap();
         let at = |i: u32| f64::from(i) * 0.01;
-        let share = |x: f64| broken(&law, [(x, 1.0); 3].into_iter());
+        let share = |x: f64| broken(&law, [x; 3].into_iter());
         let breaks = FirstBreaks::of_shares((0..=2000).map(|i| (at(i), share(at(i)))).collect());
         // Chords of steps of 1/70 of the mean; 1e-12 has not broken.
         assert!((breaks.mean() - 0.7).abs() < 2e-5 && (breaks.std() - 0.7).abs() < 2e-5);
         assert!(breaks.distance(&law) < 1e-15);
-        // Two cells whose thresholds are scaled by 1 and 2.
-        let two = broken(&law, [(1.0, 1.0), (1.0, 2.0)].into_iter());
-        assert_eq!(two, 0.5 * (law.cumulative(1.0) + law.cumulative(0.5)));
+        // One cell that is there, one that has gone half as far, one all of whose contacts have broken.
+        let three = broken(&law, [1.0, 0.5, f64::INFINITY].into_iter());
+        assert_eq!(three, (law.cumulative(1.0) + law.cumulative(0.5) + 1.0) / 3.0);
+    }
+
+    #[test]
+    fn runs_add_up() {
+        // Contacts one by one: as if they were of one run.
+        let drives = [[3.0, 1.0, 1.0, 2.0], [0.5, 1.0, 2.5, 7.0]];
+        let runs = drives.map(|drives| FirstBreaks::of_contacts(&drives));
+        let (together, all) = (FirstBreaks::together(&runs), FirstBreaks::of_contacts(&drives.concat()));
+        for x in [0.0, 0.5, 0.7, 1.0, 2.2, 2.5, 6.0, 7.0, 8.0] {
+            assert_eq!((together.share(x), together.share_below(x)), (all.share(x), all.share_below(x)));
+        }
+        assert_eq!((together.mean(), together.std()), (all.mean(), all.std()));
+        // Half from 0 to 2, the rest at 2; and all from 1 to 3.
+        let shares = [vec![(0.0, 0.0), (2.0, 0.5), (2.0, 1.0)], vec![(1.0, 0.0), (3.0, 1.0)]];
+        let together = FirstBreaks::together(&shares.map(FirstBreaks::of_shares));
+        assert_eq!([0.5, 1.0, 1.5].map(|x| together.share(x)), [0.0625, 0.125, 0.3125]);
+        assert_eq!([together.share_below(2.0), together.share(2.0), together.share(2.5)], [0.5, 0.75, 0.875]);
+        assert_eq!(together.mean(), 0.5 * (0.5 * 1.0 + 0.5 * 2.0) + 0.5 * 2.0);
     }
 }

@@ -173,6 +173,24 @@ def test_first_breaks_of_coupled_contacts() -> None:
     )
 
 
+def test_first_breaks_of_cells() -> None:
+    interface = {
+        "cells": [20],
+        "connection": 9.0,
+        "coupling": {"neighbours": {"stiffness": 0.5}},
+        "disorder": {"std": 0.0, "seed": 3},
+    }
+    law = asp.Gaussian(1.0, 0.05)
+    result = asp.run(
+        {"contacts": {"thresholds": law}, "interface": interface, "renormalisation": {"runs": 2}}
+    )
+    found, mean_field = result.summary["renormalisation"], asp.Renormalised(law, 0.1)
+    assert (found["cells"], found["runs"], result.summary["seed"]) == (20, 2, 3)
+    # Cells that are alike are mean field, but for 1e-6 of the contacts, which are not waited for.
+    assert found["mean"]["value"] == pytest.approx(mean_field.mean(), abs=1e-6)
+    assert found["mean_field"]["distance"] < 1e-8
+
+
 def test_scenarios_may_be_texts_or_dictionaries(tmp_path: Path) -> None:
     path = tmp_path / "rough.toml"
     path.write_text(TEXT, encoding="utf-8")

@@ -8,7 +8,7 @@ use asperity::law::{Gaussian, Law};
 use asperity::monitor::Monitor;
 use asperity::scenario::Scenario;
 use asperity_runner::output::{self, Outcome};
-use asperity_runner::summary::Renormalisation;
+use asperity_runner::summary::{Renormalisation, Size};
 use asperity_runner::{input, task};
 
 fn scenario(share: f64) -> Scenario {
@@ -33,6 +33,24 @@ fn run(share: f64) -> Outcome {
 
 fn found(outcome: &Outcome) -> Renormalisation {
     outcome.summary.renormalisation.expect("what was measured")
+}
+
+/// Cells of many contacts, whose scales scatter.
+fn cells(connection: f64, springs: f64, scatter: f64) -> Outcome {
+    let text = format!(
+        "contacts.thresholds.gaussian = {{ mean = 1.0, std = 0.05 }}
+renormalisation = {{ runs = 4, points = 40 }}
+[interface]
+cells = [300]
+connection = {connection}
+coupling.neighbours.stiffness = {springs}
+disorder.std = {scatter}
+drive_tolerance = 1e-4
+"
+    );
+    let scenario =
+        input::parse(&text, "test", Path::new(""), &[]).expect("the scenario makes sense").scenario;
+    task::run(&scenario, &mut ()).unwrap()
 }
 
 /// 4 standard errors of 4 · 3600 free contacts; Kolmogorov's distance at a false-alarm rate of 1e-6.
@@ -64,6 +82,7 @@ fn uncoupled_contacts_break_at_their_thresholds() {
 fn coupled_contacts_break_before_their_thresholds_and_more_alike() {
     let found = found(&run(0.05));
     let law = found.mean_field.expect("a coupling below the critical one");
+    assert_eq!(found.size, Size::Contacts(3600));
     assert!((found.coupling - 0.2).abs() < 1e-15 && (found.critical_coupling - 0.2494).abs() < 5e-5);
     assert!(law.mean < found.mean.value && found.mean.value < found.thresholds.mean);
     assert!(law.std < found.std.value && found.std.value < found.thresholds.std);
@@ -74,6 +93,29 @@ fn coupled_contacts_break_before_their_thresholds_and_more_alike() {
 fn from_the_critical_coupling_on_there_is_no_mean_field() {
     let outcome = run(0.07);
     assert!(found(&outcome).mean_field.is_none() && outcome.record.get("mean_field_density").is_none());
+}
+
+#[test]
+fn cells_that_are_alike_have_the_law_of_mean_field() {
+    let found = found(&cells(9.0, 0.3, 0.0));
+    let law = found.mean_field.expect("a coupling below the critical one");
+    assert_eq!((found.size, found.coupling), (Size::Cells(300), 0.1));
+    // The force is known to 1e-10, and what it makes of positions is 1/(1 − κ/κ_c) = 5 times as much.
+    assert!(law.distance < 1e-8, "{law:?}");
+    // What is not waited for: 1e-6 of the contacts, 5 σ off.
+    assert!((law.mean - found.mean.value).abs() < 1e-6 && (law.std - found.std.value).abs() < 1e-4);
+    assert!(found.mean.error < 1e-12 && found.std.error < 1e-12);
+}
+
+/// Stiff springs make one slider of cells that scatter; soft ones do not, least where a cell alone is unstable.
+#[test]
+fn cells_that_differ_have_the_law_of_mean_field_where_they_are_stiff() {
+    let (stiff, soft) = (found(&cells(4.5, 1e5, 0.1)), found(&cells(4.5, 0.01, 0.1)));
+    let law = stiff.mean_field.expect("a coupling below the critical one");
+    // 4 standard errors of mean and deviation of 1200 scales; of the narrower law the latter changes twice as much.
+    let errors = [4.0 * 0.1 / 1200.0_f64.sqrt(), 4.0 * 2.0 * 0.1 / 2400.0_f64.sqrt()];
+    assert!((stiff.mean.value - law.mean).abs() < errors[0] && (stiff.std.value - law.std).abs() < errors[1]);
+    assert!(soft.std.value > law.std + errors[1] && soft.mean_field.unwrap().distance > 4.0 * law.distance);
 }
 
 #[test]

@@ -1,9 +1,14 @@
 //! The drives at which coupled contacts first break, against what mean field makes of their thresholds.
 
+use std::sync::Arc;
+
+use asperity::elastic::cells::scales;
+use asperity::elastic::coupling::neighbours;
+use asperity::elastic::{Curves, Interface, Loading, Setting, Slip};
 use asperity::ensemble::Disorder;
 use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape};
 use asperity::first_breaks::FirstBreaks;
-use asperity::law::{Law, Renormalised, critical_coupling};
+use asperity::law::{Law, Renormalised, SharedLaw, critical_coupling, scattered};
 use kuva::plot::{MarkerShape, ScatterPlot};
 use kuva::render::plots::Plot;
 use kuva::render::render::{Scene, render_multiple};
@@ -11,7 +16,7 @@ use kuva::render::render::{Scene, render_multiple};
 use crate::curve::line;
 use crate::page::Page;
 use crate::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots};
-use crate::{equal, gaussian, point, start, together};
+use crate::{equal, gaussian, master, point, start, together};
 
 /// Contacts: a power of 4, of which a square has whole sides.
 const SIZE: usize = 1 << 16;
@@ -33,6 +38,15 @@ const KINDS: [(Others, &str, &str); 3] =
 /// σ and κ/κ_c.
 const CASES: [(f64, f64); 7] =
     [(0.05, 0.5), (0.1, 0.1), (0.1, 0.2), (0.1, 0.4), (0.1, 0.8), (0.1, 0.95), (0.2, 0.8)];
+
+/// σ of the thresholds in a cell, and how far the scales of cells scatter.
+const WIDTHS: (f64, f64) = (0.05, 0.1);
+/// K_0 over N⟨k⟩.
+const CONNECTION: f64 = 5.0;
+/// K_int over N⟨k⟩.
+const SPRINGS: [f64; 4] = [0.01, 1.0, 100.0, 10_000.0];
+/// Interfaces of cells, each with its scales at other places.
+const RUNS: u64 = 4;
 
 impl Others {
     fn first_breaks(self, std: f64, coupling: f64) -> FirstBreaks {
@@ -110,7 +124,83 @@ field and come later: contacts that still hold have neighbours that hold, too.
         let caption = "First breaks at σ = 0.1 and κ = 0.8 κ_c, of contacts that stretch two neighbours, four, or all others, with the law of their thresholds and the mean field's.";
         page.picture("renormalised", caption, &picture(0.1, 0.8));
     }
+    cells(page)
+}
+
+/// Cells on springs, from soft to stiff.
+fn cells(mut page: Page) -> Page {
+    let thresholds: SharedLaw =
+        Arc::new(scattered(gaussian(1.0, WIDTHS.0).as_ref(), WIDTHS.1).expect("a law without point masses"));
+    let coupling = 1.0 / (1.0 + CONNECTION);
+    let law = Renormalised::new(thresholds.clone(), coupling).expect("a coupling below the critical one");
+    let alone = critical_coupling(gaussian(1.0, WIDTHS.0).as_ref());
+    page.text(&format!(
+        "
+Cells of many contacts, with thresholds of σ = {} times a scale of the cell, on springs K_int to their neighbours and
+K_0 = {CONNECTION} N⟨k⟩ to the drive: κ = {coupling:.4}, beyond κ_c = {alone:.4} of a cell alone, below {:.4} of all contacts together.
+Scales have a standard deviation of {}; those of 256 cells are evenly spread over their law, and stand at random places, drawn
+{RUNS} times. P_eff has the mean {:.4} and the standard deviation {:.4}.
+",
+        WIDTHS.0,
+        critical_coupling(thresholds.as_ref()),
+        WIDTHS.1,
+        law.mean(),
+        law.std(),
+    ));
+    page.head(&["cells", "K_int/N⟨k⟩", "mean", "std", "distance from P_c", "from P_eff"]);
+    for (shape, name) in [(Shape::Chain(256), "chain"), (Shape::Square([16; 2]), "lattice")] {
+        for springs in SPRINGS {
+            let runs: Vec<_> = (1..=RUNS).map(|seed| breaks_of_cells(shape, springs, seed)).collect();
+            let found = FirstBreaks::together(&runs);
+            let distances = [thresholds.as_ref(), &law as &dyn Law].map(|law| found.distance(law));
+            let numbers = [found.mean(), found.std(), distances[0], distances[1]].map(|x| format!("{x:.4}"));
+            page.row(&[&[name.to_owned(), springs.to_string()], &numbers[..]].concat());
+        }
+    }
+    page.end();
+    page.text(
+        "
+Stiff cells are one slider, mean field itself but for the tails of the scales, which 256 cells do not have; a chain must be
+stiffer than a lattice for that. Soft cells break one by one, each in a slide, at drives that scatter as their scales do.
+",
+    );
     page
+}
+
+/// Quantiles of the law of scales, by the ranks of scales drawn at random.
+fn spread(cells: usize, seed: u64) -> Vec<f64> {
+    let drawn = scales(cells, WIDTHS.1, seed).expect("scales above 0");
+    let mut order: Vec<usize> = (0..cells).collect();
+    order.sort_by(|&i, &j| drawn[i].total_cmp(&drawn[j]));
+    let law = gaussian(1.0, WIDTHS.1);
+    let mut scales = drawn;
+    for (rank, cell) in order.into_iter().enumerate() {
+        scales[cell] = law.quantile((rank as f64 + 0.5) / cells as f64);
+    }
+    scales
+}
+
+fn breaks_of_cells(shape: Shape, springs: f64, seed: u64) -> FirstBreaks {
+    let thresholds = gaussian(1.0, WIDTHS.0);
+    let population = master(&thresholds, &point(0.0)).population(1e-10).expect("a tolerance that is kept");
+    let cells =
+        Curves::new(&population, shape.size(), &mut ()).and_then(|c| c.scaled(spread(shape.size(), seed)));
+    let springs = neighbours(shape, Edges::Periodic, springs).expect("springs");
+    let setting = Setting {
+        connection: CONNECTION,
+        loading: Loading::Uniform,
+        slip: Slip::Overdamped,
+        viscosity: None,
+        drive_tolerance: 1e-6,
+        area: 1.0,
+    };
+    let interface = Interface::new(Box::new(cells.expect("as many scales as cells")), springs, setting);
+    let found = interface.expect("cells as coupled").first_breaks(
+        thresholds.as_ref(),
+        1.0 / (1.0 + CONNECTION),
+        &mut (),
+    );
+    found.expect("nothing stops it")
 }
 
 fn picture(std: f64, near: f64) -> Scene {

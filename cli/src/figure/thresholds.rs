@@ -22,8 +22,8 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         legend.push(style::line(format!("mean field, κ = {}", style::digits(found.coupling)), BLUE, None));
     }
     plots.extend(errors(drive, measured, record.values("measured_error")?, ORANGE));
-    let contacts = format!("first breaks, {} × {} contacts", found.runs, found.contacts);
-    legend.push(style::marker(contacts, ORANGE, MarkerShape::Circle));
+    let breaks = format!("first breaks, {} × {}", found.runs, found.size);
+    legend.push(style::marker(breaks, ORANGE, MarkerShape::Circle));
     let top = style::range([measured, free, mean_field.unwrap_or(&[])]).1;
     let ends = (drive[0], drive[drive.len() - 1]);
     let layout = style::titled(style::layout(ends, (0.0, style::headroom(top))), &outcome.summary.title)

@@ -21,10 +21,7 @@ pub fn lines(summary: &Summary, found: &Renormalisation) -> Vec<(&'static str, S
     let none = || "none: from κ_c on a share of all contacts breaks at once".to_owned();
     vec![
         ("coupling", format!("κ = {}, κ_c = {}", digits(found.coupling), digits(found.critical_coupling))),
-        (
-            "first breaks",
-            format!("mean {mean}, std {std}; {} runs of {} contacts", found.runs, found.contacts),
-        ),
+        ("first breaks", format!("mean {mean}, std {std}; {} runs of {}", found.runs, found.size)),
         ("thresholds", law(&found.thresholds)),
         ("mean field", found.mean_field.as_ref().map_or_else(none, law)),
     ]

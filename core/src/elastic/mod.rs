@@ -20,6 +20,7 @@ pub mod coupling;
 mod creep;
 mod energy;
 mod event;
+mod first;
 mod outlook;
 mod slide;
 mod solve;
@@ -283,10 +284,21 @@ impl Interface {
         if self.path.1 != drive {
             self.path = (self.drive, drive);
         }
+        self.go(drive, monitor, &mut |_| ())
+    }
+
+    /// The same on a path that is known, shown to `look` before and after every slide and where the drive is reached.
+    fn go(
+        &mut self,
+        drive: f64,
+        monitor: &mut dyn Monitor,
+        look: &mut dyn FnMut(&Self),
+    ) -> Result<Vec<(Event, Vec<Slipped>)>> {
         let mut lost = self.excess_here()? > self.precision();
         loop {
             if lost {
                 let events = self.slide(monitor)?;
+                look(self);
                 if !events.is_empty() {
                     return Ok(events);
                 }
@@ -297,6 +309,9 @@ impl Interface {
             }
             self.tell(monitor)?;
             lost = self.creep(drive)?;
+            if lost || self.drive >= drive {
+                look(self);
+            }
         }
     }
 

@@ -169,8 +169,7 @@ impl Scenario {
         }
         match task {
             Task::Drive(drive) => interface.check(contacts, drive, self.ensemble.as_ref()),
-            Task::Renormalisation(_) => Renormalisation::check_contacts(interface, contacts, self)
-                .and_then(|()| interface.check_cells(contacts, self.ensemble.as_ref())),
+            Task::Renormalisation(task) => task.check_interface(interface, contacts, self),
             task => {
                 let expected = "an interface only with the tasks [drive] and [renormalisation]";
                 Err(Error::invalid("interface", expected, format!("one with [{}]", task.name())))

@@ -3,15 +3,17 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Interface, Law, PerCell, Scenario, size};
-use crate::contacts::Contacts;
+use super::{Interface, Law, Loading, PerCell, Scales, Scenario, size};
+use crate::contacts::{Contacts, Stiffness};
 use crate::{Error, Result};
 
-/// Drives interfaces of relaxed contacts until every contact has broken, and counts at which drives they first did.
+/// Drives interfaces of relaxed contacts until every contact has broken (of cells, all but 1e-6), and counts at which drives
+/// they first did.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Renormalisation {
-    /// Number of interfaces drawn, from the seed of the ensemble on, each with the next one.
+    /// Number of interfaces drawn, each with the next seed: of contacts coupled one by one from that of the ensemble on, of
+    /// cells from that of their disorder on.
     pub runs: usize,
     /// Number of equal intervals of the drive in which first breaks are counted.
     pub points: usize,
@@ -38,19 +40,16 @@ impl Renormalisation {
         size::check("points", self.points, size::BYTES_PER_POINT)
     }
 
-    /// Whether the rest of the scenario is of relaxed contacts that differ, coupled one by one.
+    /// Whether the rest of the scenario is of relaxed contacts that differ, coupled one by one or in cells that differ.
     ///
     /// # Errors
     /// What is not so, with its full path.
-    pub(super) fn check_contacts(
+    pub(super) fn check_interface(
+        &self,
         interface: &Interface,
         contacts: &Contacts,
         scenario: &Scenario,
     ) -> Result<()> {
-        if interface.contacts != PerCell::One {
-            let expected = "\"one\" with [renormalisation]: contacts coupled one by one";
-            return Err(Error::invalid("interface.contacts", expected, "many"));
-        }
         if let Some(atom) = contacts.thresholds.atoms().first() {
             let expected =
                 "thresholds without point masses with [renormalisation]: identical contacts break together";
@@ -65,6 +64,53 @@ impl Renormalisation {
                 return Err(Error::invalid(key, expected, "another law"));
             }
         }
-        Ok(())
+        if interface.contacts == PerCell::One {
+            return interface.check_cells(contacts, scenario.ensemble.as_ref());
+        }
+        check_many(interface, contacts, scenario)?;
+        (0..self.runs).try_for_each(|run| interface.redrawn(run).check_cells(contacts, None))
+    }
+}
+
+/// Refuses cells that are not driven together and slowly, or do not differ by chance.
+fn check_many(interface: &Interface, contacts: &Contacts, scenario: &Scenario) -> Result<()> {
+    let refused = |key: &str, expected: &str, why: &str, found: &str| {
+        let expected = format!("{expected} with [renormalisation] of cells: {why}");
+        Err(Error::invalid(key, expected, found))
+    };
+    if let Some(rule) = contacts.rules.first() {
+        return refused(
+            &format!("contacts.{rule}"),
+            "none",
+            "they are followed along the drive alone",
+            "one",
+        );
+    }
+    if matches!(contacts.stiffness, Stiffness::PerThreshold(_)) {
+        let areas = scenario.contacts.areas.is_some();
+        let key = if areas { "contacts.areas" } else { "contacts.stiffness_per_threshold" };
+        let found = "stiffness that grows with the threshold";
+        return refused(key, "equal stiffness", "κ is the same for every contact", found);
+    }
+    if scenario.ensemble.is_some() {
+        return refused(
+            "ensemble",
+            "none",
+            "each has many contacts, which follow the master equation",
+            "one",
+        );
+    }
+    if interface.loading == Loading::Edge {
+        return refused("interface.loading", "\"uniform\"", "all are at the same drive", "edge");
+    }
+    if interface.viscosity.is_some() {
+        return refused("interface.viscosity", "none", "slides end in the same places without", "one");
+    }
+    match &interface.disorder {
+        Some(Scales { std: Some(_), .. }) => Ok(()),
+        disorder => {
+            let found = if disorder.is_some() { "scales that are given" } else { "none" };
+            refused("interface.disorder", "{ std, seed }", "each run draws their scales anew", found)
+        }
     }
 }

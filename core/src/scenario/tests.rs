@@ -199,3 +199,70 @@ fn warnings_say_what_will_surprise() {
     scenario.contacts.ageing = Some(Ageing::FrozenRank { mature, time: 1.0 });
     assert!(scenario.warnings()[0].starts_with("contacts.ageing: the mature law is weaker"));
 }
+
+/// Cells of many contacts that differ by chance.
+fn cells() -> Interface {
+    Interface {
+        cells: vec![4, 4],
+        contacts: PerCell::Many,
+        connection: 4.0,
+        coupling: Coupling::Neighbours { stiffness: 1.0 },
+        edges: Edges::Periodic,
+        loading: Loading::Uniform,
+        slip: None,
+        viscosity: None,
+        disorder: Some(Scales { std: Some(0.1), ..Scales::default() }),
+        drive_tolerance: Interface::DRIVE_TOLERANCE,
+        catalogue_from: 0.0,
+    }
+}
+
+fn renormalised(interface: Interface) -> Scenario {
+    let thresholds = Law::Gaussian { mean: 1.0, std: 0.1 };
+    let task = Renormalisation { runs: 3, ..Renormalisation::default() };
+    Scenario { pull: None, renormalisation: Some(task), interface: Some(interface), ..scenario(thresholds) }
+}
+
+#[test]
+fn first_breaks_of_cells_are_those_of_many_alike_contacts_under_one_drive() {
+    assert!(renormalised(cells()).build().is_ok());
+    let given = Scales { scale: Some(vec![1.0; 16]), ..Scales::default() };
+    for (interface, key) in [
+        (Interface { loading: Loading::Edge, ..cells() }, "interface.loading"),
+        (Interface { viscosity: Some(1.0), ..cells() }, "interface.viscosity"),
+        (Interface { disorder: None, ..cells() }, "interface.disorder"),
+        (Interface { disorder: Some(given), ..cells() }, "interface.disorder"),
+    ] {
+        assert_eq!(refused(&renormalised(interface)).0, key);
+    }
+    let few = Scenario {
+        ensemble: Some(Ensemble { size: Some(10), ..Ensemble::default() }),
+        ..renormalised(cells())
+    };
+    assert_eq!(refused(&few).0, "ensemble");
+    let with = |change: fn(&mut Contacts)| {
+        let mut scenario = renormalised(cells());
+        change(&mut scenario.contacts);
+        refused(&scenario).0
+    };
+    assert_eq!(with(|contacts| contacts.delay = Some(Delay { time: 1.0 })), "contacts.delay");
+    let correlated = |contacts: &mut Contacts| contacts.stiffness_per_threshold = Some(1.0);
+    assert_eq!(with(correlated), "contacts.stiffness_per_threshold");
+    // The scales of the third run have the last seed that there is not.
+    let last = Scales { std: Some(0.1), seed: Some(i64::MAX as u64 - 1), ..Scales::default() };
+    let (key, found) = refused(&renormalised(Interface { disorder: Some(last), ..cells() }));
+    assert_eq!((key.as_str(), found.as_str()), ("interface.disorder.seed", "9223372036854775808"));
+}
+
+#[test]
+fn the_share_of_cells_is_that_of_their_stiffnesses() {
+    let mut described = renormalised(cells());
+    described.contacts.count = 3.0;
+    described.contacts.stiffness = Some(0.5);
+    let (contacts, _) = described.build().unwrap();
+    let share = cells().total_share(&contacts).unwrap();
+    assert!((share - 1.5 / 5.5).abs() < 1e-15);
+    // Variances of a product: σ² + s²(1 + σ²), but for the 1e-23 of thresholds below 0.
+    let law = cells().thresholds(&contacts).unwrap();
+    assert!((law.std() - (0.01_f64 + 0.01 * 1.01).sqrt()).abs() < 1e-11);
+}

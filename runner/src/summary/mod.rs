@@ -9,7 +9,7 @@ use asperity::scenario::{Disorder, Units};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use catalogue::{Catalogue, Largest, PowerLaw};
-pub use renormalisation::{Compared, Renormalisation};
+pub use renormalisation::{Compared, Renormalisation, Size};
 pub use time::{CurveLimits, Fitted, HoldCurve, Peak, RateState, Step};
 
 /// The numbers of a run.

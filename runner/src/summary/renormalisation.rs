@@ -11,8 +11,9 @@ pub struct Renormalisation {
     pub coupling: f64,
     /// κ_c of the thresholds.
     pub critical_coupling: f64,
-    /// Contacts of each run.
-    pub contacts: usize,
+    /// What was driven in each run.
+    #[serde(flatten)]
+    pub size: Size,
     /// Number of runs.
     pub runs: usize,
     /// Mean drive of first breaks.
@@ -24,6 +25,25 @@ pub struct Renormalisation {
     /// The renormalised law; absent at κ_c and above, where a share of all contacts breaks at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_field: Option<Compared>,
+}
+
+/// How large an interface is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Size {
+    /// So many contacts, coupled one by one.
+    Contacts(usize),
+    /// So many cells of many contacts.
+    Cells(usize),
+}
+
+impl std::fmt::Display for Size {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Contacts(number) => write!(f, "{number} contacts"),
+            Self::Cells(number) => write!(f, "{number} cells"),
+        }
+    }
 }
 
 /// A law beside the measured one.

@@ -6,11 +6,11 @@ use asperity::first_breaks::FirstBreaks;
 use asperity::law::{Law, Renormalised, critical_coupling};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
-use asperity::scenario::{Ensemble, Interface, Renormalisation};
+use asperity::scenario::{Ensemble, Interface, PerCell, Renormalisation};
 
-use super::Setting;
 use super::part::Part;
-use crate::summary::{self, Compared, Fitted, Summary};
+use super::{Setting, interface};
+use crate::summary::{self, Compared, Fitted, Size, Summary};
 
 /// Share of a law that is not shown at either end.
 const TAIL: f64 = 1e-4;
@@ -18,56 +18,86 @@ const TAIL: f64 = 1e-4;
 /// Drives the interfaces that `task` asks for.
 ///
 /// # Errors
-/// What the lattice refuses, or the monitor's wish to stop.
+/// What the interface refuses, or the monitor's wish to stop.
 pub fn run(
     setting: &Setting<'_>,
     task: &Renormalisation,
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let interface = setting.scenario.interface.as_ref().expect("a scenario of this task has one");
-    let shared = &setting.contacts.thresholds;
+    let shared = interface.thresholds(&setting.contacts)?;
     let thresholds = shared.as_ref();
-    let coupling = interface.springs()?.total_share();
+    let coupling = interface.total_share(&setting.contacts)?;
     let critical = critical_coupling(thresholds);
     let mean_field =
         (coupling < critical).then(|| Renormalised::new(shared.clone(), coupling)).transpose()?;
     let mean_field = mean_field.as_ref().map(|law| law as &dyn Law);
-    let drives = measured(setting, task, interface, monitor)?;
-    let runs: Vec<_> = drives.iter().map(|drives| FirstBreaks::of_contacts(drives)).collect();
-    let all = FirstBreaks::of_contacts(&drives.concat());
+    let runs = measured(setting, task, interface, coupling, monitor)?;
+    let all = FirstBreaks::together(&runs);
     let compared = |law: &dyn Law| Compared { mean: law.mean(), std: law.std(), distance: all.distance(law) };
     let laws = summary::Renormalisation {
         coupling,
         critical_coupling: critical,
-        contacts: interface.size(),
+        size: match interface.contacts {
+            PerCell::One => Size::Contacts(interface.size()),
+            PerCell::Many => Size::Cells(interface.size()),
+        },
         runs: task.runs,
         mean: scatter(runs.iter().map(FirstBreaks::mean)),
         std: scatter(runs.iter().map(FirstBreaks::std)),
         thresholds: compared(thresholds),
         mean_field: mean_field.map(compared),
     };
-    let seed = Some(setting.scenario.ensemble.clone().unwrap_or_default().seed);
+    let seed = interface::seed(setting.scenario, interface);
     let known: Vec<_> = [thresholds].into_iter().chain(mean_field).collect();
     let record = record(&edges(&known, &all, task.points), thresholds, mean_field, &runs);
     Ok((Summary { seed, sample: None, renormalisation: Some(laws), ..setting.heading() }, record))
 }
 
-/// The drives at which contacts first broke, run by run.
+/// The law of first breaks in each run.
 fn measured(
     setting: &Setting<'_>,
     task: &Renormalisation,
     interface: &Interface,
+    coupling: f64,
     monitor: &mut dyn Monitor,
-) -> Result<Vec<Vec<f64>>> {
-    let Setting { scenario, contacts, initial } = setting;
-    let first = scenario.ensemble.clone().unwrap_or_default();
+) -> Result<Vec<FirstBreaks>> {
     let share = 1.0 / task.runs as f64;
     let run = |run: usize| {
-        let ensemble = Ensemble { seed: first.seed + run as u64, ..first.clone() };
-        let mut lattice = interface.lattice(contacts.clone(), initial.clone(), Some(&ensemble))?;
-        lattice.first_breaks(&mut Part::new(monitor, run as f64 * share, share))
+        let mut part = Part::new(monitor, run as f64 * share, share);
+        match interface.contacts {
+            PerCell::One => of_contacts(setting, interface, run, &mut part),
+            PerCell::Many => of_cells(setting, &interface.redrawn(run), coupling, &mut part),
+        }
     };
     (0..task.runs).map(run).collect()
+}
+
+/// Contacts coupled one by one, drawn from the seed of the ensemble and as many further on as there were runs before.
+fn of_contacts(
+    setting: &Setting<'_>,
+    interface: &Interface,
+    run: usize,
+    monitor: &mut dyn Monitor,
+) -> Result<FirstBreaks> {
+    let first = setting.scenario.ensemble.clone().unwrap_or_default();
+    let ensemble = Ensemble { seed: first.seed + run as u64, ..first };
+    let (contacts, initial) = (setting.contacts.clone(), setting.initial.clone());
+    let mut lattice = interface.lattice(contacts, initial, Some(&ensemble))?;
+    Ok(FirstBreaks::of_contacts(&lattice.first_breaks(monitor)?))
+}
+
+/// Contacts of cells.
+fn of_cells(
+    setting: &Setting<'_>,
+    interface: &Interface,
+    coupling: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<FirstBreaks> {
+    let Setting { scenario, contacts, initial } = setting;
+    let tolerance = scenario.master_equation.tolerance();
+    let mut cells = interface.deformable(contacts.clone(), initial, tolerance, None, monitor)?;
+    cells.first_breaks(contacts.thresholds.as_ref(), coupling, monitor)
 }
 
 /// The mean of runs, with its standard error.

@@ -1,13 +1,16 @@
 //! An interface as the objects that it describes.
 
+use std::sync::Arc;
+
 use super::super::{Block, Ensemble};
-use super::{CellSlip, Coupling, Edges, Interface, Loading};
+use super::{CellSlip, Coupling, Edges, Interface, Loading, PerCell, Scales};
 use crate::clocked::Clocked;
 use crate::contacts::{Contacts, Initial};
 use crate::elastic::cells::{Cells, Curves, Populations};
 use crate::elastic::clocked::Scaled;
 use crate::elastic::{self, InterfaceInTime, SettingInTime, coupling};
 use crate::ensemble::lattice::{self, Lattice};
+use crate::law::{SharedLaw, scattered};
 use crate::master::{MasterEquation, Stretches, Transport};
 use crate::monitor::Monitor;
 use crate::population::Population;
@@ -100,6 +103,40 @@ impl Interface {
         };
         let build = || InterfaceInTime::new(cells, self.elasticity()?, setting);
         build().map_err(|e| e.under("interface"))
+    }
+
+    /// The same with the disorder that is drawn from the seed so many further on.
+    #[must_use]
+    pub fn redrawn(&self, further: usize) -> Self {
+        let redrawn =
+            |scales: &Scales| Scales { seed: Some(scales.seed() + further as u64), ..scales.clone() };
+        Self { disorder: self.disorder.as_ref().map(redrawn), ..self.clone() }
+    }
+
+    /// The law of the thresholds of all cells together, those of a cell having the law of `contacts` times its scale.
+    ///
+    /// # Errors
+    /// Those of [`scattered`].
+    pub fn thresholds(&self, contacts: &Contacts) -> Result<SharedLaw> {
+        match self.disorder.as_ref().and_then(|scales| scales.std) {
+            Some(std) if std > 0.0 => Ok(Arc::new(scattered(contacts.thresholds.as_ref(), std)?)),
+            _ => Ok(contacts.thresholds.clone()),
+        }
+    }
+
+    /// κ, the share of the force that a contact loses which others gain: of cells of N contacts N⟨k⟩/(N⟨k⟩ + K_0), whatever
+    /// couples them.
+    ///
+    /// # Errors
+    /// Single contacts on a half-space.
+    pub fn total_share(&self, contacts: &Contacts) -> Result<f64> {
+        match self.contacts {
+            PerCell::One => Ok(self.springs()?.total_share()),
+            PerCell::Many => {
+                let stiffness = contacts.count * contacts.stiffness.of(contacts.thresholds.mean());
+                Ok(stiffness / (stiffness + self.connection))
+            }
+        }
     }
 
     /// Stretches Q[x, X(r)] of the contacts of a cell, which follow an equation: of scale s, Q(x/s; X/s)/s.

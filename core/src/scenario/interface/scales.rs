@@ -29,12 +29,17 @@ pub struct Scales {
 }
 
 impl Scales {
+    /// The seed of the draws.
+    pub fn seed(&self) -> u64 {
+        self.seed.unwrap_or(1)
+    }
+
     /// The scales of so many cells.
     pub(super) fn build(&self, cells: usize) -> Result<Vec<f64>> {
         self.check(cells).map_err(|e| e.under("disorder"))?;
         match &self.scale {
             Some(scale) => Ok(scale.clone()),
-            None => scales(cells, self.std.unwrap_or(0.0), self.seed.unwrap_or(1)),
+            None => scales(cells, self.std.unwrap_or(0.0), self.seed()),
         }
     }
 

@@ -10,7 +10,7 @@ mod stops;
 
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
-use asperity::scenario::{self, PerCell, Scales, Scenario};
+use asperity::scenario::{self, PerCell, Scenario};
 use asperity::{Error, Result};
 
 use super::Setting;
@@ -79,12 +79,12 @@ fn drive<M: Model>(
 }
 
 /// The seed of what is drawn at random, if anything is.
-fn seed(scenario: &Scenario, interface: &scenario::Interface) -> Option<u64> {
+pub fn seed(scenario: &Scenario, interface: &scenario::Interface) -> Option<u64> {
     match (interface.contacts, &interface.disorder) {
         (PerCell::One, _) => Some(scenario.ensemble.clone().unwrap_or_default().seed),
         (PerCell::Many, _) if scenario.ensemble.is_some() => scenario.ensemble.as_ref().map(|e| e.seed),
-        (PerCell::Many, Some(Scales { std: Some(_), seed, .. })) => Some(seed.unwrap_or(1)),
-        (PerCell::Many, _) => None,
+        (PerCell::Many, Some(scales)) => scales.std.map(|_| scales.seed()),
+        (PerCell::Many, None) => None,
     }
 }
 
