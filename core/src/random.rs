@@ -12,6 +12,8 @@ use std::convert::Infallible;
 
 use rand_core::TryRng;
 
+use crate::numerics::wide::wide;
+
 /// What the draws of a stream are for; the numbers are part of the frozen layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -53,7 +55,10 @@ pub struct Stream {
 }
 
 /// Most blocks computed at once: their multiplications overlap, and what uses the words runs longer undisturbed.
-const AHEAD: usize = 16;
+const AHEAD: usize = 32;
+
+/// Blocks that are made sooner in pairs than on wide registers.
+const FEW: usize = 8;
 
 impl Stream {
     /// The stream of `seed` for `purpose`, of the contact or cell number `index`.
@@ -107,28 +112,17 @@ impl Stream {
         self.used += words;
     }
 
-    /// Makes `blocks`, one at least and [`AHEAD`] at most; more than one in pairs, half as dear as single ones.
+    /// Makes `blocks` or a few more, one at least and [`AHEAD`] at most.
     ///
     /// Out of line, so that `word` is inlined where distributions draw.
     #[inline(never)]
     fn refill(&mut self, blocks: usize) {
         let [done, index, purpose] = self.counter;
-        let counter = |ahead: usize| [done.wrapping_add(1 + ahead as u64), index, purpose, 0];
-        let key = [self.key, 0];
-        if blocks <= 1 {
-            let [block] = philox([counter(0)], key);
-            self.words[..4].copy_from_slice(&block);
-            self.filled = 4;
-        } else {
-            let pairs = blocks.min(AHEAD).div_ceil(2);
-            for (i, words) in self.words.chunks_exact_mut(8).take(pairs).enumerate() {
-                let pair = philox([counter(2 * i), counter(2 * i + 1)], key);
-                words.copy_from_slice(pair.as_flattened());
-            }
-            self.filled = 8 * pairs;
-        }
+        let (first, key) = ([done.wrapping_add(1), index, purpose, 0], [self.key, 0]);
+        let made = fill(&mut self.words, blocks.min(AHEAD), first, key);
+        self.filled = 4 * made;
         self.used %= 4;
-        self.counter[0] = done.wrapping_add(self.filled as u64 / 4);
+        self.counter[0] = done.wrapping_add(made as u64);
     }
 
     /// A uniform number in the open interval (0, 1), from 53 bits.
@@ -163,31 +157,75 @@ impl TryRng for Stream {
     }
 }
 
-/// Philox4x64-10: the images of `counters` under `key`, side by side.
+/// Writes `blocks` or a few more, the images under `key` of the counters from `first` on; how many they are.
+#[inline]
+fn fill(words: &mut [u64; 4 * AHEAD], blocks: usize, first: [u64; 4], key: [u64; 2]) -> usize {
+    if blocks <= 1 {
+        return philox::<1>(words, first, key);
+    }
+    if blocks > FEW
+        && let Some(made) = many(words, blocks, first, key)
+    {
+        return made;
+    }
+    let pairs = blocks.div_ceil(2);
+    let [block, rest @ ..] = first;
+    for (words, i) in words.chunks_exact_mut(8).take(pairs).zip(0..) {
+        philox::<2>(words, [block.wrapping_add(2 * i), rest[0], rest[1], rest[2]], key);
+    }
+    2 * pairs
+}
+
+/// The same on wide registers, if the machine has them. Out of line, so that a single block is spared what it saves.
+#[inline(never)]
+fn many(words: &mut [u64; 4 * AHEAD], blocks: usize, first: [u64; 4], key: [u64; 2]) -> Option<usize> {
+    wide(
+        #[inline(always)]
+        || match blocks {
+            ..=16 => philox::<16>(words, first, key),
+            17..=24 => philox::<24>(words, first, key),
+            _ => philox::<AHEAD>(words, first, key),
+        },
+    )
+}
+
+/// Philox4x64-10: the images under `key` of N counters from `first` on, side by side; that is N.
 #[inline(always)]
-fn philox<const N: usize>(mut counters: [[u64; 4]; N], mut key: [u64; 2]) -> [[u64; 4]; N] {
+fn philox<const N: usize>(words: &mut [u64], first: [u64; 4], mut key: [u64; 2]) -> usize {
+    let mut a: [u64; N] = std::array::from_fn(|i| first[0].wrapping_add(i as u64));
+    let [mut b, mut c, mut d] = [[first[1]; N], [first[2]; N], [first[3]; N]];
     for _ in 0..10 {
-        for counter in &mut counters {
-            let (high0, low0) = multiply(0xD2E7_470E_E14C_6C93, counter[0]);
-            let (high1, low1) = multiply(0xCA5A_8263_9512_1157, counter[2]);
-            *counter = [high1 ^ counter[1] ^ key[0], low1, high0 ^ counter[3] ^ key[1], low0];
+        for i in 0..N {
+            let (high0, low0) = multiply::<0xD2E7_470E_E14C_6C93, N>(a[i]);
+            let (high1, low1) = multiply::<0xCA5A_8263_9512_1157, N>(c[i]);
+            (a[i], b[i], c[i], d[i]) = (high1 ^ b[i] ^ key[0], low1, high0 ^ d[i] ^ key[1], low0);
         }
         key[0] = key[0].wrapping_add(0x9E37_79B9_7F4A_7C15);
         key[1] = key[1].wrapping_add(0xBB67_AE85_84CA_A73B);
     }
-    counters
+    for (i, block) in words[..4 * N].as_chunks_mut().0.iter_mut().enumerate() {
+        *block = [a[i], b[i], c[i], d[i]];
+    }
+    N
 }
 
-/// The high and the low word of a product.
-#[inline]
-fn multiply(a: u64, b: u64) -> (u64, u64) {
-    let product = u128::from(a) * u128::from(b);
-    ((product >> 64) as u64, product as u64)
+/// The high and the low word of a product by a constant: at once, or for one of many in steps that wide registers have.
+#[inline(always)]
+fn multiply<const A: u64, const N: usize>(b: u64) -> (u64, u64) {
+    const HALF: u64 = 0xffff_ffff;
+    if N <= 2 {
+        let product = u128::from(A) * u128::from(b);
+        return ((product >> 64) as u64, product as u64);
+    }
+    let ((a0, a1), (b0, b1)) = ((A & HALF, A >> 32), (b & HALF, b >> 32));
+    let left = a1 * b0 + ((a0 * b0) >> 32);
+    let right = a0 * b1 + (left & HALF);
+    (a1 * b1 + (left >> 32) + (right >> 32), A.wrapping_mul(b))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Purpose, Stream, philox};
+    use super::{AHEAD, Purpose, Stream, fill, philox};
 
     #[test]
     fn a_stream_goes_on_where_it_was_left() {
@@ -228,7 +266,28 @@ mod tests {
             ),
         ];
         for (counter, key, image) in cases {
-            assert_eq!(philox([counter], key), [image]);
+            let mut words = [0; 4];
+            philox::<1>(&mut words, counter, key);
+            assert_eq!(words, image);
+        }
+    }
+
+    /// However many are made at once, on whichever registers.
+    #[test]
+    fn blocks_side_by_side_are_those_one_by_one() {
+        let (first, key) = ([u64::MAX - 3, 7, 1, 0], [0x4528_21e6_38d0_1377, 0]);
+        let mut expected = [0; 4 * AHEAD];
+        for (words, i) in expected.chunks_exact_mut(4).zip(0..) {
+            philox::<1>(words, [first[0].wrapping_add(i), 7, 1, 0], key);
+        }
+        let mut words = [0; 4 * AHEAD];
+        philox::<AHEAD>(&mut words, first, key);
+        assert_eq!(words, expected);
+        for blocks in 1..=AHEAD {
+            let mut words = [0; 4 * AHEAD];
+            let made = fill(&mut words, blocks, first, key);
+            assert!(made >= blocks);
+            assert_eq!(words[..4 * made], expected[..4 * made]);
         }
     }
 }

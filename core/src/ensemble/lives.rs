@@ -11,7 +11,7 @@ use crate::random::{Purpose, Stream};
 const TRIES: usize = 16;
 
 /// Most values drawn ahead: enough to hide the cost of a call through the trait.
-const BATCH: usize = 64;
+const BATCH: usize = 128;
 
 /// A life: the stretch at which a contact forms, and the one at which it breaks.
 #[derive(Debug, Clone, Copy)]

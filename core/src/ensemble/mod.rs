@@ -17,6 +17,7 @@ mod sums;
 mod sweep;
 mod tally;
 mod timed;
+mod volley;
 
 pub use clocked::EnsembleInTime;
 pub use population::EnsemblePopulation;

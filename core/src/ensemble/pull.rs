@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Ensemble;
 use super::sweep::{Chunk, Sweep};
-use super::tally::{Cell, Different, Equal, Grid, forces};
+use super::tally::{Cell, Different, Equal, Grid, Ruler, forces};
 use crate::contacts::Stiffness;
 use crate::monitor::{Aside, Monitor, report};
 use crate::{Error, Result};
@@ -134,7 +134,8 @@ impl Ensemble {
         monitor: &mut dyn Monitor,
     ) -> Result<EnsemblePull> {
         let plan = self.plan::<C>(positions, snapshots)?;
-        let sweep = Sweep { ensemble: self, grid: Grid::new(positions), positions, snapshots };
+        let (grid, ruler) = (Grid::new(positions), Ruler::of(positions));
+        let sweep = Sweep { ensemble: self, grid, ruler, positions, snapshots };
         report(monitor, 0.0)?;
         let mut total = sweep.nothing::<C>();
         report(monitor, 0.0)?;

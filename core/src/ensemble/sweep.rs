@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::lives::{Life, Lives};
-use super::tally::{Cell, Grid};
+use super::tally::{Cell, Grid, Ruler};
+use super::volley::Volley;
 use super::{Ensemble, Snapshots};
 
 /// Breaks closer to a position than this, relatively, are at it: contacts that break together do so
@@ -27,17 +28,23 @@ impl<C: Cell> Chunk<C> {
 }
 
 /// A contact between two breaks: its stretch is X − `origin`.
-#[derive(Clone, Copy)]
-struct Contact {
-    origin: f64,
-    threshold: f64,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Contact {
+    pub(super) origin: f64,
+    pub(super) threshold: f64,
 }
 
 impl Contact {
     /// Where it breaks, less the rounding of sums.
-    #[inline]
-    fn end(&self) -> f64 {
+    #[inline(always)]
+    pub(super) fn end(&self) -> f64 {
         (self.origin + self.threshold) * (1.0 - TOGETHER)
+    }
+
+    /// Its stretch, and what its stiffness goes with.
+    #[inline(always)]
+    pub(super) fn at(&self, position: f64) -> (f64, f64) {
+        (position - self.origin, self.threshold)
     }
 }
 
@@ -45,6 +52,7 @@ impl Contact {
 pub(super) struct Sweep<'a> {
     pub(super) ensemble: &'a Ensemble,
     pub(super) grid: Grid<'a>,
+    pub(super) ruler: Option<Ruler>,
     pub(super) positions: &'a [f64],
     pub(super) snapshots: &'a Snapshots,
 }
@@ -58,14 +66,15 @@ impl Sweep<'_> {
     /// Adds contacts to a chunk, each of which is expected to break so many times.
     pub(super) fn add<C: Cell>(&self, contacts: Range<usize>, expected: usize, chunk: &mut Chunk<C>) {
         let mut lives = Lives::new(self.ensemble, expected);
+        let mut volley = Volley::new();
         for index in contacts {
             let first = lives.first(index as u64);
-            self.follow(first, &mut lives, chunk);
+            self.follow(first, &mut lives, &mut volley, chunk);
         }
     }
 
     /// One contact from X = 0 to the last position.
-    fn follow<C: Cell>(&self, first: Life, lives: &mut Lives, chunk: &mut Chunk<C>) {
+    fn follow<C: Cell>(&self, first: Life, lives: &mut Lives, volley: &mut Volley<C>, chunk: &mut Chunk<C>) {
         let last = self.positions[self.positions.len() - 1];
         let mut life = first;
         // Only a relaxed start has contacts at or above their thresholds: they break where they are.
@@ -75,13 +84,11 @@ impl Sweep<'_> {
         }
         let mut contact = Contact { origin: -life.stretch, threshold: life.threshold };
         chunk.cells[0].add(self.positions[0] - contact.origin, contact.threshold);
-        let mut snapshots = self.snapshots.positions.iter().zip(&mut chunk.histograms).peekable();
+        let Chunk { cells, histograms, breaks } = chunk;
+        let mut snapshots = self.snapshots.positions.iter().zip(histograms).peekable();
         loop {
             let until = snapshots.peek().map_or(last, |(position, _)| **position);
-            let taken;
-            (contact, taken) = self.rush(contact, until, lives.plain(), &mut chunk.cells);
-            lives.skip(taken);
-            chunk.breaks += taken as u64;
+            contact = self.rush(contact, until, lives, volley, cells, breaks);
             let end = contact.end();
             while let Some((position, histogram)) = snapshots.next_if(|(position, _)| **position < end) {
                 self.snapshots.count(position - contact.origin, histogram);
@@ -89,22 +96,40 @@ impl Sweep<'_> {
             if end > last {
                 return;
             }
-            contact = self.strike(contact, lives.next(), &mut chunk.cells);
-            chunk.breaks += 1;
+            contact = self.strike(contact, lives.next(), cells);
+            *breaks += 1;
         }
+    }
+
+    /// As many breaks by `until` as there are lives drawn ahead.
+    #[inline(never)]
+    fn rush<C: Cell>(
+        &self,
+        contact: Contact,
+        until: f64,
+        lives: &mut Lives,
+        volley: &mut Volley<C>,
+        cells: &mut [C],
+        breaks: &mut u64,
+    ) -> Contact {
+        let coming = lives.plain();
+        let at_once = volley.fire(contact, until, coming, self.ruler, cells);
+        let (contact, taken) = at_once.unwrap_or_else(|| self.one_by_one(contact, until, coming, cells));
+        lives.skip(taken);
+        *breaks += taken as u64;
+        contact
     }
 
     /// As many of the `coming` lives as begin by `until`; how many they were. The contact stays in
     /// registers, which is what makes this loop worth having.
-    #[inline(never)]
-    fn rush<C: Cell>(
+    #[inline(always)]
+    fn one_by_one<C: Cell>(
         &self,
         mut contact: Contact,
         until: f64,
-        coming: (&[f64], f64),
+        (thresholds, stretch): (&[f64], f64),
         cells: &mut [C],
     ) -> (Contact, usize) {
-        let (thresholds, stretch) = coming;
         for (taken, &threshold) in thresholds.iter().enumerate() {
             if contact.end() > until || threshold <= stretch {
                 return (contact, taken);
@@ -119,8 +144,63 @@ impl Sweep<'_> {
     fn strike<C: Cell>(&self, contact: Contact, next: Life, cells: &mut [C]) -> Contact {
         let (cell, position) = self.grid.at_or_above(contact.end());
         let origin = contact.origin + (contact.threshold - next.stretch);
-        let (before, after) = (position - contact.origin, position - origin);
-        cells[cell].replace((before, contact.threshold), (after, next.threshold));
-        Contact { origin, threshold: next.threshold }
+        let next = Contact { origin, threshold: next.threshold };
+        cells[cell].apply(C::change(contact.at(position), next.at(position)));
+        next
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::contacts::{Contacts, Initial, Start};
+    use crate::ensemble::Disorder;
+    use crate::ensemble::tally::{Different, Equal};
+    use crate::law::{Gaussian, Law, Point, SharedLaw};
+    use crate::random::{Purpose, Stream};
+
+    /// Bits, compiled for any machine and for this one.
+    fn volleys_are_breaks_one_by_one<C: Cell>(stretch: f64, law: Gaussian) {
+        let point = |at| -> SharedLaw { Arc::new(Point::new(at).unwrap()) };
+        let contacts = Contacts::new(Arc::new(law), point(stretch));
+        let initial = Initial { law: point(0.1), start: Start::Conditional };
+        let ensemble = Ensemble::new(contacts, initial, 1, 1, Disorder::Annealed).unwrap();
+        let positions: Vec<f64> = (0..=4000).map(|i| 200.0 * (f64::from(i) / 4000.0)).collect();
+        let (grid, ruler, last) = (Grid::new(&positions), Ruler::of(&positions).unwrap(), 200.0);
+        let snapshots = &Snapshots::default();
+        let sweep = Sweep { ensemble: &ensemble, grid, ruler: Some(ruler), positions: &positions, snapshots };
+        let mut thresholds = [0.0; 128];
+        law.fill(&mut Stream::new(1, Purpose::Sample, 0), &mut thresholds);
+        let start = Contact { origin: -0.1, threshold: 0.93 };
+        let mut volley = Volley::new();
+        // One by one; at once, compiled for any machine; at once on the widest registers of this one.
+        let [one_by_one, anywhere, here] = [0, 1, 2].map(|way| {
+            let mut cells = vec![C::ZERO; positions.len()];
+            let jobs = [(1, last), (50, last), (64, last), (128, last), (128, 40.0)];
+            let ends = jobs.map(|(length, until)| {
+                let coming = (&thresholds[..length], stretch);
+                let done = match way {
+                    0 => None,
+                    1 => Some(volley.all(start, until, coming, ruler, &mut cells)),
+                    _ => volley.fire(start, until, coming, Some(ruler), &mut cells),
+                };
+                done.unwrap_or_else(|| sweep.one_by_one(start, until, coming, &mut cells))
+            });
+            (ends, cells.iter().map(C::sums).collect::<Vec<_>>())
+        });
+        assert!(one_by_one.0[3].1 > 0);
+        assert_eq!(anywhere, one_by_one);
+        assert_eq!(here, one_by_one);
+    }
+
+    #[test]
+    fn volleys_leave_what_breaks_one_by_one_do() {
+        let narrow = Gaussian::new(1.0, 0.05).unwrap();
+        volleys_are_breaks_one_by_one::<Equal>(0.0, narrow);
+        volleys_are_breaks_one_by_one::<Different>(0.2, narrow);
+        // A threshold below the stretch ends a volley.
+        volleys_are_breaks_one_by_one::<Equal>(0.3, Gaussian::new(1.0, 0.4).unwrap());
     }
 }

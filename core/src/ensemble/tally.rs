@@ -9,11 +9,15 @@ use crate::monitor::{Monitor, report};
 
 /// What is remembered between two positions: jumps, summed over breaks.
 pub(super) trait Cell: Copy + Send + Sync {
+    /// What a break adds.
+    type Change: Copy + Default;
     const ZERO: Self;
     /// Adds a contact of stretch `x` and stiffness `k`.
     fn add(&mut self, x: f64, k: f64);
-    /// Replaces the stretch and stiffness of a contact.
-    fn replace(&mut self, before: (f64, f64), after: (f64, f64));
+    /// A break, by the stretch and stiffness of its contact before and after.
+    fn change(before: (f64, f64), after: (f64, f64)) -> Self::Change;
+    /// Adds a break.
+    fn apply(&mut self, change: Self::Change);
     fn merge(&mut self, other: &Self);
     /// Sums of k, kx, k², k²x, (kx)².
     fn sums(&self) -> [f64; 5];
@@ -26,6 +30,7 @@ pub(super) trait Cell: Copy + Send + Sync {
 pub(super) struct Equal([f64; 2]);
 
 impl Cell for Equal {
+    type Change = [f64; 2];
     const ZERO: Self = Self([0.0; 2]);
 
     fn add(&mut self, x: f64, _k: f64) {
@@ -33,11 +38,16 @@ impl Cell for Equal {
         self.0[1] += x * x;
     }
 
-    #[inline]
-    fn replace(&mut self, (before, _): (f64, f64), (after, _): (f64, f64)) {
+    #[inline(always)]
+    fn change((before, _): (f64, f64), (after, _): (f64, f64)) -> [f64; 2] {
         let jump = after - before;
-        self.0[0] += jump;
-        self.0[1] += jump * (after + before);
+        [jump, jump * (after + before)]
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, [first, second]: [f64; 2]) {
+        self.0[0] += first;
+        self.0[1] += second;
     }
 
     fn merge(&mut self, other: &Self) {
@@ -59,6 +69,7 @@ impl Cell for Equal {
 pub(super) struct Different([f64; 5]);
 
 impl Different {
+    #[inline(always)]
     fn weigh(&mut self, sign: f64, x: f64, k: f64) {
         let terms = [k, k * x, k * k, k * k * x, k * x * k * x];
         self.0.iter_mut().zip(terms).for_each(|(sum, term)| *sum += sign * term);
@@ -66,13 +77,20 @@ impl Different {
 }
 
 impl Cell for Different {
+    type Change = [(f64, f64); 2];
     const ZERO: Self = Self([0.0; 5]);
 
     fn add(&mut self, x: f64, k: f64) {
         self.weigh(1.0, x, k);
     }
 
-    fn replace(&mut self, before: (f64, f64), after: (f64, f64)) {
+    #[inline(always)]
+    fn change(before: (f64, f64), after: (f64, f64)) -> Self::Change {
+        [before, after]
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, [before, after]: Self::Change) {
         self.weigh(-1.0, before.0, before.1);
         self.weigh(1.0, after.0, after.1);
     }
@@ -119,11 +137,49 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// The whole number next to `x` < 2³², 0 for negative ones: 2⁵² pushes the fraction out of the mantissa, in fewer
-/// instructions than a cast.
+/// Values `first` + `reach` (i/`steps`), of which the next is found without looking one up: wide registers find many at once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ruler {
+    first: f64,
+    reach: f64,
+    steps: f64,
+    /// Steps per length and where they count from.
+    density: f64,
+    offset: f64,
+}
+
+impl Ruler {
+    /// The one with these very values, if there is one.
+    pub(super) fn of(values: &[f64]) -> Option<Self> {
+        // In steps, more than rounding moves the place of a value.
+        const OFF: f64 = 1e-6;
+        let (first, last) = (values[0], values[values.len() - 1]);
+        let (way, steps) = (last - first, (values.len() - 1) as f64);
+        let (density, offset) = (steps / way, 0.5 - OFF - first * (steps / way));
+        let ruler = |reach, steps| Self { first, reach, steps, density, offset };
+        let exact = |ruler: &Self| values.iter().enumerate().all(|(i, &x)| x == ruler.value(i as f64));
+        [ruler(way, steps), ruler(way / steps, 1.0)].into_iter().find(exact).filter(|_| way > 0.0)
+    }
+
+    #[inline(always)]
+    fn value(&self, index: f64) -> f64 {
+        self.first + self.reach * (index / self.steps)
+    }
+
+    /// The index of the first value ≥ `x`, and that value; once in a million times those before, which are below.
+    #[inline(always)]
+    pub(super) fn guess(&self, x: f64) -> (u32, f64) {
+        let whole = (x * self.density + self.offset).max(0.0) + POWER;
+        (whole.to_bits() as u32, self.value(whole - POWER))
+    }
+}
+
+/// It pushes the fraction of what it is added to out of the mantissa, and leaves the whole number next to it there.
+const POWER: f64 = (1u64 << 52) as f64;
+
+/// The whole number next to `x` < 2³², 0 for negative ones, in fewer instructions than a cast.
 #[inline]
 fn nearest(x: f64) -> usize {
-    const POWER: f64 = (1u64 << 52) as f64;
     (x.max(0.0) + POWER).to_bits() as u32 as usize
 }
 
@@ -167,7 +223,35 @@ pub(super) fn forces<C: Cell>(
 
 #[cfg(test)]
 mod tests {
-    use super::nearest;
+    use super::{Grid, Ruler, nearest};
+
+    #[test]
+    fn a_ruler_finds_what_the_grid_holds() {
+        let by_steps = |first: f64, step: f64| (0..=2000).map(move |i| first + f64::from(i) * step).collect();
+        let to_the_end = (0..=2000).map(|i| 0.7 * (f64::from(i) / 2000.0)).collect();
+        let grids: [Vec<f64>; 4] =
+            [by_steps(0.0, 0.05), by_steps(3.0, 0.25), by_steps(0.0, 1e-3), to_the_end];
+        for values in grids {
+            let (grid, ruler) = (Grid::new(&values), Ruler::of(&values).unwrap());
+            let step = values[1] - values[0];
+            let near =
+                values[..2000].iter().flat_map(|&x| [x - 1e-5 * step, x, x + 1e-5 * step, x + 0.6 * step]);
+            for x in near.chain([-1.0]) {
+                let (index, value) = ruler.guess(x);
+                assert_eq!((index as usize, value), grid.at_or_above(x), "{x}");
+            }
+            // Nothing is compared: just above a value, it is taken for the next one.
+            let (index, value) = ruler.guess(values[7].next_up());
+            assert_eq!((index, value), (7, values[7]));
+        }
+    }
+
+    #[test]
+    fn other_values_have_no_ruler() {
+        for values in [&[0.0, 0.1, 0.2 + 1e-12, 0.3][..], &[0.0, 0.1, 0.5], &[1.0], &[1.0, 1.0]] {
+            assert_eq!(Ruler::of(values), None);
+        }
+    }
 
     #[test]
     fn nearest_whole_number() {

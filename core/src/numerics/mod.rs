@@ -22,3 +22,4 @@ pub mod stencil;
 pub mod table;
 pub mod two_stages;
 pub mod volterra;
+pub(crate) mod wide;
