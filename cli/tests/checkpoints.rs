@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use support::{Folder, errors, names, scenarios};
+use support::{Folder, errors, names};
 
 /// A few seconds of avalanches, all of them recorded.
 const SCENARIO: &str = "
@@ -31,6 +31,28 @@ connection = 0.5
 loading = 'edge'
 disorder = { std = 0.05, seed = 1 }
 slip = 'overdamped'
+";
+
+/// A second or two of events of cells whose contacts age.
+const IN_TIME: &str = "
+title = 'Precursors that age'
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+contacts.ageing.logarithmic = { growth = 0.05, time = 1.0 }
+drive = { distance = 60.0, points = 11, velocity = 1e-2 }
+master_equation.tolerance = 1e-3
+[interface]
+cells = [6]
+coupling.neighbours = { stiffness = 2.0 }
+connection = 2.0
+loading = 'edge'
+slip = 'overdamped'
+viscosity = 0.3
+";
+
+/// Cells of few contacts, many events.
+const FEW: &str = "
+[ensemble]
+size = 30
 ";
 
 /// Long enough for a checkpoint to be seen, and never to be waited for.
@@ -112,12 +134,28 @@ fn a_run_killed_three_times_gives_the_same_bytes() {
 /// How far the curve is known that cells share decides on their steps, and goes on, too.
 #[test]
 fn cells_that_are_killed_and_interrupted_give_the_same_bytes() {
+    same_bytes_after(CELLS, 5, &[(5, "-KILL"), (20, "-INT"), (40, "-KILL"), (60, "-INT")]);
+}
+
+#[test]
+fn cells_in_time_that_are_killed_and_interrupted_give_the_same_bytes() {
+    same_bytes_after(IN_TIME, 1, &[(1, "-KILL"), (3, "-KILL"), (4, "-INT"), (5, "-KILL")]);
+    same_bytes_after(
+        &[IN_TIME, FEW].concat(),
+        5,
+        &[(5, "-KILL"), (15, "-KILL"), (20, "-INT"), (25, "-KILL")],
+    );
+}
+
+/// Ends a run with checkpoints every so many events by signals after numbers of them, and then lets it go on.
+fn same_bytes_after(scenario: &str, every: u64, signals: &[(u64, &str)]) {
     let folder = Folder::new();
-    folder.write("slow.toml", CELLS);
+    folder.write("slow.toml", scenario);
     folder.succeed(&["run", "slow.toml", "--quiet", "-o", "whole"]);
     let expected = contents(&folder.path().join("whole"));
-    for (number, signal) in [(5, "-KILL"), (20, "-INT"), (40, "-KILL"), (60, "-INT")] {
-        let mut command = folder.asperity(&["run", "slow.toml", "--checkpoint", "5", "--resume"]);
+    for &(number, signal) in signals {
+        let arguments = ["run", "slow.toml", "--checkpoint", &every.to_string(), "--resume"];
+        let mut command = folder.asperity(&arguments);
         let mut child = command.stderr(Stdio::null()).spawn().unwrap();
         wait_for_events(&folder, number);
         std::process::Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
@@ -224,9 +262,6 @@ fn only_interfaces_have_checkpoints() {
         assert_eq!(output.status.code(), Some(2));
         assert!(errors(&output).contains(option[0]), "{}", errors(&output));
     }
-    let timed = folder.run(&["run", scenarios().join("front-ageing.toml").to_str().unwrap(), "--resume"]);
-    assert_eq!(timed.status.code(), Some(2));
-    assert!(errors(&timed).contains("--resume: expected a scenario whose contacts know no time"));
     folder.write("slow.toml", &SCENARIO.replace("100.0", "1.0").replace("[40.0, 80.0]", "[]"));
     let output = folder.run(&["run", "slow.toml", "--resume"]);
     assert!(output.status.success() && errors(&output).contains("begins at its start"));

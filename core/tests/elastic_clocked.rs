@@ -3,7 +3,7 @@
 mod common;
 
 use asperity::block::{self, Block, Slide};
-use asperity::clocked::{Books, Clocked};
+use asperity::clocked::{Books, Clocked, Portion, State};
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Stiffness, Temperature};
 use asperity::elastic::clocked::Scaled;
 use asperity::elastic::coupling::{half_space, neighbours};
@@ -136,12 +136,26 @@ impl Clocked for Together {
         self.sum(|contacts| contacts.free()) / self.0.len() as f64
     }
 
+    fn stretches(&self) -> Vec<Portion> {
+        let part = |portion: Portion| Portion { share: portion.share / self.0.len() as f64, ..portion };
+        self.0.iter().flat_map(|contacts| contacts.stretches()).map(part).collect()
+    }
+
     fn step(&mut self, by: f64, during: f64) -> Result<()> {
         self.0.iter_mut().try_for_each(|contacts| contacts.step(by, during))
     }
 
     fn copy(&self) -> Box<dyn Clocked> {
         Box::new(Self(self.0.iter().map(|contacts| contacts.copy()).collect()))
+    }
+
+    fn state(&self) -> State {
+        State::of(&self.0.iter().map(|contacts| contacts.state()).collect::<Vec<_>>())
+    }
+
+    fn restore(&mut self, state: &State) -> Result<()> {
+        let kept: Vec<State> = state.read()?;
+        self.0.iter_mut().zip(&kept).try_for_each(|(contacts, kept)| contacts.restore(kept))
     }
 }
 

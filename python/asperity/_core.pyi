@@ -1051,13 +1051,26 @@ class Interface(Deformable):
         start: Literal["conditional", "relaxed"] = "conditional",
     ) -> Self: ...
     def stretch_density(
-        self, cell: SupportsIndex, stretches: ArrayLike, *, at: _Number, progress: _Progress = None
+        self,
+        cell: SupportsIndex,
+        stretches: ArrayLike | None = None,
+        *,
+        at: _Number,
+        velocity: _Number | None = None,
+        edges: ArrayLike | None = None,
+        progress: _Progress = None,
     ) -> StretchDensity:
         """The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
 
-        cell: its number, along rows. at: the drive, 0 or above. stretches: a list of n stretches. progress: as for
-        MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must know no time, and
-        be so many that they follow the master equation.
+        cell: its number, along rows. stretches: a list of n stretches. at: the drive, 0 or above. progress: as for
+        MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`, the stretches at which contacts
+        are together.
+
+        Where contacts know time, velocity is that of the drive, and instead of stretches there may be edges of n bins, n + 1
+        numbers that rise: the density is the mean in each bin then, and `stretch` its middle. Contacts that are free are not
+        counted. Without bins each of the few contacts of a cell with a size is an atom.
+
+        Where contacts know no time, they must be so many that they follow the master equation.
 
         Raises ValueError for a number of no cell, and for values that make no sense.
         """
@@ -1171,7 +1184,8 @@ def run(
     overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a law replaces the law that is
     there. progress: as for MasterEquation.pull.
     folder: where to write the results, as Result.save does. Beside it the drive of an interface can keep what it has come
-    to, where contacts know no time: checkpoint: every so many events. resume: whether to go on from the last checkpoint, or to begin where there is none.
+    to: checkpoint: every so many events. resume: whether to go on from the last checkpoint, or to begin where there is
+    none.
     The checkpoints are removed once the results are written.
 
     Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came, and for a

@@ -1,10 +1,12 @@
 //! Interfaces that deform: cells on an elastic slider, and contacts coupled one by one.
 
-use asperity::Error;
-use asperity::master::MasterEquation;
+use asperity::clocked::{Portion, binned};
+use asperity::master::{MasterEquation, Stretches};
+use asperity::monitor::Monitor;
 use asperity::scenario::{
     self, CellSlip, Coupling, Disorder, Drive, Edges, Loading, PerCell, Scales, Scenario, Units,
 };
+use asperity::{Error, contacts};
 use asperity_runner::task;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -48,6 +50,26 @@ impl Surface {
             units: Units::default(),
             compare: None,
         }
+    }
+
+    /// Stretches of these contacts in a cell, which know no time, once the interface has been driven so far.
+    fn stretches(
+        &self,
+        (contacts, initial): (contacts::Contacts, contacts::Initial),
+        cell: usize,
+        at: f64,
+        stretches: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> asperity::Result<Stretches> {
+        let tolerance = scenario::MasterEquation::default().tolerance();
+        let equation = MasterEquation::new(contacts.clone(), &initial)?;
+        let mut driven =
+            self.own.deformable(contacts, &initial, tolerance, self.ensemble.as_ref(), monitor)?;
+        driven.run(at, monitor, &mut |_, _| ())?;
+        let standing = driven.standing(cell)?.ok_or_else(|| {
+            Error::invalid("size", "None, so that contacts follow the master equation", "a number")
+        })?;
+        scenario::Interface::stretch_density(&equation, standing, stretches, tolerance, monitor)
     }
 }
 
@@ -209,43 +231,92 @@ impl Interface {
 
     /// The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
     ///
-    /// cell: its number, along rows. at: the drive, 0 or above. stretches: a list of n stretches. progress: as for
-    /// MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`. Contacts must know no time, and
-    /// be so many that they follow the master equation.
+    /// cell: its number, along rows. stretches: a list of n stretches. at: the drive, 0 or above. progress: as for
+    /// MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`, the stretches at which contacts
+    /// are together.
+    ///
+    /// Where contacts know time, velocity is that of the drive, and instead of stretches there may be edges of n bins, n + 1
+    /// numbers that rise: the density is the mean in each bin then, and `stretch` its middle. Contacts that are free are not
+    /// counted. Without bins each of the few contacts of a cell with a size is an atom.
+    ///
+    /// Where contacts know no time, they must be so many that they follow the master equation.
     ///
     /// Raises ValueError for a number of no cell, and for values that make no sense.
-    #[pyo3(signature = (cell, stretches, *, at, progress = None))]
+    #[pyo3(
+        signature = (cell, stretches = None, *, at, velocity = None, edges = None, progress = None),
+        text_signature = "($self, cell, stretches=None, *, at, velocity=None, edges=None, progress=None)"
+    )]
     fn stretch_density<'py>(
         slf: &Bound<'py, Self>,
         cell: Whole,
-        stretches: &Bound<'py, PyAny>,
+        stretches: Option<&Bound<'py, PyAny>>,
         at: f64,
+        velocity: Option<f64>,
+        edges: Option<&Bound<'py, PyAny>>,
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
-        let (cell, stretches) = (cell.get("cell")?, convert::list("stretches", stretches)?);
+        let (cell, looked) = (cell.get("cell")?, Looked::of(stretches, edges)?);
         if !(at.is_finite() && at >= 0.0) {
             return Err(error::invalid("at", "a finite drive, 0 or above", at));
         }
         let surface = Deformable::plain(slf.as_super());
-        if surface.contacts.contacts.know_time() {
-            let expected = "contacts that know no time, whose stretches follow from where a cell is";
-            return Err(error::invalid("contacts", expected, "some that do"));
-        }
-        let scenario = surface.scenario(Drive::default());
-        let tolerance = scenario.master_equation.tolerance();
-        let found = watched(progress, py, |monitor| {
-            let (contacts, initial) = scenario.build()?;
-            let equation = MasterEquation::new(contacts.clone(), &initial)?;
-            let ensemble = surface.ensemble.as_ref();
-            let mut driven = surface.own.deformable(contacts, &initial, tolerance, ensemble, monitor)?;
-            driven.run(at, monitor, &mut |_, _| ())?;
-            let standing = driven.standing(cell)?.ok_or_else(|| {
-                Error::invalid("size", "None, so that contacts follow the master equation", "a number")
-            })?;
-            scenario::Interface::stretch_density(&equation, standing, &stretches, tolerance, monitor)
+        let scenario = surface.scenario(Drive { velocity, ..Drive::default() });
+        let velocity = velocity.filter(|_| surface.contacts.contacts.know_time());
+        let (stretches, found) = watched(progress, py, |monitor| {
+            let built = scenario.build()?;
+            match (looked, velocity) {
+                (looked, Some(velocity)) => {
+                    let mut driven = task::cells_in_time(&scenario, &surface.own, &built.0, &built.1)?;
+                    driven.run(at, velocity, monitor, &mut |_, _| ())?;
+                    looked.at(&driven.stretches(cell)?)
+                }
+                (Looked::Stretches(stretches), None) => {
+                    let found = surface.stretches(built, cell, at, &stretches, monitor)?;
+                    Ok((stretches, found))
+                }
+                (Looked::Bins(_), None) => {
+                    Err(Error::invalid("edges", "None, but where contacts know time", "edges of bins"))
+                }
+            }
         })?;
         values::stretches(py, stretches, found)
+    }
+}
+
+/// Where a distribution of stretches is looked at.
+enum Looked {
+    /// At stretches.
+    Stretches(Vec<f64>),
+    /// In bins between edges.
+    Bins(Vec<f64>),
+}
+
+impl Looked {
+    fn of(stretches: Option<&Bound<'_, PyAny>>, edges: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        match (stretches, edges) {
+            (Some(stretches), None) => Ok(Self::Stretches(convert::list("stretches", stretches)?)),
+            (None, Some(edges)) => Ok(Self::Bins(convert::list("edges", edges)?)),
+            (both, _) => {
+                let found = if both.is_some() { "both" } else { "neither" };
+                Err(error::invalid("stretches", "either stretches or edges", found))
+            }
+        }
+    }
+
+    /// The stretches, or the middles of the bins, with what is found of contacts there.
+    fn at(self, portions: &[Portion]) -> asperity::Result<(Vec<f64>, Stretches)> {
+        match self {
+            Self::Stretches(stretches) => {
+                let found = Stretches::of(portions, &stretches);
+                Ok((stretches, found))
+            }
+            Self::Bins(edges) => {
+                let density = binned(portions, &edges)?;
+                let middles = edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+                Ok((middles, Stretches { density, atoms: Vec::new() }))
+            }
+        }
     }
 }
 

@@ -119,7 +119,8 @@ impl Result {
 /// overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a law replaces the law that is
 /// there. progress: as for MasterEquation.pull.
 /// folder: where to write the results, as Result.save does. Beside it the drive of an interface can keep what it has come
-/// to, where contacts know no time: checkpoint: every so many events. resume: whether to go on from the last checkpoint, or to begin where there is none.
+/// to: checkpoint: every so many events. resume: whether to go on from the last checkpoint, or to begin where there is
+/// none.
 /// The checkpoints are removed once the results are written.
 ///
 /// Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came, and for a

@@ -94,6 +94,8 @@ def test_stretches_of_a_cell_carry_its_force(slip: Any) -> None:
     few = chain.replace(slip="overdamped", size=5, disorder=None)
     with pytest.raises(ValueError, match="size: expected None"):
         few.stretch_density(0, stretches, at=1.0)
+    with pytest.raises(ValueError, match="edges: expected None, but where contacts know time"):
+        chain.stretch_density(0, edges=[0.0, 1.0], at=1.0)
 
 
 @pytest.mark.parametrize(
@@ -134,10 +136,48 @@ def test_cells_of_contacts_that_age_slip_as_a_block_does() -> None:
     np.testing.assert_allclose(result["time"], 100 * result["drive"])
     with pytest.raises(ValueError, match="velocity: expected a velocity above 0"):
         aged.drive(8.0)
-    with pytest.raises(ValueError, match="contacts: expected contacts that know no time"):
-        aged.stretch_density(0, [0.5], at=1.0)
     with pytest.raises(ValueError, match=r"interface\.viscosity: expected a viscosity above 0"):
         asp.Interface(contacts, [3], neighbours=1.0, connection=0.2, slip="overdamped")
+
+
+@pytest.mark.parametrize("size", [None, 500])
+def test_stretches_of_a_cell_in_time_carry_its_force(size: int | None) -> None:
+    contacts = asp.Contacts(thresholds=asp.Gaussian(1.0, 0.1), ageing=asp.Logarithmic(growth=0.05, time=1.0))
+    chain = asp.Interface(
+        contacts,
+        [3],
+        neighbours=0.5,
+        connection=0.5,
+        slip="overdamped",
+        viscosity=0.5,
+        disorder=[1.0, 0.9, 1.2],
+        size=size,
+    )
+    force = chain.drive(2.7, 2, velocity=1e-2)["cell_force"][-1, 2]
+    at: dict[str, Any] = {"at": 2.7, "velocity": 1e-2}
+    edges = np.linspace(0.0, 2.4, 481)
+    binned = chain.stretch_density(2, edges=edges, **at)
+    np.testing.assert_allclose(binned.stretch, 0.5 * (edges[1:] + edges[:-1]))
+    np.testing.assert_allclose(np.sum(binned.density) * 0.005, 1.0, rtol=1e-12)
+    # Stretches are known to half a bin, and to the way of a cohort's birth.
+    np.testing.assert_allclose(np.sum(binned.density * binned.stretch) * 0.005, force, rtol=0, atol=5e-3)
+    found = chain.stretch_density(2, edges, **at)
+    assert not isinstance(found.atoms, list)
+    if size is None:
+        np.testing.assert_allclose(np.sum(found.density) * 0.005 + found.atoms.weight.sum(), 1.0, atol=5e-3)
+    else:
+        assert found.atoms.weight.size == size
+        np.testing.assert_array_equal(found.density, 0.0)
+        np.testing.assert_allclose(np.sum(found.atoms.weight * found.atoms.position), force, rtol=1e-12)
+    refused: list[tuple[dict[str, Any], str]] = [
+        ({"cell": 3, "edges": edges}, "cell: expected a number below 3, got 3"),
+        ({"cell": 0}, "stretches: expected either stretches or edges, got neither"),
+        ({"cell": 0, "edges": [1.0]}, "edges: expected two finite edges of bins or more"),
+        ({"cell": 0, "edges": edges, "velocity": None}, "drive.velocity: expected a velocity above 0"),
+    ]
+    for arguments, message in refused:
+        with pytest.raises(ValueError, match=message):
+            chain.stretch_density(**{**at, "at": 0.1, **arguments})
 
 
 @pytest.mark.parametrize(

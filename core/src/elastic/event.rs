@@ -1,10 +1,12 @@
 //! What happens at one drive, and catalogues of it.
 
+use serde::{Deserialize, Serialize};
+
 use crate::record::{Quantity, Record};
 
 /// Cells, connected with each other, that slipped in one slide; where contacts know time, from when the first of them
 /// begins to slip until none does.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Event {
     /// X_T.
     pub drive: f64,
@@ -42,7 +44,7 @@ pub struct Event {
 }
 
 /// A cell that slipped in an event.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Slipped {
     /// Its number.
     pub cell: usize,

@@ -27,7 +27,7 @@ mod solve;
 mod state;
 
 pub use cells::{Cells, Curves, Populations, Standing};
-pub use clocked::{InterfaceInTime, SettingInTime};
+pub use clocked::{InterfaceInTime, SettingInTime, StateInTime};
 pub use coupling::Coupling;
 pub use energy::Energy;
 pub use event::{Event, Slipped, record};

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::Ensemble;
 use super::diffusion::Wandering;
 use super::lives::{Drawn, Life, Lives};
 use super::passage::{Held, Leg, Passage, stiffness};
-use crate::clocked::{Books, Clocked};
+use crate::clocked::{Books, Clocked, Portion, State};
 use crate::contacts::Stiffness;
 use crate::random::{Purpose, Stream};
 use crate::{Error, Result};
@@ -67,7 +68,7 @@ impl Ensemble {
 }
 
 /// A contact: its life, and how far it has come in its streams.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Contact {
     index: u32,
     drawn: Drawn,
@@ -84,7 +85,7 @@ struct Contact {
 }
 
 /// Sums over the contacts that hold.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 struct Sums {
     count: f64,
     stiffness: f64,
@@ -94,11 +95,21 @@ struct Sums {
 }
 
 /// What breaks and is gained on a leg.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 struct Toll {
     broken: f64,
     lost: f64,
     gained: f64,
+}
+
+/// What the contacts have come to.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    time: f64,
+    position: f64,
+    contacts: Vec<Contact>,
+    now: Sums,
+    past: Toll,
 }
 
 /// What a thread draws lives with.
@@ -306,6 +317,16 @@ impl Clocked for EnsembleInTime {
         1.0 - self.now.count / self.contacts.len() as f64
     }
 
+    fn stretches(&self) -> Vec<Portion> {
+        let share = 1.0 / self.contacts.len() as f64;
+        let portion = |contact: &Contact| {
+            // Those just re-formed may lie below 0 by rounding.
+            let stretch = contact.stretch(self.position).max(0.0);
+            Portion { low: stretch, high: stretch, share }
+        };
+        self.contacts.iter().filter(|contact| contact.holds).map(portion).collect()
+    }
+
     fn step(&mut self, by: f64, during: f64) -> Result<()> {
         if !(during > 0.0 && during.is_finite()) {
             return Err(Error::invalid("during", "a finite number above 0", during));
@@ -321,5 +342,20 @@ impl Clocked for EnsembleInTime {
 
     fn copy(&self) -> Box<dyn Clocked> {
         Box::new(self.clone())
+    }
+
+    fn state(&self) -> State {
+        let &Self { time, position, now, past, .. } = self;
+        State::of(&Kept { time, position, contacts: self.contacts.clone(), now, past })
+    }
+
+    fn restore(&mut self, state: &State) -> Result<()> {
+        let Kept { time, position, contacts, now, past } = state.read()?;
+        if contacts.len() != self.contacts.len() {
+            return Err(State::another(&format!("that of {} contacts", contacts.len())));
+        }
+        (self.time, self.position, self.contacts, self.now, self.past) =
+            (time, position, contacts, now, past);
+        Ok(())
     }
 }

@@ -7,6 +7,7 @@
 //! Steps are long where nothing can meet.
 
 use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
 
 use super::passage::{Held, Leg, legs, stiffness};
 use super::sweep::TOGETHER;
@@ -53,7 +54,7 @@ pub(super) struct Diffusion {
 }
 
 /// A threshold on its way.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Wandering {
     time: f64,
     threshold: f64,

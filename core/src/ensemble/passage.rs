@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use serde::{Deserialize, Serialize};
+
 use super::Ensemble;
 use super::diffusion::Diffusion;
 use super::sweep::TOGETHER;
@@ -16,7 +18,7 @@ use crate::numerics::roots::brent_root;
 const PARTS: u32 = 32;
 
 /// A contact that holds: its stretch is X − `origin`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Held {
     /// When it formed.
     pub(super) birth: f64,

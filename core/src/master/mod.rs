@@ -25,6 +25,7 @@ pub use transport::{StepResponse, Trace, Transport};
 
 use std::sync::Arc;
 
+use crate::clocked::Portion;
 use crate::contacts::{Contacts, Initial, Start, Stiffness};
 use crate::law::{Atom, SharedLaw};
 use crate::life::{Life, athermal, moving};
@@ -59,6 +60,21 @@ pub struct Stretches {
     pub density: Vec<f64>,
     /// Point masses, by rising stretch.
     pub atoms: Vec<Atom>,
+}
+
+impl Stretches {
+    /// Those of contacts that are known portion by portion: on stretches asked for, and where portions are at one.
+    pub fn of(portions: &[Portion], stretches: &[f64]) -> Self {
+        let (points, cells): (Vec<_>, Vec<_>) = portions.iter().partition(|portion| portion.is_point());
+        let at = |cell: &&Portion, x: f64| {
+            if x >= cell.low && x < cell.high { cell.share / (cell.high - cell.low) } else { 0.0 }
+        };
+        let density = stretches.iter().map(|&x| cells.iter().map(|cell| at(cell, x)).sum()).collect();
+        let atom = |point: &Portion| Atom { position: point.low, weight: point.share };
+        let mut atoms: Vec<Atom> = points.into_iter().map(atom).collect();
+        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Self { density, atoms }
+    }
 }
 
 impl MasterEquation {

@@ -31,6 +31,7 @@ use crate::summary::{Coefficients, Comparison, Extended, Friction, StaticFrictio
 pub use drive::first_loading;
 pub use grid::Grid;
 pub use in_time::tolerance_over;
+pub use interface::cells_in_time;
 pub use pull::along_the_pull;
 
 /// Computes `scenario`.

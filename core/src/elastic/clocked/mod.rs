@@ -9,11 +9,13 @@
 mod scaled;
 mod slips;
 mod stage;
+mod state;
 
 pub use scaled::Scaled;
+pub use state::StateInTime;
 
 use super::{Coupling, Energy, Event, Loading, Slipped};
-use crate::clocked::{Books, Clocked};
+use crate::clocked::{Books, Clocked, Portion};
 use crate::monitor::{Monitor, report};
 use crate::numerics::two_stages::{CHANGE, change};
 use crate::{Error, Float, Result};
@@ -174,6 +176,17 @@ impl InterfaceInTime {
     /// F_j, along rows; their sum is [`InterfaceInTime::force`].
     pub fn forces(&self) -> Vec<f64> {
         self.cells.iter().map(|cell| cell.force).collect()
+    }
+
+    /// The contacts of a cell that hold, by their stretches: [`crate::clocked::binned`] makes a distribution of them.
+    ///
+    /// # Errors
+    /// A number of no cell.
+    pub fn stretches(&self, cell: usize) -> Result<Vec<Portion>> {
+        match self.cells.get(cell) {
+            Some(cell) => Ok(cell.contacts.stretches()),
+            None => Err(Error::invalid("cell", format!("a number below {}", self.len()), cell)),
+        }
     }
 
     /// Friction force of all cells.

@@ -1,6 +1,6 @@
 //! Contacts whose lengths are larger than those of others.
 
-use crate::clocked::{Books, Clocked};
+use crate::clocked::{Books, Clocked, Portion, State};
 use crate::{Error, Result};
 
 /// Contacts all of whose lengths, and with them forces, are s times those of others: F(X, t) = s F̂(X/s, t).
@@ -50,11 +50,23 @@ impl Clocked for Scaled {
         self.contacts.free()
     }
 
+    fn stretches(&self) -> Vec<Portion> {
+        self.contacts.stretches().into_iter().map(|portion| portion.scaled(self.scale)).collect()
+    }
+
     fn step(&mut self, by: f64, during: f64) -> Result<()> {
         self.contacts.step(by / self.scale, during)
     }
 
     fn copy(&self) -> Box<dyn Clocked> {
         Box::new(Self { contacts: self.contacts.copy(), scale: self.scale })
+    }
+
+    fn state(&self) -> State {
+        self.contacts.state()
+    }
+
+    fn restore(&mut self, state: &State) -> Result<()> {
+        self.contacts.restore(state)
     }
 }

@@ -1,5 +1,7 @@
 //! Who slips, and which cells slip together.
 
+use serde::{Deserialize, Serialize};
+
 use crate::elastic::catalogue::{beside, fronts};
 use crate::elastic::{Coupling, Event, Slipped};
 
@@ -7,7 +9,7 @@ use crate::elastic::{Coupling, Event, Slipped};
 const FAST: f64 = 10.0;
 
 /// A cell as it is seen at one moment.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Seen {
     pub position: f64,
     pub velocity: f64,
@@ -33,10 +35,13 @@ pub(super) struct Look {
 /// An event begins with a cell that slips where no other event is beside it. Cells that begin to slip beside a cell of an
 /// event that is not over belong to it, and make one event of all that are beside them. It is over when none of its cells
 /// slips any more.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Slips {
     /// The share of the contacts of a cell that breaks in the smallest event.
+    #[serde(skip)]
     fraction: f64,
     /// Area of a cell.
+    #[serde(skip)]
     area: f64,
     /// Whether a cell slips.
     slipping: Vec<bool>,
@@ -48,17 +53,28 @@ pub(super) struct Slips {
 }
 
 /// An event that is not told.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Open {
     number: u64,
     /// When it began, where the drive was then, and the friction force of all cells.
     begun: (f64, f64, f64),
     started: Vec<Started>,
-    /// What came of it, or nothing if it was too small to count.
-    over: Option<Option<(Event, Vec<Slipped>)>>,
+    outcome: Outcome,
+}
+
+/// What came of an event.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+enum Outcome {
+    /// Cells slip.
+    Open,
+    /// It was too small to count.
+    Small,
+    /// It is over.
+    Over(Event, Vec<Slipped>),
 }
 
 /// A cell that began to slip.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Started {
     cell: usize,
     time: f64,
@@ -101,6 +117,12 @@ impl Look {
     }
 }
 
+impl Open {
+    fn is_over(&self) -> bool {
+        !matches!(self.outcome, Outcome::Open)
+    }
+}
+
 impl Slips {
     pub fn new(cells: usize, fraction: f64, area: f64) -> Self {
         let (slipping, member) = (vec![false; cells], vec![None; cells]);
@@ -126,7 +148,7 @@ impl Slips {
         }
         for index in 0..self.events.len() {
             let event = &self.events[index];
-            if event.over.is_some() || event.started.iter().any(|s| self.slipping[s.cell]) {
+            if event.is_over() || event.started.iter().any(|s| self.slipping[s.cell]) {
                 continue;
             }
             let share = event.started.iter().filter_map(|s| last[s.cell]).fold(0.0, f64::max);
@@ -134,7 +156,7 @@ impl Slips {
             for started in &event.started {
                 self.member[started.cell] = None;
             }
-            self.events[index].over = Some(told);
+            self.events[index].outcome = told;
         }
     }
 
@@ -152,7 +174,7 @@ impl Slips {
         let Some(&first) = numbers.first() else {
             let look = before.between(now, share);
             let (number, begun) = (self.next, (look.time, look.drive, look.force()));
-            self.events.push(Open { number, begun, started: vec![started], over: None });
+            self.events.push(Open { number, begun, started: vec![started], outcome: Outcome::Open });
             self.member[cell] = Some(number);
             self.next += 1;
             return;
@@ -171,13 +193,13 @@ impl Slips {
         }
     }
 
-    /// What came of an event that is over at a look; nothing where too few contacts broke.
-    fn tell(&self, event: &Open, end: &Look, coupling: &dyn Coupling) -> Option<(Event, Vec<Slipped>)> {
+    /// What came of an event that is over at a look.
+    fn tell(&self, event: &Open, end: &Look, coupling: &dyn Coupling) -> Outcome {
         let mut started = event.started.clone();
         started.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.cell.cmp(&b.cell)));
         let part = |of: fn(&Seen) -> f64, s: &Started| of(&end.cells[s.cell]) - of(&s.at);
         if !started.iter().any(|s| part(|seen| seen.broken, s) >= self.fraction) {
-            return None;
+            return Outcome::Small;
         }
         let all = |of: fn(&Seen) -> f64| started.iter().map(|s| part(of, s)).sum::<f64>();
         let (time, drive, force_before) = event.begun;
@@ -205,13 +227,23 @@ impl Slips {
             dissipated_breaks: all(|seen| seen.lost),
             dissipated_slip: all(|seen| seen.viscous),
         };
-        Some((told, slipped))
+        Outcome::Over(told, slipped)
     }
 
     /// Events that are over, up to the first one that is not, in the order in which they began.
     pub fn told(&mut self) -> Vec<(Event, Vec<Slipped>)> {
-        let over = self.events.iter().take_while(|event| event.over.is_some()).count();
-        self.events.drain(..over).filter_map(|event| event.over.flatten()).collect()
+        let over = self.events.iter().take_while(|event| event.is_over()).count();
+        let told = |event: Open| match event.outcome {
+            Outcome::Over(event, slipped) => Some((event, slipped)),
+            Outcome::Open | Outcome::Small => None,
+        };
+        self.events.drain(..over).filter_map(told).collect()
+    }
+
+    /// Goes to what slips with the same setting have come to.
+    pub fn resume(&mut self, kept: Self) {
+        let Self { fraction, area, .. } = *self;
+        *self = Self { fraction, area, ..kept };
     }
 }
 

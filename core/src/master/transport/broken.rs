@@ -2,10 +2,12 @@
 
 use std::collections::VecDeque;
 
+use serde::{Deserialize, Serialize};
+
 use crate::numerics::compensated::Compensated;
 
 /// What breaks in a step: N(t) − N(t₀) in the middle and at the end, N being quadratic in between and rising.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Share {
     pub(super) middle: f64,
     pub(super) end: f64,
@@ -19,7 +21,7 @@ pub(super) struct Born {
 }
 
 /// A step that is done.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct Past {
     start: f64,
     duration: f64,
@@ -29,15 +31,16 @@ struct Past {
 }
 
 /// Contacts that broke at one moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Lump {
     pub(super) time: f64,
     pub(super) mass: f64,
 }
 
 /// N(t), the fraction of contacts broken until t, kept as long as the delay τ asks for; lumps are kept apart.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Broken {
+    #[serde(skip)]
     delay: f64,
     past: VecDeque<Past>,
     waiting: VecDeque<Lump>,
@@ -85,6 +88,11 @@ impl Share {
 impl Broken {
     pub(super) fn new(delay: f64) -> Self {
         Self { delay, ..Self::default() }
+    }
+
+    /// The same, kept without its delay.
+    pub(super) fn of(self, delay: f64) -> Self {
+        Self { delay, ..self }
     }
 
     /// N, with what broke together.

@@ -1,13 +1,16 @@
 //! Contacts that were born together.
 
+use serde::{Deserialize, Serialize};
+
 use super::broken::Share;
 use super::model::{Model, State};
 use super::path::{Part, Path};
 use super::seeds::Seed;
+use crate::clocked::Portion;
 use crate::numerics::diffusion::Room;
 
 /// Where the contacts of a cohort are: at one stretch, or spread evenly over a cell around it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Place {
     pub(super) stretch: f64,
     /// How far the cell reaches below the stretch …
@@ -18,7 +21,7 @@ pub(super) struct Place {
 }
 
 /// Contacts that were born together: exact in stretch, whatever happens to their thresholds.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Cohort {
     /// The fraction of all contacts that it was born with.
     pub(super) mass: f64,
@@ -31,7 +34,7 @@ pub(super) struct Cohort {
 }
 
 /// Energies, per unit of the stiffness of all.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Spent {
     /// Σ ½k x² of what broke.
     pub(super) lost: f64,
@@ -74,6 +77,11 @@ impl Cohort {
         let mut cohort = Self { mass, place, state: model.newborn(seed), left: 1.0, stiffness: 0.0 };
         cohort.count(model);
         cohort
+    }
+
+    /// Whether it may have been made by a model.
+    pub(super) fn fits(&self, model: &Model) -> bool {
+        model.fits(&self.state)
     }
 
     /// Goes a whole step: what breaks, and energies, with the stiffness as a parabola in time.
@@ -131,6 +139,12 @@ impl Cohort {
     /// Contacts, as a fraction of all.
     pub(super) fn attached(&self) -> f64 {
         self.mass * self.left
+    }
+
+    /// The same by their stretches.
+    pub(super) fn portion(&self) -> Portion {
+        let Place { stretch, below, above, .. } = self.place;
+        Portion { low: stretch - below, high: stretch + above, share: self.attached() }
     }
 
     /// Force, per unit of the stiffness of all.

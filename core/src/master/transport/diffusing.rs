@@ -3,6 +3,8 @@
 //! It does so twice, with twice as many cells and steps the second time: both errors are of second order, and
 //! (4 fine − coarse)/3 is free of them.
 
+use serde::{Deserialize, Serialize};
+
 use super::cohort::Place;
 use super::path::{Part, Path};
 use super::seeds::Seed;
@@ -31,7 +33,7 @@ pub(super) struct Diffusing {
 const LEVELS: usize = 2;
 
 /// The masses of a cohort in the cells of each level, as shares of its contacts, above a stretch.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Masses {
     stretch: f64,
     levels: [Vec<f64>; LEVELS],
@@ -123,6 +125,11 @@ impl Diffusing {
     pub(super) fn cells(&self) -> usize {
         let numbers = |(level, cells): (usize, &Followed)| (cells.cells() << level) * 2;
         self.levels.iter().enumerate().map(numbers).sum()
+    }
+
+    /// Whether there is a mass in each cell of each level.
+    pub(super) fn fits(&self, masses: &Masses) -> bool {
+        self.levels.iter().zip(&masses.levels).all(|(level, masses)| level.cells() == masses.len())
     }
 
     /// P_ci above the stretch of a seed.

@@ -19,16 +19,16 @@ mod path;
 mod ranked;
 mod response;
 mod seeds;
+mod state;
 mod steady;
 mod trial;
 
 use std::sync::Arc;
 
 use super::{Stretches, check};
-use crate::clocked::{Books, Clocked};
+use crate::clocked::{Books, Clocked, Portion, State};
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
 use crate::history::History;
-use crate::law::Atom;
 use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
 use broken::Broken;
@@ -200,19 +200,7 @@ impl Transport {
 
     /// Q(x) as the mean over the cells of the cohorts, and what stands at one stretch; both without the free.
     pub fn stretch_density(&self, stretches: &[f64]) -> Stretches {
-        let (points, cells): (Vec<_>, Vec<_>) =
-            self.cohorts.iter().partition(|cohort| cohort.place.is_point());
-        let in_cell = |cohort: &Cohort, x: f64| {
-            let place = cohort.place;
-            let inside = x >= place.stretch - place.below && x < place.stretch + place.above;
-            if inside { cohort.attached() / (place.below + place.above) } else { 0.0 }
-        };
-        let density =
-            stretches.iter().map(|&x| cells.iter().map(|cohort| in_cell(cohort, x)).sum()).collect();
-        let atom = |cohort: &&Cohort| Atom { position: cohort.place.stretch, weight: cohort.attached() };
-        let mut atoms: Vec<Atom> = points.iter().map(atom).collect();
-        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
-        Stretches { density, atoms }
+        Stretches::of(&self.stretches(), stretches)
     }
 
     /// Follows a history that begins here and now, at rising times since now.
@@ -411,6 +399,10 @@ impl Clocked for Transport {
         Self::free(self)
     }
 
+    fn stretches(&self) -> Vec<Portion> {
+        self.cohorts.iter().map(Cohort::portion).collect()
+    }
+
     fn step(&mut self, by: f64, during: f64) -> Result<()> {
         Self::step(self, by, during)
     }
@@ -428,6 +420,15 @@ impl Clocked for Transport {
             rough: None,
             ..*self
         })
+    }
+
+    fn state(&self) -> State {
+        self.kept()
+    }
+
+    /// Without the rough follower, as a copy.
+    fn restore(&mut self, state: &State) -> Result<()> {
+        self.resume(state)
     }
 }
 

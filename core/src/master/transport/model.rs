@@ -1,5 +1,7 @@
 //! What time does to the thresholds of a cohort.
 
+use serde::{Deserialize, Serialize};
+
 use super::cohort::Place;
 use super::diffusing::{Diffusing, Masses};
 use super::path::{Part, Path};
@@ -17,7 +19,7 @@ pub(super) enum Model {
 }
 
 /// The thresholds of a cohort.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) enum State {
     Ranked(Left),
     Diffusing(Masses),
@@ -29,6 +31,15 @@ impl Model {
         match self {
             Self::Ranked(ranks) => State::Ranked(ranks.newborn(seed)),
             Self::Diffusing(diffusing) => State::Diffusing(diffusing.newborn(seed)),
+        }
+    }
+
+    /// Whether these thresholds are told as this model tells them.
+    pub(super) fn fits(&self, state: &State) -> bool {
+        match (self, state) {
+            (Self::Ranked(ranks), State::Ranked(left)) => ranks.fits(left),
+            (Self::Diffusing(diffusing), State::Diffusing(masses)) => diffusing.fits(masses),
+            _ => false,
         }
     }
 

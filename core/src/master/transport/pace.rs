@@ -1,5 +1,7 @@
 //! How long a step may be.
 
+use serde::{Deserialize, Serialize};
+
 use super::broken::Share;
 use super::trial::Deaths;
 use crate::contacts::Contacts;
@@ -7,13 +9,16 @@ use crate::law::Law;
 use crate::{Error, Float, Result};
 
 /// The choice of steps.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Pace {
     /// How far contacts may stretch in a step.
+    #[serde(skip)]
     reach: f64,
     /// By how much of all contacts what breaks in a step may differ from what the step before foretells.
+    #[serde(skip)]
     surprise: f64,
     /// How much of all contacts the curvature of the deaths of the newborn may be.
+    #[serde(skip)]
     bend: f64,
     /// The duration that the next step may have.
     next: f64,
@@ -51,6 +56,12 @@ impl Pace {
             next: f64::INFINITY,
             last: None,
         }
+    }
+
+    /// The same, kept without what steps may be, which is that of `other` ones.
+    pub(super) fn of(self, other: &Self) -> Self {
+        let &Self { reach, surprise, bend, .. } = other;
+        Self { reach, surprise, bend, ..self }
     }
 
     /// The length of a step, of what is left until something happens, at a velocity.

@@ -5,6 +5,8 @@
 //! has met. The share left is ∫_c^∞ P_ci e^{−A} dh_0 over that at birth. A is kept at Gauss points of panels; on the panel
 //! where c lies e^{−A} is the polynomial through its values there, for which the rate is continued past y = 1.
 
+use serde::{Deserialize, Serialize};
+
 use super::cohort::Place;
 use super::panels::{Panel, panels};
 use super::path::Path;
@@ -37,7 +39,7 @@ pub(super) struct Ranks {
 }
 
 /// Who is left of a place.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Left {
     /// c.
     met: f64,
@@ -132,6 +134,13 @@ impl Ranks {
         let mut left = Left { met: seed.stretch.abs(), atoms, exponents, reached: 0, newborn: 1.0 };
         left.newborn = self.count(&left);
         left
+    }
+
+    /// Whether there is a share of each atom and an exponent at each label that has one.
+    pub(super) fn fits(&self, left: &Left) -> bool {
+        let exponents = if self.temperature.is_some() { self.labels.len() } else { 0 };
+        (left.atoms.len(), left.exponents.len()) == (self.atoms.len(), exponents)
+            && left.reached <= self.spread
     }
 
     /// Time passes: thermal breaks, and thresholds that are met. By how much ageing makes the others stiffer.

@@ -1,9 +1,11 @@
 //! Cells whose contacts know time as an interface that is driven at a velocity.
 
-use asperity::elastic::{self, Event, InterfaceInTime, Slipped};
+use asperity::contacts::{Contacts, Initial};
+use asperity::elastic::{self, Event, InterfaceInTime, Slipped, StateInTime};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
-use asperity::{Error, Result, scenario};
+use asperity::scenario::{self, Scenario};
+use asperity::{Error, Result};
 
 use super::cells::{from_slide_to_slide, slipped};
 use super::model::{Column, Model};
@@ -30,19 +32,30 @@ impl CellsInTime {
         let Some(velocity) = task.velocity else {
             return Err(Error::invalid("drive.velocity", "a velocity above 0", "none"));
         };
-        let tolerance = scenario.master_equation.tolerance_of_a_block();
-        let ensemble = scenario.ensemble.as_ref();
-        let share = ensemble.map_or(tolerance, |ensemble| tolerance_over(ensemble.size()).max(tolerance));
-        let step = share * contacts.thresholds.mean();
-        let interface = interface.in_time(contacts, initial, tolerance, step, ensemble)?;
-        Ok(Self { interface, velocity })
+        Ok(Self { interface: cells_in_time(scenario, interface, contacts, initial)?, velocity })
     }
+}
+
+/// The cells that the `interface` of a scenario describes, to the accuracy that it asks for.
+///
+/// # Errors
+/// What [`scenario::Interface::in_time`] refuses.
+pub fn cells_in_time(
+    scenario: &Scenario,
+    interface: &scenario::Interface,
+    contacts: &Contacts,
+    initial: &Initial,
+) -> Result<InterfaceInTime> {
+    let tolerance = scenario.master_equation.tolerance_of_a_block();
+    let ensemble = scenario.ensemble.as_ref();
+    let share = ensemble.map_or(tolerance, |ensemble| tolerance_over(ensemble.size()).max(tolerance));
+    let step = share * contacts.thresholds.mean();
+    interface.in_time(contacts, initial, tolerance, step, ensemble)
 }
 
 impl Model for CellsInTime {
     type Event = (Event, Vec<Slipped>);
-    /// None is kept.
-    type State = ();
+    type State = StateInTime;
 
     const MAGNITUDE: &'static str = "moment";
     const WHOLE: bool = false;
@@ -92,9 +105,11 @@ impl Model for CellsInTime {
         Ok(vec![interface.positions(), interface.velocities(), interface.forces()])
     }
 
-    fn state(&self) {}
+    fn state(&self) -> StateInTime {
+        self.interface.state()
+    }
 
-    fn restore(&mut self, (): (), _monitor: &mut dyn Monitor) -> Result<()> {
-        Err(Error::invalid("checkpoint", "contacts that know no time, to go on from one", "some that do"))
+    fn restore(&mut self, state: StateInTime, _monitor: &mut dyn Monitor) -> Result<()> {
+        self.interface.restore(state)
     }
 }

@@ -21,6 +21,7 @@ use cells::Cells;
 use contacts::Contacts;
 use course::{Course, Found};
 use in_time::CellsInTime;
+pub use in_time::cells_in_time;
 use model::Model;
 use stops::{Stop, stops};
 

@@ -3,6 +3,12 @@
 //! Where a [`crate::population::Population`] has no time of its own, here every move takes its time, and time passes at
 //! rest, too.
 
+mod portion;
+mod state;
+
+pub use portion::{Portion, binned};
+pub use state::State;
+
 use crate::Result;
 
 /// What contacts that know time store, and what came and went otherwise than by work, each summed on its own.
@@ -41,6 +47,9 @@ pub trait Clocked: Send + Sync {
     /// The fraction of contacts that is free.
     fn free(&self) -> f64;
 
+    /// The contacts that hold, by their stretches.
+    fn stretches(&self) -> Vec<Portion>;
+
     /// Moves by `by`, 0 or above, at one velocity in the time `during`, above 0.
     ///
     /// # Errors
@@ -49,4 +58,13 @@ pub trait Clocked: Send + Sync {
 
     /// A copy in the present state, to come back to.
     fn copy(&self) -> Box<dyn Clocked>;
+
+    /// What they have come to.
+    fn state(&self) -> State;
+
+    /// Goes to what contacts of the same description have come to: they go on from there bit for bit.
+    ///
+    /// # Errors
+    /// A state of other contacts.
+    fn restore(&mut self, state: &State) -> Result<()>;
 }

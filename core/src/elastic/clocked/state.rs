@@ -1,0 +1,73 @@
+//! All that changes as an interface is driven in time, to be kept and taken up again.
+
+use serde::{Deserialize, Serialize};
+
+use super::InterfaceInTime;
+use super::slips::Slips;
+use crate::clocked;
+use crate::{Error, Result};
+
+/// What an interface in time has come to. One of the same description goes on from it as if it had never stopped, bit for
+/// bit.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct StateInTime {
+    time: f64,
+    drive: f64,
+    pace: f64,
+    work: f64,
+    cells: Vec<Cell>,
+    slips: Slips,
+}
+
+/// What a cell has come to.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Cell {
+    position: f64,
+    velocity: f64,
+    slope: f64,
+    viscous: f64,
+    contacts: clocked::State,
+}
+
+impl InterfaceInTime {
+    /// What it has come to.
+    pub fn state(&self) -> StateInTime {
+        let cells = self.cells.iter().zip(&self.viscous).map(|(cell, &viscous)| Cell {
+            position: cell.position,
+            velocity: cell.velocity,
+            slope: cell.slope,
+            viscous,
+            contacts: cell.contacts.state(),
+        });
+        StateInTime {
+            time: self.time,
+            drive: self.drive,
+            pace: self.pace,
+            work: self.work,
+            cells: cells.collect(),
+            slips: self.slips.clone(),
+        }
+    }
+
+    /// Goes to what an interface of the same description has come to.
+    ///
+    /// # Errors
+    /// A state of another number of cells, or of other contacts: the interface is of no use any more then.
+    pub fn restore(&mut self, state: StateInTime) -> Result<()> {
+        let StateInTime { time, drive, pace, work, cells, slips } = state;
+        if cells.len() != self.len() {
+            let expected = format!("that of {} cells", self.len());
+            return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));
+        }
+        for ((cell, lost), kept) in self.cells.iter_mut().zip(&mut self.viscous).zip(cells) {
+            cell.contacts.restore(&kept.contacts)?;
+            cell.force = cell.contacts.force();
+            (cell.position, cell.velocity, cell.slope) = (kept.position, kept.velocity, kept.slope);
+            *lost = kept.viscous;
+        }
+        (self.time, self.drive, self.pace, self.work) = (time, drive, pace, work);
+        self.slips.resume(slips);
+        self.look = self.seen();
+        Ok(())
+    }
+}
