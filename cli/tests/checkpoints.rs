@@ -23,10 +23,10 @@ drive = { distance = 100.0, points = 11, maps = [40.0, 80.0] }
 const CELLS: &str = "
 title = 'Precursors'
 contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
-drive = { distance = 80.0, points = 11 }
+drive = { distance = 200.0, points = 11 }
 [interface]
-cells = [30]
-coupling.neighbours = { stiffness = 4.0 }
+cells = [60]
+coupling.neighbours = { stiffness = 2.0 }
 connection = 0.5
 loading = 'edge'
 disorder = { std = 0.05, seed = 1 }
@@ -134,7 +134,7 @@ fn a_run_killed_three_times_gives_the_same_bytes() {
 /// How far the curve is known that cells share decides on their steps, and goes on, too.
 #[test]
 fn cells_that_are_killed_and_interrupted_give_the_same_bytes() {
-    same_bytes_after(CELLS, 5, &[(5, "-KILL"), (20, "-INT"), (40, "-KILL"), (60, "-INT")]);
+    same_bytes_after(CELLS, 5, &[(5, "-KILL"), (20, "-INT"), (30, "-KILL"), (45, "-INT")]);
 }
 
 #[test]

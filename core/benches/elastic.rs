@@ -10,7 +10,6 @@ use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::{Coupling, Curves, Interface, Loading, Setting, Slip};
 use asperity::law::{Gaussian, Point};
 use asperity::master::{MasterEquation, Stock};
-use asperity::population::Response;
 use asperity::random::{Purpose, Stream};
 use asperity::shape::{Edges, Shape};
 use cpu_time::{ProcessTime, ThreadTime};
@@ -53,7 +52,7 @@ fn sweeps() {
         let mut springs = neighbours(Shape::Square([side; 2]), Edges::Periodic, 1.0).unwrap();
         let positions: Vec<f64> = (0..number).map(|j| 0.5 + 0.4 * (j as f64 * 0.001).sin()).collect();
         let mut pulls = vec![0.0; number];
-        let mut responses = vec![Response { force: 0.0, tangent: 0.0 }; number];
+        let mut slopes = vec![0.0; number];
         let rate = |run: &mut dyn FnMut()| {
             run();
             let begun = ThreadTime::now();
@@ -61,7 +60,7 @@ fn sweeps() {
             (sweeps * number) as f64 / begun.elapsed().as_secs_f64()
         };
         let springs = rate(&mut || springs.forces(&positions, &mut pulls));
-        let contacts = rate(&mut || cells.ahead(&positions, &mut responses).unwrap());
+        let contacts = rate(&mut || cells.resist(&positions, &mut pulls, &mut slopes).unwrap());
         println!("cell updates per second and core: springs {springs:.2e}, contacts {contacts:.2e}");
     });
 }

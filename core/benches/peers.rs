@@ -32,13 +32,13 @@ const HEAD: &str = "\
 <!-- Written by `make peers`: change core/benches/peers.rs instead. -->
 # Next to what one would write in Python
 
-The same job by asperity and by a script in Python, in turns in one run of `make peers`, each on one thread: medians of
-nine turns in CPU seconds on the machine that made this page, the scripts compiled and warmed up, with the quartiles of
-the ratio. *Off* is how far their F(5) is from the exact one; ours is within 1e-10 by the master equation, and within
-the noise of the contacts by the ensemble. From break to break theirs is one sequential generator and the mean force,
-ours a stream for each contact, and standard errors. Coupled contacts start from other random stretches there and here;
-their mean forces at the end are within 0.02 of each other, as are those of cells of other random scales. The scripts
-are in `core/benches/peers`.
+The same job by asperity and by a script in Python, in turns in one run of `make peers`, each on one thread: medians
+of nine turns, or one where it says so, in CPU seconds on the machine that made this page, the scripts compiled and
+warmed up, with the quartiles of the ratio. *Off* is how far their F(5) is from the exact one; ours is within 1e-10
+by the master equation, and within the noise of the contacts by the ensemble. From break to break theirs is one
+sequential generator and the mean force, ours a stream for each contact, and standard errors. Coupled contacts start
+from other random stretches there and here; their mean forces at the end are within 0.02 of each other, as are those
+of cells of other random scales. The scripts are in `core/benches/peers`.
 
 | job | ours, ms | theirs | theirs, ms | off | ratio |
 | --- | ---: | --- | ---: | ---: | ---: |";
@@ -106,24 +106,29 @@ fn against_python() {
             forces[0]
         });
     }
-    let (job, side) =
-        ("128 × 128 cells under a periodic half-space, the next event, to 1e-6 of the drive", 128);
-    let (mut cells, begun) = deformable(side, 2.3);
-    against(
-        job,
-        "NumPy, rfft2 and irfft2 in every step",
-        &format!("interface.py {side} 2.3 0.02"),
-        None,
-        || {
-            cells.restore(begun.clone(), &mut ()).unwrap();
-            cells.next(f64::INFINITY, &mut ()).unwrap();
-            cells.force().unwrap() / cells.len() as f64
-        },
+    next_event(128, (2.3, 0.02), 1e-6, TURNS);
+    next_event(1024, (2.36, 0.02), 1e-3, 1);
+}
+
+/// A row of the next event of so many cells a side, from a drive on and by first steps of theirs, so many turns of it.
+fn next_event(side: usize, (drive, step): (f64, f64), tolerance: f64, turns: usize) {
+    let job = format!(
+        "{side} × {side} cells under a periodic half-space, the next event, to {tolerance:e} of the drive{}",
+        if turns == 1 { ", one turn" } else { "" }
     );
+    let (mut cells, begun) = deformable(side, drive, tolerance);
+    let (name, script) =
+        ("NumPy, rfft2 and irfft2 in every step", format!("interface.py {side} {drive} {step} {tolerance}"));
+    let next = || {
+        cells.restore(begun.clone(), &mut ()).unwrap();
+        cells.next(f64::INFINITY, &mut ()).unwrap();
+        cells.force().unwrap() / cells.len() as f64
+    };
+    in_turns(&job, name, &script, None, turns, next);
 }
 
 /// Side × side cells with thresholds of 1 ± 0.1, stretched by 1 ± 0.05 from cell to cell, at a drive.
-fn deformable(side: usize, drive: f64) -> (Interface, State) {
+fn deformable(side: usize, drive: f64, drive_tolerance: f64) -> (Interface, State) {
     let relaxed: SharedLaw = Arc::new(Point::new(0.0).unwrap());
     let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1).unwrap()), relaxed.clone());
     let start = Initial { law: relaxed, start: Start::Conditional };
@@ -135,7 +140,7 @@ fn deformable(side: usize, drive: f64) -> (Interface, State) {
         loading: Loading::Uniform,
         slip: Slip::Overdamped,
         viscosity: None,
-        drive_tolerance: 1e-6,
+        drive_tolerance,
         area: 1.0,
     };
     let slider = half_space(Shape::Square([side; 2]), Edges::Periodic, 3.0, 1.0).unwrap();
@@ -163,7 +168,19 @@ fn row(job: &str, name: &str, script: &str, ours: impl Fn() -> f64 + Sync) {
 }
 
 /// One line of the table, ours on this thread alone, of a job that has a force, perhaps known exactly.
-fn against(job: &str, name: &str, script: &str, exact: Option<f64>, mut ours: impl FnMut() -> f64 + Send) {
+fn against(job: &str, name: &str, script: &str, exact: Option<f64>, ours: impl FnMut() -> f64 + Send) {
+    in_turns(job, name, script, exact, TURNS, ours);
+}
+
+/// The same in so many turns.
+fn in_turns(
+    job: &str,
+    name: &str,
+    script: &str,
+    exact: Option<f64>,
+    turns: usize,
+    mut ours: impl FnMut() -> f64 + Send,
+) {
     let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let mut peer = Peer::start(script);
     let mut off = 0.0;
@@ -179,7 +196,7 @@ fn against(job: &str, name: &str, script: &str, exact: Option<f64>, mut ours: im
         off = exact.map_or(0.0, |exact| 100.0 * (their_force / exact - 1.0));
         [ours, theirs, theirs / ours]
     };
-    let turns: Vec<[f64; 3]> = (0..TURNS).map(turn).collect();
+    let turns: Vec<[f64; 3]> = (0..turns).map(turn).collect();
     let [ours, theirs, ratio] = [0, 1, 2].map(|k| quartiles(turns.iter().map(|turn| turn[k])));
     let (ours, theirs) = (1e3 * ours[1], 1e3 * theirs[1]);
     let off = match exact {

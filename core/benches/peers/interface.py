@@ -3,8 +3,8 @@
 Side × side cells have the friction curve of Gaussian thresholds (1 ± 0.1), stretched by 1 ± 0.05 from cell to cell;
 K_0 = 0.5, G*a = 3. At a drive all cells move together, by the response of a slider whose contacts are as stiff as the
 steepest rise of the curve, until forces balance: so no balance is passed. Where a cell goes far in a step of the drive
-there was an event in it; the step is halved until the drive of the event is known to 1e-6. The arguments are the side,
-the drive to start from, which is reached from rest and not timed, and the first step.
+there was an event in it; the step is halved until the drive of the event is known to a tolerance. The arguments are the
+side, the drive to start from, which is reached from rest and not timed, the first step, and the tolerance.
 """
 
 import sys
@@ -16,10 +16,10 @@ from clock import answer
 CONNECTION, MODULUS, WIDTH, SCATTER = 0.5, 3.0, 0.1, 0.05
 FINE = 1e-3
 BALANCE = 1e-10
-TOLERANCE = 1e-6
 FAR = 0.1
 
-side, first, step = int(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3])
+side = int(sys.argv[1])
+first, step, tolerance = (float(argument) for argument in sys.argv[2:])
 
 
 def curve(end):
@@ -68,7 +68,7 @@ def run():
         ahead = balanced(positions, drive + by)
         if (ahead - positions).max() < FAR:
             positions, drive = ahead, drive + by
-        elif by <= TOLERANCE:
+        elif by <= tolerance:
             return friction(ahead).mean()
         else:
             by /= 2
@@ -76,4 +76,4 @@ def run():
 
 started = balanced(np.zeros((side, side)), first)
 if __name__ == "__main__":
-    answer(run)
+    answer(run, warm=False)
