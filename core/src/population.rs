@@ -130,6 +130,11 @@ pub trait Population: Send + Sync {
     /// Energies and breaks.
     fn books(&self) -> Books;
 
+    /// The stretches of the contacts that hold, in no order, where they are followed one by one.
+    fn stretches(&self) -> Option<Vec<f64>> {
+        None
+    }
+
     /// A copy in its present state, to come back to.
     fn copy(&self) -> Box<dyn Population>;
 }

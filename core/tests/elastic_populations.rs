@@ -167,6 +167,27 @@ fn what_was_stopped_goes_on_as_if_it_had_not_been() {
     }
 }
 
+/// Forces are those of curves, stretches those of contacts.
+#[test]
+fn stretches_of_the_contacts_of_a_cell_add_up_to_its_force() {
+    for slip in [Slip::Overdamped, Slip::Reset] {
+        let scaled = cells(3, 40).scaled(&[1.0, 0.8, 1.3]).unwrap();
+        let mut chain = chain(scaled, 3, 0.5, slip, 1e-6);
+        for drive in [0.0, 1.5, 4.0] {
+            chain.run(drive, &mut (), &mut |_, _| ()).unwrap();
+            let forces = chain.forces().unwrap();
+            for (cell, force) in forces.into_iter().enumerate() {
+                let contacts = chain.stretches(cell).unwrap().unwrap();
+                assert_eq!(contacts.len(), 40);
+                let carried: f64 = contacts.iter().map(|contact| contact.share * contact.low).sum();
+                near(carried, force, 1e-12);
+            }
+        }
+        let error = chain.stretches(3).unwrap_err().to_string();
+        assert!(error.starts_with("cell: expected a number below 3"), "{error}");
+    }
+}
+
 /// How far curves are known decides on steps.
 #[test]
 fn what_is_recalled_knows_no_more_than_at_the_mark() {

@@ -1066,11 +1066,9 @@ class Interface(Deformable):
         MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`, the stretches at which contacts
         are together.
 
-        Where contacts know time, velocity is that of the drive, and instead of stretches there may be edges of n bins, n + 1
-        numbers that rise: the density is the mean in each bin then, and `stretch` its middle. Contacts that are free are not
-        counted. Without bins each of the few contacts of a cell with a size is an atom.
-
-        Where contacts know no time, they must be so many that they follow the master equation.
+        Where contacts know time, velocity is that of the drive. There, and where cells have a size, there may be edges of n
+        bins instead of stretches, n + 1 numbers that rise: the density is the mean in each bin then, and `stretch` its middle.
+        Contacts that are free are not counted. Without bins each of the few contacts of a cell with a size is an atom.
 
         Raises ValueError for a number of no cell, and for values that make no sense.
         """

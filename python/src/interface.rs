@@ -53,23 +53,35 @@ impl Surface {
     }
 
     /// Stretches of these contacts in a cell, which know no time, once the interface has been driven so far.
-    fn stretches(
+    fn look(
         &self,
         (contacts, initial): (contacts::Contacts, contacts::Initial),
         cell: usize,
         at: f64,
-        stretches: &[f64],
+        looked: Looked,
         monitor: &mut dyn Monitor,
-    ) -> asperity::Result<Stretches> {
+    ) -> asperity::Result<(Vec<f64>, Stretches)> {
         let tolerance = scenario::MasterEquation::default().tolerance();
         let equation = MasterEquation::new(contacts.clone(), &initial)?;
         let mut driven =
             self.own.deformable(contacts, &initial, tolerance, self.ensemble.as_ref(), monitor)?;
         driven.run(at, monitor, &mut |_, _| ())?;
-        let standing = driven.standing(cell)?.ok_or_else(|| {
-            Error::invalid("size", "None, so that contacts follow the master equation", "a number")
-        })?;
-        scenario::Interface::stretch_density(&equation, standing, stretches, tolerance, monitor)
+        if let Some(portions) = driven.stretches(cell)? {
+            return looked.at(&portions);
+        }
+        let standing = driven.standing(cell)?.expect("cells of many contacts share a curve");
+        match looked {
+            Looked::Stretches(stretches) => {
+                let found = scenario::Interface::stretch_density(
+                    &equation, standing, &stretches, tolerance, monitor,
+                )?;
+                Ok((stretches, found))
+            }
+            Looked::Bins(_) => {
+                let expected = "None where contacts follow the master equation and know no time";
+                Err(Error::invalid("edges", expected, "edges of bins"))
+            }
+        }
     }
 }
 
@@ -235,11 +247,9 @@ impl Interface {
     /// MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`, the stretches at which contacts
     /// are together.
     ///
-    /// Where contacts know time, velocity is that of the drive, and instead of stretches there may be edges of n bins, n + 1
-    /// numbers that rise: the density is the mean in each bin then, and `stretch` its middle. Contacts that are free are not
-    /// counted. Without bins each of the few contacts of a cell with a size is an atom.
-    ///
-    /// Where contacts know no time, they must be so many that they follow the master equation.
+    /// Where contacts know time, velocity is that of the drive. There, and where cells have a size, there may be edges of n
+    /// bins instead of stretches, n + 1 numbers that rise: the density is the mean in each bin then, and `stretch` its middle.
+    /// Contacts that are free are not counted. Without bins each of the few contacts of a cell with a size is an atom.
     ///
     /// Raises ValueError for a number of no cell, and for values that make no sense.
     #[pyo3(
@@ -271,13 +281,7 @@ impl Interface {
                     driven.run(at, velocity, monitor, &mut |_, _| ())?;
                     looked.at(&driven.stretches(cell)?)
                 }
-                (Looked::Stretches(stretches), None) => {
-                    let found = surface.stretches(built, cell, at, &stretches, monitor)?;
-                    Ok((stretches, found))
-                }
-                (Looked::Bins(_), None) => {
-                    Err(Error::invalid("edges", "None, but where contacts know time", "edges of bins"))
-                }
+                (looked, None) => surface.look(built, cell, at, looked, monitor),
             }
         })?;
         values::stretches(py, stretches, found)

@@ -91,11 +91,21 @@ def test_stretches_of_a_cell_carry_its_force(slip: Any) -> None:
     with pytest.raises(ValueError, match="at: expected a finite drive, 0 or above, got -1"):
         chain.stretch_density(0, stretches, at=-1.0)
     assert chain.stretch_density(0, stretches, at=0.0).density.shape == stretches.shape
-    few = chain.replace(slip="overdamped", size=5, disorder=None)
-    with pytest.raises(ValueError, match="size: expected None"):
-        few.stretch_density(0, stretches, at=1.0)
-    with pytest.raises(ValueError, match="edges: expected None, but where contacts know time"):
+    with pytest.raises(ValueError, match="edges: expected None where contacts follow the master equation"):
         chain.stretch_density(0, edges=[0.0, 1.0], at=1.0)
+
+
+def test_few_contacts_of_a_cell_are_atoms_or_counted_in_bins() -> None:
+    contacts = asp.Contacts(thresholds=asp.Gaussian(1.0, 0.1), reforming=asp.Rectangular(0.0, 0.2))
+    chain = asp.Interface(contacts, [2], neighbours=0.5, connection=0.5, slip="overdamped", size=50)
+    force = chain.drive(2.7, 2)["cell_force"][-1][1]
+    atoms = chain.stretch_density(1, [0.5], at=2.7).atoms
+    assert not isinstance(atoms, list)
+    np.testing.assert_allclose(np.sum(atoms.weight * atoms.position), force, rtol=0, atol=1e-12)
+    edges = np.linspace(0.0, 2.0, 21)
+    binned = chain.stretch_density(1, edges=edges, at=2.7)
+    counted, _ = np.histogram(atoms.position, edges, weights=atoms.weight)
+    np.testing.assert_allclose(binned.density * np.diff(edges), counted, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -36,6 +36,7 @@ pub use state::State;
 use self::batch::change;
 use self::creep::Pace;
 use self::energy::Stored;
+use crate::clocked::Portion;
 use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
 
@@ -206,10 +207,30 @@ impl Interface {
     /// # Errors
     /// A number of no cell.
     pub fn standing(&self, cell: usize) -> Result<Option<Standing>> {
-        if cell >= self.len() {
-            return Err(Error::invalid("cell", format!("a number below {}", self.len()), cell));
-        }
+        self.has(cell)?;
         Ok(self.cells.standing(cell))
+    }
+
+    /// The contacts of a cell by their stretches, where they are followed one by one; none where they are a distribution,
+    /// that of where the cell is standing.
+    ///
+    /// # Errors
+    /// A number of no cell. Those of the cells.
+    pub fn stretches(&self, cell: usize) -> Result<Option<Vec<Portion>>> {
+        self.has(cell)?;
+        let portions = |stretches: Vec<f64>| {
+            let share = 1.0 / stretches.len() as f64;
+            stretches.into_iter().map(|stretch| Portion { low: stretch, high: stretch, share }).collect()
+        };
+        Ok(self.cells.stretches(cell)?.map(portions))
+    }
+
+    /// Refuses a number of no cell.
+    fn has(&self, cell: usize) -> Result<()> {
+        if cell < self.len() {
+            return Ok(());
+        }
+        Err(Error::invalid("cell", format!("a number below {}", self.len()), cell))
     }
 
     /// Friction force of all cells.

@@ -318,6 +318,11 @@ impl Population for EnsemblePopulation {
         }
     }
 
+    fn stretches(&self) -> Option<Vec<f64>> {
+        let sign = self.facing.sign();
+        Some(self.queue.iter().map(|contact| sign * (self.position - contact.origin)).collect())
+    }
+
     fn copy(&self) -> Box<dyn Population> {
         Box::new(self.clone())
     }

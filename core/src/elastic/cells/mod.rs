@@ -166,6 +166,14 @@ pub trait Cells: Send + Sync {
         None
     }
 
+    /// The stretches of the contacts of a cell, where these are followed one by one.
+    ///
+    /// # Errors
+    /// Those of the population behind it.
+    fn stretches(&self, _cell: usize) -> Result<Option<Vec<f64>>> {
+        Ok(None)
+    }
+
     /// All that changes as cells move.
     fn state(&self) -> State;
 

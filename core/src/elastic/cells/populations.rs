@@ -151,16 +151,31 @@ impl Own {
 /// Contacts that have gone on to a place from where they are and re-formed there all together. What breaks within
 /// rounding of that place breaks with all others.
 fn renewed(base: &dyn Population, place: f64, monitor: &mut dyn Monitor) -> Result<Arc<dyn Population>> {
+    let mut population = moved(base, place, rounding(base, place), monitor)?;
+    population.reset(Direction::Forward, monitor)?;
+    Ok(population.into())
+}
+
+/// What is rounding in where contacts are that have gone on to a place.
+fn rounding(base: &dyn Population, place: f64) -> f64 {
+    16.0 * f64::EPSILON * ((base.position() + place).abs() + place)
+}
+
+/// Contacts that have gone on to a place from where they are, where what would break less than `near` before it has not.
+fn moved(
+    base: &dyn Population,
+    place: f64,
+    near: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<Box<dyn Population>> {
     let mut population = base.copy();
     let end = population.position() + place;
-    let near = 16.0 * f64::EPSILON * (end.abs() + place);
     loop {
         let way = population.way(Direction::Forward, monitor)?;
         let left = (end - population.position()).max(0.0);
         if left <= way.length + near {
             population.advance(left.min(way.length))?;
-            population.reset(Direction::Forward, monitor)?;
-            return Ok(population.into());
+            return Ok(population);
         }
         population.advance(way.length)?;
         if way.breaks {
@@ -284,6 +299,15 @@ impl Cells for Populations {
     fn account(&self) -> Account {
         let add = |sum, cell: usize| sum + self.cells[cell].done(0.0);
         gather(self.len(), Account::default, add, |a, b| a + b)
+    }
+
+    fn stretches(&self, cell: usize) -> Result<Option<Vec<f64>>> {
+        let Own { stand, scale, .. } = &self.cells[cell];
+        let place = stand.advance / scale;
+        // What breaks there has broken, as on the curve.
+        let population = moved(&*stand.base, place, -rounding(&*stand.base, place), &mut ())?;
+        let stretches = population.stretches();
+        Ok(stretches.map(|stretches| stretches.into_iter().map(|stretch| scale * stretch).collect()))
     }
 
     fn state(&self) -> State {
