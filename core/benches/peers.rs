@@ -49,7 +49,7 @@ fn main() {
     against_python();
     let alone = alone();
     // It takes most of the time.
-    next_event(1024, (2.36, 0.02), 1e-3, 1);
+    next_event(1024, (2.3, 0.02), 1e-3, 1);
     println!("\n{alone}\n{memory}");
 }
 
