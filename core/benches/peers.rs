@@ -1,8 +1,8 @@
 //! One page: this crate next to what a user would write in Python, run in turns in the same call.
 //!
 //! The interpreter is `$PEERS_PYTHON`; `core/benches/peers/requirements.txt` says what it needs. With `$PEERS_LARGE` there
-//! is a row more, which takes a quarter of an hour. Times are CPU
-//! seconds but for the two threads, medians of turns; the peers have been compiled and warmed up.
+//! is a row more, which takes a quarter of an hour. Times are CPU seconds but for the two threads, medians of turns;
+//! the peers have been compiled and warmed up.
 //!
 //! The event-driven peers do less: one sequential generator for all contacts, the mean force alone. Ours are
 //! streams that each contact has for itself (the same numbers on any number of threads) and standard errors.
