@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use support::{Folder, errors, names};
+use support::{Folder, errors, names, scenarios};
 
 /// A few seconds of avalanches, all of them recorded.
 const SCENARIO: &str = "
@@ -257,10 +257,14 @@ fn a_checkpoint_of_something_else_is_refused_with_the_difference() {
 fn only_interfaces_have_checkpoints() {
     let folder = Folder::new();
     folder.write("pull.toml", "contacts.thresholds.point = { at = 1.0 }\npull.distance = 1.0\n");
-    for option in [&["--checkpoint", "10"][..], &["--resume"]] {
-        let output = folder.run(&[&["run", "pull.toml"], option].concat());
-        assert_eq!(output.status.code(), Some(2));
-        assert!(errors(&output).contains(option[0]), "{}", errors(&output));
+    let renormalised = scenarios().join("renormalised-cells.toml");
+    for scenario in ["pull.toml", renormalised.to_str().unwrap()] {
+        for option in [&["--checkpoint", "10"][..], &["--resume"]] {
+            let output = folder.run(&[&["run", scenario], option].concat());
+            assert_eq!(output.status.code(), Some(2));
+            let expected = format!("{}: expected a scenario of [drive] with [interface]", option[0]);
+            assert!(errors(&output).contains(&expected), "{}", errors(&output));
+        }
     }
     folder.write("slow.toml", &SCENARIO.replace("100.0", "1.0").replace("[40.0, 80.0]", "[]"));
     let output = folder.run(&["run", "slow.toml", "--resume"]);

@@ -3,6 +3,7 @@
 mod common;
 
 use asperity::block::{self, StickSlip};
+use asperity::clocked::binned;
 use asperity::contacts::Contacts;
 use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::{Cells, Coupling, Event, Interface, Populations, Slip};
@@ -181,6 +182,13 @@ fn stretches_of_the_contacts_of_a_cell_add_up_to_its_force() {
                 assert_eq!(contacts.len(), 40);
                 let carried: f64 = contacts.iter().map(|contact| contact.share * contact.low).sum();
                 near(carried, force, 1e-12);
+                let counted: f64 = binned(&contacts, &[0.0, 1.0, 3.0])
+                    .unwrap()
+                    .iter()
+                    .zip([1.0, 2.0])
+                    .map(|(q, dx)| q * dx)
+                    .sum();
+                near(counted, 1.0, 1e-12);
             }
         }
         let error = chain.stretches(3).unwrap_err().to_string();

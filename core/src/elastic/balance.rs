@@ -84,8 +84,8 @@ impl Interface {
         largest(self.len(), |j| self.excess[j].abs())
     }
 
-    /// Goes on from the advances that are tried by δ with (η/dt + D + A) δ = excess, `rate` being η/dt; none, and nothing
-    /// done, where F' + K_0 + η/dt + A is not positive definite, or hardly. The excess has just been asked for, with
+    /// Goes on from the advances that are tried by δ with (η/dt + D + A) δ = excess, `rate` being η/dt; none, and no
+    /// advance, where F' + K_0 + η/dt + A is not positive definite, or hardly. The excess has just been asked for, with
     /// `held` where advances are tried, and is not known afterwards.
     ///
     /// D_j ≥ F_j' + K_0j is an upper bound on the way that the cell takes, and (η/dt + D + A)⁻¹ has no entry below 0. So

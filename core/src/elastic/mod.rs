@@ -220,7 +220,9 @@ impl Interface {
         self.has(cell)?;
         let portions = |stretches: Vec<f64>| {
             let share = 1.0 / stretches.len() as f64;
-            stretches.into_iter().map(|stretch| Portion { low: stretch, high: stretch, share }).collect()
+            // Those just re-formed may lie below 0 by rounding.
+            let at = |stretch: f64| Portion { low: stretch.max(0.0), high: stretch.max(0.0), share };
+            stretches.into_iter().map(at).collect()
         };
         Ok(self.cells.stretches(cell)?.map(portions))
     }

@@ -27,12 +27,14 @@ impl Scenario {
     /// Whether a run can be stopped and gone on with; `key` is what asks for that.
     ///
     /// # Errors
-    /// No interface that is driven.
+    /// No interface that is driven from event to event.
     pub fn keeps_checkpoints(&self, key: &str) -> Result<()> {
-        if self.interface.is_some() {
-            return Ok(());
-        }
-        Err(Error::invalid(key, "a scenario with [interface]", "one without, which has no checkpoints"))
+        let found = match (&self.interface, &self.drive) {
+            (Some(_), Some(_)) => return Ok(()),
+            (Some(_), None) => "one of another task, which has no checkpoints",
+            (None, _) => "one without, which has no checkpoints",
+        };
+        Err(Error::invalid(key, "a scenario of [drive] with [interface]", found))
     }
 
     /// Refuses what a closure for steady sliding has no answer to.

@@ -161,7 +161,7 @@ fn rounding(base: &dyn Population, place: f64) -> f64 {
     16.0 * f64::EPSILON * ((base.position() + place).abs() + place)
 }
 
-/// Contacts that have gone on to a place from where they are, where what would break less than `near` before it has not.
+/// Contacts that have gone on to a place from where they are; what would break less than `near` before it has not.
 fn moved(
     base: &dyn Population,
     place: f64,
