@@ -234,6 +234,6 @@ def test_a_run_that_was_stopped_goes_on(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="folder: expected one"):
         asp.run(OFC, resume=True)
     with pytest.raises(
-        ValueError, match=r"checkpoint: expected a scenario with \[interface\], got one without"
+        ValueError, match=r"checkpoint: expected a scenario of \[drive\] with \[interface\], got one without"
     ):
         asp.run(OFC.with_name("fig2.toml"), folder=tmp_path / "pull", checkpoint=10)
