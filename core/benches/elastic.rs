@@ -60,7 +60,9 @@ fn sweeps() {
             (sweeps * number) as f64 / begun.elapsed().as_secs_f64()
         };
         let springs = rate(&mut || springs.forces(&positions, &mut pulls));
-        let contacts = rate(&mut || cells.resist(&positions, &mut pulls, &mut slopes).unwrap());
+        let contacts = rate(&mut || {
+            cells.resist(&positions, &mut pulls, &mut slopes).unwrap();
+        });
         println!("cell updates per second and core: springs {springs:.2e}, contacts {contacts:.2e}");
     });
 }

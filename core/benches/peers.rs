@@ -1,7 +1,7 @@
 //! One page: this crate next to what a user would write in Python, run in turns in the same call.
 //!
 //! The interpreter is `$PEERS_PYTHON`; `core/benches/peers/requirements.txt` says what it needs. With `$PEERS_LARGE` there
-//! is a row more, which takes a quarter of an hour. Times are CPU seconds but for the two threads, medians of turns;
+//! are rows more, which take most of an hour. Times are CPU seconds but for the two threads, medians of turns;
 //! the peers have been compiled and warmed up.
 //!
 //! The event-driven peers do less: one sequential generator for all contacts, the mean force alone. Ours are
@@ -50,7 +50,7 @@ fn main() {
     against_python();
     let alone = alone();
     if std::env::var_os("PEERS_LARGE").is_some() {
-        next_event(1024, (2.3, 0.02), 1e-3, 1);
+        [1e-4, 1e-6].into_iter().for_each(|tolerance| next_event(1024, (2.3, 0.02), tolerance, 1));
     }
     println!("\n{alone}\n{memory}");
 }

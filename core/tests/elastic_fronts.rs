@@ -35,10 +35,10 @@ impl Coupling for BetweenWalls {
     }
 
     fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
-        self.respond(&vec![diagonal; self.cells], right, 0.0)
+        self.respond(&vec![diagonal; self.cells], right, 0.0).is_some()
     }
 
-    fn respond(&mut self, springs: &[f64], right: &mut [f64], _goal: f64) -> bool {
+    fn respond(&mut self, springs: &[f64], right: &mut [f64], _goal: f64) -> Option<usize> {
         let mut pivots: Vec<f64> = Vec::new();
         for j in 0..self.cells {
             let ratio = pivots.last().map_or(0.0, |last| self.stiffness / last);
@@ -49,7 +49,7 @@ impl Coupling for BetweenWalls {
             let next = right.get(j + 1).copied().unwrap_or(0.0);
             right[j] = (right[j] + self.stiffness * next) / pivots[j];
         }
-        pivots.iter().all(|pivot| *pivot > 0.0)
+        pivots.iter().all(|pivot| *pivot > 0.0).then_some(1)
     }
 
     fn own(&self, _cell: usize) -> f64 {

@@ -2,7 +2,7 @@
 
 use super::Interface;
 use super::batch::{all, change, fill, largest};
-use super::cells::Slopes;
+use super::cells::{Extremes, Slopes};
 use crate::Result;
 use crate::monitor::Monitor;
 
@@ -12,8 +12,17 @@ const FAR: f64 = 100.0;
 /// What a solution leaves of the largest force.
 const SOLVED: f64 = 1e-4;
 
+/// The same in Newton's method, which has to converge alone.
+const NEWTON: f64 = 1e-3;
+
 /// Forces in balance, of the largest that cells have.
 const BALANCED: f64 = 1e-14;
+
+/// The same while cells creep: the next stride begins from forces, not from what the last one has left of them.
+const CALM: f64 = 1e-11;
+
+/// What a solution leaves of a force of 1, where it is not 1 but above 0 that matters.
+const POSITIVE: f64 = 0.5;
 
 /// Roundings of a position by which the slider pulls.
 const ROUNDINGS: f64 = 4.0;
@@ -26,6 +35,8 @@ const CURVED: f64 = 0.1;
 pub(super) struct Step {
     /// η/dt.
     pub rate: f64,
+    /// How many responses on equal springs it took.
+    pub taken: usize,
     /// Whether slopes on the way mattered for what the step has left of the excess forces: then it is no rounding.
     pub curved: bool,
 }
@@ -52,31 +63,46 @@ impl Interface {
         let pull = largest(number, |j| {
             self.connection(j) * self.drive.abs() + self.coupling.own(j) * self.positions[j].abs()
         });
-        BALANCED * self.cells.strongest() + ROUNDINGS * f64::EPSILON * pull
+        BALANCED * self.cells.extremes().strongest + ROUNDINGS * f64::EPSILON * pull
+    }
+
+    /// What creep leaves of forces out of balance.
+    pub(super) fn calm(&self) -> f64 {
+        self.precision().max(CALM * self.cells.extremes().strongest)
     }
 
     /// The largest force out of balance where the cells are, no advances being tried; all of them are known then.
     pub(super) fn excess_here(&mut self) -> Result<f64> {
-        self.coupling.forces(&self.positions, &mut self.excess);
-        self.sense()
+        self.pull_here();
+        self.resist()
     }
 
     /// The same after the advances that are tried, from where the slider pulls by `held`.
     pub(super) fn excess_ahead(&mut self, held: &[f64]) -> Result<f64> {
         self.coupling.forces(&self.by, &mut self.excess);
-        change(&mut self.excess, |j, force| held[j] + force);
-        self.sense()
-    }
-
-    /// Adds the drive and the contacts to the forces by which the slider pulls after the advances that are tried.
-    fn sense(&mut self) -> Result<f64> {
         let connection = self.connections();
         let (drive, positions, by) = (self.drive, &self.positions, &self.by);
         let pull = |j: usize| connection(j) * (drive - positions[j] - by[j]);
-        change(&mut self.excess, |j, held| pull(j) + held);
-        self.cells.resist(&self.by, &mut self.excess, &mut self.springs)?;
-        change(&mut self.springs, |j, tangent| tangent + connection(j));
-        Ok(self.largest_excess())
+        change(&mut self.excess, |j, force| pull(j) + (held[j] + force));
+        self.resist()
+    }
+
+    /// In place of the excess the forces by which drive and slider pull at cells where they are.
+    pub(super) fn pull_here(&mut self) {
+        self.coupling.forces(&self.positions, &mut self.excess);
+        let (connection, drive, positions) = (self.connections(), self.drive, &self.positions);
+        change(&mut self.excess, |j, held| connection(j) * (drive - positions[j]) + held);
+    }
+
+    /// Takes the forces of the contacts after the advances that are tried off the pulls; the largest excess that is left.
+    pub(super) fn resist(&mut self) -> Result<f64> {
+        self.cells.resist(&self.by, &mut self.excess, &mut self.springs)
+    }
+
+    /// Makes springs F' + K_0 + η/dt of the tangents.
+    pub(super) fn stiffen(&mut self, rate: f64) {
+        let connection = self.connections();
+        change(&mut self.springs, |j, tangent| tangent + (connection(j) + rate));
     }
 
     /// The largest force out of balance that was found.
@@ -84,65 +110,58 @@ impl Interface {
         largest(self.len(), |j| self.excess[j].abs())
     }
 
-    /// Goes on from the advances that are tried by δ with (η/dt + D + A) δ = excess, `rate` being η/dt; none, and no
-    /// advance, where F' + K_0 + η/dt + A is not positive definite, or hardly. The excess has just been asked for, with
-    /// `held` where advances are tried, and is not known afterwards.
+    /// Tries to go on by δ with (η/dt + D + A) δ = excess, `rate` being η/dt; none, and no advance, where
+    /// F' + K_0 + η/dt + A is not positive definite, or hardly. The excess has just been asked for, and is not known
+    /// afterwards.
     ///
     /// D_j ≥ F_j' + K_0j is an upper bound on the way that the cell takes, and (η/dt + D + A)⁻¹ has no entry below 0. So
     /// excess forces that are ≥ 0 stay so, and no state in balance is passed. Where slopes fall on the way F_j' where it
     /// begins is such a bound, and the step is Newton's; else a second solution takes the largest slope on the way of
     /// the first one, which is the longer.
-    pub(super) fn step(&mut self, rate: f64, held: Option<&[f64]>) -> Result<Option<Step>> {
+    pub(super) fn step(&mut self, rate: f64) -> Result<Option<Step>> {
         let excess = self.largest_excess();
-        let goal = self.goal(excess);
-        change(&mut self.springs, |_, spring| spring + rate);
+        let goal = (SOLVED * excess).max(0.3 * self.precision());
+        self.stiffen(rate);
         let stable = self.coupling.respond(&self.springs, &mut self.excess, goal);
-        if !stable || self.largest_excess() > FAR * self.length() {
+        let Some(mut taken) = stable.filter(|_| self.largest_excess() <= FAR * self.length()) else {
             return Ok(None);
-        }
+        };
         let connection = self.connections();
         let mut slopes = self.slopes_ahead()?;
         let bound = |j: usize| slopes[j].largest + connection(j) + rate;
         if !all(self.len(), |j| bound(j) <= self.springs[j]) {
-            match held {
-                Some(held) => self.excess_ahead(held)?,
-                None => self.excess_here()?,
-            };
-            change(&mut self.springs, |j, spring| (spring + rate).max(bound(j)));
+            self.excess_here()?;
+            self.stiffen(rate);
+            change(&mut self.springs, |j, spring| spring.max(bound(j)));
             drop(slopes);
-            self.coupling.respond(&self.springs, &mut self.excess, goal);
+            taken += self.coupling.respond(&self.springs, &mut self.excess, goal).unwrap_or_default();
             slopes = self.slopes_ahead()?;
         }
-        change(&mut self.by, |j, by| by + self.excess[j]);
+        self.by.copy_from_slice(&self.excess);
         let bent = |j: usize| self.springs[j] - rate - connection(j) - slopes[j].least;
         let curved = largest(self.len(), |j| bent(j) * self.excess[j].abs()) > CURVED * excess;
-        Ok(Some(Step { rate, curved }))
+        Ok(Some(Step { rate, taken, curved }))
     }
 
-    /// Slopes between the advances that are tried and those that a solution in place of the excess adds to them.
+    /// Slopes on the way of a solution in place of the excess.
     fn slopes_ahead(&mut self) -> Result<Vec<Slopes>> {
         let mut slopes = vec![Slopes::default(); self.len()];
-        change(&mut self.excess, |j, way| self.by[j] + way);
-        self.cells.slopes(Some(&self.by), &self.excess, &mut slopes)?;
-        change(&mut self.excess, |j, end| end - self.by[j]);
+        self.cells.slopes(&self.excess, &mut slopes)?;
         Ok(slopes)
     }
 
     /// The length on which the steepest slope makes the strongest force.
     pub(super) fn length(&self) -> f64 {
-        self.cells.strongest() / self.cells.steepest()
-    }
-
-    /// What a solution for such forces may leave of them.
-    fn goal(&self, excess: f64) -> f64 {
-        (SOLVED * excess).max(0.3 * self.precision())
+        let Extremes { strongest, steepest, .. } = self.cells.extremes();
+        strongest / steepest
     }
 
     /// Goes on from the advances that are tried by Newton's step, the largest excess having just been asked for; whether
     /// the state there is stable.
     pub(super) fn newton(&mut self, excess: f64) -> bool {
-        let goal = self.goal(excess);
-        let stable = self.coupling.respond(&self.springs, &mut self.excess, goal);
+        self.stiffen(0.0);
+        let goal = (NEWTON * excess).max(0.3 * self.calm());
+        let stable = self.coupling.respond(&self.springs, &mut self.excess, goal).is_some();
         if stable {
             change(&mut self.by, |j, by| by + self.excess[j]);
         }
@@ -152,11 +171,12 @@ impl Interface {
     /// Whether every state between here and the advances that are tried, both in balance, is stable, so that there is one
     /// way from here to there: the matrix M of the least slopes is positive definite.
     ///
-    /// It is, its off-diagonals being ≤ 0, if M δ > 0 for some δ > 0, such as the advances themselves often are.
+    /// It is, its off-diagonals being ≤ 0, if M δ > 0 for some δ > 0, such as the advances themselves often are, or what
+    /// comes near the response to equal forces.
     pub(super) fn is_stable_ahead(&mut self) -> Result<bool> {
         let (number, connection) = (self.len(), self.connections());
         let mut slopes = vec![Slopes::default(); number];
-        self.cells.slopes(None, &self.by, &mut slopes)?;
+        self.cells.slopes(&self.by, &mut slopes)?;
         fill(&mut self.springs, |j| slopes[j].least + connection(j));
         drop(slopes);
         if all(number, |j| self.springs[j] > 0.0) {
@@ -170,7 +190,8 @@ impl Interface {
             return Ok(true);
         }
         self.excess.fill(1.0);
-        Ok(self.coupling.respond(&self.springs, &mut self.excess, SOLVED))
+        let found = self.coupling.respond(&self.springs, &mut self.excess, POSITIVE).is_some();
+        Ok(found && all(number, |j| self.excess[j] > 0.0))
     }
 
     /// Makes the advances that were tried.

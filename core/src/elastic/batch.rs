@@ -29,22 +29,18 @@ pub(super) fn change<T: Send + Copy>(values: &mut [T], of: impl Fn(usize, T) -> 
     }
 }
 
-/// Changes each value of a slice by a function of the cell and the value that also fills another slice.
-pub(super) fn change_and_fill(
+/// Changes two slices chunk by chunk, by a function of the first cell of a chunk and of what belongs to it; the largest of
+/// what that gives.
+pub(super) fn change_chunks(
     values: &mut [f64],
     others: &mut [f64],
-    of: impl Fn(usize, f64) -> (f64, f64) + Sync,
-) {
-    let change = |(chunk, (values, others)): (usize, (&mut [f64], &mut [f64]))| {
-        for (i, (value, other)) in values.iter_mut().zip(others).enumerate() {
-            (*value, *other) = of(chunk * CHUNK + i, *value);
-        }
-    };
+    of: impl Fn(usize, &mut [f64], &mut [f64]) -> f64 + Sync,
+) -> f64 {
     if values.len() <= CHUNK {
-        change((0, (values, others)));
-    } else {
-        values.par_chunks_mut(CHUNK).zip(others.par_chunks_mut(CHUNK)).enumerate().for_each(change);
+        return of(0, values, others);
     }
+    let chunks = values.par_chunks_mut(CHUNK).zip(others.par_chunks_mut(CHUNK)).enumerate();
+    chunks.map(|(chunk, (values, others))| of(chunk * CHUNK, values, others)).reduce(|| 0.0, f64::max)
 }
 
 /// A function of each cell, gathered chunk by chunk, and these in order.
@@ -63,6 +59,18 @@ pub(super) fn gather<T: Send>(
     }
     let parts: Vec<T> = (0..number.div_ceil(CHUNK)).into_par_iter().map(part).collect();
     parts.into_iter().fold(nothing(), join)
+}
+
+/// What a function tells of some cells, in order, chunk by chunk.
+pub(super) fn find<T: Send>(number: usize, of: impl Fn(usize) -> Option<T> + Sync) -> Vec<Vec<T>> {
+    let part = |chunk: usize| {
+        let cells = chunk * CHUNK..number.min((chunk + 1) * CHUNK);
+        cells.filter_map(&of).collect::<Vec<_>>()
+    };
+    if number <= CHUNK {
+        return vec![part(0)];
+    }
+    (0..number.div_ceil(CHUNK)).into_par_iter().map(part).collect()
 }
 
 /// Σ of a function of the cell.

@@ -17,9 +17,14 @@ const CONVERGING: f64 = 0.3;
 /// The first stride, in tolerances of the drive.
 const FIRST: f64 = 1e3;
 
-/// What a stride leaves of the way to where balance will be lost: so much of the doubt about it, but no less and no more.
+/// What a stride leaves of the way to where balance will be lost: so much of the doubt about it, and no less than that.
 const CAREFUL: f64 = 4.0;
-const LEAVE: [f64; 2] = [0.01, 0.5];
+const LEAVE: f64 = 0.01;
+
+/// Doubt above which balance will hardly be lost: cells that hurry recover, and a stride may pass where they seemed to go,
+/// by so much.
+const DOUBTED: f64 = 0.02;
+const BOLD: f64 = 2.0;
 
 /// Roundings of a drive within which no other is found.
 const ROUNDINGS: f64 = 8.0;
@@ -44,8 +49,8 @@ impl Pace {
 
     /// The next stride from a drive.
     fn next(&self, drive: f64, outlook: &Outlook) -> f64 {
-        let sure = 1.0 - (CAREFUL * outlook.doubt).clamp(LEAVE[0], LEAVE[1]);
-        self.stride.min(sure * outlook.fold).min(outlook.limit).max(self.least(drive))
+        let part = if outlook.doubt > DOUBTED { BOLD } else { 1.0 - (CAREFUL * outlook.doubt).max(LEAVE) };
+        self.stride.min(part * outlook.fold).min(outlook.limit).max(self.least(drive))
     }
 
     /// A stride was made in balance.
@@ -87,31 +92,25 @@ impl Interface {
         }
     }
 
-    /// Tries to go to a drive in balance, from what is ahead by Newton's method, and where that fails by steps that pass no
-    /// balance; whether there is one way to do so.
+    /// Tries to go to a drive in balance, from what is ahead by Newton's method; whether there is one way to do so.
     fn attempt(&mut self, to: f64, outlook: &Outlook) -> Result<bool> {
         let distance = to - self.drive;
         let mut held = vec![0.0; self.len()];
         self.coupling.forces(&self.positions, &mut held);
         self.drive = to;
         fill(&mut self.by, |j| outlook.way(j, distance));
-        let (mut before, mut bounded) = (f64::INFINITY, false);
+        let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let excess = self.excess_ahead(&held)?;
-            if excess <= self.precision() || (excess <= STALLED * self.precision() && excess > 0.5 * before) {
+            let calm = self.calm();
+            if excess <= calm || (excess <= STALLED * calm && excess > 0.5 * before) {
                 drop(held);
                 return self.is_stable_ahead();
             }
-            if excess > CONVERGING * before && !bounded {
-                (bounded, before) = (true, f64::INFINITY);
-                self.by.fill(0.0);
-                continue;
-            }
-            before = excess;
-            let stable = if bounded { self.step(0.0, Some(&held))?.is_some() } else { self.newton(excess) };
-            if !stable {
+            if excess > CONVERGING * before || !self.newton(excess) {
                 return Ok(false);
             }
+            before = excess;
         }
         Ok(false)
     }

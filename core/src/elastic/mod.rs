@@ -22,6 +22,7 @@ mod energy;
 mod event;
 mod first;
 mod outlook;
+mod plain;
 mod slide;
 mod solve;
 mod state;
@@ -121,7 +122,7 @@ pub struct Interface {
     by: Vec<f64>,
     /// Forces out of balance after the advances that were last asked for; a step leaves something else.
     excess: Vec<f64>,
-    /// F_j' + K_0j there.
+    /// F_j' there, and what is made of it to find a response.
     springs: Vec<f64>,
     pace: Pace,
     energy: Energy,
@@ -319,7 +320,7 @@ impl Interface {
         monitor: &mut dyn Monitor,
         look: &mut dyn FnMut(&Self),
     ) -> Result<Vec<(Event, Vec<Slipped>)>> {
-        let mut lost = self.excess_here()? > self.precision();
+        let mut lost = self.excess_here()? > self.calm();
         loop {
             if lost {
                 let events = self.slide(monitor)?;

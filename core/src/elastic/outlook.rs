@@ -4,8 +4,8 @@ use super::Interface;
 use super::batch::{change, fill, gather, largest, sum};
 use crate::Result;
 
-/// What solutions leave, of the largest force.
-const SOLVED: f64 = 1e-5;
+/// What solutions leave, of the largest force: what is ahead is a guess.
+const SOLVED: f64 = 1e-2;
 
 /// The way on which a change of slopes is looked at, of the length on which slopes change.
 const LOOK: f64 = 1e-6;
@@ -64,8 +64,10 @@ impl Interface {
 
     fn speeds_and_growth(&mut self) -> Result<Option<(Vec<f64>, Vec<f64>)>> {
         let number = self.len();
+        self.stiffen(0.0);
         let mut speeds: Vec<f64> = (0..number).map(|j| self.connection(j)).collect();
-        if !self.coupling.respond(&self.springs, &mut speeds, SOLVED * self.setting.connection) {
+        let goal = SOLVED * self.setting.connection;
+        if self.coupling.respond(&self.springs, &mut speeds, goal).is_none() {
             return Ok(None);
         }
         let fastest = largest(number, |j| speeds[j].abs());
@@ -78,6 +80,6 @@ impl Interface {
         change(&mut growth, |j, tangent| -speeds[j] * (tangent - slope(j)) / distance);
         let most = largest(number, |j| growth[j].abs());
         let stable = self.coupling.respond(&self.springs, &mut growth, SOLVED * most);
-        Ok(stable.then_some((speeds, growth)))
+        Ok(stable.map(|_| (speeds, growth)))
     }
 }

@@ -1,9 +1,10 @@
 //! Slides at a fixed drive, from the loss of balance to the next one.
 
 use super::balance::Step;
-use super::batch::{change, fill, sum};
+use super::batch::{change, fill, find, sum};
 use super::catalogue::Slide;
-use super::cells::Slopes;
+use super::cells::{Extremes, Fall};
+use super::plain::Plain;
 use super::{Event, Interface, Slip, Slipped};
 use crate::monitor::Monitor;
 use crate::{Error, Float, Result};
@@ -78,19 +79,25 @@ impl Interface {
     /// Steps until there is balance.
     fn follow(&mut self, slide: &mut Slide, monitor: &mut dyn Monitor) -> Result<()> {
         let (mut time, mut most, mut before, mut settled) = (0.0, 0.0_f64, f64::INFINITY, false);
-        let mut damping = 0.0;
+        let (mut damping, mut plain, mut precision) = (0.0, Plain::new(), self.precision());
         let quiet = REPORT.div_ceil(self.len() as u64);
         for steps in 0..MOST_STEPS {
-            let excess = self.excess_here()?;
-            let precision = self.precision();
+            let excess = self.excess_after(&mut plain)?;
             damping = self.eased(damping, excess / before);
             if settled && (excess <= precision || (excess <= STALLED * precision && excess > 0.5 * before)) {
                 return Ok(());
             }
             before = excess;
-            let step = self.step_on(excess, &mut damping)?;
-            let during = self.setting.viscosity.map_or(1.0, |viscosity| viscosity / step.rate);
-            settled = damping == 0.0 && !step.curved;
+            let mut during = 1.0;
+            if plain.is_next(excess, precision) {
+                self.plain_step(&mut plain)?;
+                settled = false;
+            } else {
+                precision = self.precision();
+                let step = self.step_on(excess, &mut damping, &mut plain)?;
+                settled = damping == 0.0 && !step.curved;
+                during = self.setting.viscosity.map_or(1.0, |viscosity| viscosity / step.rate);
+            }
             let fallen = slide.fallen.len();
             self.notice(slide, time, during, monitor)?;
             self.commit(monitor)?;
@@ -107,16 +114,23 @@ impl Interface {
         Err(Error::Accuracy { what: "the balance of a slide".into(), reached, wanted })
     }
 
-    /// Makes a step, at the damping η/dt that it needs where cells are not stable.
-    fn step_on(&mut self, excess: f64, damping: &mut f64) -> Result<Step> {
-        let least = self.rate(excess);
+    /// Makes a step that tells springs apart, at the damping η/dt that it needs where cells are not stable; without viscosity
+    /// it is weighed against plain ones.
+    fn step_on(&mut self, excess: f64, damping: &mut f64, plain: &mut Plain) -> Result<Step> {
+        let (least, out, spring) =
+            (self.rate(excess), sum(self.len(), |j| self.excess[j]), self.plain_spring());
         loop {
             let rate = least.max(*damping);
-            if let Some(step) = self.step(rate, None)? {
+            if let Some(step) = self.step(rate)? {
+                if self.setting.viscosity.is_none() {
+                    // All rows of A add to no less than 0: in a plain step all go out/c together, or less.
+                    let gain = spring * sum(self.len(), |j| self.by[j]) / out;
+                    plain.weigh(excess, gain, step.taken, spring);
+                }
                 return Ok(step);
             }
             self.excess_here()?;
-            *damping = (LONGER * rate).max(DAMPED * self.cells.steepest());
+            *damping = (LONGER * rate).max(DAMPED * self.cells.extremes().steepest);
         }
     }
 
@@ -127,7 +141,7 @@ impl Interface {
         let eased = damping / EASED;
         if needed > 0.0 {
             needed
-        } else if eased > DAMPED * self.cells.steepest() {
+        } else if eased > DAMPED * self.cells.extremes().steepest {
             eased
         } else {
             0.0
@@ -139,26 +153,19 @@ impl Interface {
         if self.setting.viscosity.is_none() {
             return 0.0;
         }
-        self.cells.steepest() / PACE * (excess / (SLOW * self.cells.strongest())).min(1.0)
+        let Extremes { steepest, strongest, .. } = self.cells.extremes();
+        steepest / PACE * (excess / (SLOW * strongest)).min(1.0)
     }
 
     /// Finds the cells that begin to slip in a step that has been tried; in a reset their contacts break there.
     fn notice(&mut self, slide: &mut Slide, time: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        let mut slopes = vec![Slopes::default(); self.len()];
-        self.cells.slopes(None, &self.by, &mut slopes)?;
-        let (steep, known) = (-self.mean_connection(), slide.fallen.len());
-        for (cell, Slopes { least, .. }) in slopes.into_iter().enumerate() {
-            let way = self.positions[cell] + self.by[cell] - slide.before[cell];
-            let together = least == f64::NEG_INFINITY;
-            let far = way > self.setting.drive_tolerance || together;
-            if slide.has_fallen(cell) || !far || least >= steep {
-                continue;
-            }
+        let known = slide.fallen.len();
+        for (on, cell, together) in self.falls(slide).into_iter().flatten() {
             slide.together |= together;
-            let Some(on) = self.cells.fall(cell, self.by[cell], steep) else { continue };
+            slide.fallen.push(cell);
+            let cell = cell as usize;
             let part = if self.by[cell] > 0.0 { on / self.by[cell] } else { 0.0 };
             slide.starts[cell] = time + part * during;
-            slide.fallen.push(cell as u32);
             if self.setting.slip == Slip::Reset {
                 self.cells.part(cell, on, monitor)?;
             }
@@ -170,6 +177,21 @@ impl Interface {
             a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2))
         });
         Ok(())
+    }
+
+    /// Cells that have not fallen yet and begin to on the ways that are tried: after which part of the way, which one, and
+    /// whether contacts break together on it.
+    fn falls(&self, slide: &Slide) -> Vec<Vec<(f64, u32, bool)>> {
+        let (steep, jumps) = (-self.mean_connection(), self.cells.extremes().jumps);
+        let way = |cell: usize| self.positions[cell] + self.by[cell] - slide.before[cell];
+        let is_far = |cell: usize| way(cell) > self.setting.drive_tolerance;
+        let begins = |cell: usize| {
+            let below = if is_far(cell) { steep } else { f64::NEG_INFINITY };
+            let Fall { on, together } = self.cells.fall(cell, self.by[cell], below)?;
+            Some((on, cell as u32, together))
+        };
+        let may = |cell: usize| !slide.has_fallen(cell) && (jumps || is_far(cell));
+        find(self.len(), |cell| if may(cell) { begins(cell) } else { None })
     }
 
     /// The pulls of drive and slider where cells are halfway between the positions before and now, in place of the excess:

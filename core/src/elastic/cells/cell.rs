@@ -1,7 +1,7 @@
 //! A cell on its friction curve.
 
 use super::curve::Curve;
-use super::{Account, Slopes};
+use super::{Account, Fall, Slopes};
 
 /// A cell of scale s on a curve of contacts: its force is s F(X/s).
 pub(super) struct Cell<'a> {
@@ -16,7 +16,11 @@ pub(super) struct Cell<'a> {
 impl Cell<'_> {
     /// Where it is on the curve after an advance.
     pub fn place(&self, by: f64) -> f64 {
-        let by = if self.free { 0.0 } else { by };
+        self.beyond(if self.free { 0.0 } else { by })
+    }
+
+    /// The same of its contacts, whether it moves with them or not.
+    pub fn beyond(&self, by: f64) -> f64 {
         (self.advance + by) / self.scale
     }
 
@@ -26,24 +30,25 @@ impl Cell<'_> {
         (pull - self.scale * force, if self.free { 0.0 } else { slope })
     }
 
-    pub fn slopes(&self, from: f64, to: f64) -> Slopes {
+    pub fn slopes(&self, by: f64) -> Slopes {
         if self.free {
             return Slopes::default();
         }
-        self.curve.slopes(self.place(from), self.place(to.max(from)))
+        self.curve.slopes(self.place(0.0), self.place(by.max(0.0)))
     }
 
-    /// The first advance, up to `by`, from which on the slope is below `slope`.
-    pub fn fall(&self, by: f64, slope: f64) -> Option<f64> {
+    /// The first advance, up to `by`, from which on the slope is below `slope`, or where contacts break together.
+    pub fn fall(&self, by: f64, slope: f64) -> Option<Fall> {
         if self.free {
             return None;
         }
-        let place = self.curve.fall(self.place(0.0), self.place(by), slope)?;
-        Some((place * self.scale - self.advance).clamp(0.0, by))
+        let by = by.max(0.0);
+        let Fall { on, together } = self.curve.fall(self.place(0.0), self.place(by), slope)?;
+        Some(Fall { on: (on * self.scale - self.advance).clamp(0.0, by), together })
     }
 
     /// What its contacts have done from the beginning of the curve to an advance from here.
     pub fn done(&self, by: f64) -> Account {
-        self.curve.account((self.advance + by) / self.scale).scaled(self.scale)
+        self.curve.account(self.beyond(by)).scaled(self.scale)
     }
 }

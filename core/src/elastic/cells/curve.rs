@@ -1,10 +1,13 @@
 //! A friction curve F(X) as a table: force, slopes and books of contacts that move forward.
 
-use super::{Account, Slopes};
+use super::{Account, Extremes, Fall, Slopes};
 use crate::numerics::roots::brent_root;
 
 /// Coefficients of a polynomial of degree 5 in t ∈ [−1, 1].
 pub(super) type Quintic = [f64; 6];
+
+/// Places at which a curve is asked together.
+pub(super) const LANES: usize = 8;
 
 /// A place may be rounded by so much of itself.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -61,8 +64,7 @@ pub(super) struct Curve {
     /// Equal parts of the curve, and how many there are per length.
     buckets: Vec<Bucket>,
     density: f64,
-    steepest: f64,
-    strongest: f64,
+    extremes: Extremes,
 }
 
 /// Value and derivative by t.
@@ -110,8 +112,11 @@ impl Piece {
 impl Curve {
     pub fn push(&mut self, piece: Piece, books: Books, breaks: bool) {
         let slopes = piece.slopes();
-        self.steepest = self.steepest.max(slopes.largest.abs()).max(slopes.least.abs());
-        self.strongest = self.strongest.max(horner(&piece.force, 1.0).0.abs());
+        self.extremes = self.extremes.and(Extremes {
+            steepest: slopes.largest.abs().max(slopes.least.abs()),
+            strongest: horner(&piece.force, 1.0).0.abs(),
+            jumps: breaks,
+        });
         self.starts.push(piece.start);
         self.pieces.push(piece);
         self.books.push(books);
@@ -121,19 +126,14 @@ impl Curve {
         self.breaks.push(breaks);
     }
 
-    /// Largest |F'| so far.
-    pub fn steepest(&self) -> f64 {
-        self.steepest
+    /// What it is at most so far, forces where pieces end.
+    pub fn extremes(&self) -> Extremes {
+        self.extremes
     }
 
     /// Number of pieces.
     pub fn len(&self) -> usize {
         self.pieces.len()
-    }
-
-    /// Largest |F| so far, where pieces end.
-    pub fn strongest(&self) -> f64 {
-        self.strongest
     }
 
     /// Where the first piece begins that is kept.
@@ -198,6 +198,38 @@ impl Curve {
         self.pieces[self.find(x)].response(x)
     }
 
+    /// The same at several places.
+    #[inline(always)]
+    pub fn responses(&self, places: [f64; LANES]) -> [[f64; LANES]; 2] {
+        let mut at = [[0.0; LANES]; 2];
+        let mut force = [[0.0; LANES]; 6];
+        for lane in 0..LANES {
+            let piece = &self.pieces[self.find(places[lane])];
+            (at[0][lane], at[1][lane]) = (piece.start, piece.rate);
+            (0..6).for_each(|k| force[k][lane] = piece.force[k]);
+        }
+        let [start, rate] = at;
+        let t: [f64; LANES] = std::array::from_fn(|lane| (places[lane] - start[lane]) * rate[lane] - 1.0);
+        let (mut value, mut slope) = (force[5], force[5]);
+        for k in [4, 3, 2, 1] {
+            for lane in 0..LANES {
+                value[lane] = force[k][lane] + t[lane] * value[lane];
+                slope[lane] = value[lane] + t[lane] * slope[lane];
+            }
+        }
+        for lane in 0..LANES {
+            value[lane] = force[0][lane] + t[lane] * value[lane];
+            slope[lane] *= rate[lane];
+        }
+        [value, slope]
+    }
+
+    /// The largest slope of the pieces from one place to another, or 0.
+    pub fn stiffest(&self, from: f64, to: f64) -> f64 {
+        let pieces = self.find(from)..=self.find(to);
+        self.slopes[pieces].iter().fold(0.0, |most, slopes| slopes.largest.max(most))
+    }
+
     /// Slopes from one place to another, not before it.
     pub fn slopes(&self, from: f64, to: f64) -> Slopes {
         let (first, last) = (self.find(from), self.find(to));
@@ -225,9 +257,9 @@ impl Curve {
     }
 
     /// The first place in [from, to] from which on F' is below `slope`, or right before contacts break.
-    pub fn fall(&self, from: f64, to: f64, slope: f64) -> Option<f64> {
+    pub fn fall(&self, from: f64, to: f64, slope: f64) -> Option<Fall> {
         let (first, last) = (self.find(from), self.find(to));
-        (first..=last).find_map(|piece| {
+        let on = (first..=last).find_map(|piece| {
             if piece > first && self.breaks[piece] {
                 return Some(self.starts[piece] * (1.0 - 4.0 * f64::EPSILON));
             }
@@ -237,7 +269,8 @@ impl Curve {
             let start = if piece == first { from } else { self.starts[piece] };
             let end = if piece == last { to } else { self.starts[piece + 1] };
             self.fall_on(piece, start, end, slope)
-        })
+        })?;
+        Some(Fall { on, together: (first + 1..=last).any(|piece| self.breaks[piece]) })
     }
 
     fn fall_on(&self, piece: usize, start: f64, end: f64, slope: f64) -> Option<f64> {

@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 
 use super::cell::Cell;
-use super::curve::Curve;
+use super::curve::{Curve, LANES};
 use super::tabulate::Table;
-use super::{Account, Cells, Kept, Slopes, Standing, State, checked};
-use crate::elastic::batch::{all, change, change_and_fill, fill, gather, largest};
+use super::{Account, Cells, Extremes, Fall, Kept, Slopes, Standing, State, checked};
+use crate::elastic::batch::{change, change_chunks, fill, gather, largest};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
 use crate::{Error, Result};
@@ -26,6 +26,8 @@ pub struct Curves {
     /// Empty where all are 1.
     scales: Vec<f64>,
     largest_scale: f64,
+    /// How far cells may go at least until the end of what is known of their curves; 0 where that is not known.
+    margin: f64,
     settled: Account,
     /// Advances at the mark.
     marked: Vec<f64>,
@@ -60,6 +62,7 @@ impl Curves {
             courses: vec![Course::First; number],
             scales: Vec::new(),
             largest_scale: 1.0,
+            margin: 0.0,
             settled: Account::default(),
             marked: Vec::new(),
             parted: HashMap::new(),
@@ -74,7 +77,7 @@ impl Curves {
     pub fn scaled(mut self, scales: Vec<f64>) -> Result<Self> {
         checked(&scales, self.advances.len())?;
         self.largest_scale = scales.iter().fold(0.0, |most, scale| scale.max(most));
-        self.scales = scales;
+        (self.scales, self.margin) = (scales, 0.0);
         Ok(self)
     }
 
@@ -84,22 +87,39 @@ impl Curves {
         Batch { first: &first.curve, fresh: &fresh.curve, advances, courses, scales }
     }
 
-    /// Sees to it that curves are known as far as cells may go.
-    fn reach(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
-        let batch = self.batch();
-        let table = |cell: usize| if batch.is_renewed(cell) { &self.fresh } else { &self.first };
-        if all(by.len(), |cell| table(cell).knows(batch.cell(cell).place(by[cell]))) {
-            return Ok(());
+    /// Sees to it that curves are known as far as cells may go, none by more than `most`; whether they were not.
+    fn reach_on(&mut self, most: f64, monitor: &mut dyn Monitor) -> Result<bool> {
+        if most <= self.margin {
+            return Ok(false);
         }
-        let furthest = |fresh: bool| {
-            largest(by.len(), |cell| {
-                if batch.is_renewed(cell) == fresh { batch.cell(cell).place(by[cell]) } else { 0.0 }
+        let batch = self.batch();
+        let furthest = |renewed: bool| {
+            largest(self.len(), |cell| {
+                if batch.is_renewed(cell) == renewed { batch.cell(cell).beyond(most) } else { 0.0 }
             })
         };
         let (first, fresh) = (furthest(false), furthest(true));
+        let known = [self.first.ways(), self.fresh.ways()];
         self.first.reach(first, 0.0, monitor)?;
-        self.fresh.reach(fresh, 0.0, monitor)
+        self.fresh.reach(fresh, 0.0, monitor)?;
+        self.margin = self.least_margin();
+        Ok(known != [self.first.ways(), self.fresh.ways()])
     }
+
+    /// How far every cell may go until the end of what is known of its curve.
+    fn least_margin(&self) -> f64 {
+        let batch = self.batch();
+        let left = |cell: usize| {
+            let table = if batch.is_renewed(cell) { &self.fresh } else { &self.first };
+            table.end() * batch.cell(cell).scale - self.advances[cell]
+        };
+        gather(self.len(), || f64::INFINITY, |least: f64, cell| least.min(left(cell)), f64::min)
+    }
+}
+
+/// The longest of ways forward.
+fn longest(by: &[f64]) -> f64 {
+    largest(by.len(), |cell| by[cell])
 }
 
 /// A cell whose contacts have broken together since the mark.
@@ -133,6 +153,57 @@ impl Batch<'_> {
         self.courses[cell] != Course::First
     }
 
+    /// As [`Cell::resist`], of the cells from the first one on; the largest force that is left.
+    fn resist(&self, first: usize, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> f64 {
+        self.resist_in_lanes(first, by, forces, tangents)
+    }
+
+    #[inline(always)]
+    fn resist_in_lanes(&self, first: usize, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> f64 {
+        let mut most = 0.0_f64;
+        let lanes = forces.chunks_mut(LANES).zip(tangents.chunks_mut(LANES));
+        for ((forces, tangents), first) in lanes.zip((first..).step_by(LANES)) {
+            match self.shared(first, forces.len()) {
+                Some(curve) => self.resist_on(curve, first, by, forces, tangents),
+                None => {
+                    for ((force, tangent), cell) in forces.iter_mut().zip(tangents).zip(first..) {
+                        (*force, *tangent) = self.cell(cell).resist(by[cell], *force);
+                    }
+                }
+            }
+            most = forces.iter().fold(most, |most, force| most.max(force.abs()));
+        }
+        most
+    }
+
+    /// The curve that [`LANES`] cells from the first one on follow together.
+    #[inline(always)]
+    fn shared(&self, first: usize, number: usize) -> Option<&Curve> {
+        let courses = &self.courses[first..first + number];
+        let curve = match courses[0] {
+            Course::First => self.first,
+            Course::Fresh => self.fresh,
+            Course::Free => return None,
+        };
+        (number == LANES && courses.iter().all(|course| *course == courses[0])).then_some(curve)
+    }
+
+    #[inline(always)]
+    fn resist_on(&self, curve: &Curve, first: usize, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) {
+        let cells = first..first + LANES;
+        let (advances, by) = (&self.advances[cells.clone()], &by[cells.clone()]);
+        let mut scales = [1.0; LANES];
+        if !self.scales.is_empty() {
+            scales.copy_from_slice(&self.scales[cells]);
+        }
+        let places = std::array::from_fn(|lane| (advances[lane] + by[lane]) / scales[lane]);
+        let [carried, slopes] = curve.responses(places);
+        for lane in 0..LANES {
+            forces[lane] -= scales[lane] * carried[lane];
+        }
+        tangents.copy_from_slice(&slopes);
+    }
+
     /// What a cell has done since its contacts last re-formed together, at such an advance since then.
     fn done(&self, cell: usize, advance: f64) -> Account {
         Cell { advance, ..self.cell(cell) }.done(0.0)
@@ -144,38 +215,52 @@ impl Cells for Curves {
         self.advances.len()
     }
 
-    fn steepest(&self) -> f64 {
-        self.first.steepest().max(self.fresh.steepest())
+    fn extremes(&self) -> Extremes {
+        self.first.extremes().and(self.fresh.extremes()).scaled(self.largest_scale)
     }
 
-    fn strongest(&self) -> f64 {
-        self.largest_scale * self.first.strongest().max(self.fresh.strongest())
+    fn reach(&mut self, by: &[f64]) -> Result<bool> {
+        self.reach_on(longest(by), &mut ())
     }
 
-    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<()> {
-        self.reach(by, &mut ())?;
+    fn stiffest(&self) -> f64 {
         let batch = self.batch();
-        change_and_fill(forces, tangents, |cell, force| batch.cell(cell).resist(by[cell], force));
+        let nearest = |renewed: bool| {
+            let place = |cell: usize| {
+                if batch.is_renewed(cell) == renewed { batch.cell(cell).place(0.0) } else { f64::INFINITY }
+            };
+            gather(self.len(), || f64::INFINITY, |least: f64, cell| least.min(place(cell)), f64::min)
+        };
+        self.first.stiffest(nearest(false)).max(self.fresh.stiffest(nearest(true)))
+    }
+
+    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
+        self.reach(by)?;
+        let batch = self.batch();
+        Ok(change_chunks(forces, tangents, |first, forces, tangents| {
+            batch.resist(first, by, forces, tangents)
+        }))
+    }
+
+    fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes]) -> Result<()> {
+        self.reach(by)?;
+        let batch = self.batch();
+        fill(slopes, |cell| batch.cell(cell).slopes(by[cell]));
         Ok(())
     }
 
-    fn slopes(&mut self, from: Option<&[f64]>, to: &[f64], slopes: &mut [Slopes]) -> Result<()> {
-        self.reach(to, &mut ())?;
-        let batch = self.batch();
-        fill(slopes, |cell| batch.cell(cell).slopes(from.map_or(0.0, |from| from[cell]), to[cell]));
-        Ok(())
-    }
-
-    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<f64> {
+    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<Fall> {
         self.batch().cell(cell).fall(by, slope)
     }
 
     fn advance(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
-        self.reach(by, monitor)?;
+        let most = longest(by);
+        self.reach_on(most, monitor)?;
         let courses = &self.courses;
         let on =
             |cell: usize, advance| if courses[cell] == Course::Free { advance } else { advance + by[cell] };
         change(&mut self.advances, on);
+        self.margin -= most;
         Ok(())
     }
 
@@ -188,6 +273,7 @@ impl Cells for Curves {
         self.settled = self.settled + Account { elastic: 0.0, ..done };
         self.advances[cell] = 0.0;
         self.courses[cell] = Course::Free;
+        self.margin = 0.0;
         Ok(())
     }
 
@@ -209,6 +295,7 @@ impl Cells for Curves {
     }
 
     fn recall(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
+        self.margin = 0.0;
         self.advances.clone_from(&self.marked);
         self.settled = self.settled_at_mark;
         [&mut self.first, &mut self.fresh].into_iter().for_each(Table::recall);
@@ -258,7 +345,7 @@ impl Cells for Curves {
         }
         let course = |renewed| if renewed { Course::Fresh } else { Course::First };
         self.courses = renewed.into_iter().map(course).collect();
-        (self.advances, self.settled) = (advances, settled);
+        (self.advances, self.settled, self.margin) = (advances, settled, 0.0);
         self.parted.clear();
         self.first.resume(ways[0], 0.0, monitor)?;
         self.fresh.resume(ways[1], 0.0, monitor)

@@ -92,6 +92,42 @@ pub struct Slopes {
     pub largest: f64,
 }
 
+/// Where a cell begins to fall on a way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fall {
+    /// The advance after which it does.
+    pub on: f64,
+    /// Whether contacts break together on the way.
+    pub together: bool,
+}
+
+/// What the friction curves of cells are at most, as far as they are known; how cells are moved depends on it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Extremes {
+    /// The largest |dF/dX| that a cell can have, short of jumps.
+    pub steepest: f64,
+    /// The largest |F| that a cell is known to have somewhere: forces are good to about 1e-12 of it.
+    pub strongest: f64,
+    /// Whether contacts break together somewhere.
+    pub jumps: bool,
+}
+
+impl Extremes {
+    /// Those of two curves together.
+    fn and(self, other: Self) -> Self {
+        Self {
+            steepest: self.steepest.max(other.steepest),
+            strongest: self.strongest.max(other.strongest),
+            jumps: self.jumps || other.jumps,
+        }
+    }
+
+    /// Those of curves of cells of such a scale.
+    fn scaled(self, scale: f64) -> Self {
+        Self { strongest: scale * self.strongest, ..self }
+    }
+}
+
 /// Cells, each with contacts of its own that move together.
 ///
 /// Nothing is known here of where cells are: they stand, and go on by so much. A cell answers for itself alone, so that
@@ -105,27 +141,34 @@ pub trait Cells: Send + Sync {
         self.len() == 0
     }
 
-    /// The largest |dF/dX| that a cell can have, short of jumps.
-    fn steepest(&self) -> f64;
+    /// What their curves are at most.
+    fn extremes(&self) -> Extremes;
 
-    /// The largest |F| that a cell is known to have somewhere: forces are good to about 1e-12 of it.
-    fn strongest(&self) -> f64;
-
-    /// Takes the forces F_j after advances `by` from where the cells stand off `forces`, and tells their tangents; nothing
-    /// moves.
+    /// Sees to it that curves are known as far as cells may go; whether they were not.
     ///
     /// # Errors
     /// Those of the population behind it.
-    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<()>;
+    fn reach(&mut self, by: &[f64]) -> Result<bool>;
 
-    /// Tangents between two advances from where the cells stand, or from there to the second.
+    /// The largest tangent that a cell may have from where it stands on, as far as its curve is known; 0 where none is above.
+    fn stiffest(&self) -> f64;
+
+    /// Takes the forces F_j after advances `by` from where the cells stand off `forces`, and tells their tangents and the
+    /// largest force that is left; nothing moves.
     ///
     /// # Errors
     /// Those of the population behind it.
-    fn slopes(&mut self, from: Option<&[f64]>, to: &[f64], slopes: &mut [Slopes]) -> Result<()>;
+    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64>;
 
-    /// The first advance, up to `by`, from which on the tangent of a cell is below `slope`.
-    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<f64>;
+    /// Tangents on the ways from where the cells stand.
+    ///
+    /// # Errors
+    /// Those of the population behind it.
+    fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes]) -> Result<()>;
+
+    /// The first advance, up to `by`, from which on the tangent of a cell is below `slope`, or where contacts break together;
+    /// its curve is known as far as that.
+    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<Fall>;
 
     /// Moves the cells on, through all that breaks there.
     ///
@@ -206,8 +249,8 @@ enum Kept {
     Populations {
         /// Each cell.
         cells: Vec<populations::OwnState>,
-        /// The steepest slope and the strongest force that were known, which decide on steps.
-        known: [f64; 2],
+        /// What was known of their curves, which decides on steps.
+        known: Extremes,
     },
 }
 

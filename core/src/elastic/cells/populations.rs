@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::cell::Cell;
 use super::tabulate::Table;
-use super::{Account, Cells, Kept, Slopes, State, checked};
-use crate::elastic::batch::{all, change_and_fill, fill, gather};
+use super::{Account, Cells, Extremes, Fall, Kept, Slopes, State, checked};
+use crate::elastic::batch::{all, change_chunks, fill, gather, largest};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
 use crate::{Error, Result};
@@ -20,9 +20,9 @@ use crate::{Error, Result};
 /// which it did.
 pub struct Populations {
     cells: Vec<Own>,
-    /// Largest |F'| and |F| so far, and at the mark.
-    known: [f64; 2],
-    known_at_mark: [f64; 2],
+    /// What curves are at most so far, and what they were at the mark.
+    known: Extremes,
+    known_at_mark: Extremes,
 }
 
 /// A cell.
@@ -191,7 +191,8 @@ impl Populations {
     /// Those of the populations; stopped by the monitor.
     pub fn new(populations: Vec<Box<dyn Population>>, monitor: &mut dyn Monitor) -> Result<Self> {
         let cells: Result<Vec<Own>> = populations.into_iter().map(|p| Own::new(p, monitor)).collect();
-        let mut populations = Self { cells: cells?, known: [0.0; 2], known_at_mark: [0.0; 2] };
+        let mut populations =
+            Self { cells: cells?, known: Extremes::default(), known_at_mark: Extremes::default() };
         populations.know();
         Ok(populations)
     }
@@ -203,34 +204,19 @@ impl Populations {
     pub fn scaled(mut self, scales: &[f64]) -> Result<Self> {
         checked(scales, self.len())?;
         self.cells.iter_mut().zip(scales).for_each(|(cell, scale)| cell.scale = *scale);
-        self.known = [0.0; 2];
+        self.known = Extremes::default();
         self.know();
         Ok(self)
     }
 
-    /// Sees to it that curves are known as far as cells may go.
-    fn reach(&mut self, by: &[f64]) -> Result<()> {
-        if all(by.len(), |cell| self.cells[cell].knows(by[cell])) {
-            return Ok(());
-        }
-        let reach = |(cell, by): (&mut Own, &f64)| if cell.knows(*by) { Ok(()) } else { cell.reach(*by) };
-        self.cells.par_iter_mut().zip(by).try_for_each(reach)?;
-        self.know();
-        Ok(())
-    }
-
-    /// Looks at how strong forces and slopes are on what is known of the curves.
+    /// Looks at what is known of the curves.
     fn know(&mut self) {
-        let most = |known, cell: usize| {
+        let most = |known: Extremes, cell: usize| {
             let Own { scale, stand: Stand { table, .. }, .. } = &self.cells[cell];
-            larger(known, [table.steepest(), scale * table.strongest()])
+            known.and(table.extremes().scaled(*scale))
         };
-        self.known = gather(self.len(), || self.known, most, larger);
+        self.known = gather(self.len(), || self.known, most, Extremes::and);
     }
-}
-
-fn larger(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
-    [a[0].max(b[0]), a[1].max(b[1])]
 }
 
 impl Cells for Populations {
@@ -238,29 +224,48 @@ impl Cells for Populations {
         self.cells.len()
     }
 
-    fn steepest(&self) -> f64 {
-        self.known[0]
+    fn extremes(&self) -> Extremes {
+        self.known
     }
 
-    fn strongest(&self) -> f64 {
-        self.known[1]
+    fn reach(&mut self, by: &[f64]) -> Result<bool> {
+        if all(by.len(), |cell| self.cells[cell].knows(by[cell])) {
+            return Ok(false);
+        }
+        let reach = |(cell, by): (&mut Own, &f64)| if cell.knows(*by) { Ok(()) } else { cell.reach(*by) };
+        self.cells.par_iter_mut().zip(by).try_for_each(reach)?;
+        self.know();
+        Ok(true)
     }
 
-    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<()> {
+    fn stiffest(&self) -> f64 {
+        let from = |cell: usize| {
+            let own = &self.cells[cell];
+            own.stand.table.stiffest(own.on_curve().place(0.0))
+        };
+        largest(self.len(), from)
+    }
+
+    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
         self.reach(by)?;
         let cells = &self.cells;
-        change_and_fill(forces, tangents, |cell, force| cells[cell].on_curve().resist(by[cell], force));
+        let chunk = |first: usize, forces: &mut [f64], tangents: &mut [f64]| {
+            let each = (first..).zip(forces).zip(tangents).map(|((cell, force), tangent)| {
+                (*force, *tangent) = cells[cell].on_curve().resist(by[cell], *force);
+                force.abs()
+            });
+            each.fold(0.0, f64::max)
+        };
+        Ok(change_chunks(forces, tangents, chunk))
+    }
+
+    fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes]) -> Result<()> {
+        self.reach(by)?;
+        fill(slopes, |cell| self.cells[cell].on_curve().slopes(by[cell]));
         Ok(())
     }
 
-    fn slopes(&mut self, from: Option<&[f64]>, to: &[f64], slopes: &mut [Slopes]) -> Result<()> {
-        self.reach(to)?;
-        let start = |cell: usize| from.map_or(0.0, |from| from[cell]);
-        fill(slopes, |cell| self.cells[cell].on_curve().slopes(start(cell), to[cell]));
-        Ok(())
-    }
-
-    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<f64> {
+    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<Fall> {
         self.cells[cell].on_curve().fall(by, slope)
     }
 

@@ -1,5 +1,6 @@
 //! The curve of a population, made by moving it forward through its seam.
 
+use super::Extremes;
 use super::curve::{Books, Curve, Piece, Quintic, horner};
 use crate::monitor::Monitor;
 use crate::population::{self, Direction, Population, Response, Way};
@@ -19,7 +20,7 @@ const PASSED: usize = 64;
 
 /// A curve that grows as it is asked for.
 ///
-/// How far it is known decides on steps, by its steepest slope and its strongest force. So that what is recalled goes on
+/// How far it is known decides on steps, by what it is at most. So that what is recalled goes on
 /// as it would have done, what was tabulated since the mark is not known then, until it is asked for again.
 pub(super) struct Table {
     population: Box<dyn Population>,
@@ -44,8 +45,7 @@ struct Known {
     ways: usize,
     /// Where they end.
     end: f64,
-    steepest: f64,
-    strongest: f64,
+    extremes: Extremes,
 }
 
 /// Part of a way: where it begins, its length, F on it.
@@ -72,19 +72,24 @@ impl Table {
         Ok(table)
     }
 
+    /// Where what is known of the curve ends.
+    pub fn end(&self) -> f64 {
+        self.known.end
+    }
+
     /// Whether the curve reaches a place.
     pub fn knows(&self, place: f64) -> bool {
         place <= self.known.end
     }
 
-    /// Largest |F'| on what is known of the curve.
-    pub fn steepest(&self) -> f64 {
-        self.known.steepest
+    /// The largest slope from a place on, or 0.
+    pub fn stiffest(&self, from: f64) -> f64 {
+        self.curve.stiffest(from, self.known.end)
     }
 
-    /// Largest |F| on it, where pieces end.
-    pub fn strongest(&self) -> f64 {
-        self.known.strongest
+    /// What is known of the curve is at most, forces where pieces end.
+    pub fn extremes(&self) -> Extremes {
+        self.known.extremes
     }
 
     /// Brings the curve to `end` at least; what asks stands at `from`.
@@ -137,8 +142,7 @@ impl Table {
         if next == self.since.len() {
             self.tabulate(monitor)?;
             let Self { known, end, ref curve, .. } = *self;
-            let (steepest, strongest) = (curve.steepest(), curve.strongest());
-            self.since.push(Known { ways: known.ways + 1, end, steepest, strongest });
+            self.since.push(Known { ways: known.ways + 1, end, extremes: curve.extremes() });
         }
         self.known = self.since[next];
         Ok(())

@@ -136,7 +136,7 @@ impl Dynamics {
     /// Solves (springs + A) δ = right; whether the matrix is positive definite.
     pub fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {
         let goal = SOLVED * largest(right.len(), |j| right[j].abs());
-        self.coupling.respond(springs, right, goal)
+        self.coupling.respond(springs, right, goal).is_some()
     }
 
     /// Energy of the slider between cells.

@@ -41,14 +41,15 @@ pub trait Coupling: Send + Sync {
     fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool;
 
     /// Solves (diagonal + A) δ = right for the response δ of cells that are held by equal springs `diagonal` > 0 too, to
-    /// 1e-14 of the largest force where nothing better is known than iterations.
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
-        iterate(self, diagonal, right);
+    /// 1e-14 of the largest force where nothing better is known than iterations; how many of [`Coupling::near`] that took.
+    fn solve(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
+        iterate(self, diagonal, right)
     }
 
     /// Solves (springs + A) δ = right where springs differ from cell to cell, and may push, until no force larger than
-    /// `goal` is left; whether the matrix is positive definite. If not, `right` is of no use.
-    fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> bool {
+    /// `goal` is left; how many of [`Coupling::near`] that took. None if the matrix is not positive definite: `right` is
+    /// of no use then.
+    fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
         solve(self, springs, right, goal)
     }
 
@@ -65,9 +66,9 @@ pub trait Coupling: Send + Sync {
 }
 
 /// [`Coupling::solve`] where nothing better is known.
-fn iterate<C: Coupling + ?Sized>(coupling: &mut C, diagonal: f64, right: &mut [f64]) {
+fn iterate<C: Coupling + ?Sized>(coupling: &mut C, diagonal: f64, right: &mut [f64]) -> usize {
     let largest = right.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
-    coupling.respond(&vec![diagonal; right.len()], right, ROUNDED * largest);
+    coupling.respond(&vec![diagonal; right.len()], right, ROUNDED * largest).unwrap_or_default()
 }
 
 /// Springs of stiffness K_int between nearest neighbours.

@@ -106,7 +106,7 @@ impl Coupling for Neighbours {
         stiff
     }
 
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
+    fn solve(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
         let stiffness = self.stiffness;
         match &mut self.solver {
             Solver::Chain(chain) => {
@@ -114,11 +114,12 @@ impl Coupling for Neighbours {
             }
             Solver::Square(modes) => modes.apply(right, |λ| (diagonal + stiffness * λ).recip()),
         }
+        1
     }
 
-    fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> bool {
+    fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
         match &mut self.solver {
-            Solver::Chain(chain) => chain.solve(|j| springs[j], right),
+            Solver::Chain(chain) => chain.solve(|j| springs[j], right).then_some(1),
             Solver::Square(_) => solve(self, springs, right, goal),
         }
     }

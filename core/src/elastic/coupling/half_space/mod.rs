@@ -102,11 +102,12 @@ impl Coupling for HalfSpace {
         matches!(self.kind, Kind::Periodic(_))
     }
 
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]) {
-        match &mut self.kind {
-            Kind::Periodic(periodic) => periodic.solve(diagonal, right),
-            Kind::Open(_) => iterate(self, diagonal, right),
+    fn solve(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
+        if let Kind::Periodic(periodic) = &mut self.kind {
+            periodic.solve(diagonal, right);
+            return 1;
         }
+        iterate(self, diagonal, right)
     }
 
     fn own(&self, cell: usize) -> f64 {
