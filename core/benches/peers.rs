@@ -33,13 +33,14 @@ const HEAD: &str = "\
 <!-- Written by `make peers`: change core/benches/peers.rs instead. -->
 # Next to what one would write in Python
 
-The same job by asperity and by a script in Python, in turns in one run of `make peers`, each on one thread: medians
-of nine turns, or one where it says so, in CPU seconds on the machine that made this page, the scripts compiled and
-warmed up, with the quartiles of the ratio. *Off* is how far their F(5) is from the exact one; ours is within 1e-10
-by the master equation, and within the noise of the contacts by the ensemble. From break to break theirs is one
-sequential generator and the mean force, ours a stream for each contact, and standard errors. Coupled contacts start
-from other random stretches there and here; their mean forces at the end are within 0.02 of each other, as are those
-of cells of other random scales. The scripts are in `core/benches/peers`.
+The same job by asperity and by a script in Python, in turns in one run of `make peers`, each on one thread but for
+one row: medians of nine turns, or one where it says so, in CPU seconds on the machine that made this page, the
+scripts compiled and warmed up, with the quartiles of the ratio. *Off* is how far their F(5) is from the exact one;
+ours is within 1e-10 by the master equation, and within the noise of the contacts by the ensemble. From break to break
+theirs is one sequential generator, which one thread can draw from, and the mean force, ours a stream for each
+contact, and standard errors. Coupled contacts start from other random stretches there and here; their mean forces at
+the end are within 0.02 of each other, as are those of cells of other random scales. The scripts are in
+`core/benches/peers`.
 
 | job | ours, ms | theirs | theirs, ms | off | ratio |
 | --- | ---: | --- | ---: | ---: | ---: |";
@@ -95,6 +96,15 @@ fn against_python() {
     let job = "20 000 contacts to X = 100, 2001 points";
     row(job, "numba, from break to break, np.random", "event_driven.py twister", events);
     row(job, "numba, from break to break, PCG64", "event_driven.py pcg64", events);
+    let job = "the same, ours on two threads by the clock on the wall";
+    in_turns(
+        job,
+        "numba, from break to break, PCG64",
+        "event_driven.py pcg64",
+        Some(EXACT),
+        (2, TURNS),
+        events,
+    );
     for share in [0.2, 0.25] {
         let job = format!("128 × 128 identical contacts, coupled, α = {share}, to X = 2");
         let name = "numba, the lattice looked through for every avalanche";
@@ -127,7 +137,7 @@ fn next_event(side: usize, (drive, step): (f64, f64), tolerance: f64, turns: usi
         cells.next(f64::INFINITY, &mut ()).unwrap();
         cells.force().unwrap() / cells.len() as f64
     };
-    in_turns(&job, name, &script, None, turns, next);
+    in_turns(&job, name, &script, None, (1, turns), next);
 }
 
 /// Side × side cells with thresholds of 1 ± 0.1, stretched by 1 ± 0.05 from cell to cell, at a drive.
@@ -172,26 +182,28 @@ fn row(job: &str, name: &str, script: &str, ours: impl Fn() -> f64 + Sync) {
 
 /// One line of the table, ours on this thread alone, of a job that has a force, perhaps known exactly.
 fn against(job: &str, name: &str, script: &str, exact: Option<f64>, ours: impl FnMut() -> f64 + Send) {
-    in_turns(job, name, script, exact, TURNS, ours);
+    in_turns(job, name, script, exact, (1, TURNS), ours);
 }
 
-/// The same in so many turns.
+/// The same on so many threads, in so many turns: in seconds of the wall where there are more threads than one, which
+/// theirs take no less of than of their core.
 fn in_turns(
     job: &str,
     name: &str,
     script: &str,
     exact: Option<f64>,
-    turns: usize,
+    (threads, turns): (usize, usize),
     mut ours: impl FnMut() -> f64 + Send,
 ) {
-    let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let mut peer = Peer::start(script);
     let mut off = 0.0;
     let turn = |_| {
-        let (ours, force) = single.install(|| {
-            let begun = ThreadTime::now();
+        let (ours, force) = pool.install(|| {
+            let (begun, wall) = (ThreadTime::now(), Instant::now());
             let force = ours();
-            (begun.elapsed().as_secs_f64(), force)
+            let spent = if threads == 1 { begun.elapsed() } else { wall.elapsed() };
+            (spent.as_secs_f64(), force)
         });
         let (theirs, their_force) = peer.run();
         // 1e4 contacts scatter by 3e-3, upwind differences are wrong by 0.017.

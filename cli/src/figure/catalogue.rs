@@ -18,6 +18,8 @@ const PER_DECADE: f64 = 8.0;
 const FEW: usize = 500;
 /// Points of the fitted law.
 const FINE: usize = 200;
+/// Waiting times that have a density.
+const FEWEST: usize = 10;
 /// Waiting times, over their mean, that are shown.
 const WAITING: (f64, f64) = (1e-3, 1e2);
 
@@ -26,7 +28,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let below = [Some(magnitudes(outcome, catalogue)?), waiting(outcome, catalogue)];
     let panels = std::iter::once(force(outcome)?).chain(below.into_iter().flatten());
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.unzip();
-    // Where nothing was waited for, magnitudes take the place.
+    // Where hardly anything was waited for, magnitudes take the place.
     let lower = if plots.len() > 2 { vec![vec![2], vec![3]] } else { vec![vec![2, 3]] };
     let (title, size) = style::heading(&outcome.summary.title);
     let events = format!("{} event{}", catalogue.events, if catalogue.events == 1 { "" } else { "s" });
@@ -113,12 +115,15 @@ fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout
     Some((plots, layout))
 }
 
-/// Density of the waiting times over their mean.
+/// Density of the waiting times over their mean; few of them have none.
 fn waiting(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> {
     let drives = outcome.record.values("event_drive")?;
     let mean = catalogue.mean_waiting?;
     let times: Vec<f64> =
         drives.windows(2).map(|pair| (pair[1] - pair[0]) / mean).filter(|&time| time > 0.0).collect();
+    if times.len() < FEWEST {
+        return None;
+    }
     let shown = |point: &Point| (WAITING.0..WAITING.1).contains(&point.0);
     let points: Vec<Point> = density(&times, false).into_iter().filter(shown).collect();
     let low = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);

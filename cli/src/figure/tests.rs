@@ -191,18 +191,17 @@ fn a_hold_curve_shows_healing_and_what_it_grows_from() {
     }
 }
 
-/// Forty events of sizes 1 to 40 over a lattice of 3 × 4 contacts, shown twice.
-#[test]
-fn an_interface_has_a_catalogue_and_maps() {
+/// Events of sizes 1, 2, 3 … over a lattice of 3 × 4 contacts, shown twice.
+fn lattice(events: usize) -> Outcome {
     let mut outcome = timed();
-    let numbers = |count: i32| (1..=count).map(f64::from).collect::<Vec<_>>();
+    let numbers = |count: usize| (1..=count).map(|i| i as f64).collect::<Vec<_>>();
     let mut add = |name: &str, quantity, along: &[&str], values| {
         outcome.record.push(name, name, quantity, along, values);
     };
-    add("event_drive", Quantity::Length, &["event"], numbers(40));
-    add("event_size", Quantity::Number, &["event"], numbers(40));
-    add("event_force_before", Quantity::Force, &["event"], vec![0.5; 40]);
-    add("event_force_after", Quantity::Force, &["event"], vec![0.4; 40]);
+    add("event_drive", Quantity::Length, &["event"], numbers(events));
+    add("event_size", Quantity::Number, &["event"], numbers(events));
+    add("event_force_before", Quantity::Force, &["event"], vec![0.5; events]);
+    add("event_force_after", Quantity::Force, &["event"], vec![0.4; events]);
     add("drive", Quantity::Length, &["point"], numbers(41));
     add("force", Quantity::Force, &["point"], vec![0.45; 41]);
     add("map_drive", Quantity::Length, &["map_drive"], vec![20.0, 40.0]);
@@ -211,7 +210,7 @@ fn an_interface_has_a_catalogue_and_maps() {
     add("cell_force", Quantity::Force, &["map_drive", "row", "column"], numbers(24));
     outcome.summary.catalogue = Some(Catalogue {
         cells: 12,
-        events: 40,
+        events,
         from: 0.0,
         magnitude: "size".into(),
         law: None,
@@ -221,7 +220,12 @@ fn an_interface_has_a_catalogue_and_maps() {
         dissipated_breaks: None,
         dissipated_slip: None,
     });
-    let pictures = draw(&outcome).unwrap();
+    outcome
+}
+
+#[test]
+fn an_interface_has_a_catalogue_and_maps() {
+    let pictures = draw(&lattice(40)).unwrap();
     let names: Vec<_> = pictures.iter().map(|p| p.name.as_str()).filter(|n| n.ends_with("svg")).collect();
     assert_eq!(names, ["catalogue.svg", "stress_map.svg"]);
     for (picture, words) in [
@@ -233,12 +237,15 @@ fn an_interface_has_a_catalogue_and_maps() {
         }
     }
     assert!(svg(&pictures, "catalogue.svg").contains("by chance"));
-    if let Some(catalogue) = &mut outcome.summary.catalogue {
+    let mut none = lattice(40);
+    if let Some(catalogue) = &mut none.summary.catalogue {
         catalogue.mean_waiting = None;
     }
-    let alone = draw(&outcome).unwrap();
-    assert!(svg(&alone, "catalogue.svg").contains("Breaks in an event"));
-    assert!(!svg(&alone, "catalogue.svg").contains("by chance"));
+    for alone in [none, lattice(5)] {
+        let alone = draw(&alone).unwrap();
+        assert!(svg(&alone, "catalogue.svg").contains("Breaks in an event"));
+        assert!(!svg(&alone, "catalogue.svg").contains("by chance"));
+    }
 }
 
 #[test]

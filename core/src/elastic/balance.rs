@@ -130,11 +130,16 @@ impl Interface {
         let mut slopes = self.slopes_ahead()?;
         let bound = |j: usize| slopes[j].largest + connection(j) + rate;
         if !all(self.len(), |j| bound(j) <= self.springs[j]) {
-            self.excess_here()?;
-            self.stiffen(rate);
+            // By so much less, (D + A)⁻¹ (D − F' − K_0 − η/dt) times the first solution.
+            self.by.copy_from_slice(&self.excess);
+            let (by, springs) = (&self.by, &self.springs);
+            fill(&mut self.excess, |j| (bound(j) - springs[j]).max(0.0) * by[j]);
             change(&mut self.springs, |j, spring| spring.max(bound(j)));
             drop(slopes);
             taken += self.coupling.respond(&self.springs, &mut self.excess, goal).unwrap_or_default();
+            let by = &self.by;
+            change(&mut self.excess, |j, less| by[j] - less);
+            self.by.fill(0.0);
             slopes = self.slopes_ahead()?;
         }
         self.by.copy_from_slice(&self.excess);
