@@ -35,6 +35,44 @@ fn excess(interface: &mut Interface, coupling: &mut dyn Coupling, connected: usi
     (0..forces.len()).map(|j| (spring(j) + pulls[j] - forces[j]).abs()).fold(0.0, f64::max)
 }
 
+/// Where cells come to rest that move slowly by what is out of balance, each no farther at a time than all springs together
+/// and the stiffest slope would hold it.
+fn crept(interface: &mut Interface, coupling: &mut dyn Coupling, drive: f64, connection: f64) -> Vec<f64> {
+    let number = interface.len();
+    let own = (0..number).map(|j| coupling.own(j)).fold(0.0, f64::max);
+    let (mut positions, mut pulls) = (vec![0.0; number], vec![0.0; number]);
+    loop {
+        interface.put(drive, &positions).unwrap();
+        coupling.forces(&positions, &mut pulls);
+        let forces = interface.forces().unwrap();
+        let excess: Vec<f64> =
+            (0..number).map(|j| connection * (drive - positions[j]) + pulls[j] - forces[j]).collect();
+        if excess.iter().all(|excess| excess.abs() < 1e-10) {
+            return positions;
+        }
+        for (x, excess) in positions.iter_mut().zip(&excess) {
+            *x += excess.max(0.0) / (connection + 2.0 * own + 1.0);
+        }
+    }
+}
+
+/// However steps are chosen, in a slide or as slowly as can be, cells come to the nearest balance ahead.
+#[test]
+fn slides_end_in_the_nearest_balance() {
+    let connection = 0.3;
+    for drive in [2.5, 3.5, 5.0] {
+        for ((mut coupling, same), again) in couplings().into_iter().zip(couplings()).zip(couplings()) {
+            let setting = setting(connection, Slip::Overdamped, 1e-6);
+            let slow = crept(&mut disordered(same, setting), coupling.as_mut(), drive, connection);
+            let mut fast = disordered(again, setting);
+            fast.put(drive, &vec![0.0; slow.len()]).unwrap();
+            fast.next(drive, &mut ()).unwrap();
+            // Forces out of balance by 1e-10 hold cells back by that over a stiffness no less than 1e-3.
+            fast.positions().iter().zip(&slow).for_each(|(fast, slow)| near(*fast, *slow, 1e-7));
+        }
+    }
+}
+
 #[test]
 fn forces_and_energies_balance_after_every_event() {
     for slip in [Slip::Overdamped, Slip::Reset] {
