@@ -3,6 +3,7 @@
 use super::Interface;
 use super::batch::{all, change, fill, largest};
 use super::cells::{Extremes, Slopes};
+use super::solve::MOST_STEPS;
 use crate::Result;
 use crate::monitor::Monitor;
 
@@ -195,7 +196,8 @@ impl Interface {
             return Ok(true);
         }
         self.excess.fill(1.0);
-        let found = self.coupling.respond(&self.springs, &mut self.excess, POSITIVE).is_some();
+        let taken = self.coupling.respond(&self.springs, &mut self.excess, POSITIVE);
+        let found = taken.is_some_and(|taken| taken < MOST_STEPS);
         Ok(found && all(number, |j| self.excess[j] > 0.0))
     }
 

@@ -3,8 +3,8 @@
 use super::batch::{all, change, largest, sum, sweep};
 use super::coupling::Coupling;
 
-/// Steps after which no more is expected.
-const MOST_STEPS: usize = 100;
+/// Steps after which no more is expected: `goal` has not been met then.
+pub(super) const MOST_STEPS: usize = 100;
 
 /// Solves (springs + A) δ = right by conjugate gradients, the response of cells on equal springs being the
 /// preconditioner, until no force larger than `goal` is left. How many such responses that took; none if the matrix was

@@ -47,8 +47,8 @@ pub trait Coupling: Send + Sync {
     }
 
     /// Solves (springs + A) δ = right where springs differ from cell to cell, and may push, until no force larger than
-    /// `goal` is left; how many of [`Coupling::near`] that took. None if the matrix is not positive definite: `right` is
-    /// of no use then.
+    /// `goal` is left; how many of [`Coupling::near`] that took, a hundred where it was given up. None if the matrix is not
+    /// positive definite: `right` is of no use then.
     fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
         solve(self, springs, right, goal)
     }
