@@ -92,19 +92,16 @@ fn against_python() {
         ensemble(10_000).pull(&fine, &Snapshots::default(), &mut ()).unwrap().force[5000]
     });
     let coarse = grid(100.0, 0.05);
-    let events = || ensemble(20_000).pull(&coarse, &Snapshots::default(), &mut ()).unwrap().force[100];
+    let events = |size| ensemble(size).pull(&coarse, &Snapshots::default(), &mut ()).unwrap().force[100];
+    let (few, many) = (20_000, 1_000_000);
     let job = "20 000 contacts to X = 100, 2001 points";
-    row(job, "numba, from break to break, np.random", "event_driven.py twister", events);
-    row(job, "numba, from break to break, PCG64", "event_driven.py pcg64", events);
-    let job = "the same, ours on two threads by the clock on the wall";
-    in_turns(
-        job,
-        "numba, from break to break, PCG64",
-        "event_driven.py pcg64",
-        Some(EXACT),
-        (2, TURNS),
-        events,
-    );
+    let [twister, generator] =
+        ["np.random", "PCG64"].map(|draws| format!("numba, from break to break, {draws}"));
+    row(job, &twister, &format!("event_driven.py twister {few}"), || events(few));
+    row(job, &generator, &format!("event_driven.py pcg64 {few}"), || events(few));
+    let job = "1 000 000 contacts to X = 100, 2001 points, ours on two threads, by the clock on the wall";
+    let script = format!("event_driven.py pcg64 {many}");
+    in_turns(job, &generator, &script, Some(EXACT), (2, TURNS), || events(many));
     for share in [0.2, 0.25] {
         let job = format!("128 × 128 identical contacts, coupled, α = {share}, to X = 2");
         let name = "numba, the lattice looked through for every avalanche";

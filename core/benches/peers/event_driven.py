@@ -1,8 +1,8 @@
-"""The same model from break to break in numba: 20 000 contacts to X = 100, F at 2001 positions; prints F(5).
+"""The same model from break to break in numba: contacts to X = 100, F at 2001 positions; prints F(5).
 
 Every stretch grows with X; each break takes its stretch away at the next position, and one running sum
-over positions, at the end, gives the force. No standard errors. The argument chooses the draws: `twister`,
-numba's np.random, or `pcg64`, its Generator.
+over positions, at the end, gives the force. No standard errors. The arguments are the draws, `twister` for numba's
+np.random or `pcg64` for its Generator, and the number of contacts.
 """
 
 import sys
@@ -12,7 +12,7 @@ from numba import njit
 
 from clock import answer
 
-CONTACTS = 20_000
+CONTACTS = int(sys.argv[2])
 STEP = 0.05
 LAST = 100.0
 
