@@ -118,14 +118,17 @@ figures: $(venv)/installed
 	(cd "$$folder" && SOURCE_DATE_EPOCH=0 $$package -P "$$documents"); \
 	cp "$$folder/fig2.svg" docs/figures/fig2-python.svg
 
-# How fast it is, and what a call from Python costs.
-bench: $(venv)/installed
+# How fast it is, what a call from Python costs, and what the same jobs cost that one would write in Python.
+bench: $(venv)/installed $(venv)-peers/installed
 	cargo bench --locked --package asperity --bench ensemble --bench block --bench coupling --bench elastic --bench lattice --bench master --bench population --bench scaling --bench velocity --bench transport --bench diffusion
 	$(venv)/bin/python -P python/benches/overhead.py
+	$(paired)
+
+paired = PEERS_PYTHON=$(CURDIR)/$(venv)-peers/bin/python cargo bench --locked --package asperity --bench peers
 
 # The page of how fast it is next to what one would write in Python, anew.
 peers: $(venv)-peers/installed
-	PEERS_PYTHON=$(CURDIR)/$(venv)-peers/bin/python cargo bench --locked --package asperity --bench peers > target/peers.md
+	$(paired) > target/peers.md
 	mv target/peers.md docs/validation/peers.md
 
 $(venv)-peers/ready: core/benches/peers/requirements.txt

@@ -1,7 +1,7 @@
 //! One page: this crate next to what a user would write in Python, run in turns in the same call.
 //!
 //! The interpreter is `$PEERS_PYTHON`; `core/benches/peers/requirements.txt` says what it needs. With `$PEERS_LARGE` there
-//! are rows more, which take most of an hour. Times are CPU seconds but for the two threads, medians of turns;
+//! are rows more, which take half an hour. Times are CPU seconds but for the two threads, medians of turns;
 //! the peers have been compiled and warmed up.
 //!
 //! The event-driven peers do less: one sequential generator for all contacts, the mean force alone. Ours are
