@@ -59,7 +59,7 @@ impl Interface {
             PerCell::Many => positive("connection", self.connection)?,
             PerCell::One => not_negative("connection", self.connection)?,
         };
-        self.coupling.check().map_err(|e| e.under("coupling"))?;
+        self.coupling.check(self.contacts).map_err(|e| e.under("coupling"))?;
         self.viscosity.map(|viscosity| positive("viscosity", viscosity)).transpose()?;
         positive("drive_tolerance", self.drive_tolerance)?;
         not_negative("catalogue_from", self.catalogue_from).map(drop)
@@ -124,10 +124,16 @@ impl Interface {
 }
 
 impl Coupling {
-    fn check(&self) -> Result<()> {
-        match *self {
-            Self::Neighbours { stiffness } => not_negative("neighbours.stiffness", stiffness).map(drop),
-            Self::HalfSpace { modulus, cell } => {
+    /// Single contacts may share nothing; cells that do are no interface.
+    fn check(&self, contacts: PerCell) -> Result<()> {
+        match (*self, contacts) {
+            (Self::Neighbours { stiffness }, PerCell::One) => {
+                not_negative("neighbours.stiffness", stiffness).map(drop)
+            }
+            (Self::Neighbours { stiffness }, PerCell::Many) => {
+                positive("neighbours.stiffness", stiffness).map(drop)
+            }
+            (Self::HalfSpace { modulus, cell }, _) => {
                 positive("half_space.modulus", modulus)?;
                 positive("half_space.cell", cell).map(drop)
             }
