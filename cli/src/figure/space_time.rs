@@ -137,12 +137,12 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
             let steps =
                 (0..=FINE).map(|i| at(window.0 + (window.1 - window.0) * f64::from(i) / f64::from(FINE)));
             plots.push(line(steps.filter(inside).collect(), RED, 1.6, Some(DASHES)));
-            words.push(format!("{} to the {name}", style::digits((1e3 * speed).round() / 1e3)));
+            let told = style::digits((1e3 * speed).round() / 1e3);
+            words.push(format!("{told} cells per time to the {name}"));
         }
     }
     plots.push(Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(1.6)));
-    let speeds =
-        if words.is_empty() { String::new() } else { format!(": {} cells per time", words.join(", ")) };
+    let speeds = if words.is_empty() { String::new() } else { format!(": {}", words.join(", ")) };
     let layout = panel((0.0, cells as f64), window)
         .with_title(format!("Largest event, at X_T = {}{speeds}", style::digits(largest.drive)))
         .with_title_size(12)

@@ -140,7 +140,6 @@ impl Interface {
             taken += self.coupling.respond(&self.springs, &mut self.excess, goal).unwrap_or_default();
             let by = &self.by;
             change(&mut self.excess, |j, less| by[j] - less);
-            self.by.fill(0.0);
             slopes = self.slopes_ahead()?;
         }
         self.by.copy_from_slice(&self.excess);

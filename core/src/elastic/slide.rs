@@ -179,8 +179,8 @@ impl Interface {
         Ok(())
     }
 
-    /// Cells that have not fallen yet and begin to on the ways that are tried: after which part of the way, which one, and
-    /// whether contacts break together on it.
+    /// Cells that have not fallen yet and begin to on the ways that are tried: after which advance, which one, and whether
+    /// contacts break together on it.
     fn falls(&self, slide: &Slide) -> Vec<Vec<(f64, u32, bool)>> {
         let (steep, jumps) = (-self.mean_connection(), self.cells.extremes().jumps);
         let way = |cell: usize| self.positions[cell] + self.by[cell] - slide.before[cell];

@@ -321,4 +321,24 @@ mod tests {
             assert_eq!(curve.find(x), expected, "{x}");
         }
     }
+
+    /// Bit for bit, on pieces of different lengths.
+    #[test]
+    fn places_are_asked_together_as_one_by_one() {
+        let mut curve = Curve::default();
+        for (i, length) in [1.0, 0.3, 0.01, 2.0].into_iter().enumerate() {
+            let shift = i as f64;
+            let force = [0.7 - shift, 0.3, -0.1 * shift, 0.9, 1.3 + shift, -0.2];
+            let piece = Piece { start: 3.0 * shift, rate: 2.0 / length, force };
+            let none = [0.0; 6];
+            curve.push(piece, Books { work: 0.0, elastic: none, lost: none, broken: none }, false);
+        }
+        curve.index();
+        for first in 0..100 {
+            let places: [f64; LANES] = std::array::from_fn(|lane| 0.013 * (first + 91 * lane) as f64);
+            let [forces, slopes] = curve.responses(places);
+            let alone = places.map(|x| curve.response(x));
+            assert_eq!((0..LANES).map(|lane| (forces[lane], slopes[lane])).collect::<Vec<_>>(), alone);
+        }
+    }
 }

@@ -155,11 +155,6 @@ impl Batch<'_> {
 
     /// As [`Cell::resist`], of the cells from the first one on; the largest force that is left.
     fn resist(&self, first: usize, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> f64 {
-        self.resist_in_lanes(first, by, forces, tangents)
-    }
-
-    #[inline(always)]
-    fn resist_in_lanes(&self, first: usize, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> f64 {
         let mut most = 0.0_f64;
         let lanes = forces.chunks_mut(LANES).zip(tangents.chunks_mut(LANES));
         for ((forces, tangents), first) in lanes.zip((first..).step_by(LANES)) {
