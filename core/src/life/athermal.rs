@@ -71,16 +71,22 @@ pub(super) fn begin(breaks: &mut Vec<Break>, curve: &Piecewise, onset: f64, wide
         return;
     };
     breaks.retain(|b| !there(b));
-    let after: [f64; ORDERS] = curve.jet_in(cell, onset);
-    let before = cell.checked_sub(1).map_or([0.0; ORDERS], |left| curve.jet_in(left, onset));
     let narrow =
         [Some(cell), cell.checked_sub(1)].into_iter().flatten().any(|k| 2.0 * curve.cell(k).1 < wide);
-    let jumps = (0..if narrow { 1 } else { ORDERS }).map(|order| Break {
-        position: onset,
+    breaks.extend(jumps(curve, onset, if narrow { 1 } else { ORDERS }));
+}
+
+/// The jumps of a curve and of its derivatives below so many `orders` at one of its boundaries, those that are not 0.
+pub(super) fn jumps(curve: &Piecewise, at: f64, orders: usize) -> Vec<Break> {
+    let Some(cell) = curve.find(at) else { return Vec::new() };
+    let after: [f64; ORDERS] = curve.jet_in(cell, at);
+    let before = cell.checked_sub(1).map_or([0.0; ORDERS], |left| curve.jet_in(left, at));
+    let jump = |order: usize| Break {
+        position: at,
         exponent: order as f64,
         amplitude: after[order] - before[order],
-    });
-    breaks.extend(jumps.filter(|b| b.amplitude != 0.0));
+    };
+    (0..orders).map(jump).filter(|b| b.amplitude != 0.0).collect()
 }
 
 /// Where contacts of all layers break: one zone for each of P_c.

@@ -21,6 +21,7 @@ mod stock;
 mod timed;
 
 pub use athermal::athermal;
+use athermal::jumps;
 pub(crate) use births::Births;
 pub(crate) use cells::{ORDERS, walls};
 use cohorts::Cohorts;
@@ -228,21 +229,36 @@ impl Life {
         }
     }
 
+    /// Where the carried force begins of contacts that are free first, as it and its derivatives jump there; nothing of
+    /// contacts that form at u = 0.
+    pub(crate) fn reattachment(&self) -> Vec<Break> {
+        let begins = |b: &&Break| self.wait > 0.0 && b.position == self.wait;
+        self.force.breaks().iter().filter(begins).copied().collect()
+    }
+
     /// The same contacts, each free for the advance `by` before it forms: what they carry comes by so much later.
     #[must_use]
     fn delayed(self, by: f64) -> Self {
         if by == 0.0 {
             return self;
         }
-        let late = |kernel: Kernel, before: f64| {
-            let breaks = kernel.breaks().iter().map(|&b| Break { position: b.position + by, ..b }).collect();
-            Kernel::new(kernel.curve().preceded(by, before), breaks)
+        let shifted = |kernel: &Kernel| -> Vec<Break> {
+            kernel.breaks().iter().map(|b| Break { position: b.position + by, ..*b }).collect()
         };
+        // What is carried begins with a jump, or with another slope.
+        let late = |kernel: Kernel, before: f64| {
+            let curve = kernel.curve().preceded(by, before);
+            let mut breaks = shifted(&kernel);
+            breaks.extend(jumps(&curve, by, 2));
+            breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
+            Kernel::new(curve, breaks)
+        };
+        let breaking = Kernel::new(self.breaking.curve().preceded(by, 0.0), shifted(&self.breaking));
         let whole = self.survival.curve().value(0.0);
         let doomed = self.breaking_energy.curve().value(0.0);
         Self {
             survival: late(self.survival, whole),
-            breaking: late(self.breaking, 0.0),
+            breaking,
             force: late(self.force, 0.0),
             square: late(self.square, 0.0),
             energy: late(self.energy, 0.0),

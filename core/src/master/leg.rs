@@ -62,11 +62,14 @@ impl Leg {
             density: 0.3 * tolerance / reborn.mean(),
             mass: 3e-3 * tolerance,
             kept: tolerance,
+            carried: 0.3 * tolerance * reborn.mean(),
             widening: (tolerance / 1e-13).powf(1.0 / 16.0),
             light,
         };
         let kept = (first.survival().curve(), reborn.survival());
-        let solution = solve(first.breaking(), reborn.breaking(), kept, end, accuracy, monitor)
+        let onsets = [first.reattachment(), reborn.reattachment()];
+        let onsets = [onsets[0].as_slice(), onsets[1].as_slice()];
+        let solution = solve(first.breaking(), reborn.breaking(), kept, onsets, end, accuracy, monitor)
             .map_err(|error| error.under("contacts.thresholds"))?;
         let force = solution.convolve(
             first.force().curve(),

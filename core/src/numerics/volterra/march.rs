@@ -35,7 +35,9 @@ struct March<'a> {
 /// Solves g = source + kernel ∗ g on [0, end].
 ///
 /// `kept` are a source and a kernel with source + kernel ∗ g = 1 (what has not gone into g yet): cells that outgrow the
-/// narrow ones are only taken where this holds, so that nothing is stepped over.
+/// narrow ones are only taken where this holds, so that nothing is stepped over. `onsets` are breaks that a further source
+/// and a further kernel have where neither `source` nor `kernel` has any; cells end, too, where their convolution with g
+/// breaks on account of them.
 ///
 /// # Errors
 /// [`Error::Stopped`] by the monitor; [`Error::TooLarge`] for too many atoms; [`Error::Accuracy`] where cells would
@@ -44,6 +46,7 @@ pub fn solve(
     source: &Kernel,
     kernel: &Kernel,
     kept: (&Piecewise, &Kernel),
+    onsets: [&[Break]; 2],
     end: f64,
     accuracy: Accuracy,
     monitor: &mut dyn Monitor,
@@ -74,8 +77,12 @@ pub fn solve(
         tail: 0.0,
         opened: 0.0,
     };
-    let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).filter(|&x| x > 0.0 && x < end).collect();
-    stops.push(end);
+    let shows = |b: &Break| b.weight(spacing) > 10.0 * accuracy.carried;
+    let carried = breaks.iter().flat_map(|b| onsets[1].iter().map(|onset| b.convolve(*onset)));
+    let further = onsets[0].iter().copied().chain(carried).filter(shows);
+    let all = breaks.iter().copied().chain(further).map(|b| b.position);
+    let mut stops: Vec<f64> = all.filter(|&x| x > 0.0 && x < end).chain([end]).collect();
+    stops.sort_by(f64::total_cmp);
     stops.dedup_by(|b, a| same_position(*a, *b));
     let mut pace = Pace { width, patience: 0 };
     for stop in stops {

@@ -49,6 +49,8 @@ pub struct Accuracy {
     pub mass: f64,
     /// How far source + kernel ∗ g may be from 1 where it should be 1.
     pub kept: f64,
+    /// What a cell may miss of a further convolution with g.
+    pub carried: f64,
     /// Width of cells to begin with, in units of the narrow cells of source and kernel …
     pub widening: f64,
     /// … which together hold this fraction of their mass; a tenth, where they narrow towards a steep break.
