@@ -76,7 +76,8 @@ pub(super) fn begin(breaks: &mut Vec<Break>, curve: &Piecewise, onset: f64, wide
     breaks.extend(jumps(curve, onset, if narrow { 1 } else { ORDERS }));
 }
 
-/// The jumps of a curve and of its derivatives below so many `orders` at one of its boundaries, those that are not 0.
+/// The jumps of a curve (order 0) and of its derivatives at one of its boundaries, of the first so many `orders`, at most
+/// [`ORDERS`]; those that are 0 are left out.
 pub(super) fn jumps(curve: &Piecewise, at: f64, orders: usize) -> Vec<Break> {
     let Some(cell) = curve.find(at) else { return Vec::new() };
     let after: [f64; ORDERS] = curve.jet_in(cell, at);

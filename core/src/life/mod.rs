@@ -229,8 +229,7 @@ impl Life {
         }
     }
 
-    /// Where the carried force begins of contacts that are free first, as it and its derivatives jump there; nothing of
-    /// contacts that form at u = 0.
+    /// Jumps of the carried force and of its slope at the advance at which free contacts re-form; none without a delay.
     pub(crate) fn reattachment(&self) -> Vec<Break> {
         let begins = |b: &&Break| self.wait > 0.0 && b.position == self.wait;
         self.force.breaks().iter().filter(begins).copied().collect()
@@ -245,7 +244,7 @@ impl Life {
         let shifted = |kernel: &Kernel| -> Vec<Break> {
             kernel.breaks().iter().map(|b| Break { position: b.position + by, ..*b }).collect()
         };
-        // What is carried begins with a jump, or with another slope.
+        // Nothing breaks where contacts re-form, but what they carry jumps there, or its slope does.
         let late = |kernel: Kernel, before: f64| {
             let curve = kernel.curve().preceded(by, before);
             let mut breaks = shifted(&kernel);

@@ -35,9 +35,9 @@ struct March<'a> {
 /// Solves g = source + kernel ∗ g on [0, end].
 ///
 /// `kept` are a source and a kernel with source + kernel ∗ g = 1 (what has not gone into g yet): cells that outgrow the
-/// narrow ones are only taken where this holds, so that nothing is stepped over. `onsets` are breaks that a further source
-/// and a further kernel have where neither `source` nor `kernel` has any; cells end, too, where their convolution with g
-/// breaks on account of them.
+/// narrow ones are only taken where this holds, so that nothing is stepped over. `onsets` are the
+/// breaks of another source and another kernel, which will be convolved with g, at places where `source` and `kernel` are
+/// smooth. Cells also end where these make that convolution break.
 ///
 /// # Errors
 /// [`Error::Stopped`] by the monitor; [`Error::TooLarge`] for too many atoms; [`Error::Accuracy`] where cells would

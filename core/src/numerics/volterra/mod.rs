@@ -49,7 +49,7 @@ pub struct Accuracy {
     pub mass: f64,
     /// How far source + kernel ∗ g may be from 1 where it should be 1.
     pub kept: f64,
-    /// What a cell may miss of a further convolution with g.
+    /// Error that a break inside a cell may cause in the convolution of another kernel with g.
     pub carried: f64,
     /// Width of cells to begin with, in units of the narrow cells of source and kernel …
     pub widening: f64,
