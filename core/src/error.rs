@@ -30,8 +30,14 @@ pub enum Error {
         allowed: u64,
     },
     /// The accuracy asked for was not reached.
-    #[error("{what}: reached an accuracy of {reached:e}, short of the {wanted:e} asked for")]
+    #[error(
+        "{}{what}: reached an accuracy of {reached:e}, short of the {wanted:e} asked for{}",
+        named(key),
+        remedy(key, reached)
+    )]
     Accuracy {
+        /// Path of the key that asks for it; empty where no key does.
+        key: String,
         /// The computation.
         what: String,
         /// Estimated error of the best result.
@@ -42,6 +48,22 @@ pub enum Error {
     /// The monitor told the computation to stop.
     #[error("stopped before the end")]
     Stopped,
+}
+
+/// A key, as it stands before what is said of it.
+fn named(key: &str) -> String {
+    if key.is_empty() { String::new() } else { format!("{key}: ") }
+}
+
+/// What to do where a key asks for more than is reached.
+fn remedy(key: &str, reached: &Float) -> String {
+    match reached.0 {
+        _ if key.is_empty() => String::new(),
+        reached if reached.is_finite() => {
+            format!("; allow {:.1e}, or leave the tolerance out", 2.0 * reached)
+        }
+        _ => "; allow more, or leave the tolerance out".to_owned(),
+    }
 }
 
 /// A finite `f64` that can stand in a comparable error.

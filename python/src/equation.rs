@@ -26,7 +26,8 @@ use crate::{error, values};
 /// start: "conditional" where contacts hold at X = 0, so that thresholds lie above stretches; "relaxed" where stretches
 /// and thresholds are independent, so that what is above its threshold breaks at once.
 /// velocity: the velocity of the slider, above 0; needed only where contacts know time, which at X = 0 have age 0.
-/// tolerance: error allowed in the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2.
+/// tolerance: error allowed in the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger error raises
+/// RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` tells what is reached.
 ///
 /// Raises ValueError for stretches at which no contact survives, and for laws too narrow to be told from a point.
 #[pyclass(frozen, extends = Model, module = "asperity")]
@@ -38,17 +39,17 @@ pub struct MasterEquation {
 #[pymethods]
 impl MasterEquation {
     #[new]
-    #[pyo3(signature = (contacts, initial = None, *, velocity = None, start = "conditional", tolerance = 1e-10))]
+    #[pyo3(signature = (contacts, initial = None, *, velocity = None, start = "conditional", tolerance = None))]
     fn new(
         py: Python<'_>,
         contacts: &Bound<'_, Contacts>,
         initial: Option<AnyLaw>,
         velocity: Option<f64>,
         start: &str,
-        tolerance: f64,
+        tolerance: Option<f64>,
     ) -> PyResult<PyClassInitializer<Self>> {
         let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
-        let own = scenario::MasterEquation { tolerance: Some(tolerance) };
+        let own = scenario::MasterEquation { tolerance };
         let build = || {
             own.check().map_err(|e| e.under("master_equation"))?;
             let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
@@ -69,10 +70,10 @@ impl MasterEquation {
         Self::solved(slf).velocity
     }
 
-    /// Error allowed in the force per contact and per ⟨k⟩ × mean threshold.
+    /// Error allowed in the force per contact and per ⟨k⟩ × mean threshold; None where 1e-10 is aimed at.
     #[getter]
-    fn tolerance(slf: &Bound<'_, Self>) -> f64 {
-        Self::plain(slf).tolerance()
+    fn tolerance(slf: &Bound<'_, Self>) -> Option<f64> {
+        Self::plain(slf).tolerance
     }
 
     /// Pulls the slider's bottom from X = 0 to distance.
@@ -137,11 +138,7 @@ pub fn arguments(
 ) -> PyResult<()> {
     interface_arguments(interface, into)?;
     given(into, "velocity", *velocity)?;
-    given(
-        into,
-        "tolerance",
-        (own.tolerance() != scenario::MasterEquation::TOLERANCE).then_some(own.tolerance()),
-    )
+    given(into, "tolerance", own.tolerance)
 }
 
 /// Steady sliding: the solution of the master equation that does not depend on X.

@@ -75,7 +75,7 @@ impl Model {
 #[derive(Clone, Copy)]
 pub enum Solver<'a> {
     /// With its tolerance.
-    MasterEquation(&'a master::MasterEquation, f64),
+    MasterEquation(&'a master::MasterEquation, master::Tolerance),
     /// With that of a block over it.
     Transport(&'a Transport, f64),
     Ensemble(&'a ensemble::Ensemble),

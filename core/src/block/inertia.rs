@@ -203,7 +203,7 @@ impl Walk<'_> {
             return Ok(ending);
         }
         let what = format!("a slip with inertia at X = {}", self.look.position);
-        Err(Error::Accuracy { what, reached: Float(time), wanted: Float(ACCURACY) })
+        Err(Error::Accuracy { key: String::new(), what, reached: Float(time), wanted: Float(ACCURACY) })
     }
 
     /// The step of that duration, if it is accurate. Beyond the way the force goes on as its tangent, for a first

@@ -111,7 +111,7 @@ impl Interface {
             }
         }
         let (reached, wanted) = (Float(before), Float(self.precision()));
-        Err(Error::Accuracy { what: "the balance of a slide".into(), reached, wanted })
+        Err(Error::Accuracy { key: String::new(), what: "the balance of a slide".into(), reached, wanted })
     }
 
     /// Makes a step that tells springs apart, at the damping η/dt that it needs where cells are not stable; without viscosity

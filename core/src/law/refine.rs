@@ -204,7 +204,12 @@ fn halved(density: &mut impl Density, mut pending: Vec<Cell>, tolerance: f64) ->
         if done.len() + 2 * rest.len() > MOST_CELLS {
             let reached = rest.iter().map(Cell::left_out).sum::<f64>() / masses.total();
             let what = "the density as a series".into();
-            return Err(Error::Accuracy { what, reached: Float(reached), wanted: Float(tolerance) });
+            return Err(Error::Accuracy {
+                key: String::new(),
+                what,
+                reached: Float(reached),
+                wanted: Float(tolerance),
+            });
         }
         pending = rest.iter().flat_map(Cell::halves).collect();
         evaluate(density, &mut pending)?;

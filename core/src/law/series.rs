@@ -97,7 +97,12 @@ impl Series {
         let wanted = tolerance.max(1e-11);
         if left_out > wanted {
             let what = "the density as a series".into();
-            return Err(Error::Accuracy { what, reached: Float(left_out), wanted: Float(wanted) });
+            return Err(Error::Accuracy {
+                key: String::new(),
+                what,
+                reached: Float(left_out),
+                wanted: Float(wanted),
+            });
         }
         Ok((law, left_out))
     }

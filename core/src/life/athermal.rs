@@ -1,7 +1,7 @@
 //! The life of contacts that know neither time nor temperature: they break when the stretch reaches the threshold.
 
 use super::breaking::{Breaking, MOMENTS};
-use super::cells::{BULK, NEGLIGIBLE, ORDERS, edges, scale};
+use super::cells::{BULK, NEGLIGIBLE, ORDERS, ROUNDING, edges, scale};
 use super::layer::Layer;
 use super::{Life, Starts};
 use crate::contacts::{Contacts, Stiffness};
@@ -60,6 +60,7 @@ pub(super) fn of_layers(contacts: &Contacts, layers: Vec<Layer>, broken: Option<
         breaking: Kernel::new(falls, breaks),
         starts: Starts::Layers { layers, thresholds: contacts.thresholds.clone() },
         wait: 0.0,
+        error: ROUNDING,
     }
 }
 

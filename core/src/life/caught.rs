@@ -88,7 +88,7 @@ impl Diffusing {
             return Ok(());
         }
         let what = "survival of contacts whose newborn thresholds have edges and hardly diffuse".to_owned();
-        Err(Error::Accuracy { what, reached: Float(missed), wanted: Float(ALLOWED) })
+        Err(Error::Accuracy { key: String::new(), what, reached: Float(missed), wanted: Float(ALLOWED) })
     }
 
     /// D, at least as large as is needed for a layer that can be resolved.

@@ -6,6 +6,9 @@ use crate::numerics::piecewise::{Piecewise, Resolution};
 /// What a curve leaves out, of a total of 1 (or of the mean life, force, …).
 pub(super) const RESOLUTION: f64 = 1e-14;
 
+/// What some ten cells, each resolved to that, leave out together.
+pub(super) const ROUNDING: f64 = 1e-13;
+
 /// Survival and starting mass below this are left out.
 pub(super) const NEGLIGIBLE: f64 = 1e-18;
 

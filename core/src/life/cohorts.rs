@@ -81,6 +81,7 @@ pub(super) fn of_cohorts(
         energy: kernel(energy),
         breaking_energy: kernel(breaking_energy),
         breaking: Kernel::new(breaking, breaks),
+        error: cohorts.fate.error(),
         starts: Starts::Cohorts(cohorts),
         wait: 0.0,
     }

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use super::cells::ROUNDING;
 use crate::law::Break;
 
 /// A kind of contacts, moved at a constant velocity.
@@ -10,6 +11,11 @@ pub(crate) trait Fate: Debug + Send + Sync {
     /// The contacts formed at stretch r ≥ 0 whose newborn thresholds, drawn from P_c, are above r: the fraction S(r) of
     /// all, so that what a [`Toll`] tells is not divided by S(r).
     fn cohort(&self, start: f64) -> Arc<dyn Cohort>;
+
+    /// Estimated error of the fractions that tolls tell, of those asked for so far.
+    fn error(&self) -> f64 {
+        ROUNDING
+    }
 
     /// A length over which the tolls at one advance vary little with the start, between the starts that
     /// [`Fate::passing`] tells.

@@ -67,6 +67,8 @@ pub struct Life {
     starts: Starts,
     /// The advance for which contacts are free before they form.
     wait: f64,
+    /// Estimated error of survival, and of the carried force per mean life.
+    error: f64,
 }
 
 /// Where contacts start, and what is left of them.
@@ -120,6 +122,11 @@ impl Life {
     /// The layer that births form now, if each starts as the contacts of this life.
     pub(crate) fn born(&self, births: &Births) -> Layer {
         self.layers().first().map_or_else(Layer::default, |starts| births.layer(starts))
+    }
+
+    /// Estimated error of the curves: of survival, and of the carried force per mean life.
+    pub fn error(&self) -> f64 {
+        self.error
     }
 
     /// The mean advance after which a contact breaks, the time included for which it was free.
@@ -264,6 +271,7 @@ impl Life {
             breaking_energy: late(self.breaking_energy, doomed),
             starts: self.starts,
             wait: self.wait + by,
+            error: self.error,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::Tolerance;
 use super::leg::Leg;
 use crate::Result;
 use crate::contacts::Contacts;
@@ -55,7 +56,7 @@ impl Course {
         first: Arc<Life>,
         reborn: &Arc<Life>,
         end: f64,
-        tolerance: f64,
+        tolerance: Tolerance,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         let leg = Leg::solve(&first, reborn, end, tolerance, monitor)?;
@@ -75,7 +76,7 @@ impl Course {
     pub(super) fn extended(
         &self,
         end: f64,
-        tolerance: f64,
+        tolerance: Tolerance,
         monitor: &mut dyn Monitor,
     ) -> Result<Option<Self>> {
         match &self.motion {

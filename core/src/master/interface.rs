@@ -2,11 +2,11 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::MasterEquation;
 use super::course::Course;
+use super::{MasterEquation, Tolerance};
 use crate::contacts::{Contacts, Start, Stiffness};
 use crate::life::{Layer, Life, Sums, life_of, tidied};
-use crate::{Error, Float, Result};
+use crate::{Error, Result};
 
 /// A course is first solved for this many mean lives, then for twice as many, and so on.
 const FIRST: f64 = 2.0;
@@ -24,14 +24,14 @@ pub(super) struct Interface {
     pub(super) reborn: Arc<Life>,
     /// Total force per unit of the carried force of a life.
     pub(super) stiffness: f64,
-    pub(super) tolerance: f64,
+    pub(super) tolerance: Tolerance,
     /// The course from where all contacts have just re-formed.
     fresh: OnceLock<Arc<Course>>,
 }
 
 impl Interface {
     /// The interface of a master equation, its courses solved to `tolerance`.
-    pub(super) fn of(equation: &MasterEquation, tolerance: f64) -> Self {
+    pub(super) fn of(equation: &MasterEquation, tolerance: Tolerance) -> Self {
         Self {
             contacts: equation.contacts.clone(),
             reborn: equation.reborn.clone(),
@@ -63,11 +63,8 @@ impl Interface {
     pub(super) fn renewed(&self, layers: Vec<Layer>) -> Result<Course> {
         let layers = tidied(layers, self.contacts.thresholds.as_ref());
         let there = Sums::of(&layers, &self.contacts).unbroken;
-        if (there - 1.0).abs() > SLACK * self.tolerance {
-            let (reached, wanted) = (Float((there - 1.0).abs()), Float(self.tolerance));
-            let what = "the probability of all stretches where the slider turned".into();
-            return Err(Error::Accuracy { what, reached, wanted });
-        }
+        let what = || "the probability of all stretches where the slider turned".to_owned();
+        self.tolerance.times(SLACK).allows((there - 1.0).abs(), what)?;
         let layers = layers.into_iter().map(|layer| layer.scaled(1.0 / there)).collect();
         self.course(Arc::new(life_of(&self.contacts, layers)))
     }

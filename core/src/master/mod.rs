@@ -13,6 +13,7 @@ mod relaxation;
 mod steady;
 mod stepping;
 mod stock;
+mod tolerance;
 mod transport;
 
 pub use limits::{Limits, creep};
@@ -21,6 +22,7 @@ pub use relaxation::Relaxation;
 pub use steady::SteadyState;
 pub use stepping::{Stepping, Variant};
 pub use stock::Stock;
+pub use tolerance::Tolerance;
 pub use transport::{StepResponse, Trace, Transport};
 
 use std::sync::Arc;
@@ -162,14 +164,20 @@ impl MasterEquation {
     /// # Errors
     /// A distance that is not above 0 or a tolerance outside [1e-12, 1e-2]; stopped by the monitor; too many point
     /// masses; accuracy not reached.
-    pub fn pull(&self, distance: f64, tolerance: f64, monitor: &mut dyn Monitor) -> Result<Pull> {
+    pub fn pull(
+        &self,
+        distance: f64,
+        tolerance: impl Into<Tolerance>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Pull> {
         if !(distance > 0.0 && distance.is_finite()) {
             return Err(Error::invalid("distance", "a finite length above 0", distance));
         }
-        check(tolerance)?;
+        let tolerance = tolerance.into();
+        tolerance.check()?;
         let end = distance.max(3.0 * self.reborn.mean());
         let leg = Leg::solve(&self.first, &self.reborn, end, tolerance, monitor)?;
-        Ok(Pull::new(leg, self.stiffness(), distance, tolerance))
+        Ok(Pull::new(leg, self.stiffness(), distance, tolerance.value()))
     }
 }
 
@@ -177,12 +185,4 @@ impl MasterEquation {
 fn same(a: &SharedLaw, b: &SharedLaw) -> bool {
     let parameters = a.parameters();
     Arc::ptr_eq(a, b) || (!parameters.is_empty() && a.name() == b.name() && parameters == b.parameters())
-}
-
-/// Refuses a tolerance that cannot be kept, or means nothing.
-fn check(tolerance: f64) -> Result<()> {
-    if (1e-12..=1e-2).contains(&tolerance) {
-        return Ok(());
-    }
-    Err(Error::invalid("tolerance", "a number from 1e-12 to 1e-2", tolerance))
 }

@@ -7,7 +7,7 @@ use super::{Extremum, Stretches};
 use crate::law::Atom;
 use crate::life::Life;
 use crate::numerics::breaks::same_position;
-use crate::numerics::piecewise::{Piecewise, tail};
+use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::{brent_minimum, brent_root};
 
 /// The solution of a pull, functions of X in `[0, distance]`.
@@ -125,7 +125,7 @@ impl Pull {
     /// F_s and X_s: the maximum of F on (0, distance) and its place, at a jump the left limit; the first of equals.
     /// `None` where F, to within the tolerance, does not fall from there, or ends higher.
     pub fn static_friction(&self) -> Option<Extremum> {
-        let slack = 10.0 * self.tolerance * self.leg.reborn.mean();
+        let slack = 10.0 * self.tolerance.max(self.leg.error) * self.leg.reborn.mean();
         let cells = 0..=self.last_cell();
         let mut best = (0.0, f64::NEG_INFINITY, 0);
         for cell in cells.clone() {
@@ -191,10 +191,10 @@ impl Pull {
         brent_minimum(slope, near.0, near.1, 1e-9 * (high - low)).1.min(least)
     }
 
-    /// Estimated error of F/(N_c⟨k⟩): what the polynomials of Γ and F leave out, and how far ∫Q is from 1.
+    /// Estimated error of F/(N_c⟨k⟩), a length: that of the lives of contacts, of the solution of the renewal equation and of
+    /// the polynomials that F is told by.
     pub fn error_estimate(&self) -> f64 {
-        let left_out = self.leg.force.coefficients.iter().map(tail).fold(0.0, f64::max);
-        left_out.max(self.leg.lost_probability() * self.leg.reborn.mean())
+        self.leg.error * self.leg.reborn.mean()
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::back::Back;
 use super::course::{Account, Course};
 use super::interface::Interface;
-use super::{MasterEquation, check};
+use super::{MasterEquation, Tolerance};
 use crate::Result;
 use crate::life::{Layer, Sums};
 use crate::monitor::Monitor;
@@ -48,8 +48,9 @@ impl MasterEquation {
     ///
     /// # Errors
     /// A tolerance outside [1e-12, 1e-2]; too many point masses; accuracy not reached.
-    pub fn population(&self, tolerance: f64) -> Result<Stock> {
-        check(tolerance)?;
+    pub fn population(&self, tolerance: impl Into<Tolerance>) -> Result<Stock> {
+        let tolerance = tolerance.into();
+        tolerance.check()?;
         let interface = Interface::of(self, tolerance);
         let course = interface.first(self)?;
         Ok(Stock {

@@ -4,30 +4,30 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::contacts::{Ageing, Rules};
+use crate::master::Tolerance;
 use crate::{Error, Result};
 
 /// How the master equation is solved.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MasterEquation {
-    /// Error allowed in the force per contact and per ⟨k⟩x̄, from 1e-12 to 1e-2; 1e-10 by default, 1e-6 where the velocity
-    /// varies, 1e-4 where thresholds diffuse besides or a block is moved in time.
+    /// Error allowed in the force per contact and per ⟨k⟩x̄, from 1e-12 to 1e-2; a larger error is refused. Where nothing is
+    /// said 1e-10 is aimed at, 1e-6 where the velocity varies, 1e-4 where thresholds diffuse besides or a block is moved in
+    /// time, and the accuracy reached is told.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1e-10))]
     pub tolerance: Option<f64>,
 }
 
 impl MasterEquation {
-    /// The error allowed in a pull at one velocity where nothing is said.
-    pub const TOLERANCE: f64 = 1e-10;
     /// That allowed where the velocity varies, for which there are methods of low order only, …
     pub const TOLERANCE_IN_TIME: f64 = 1e-6;
     /// … and where each step costs much, since thresholds diffuse, or slips of a block take many short ones.
     pub const TOLERANCE_OF_DEAR_STEPS: f64 = 1e-4;
 
     /// The error allowed in a pull at one velocity.
-    pub fn tolerance(&self) -> f64 {
-        self.tolerance.unwrap_or(Self::TOLERANCE)
+    pub fn tolerance(&self) -> Tolerance {
+        self.tolerance.into()
     }
 
     /// The error allowed where the velocity of contacts with such rules varies.

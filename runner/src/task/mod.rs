@@ -96,7 +96,20 @@ impl Setting<'_> {
             accuracy: pull.error_estimate(),
         };
         let friction_coefficients = self.scenario.contacts.normal_load.map(coefficients);
-        Summary { friction: Some(friction), friction_coefficients, ..self.heading() }
+        let mut heading = self.heading();
+        heading.warnings.extend(self.short_of_the_aim(pull.error_estimate() / steady.mean_life()));
+        Summary { friction: Some(friction), friction_coefficients, ..heading }
+    }
+
+    /// What is said of a pull that is less accurate than aimed at: an estimated error, per mean life.
+    fn short_of_the_aim(&self, reached: f64) -> Option<String> {
+        let aim = self.scenario.master_equation.tolerance().value();
+        (reached > aim).then(|| {
+            format!(
+                "the estimated error of the force is {reached:.1e} of N⟨k⟩ times the mean life of a contact, more than the \
+                 {aim:e} aimed at"
+            )
+        })
     }
 
     /// What is said whatever the task.

@@ -220,7 +220,7 @@ impl Rider {
             if duration < SHORTEST * (self.time + left) {
                 let what = format!("a slider in time at t = {}", self.time);
                 let wanted = Float(self.dynamics.tolerance);
-                return Err(Error::Accuracy { what, reached: Float(f64::NAN), wanted });
+                return Err(Error::Accuracy { key: String::new(), what, reached: Float(f64::NAN), wanted });
             }
             let Some(tried) = self.dynamics.attempt(&self.state, self.pulled, duration)? else {
                 duration *= CHANGE.1;

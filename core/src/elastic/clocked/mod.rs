@@ -282,7 +282,7 @@ impl InterfaceInTime {
             if duration < SHORTEST * (self.time + left) {
                 let what = format!("an interface in time at t = {}", self.time);
                 let wanted = Float(self.dynamics.tolerance);
-                return Err(Error::Accuracy { what, reached: Float(f64::NAN), wanted });
+                return Err(Error::Accuracy { key: String::new(), what, reached: Float(f64::NAN), wanted });
             }
             let Some(tried) = self.dynamics.attempt(&self.cells, pulled, duration)? else {
                 duration *= CHANGE.1;

@@ -25,7 +25,7 @@ mod trial;
 
 use std::sync::Arc;
 
-use super::{Stretches, check};
+use super::{Stretches, Tolerance};
 use crate::clocked::{Books, Clocked, Portion, State};
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
 use crate::history::History;
@@ -132,7 +132,7 @@ impl Transport {
     }
 
     fn empty(contacts: &Contacts, tolerance: f64) -> Result<Self> {
-        check(tolerance)?;
+        Tolerance::from(tolerance).check()?;
         let seeds = seeds(contacts.reforming.as_ref(), contacts.highest_start(), widest(contacts), |_| 1.0);
         let (Stiffness::Equal(stiffness) | Stiffness::PerThreshold(stiffness)) = contacts.stiffness;
         Ok(Self {

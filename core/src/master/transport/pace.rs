@@ -131,7 +131,12 @@ impl Pace {
             return Ok(());
         }
         let what = "contacts followed through time, whose steps became too short".to_owned();
-        Err(Error::Accuracy { what, reached: Float(f64::NAN), wanted: Float(tolerance) })
+        Err(Error::Accuracy {
+            key: "master_equation.tolerance".into(),
+            what,
+            reached: Float(f64::NAN),
+            wanted: Float(tolerance),
+        })
     }
 
     /// The step before the next one, if that goes on like it.

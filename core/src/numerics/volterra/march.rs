@@ -205,6 +205,7 @@ impl March<'_> {
 
     fn unresolved(&self) -> Error {
         Error::Accuracy {
+            key: String::new(),
             what: format!("the breaking rate at X = {}", self.density.end()),
             reached: Float(self.tail),
             wanted: Float(self.accuracy.density),

@@ -11,7 +11,7 @@ use crate::elastic::clocked::Scaled;
 use crate::elastic::{self, InterfaceInTime, SettingInTime, coupling};
 use crate::ensemble::lattice::{self, Lattice};
 use crate::law::{SharedLaw, scattered};
-use crate::master::{MasterEquation, Stretches, Transport};
+use crate::master::{MasterEquation, Stretches, Tolerance, Transport};
 use crate::monitor::Monitor;
 use crate::population::Population;
 use crate::shape;
@@ -41,7 +41,7 @@ impl Interface {
         &self,
         contacts: Contacts,
         initial: &Initial,
-        tolerance: f64,
+        tolerance: Tolerance,
         ensemble: Option<&Ensemble>,
         monitor: &mut dyn Monitor,
     ) -> Result<elastic::Interface> {
@@ -147,7 +147,7 @@ impl Interface {
         equation: &MasterEquation,
         cell: elastic::Standing,
         stretches: &[f64],
-        tolerance: f64,
+        tolerance: Tolerance,
         monitor: &mut dyn Monitor,
     ) -> Result<Stretches> {
         let elastic::Standing { advance, scale, renewed } = cell;
