@@ -1,10 +1,14 @@
 //! What may be typed after `asperity`.
 
-use std::num::NonZeroU64;
 use std::path::PathBuf;
+use std::time::Duration;
 
+use asperity_runner::checkpoint::Every;
+use asperity_runner::duration;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+
+use super::threads;
 
 /// Friction of many contacts that stretch, break and re-form: the master equation and the ensemble.
 #[derive(Debug, Parser)]
@@ -27,6 +31,8 @@ pub enum Command {
         /// Name of the scenario, such as fig2
         name: Option<String>,
     },
+    /// Print the licences of the crates that asperity is made of
+    Notices,
     /// Print a script that completes these commands in a shell
     Completions {
         /// The shell
@@ -52,11 +58,14 @@ pub struct Run {
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Number of threads; results do not depend on it [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-    /// Keep what the drive of an [interface] has come to every so many events, for --resume
-    #[arg(long, value_name = "EVENTS")]
-    pub checkpoint: Option<NonZeroU64>,
+    #[arg(long, value_name = "N", value_parser = threads::parse)]
+    pub threads: Option<usize>,
+    /// Keep checkpoints of the drive of an [interface], for --resume: every so many events (2000), or every so often (10min)
+    #[arg(long, value_name = "EVENTS|TIME")]
+    pub checkpoint: Option<Every>,
+    /// Stop after this time (90s, 10min, 1h30min, 23:50:00); the drive of an [interface] writes a checkpoint then
+    #[arg(long, value_name = "TIME", value_parser = duration::parse)]
+    pub max_time: Option<Duration>,
     /// Go on from the last checkpoint of a run that was stopped, or begin where there is none
     #[arg(long)]
     pub resume: bool,

@@ -3,13 +3,15 @@
 use std::fmt;
 
 use asperity_runner::input::Diagnostic;
-use miette::{LabeledSpan, MietteHandlerOpts, NamedSource, ReportHandler, SourceCode};
+use miette::{LabeledSpan, MietteHandlerOpts, ReportHandler, SourceCode};
+
+use super::excerpt::Excerpt;
 
 /// A diagnostic as miette draws it.
 #[derive(Debug)]
 struct Drawn {
     diagnostic: Diagnostic,
-    source: Option<NamedSource<String>>,
+    source: Option<Excerpt>,
 }
 
 impl fmt::Display for Drawn {
@@ -30,7 +32,7 @@ impl miette::Diagnostic for Drawn {
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let marks = &self.diagnostic.source.as_ref()?.marks;
+        let marks = &self.source.as_ref()?.marks;
         Some(Box::new(
             marks
                 .iter()
@@ -47,6 +49,6 @@ pub fn draw(diagnostic: Diagnostic) -> String {
             MietteHandlerOpts::new().wrap_lines(false).build().debug(&self.0, f)
         }
     }
-    let source = diagnostic.source.as_ref().map(|s| NamedSource::new(&s.name, s.text.clone()));
+    let source = diagnostic.source.as_ref().map(Excerpt::of);
     Report(Drawn { diagnostic, source }).to_string()
 }

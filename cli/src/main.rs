@@ -3,10 +3,13 @@
 mod arguments;
 mod drawing;
 mod examples;
+mod excerpt;
 mod figure;
+mod interrupt;
 mod progress;
 mod run;
 mod summary;
+mod threads;
 
 use std::fmt;
 use std::io::Write as _;
@@ -17,6 +20,7 @@ use asperity_runner::{checkpoint, input};
 use clap::{CommandFactory as _, Parser as _};
 
 use arguments::{Arguments, Command};
+use interrupt::Reason;
 
 /// Why a command did not do what it was told; each has its exit code.
 enum Failure {
@@ -24,8 +28,8 @@ enum Failure {
     Run(String),
     /// Wrong input, drawn.
     Input(String),
-    /// Ctrl-C, and the checkpoint from which the run can go on.
-    Interrupted(Option<PathBuf>),
+    /// It was told to end, and can go on from this checkpoint.
+    Interrupted(Reason, Option<PathBuf>),
 }
 
 impl Failure {
@@ -54,10 +58,8 @@ fn main() -> ExitCode {
         Ok(()) => return ExitCode::SUCCESS,
         Err(Failure::Run(message)) => (message, 1),
         Err(Failure::Input(message)) => (message, 2),
-        Err(Failure::Interrupted(None)) => ("interrupted: nothing was written\n".into(), 130),
-        Err(Failure::Interrupted(Some(checkpoint))) => {
-            let path = checkpoint.display();
-            (format!("interrupted: no results were written; --resume goes on from {path}\n"), 130)
+        Err(Failure::Interrupted(reason, checkpoint)) => {
+            (interrupt::message(reason, checkpoint.as_deref()), interrupt::CODE)
         }
     };
     // Where even this cannot be written, the exit code still tells.
@@ -81,6 +83,7 @@ fn execute(command: Command) -> Result<(), Failure> {
                 examples::list()
             ))),
         },
+        Command::Notices => print(include_str!("../../THIRD-PARTY.txt")),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "asperity", &mut script);

@@ -1,79 +1,141 @@
-//! Watching a run: a bar where someone is looking, and Ctrl-C.
+//! Watching a run: a bar where someone is looking, lines where a log is kept.
 
-use std::io::IsTerminal as _;
+use std::io::{IsTerminal as _, Write as _};
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use asperity::monitor::Monitor;
+use asperity_runner::duration;
 use indicatif::{ProgressBar, ProgressStyle};
 
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+use super::interrupt::Interrupts;
 
-/// Makes Ctrl-C ask the computation to stop instead of ending the program at once.
-pub fn catch_interrupts() {
-    // It fails only where a handler is already set, and the program sets no other.
-    let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
-}
-
-/// Whether Ctrl-C was pressed.
-pub fn interrupted() -> bool {
-    INTERRUPTED.load(Ordering::Relaxed)
-}
-
-/// Shows a bar once a run has taken a second, if the standard error is a terminal.
-pub struct Progress {
-    started: Instant,
-    shown: bool,
-    bar: Option<ProgressBar>,
+/// Shows how far a run is, and asks it to stop when it is to.
+pub struct Progress<'a> {
+    interrupts: &'a Interrupts,
+    began: Instant,
+    /// When something was first heard of the run, and how far it was: a run that goes on does not begin at 0.
+    first: Option<(Duration, f64)>,
+    view: View,
     /// How many events there were, where they are counted.
     counted: String,
 }
 
-const STEPS: u64 = 1000;
+/// Where the progress of a run is shown.
+enum View {
+    Nowhere,
+    /// At a terminal, once the run has taken a second.
+    Bar(Option<ProgressBar>),
+    /// In a log, when the run has taken this long.
+    Log(Duration),
+}
 
-impl Progress {
+const STEPS: u64 = 1000;
+/// The first line in a log, and the least time to the next one.
+const LINE: Duration = Duration::from_secs(10);
+/// The longest time to the next line.
+const LONGEST: Duration = Duration::from_secs(600);
+
+impl<'a> Progress<'a> {
     /// A watcher, from now on.
-    pub fn new(quiet: bool) -> Self {
-        Self {
-            started: Instant::now(),
-            shown: !quiet && std::io::stderr().is_terminal(),
-            bar: None,
-            counted: String::new(),
-        }
+    pub fn new(quiet: bool, interrupts: &'a Interrupts) -> Self {
+        let view = match (quiet, std::io::stderr().is_terminal()) {
+            (true, _) => View::Nowhere,
+            (false, true) => View::Bar(None),
+            (false, false) => View::Log(LINE),
+        };
+        Self { interrupts, began: Instant::now(), first: None, view, counted: String::new() }
     }
 
-    fn draw(&mut self, fraction: f64) {
-        if !self.shown || self.started.elapsed() < Duration::from_secs(1) {
-            return;
+    fn show(&mut self, fraction: f64) {
+        let elapsed = self.began.elapsed();
+        let first = *self.first.get_or_insert((elapsed, fraction));
+        let left = || left(first, elapsed, fraction);
+        match &mut self.view {
+            View::Bar(bar) if elapsed >= Duration::from_secs(1) => {
+                let bar = bar.get_or_insert_with(|| new_bar(elapsed));
+                bar.set_message(format!("{}{}", left(), self.counted));
+                bar.set_position((fraction * STEPS as f64) as u64);
+            }
+            View::Log(next) if elapsed >= *next => {
+                *next = next_line(elapsed);
+                let line = line(elapsed, fraction, &left(), &self.counted);
+                // Where this cannot be written there is nobody to read it.
+                let _ = std::io::stderr().write_all(line.as_bytes());
+            }
+            _ => {}
         }
-        let bar = self.bar.get_or_insert_with(|| {
-            let style = ProgressStyle::with_template("{bar:40} {percent:>3} % after {elapsed}{msg}")
-                .expect("it is valid");
-            ProgressBar::new(STEPS).with_style(style).with_elapsed(self.started.elapsed())
-        });
-        bar.set_message(self.counted.clone());
-        bar.set_position((fraction * STEPS as f64) as u64);
     }
 }
 
-impl Monitor for Progress {
+fn new_bar(elapsed: Duration) -> ProgressBar {
+    let style =
+        ProgressStyle::with_template("{bar:40} {percent:>3} % after {elapsed}{msg}").expect("it is valid");
+    ProgressBar::new(STEPS).with_style(style).with_elapsed(elapsed)
+}
+
+/// When the line after the one at `elapsed` is due: after another quarter of the time, within bounds.
+fn next_line(elapsed: Duration) -> Duration {
+    elapsed + (elapsed / 4).clamp(LINE, LONGEST)
+}
+
+/// A line of a log.
+fn line(elapsed: Duration, fraction: f64, left: &str, counted: &str) -> String {
+    format!("{:.1} % after {}{left}{counted}\n", 100.0 * fraction, duration::words(elapsed))
+}
+
+/// The time that is left if the rest takes as long as what was done since `first`, a time and a fraction; nothing where
+/// this cannot be told.
+fn left(first: (Duration, f64), elapsed: Duration, fraction: f64) -> String {
+    let (time, done) = ((elapsed - first.0).as_secs_f64(), fraction - first.1);
+    let left = Duration::try_from_secs_f64(time * (1.0 - fraction) / done);
+    let whole = |left: Duration| Duration::from_secs(left.as_secs_f64().round() as u64);
+    left.map_or(String::new(), |left| format!(", about {} left", duration::words(whole(left))))
+}
+
+impl Monitor for Progress<'_> {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
-        self.draw(fraction);
-        if interrupted() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        self.show(fraction);
+        if self.interrupts.asked().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     fn events(&mut self, events: u64, drive: f64) {
-        if self.shown {
+        if !matches!(self.view, View::Nowhere) {
             self.counted = format!(", {events} events, drive {drive:.6}");
         }
     }
 }
 
-impl Drop for Progress {
+impl Drop for Progress<'_> {
     fn drop(&mut self) {
-        if let Some(bar) = &self.bar {
+        if let View::Bar(Some(bar)) = &self.view {
             bar.finish_and_clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_has_a_line_after_ten_seconds_and_few_in_a_long_run() {
+        let mut times = vec![LINE];
+        while times.last().unwrap().as_secs() < 24 * 3600 {
+            times.push(next_line(*times.last().unwrap()));
+        }
+        assert_eq!(times[1].as_secs(), 20);
+        assert!(times.windows(2).all(|pair| pair[1] - pair[0] >= LINE && pair[1] - pair[0] <= LONGEST));
+        assert!(times.len() < 200, "{} lines in a day", times.len());
+    }
+
+    #[test]
+    fn the_time_left_counts_what_was_done_since_the_run_was_taken_up() {
+        let seconds = Duration::from_secs;
+        let shown = |first, elapsed, fraction| line(elapsed, fraction, &left(first, elapsed, fraction), "");
+        // Half of the way in a minute leaves a minute; from 0.4 on, a tenth in a minute leaves five.
+        assert_eq!(shown((seconds(0), 0.0), seconds(60), 0.5), "50.0 % after 1 min, about 1 min left\n");
+        assert_eq!(shown((seconds(0), 0.4), seconds(60), 0.5), "50.0 % after 1 min, about 5 min left\n");
+        assert_eq!(shown((seconds(60), 0.5), seconds(60), 0.5), "50.0 % after 1 min\n");
     }
 }

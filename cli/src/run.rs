@@ -7,24 +7,28 @@ use asperity_runner::checkpoint::Checkpoints;
 use asperity_runner::{input, output, task};
 
 use super::arguments::Run;
-use super::progress::{self, Progress};
-use super::{Failure, figure, print, summary};
+use super::interrupt::{Interrupts, Reason};
+use super::progress::Progress;
+use super::{Failure, figure, print, summary, threads};
 
 pub fn run(arguments: &Run) -> Result<(), Failure> {
-    progress::catch_interrupts();
+    let interrupts = Interrupts::listen().map_err(Failure::run)?;
     let input = input::read(&arguments.scenario.path, &arguments.scenario.overrides)?;
     let directory = arguments.directory();
-    output::check(&directory).map_err(Failure::run)?;
+    interrupts.whole(|| output::check(&directory)).map_err(Failure::run)?;
     if !arguments.quiet {
         warn(&input.scenario);
     }
-    let mut checkpoints = checkpoints(&input.scenario, arguments)?;
-    let outcome = compute(&input, checkpoints.as_mut(), arguments)?;
+    let mut checkpoints = checkpoints(&input.scenario, arguments, &interrupts)?;
+    arguments.max_time.into_iter().for_each(|limit| interrupts.limit(limit));
+    let outcome = compute(&input, checkpoints.as_mut(), arguments, &interrupts)?;
     let figures = figure::draw(&outcome).map_err(Failure::run)?;
-    if progress::interrupted() {
-        return Err(Failure::Interrupted(checkpoints.and_then(|checkpoints| checkpoints.last())));
+    let last = || checkpoints.as_ref().and_then(Checkpoints::last);
+    interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, last()))?;
+    let renamed = output::write(&directory, &outcome, &figures).map_err(Failure::run)?;
+    if !arguments.quiet {
+        renamed.iter().for_each(|file| say(&moved(file)));
     }
-    output::write(&directory, &outcome, &figures).map_err(Failure::run)?;
     checkpoints.map_or(Ok(()), Checkpoints::remove)?;
     if arguments.json {
         let json = serde_json::to_string_pretty(&outcome.summary).expect("a summary is plain data");
@@ -43,17 +47,29 @@ pub fn warn(scenario: &Scenario) {
     }
 }
 
+/// Says what became of a file of somebody else where results go.
+fn moved(file: &output::Renamed) -> String {
+    let [from, to] = [&file.from, &file.to].map(|path| path.display());
+    format!("warning: {from} is not the file that asperity wrote; it is kept as {to}")
+}
+
 /// Tells on the standard error; where this cannot be written there is nobody to be told.
 fn say(words: &str) {
     let _ = writeln!(std::io::stderr(), "{words}");
 }
 
-/// The checkpoints that are asked for.
-fn checkpoints(scenario: &Scenario, arguments: &Run) -> Result<Option<Checkpoints>, Failure> {
-    let Run { checkpoint: every, resume, quiet, .. } = *arguments;
-    if every.is_none() && !resume {
+/// The checkpoints that are asked for; a run that is to stop after a time keeps one if it can.
+fn checkpoints(
+    scenario: &Scenario,
+    arguments: &Run,
+    interrupts: &Interrupts,
+) -> Result<Option<Checkpoints>, Failure> {
+    let Run { checkpoint: every, resume, quiet, max_time, .. } = *arguments;
+    let wanted = max_time.is_some() && scenario.keeps_checkpoints("--max-time").is_ok();
+    if every.is_none() && !resume && !wanted {
         return Ok(None);
     }
+    interrupts.keep_checkpoints();
     let option = if resume { "--resume" } else { "--checkpoint" };
     scenario.keeps_checkpoints(option).map_err(|error| Failure::Input(format!("error: {error}\n")))?;
     let directory = arguments.directory();
@@ -76,25 +92,22 @@ fn compute(
     input: &input::Input,
     mut checkpoints: Option<&mut Checkpoints>,
     arguments: &Run,
+    interrupts: &Interrupts,
 ) -> Result<output::Outcome, Failure> {
-    let mut monitor = Progress::new(arguments.quiet);
-    let mut compute = || task::run_with(&input.scenario, checkpoints.as_deref_mut(), &mut monitor);
-    let outcome = match arguments.threads {
-        None => compute(),
-        Some(threads) => {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build();
-            pool.map_err(Failure::run)?.install(compute)
-        }
-    };
-    outcome.map_err(|error| match error {
-        asperity::Error::Stopped => stopped(checkpoints),
-        asperity::Error::Invalid { .. } | asperity::Error::TooLarge { .. } => input.diagnose(&error).into(),
+    let mut monitor = Progress::new(arguments.quiet, interrupts);
+    let compute = || task::run_with(&input.scenario, checkpoints.as_deref_mut(), &mut monitor);
+    threads::on(arguments.threads, compute)?.map_err(|error| match error {
+        asperity::Error::Stopped => stopped(checkpoints, interrupts),
+        asperity::Error::Invalid { .. }
+        | asperity::Error::TooLarge { .. }
+        | asperity::Error::Accuracy { .. } => input.diagnose(&error).into(),
         other => Failure::run(other),
     })
 }
 
 /// Why a run was stopped.
-fn stopped(checkpoints: Option<&mut Checkpoints>) -> Failure {
-    let Some(checkpoints) = checkpoints else { return Failure::Interrupted(None) };
-    checkpoints.failure().map_or_else(|| Failure::Interrupted(checkpoints.last()), Failure::from)
+fn stopped(checkpoints: Option<&mut Checkpoints>, interrupts: &Interrupts) -> Failure {
+    let reason = interrupts.asked().unwrap_or(Reason::Signal);
+    let Some(checkpoints) = checkpoints else { return Failure::Interrupted(reason, None) };
+    checkpoints.failure().map_or_else(|| Failure::Interrupted(reason, checkpoints.last()), Failure::from)
 }

@@ -165,6 +165,72 @@ fn same_bytes_after(scenario: &str, every: u64, signals: &[(u64, &str)]) {
     same(&folder, &expected);
 }
 
+/// What was found is written once: a late checkpoint is no larger than an early one.
+#[test]
+fn checkpoints_do_not_grow_with_what_was_found() {
+    let folder = folder();
+    let mut child = start(&folder, &[]);
+    let size = |number| {
+        wait_for(&folder, number);
+        let sizes = slots(&folder).map(|path| std::fs::metadata(path).map_or(0, |file| file.len()));
+        sizes.into_iter().max().unwrap()
+    };
+    let (early, late) = (size(2), size(20));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    // The state of 1024 contacts, for which the text of the scenario is short: a tenth covers other digits.
+    assert!(late as f64 <= 1.1 * early as f64, "{early} bytes after 4000 events, {late} after 40000");
+    let found = std::fs::metadata(folder.path().join("out/slow.checkpoint.found")).unwrap().len();
+    assert!(found > 40_000 * 8, "{found} bytes of 40000 events");
+}
+
+#[test]
+fn checkpoints_come_by_time_too_and_a_limit_of_time_leaves_one() {
+    let expected = undisturbed();
+    let folder = folder();
+    let mut command = folder.asperity(&["run", "slow.toml", "--checkpoint", "0.02s"]);
+    let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+    wait_for_events(&folder, 1000);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let output = folder.run(&["run", "slow.toml", "--resume", "--max-time", "0.1s"]);
+    let said = errors(&output);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(
+        said.contains("stopped after 0.1 s, as --max-time says: no results were written; --resume"),
+        "{said}"
+    );
+    folder.succeed(&["run", "slow.toml", "--resume", "--quiet"]);
+    same(&folder, &expected);
+}
+
+#[test]
+fn two_runs_do_not_keep_checkpoints_in_one_place() {
+    let expected = undisturbed();
+    let folder = folder();
+    let mut first = start(&folder, &[]);
+    wait_for(&folder, 1);
+    for option in [&["--checkpoint", "10"][..], &["--resume"]] {
+        let output = folder.run(&[&["run", "slow.toml"], option].concat());
+        let said = errors(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        let told = format!(
+            "out/slow: another run (process {}) keeps its checkpoints beside this folder",
+            first.id()
+        );
+        assert!(said.contains(&told), "{said}");
+    }
+    assert!(first.wait().unwrap().success(), "the first was disturbed");
+    same(&folder, &expected);
+
+    // Many at once: one of them runs, and the others say why not.
+    let mut runs: Vec<_> = (0..6).map(|_| start(&folder, &["-o", "out/fast"])).collect();
+    let ended: Vec<_> = runs.iter_mut().map(|run| run.wait().unwrap().code()).collect();
+    assert!(ended.iter().filter(|code| **code == Some(0)).count() >= 1, "{ended:?}");
+    assert!(ended.iter().all(|code| matches!(code, Some(0 | 1))), "{ended:?}");
+    assert_eq!(names(&folder.path().join("out")), ["fast", "slow"], "something is left");
+}
+
 #[test]
 fn ctrl_c_leaves_a_checkpoint_and_says_so() {
     let expected = undisturbed();

@@ -106,6 +106,29 @@ fn a_folder_of_ours_is_replaced_whole_and_any_other_left_alone() {
 }
 
 #[test]
+fn files_of_the_user_stay_in_a_folder_of_results() {
+    let folder = folder();
+    folder.succeed(&["run", "quick.toml", "-o", "results"]);
+    folder.write("results/notes.txt", "seen");
+    folder.write("results/force.csv", "position,force\n1,2\n");
+    let output = folder.run(&["run", "quick.toml", "-o", "results"]);
+    assert_eq!(output.status.code(), Some(0), "{}", errors(&output));
+    assert_eq!(
+        errors(&output).trim(),
+        format!(
+            "warning: {0}/results/force.csv is not the file that asperity wrote; it is kept as {0}/results/force.csv.kept",
+            folder.path().canonicalize().unwrap().display()
+        )
+    );
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("results").join(name)).unwrap();
+    assert_eq!(
+        (read("notes.txt").as_str(), read("force.csv.kept").as_str()),
+        ("seen", "position,force\n1,2\n")
+    );
+    assert!(read("force.csv").lines().count() == 32, "no new results");
+}
+
+#[test]
 fn a_place_that_cannot_be_written_fails_with_its_name() {
     let folder = folder();
     for place in ["quick.toml/results", "/proc/results", "/dev/full/results"] {

@@ -85,4 +85,117 @@ fn a_wrong_command_line_is_refused() {
     for arguments in [&["rum"][..], &["run"], &["run", "a.toml", "--threads", "0"], &["example", "fig9"]] {
         refused(arguments);
     }
+    for (option, value, expected) in [
+        ("--threads", "100000", "expected a number from 1 to"),
+        ("--threads", "many", "8 times the"),
+        ("--checkpoint", "0", "expected a number of events above 0, or a time such as 90s, 10min"),
+        ("--checkpoint", "10m", "expected a number of events above 0, or a time such as 90s, 10min"),
+        ("--max-time", "10", "expected a time such as 90s, 10min, 1h30min, 2d or 23:50:00"),
+    ] {
+        let message = refused(&["run", "a.toml", option, value]);
+        assert!(message.contains(expected) && message.contains(value), "{message}");
+    }
+}
+
+#[test]
+fn too_many_threads_in_the_environment_are_refused() {
+    let folder = Folder::new();
+    folder.write("a.toml", "contacts.thresholds.point.at = 1.0\npull.distance = 1.0\n");
+    let output = folder.asperity(&["run", "a.toml"]).env("RAYON_NUM_THREADS", "100000").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let message = errors(&output);
+    let begin = "error: environment variable RAYON_NUM_THREADS: expected a number from 1 to ";
+    assert!(message.starts_with(begin) && message.ends_with(", got 100000\n"), "{message}");
+}
+
+#[test]
+fn a_file_in_another_encoding_is_named_with_the_place() {
+    let folder = Folder::new();
+    let law = "contacts.thresholds.tabulated.file = 'table.csv'\npull.distance = 1.0\n";
+    folder.write("table.toml", law);
+    let wide = |text: &str| -> Vec<u8> {
+        [vec![0xff, 0xfe], text.encode_utf16().flat_map(u16::to_le_bytes).collect()].concat()
+    };
+    for (name, bytes, run, expected) in [
+        (
+            "latin.toml",
+            b"title = 'a'\nunits.length = '\xb5m'\n".to_vec(),
+            "latin.toml",
+            "latin.toml: byte 0xB5 at offset 28 (line 2, byte 17) is not UTF-8; save it as UTF-8",
+        ),
+        (
+            "wide.toml",
+            wide(law),
+            "wide.toml",
+            "wide.toml: a text in UTF-16, by the mark in its first two bytes; save it as UTF-8",
+        ),
+        (
+            "table.csv",
+            b"sample\n1.0\n1\xa00\n".to_vec(),
+            "table.toml",
+            "table.csv: byte 0xA0 at offset 12 (line 3, byte 2) is not UTF-8",
+        ),
+        ("table.csv", wide("sample\n1.0\n"), "table.toml", "table.csv: a text in UTF-16"),
+        (
+            "table.csv",
+            b"sample\n1.0\n\0\n".to_vec(),
+            "table.toml",
+            "table.csv: byte 0x00 at offset 11 (line 3, byte 1) is no text",
+        ),
+    ] {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+        for command in ["run", "check"] {
+            let output = folder.run(&[command, run]);
+            let message = flat(&errors(&output));
+            assert_eq!(output.status.code(), Some(2), "{message}");
+            assert!(message.contains(expected), "{name}: {message}");
+        }
+    }
+    // What spreadsheets put before UTF-8 is no letter.
+    std::fs::write(folder.path().join("table.csv"), b"\xef\xbb\xbfsample\n1.0\n1.5\n").unwrap();
+    std::fs::write(folder.path().join("marked.toml"), [b"\xef\xbb\xbf", law.as_bytes()].concat()).unwrap();
+    folder.succeed(&["check", "marked.toml"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_has_no_end_is_refused() {
+    let folder = Folder::new();
+    let message = refused(&["check", "/dev/zero"]);
+    assert!(message.contains("/dev/zero: more than the 256 MiB that are read of a file"), "{message}");
+    folder.write("table.toml", "contacts.thresholds.tabulated.file = '/dev/zero'\npull.distance = 1.0\n");
+    let output = folder.run(&["check", "table.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(flat(&errors(&output)).contains("/dev/zero: more than the 256 MiB"), "{}", errors(&output));
+}
+
+#[test]
+fn long_input_is_not_shown_whole() {
+    let folder = Folder::new();
+    let samples = |wrong: &str, separator: &str| {
+        let samples = vec!["0.125"; 10_000].join(separator);
+        format!("contacts.thresholds.tabulated = {{ samples = [{samples}, {wrong}] }}\npull.distance = 1.0\n")
+    };
+    for (text, expected) in [
+        (samples("'many'", ", "), "got the text \"many\""),
+        (samples("'many'", ",\n"), "got the text \"many\""),
+        (samples("-1.0", ", "), "contacts.thresholds.tabulated.samples"),
+        (samples("-1.0", ",\n"), "contacts.thresholds.tabulated.samples"),
+        (format!("title = {}", "x".repeat(100_000)), "expected valid TOML"),
+        (format!("contacts.thresholds.point = '{}'", "x".repeat(100_000)), "more letters)"),
+    ] {
+        folder.write("long.toml", &text);
+        let output = folder.run(&["check", "long.toml"]);
+        let message = errors(&output);
+        assert_eq!(output.status.code(), Some(2), "{message}");
+        assert!(message.len() < 2000, "{} bytes: {}", message.len(), &message[..2000]);
+        assert!(flat(&message).contains(expected), "{expected} not in {message}");
+    }
+}
+
+#[test]
+fn more_runs_than_memory_has_are_refused_where_they_are_checked() {
+    let scenario = scenarios().join("renormalised-cells.toml");
+    let message = refused(&["check", scenario.to_str().unwrap(), "--set", "renormalisation.runs=1000000000"]);
+    assert!(message.contains("renormalisation.runs: expected at most"), "{message}");
 }

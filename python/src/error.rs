@@ -44,7 +44,9 @@ pub fn checkpoint(error: checkpoint::Error) -> PyErr {
     let text = error.to_string();
     match error {
         checkpoint::Error::System { source, .. } => IoError::new(source.kind(), text).into(),
-        checkpoint::Error::Unfinished { .. } => PyFileExistsError::new_err(text),
+        checkpoint::Error::Unfinished { .. } | checkpoint::Error::Busy { .. } => {
+            PyFileExistsError::new_err(text)
+        }
         _ => PyValueError::new_err(text),
     }
 }

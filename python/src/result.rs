@@ -4,7 +4,7 @@ use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
 use asperity::scenario::Scenario;
-use asperity_runner::checkpoint::Checkpoints;
+use asperity_runner::checkpoint::{Checkpoints, Every};
 use asperity_runner::output::{self, Outcome};
 use asperity_runner::summary::{Friction, StaticFriction, Summary};
 use asperity_runner::{input, task};
@@ -101,7 +101,7 @@ impl Result {
         let Self { scenario, summary } = slf.get();
         let record = slf.as_super().get().copy(slf.py())?;
         let outcome = Outcome { scenario: scenario.clone(), summary: summary.clone(), record };
-        slf.py().detach(|| output::write(&folder, &outcome, &[])).map_err(error::files)
+        slf.py().detach(|| output::write(&folder, &outcome, &[])).map(drop).map_err(error::files)
     }
 }
 
@@ -169,7 +169,7 @@ fn checkpoints(
     }
     scenario.keeps_checkpoints("checkpoint").map_err(error::core)?;
     let begin = if resume { Checkpoints::resume } else { Checkpoints::begin };
-    begin(folder, scenario, every).map(Some).map_err(error::checkpoint)
+    begin(folder, scenario, every.map(Every::Events)).map(Some).map_err(error::checkpoint)
 }
 
 /// Reads what `asperity run` or Result.save wrote.

@@ -1,6 +1,8 @@
 //! Scenario files in, results out: what every front end of asperity shares.
 
 pub mod checkpoint;
+pub mod duration;
+mod folder;
 pub mod input;
 pub mod output;
 pub mod summary;

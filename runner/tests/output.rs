@@ -129,6 +129,63 @@ fn our_own_folder_is_replaced_whole() {
 }
 
 #[test]
+fn files_of_others_stay_in_a_folder_that_is_replaced() {
+    let (base, dir) = place();
+    let picture = Attachment { name: "force.svg".into(), bytes: b"<svg/>".to_vec() };
+    output::write(&dir, &outcome(1), std::slice::from_ref(&picture)).unwrap();
+    fs::write(dir.join("notes.txt"), "seen").unwrap();
+    fs::create_dir(dir.join("drafts")).unwrap();
+    fs::write(dir.join("drafts/force.svg"), "<svg></svg>").unwrap();
+    let renamed = output::write(&dir, &outcome(2), &[]).unwrap();
+    assert_eq!(renamed, []);
+    assert_eq!(output::read(&dir).unwrap(), outcome(2));
+    assert_eq!(fs::read_to_string(dir.join("notes.txt")).unwrap(), "seen");
+    assert_eq!(fs::read_to_string(dir.join("drafts/force.svg")).unwrap(), "<svg></svg>");
+    assert!(!dir.join("force.svg").exists(), "a picture of the run before");
+    assert_eq!(fs::read_dir(base.path().join("out")).unwrap().count(), 1);
+}
+
+#[test]
+fn files_that_were_changed_get_another_name() {
+    let (_base, dir) = place();
+    output::write(&dir, &outcome(1), &[]).unwrap();
+    for (text, kept) in [("edited", "summary.json.kept"), ("again", "summary.json.kept2")] {
+        fs::write(dir.join("summary.json"), text).unwrap();
+        let renamed = output::write(&dir, &outcome(1), &[]).unwrap();
+        let names: Vec<_> = renamed.iter().map(|file| (file.from.file_name(), file.to.file_name())).collect();
+        assert_eq!(names, [(Some("summary.json".as_ref()), Some(kept.as_ref()))]);
+        assert_eq!(fs::read_to_string(dir.join(kept)).unwrap(), text);
+        assert_eq!(output::read(&dir).unwrap(), outcome(1));
+    }
+    assert_eq!(fs::read_to_string(dir.join("summary.json.kept")).unwrap(), "edited");
+}
+
+#[test]
+fn a_folder_that_does_not_list_its_files_is_refused() {
+    let (base, dir) = place();
+    fs::create_dir_all(&dir).unwrap();
+    fs::write(dir.join(".asperity"), "made by asperity 0.1.0\n").unwrap();
+    fs::write(dir.join("force.csv"), "mine or not").unwrap();
+    let before = contents(base.path());
+    assert!(matches!(output::check(&dir), Err(Error::Foreign { .. })));
+    assert!(matches!(output::write(&dir, &outcome(1), &[]), Err(Error::Foreign { .. })));
+    assert_eq!(contents(base.path()), before);
+}
+
+/// In a container every run has the same process number.
+#[test]
+fn what_a_killed_run_left_is_in_nobodys_way() {
+    let (base, dir) = place();
+    output::write(&dir, &outcome(1), &[]).unwrap();
+    let left = base.path().join("out").join(format!(".run.{}-0.partial", std::process::id()));
+    fs::create_dir(&left).unwrap();
+    fs::write(left.join("summary.json"), "half").unwrap();
+    output::check(&dir).unwrap();
+    output::write(&dir, &outcome(2), &[]).unwrap();
+    assert_eq!(output::read(&dir).unwrap(), outcome(2));
+}
+
+#[test]
 fn what_others_made_is_refused_and_left_alone() {
     let (base, dir) = place();
     fs::create_dir_all(&dir).unwrap();

@@ -7,6 +7,11 @@ use super::{Interface, Law, Loading, PerCell, Scales, Scenario, size};
 use crate::contacts::{Contacts, Stiffness};
 use crate::{Error, Result};
 
+/// Runs whose disorder is drawn in advance, to refuse scales that are not above 0; later runs refuse theirs themselves.
+const RUNS_CHECKED: usize = 1000;
+/// Two points of two numbers in a run, and in the mean of all.
+const BYTES_PER_FIRST_BREAK: f64 = 64.0;
+
 /// Drives interfaces of relaxed contacts until every contact has broken (of cells, all but 1e-6), and counts at which drives
 /// they first did.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -40,6 +45,13 @@ impl Renormalisation {
         size::check("points", self.points, size::BYTES_PER_POINT)
     }
 
+    /// Refuses more runs than fit in memory: all of them are kept until the last has ended.
+    fn check_size(&self, interface: &Interface) -> Result<()> {
+        // Each contact, or cell, leaves two points at least, and as many in what all runs say together.
+        let each = interface.size() as f64 * BYTES_PER_FIRST_BREAK;
+        size::check("runs", self.runs, each).map_err(|error| error.under("renormalisation"))
+    }
+
     /// Whether the rest of the scenario is of relaxed contacts that differ, coupled one by one or in cells that differ.
     ///
     /// # Errors
@@ -64,11 +76,13 @@ impl Renormalisation {
                 return Err(Error::invalid(key, expected, "another law"));
             }
         }
+        self.check_size(interface)?;
         if interface.contacts == PerCell::One {
             return interface.check_cells(contacts, scenario.ensemble.as_ref());
         }
         check_many(interface, contacts, scenario)?;
-        (0..self.runs).try_for_each(|run| interface.redrawn(run).check_cells(contacts, None))
+        let checked = self.runs.min(RUNS_CHECKED);
+        (0..checked).try_for_each(|run| interface.redrawn(run).check_cells(contacts, None))
     }
 }
 

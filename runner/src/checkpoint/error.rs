@@ -17,6 +17,16 @@ pub enum Error {
         /// The file.
         path: PathBuf,
     },
+    /// Another run keeps its checkpoints in the same place.
+    #[error(
+        "{path}: another run{process} keeps its checkpoints beside this folder; wait for its end, or give another folder"
+    )]
+    Busy {
+        /// The folder of results.
+        path: PathBuf,
+        /// The process that runs it, as far as it is known, in brackets after a blank.
+        process: String,
+    },
     /// The checkpoint belongs to something else.
     #[error("{path}: expected a checkpoint of {expected}, got one of {found}")]
     Another {

@@ -9,9 +9,10 @@ use serde::de::{Deserializer, Error as _, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::error::{Error, Result};
+use super::found::Extent;
 
 /// The first line. Another layout of files has another number.
-const FIRST: &[u8] = b"asperity checkpoint 1\n";
+const FIRST: &[u8] = b"asperity checkpoint 2\n";
 const CHECKSUM: usize = size_of::<u32>();
 
 /// What a checkpoint is of.
@@ -19,8 +20,12 @@ const CHECKSUM: usize = size_of::<u32>();
 pub struct Header {
     /// The version of asperity that wrote it.
     pub version: String,
+    /// Its number, counted from 1 along all runs.
+    pub number: u64,
     /// Events so far.
     pub events: u64,
+    /// What it has found so far: how much of the file beside belongs to it.
+    pub found: Extent,
     /// The resolved scenario.
     pub scenario: String,
 }
@@ -106,7 +111,8 @@ mod tests {
     use super::*;
 
     fn header() -> Header {
-        Header { version: "1.2.3".into(), events: 7, scenario: "title = 'α'\n".into() }
+        let (version, scenario) = ("1.2.3".into(), "title = 'α'\n".into());
+        Header { version, number: 3, events: 7, found: Extent::default(), scenario }
     }
 
     #[test]

@@ -1,25 +1,34 @@
 //! What a long run has come to, kept on disk so that it can go on after having been stopped, however it was.
 //!
 //! Beside the folder of results `DIR` there are up to two files, `DIR.checkpoint.0` and `DIR.checkpoint.1`, written in turn:
-//! each beside its place, brought to the disk, and only then renamed. So at any moment one of them is whole.
+//! each beside its place, brought to the disk, and only then renamed. So at any moment one of them is whole. What the run has
+//! found stands in `DIR.checkpoint.found`, to which each checkpoint adds what is new, before it is written itself. The file
+//! `DIR.checkpoint.lock` keeps a second run away.
 
 mod difference;
 mod error;
+mod every;
 mod file;
+mod found;
+mod lock;
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write as _};
-use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use asperity::scenario::Scenario;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::folder;
 use crate::input;
 pub use error::{Error, Result};
+pub use every::Every;
 pub use file::Bits;
 use file::{Content, Header};
+use found::FoundFile;
+use lock::Lock;
 
 /// Number of files written in turn.
 const SLOTS: usize = 2;
@@ -29,14 +38,20 @@ const SLOTS: usize = 2;
 pub struct Checkpoints {
     /// The folder of results.
     directory: PathBuf,
-    every: Option<NonZeroU64>,
+    every: Option<Every>,
     /// The resolved scenario.
     scenario: String,
+    /// Number of the last one.
+    number: u64,
     /// Where the next one goes.
     slot: usize,
+    /// When the last one was written.
+    written: Instant,
+    found: FoundFile,
     resumed: Option<Resumed>,
     damaged: Vec<Error>,
     failure: Option<Error>,
+    lock: Lock,
 }
 
 /// The checkpoint that a run goes on from.
@@ -44,15 +59,16 @@ pub struct Checkpoints {
 struct Resumed {
     path: PathBuf,
     content: Content,
+    columns: Vec<Bits>,
 }
 
 impl Checkpoints {
-    /// Those of a run that begins at its start, written every so many events.
+    /// Those of a run that begins at its start, written every so often; without `every`, when it is stopped.
     ///
     /// # Errors
-    /// There are some already: of a run that was not finished.
-    pub fn begin(directory: &Path, scenario: &Scenario, every: Option<NonZeroU64>) -> Result<Self> {
-        let checkpoints = Self::new(directory, scenario, every);
+    /// There are some already: of a run that was not finished, or of one that has not ended.
+    pub fn begin(directory: &Path, scenario: &Scenario, every: Option<Every>) -> Result<Self> {
+        let checkpoints = Self::new(directory, scenario, every)?;
         match checkpoints.paths().into_iter().find(|path| path.exists()) {
             Some(path) => Err(Error::Unfinished { path }),
             None => Ok(checkpoints),
@@ -62,38 +78,56 @@ impl Checkpoints {
     /// Those of a run that goes on from the last good one, or begins at its start where there is none.
     ///
     /// # Errors
-    /// Checkpoints that are all damaged, cannot be read, or are of another scenario or version of asperity.
-    pub fn resume(directory: &Path, scenario: &Scenario, every: Option<NonZeroU64>) -> Result<Self> {
-        let mut checkpoints = Self::new(directory, scenario, every);
-        let mut found: Vec<(usize, Resumed)> = Vec::new();
-        for (slot, path) in checkpoints.paths().into_iter().enumerate() {
+    /// Checkpoints that are all damaged, cannot be read, are of another scenario or version of asperity, or of a run that
+    /// has not ended.
+    pub fn resume(directory: &Path, scenario: &Scenario, every: Option<Every>) -> Result<Self> {
+        let mut checkpoints = Self::new(directory, scenario, every)?;
+        let mut kept = checkpoints.kept()?;
+        // The last one first.
+        kept.sort_by_key(|(_, _, content)| std::cmp::Reverse(content.header.number));
+        for (slot, path, content) in kept {
+            difference::refuse(&path, &content.header, &checkpoints.scenario)?;
+            match checkpoints.found.take_up(content.header.found) {
+                Ok(columns) => {
+                    checkpoints.number = content.header.number;
+                    checkpoints.slot = (slot + 1) % SLOTS;
+                    checkpoints.resumed = Some(Resumed { path, content, columns });
+                    return Ok(checkpoints);
+                }
+                Err(error) => checkpoints.damaged.push(error),
+            }
+        }
+        checkpoints.damaged.pop().map_or(Ok(checkpoints), Err)
+    }
+
+    /// The files that are whole, each with the place that it has.
+    fn kept(&mut self) -> Result<Vec<(usize, PathBuf, Content)>> {
+        let mut kept = Vec::new();
+        for (slot, path) in self.paths().into_iter().enumerate() {
             match file::read(&path) {
-                Ok(Some(content)) => found.push((slot, Resumed { path, content })),
+                Ok(Some(content)) => kept.push((slot, path, content)),
                 Ok(None) => {}
-                Err(error @ Error::Damaged { .. }) => checkpoints.damaged.push(error),
+                Err(error @ Error::Damaged { .. }) => self.damaged.push(error),
                 Err(error) => return Err(error),
             }
         }
-        let Some((slot, resumed)) = found.into_iter().max_by_key(|(_, found)| found.content.header.events)
-        else {
-            return checkpoints.damaged.pop().map_or(Ok(checkpoints), Err);
-        };
-        difference::refuse(&resumed.path, &resumed.content.header, &checkpoints.scenario)?;
-        checkpoints.slot = (slot + 1) % SLOTS;
-        checkpoints.resumed = Some(resumed);
-        Ok(checkpoints)
+        Ok(kept)
     }
 
-    fn new(directory: &Path, scenario: &Scenario, every: Option<NonZeroU64>) -> Self {
-        Self {
+    fn new(directory: &Path, scenario: &Scenario, every: Option<Every>) -> Result<Self> {
+        Ok(Self {
             directory: directory.to_owned(),
             every,
             scenario: input::to_text(scenario),
+            number: 0,
             slot: 0,
+            written: Instant::now(),
+            found: FoundFile::new(beside(directory, "found")),
             resumed: None,
             damaged: Vec::new(),
             failure: None,
-        }
+            lock: Lock::take(&beside(directory, "lock"), directory)?,
+        })
     }
 
     /// The file that the run goes on from, and the number of events there.
@@ -117,20 +151,24 @@ impl Checkpoints {
         path.exists().then_some(path)
     }
 
-    /// Events from one to the next.
-    pub(crate) fn every(&self) -> Option<u64> {
-        self.every.map(NonZeroU64::get)
+    /// Events that may pass before the next one is written, so many having passed since the last one.
+    pub(crate) fn events_left(&self, since: u64) -> u64 {
+        match self.every {
+            Some(Every::Events(every)) => every.get().saturating_sub(since),
+            Some(Every::Time(every)) if self.written.elapsed() >= every => 0,
+            Some(Every::Time(_)) | None => u64::MAX,
+        }
     }
 
-    /// What the run has come to; nothing where it begins at its start.
+    /// What the run has come to, and the columns of what it has found; nothing where it begins at its start.
     ///
     /// # Errors
     /// A stop, [`Checkpoints::failure`] being the reason.
-    pub(crate) fn take<T: DeserializeOwned>(&mut self) -> asperity::Result<Option<T>> {
-        let Some(Resumed { path, content }) = &mut self.resumed else { return Ok(None) };
-        let state = std::mem::take(&mut content.state);
+    pub(crate) fn take<T: DeserializeOwned>(&mut self) -> asperity::Result<Option<(T, Vec<Bits>)>> {
+        let Some(Resumed { path, content, columns }) = &mut self.resumed else { return Ok(None) };
+        let (state, columns) = (std::mem::take(&mut content.state), std::mem::take(columns));
         match ciborium::from_reader(state.as_slice()) {
-            Ok(state) => Ok(Some(state)),
+            Ok(state) => Ok(Some((state, columns))),
             Err(error) => {
                 let error = Error::Damaged { path: path.clone(), what: error.to_string() };
                 Err(self.stop(error))
@@ -138,16 +176,20 @@ impl Checkpoints {
         }
     }
 
-    /// Keeps what the run has come to after so many events.
+    /// Keeps what the run has come to after so many events, and the rows that it has found since the last time.
     ///
     /// # Errors
     /// A stop, [`Checkpoints::failure`] being the reason.
-    pub(crate) fn keep<T: Serialize>(&mut self, events: u64, state: &T) -> asperity::Result<()> {
-        let version = env!("CARGO_PKG_VERSION").to_owned();
-        let header = Header { version, events, scenario: self.scenario.clone() };
-        let written = file::encode(&header, state).and_then(|bytes| self.write(&bytes));
-        written.map_err(|error| self.stop(error))?;
+    pub(crate) fn keep<T: Serialize>(
+        &mut self,
+        events: u64,
+        state: &T,
+        rows: &[Bits],
+    ) -> asperity::Result<()> {
+        self.write(events, state, rows).map_err(|error| self.stop(error))?;
+        self.number += 1;
         self.slot = (self.slot + 1) % SLOTS;
+        self.written = Instant::now();
         Ok(())
     }
 
@@ -156,7 +198,8 @@ impl Checkpoints {
     /// # Errors
     /// The system refuses.
     pub fn remove(self) -> Result<()> {
-        for path in self.paths().into_iter().chain([self.partial()]) {
+        self.remove_partial();
+        for path in self.paths().into_iter().chain([beside(&self.directory, "found")]) {
             match fs::remove_file(&path) {
                 Err(error) if error.kind() != ErrorKind::NotFound => {
                     return Err(Error::system(&path, "remove")(error));
@@ -172,11 +215,23 @@ impl Checkpoints {
         asperity::Error::Stopped
     }
 
-    fn write(&self, bytes: &[u8]) -> Result<()> {
+    fn write<T: Serialize>(&mut self, events: u64, state: &T, rows: &[Bits]) -> Result<()> {
+        let before = self.found.extent();
+        let written = self.found.add(rows).and_then(|()| {
+            let (version, scenario) = (env!("CARGO_PKG_VERSION").to_owned(), self.scenario.clone());
+            let (number, found) = (self.number + 1, self.found.extent());
+            self.put(&file::encode(&Header { version, number, events, found, scenario }, state)?)
+        });
+        // Rows without their checkpoint would be there twice after the next one.
+        written.inspect_err(|_| self.found.go_back(before))
+    }
+
+    /// Puts a checkpoint in its place.
+    fn put(&self, bytes: &[u8]) -> Result<()> {
         let path = self.path(self.slot);
-        let partial = self.partial();
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        fs::create_dir_all(folder).map_err(Error::system(folder, "make the folder"))?;
+        // Where files cannot be locked, other runs may write there, too.
+        let partial = beside(&self.directory, &format!("{}.partial", std::process::id()));
+        let folder = folder::above(&path);
         let mut file = File::create(&partial).map_err(Error::system(&partial, "create"))?;
         // Renamed before it is on the disk, a file may be found empty after the power has failed.
         file.write_all(bytes).and_then(|()| file.sync_all()).map_err(Error::system(&partial, "write"))?;
@@ -186,22 +241,32 @@ impl Checkpoints {
         Ok(())
     }
 
+    /// Removes what runs left that were killed while they wrote a checkpoint, where no other run can be writing one.
+    fn remove_partial(&self) {
+        let first = beside(&self.directory, "");
+        let first = first.file_name().unwrap_or_default().to_string_lossy();
+        let Ok(entries) = fs::read_dir(folder::above(&self.directory)) else { return };
+        for entry in entries.flatten().filter(|_| self.lock.is_held()) {
+            let name = entry.file_name();
+            let middle = name.to_str().and_then(|name| name.strip_prefix(&*first)?.strip_suffix(".partial"));
+            if middle.is_some_and(|process| process.bytes().all(|byte| byte.is_ascii_digit())) {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
+
     fn path(&self, slot: usize) -> PathBuf {
-        self.beside(&slot.to_string())
-    }
-
-    /// Where the next one is written before it is put in its place.
-    fn partial(&self) -> PathBuf {
-        self.beside("partial")
-    }
-
-    fn beside(&self, what: &str) -> PathBuf {
-        let mut name = self.directory.file_name().unwrap_or_default().to_owned();
-        name.push(format!(".checkpoint.{what}"));
-        self.directory.with_file_name(name)
+        beside(&self.directory, &slot.to_string())
     }
 
     fn paths(&self) -> [PathBuf; SLOTS] {
         std::array::from_fn(|slot| self.path(slot))
     }
+}
+
+/// The file of checkpoints called `what`, beside the folder of results.
+fn beside(directory: &Path, what: &str) -> PathBuf {
+    let mut name = directory.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".checkpoint.{what}"));
+    directory.with_file_name(name)
 }

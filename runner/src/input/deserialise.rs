@@ -7,6 +7,7 @@ use serde::de::{
 use serde::forward_to_deserialize_any;
 
 use super::document::{Kind, Node};
+use super::short;
 
 /// What is wrong, and under which key.
 #[derive(Debug, Clone, Default)]
@@ -36,7 +37,7 @@ impl Fault {
     fn wrong_name(name: &str, known: &[&'static str]) -> Self {
         let nearest = known.iter().copied().max_by(|a, b| likeness(name, a).total_cmp(&likeness(name, b)));
         let nearest = nearest.filter(|known| likeness(name, known) > 0.5);
-        Self { nearest, on_key: true, ..Self::new(&one_of(known), &format!("\"{name}\"")) }
+        Self { nearest, on_key: true, ..Self::new(&one_of(known), &format!("\"{}\"", short(name))) }
     }
 }
 
@@ -62,7 +63,7 @@ impl std::error::Error for Fault {}
 
 impl Error for Fault {
     fn custom<T: std::fmt::Display>(message: T) -> Self {
-        Self::new("something else", &message.to_string())
+        Self::new("something else", &short(&message.to_string()))
     }
 
     fn invalid_type(unexpected: Unexpected<'_>, expected: &dyn Expected) -> Self {

@@ -51,11 +51,11 @@ impl std::error::Error for Diagnostic {}
 
 impl Diagnostic {
     /// A scenario that cannot be read at all.
-    pub(super) fn unreadable(path: &Path, error: &std::io::Error) -> Box<Self> {
+    pub(super) fn unreadable(path: &Path, why: &str) -> Box<Self> {
         Box::new(Self {
             key: String::new(),
             expected: "a scenario file".into(),
-            found: format!("{}: {error}", path.display()),
+            found: format!("{}: {why}", path.display()),
             help: None,
             source: None,
         })

@@ -6,7 +6,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::deserialise::Fault;
-use super::{Diagnostic, Mark, Source};
+use super::{Diagnostic, Mark, Source, short};
 
 /// A scenario file with its overrides merged in.
 #[derive(Debug)]
@@ -84,7 +84,8 @@ impl Document {
     /// The fault, drawn at `place` or at the keys among which there is one too many.
     pub fn diagnose(&self, fault: &Fault, place: Place, among: &[&Node]) -> Box<Diagnostic> {
         let (name, text) = &self.sources[place.source];
-        let overrides: Vec<_> = self.sources[1..].iter().map(|(_, text)| format!("--set {text}")).collect();
+        let overrides: Vec<_> =
+            self.sources[1..].iter().map(|(_, text)| format!("--set {}", short(text))).collect();
         let with =
             (place.source == 0 && !overrides.is_empty()).then(|| format!("with {}", overrides.join(" ")));
         let mut marks = Vec::new();
@@ -181,7 +182,7 @@ impl Kind {
     /// What came, for people.
     pub fn describe(&self) -> String {
         match self {
-            Self::Text(text) => format!("the text \"{text}\""),
+            Self::Text(text) => format!("the text \"{}\"", short(text)),
             Self::Integer(number) => number.to_string(),
             Self::Float(number) => format!("{number:?}"),
             Self::Boolean(truth) => truth.to_string(),
@@ -189,7 +190,8 @@ impl Kind {
             Self::List(items) => format!("a list of {}", items.len()),
             Self::Table(entries) => {
                 let keys: Vec<_> = entries.iter().map(|(key, _)| key.as_str()).collect();
-                format!("a table with {}", if keys.is_empty() { "no keys".into() } else { keys.join(", ") })
+                let keys = if keys.is_empty() { "no keys".into() } else { short(&keys.join(", ")) };
+                format!("a table with {keys}")
             }
         }
     }

@@ -5,6 +5,7 @@ mod diagnostic;
 mod document;
 mod overrides;
 mod tables;
+mod text;
 
 use std::path::Path;
 
@@ -31,7 +32,7 @@ pub struct Input {
 /// # Errors
 /// What is wrong with it, and where.
 pub fn read(path: &Path, overrides: &[String]) -> Result<Input, Box<Diagnostic>> {
-    let text = std::fs::read_to_string(path).map_err(|e| Diagnostic::unreadable(path, &e))?;
+    let text = text::read(path).map_err(|why| Diagnostic::unreadable(path, &why))?;
     parse(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")), overrides)
 }
 
@@ -58,6 +59,9 @@ pub fn parse(
     }
 }
 
+/// What asks for an accuracy.
+const TOLERANCE: &str = "master_equation.tolerance";
+
 /// Whether the scenario makes sense, and its contacts have a master equation.
 fn check(scenario: &Scenario) -> asperity::Result<()> {
     let (contacts, initial) = scenario.build()?;
@@ -77,9 +81,28 @@ impl Input {
                 let found = format!("{what}: {} or more", amount(*needed));
                 Fault::new(&format!("what fits in {}", amount(*allowed)), &found).under(key)
             }
+            asperity::Error::Accuracy { what, reached, wanted, .. } => {
+                // Rounded to two digits it is above what was reached, where this is known.
+                let enough = 1.05 * reached.0;
+                let expected = if enough.is_finite() {
+                    format!("{enough:.1e} or more, which {what} reaches, or no tolerance")
+                } else {
+                    format!("a larger one, to which {what} can be computed, or no tolerance")
+                };
+                Fault::new(&expected, &format!("{wanted:e}")).under(TOLERANCE)
+            }
             other => Fault::new("a scenario that can be computed", &other.to_string()),
         })
     }
+}
+
+/// The beginning of a text that may be long, for messages.
+fn short(text: &str) -> String {
+    const MOST: usize = 80;
+    let mut letters = text.chars();
+    let begin: String = letters.by_ref().take(MOST).collect();
+    let rest = letters.count();
+    if rest == 0 { begin } else { format!("{begin}… ({rest} more letters)") }
 }
 
 /// Bytes for people.

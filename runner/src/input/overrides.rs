@@ -4,9 +4,9 @@
 use asperity::scenario::Law;
 use toml::de::{DeTable, DeValue};
 
-use super::Diagnostic;
 use super::deserialise::Fault;
 use super::document::{Document, Kind, Node, Place};
+use super::{Diagnostic, short};
 
 /// Merges one override into the document.
 pub fn apply(document: &mut Document, argument: &str) -> Result<(), Box<Diagnostic>> {
@@ -16,10 +16,10 @@ pub fn apply(document: &mut Document, argument: &str) -> Result<(), Box<Diagnost
         document.diagnose(&fault, Place { source, span: 0..argument.len() }, &[])
     };
     let Some((key, value)) = argument.split_once('=') else {
-        return Err(wrong(format!("no = in \"{argument}\"")));
+        return Err(wrong(format!("no = in \"{}\"", short(argument))));
     };
     let Ok(keys) = DeTable::parse(&format!("{key}=0")).map(|table| path(table.into_inner(), source)) else {
-        return Err(wrong(format!("the key \"{key}\"")));
+        return Err(wrong(format!("the key \"{}\"", short(key))));
     };
     let leaf = match DeTable::parse(argument) {
         Ok(table) => leaf(Kind::read(DeValue::Table(table.into_inner()), source), keys.len()),

@@ -5,6 +5,7 @@ use std::path::Path;
 use asperity::scenario::{Protocol, Scenario, Step, Tabulated};
 
 use super::deserialise::Fault;
+use super::{short, text};
 
 /// Replaces every `file` key by what the file holds.
 pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
@@ -69,11 +70,9 @@ fn read(path: &Path, layouts: &[&[&str]]) -> Result<Vec<Vec<f64>>, Fault> {
     let expected = layouts.iter().map(|columns| columns.join(",")).collect::<Vec<_>>().join(" or ");
     let expected = format!("a CSV file with columns {expected}");
     let fault = |found: String| Fault::new(&expected, &found);
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| fault(format!("{name}: {error}")))?;
+    let text = text::read(path).map_err(|why| fault(format!("{name}: {why}")))?;
+    let mut reader =
+        csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(text.as_bytes());
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for (row, record) in reader.records().enumerate() {
         let record = record.map_err(|error| fault(format!("{name}: {error}")))?;
@@ -93,7 +92,7 @@ fn read(path: &Path, layouts: &[&[&str]]) -> Result<Vec<Vec<f64>>, Fault> {
             }
             _ => {
                 let cells = record.iter().collect::<Vec<_>>().join(",");
-                return Err(fault(format!("\"{cells}\" in line {line} of {name}")));
+                return Err(fault(format!("\"{}\" in line {line} of {name}", short(&cells))));
             }
         }
     }

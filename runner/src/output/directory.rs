@@ -1,13 +1,24 @@
-//! A folder that is replaced whole or not at all.
+//! A folder of results that is replaced whole or not at all, with what others put there left in it.
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::{Error, Result};
+use super::listing::Listing;
+use crate::folder::Made;
 
-/// The file that says: asperity made this folder and may replace it.
+/// The file that says: asperity made this folder, and these files in it.
 const MARKER: &str = ".asperity";
+
+/// A file that was in the way of results, and how it is called now.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Renamed {
+    /// Where it was.
+    pub from: PathBuf,
+    /// Where it is.
+    pub to: PathBuf,
+}
 
 /// Refuses a destination that [`super::write`] would refuse, before any work is done for it.
 ///
@@ -18,47 +29,96 @@ pub fn check(dir: &Path) -> Result<()> {
     Staging::beside(&dir).map(drop)
 }
 
-/// Makes `files` (names and contents) the whole content of the folder `dir`.
-pub(super) fn replace<'a>(dir: &Path, files: impl Iterator<Item = (&'a str, &'a [u8])>) -> Result<()> {
-    let (dir, occupied) = destination(dir)?;
+/// Makes `files` (names and contents) the results in the folder `dir`; files of others that had to make way.
+pub(super) fn replace<'a>(
+    dir: &Path,
+    files: impl Iterator<Item = (&'a str, &'a [u8])>,
+) -> Result<Vec<Renamed>> {
+    let (dir, former) = destination(dir)?;
     let staging = Staging::beside(&dir)?;
-    staging.store(MARKER, concat!("made by asperity ", env!("CARGO_PKG_VERSION"), "\n").as_bytes())?;
+    let mut listing = Listing::default();
     for (name, bytes) in files {
+        listing.add(name, bytes);
         staging.store(name, bytes)?;
     }
-    if occupied { staging.swap_with(&dir) } else { staging.become_(&dir) }
+    staging.store(MARKER, listing.to_text().as_bytes())?;
+    match former {
+        None => staging.become_(&dir).map(|()| Vec::new()),
+        Some(former) => clear(&staging.swap_with(&dir)?, &former, &dir),
+    }
 }
 
-/// The folder itself, links followed, and whether one of ours is already there.
-fn destination(dir: &Path) -> Result<(PathBuf, bool)> {
+/// The folder itself, links followed, and what asperity wrote there if it is one of ours.
+fn destination(dir: &Path) -> Result<(PathBuf, Option<Listing>)> {
     let foreign = |what| Err(Error::Foreign { path: dir.to_owned(), what });
     match fs::metadata(dir) {
         Ok(found) if !found.is_dir() => foreign("not a folder"),
-        Ok(_) if !dir.join(MARKER).is_file() => foreign("a folder that asperity did not make"),
-        Ok(_) => Ok((dir.canonicalize().map_err(Error::system(dir, "resolve"))?, true)),
+        Ok(_) => match fs::read_to_string(dir.join(MARKER)) {
+            Ok(text) => match Listing::read(&text) {
+                Some(listing) => {
+                    Ok((dir.canonicalize().map_err(Error::system(dir, "resolve"))?, Some(listing)))
+                }
+                None => foreign("a folder whose .asperity does not list what asperity wrote"),
+            },
+            Err(_) => foreign("a folder that asperity did not make"),
+        },
         Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::system(dir, "look at")(error)),
         Err(_) if dir.is_symlink() => foreign("a link to nothing"),
         Err(_) if dir.file_name().is_none() => foreign("not a name for a folder"),
-        Err(_) => Ok((std::path::absolute(dir).map_err(Error::system(dir, "resolve"))?, false)),
+        Err(_) => Ok((std::path::absolute(dir).map_err(Error::system(dir, "resolve"))?, None)),
     }
 }
 
-/// A hidden folder beside the destination, and the parents made for it; gone when dropped.
+/// Removes the folder `old`, in whose place `dir` is now: what `former` lists is deleted, all else moves to `dir`.
+fn clear(old: &Path, former: &Listing, dir: &Path) -> Result<Vec<Renamed>> {
+    let mut renamed = Vec::new();
+    for entry in fs::read_dir(old).map_err(Error::system(old, "read the folder"))? {
+        let path = entry.map_err(Error::system(old, "read the folder"))?.path();
+        let name = path.file_name().unwrap_or_default();
+        if name == MARKER || former.is_of_ours(&path) {
+            fs::remove_file(&path).map_err(Error::system(&path, "remove"))?;
+            continue;
+        }
+        let to = free_name(dir, &name.to_string_lossy(), dir.join(name));
+        fs::rename(&path, &to).map_err(Error::system(&path, "move back into the folder of results"))?;
+        if to.file_name() != Some(name) {
+            renamed.push(Renamed { from: dir.join(name), to });
+        }
+    }
+    fs::remove_dir(old).map_err(Error::system(old, "remove"))?;
+    Ok(renamed)
+}
+
+/// `wanted` if nothing is there, or else the first of `NAME.kept`, `NAME.kept2`, … that is free.
+fn free_name(dir: &Path, name: &str, wanted: PathBuf) -> PathBuf {
+    let others = (1_u64..)
+        .map(|i| dir.join(format!("{name}.kept{}", if i == 1 { String::new() } else { i.to_string() })));
+    let is_free = |path: &PathBuf| fs::symlink_metadata(path).is_err();
+    std::iter::once(wanted).chain(others).find(is_free).expect("numbers do not end")
+}
+
+/// A hidden folder beside the destination; gone when dropped.
 struct Staging {
     path: PathBuf,
-    parents: Vec<PathBuf>,
+    /// Dropped last, when the folder is gone.
+    _folders: Made,
 }
 
 impl Staging {
+    /// Another number where a run that was killed, of the same process number, has left a folder.
     fn beside(dir: &Path) -> Result<Self> {
         let parent = dir.parent().unwrap_or(Path::new("/"));
+        let folders = Made::above(dir).map_err(Error::system(parent, "make the folder"))?;
         let name = dir.file_name().unwrap_or_default().to_string_lossy();
-        let path = parent.join(format!(".{name}.{}.partial", std::process::id()));
-        let missing = parent.ancestors().take_while(|p| !p.exists()).map(Path::to_owned);
-        let staging = Self { path, parents: missing.collect() };
-        fs::create_dir_all(parent).map_err(Error::system(parent, "make the folder"))?;
-        fs::create_dir(&staging.path).map_err(Error::system(&staging.path, "make the folder"))?;
-        Ok(staging)
+        for number in 0_u64.. {
+            let path = parent.join(format!(".{name}.{}-{number}.partial", std::process::id()));
+            match fs::create_dir(&path) {
+                Ok(()) => return Ok(Self { path, _folders: folders }),
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(Error::system(&path, "make the folder")(error)),
+            }
+        }
+        unreachable!("numbers do not end")
     }
 
     fn store(&self, name: &str, bytes: &[u8]) -> Result<()> {
@@ -68,32 +128,35 @@ impl Staging {
         file.write_all(bytes).and_then(|()| file.sync_all()).map_err(Error::system(&path, "write"))
     }
 
-    fn become_(mut self, dir: &Path) -> Result<()> {
-        fs::rename(&self.path, dir).map_err(Error::system(dir, "put the results in place as"))?;
-        self.parents.clear();
-        Ok(())
+    fn become_(self, dir: &Path) -> Result<()> {
+        fs::rename(&self.path, dir).map_err(Error::system(dir, "put the results in place as"))
     }
 
-    fn swap_with(mut self, dir: &Path) -> Result<()> {
-        if exchange(&self.path, dir).is_err() {
-            let aside = self.path.with_extension("old");
-            fs::rename(dir, &aside).map_err(Error::system(dir, "move aside"))?;
-            if let Err(error) = fs::rename(&self.path, dir) {
-                let _ = fs::rename(&aside, dir);
-                return Err(Error::system(dir, "put the results in place as")(error));
+    /// Puts the folder in the place of `dir`; where that one is now.
+    fn swap_with(mut self, dir: &Path) -> Result<PathBuf> {
+        let mut old = std::mem::take(&mut self.path);
+        if exchange(&old, dir).is_err() {
+            let aside = old.with_extension("old");
+            let moved = fs::rename(dir, &aside).map_err(Error::system(dir, "move aside")).and_then(|()| {
+                fs::rename(&old, dir).map_err(|error| {
+                    let _ = fs::rename(&aside, dir);
+                    Error::system(dir, "put the results in place as")(error)
+                })
+            });
+            if let Err(error) = moved {
+                self.path = old;
+                return Err(error);
             }
-            self.path = aside;
+            old = aside;
         }
-        self.parents.clear();
-        Ok(())
+        Ok(old)
     }
 }
 
 impl Drop for Staging {
     fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.path);
-        for parent in &self.parents {
-            let _ = fs::remove_dir(parent);
+        if !self.path.as_os_str().is_empty() {
+            let _ = fs::remove_dir_all(&self.path);
         }
     }
 }

@@ -3,6 +3,7 @@
 mod csv;
 mod directory;
 mod error;
+mod listing;
 mod netcdf;
 mod read;
 
@@ -13,7 +14,7 @@ use asperity::record::Record;
 use crate::summary::Summary;
 
 pub use csv::shortest;
-pub use directory::check;
+pub use directory::{Renamed, check};
 pub use error::{Error, Result};
 pub use netcdf::{LARGEST, bytes_needed, check_size};
 pub use read::read;
@@ -42,11 +43,12 @@ pub struct Attachment {
 ///
 /// The files are written to a hidden folder beside `dir`, which then takes its place. Whatever goes
 /// wrong, `dir` is as it was and nothing is left beside it. A folder in the way is replaced only if
-/// it holds the marker file that asperity puts in its own.
+/// it holds the file `.asperity`, which lists what asperity wrote. Other files there, and those that were
+/// changed since, stay; those that are in the way of results get another name, and are returned.
 ///
 /// # Errors
 /// `dir` is not asperity's, cannot be written, or the results are too large for one file.
-pub fn write(dir: &Path, outcome: &Outcome, attachments: &[Attachment]) -> Result<()> {
+pub fn write(dir: &Path, outcome: &Outcome, attachments: &[Attachment]) -> Result<Vec<Renamed>> {
     let mut files = vec![
         ("scenario.toml".to_owned(), outcome.scenario.clone().into_bytes()),
         ("summary.json".to_owned(), json(&outcome.summary)),

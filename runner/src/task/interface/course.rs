@@ -1,5 +1,7 @@
 //! The course of a drive: events one after the other, looks at the interface on the way, checkpoints.
 
+use std::time::{Duration, Instant};
+
 use asperity::monitor::Monitor;
 use asperity::record::Record;
 use asperity::{Error, Result};
@@ -11,8 +13,10 @@ use crate::checkpoint::{Bits, Checkpoints};
 use crate::output::{LARGEST, bytes_needed};
 use crate::task::part::{Part, report};
 
-/// Events between two looks at the monitor, at most.
+/// Events between two looks at the monitor and at the clock, at most.
 const SLICE: u64 = 256;
+/// Time between two looks, about: what is waited for before a run stops.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// An interface on its way.
 pub struct Course<'a, M> {
@@ -29,6 +33,10 @@ pub struct Course<'a, M> {
     checkpoints: Option<&'a mut Checkpoints>,
     /// Events at the last checkpoint.
     last: u64,
+    /// Rows of each column at the last checkpoint.
+    kept: Vec<usize>,
+    /// Events until the next look at the monitor.
+    slice: u64,
 }
 
 /// What is recorded.
@@ -44,13 +52,12 @@ pub struct Found {
     pub maps: Vec<Vec<f64>>,
 }
 
-/// All that a checkpoint holds.
+/// What a checkpoint holds beside the columns.
 #[derive(Serialize, Deserialize)]
 struct Kept<S> {
     state: S,
     count: u64,
     looks: usize,
-    columns: Vec<Bits>,
 }
 
 impl Found {
@@ -80,20 +87,23 @@ impl<'a, M: Model> Course<'a, M> {
         checkpoints: Option<&'a mut Checkpoints>,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let found = Found::empty(&model);
-        let mut course = Self { model, count: 0, looks: 0, found, from, chain, checkpoints, last: 0 };
+        let mut found = Found::empty(&model);
+        let kept = vec![0; found.columns().count()];
+        let (count, looks, last) = (0, 0, 0);
+        let mut course = Self { model, count, looks, found, from, chain, checkpoints, last, kept, slice: 1 };
         let kept = course.checkpoints.as_mut().map(|checkpoints| checkpoints.take()).transpose()?.flatten();
-        if let Some(kept) = kept {
-            course.resume(kept, monitor)?;
+        if let Some((kept, columns)) = kept {
+            course.resume(kept, columns, monitor)?;
         }
         Ok(course)
     }
 
-    fn resume(&mut self, kept: Kept<M::State>, monitor: &mut dyn Monitor) -> Result<()> {
-        let Kept { state, count, looks, columns } = kept;
+    fn resume(&mut self, kept: Kept<M::State>, columns: Vec<Bits>, monitor: &mut dyn Monitor) -> Result<()> {
+        let Kept { state, count, looks } = kept;
         self.model.restore(state, monitor)?;
         (self.count, self.last, self.looks) = (count, count, looks);
         self.found.columns().zip(columns).for_each(|(column, Bits(values))| *column = values);
+        self.kept = self.found.columns().map(|column| column.len()).collect();
         Ok(())
     }
 
@@ -126,22 +136,29 @@ impl<'a, M: Model> Course<'a, M> {
     /// Goes on to the drive `stop` on the way to `end`.
     fn reach(&mut self, stop: f64, end: f64, monitor: &mut dyn Monitor) -> Result<()> {
         loop {
-            let every = self.checkpoints.as_ref().and_then(|checkpoints| checkpoints.every());
-            let most = every.map_or(SLICE, |every| SLICE.min(every - (self.count - self.last)));
+            let most = self.slice.min(self.events_left()).max(1);
             let drive = self.model.drive();
             monitor.events(self.count, drive);
             report(monitor, drive / end)?;
             let mut part = Part::new(monitor, drive / end, (stop - drive).max(0.0) / end);
             let mut slice = Vec::new();
+            let began = Instant::now();
             let reached = self.model.advance(stop, most, &mut part, &mut |event| slice.push(event));
+            self.slice = next_slice(self.slice, began.elapsed());
             self.record(&slice)?;
-            if every.is_some_and(|every| self.count - self.last >= every) {
+            if self.events_left() == 0 {
                 self.keep()?;
             }
             if reached? {
                 return Ok(());
             }
         }
+    }
+
+    /// Events that may pass before the next checkpoint.
+    fn events_left(&self) -> u64 {
+        let left = |checkpoints: &&mut Checkpoints| checkpoints.events_left(self.count - self.last);
+        self.checkpoints.as_ref().map_or(u64::MAX, left)
     }
 
     /// Adds events to those recorded.
@@ -167,11 +184,19 @@ impl<'a, M: Model> Course<'a, M> {
     /// Writes a checkpoint, where there are to be any.
     fn keep(&mut self) -> Result<()> {
         let Some(checkpoints) = &mut self.checkpoints else { return Ok(()) };
-        let columns = self.found.columns().map(|column| Bits(column.clone())).collect();
-        let kept = Kept { state: self.model.state(), count: self.count, looks: self.looks, columns };
+        let added = self.found.columns().zip(&self.kept);
+        let rows: Vec<_> = added.map(|(column, &kept)| Bits(column[kept..].to_vec())).collect();
+        let state = Kept { state: self.model.state(), count: self.count, looks: self.looks };
+        checkpoints.keep(self.count, &state, &rows)?;
         self.last = self.count;
-        checkpoints.keep(self.count, &kept)
+        self.kept = self.found.columns().map(|column| column.len()).collect();
+        Ok(())
     }
+}
+
+/// Events until the look after the next, where `slice` events took this time. Results do not depend on it.
+fn next_slice(slice: u64, took: Duration) -> u64 {
+    if took < LOOK { (2 * slice).min(SLICE) } else { (slice / 2).max(1) }
 }
 
 /// Adds the values of `added` from the place `first` on, column by column.

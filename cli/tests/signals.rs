@@ -1,0 +1,197 @@
+//! Signals: what ends a run, how soon, and what does not.
+#![cfg(target_os = "linux")]
+
+mod support;
+
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use support::{Folder, errors, names, scenarios, tomls};
+
+/// Long enough for any machine, and never waited for.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// CPU time that a run may take after a signal, in seconds.
+const CPU: f64 = 1.0;
+
+/// More than a minute of work, in pieces of less than a millisecond.
+const LONG: &str = "
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+pull = { distance = 3.0, points = 31 }
+ensemble.size = 2000000000
+";
+
+/// Half a minute of events, and as many checkpoints as are asked for.
+const EVENTS: &str = "
+contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }
+contacts.count = 1024
+initial.rectangular = { min = 0.0, max = 0.5 }
+interface = { cells = [32, 32], contacts = 'one', coupling.neighbours = { stiffness = 0.2 }, connection = 0.2, catalogue_from = 1e4 }
+drive = { distance = 1e4, points = 11 }
+";
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("long.toml", LONG);
+    folder.write("events.toml", EVENTS);
+    folder
+}
+
+fn spawn(command: &mut Command) -> Child {
+    command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Sends signals without a pause between them.
+fn send(child: &Child, signals: &[&str]) {
+    let kill: Vec<_> = signals.iter().map(|signal| format!("kill -{signal} {};", child.id())).collect();
+    Command::new("sh").args(["-c", &kill.concat()]).stderr(Stdio::null()).status().unwrap();
+}
+
+/// State and CPU time in seconds of a process that has not been waited for.
+fn status(child: &Child) -> (char, f64) {
+    let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
+    // Behind the name, which is in brackets: the state, and 11 fields further on the times of user and system.
+    let fields: Vec<_> = stat.rsplit_once(") ").unwrap().1.split(' ').collect();
+    let ticks: f64 = fields[11..13].iter().map(|field| field.parse::<f64>().unwrap()).sum();
+    // Linux shows hundredths of a second on every machine that it runs on.
+    (fields[0].chars().next().unwrap(), ticks / 100.0)
+}
+
+/// The CPU time from now to the end of the process.
+fn time_to_end(child: &Child) -> f64 {
+    let (began, before) = (Instant::now(), status(child).1);
+    while status(child).0 != 'Z' {
+        assert!(began.elapsed() < PATIENCE, "it does not end");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    status(child).1 - before
+}
+
+/// What a process says that ends within [`CPU`] after these signals.
+fn ended_by(child: Child, signals: &[&str]) -> Output {
+    send(&child, signals);
+    let took = time_to_end(&child);
+    assert!(took < CPU, "{signals:?}: {took} s");
+    child.wait_with_output().unwrap()
+}
+
+/// Waits until the process has computed for a while.
+fn at_work(child: &Child, seconds: f64) {
+    let began = Instant::now();
+    while status(child).1 < seconds && status(child).0 != 'Z' {
+        assert!(began.elapsed() < PATIENCE, "it does nothing");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn left(folder: &Path) -> Vec<String> {
+    names(folder).into_iter().filter(|name| !name.ends_with(".toml")).collect()
+}
+
+#[test]
+fn every_signal_ends_a_run_as_ctrl_c_does() {
+    let folder = folder();
+    for signal in ["INT", "TERM", "HUP"] {
+        let child = spawn(&mut folder.asperity(&["run", "long.toml"]));
+        at_work(&child, 0.05);
+        let output = ended_by(child, &[signal]);
+        assert_eq!(output.status.code(), Some(130), "{signal}");
+        assert_eq!(errors(&output), "interrupted: nothing was written\n", "{signal}");
+        assert_eq!(left(folder.path()), [""; 0], "{signal}");
+    }
+}
+
+/// After a time of CPU that is another one for each, from the start to 0.3 s: laws, lives, solvers, pictures.
+#[test]
+fn shipped_scenarios_end_wherever_they_are() {
+    let mut ended = 0;
+    for (number, path) in tomls(&scenarios()).iter().enumerate() {
+        let folder = Folder::new();
+        let child = spawn(&mut folder.asperity(&["run", path.to_str().unwrap(), "-o", "results"]));
+        // Multiples of the golden ratio are spread evenly.
+        at_work(&child, 0.3 * (number as f64 * 0.618_034).fract());
+        let output = ended_by(child, &["INT"]);
+        match output.status.code() {
+            Some(0) => {}
+            // Before the program listens the signal does what it does to any.
+            None | Some(130) => {
+                assert_eq!(folder.names(), [""; 0], "{path:?}");
+                ended += 1;
+            }
+            code => panic!("{path:?}: {code:?}, {}", errors(&output)),
+        }
+    }
+    assert!(ended >= 10, "only {ended} had not come to their end");
+}
+
+#[test]
+fn a_run_with_checkpoints_keeps_one_first_also_where_a_signal_comes_twice() {
+    let folder = folder();
+    for signals in [&["INT"][..], &["TERM", "TERM"]] {
+        let child = spawn(&mut folder.asperity(&["run", "events.toml", "--checkpoint", "1h", "--resume"]));
+        at_work(&child, 0.2);
+        let output = ended_by(child, signals);
+        assert_eq!(output.status.code(), Some(130), "{signals:?}");
+        let said = errors(&output);
+        let told = "interrupted: no results were written; --resume goes on from out/events.checkpoint.";
+        assert!(said.contains(told), "{signals:?}: {said}");
+    }
+}
+
+/// A checkpoint that cannot be written, to a pipe that nobody reads, holds the run up for good.
+#[test]
+fn a_second_signal_ends_what_does_not_stop() {
+    let folder = folder();
+    let script =
+        r#"mkdir out; mkfifo out/events.checkpoint.$$.partial; exec "$0" run events.toml --checkpoint 1000"#;
+    let mut shell = Command::new("sh");
+    shell.args(["-c", script, env!("CARGO_BIN_EXE_asperity")]).current_dir(folder.path());
+    let mut child = spawn(&mut shell);
+    at_work(&child, 0.05);
+    send(&child, &["INT"]);
+    // It has said that it waits, one second after the signal.
+    std::thread::sleep(Duration::from_millis(1500));
+    assert!(child.try_wait().unwrap().is_none(), "it did not wait for its checkpoint");
+    let output = ended_by(child, &["INT"]);
+    assert_eq!(output.status.code(), Some(130));
+    assert!(errors(&output).contains("a second Ctrl-C ends the run at once"), "{}", errors(&output));
+}
+
+#[test]
+fn who_is_told_to_outlive_the_terminal_does() {
+    let folder = folder();
+    let mut shell = Command::new("sh");
+    let script = r#"trap '' HUP; exec "$0" run long.toml"#;
+    shell.args(["-c", script, env!("CARGO_BIN_EXE_asperity")]).current_dir(folder.path());
+    let mut child = spawn(&mut shell);
+    at_work(&child, 0.05);
+    send(&child, &["HUP"]);
+    let before = status(&child).1;
+    at_work(&child, before + 0.1);
+    assert!(child.try_wait().unwrap().is_none(), "it ended");
+    assert_eq!(ended_by(child, &["TERM"]).status.code(), Some(130));
+}
+
+/// A pipe without a writer is waited for as any file is read, and let go of.
+#[test]
+fn what_waits_for_a_file_ends_too() {
+    let folder = folder();
+    assert!(Command::new("mkfifo").arg(folder.path().join("pipe.toml")).status().unwrap().success());
+    let child = spawn(&mut folder.asperity(&["run", "pipe.toml"]));
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(ended_by(child, &["INT"]).status.code(), Some(130));
+}
+
+#[test]
+fn a_run_ends_when_its_time_is_over() {
+    let folder = folder();
+    let output = folder.run(&["run", "long.toml", "--max-time", "0.3s"]);
+    assert_eq!(output.status.code(), Some(130));
+    assert_eq!(errors(&output), "stopped after 0.3 s, as --max-time says: nothing was written\n");
+    assert_eq!(left(folder.path()), [""; 0]);
+    let output = folder.run(&["run", "events.toml", "--max-time", "1s"]);
+    assert_eq!(output.status.code(), Some(130));
+    let told =
+        "stopped after 1 s, as --max-time says: no results were written; --resume goes on from out/events.";
+    assert!(errors(&output).starts_with(told), "{}", errors(&output));
+}

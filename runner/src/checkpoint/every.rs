@@ -1,0 +1,41 @@
+//! How often checkpoints are written.
+
+use std::num::NonZeroU64;
+use std::str::FromStr;
+use std::time::Duration;
+
+use crate::duration;
+
+/// What lies between two checkpoints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Every {
+    /// A number of events.
+    Events(NonZeroU64),
+    /// A time; the event that is being computed when it is over is computed to its end first.
+    Time(Duration),
+}
+
+impl FromStr for Every {
+    type Err = String;
+
+    /// A number of events, or a time with its unit.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || format!("expected a number of events above 0, or {}", duration::EXPECTED);
+        let number = text.trim().parse().map(Self::Events);
+        number.or_else(|_| duration::parse(text).map(Self::Time)).map_err(|_| expected())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bare_numbers_are_events_and_times_have_units() {
+        assert_eq!("2000".parse(), Ok(Every::Events(NonZeroU64::new(2000).unwrap())));
+        assert_eq!("10min".parse(), Ok(Every::Time(Duration::from_secs(600))));
+        for wrong in ["0", "-3", "2.5", "ten", "0min", ""] {
+            assert!(wrong.parse::<Every>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! What a run has found so far, as a file to which every checkpoint adds what is new, so that all of them together write
+//! each number once.
+//!
+//! A first line says what it is; then there is a list of columns in CBOR (RFC 8949) from each checkpoint. A checkpoint says
+//! how many bytes of the file belong to it, and their CRC-32: what stands behind them was added for one that was lost.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::error::{Error, Result};
+use super::file::Bits;
+
+/// The first line. Another layout has another number.
+const FIRST: &[u8] = b"asperity results so far 1\n";
+
+/// How much of the file belongs to a checkpoint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Extent {
+    /// Bytes.
+    bytes: u64,
+    /// Their checksum.
+    checksum: u32,
+}
+
+/// The file, and how far it is written.
+#[derive(Debug)]
+pub struct FoundFile {
+    path: PathBuf,
+    /// Opened when something is added for the first time.
+    file: Option<File>,
+    extent: Extent,
+}
+
+impl FoundFile {
+    /// The file at `path`, of which nothing belongs to this run yet.
+    pub fn new(path: PathBuf) -> Self {
+        Self { path, file: None, extent: Extent::default() }
+    }
+
+    /// The columns that belong to a checkpoint, to which more will be added.
+    ///
+    /// # Errors
+    /// The file is damaged, or cannot be read.
+    pub fn take_up(&mut self, extent: Extent) -> Result<Vec<Bits>> {
+        let columns = read(&self.path, extent)?;
+        self.extent = extent;
+        Ok(columns)
+    }
+
+    /// How much of the file belongs to this run.
+    pub fn extent(&self) -> Extent {
+        self.extent
+    }
+
+    /// Forgets what was added behind `extent`.
+    pub fn go_back(&mut self, extent: Extent) {
+        *self = Self { extent, ..Self::new(std::mem::take(&mut self.path)) };
+    }
+
+    /// Adds rows to the columns and brings them to the disk. After an error, [`FoundFile::go_back`] is due.
+    ///
+    /// # Errors
+    /// The system refuses.
+    pub fn add(&mut self, rows: &[Bits]) -> Result<()> {
+        let mut bytes = if self.extent.bytes == 0 { FIRST.to_vec() } else { Vec::new() };
+        ciborium::into_writer(rows, &mut bytes)
+            .expect("columns are plain data, and memory does not refuse it");
+        let file = self.open()?;
+        let written = file.write_all(&bytes).and_then(|()| file.sync_data());
+        written.map_err(Error::system(&self.path, "write"))?;
+        let mut checksum = crc32fast::Hasher::new_with_initial(self.extent.checksum);
+        checksum.update(&bytes);
+        self.extent = Extent { bytes: self.extent.bytes + bytes.len() as u64, checksum: checksum.finalize() };
+        Ok(())
+    }
+
+    /// The file, opened where what belongs to this run ends.
+    fn open(&mut self) -> Result<&mut File> {
+        if self.file.is_none() {
+            let mut file = OpenOptions::new()
+                .write(true)
+                .create(true)
+                .truncate(false)
+                .open(&self.path)
+                .map_err(Error::system(&self.path, "create"))?;
+            let end = self.extent.bytes;
+            let placed = file.set_len(end).and_then(|()| file.seek(SeekFrom::Start(end)));
+            placed.map_err(Error::system(&self.path, "write"))?;
+            self.file = Some(file);
+        }
+        Ok(self.file.as_mut().expect("it was just opened"))
+    }
+}
+
+/// The columns in the first bytes of the file.
+fn read(path: &Path, extent: Extent) -> Result<Vec<Bits>> {
+    let damaged = |what: &str| Error::Damaged { path: path.to_owned(), what: what.to_owned() };
+    let bytes = std::fs::read(path).map_err(Error::system(path, "read"))?;
+    let bytes = usize::try_from(extent.bytes).ok().and_then(|length| bytes.get(..length));
+    let bytes = bytes.ok_or_else(|| damaged("its end is missing"))?;
+    if crc32fast::hash(bytes) != extent.checksum {
+        return Err(damaged("its checksum is wrong"));
+    }
+    let mut rest = bytes.strip_prefix(FIRST).ok_or_else(|| damaged("it does not begin as one"))?;
+    let mut columns: Vec<Bits> = Vec::new();
+    while !rest.is_empty() {
+        let rows: Vec<Bits> =
+            ciborium::from_reader(&mut rest).map_err(|error| damaged(&error.to_string()))?;
+        columns.resize(rows.len().max(columns.len()), Bits::default());
+        columns.iter_mut().zip(rows).for_each(|(column, rows)| column.0.extend(rows.0));
+    }
+    Ok(columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_added_is_read_back_and_what_stands_behind_it_forgotten() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("found");
+        let mut file = FoundFile::new(path.clone());
+        let rows = |values: &[&[f64]]| values.iter().map(|column| Bits(column.to_vec())).collect::<Vec<_>>();
+        let mut add = |file: &mut FoundFile, values: &[&[f64]]| {
+            file.add(&rows(values)).unwrap();
+            file.extent()
+        };
+        let first = add(&mut file, &[&[1.0, -0.0], &[]]);
+        let second = add(&mut file, &[&[2.0], &[0.1]]);
+        assert_eq!(read(&path, first).unwrap(), rows(&[&[1.0, -0.0], &[]]));
+        assert_eq!(read(&path, second).unwrap(), rows(&[&[1.0, -0.0, 2.0], &[0.1]]));
+
+        let mut again = FoundFile::new(path.clone());
+        again.take_up(first).unwrap();
+        let third = add(&mut again, &[&[3.0], &[]]);
+        assert_eq!(read(&path, third).unwrap(), rows(&[&[1.0, -0.0, 3.0], &[]]));
+        assert!(read(&path, second).is_err(), "rows of a lost checkpoint");
+        again.go_back(first);
+        let fourth = add(&mut again, &[&[4.0], &[5.0]]);
+        assert_eq!(read(&path, fourth).unwrap(), rows(&[&[1.0, -0.0, 4.0], &[5.0]]));
+    }
+
+    #[test]
+    fn any_byte_that_changes_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("found");
+        let mut file = FoundFile::new(path.clone());
+        file.add(&[Bits(vec![1.0, 2.0])]).unwrap();
+        let extent = file.extent();
+        let bytes = std::fs::read(&path).unwrap();
+        for place in 0..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[place] ^= 0x10;
+            std::fs::write(&path, &changed).unwrap();
+            assert!(matches!(read(&path, extent), Err(Error::Damaged { .. })), "byte {place}");
+            std::fs::write(&path, &bytes[..place]).unwrap();
+            assert!(matches!(read(&path, extent), Err(Error::Damaged { .. })), "{place} bytes");
+        }
+    }
+}
