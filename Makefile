@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint docs figures stubs wheel bench peers validation
+.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation
 
 export PYTHON ?= python3
 venv := .venv
@@ -12,7 +12,7 @@ target := $(or $(CARGO_TARGET_DIR),target)
 site := $(target)/docs
 
 # Everything that must hold.
-test: setup rust results python lint docs
+test: setup rust results python lint advisories docs
 
 # Checks that the tools are there, and makes the Python environment that reads results.
 setup:
@@ -60,7 +60,7 @@ python: $(venv)/installed $(venv)-oldest/installed
 # A wheel, from the source distribution. It has a target folder of its own: Cargo takes the crates of another copy
 # of the workspace for the same ones.
 package := target/package
-sources := $(shell git ls-files 'core/src' 'runner/src' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml)
+sources := $(shell git ls-files 'core/src' 'runner/src' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml THIRD-PARTY.txt)
 
 $(package)/wheel: $(venv)/ready $(sources)
 	rm -rf $(package)/source $(package)/*.tar.gz target/wheels
@@ -85,10 +85,25 @@ wheel: $(venv)-wheel/ready
 $(venv)-wheel/ready: python/requirements-wheel.txt
 	$(environment)
 
-# How the code is laid out, and what clippy has to say.
+# How the code is laid out, what clippy has to say, and the licences and sources of what it is made of.
 lint:
 	cargo fmt --all --check
 	cargo clippy --release --workspace --all-targets --locked -- -D warnings
+	$(PYTHON) .ci/third_party.py check
+
+# Security advisories about what it is made of, where cargo-deny is installed and their database can be reached.
+advisories:
+	@if ! cargo deny --version > /dev/null 2>&1; then \
+	  echo "advisories: not checked, cargo-deny is not installed"; \
+	elif ! cargo deny fetch db > /dev/null 2>&1; then \
+	  echo "advisories: not checked, their database cannot be reached"; \
+	else \
+	  cargo deny --locked check; \
+	fi
+
+# The notices of what it is made of, anew. `make lint` compares them.
+notices:
+	$(PYTHON) .ci/third_party.py write
 
 # The site into target/docs, documentation of the crates included; then what its pages show in Python is run.
 docs: $(venv)-docs/installed
