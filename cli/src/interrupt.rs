@@ -100,13 +100,18 @@ impl Interrupts {
         *self.0.stage() = Stage::Keeping;
     }
 
+    /// From here on results are written, whatever has come or comes.
+    pub fn finish(&self) {
+        *self.0.stage() = Stage::Writing;
+    }
+
     /// From here on results are written, whatever comes.
     ///
     /// # Errors
     /// Something has come.
     pub fn write_results(&self) -> Result<(), Reason> {
         let mut stage = self.0.stage();
-        let asked = self.asked();
+        let asked = self.asked().filter(|_| *stage != Stage::Writing);
         *stage = if asked.is_some() { Stage::Keeping } else { Stage::Writing };
         asked.map_or(Ok(()), Err)
     }

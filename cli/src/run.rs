@@ -1,9 +1,11 @@
 //! `asperity run`: read, compute, draw, write, summarise.
 
 use std::io::Write as _;
+use std::path::Path;
 
 use asperity::scenario::Scenario;
 use asperity_runner::checkpoint::Checkpoints;
+use asperity_runner::summary::Summary;
 use asperity_runner::{input, output, task};
 
 use super::arguments::Run;
@@ -22,22 +24,30 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     let mut checkpoints = checkpoints(&input.scenario, arguments, &interrupts)?;
     arguments.max_time.into_iter().for_each(|limit| interrupts.limit(limit));
     let outcome = compute(&input, checkpoints.as_mut(), arguments, &interrupts)?;
+    if checkpoints.is_some() {
+        // The work is done, and no checkpoint holds the end of it.
+        interrupts.finish();
+    }
     let figures = figure::draw(&outcome).map_err(Failure::run)?;
-    let last = || checkpoints.as_ref().and_then(Checkpoints::last);
-    interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, last()))?;
+    interrupts.write_results().map_err(|reason| Failure::Interrupted(reason, None))?;
     let renamed = output::write(&directory, &outcome, &figures).map_err(Failure::run)?;
     if !arguments.quiet {
         renamed.iter().for_each(|file| say(&moved(file)));
     }
     checkpoints.map_or(Ok(()), Checkpoints::remove)?;
+    tell(&outcome.summary, &directory, arguments)
+}
+
+/// Prints the summary, as it is asked for.
+fn tell(summary: &Summary, directory: &Path, arguments: &Run) -> Result<(), Failure> {
     if arguments.json {
-        let json = serde_json::to_string_pretty(&outcome.summary).expect("a summary is plain data");
+        let json = serde_json::to_string_pretty(summary).expect("a summary is plain data");
         return print(&format!("{json}\n"));
     }
     if arguments.quiet {
         return Ok(());
     }
-    print(&format!("{}{:<22} {}\n", summary::readable(&outcome.summary), "results", directory.display()))
+    print(&format!("{}{:<22} {}\n", summary::readable(summary), "results", directory.display()))
 }
 
 /// Says what makes sense but will surprise.
