@@ -13,6 +13,9 @@ use crate::numerics::stencil::{POINTS, Stencil};
 /// Cells at the coarsest of three levels, and in all of which densities are told.
 const COARSEST: usize = 512;
 
+/// Squared widths to which thresholds spread before they break, over that of the laws, from which on they stay as they are.
+const NOTHING: f64 = 1e-13;
+
 /// P_c = ∫₀^∞ e^{−τ} P_c^{Smol}(t = τC/v) dτ, with C the mean of P_c: ages are distributed exponentially.
 ///
 /// That is (1 − (C/v)L)P_c = P_ci with L of [`Maturing`]. It is solved on 512, 1024 and 2048 cells, and extrapolated; where
@@ -31,6 +34,11 @@ impl Closure<'_> {
     /// # Errors
     /// A density that could not be solved for.
     pub fn law(&self) -> Result<SharedLaw> {
+        let newborn = self.maturing.newborn_law();
+        let spread = newborn.mean() * self.maturing.diffusion / self.velocity;
+        if spread < NOTHING * self.maturing.resolution().powi(2) {
+            return Ok(newborn.clone());
+        }
         let levels = [1, 2, 4].map(|fine| self.solved(COARSEST * fine));
         let masses: Vec<f64> =
             (0..COARSEST).map(|i| extrapolated(levels.each_ref().map(|l| l.1[i]))).collect();
@@ -72,7 +80,9 @@ impl Closure<'_> {
         let edges: Vec<f64> = breaks.iter().map(|b| b.position).collect();
         let resolution = Resolution::Relative { fraction: 1e-9, negligible: 1e-9 * most / width };
         let density = Piecewise::resolve(density, &edges, end, resolution).part(start, end);
-        Series::solved(density, breaks, self.maturing.resolution().min(spread.sqrt()))
+        // No cell tells what is narrower than itself.
+        let resolution = self.maturing.resolution().min(spread.sqrt().max(width));
+        Series::solved(density, breaks, resolution)
     }
 }
 

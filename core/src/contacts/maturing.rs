@@ -41,6 +41,11 @@ impl Maturing {
         Self { newborn, mature, diffusion, support: (low, high) }
     }
 
+    /// P_ci.
+    pub fn newborn_law(&self) -> &SharedLaw {
+        &self.newborn
+    }
+
     /// The operator on so many cells of one width. Masses of P_cf do not move.
     pub fn operator(&self, cells: usize) -> Diffusion {
         let (low, high) = self.support;

@@ -45,8 +45,13 @@ impl Barrier {
 impl Temperature {
     /// Breaking rate w of a contact of the stretch x below its threshold x_s, per time; `stiffness` is its own k.
     pub fn rate(&self, stretch: f64, threshold: f64, stiffness: f64) -> f64 {
+        self.attempt_rate * (-self.exponent(stretch, threshold, stiffness)).exp()
+    }
+
+    /// ΔE/T of such a contact.
+    pub(crate) fn exponent(&self, stretch: f64, threshold: f64, stiffness: f64) -> f64 {
         let whole = 0.5 * stiffness * threshold * threshold;
-        self.attempt_rate * (-whole / self.energy * self.barrier.height(stretch.abs() / threshold)).exp()
+        whole / self.energy * self.barrier.height(stretch.abs() / threshold)
     }
 
     /// Checks the numbers.

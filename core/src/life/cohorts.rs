@@ -53,19 +53,21 @@ pub(super) fn of_cohorts(
     let at = |u: f64| cohorts.sums(&panels, u, per_threshold);
     let unbroken = if conditional { 1.0 } else { at(0.0).survival };
     let mut breaks = cohorts.breaks();
-    let edges = cells(&at, &breaks, contacts.thresholds.mean());
+    let outline = Outline::new(&at, &breaks, contacts.thresholds.mean());
+    let edges = &outline.edges;
     let end = edges[edges.len() - 1];
-    let edges = if per_threshold { stiffening(&at, &edges, contacts.thresholds.mean()) } else { edges };
+    let finer = per_threshold.then(|| stiffening(&at, edges, contacts.thresholds.mean()));
+    let edges = finer.as_ref().unwrap_or(edges);
     let curves = Piecewise::resolve_all(
         |u| {
             let Sums { breaking, survival, force, square, energy, lost, .. } = at(u);
-            [breaking, survival, force, square, energy, lost]
+            [outline.weight(u) * breaking, breaking, survival, force, square, energy, lost]
         },
-        &edges,
+        edges,
         end,
         BULK.resolution,
     );
-    let [breaking, survival, force, square, energy, lost] = curves;
+    let [_, breaking, survival, force, square, energy, lost] = curves;
     begin(&mut breaks, &breaking, 0.0, 0.0);
     if 1.0 - unbroken > NEGLIGIBLE {
         breaks.push(Atom { position: 0.0, weight: 1.0 - unbroken }.into());
@@ -87,29 +89,56 @@ pub(super) fn of_cohorts(
     }
 }
 
-/// Cell boundaries to begin with, from 0 to where nothing is left: such that no cell loses more than a part of the
-/// contacts, and each is at most as wide as all before it.
-fn cells(at: &impl Fn(f64) -> Sums, breaks: &[Break], mean: f64) -> Vec<f64> {
-    let start = at(0.0);
-    let first = (start.survival / start.breaking.max(f64::MIN_POSITIVE)).min(mean) / 8.0;
-    let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).filter(|&u| u > 0.0).collect();
-    stops.sort_by(f64::total_cmp);
-    let mut edges = vec![(0.0, start.survival)];
-    let (mut next, mut most) = (first, 0.0_f64);
-    loop {
-        let (before, left) = edges[edges.len() - 1];
-        let stop = stops[stops.partition_point(|&u| u <= before)..].first().copied().unwrap_or(f64::INFINITY);
-        // A cell that would end just beyond a break ends on it.
-        let to = if stop < 1.25 * next { stop } else { next };
-        let sums = at(to);
-        split(at, [(before, left), (to, sums.survival)], start.survival, &mut edges);
-        most = most.max(sums.square);
-        if sums.survival <= NEGLIGIBLE * start.survival && sums.square <= NEGLIGIBLE * most {
-            break;
+/// Cell boundaries to begin with, and the lengths on which a life is judged.
+struct Outline {
+    edges: Vec<f64>,
+    /// About ∫U du, …
+    mean: f64,
+    /// … and ∫u U du.
+    lived: f64,
+}
+
+impl Outline {
+    /// Boundaries from 0 to where what is left no longer matters: such that no cell loses more than a part of the contacts,
+    /// and each is at most as wide as all before it.
+    fn new(at: &impl Fn(f64) -> Sums, breaks: &[Break], mean: f64) -> Self {
+        let start = at(0.0);
+        let rate = start.breaking / start.survival;
+        let first =
+            if rate.is_finite() { mean.min(1.0 / rate.max(f64::MIN_POSITIVE)) / 8.0 } else { mean / 8.0 };
+        let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).filter(|&u| u > 0.0).collect();
+        stops.sort_by(f64::total_cmp);
+        let (mut edges, mut next, mut sums) = (vec![(0.0, start.survival)], first, [0.0; 4]);
+        loop {
+            let (before, left) = edges[edges.len() - 1];
+            let stop =
+                stops[stops.partition_point(|&u| u <= before)..].first().copied().unwrap_or(f64::INFINITY);
+            // A cell that would end just beyond a break ends on it.
+            let to = if stop < 1.25 * next { stop } else { next };
+            let here = at(to);
+            let first = edges.len();
+            split(at, [(before, left), (to, here.survival)], start.survival, &mut edges);
+            for k in first..edges.len() {
+                let ((low, more), (high, less)) = (edges[k - 1], edges[k]);
+                sums[0] += 0.5 * (high - low) * (more + less);
+                sums[1] += 0.5 * (high - low) * (low * more + high * less);
+            }
+            for (sum, last) in sums[2..].iter_mut().zip([here.force, here.square]) {
+                *sum += (to - before) * last;
+            }
+            let rest = [here.survival, to * here.survival, here.force, here.square];
+            if rest.iter().zip(sums).all(|(rest, sum)| to * rest <= NEGLIGIBLE * sum) {
+                break;
+            }
+            next = if to >= next { 2.0 * to } else { next };
         }
-        next = if to >= next { 2.0 * to } else { next };
+        Self { edges: edges.into_iter().map(|edge| edge.0).collect(), mean: sums[0], lived: sums[1] }
     }
-    edges.into_iter().map(|edge| edge.0).collect()
+
+    /// What a breaking density counts at the advance u: by as much as breaks there ∫U, ∫u U and U are changed.
+    fn weight(&self, advance: f64) -> f64 {
+        1.0 + advance / self.mean + 0.5 * advance * advance / self.lived
+    }
 }
 
 /// Cell boundaries that resolve the stiffness too, which ageing changes while nothing breaks.

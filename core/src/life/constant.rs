@@ -52,6 +52,8 @@ const FEW: [(f64, f64); 6] = [
 impl Constant {
     /// Contacts that need E_0 = `whole` T to break where they are not stretched.
     pub(super) fn new(barrier: Barrier, threshold: f64, whole: f64, start: f64) -> Self {
+        // Of tiny thresholds it is 0 by rounding.
+        let whole = whole.max(f64::MIN_POSITIVE);
         let length = match barrier {
             Barrier::Elastic => threshold / whole.sqrt(),
             Barrier::Bell => threshold / whole,
@@ -93,8 +95,9 @@ impl Constant {
 
     /// The integral by a Gauss rule, over q = √(1 − ξ/h), in which every barrier is smooth.
     fn short(&self, stretch: f64, advance: f64) -> f64 {
-        let missing = |x: f64| (1.0 - x / self.threshold).max(0.0).sqrt();
-        let (near, far) = (missing(stretch), missing(self.start));
+        let left = (1.0 - stretch / self.threshold).max(0.0);
+        // √(1 − r/h), told from the advance: an advance far shorter than the stretch is not their difference.
+        let (near, far) = (left.sqrt(), (left + advance / self.threshold).sqrt());
         let half = 0.5 * advance / (self.threshold * (near + far).max(f64::MIN_POSITIVE));
         let term = |(t, weight): (f64, f64)| {
             let q = near + half * (1.0 + t);

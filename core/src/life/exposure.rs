@@ -2,6 +2,7 @@
 
 use super::constant::Constant;
 use crate::contacts::{Aged, Barrier, Contacts, Stiffness, Strength, Temperature};
+use crate::law::Law;
 use crate::numerics::legendre::RULE;
 use crate::numerics::piecewise::{Piecewise, Resolution};
 
@@ -30,15 +31,6 @@ pub(super) struct Exposed<'a> {
 
 /// A and w/v.
 pub(super) type Risk = (f64, f64);
-
-/// What is known of contacts with one newborn threshold that formed together.
-#[derive(Debug)]
-pub(super) enum Past {
-    /// Their threshold stays.
-    Constant(Constant),
-    /// A, by the advance.
-    Ageing(Piecewise),
-}
 
 /// Exponents that differ by less are left to one Gauss rule.
 const ONE_RULE: f64 = 4.0;
@@ -92,6 +84,28 @@ impl Exposure {
         }
     }
 
+    /// The threshold above which contacts are negligible: what they add to ∫u² U du is, however long they live.
+    ///
+    /// A contact lives for no longer than its way to its threshold, nor, as a rule, than the v/w with which it starts; so
+    /// that where contacts flow the strongest weigh most. Survival is looked at in steps of a hundredth.
+    pub(super) fn highest(&self, law: &dyn Law, negligible: f64) -> f64 {
+        const LEAST: f64 = 1e-300;
+        let longest = |h: f64| h.min((self.exponent(0.0, h).min(700.0)).exp() / self.attempts());
+        let lived = |h: f64| {
+            let aged = self.strength.threshold(h, h / self.velocity).max(h);
+            longest(aged).powi(3)
+        };
+        let steps =
+            std::iter::successors(Some(1.0), |left: &f64| Some(0.01 * left).filter(|&left| left > LEAST));
+        let places: Vec<(f64, f64)> = steps
+            .map(|left| law.upper_quantile(left))
+            .map(|h| (h, law.survival(h.next_down()) * lived(h)))
+            .collect();
+        let most = places.iter().fold(0.0, |most, place| f64::max(most, place.1));
+        let above = places.iter().rposition(|place| place.1 > negligible * most).unwrap_or(0);
+        places[(above + 1).min(places.len() - 1)].0
+    }
+
     /// ω/v.
     fn attempts(&self) -> f64 {
         self.temperature.attempt_rate / self.velocity
@@ -118,11 +132,6 @@ impl Exposure {
 }
 
 impl Exposed<'_> {
-    /// Whether the rates of two contacts have the same ratio at any stretch.
-    pub(super) fn is_separable(&self) -> bool {
-        self.common.is_some()
-    }
-
     /// ΔE/T now.
     #[inline]
     pub(super) fn exponent(&self, newborn: f64) -> f64 {
@@ -138,14 +147,6 @@ impl Exposed<'_> {
         now.max(then)
     }
 
-    /// What the risks of contacts with the newborn threshold take from their way; `end` is the last advance of interest.
-    pub(super) fn past(&self, newborn: f64, end: impl FnOnce() -> f64) -> Past {
-        if self.exposure.strength.is_constant() {
-            return Past::Constant(self.constant(newborn));
-        }
-        Past::Ageing(self.history(newborn, end()))
-    }
-
     /// A, and w/v now, of contacts with the newborn threshold.
     #[inline]
     pub(super) fn risk(&self, newborn: f64) -> Risk {
@@ -154,33 +155,22 @@ impl Exposed<'_> {
             return (rate * common, rate);
         }
         if self.exposure.strength.is_constant() {
-            return self.of_constant(&self.constant(newborn));
+            let ((sum, now), attempts) = (self.constant(newborn).at(self.advance), self.exposure.attempts());
+            return (attempts * sum, attempts * now);
         }
         (self.summed(newborn), self.rate(newborn))
     }
 
-    /// The same where their past is known.
+    /// The same where A is known as a function of the advance.
     #[inline]
-    pub(super) fn known_risk(&self, newborn: f64, past: &Past) -> Risk {
-        match past {
-            Past::Constant(constant) => self.of_constant(constant),
-            Past::Ageing(broken) => {
-                let broken = broken.value_in(broken.nearest(self.advance), self.advance);
-                (broken, self.rate(newborn))
-            }
-        }
+    pub(super) fn known_risk(&self, newborn: f64, broken: &Piecewise) -> Risk {
+        (broken.value_in(broken.nearest(self.advance), self.advance), self.rate(newborn))
     }
 
     fn constant(&self, threshold: f64) -> Constant {
         let Exposure { temperature, .. } = self.exposure;
         let whole = self.exposure.exponent(0.0, threshold);
         Constant::new(temperature.barrier, threshold, whole, self.start)
-    }
-
-    #[inline]
-    fn of_constant(&self, constant: &Constant) -> Risk {
-        let ((sum, now), attempts) = (constant.at(self.advance), self.exposure.attempts());
-        (attempts * sum, attempts * now)
     }
 
     /// w/v now.
@@ -190,16 +180,22 @@ impl Exposed<'_> {
     }
 
     /// A of contacts with the newborn threshold, as a function of the advance up to `end`.
-    fn history(&self, newborn: f64, end: f64) -> Piecewise {
+    pub(super) fn history(&self, newborn: f64, end: f64) -> Piecewise {
         /// What a contact may break by without being missed.
         const NEGLIGIBLE: f64 = 1e-18;
         let exposure = self.exposure;
-        let rate = |u: f64| {
+        let exponent = |u: f64| {
             let threshold = exposure.strength.threshold(newborn, u / exposure.velocity);
-            exposure.attempts() * (-exposure.exponent(self.start + u, threshold)).exp()
+            exposure.exponent(self.start + u, threshold)
         };
-        let resolution = Resolution::Relative { fraction: 1e-13, negligible: NEGLIGIBLE / end };
-        let rate = Piecewise::resolve(rate, &[], end, resolution);
+        let rate = |u: f64| exposure.attempts() * (-exponent(u)).exp();
+        let most = (exposure.attempts() * end / NEGLIGIBLE).ln();
+        let mut edges = Vec::new();
+        split(&exponent, [0.0, end].map(|u| (u, exponent(u))), (most, 0), &mut edges);
+        // Rounding of E is felt in e^{−E}.
+        let fraction = 1e-13_f64.max(16.0 * f64::EPSILON * exponent(0.0).max(exponent(end)));
+        let resolution = Resolution::Relative { fraction, negligible: NEGLIGIBLE / end };
+        let rate = Piecewise::resolve(rate, &edges, end, resolution);
         rate.mirrored().integrated_from_end(0.0, &[]).mirrored()
     }
 
@@ -215,6 +211,28 @@ impl Exposed<'_> {
     }
 }
 
+/// Places that cut an interval, halved until E is nearly straight on its parts and falls little, or is above `most`.
+fn split(
+    exponent: &impl Fn(f64) -> f64,
+    [a, b]: [(f64, f64); 2],
+    (most, depth): (f64, u32),
+    edges: &mut Vec<f64>,
+) {
+    let middle = 0.5 * (a.0 + b.0);
+    let at = exponent(middle);
+    if a.1.min(at).min(b.1) > most || is_even([a.1, at, b.1]) || depth > MOST_HALVINGS {
+        return;
+    }
+    split(exponent, [a, (middle, at)], (most, depth + 1), edges);
+    edges.push(middle);
+    split(exponent, [(middle, at), b], (most, depth + 1), edges);
+}
+
+/// Whether E, at both ends and in the middle of an interval, is nearly straight and falls little.
+fn is_even([a, middle, b]: [f64; 3]) -> bool {
+    (a - b).abs() < ONE_RULE && (middle - 0.5 * (a + b)).abs() < 0.5
+}
+
 /// ∫e^{−E} over an interval, halved until E is nearly straight on its parts and falls little; `least` is the least E known.
 fn halved(exponent: &impl Fn(f64) -> f64, [a, b]: [(f64, f64); 2], (least, depth): (f64, u32)) -> f64 {
     let middle = 0.5 * (a.0 + b.0);
@@ -223,8 +241,7 @@ fn halved(exponent: &impl Fn(f64) -> f64, [a, b]: [(f64, f64); 2], (least, depth
     if a.1.min(at).min(b.1) > least + NOTHING {
         return 0.0;
     }
-    let bent = (at - 0.5 * (a.1 + b.1)).abs();
-    if ((a.1 - b.1).abs() < ONE_RULE && bent < 0.5) || depth > MOST_HALVINGS {
+    if is_even([a.1, at, b.1]) || depth > MOST_HALVINGS {
         return RULE.integrate(a.0, b.0, |u| (-exponent(u)).exp());
     }
     // The later half first: as a rule that is where contacts are about to break.

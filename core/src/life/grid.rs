@@ -1,19 +1,23 @@
 //! Sums over newborn thresholds, as closely as their law and what temperature does to them ask for.
 
-use super::cells::{NEGLIGIBLE, edges, top, with_atoms};
+use std::ops::ControlFlow;
+
+use super::cells::{NEGLIGIBLE, edges, with_atoms};
 use super::exposure::{Exposed, Exposure, Risk};
 use crate::law::{Atom, Law, SharedLaw, Zone};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 
 /// P_c, cut into parts on which it is smooth.
+///
+/// Towards a power x^α of its density that is not whole, parts are graded: each is a third of the one before, so that
+/// Gauss points follow every power equally well (graded meshes, after J. R. Rice, in: Numerical Solution of Partial
+/// Differential Equations II (1971)), down to where what is left is less than rounding.
 #[derive(Debug)]
 pub(super) struct Grid {
     law: SharedLaw,
     parts: Vec<Part>,
     /// Ends and points of all parts, and of their halves.
     fixed: Vec<f64>,
-    /// Places towards which it is steep.
-    steep: Vec<f64>,
     /// Thresholds that many share.
     walls: Vec<Atom>,
     /// Whether what is summed has half powers of the distance to the least threshold.
@@ -26,8 +30,6 @@ struct Part {
     ends: [f64; 2],
     points: Nodal,
     weights: Nodal,
-    /// The rates at the points over that at the lower end, where they are the same at any stretch.
-    ratios: Option<Nodal>,
     /// The number of its lower end among all fixed thresholds; its points and its upper end follow.
     place: usize,
     halves: Option<Box<[Part; 2]>>,
@@ -45,6 +47,9 @@ pub(super) struct Share {
 /// A newborn threshold, with −ln of what temperature left, and w/v.
 type At = (f64, Risk);
 
+/// The threshold from which on every contact is left, if that has been reached.
+type Sought = ControlFlow<f64>;
+
 /// Exponents that differ by less are left to one Gauss rule: of exp(−e^{−t}) over a Gaussian it misses 1e-15 then.
 const ONE_RULE: f64 = 2.0;
 
@@ -53,30 +58,35 @@ const ONE_RULE: f64 = 2.0;
 const FEW: f64 = 20.0;
 const WIDER: f64 = 1.1;
 
-/// Where −ln of what is left is above, nothing is; where it is below, all are.
-const GONE: f64 = 45.0;
+/// Where −ln of what is left is above, nothing is, however few others there are; where it is below, all are.
+const GONE: f64 = 700.0;
 const KEPT: f64 = 1e-17;
 
-/// How often parts are halved beforehand, not as it is needed: beyond, temperatures are so low that few are.
-const MOST_HALVINGS: u32 = 9;
+/// How many parts are made beforehand, not as it is needed: temperatures that ask for more leave most of them alone.
+const MOST_PARTS: usize = 512;
 
 impl Grid {
-    /// The parts of a law, cut as finely as `exposure` asks for up to the age `oldest`.
-    pub(super) fn new(law: &SharedLaw, exposure: Option<&Exposure>, oldest: f64, rooted: bool) -> Self {
+    /// The parts of a law up to the threshold `highest`, cut as finely as `exposure` asks for up to the age `oldest`.
+    pub(super) fn new(
+        law: &SharedLaw,
+        highest: f64,
+        exposure: Option<&Exposure>,
+        oldest: f64,
+        rooted: bool,
+    ) -> Self {
+        let zones = zones(law.as_ref(), highest);
         let breaks = with_atoms(law.as_ref());
         let stops: Vec<f64> = breaks.iter().map(|b| b.position).collect();
-        // Gauss points integrate twice as far as they interpolate.
-        let wider = |zone: Zone| Zone { resolution: 2.0 * zone.resolution, ..zone };
-        let zones: Vec<_> = law.zones().into_iter().map(wider).collect();
-        let edges = edges(&zones, &stops, top(law.as_ref(), NEGLIGIBLE));
+        let edges = edges(&zones, &stops, highest.min(law.upper_quantile(0.0)));
+        let steep: Vec<f64> = breaks.iter().filter(|b| b.is_steep()).map(|b| b.position).collect();
+        let edges = graded(edges, &steep, law.quantile(NEGLIGIBLE));
         let inhabited = |part: &[f64; 2]| law.cumulative(part[1]) > NEGLIGIBLE && !zones.is_empty();
-        let parts = edges.windows(2).map(|pair| [pair[0], pair[1]]).filter(inhabited);
-        let rest = exposure.map(|exposure| exposure.at(0.0, 0.0));
+        let parts: Vec<_> = edges.windows(2).map(|pair| [pair[0], pair[1]]).filter(inhabited).collect();
         let apart = |ends: [f64; 2]| exposure.map_or(0.0, |exposure| exposure.apart(ends, oldest));
-        let mut cutter = Cutter { law: law.as_ref(), rest, apart: &apart, fixed: Vec::new() };
-        let parts = parts.map(|part| cutter.part(part, 0)).collect();
-        let steep = breaks.iter().filter(|b| b.is_steep()).map(|b| b.position).collect();
-        Self { law: law.clone(), parts, fixed: cutter.fixed, steep, walls: law.atoms(), rooted }
+        let halvings = (MOST_PARTS / parts.len().max(1)).max(1).ilog2();
+        let mut cutter = Cutter { law: law.as_ref(), apart: &apart, fixed: Vec::new() };
+        let parts = parts.into_iter().map(|part| cutter.part(part, halvings)).collect();
+        Self { law: law.clone(), parts, fixed: cutter.fixed, walls: law.atoms(), rooted }
     }
 
     /// The thresholds at which the risk is asked for time and again.
@@ -84,45 +94,70 @@ impl Grid {
         &self.fixed
     }
 
-    /// Visits the contacts with newborn thresholds above `least`, of which the risk is told; without temperature, nothing is
-    /// broken. `known` tells the risk at one of the [`Grid::fixed`] thresholds by its place.
+    /// Visits the contacts with newborn thresholds above `least`, of which the risk is told, up to a threshold above which
+    /// all are left, and tells that one. `known` tells the risk at one of the [`Grid::fixed`] thresholds by its place.
     pub(super) fn each(
         &self,
         least: At,
-        exposed: Option<&Exposed<'_>>,
+        exposed: &Exposed<'_>,
         known: &impl Fn(&Exposed<'_>, usize) -> Risk,
         mut visit: impl FnMut(Share),
-    ) {
-        for &Atom { position: newborn, weight } in self.walls.iter().filter(|wall| wall.position > least.0) {
-            let (broken, rate) = exposed.map_or((0.0, 0.0), |exposed| exposed.risk(newborn));
-            visit(Share { newborn, weight, broken, rate });
-        }
+    ) -> f64 {
+        let at = |place: usize| (self.fixed[place], known(exposed, place));
         let first = self.parts.partition_point(|part| part.ends[1] <= least.0);
-        for part in &self.parts[first..] {
-            let at = |place: usize| {
-                (self.fixed[place], exposed.map_or((0.0, 0.0), |exposed| known(exposed, place)))
-            };
+        let sought = self.parts[first..].iter().try_for_each(|part| {
             let low = if part.ends[0] < least.0 { least } else { at(part.place) };
-            self.sum(part, [low, at(part.place + NODES + 1)], least.0, (exposed, known), &mut visit);
+            self.sum(part, [low, at(part.place + NODES + 1)], least.0, (exposed, known), &mut visit)
+        });
+        let end = self.parts.last().map_or(0.0, |part| part.ends[1]).max(least.0);
+        let kept = sought.break_value().unwrap_or(if self.parts.is_empty() { f64::INFINITY } else { end });
+        for &Atom { position: newborn, weight } in &self.walls {
+            if newborn > least.0 && newborn <= kept {
+                let (broken, rate) = exposed.risk(newborn);
+                visit(Share { newborn, weight, broken, rate });
+            }
+        }
+        kept
+    }
+
+    /// Visits thresholds above the `least`, none of which has broken.
+    pub(super) fn above(&self, least: f64, mut visit: impl FnMut(Share)) {
+        let whole = |newborn: f64, weight: f64| Share { newborn, weight, broken: 0.0, rate: 0.0 };
+        let walls = self.walls.iter().filter(|wall| wall.position > least);
+        walls.for_each(|wall| visit(whole(wall.position, wall.weight)));
+        let first = self.parts.partition_point(|part| part.ends[1] <= least);
+        for part in &self.parts[first..] {
+            if part.ends[0] >= least {
+                part.points.iter().zip(part.weights).for_each(|(&h, weight)| visit(whole(h, weight)));
+                continue;
+            }
+            let half = 0.5 * (part.ends[1] - least);
+            for (t, w) in RULE.nodes.iter().zip(&RULE.weights) {
+                let newborn = least + half * (1.0 + t);
+                visit(whole(newborn, half * w * self.law.density(newborn)));
+            }
         }
     }
 
-    /// The same of a part, between two thresholds: its upper end, and its lower one or what is least above that.
+    /// The same as [`Grid::each`] of a part, between two thresholds: its upper end, and its lower one or what is least above.
     fn sum(
         &self,
         part: &Part,
         [low, high]: [At; 2],
         least: f64,
-        (exposed, known): (Option<&Exposed<'_>>, &impl Fn(&Exposed<'_>, usize) -> Risk),
+        (exposed, known): (&Exposed<'_>, &impl Fn(&Exposed<'_>, usize) -> Risk),
         visit: &mut impl FnMut(Share),
-    ) {
+    ) -> Sought {
         if high.1.0 > GONE {
-            return;
+            return Sought::Continue(());
         }
-        let exposed = exposed.filter(|_| low.1.0 > KEPT);
+        if low.1.0 <= KEPT {
+            return Sought::Break(low.0);
+        }
         let whole = low.0 <= part.ends[0] && !self.is_rooted([low, high], least);
-        if whole && !self.is_uneven([low, high], exposed) {
-            return part.each(low.1, exposed, known, visit);
+        if whole && !is_uneven([low, high], exposed) {
+            part.each(exposed, known, visit);
+            return Sought::Continue(());
         }
         let Some(halves) = &part.halves else { return self.cut([low, high], least, exposed, visit) };
         let place = halves[1].place;
@@ -130,9 +165,9 @@ impl Grid {
         if low.0 >= middle {
             return self.sum(&halves[1], [low, high], least, (exposed, known), visit);
         }
-        let middle = (middle, exposed.map_or((0.0, 0.0), |exposed| known(exposed, place)));
-        self.sum(&halves[0], [low, middle], least, (exposed, known), visit);
-        self.sum(&halves[1], [middle, high], least, (exposed, known), visit);
+        let middle = (middle, known(exposed, place));
+        self.sum(&halves[0], [low, middle], least, (exposed, known), visit)?;
+        self.sum(&halves[1], [middle, high], least, (exposed, known), visit)
     }
 
     /// Whether half powers of the distance to the least threshold are too much for one rule.
@@ -142,31 +177,24 @@ impl Grid {
         self.rooted && low.0 - least < NEAR * (high.0 - low.0)
     }
 
-    /// Whether one Gauss rule is not enough between two thresholds.
-    fn is_uneven(&self, [low, high]: [At; 2], exposed: Option<&Exposed<'_>>) -> bool {
-        let width = high.0 - low.0;
-        let allowed = ONE_RULE + WIDER * (FEW / low.1.0).ln().max(0.0);
-        self.steep.iter().any(|x| (low.0 - x).max(x - high.0) < 0.99 * width)
-            || exposed.is_some_and(|exposed| exposed.apart([low.0, high.0]) > allowed)
-    }
-
     /// Visits Gauss points between two thresholds of which the risk is known, where the `least` is met.
     fn cut(
         &self,
         [low, high]: [At; 2],
         least: f64,
-        exposed: Option<&Exposed<'_>>,
+        exposed: &Exposed<'_>,
         visit: &mut impl FnMut(Share),
-    ) {
+    ) -> Sought {
         if high.1.0 > GONE {
-            return;
+            return Sought::Continue(());
         }
-        let exposed = exposed.filter(|_| low.1.0 > KEPT);
-        let width = high.0 - low.0;
-        if width > 4.0 * f64::EPSILON * high.0 && self.is_uneven([low, high], exposed) {
+        if low.1.0 <= KEPT {
+            return Sought::Break(low.0);
+        }
+        if high.0 - low.0 > 4.0 * f64::EPSILON * high.0 && is_uneven([low, high], exposed) {
             let middle = 0.5 * (low.0 + high.0);
-            let middle = (middle, exposed.map_or((0.0, 0.0), |exposed| exposed.risk(middle)));
-            self.cut([low, middle], least, exposed, visit);
+            let middle = (middle, exposed.risk(middle));
+            self.cut([low, middle], least, exposed, visit)?;
             return self.cut([middle, high], least, exposed, visit);
         }
         let rooted = self.is_rooted([low, high], least);
@@ -176,65 +204,93 @@ impl Grid {
             let (newborn, weight) =
                 if rooted { (least + place * place, 2.0 * place * weight) } else { (place, weight) };
             let weight = weight * self.law.density(newborn);
-            let (broken, rate) = exposed.map_or((0.0, 0.0), |exposed| exposed.risk(newborn));
+            let (broken, rate) = exposed.risk(newborn);
             visit(Share { newborn, weight, broken, rate });
         }
+        Sought::Continue(())
     }
+}
+
+/// Whether one Gauss rule is not enough between two thresholds.
+fn is_uneven([low, high]: [At; 2], exposed: &Exposed<'_>) -> bool {
+    let allowed = ONE_RULE + WIDER * (FEW / low.1.0).ln().max(0.0);
+    exposed.apart([low.0, high.0]) > allowed
+}
+
+/// The zones of a law, the last of them up to the threshold `highest` where its density has no long tail.
+fn zones(law: &dyn Law, highest: f64) -> Vec<Zone> {
+    let end = law.upper_quantile(NEGLIGIBLE);
+    // Gauss points integrate twice as far as they interpolate.
+    let wider = |zone: Zone| Zone {
+        resolution: 2.0 * zone.resolution,
+        high: if zone.high >= end { zone.high.max(highest) } else { zone.high },
+        ..zone
+    };
+    law.zones().into_iter().map(wider).collect()
+}
+
+/// The edges, and more between them towards what is `steep`: down to the place `least` from 0, and to rounding elsewhere.
+fn graded(mut edges: Vec<f64>, steep: &[f64], least: f64) -> Vec<f64> {
+    /// 16 points miss 5e-19 of a power over a part that is twice as wide as it is far.
+    const RATIO: f64 = 1.0 / 3.0;
+    for &at in steep {
+        let floor = least.max(8.0 * f64::EPSILON * at).max(f64::MIN_POSITIVE);
+        let beside = |edge: Option<&f64>| edge.map_or(0.0, |edge| edge - at);
+        let above = beside(edges.iter().find(|edge| **edge > at + floor));
+        let below = beside(edges.iter().rev().find(|edge| **edge < at - floor));
+        for width in [below, above] {
+            let next = |width: &f64| Some(RATIO * width).filter(|width| width.abs() > floor);
+            edges.extend(std::iter::successors(next(&width), next).map(|width| at + width));
+        }
+        edges.sort_by(f64::total_cmp);
+    }
+    edges.dedup();
+    edges
 }
 
 /// What cuts P_c.
 struct Cutter<'a> {
     law: &'a dyn Law,
-    rest: Option<Exposed<'a>>,
     /// By how much exponents differ at most.
     apart: &'a dyn Fn([f64; 2]) -> f64,
     fixed: Vec<f64>,
 }
 
 impl Cutter<'_> {
-    /// A part, halved until one rule is always enough.
-    fn part(&mut self, ends: [f64; 2], depth: u32) -> Part {
+    /// A part, halved until one rule is always enough, but no more often than that.
+    fn part(&mut self, ends: [f64; 2], halvings: u32) -> Part {
         let place = self.fixed.len();
-        let mut part = Part::new(self.law, ends, self.rest.as_ref(), place);
+        let mut part = Part::new(self.law, ends, place);
         self.fixed.push(ends[0]);
         self.fixed.extend(part.points);
         self.fixed.push(ends[1]);
-        if (self.apart)(ends) > ONE_RULE && depth < MOST_HALVINGS {
+        if halvings > 0 && (self.apart)(ends) > ONE_RULE {
             let middle = 0.5 * (ends[0] + ends[1]);
-            let low = self.part([ends[0], middle], depth + 1);
-            part.halves = Some(Box::new([low, self.part([middle, ends[1]], depth + 1)]));
+            let low = self.part([ends[0], middle], halvings - 1);
+            part.halves = Some(Box::new([low, self.part([middle, ends[1]], halvings - 1)]));
         }
         part
     }
 }
 
 impl Part {
-    fn new(law: &dyn Law, ends: [f64; 2], rest: Option<&Exposed<'_>>, place: usize) -> Self {
+    fn new(law: &dyn Law, ends: [f64; 2], place: usize) -> Self {
         let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
         let points = RULE.nodes.map(|t| middle + half * t);
         let weights = std::array::from_fn(|i| half * RULE.weights[i] * law.density(points[i]));
-        let separable = rest.filter(|rest| rest.is_separable());
-        let ratios = separable
-            .map(|rest| points.map(|newborn| (rest.exponent(ends[0]) - rest.exponent(newborn)).exp()));
-        Self { ends, points, weights, ratios, place, halves: None }
+        Self { ends, points, weights, place, halves: None }
     }
 
-    /// Visits all its points, with the risk at its lower end.
+    /// Visits all its points.
     fn each(
         &self,
-        (broken, rate): Risk,
-        exposed: Option<&Exposed<'_>>,
+        exposed: &Exposed<'_>,
         known: &impl Fn(&Exposed<'_>, usize) -> Risk,
         visit: &mut impl FnMut(Share),
     ) {
         for i in 0..NODES {
-            let (newborn, weight) = (self.points[i], self.weights[i]);
-            let (broken, rate) = match (exposed, &self.ratios) {
-                (None, _) => (0.0, 0.0),
-                (_, Some(ratios)) => (broken * ratios[i], rate * ratios[i]),
-                (Some(exposed), _) => known(exposed, self.place + 1 + i),
-            };
-            visit(Share { newborn, weight, broken, rate });
+            let (broken, rate) = known(exposed, self.place + 1 + i);
+            visit(Share { newborn: self.points[i], weight: self.weights[i], broken, rate });
         }
     }
 }

@@ -1,16 +1,18 @@
 //! Contacts that temperature breaks, that age rank by rank, or both.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use super::cells::{NEGLIGIBLE, scale, with_atoms};
-use super::exposure::{Exposed, Exposure, Past, Risk, blur};
+use super::exposure::{Exposed, Exposure, Risk, blur};
 use super::fate::{Cohort, Fate, Passing, Toll};
 use super::grid::{Grid, Share};
 use super::record::Record;
 use crate::Result;
-use crate::contacts::{Barrier, Contacts, Stiffness, Strength};
+use crate::contacts::{Aged, Barrier, Contacts, Stiffness, Strength};
 use crate::law::{Break, SharedLaw};
+use crate::numerics::legendre::NODES;
+use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::brent_root;
 
 /// Contacts each of which has, at any age, a threshold that follows from its newborn one, and breaks where its stretch
@@ -28,6 +30,8 @@ pub(super) struct Timed {
     velocity: f64,
     exposure: Option<Exposure>,
     grid: Arc<Grid>,
+    /// How many numbers the histories hold that are kept.
+    kept: Arc<AtomicUsize>,
     per_threshold: bool,
     resolution: f64,
 }
@@ -38,8 +42,8 @@ struct Formed {
     of: Timed,
     start: f64,
     record: Record,
-    /// What is known of the fixed thresholds of the grid, once asked for, …
-    pasts: OnceLock<Vec<OnceLock<Past>>>,
+    /// A of contacts that age, at the fixed thresholds of the grid, once asked for, …
+    histories: OnceLock<Vec<OnceLock<Piecewise>>>,
     /// … but not of contacts that are asked but once for their toll.
     asked: AtomicBool,
 }
@@ -58,7 +62,10 @@ impl Timed {
             .filter(|_| thermal)
             .map(|temperature| Exposure::new(contacts, temperature, strength.clone(), velocity));
         let rooted = contacts.rules.temperature.is_some_and(|t| t.barrier == Barrier::Catastrophe);
-        let highest = law.upper_quantile(NEGLIGIBLE);
+        let highest = exposure.as_ref().map_or_else(
+            || law.upper_quantile(NEGLIGIBLE),
+            |exposure| exposure.highest(law.as_ref(), NEGLIGIBLE),
+        );
         let hazards: Arc<[Break]> = with_atoms(law.as_ref()).into();
         Ok(Self {
             resolution: resolution(contacts, &hazards),
@@ -67,7 +74,8 @@ impl Timed {
             highest,
             strength,
             velocity,
-            grid: Arc::new(Grid::new(law, exposure.as_ref(), highest / velocity, rooted)),
+            grid: Arc::new(Grid::new(law, highest, exposure.as_ref(), highest / velocity, rooted)),
+            kept: Arc::default(),
             exposure,
             per_threshold: matches!(contacts.stiffness, Stiffness::PerThreshold(_)),
         })
@@ -75,6 +83,18 @@ impl Timed {
 }
 
 impl Timed {
+    /// Whether one more history may be kept.
+    fn may_keep(&self) -> bool {
+        /// 64 MB.
+        const MOST: usize = 1 << 23;
+        self.kept.load(Ordering::Relaxed) < MOST
+    }
+
+    fn keep(&self, history: Piecewise) -> Piecewise {
+        self.kept.fetch_add(NODES * history.coefficients.len(), Ordering::Relaxed);
+        history
+    }
+
     /// What temperature leaves, at an advance, of contacts formed at `start` with the newborn threshold.
     fn left(&self, start: f64, advance: f64, newborn: f64) -> f64 {
         let risk = |exposure: &Exposure| exposure.at(start, advance).risk(newborn).0;
@@ -104,8 +124,8 @@ fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
 impl Fate for Timed {
     fn cohort(&self, start: f64) -> Arc<dyn Cohort> {
         let record = Record::new(&self.strength, self.velocity, start, self.highest);
-        let (pasts, asked) = (OnceLock::new(), AtomicBool::new(false));
-        Arc::new(Formed { of: self.clone(), start, record, pasts, asked })
+        let (histories, asked) = (OnceLock::new(), AtomicBool::new(false));
+        Arc::new(Formed { of: self.clone(), start, record, histories, asked })
     }
 
     fn resolution(&self) -> f64 {
@@ -144,12 +164,16 @@ impl Formed {
     /// The risk of contacts at a place of the grid.
     fn risk(&self, exposed: &Exposed<'_>, place: usize, asked: bool) -> Risk {
         let newborn = self.of.grid.fixed()[place];
-        if !asked || newborn <= self.start || exposed.is_separable() {
+        if !asked || newborn <= self.start || self.of.strength.is_constant() {
             return exposed.risk(newborn);
         }
-        let pasts = self.pasts.get_or_init(|| self.of.grid.fixed().iter().map(|_| OnceLock::new()).collect());
+        let histories = self.histories.get_or_init(|| vec![OnceLock::new(); self.of.grid.fixed().len()]);
+        if histories[place].get().is_none() && !self.of.may_keep() {
+            return exposed.risk(newborn);
+        }
         let end = || self.record.meeting(newborn).unwrap_or(self.of.highest);
-        exposed.known_risk(newborn, pasts[place].get_or_init(|| exposed.past(newborn, end)))
+        let history = histories[place].get_or_init(|| self.of.keep(exposed.history(newborn, end())));
+        exposed.known_risk(newborn, history)
     }
 
     /// Adds contacts of one newborn threshold.
@@ -166,24 +190,39 @@ impl Formed {
     }
 }
 
+impl Formed {
+    /// Adds all contacts with newborn thresholds above one.
+    fn add_kept(&self, toll: &mut Toll, above: f64, aged: &Aged<'_>) {
+        let Timed { law, grid, strength, per_threshold, .. } = &self.of;
+        if *per_threshold && !strength.is_constant() {
+            return grid.above(above, |share| self.add(toll, share, aged.threshold(share.newborn)));
+        }
+        toll.unbroken[0] += law.survival(above);
+        if *per_threshold {
+            (1..)
+                .zip(&mut toll.unbroken[1..])
+                .for_each(|(order, sum)| *sum += law.upper_moment(order, above));
+        }
+    }
+}
+
 impl Cohort for Formed {
     fn toll(&self, advance: f64) -> Toll {
         let Timed { law, strength, velocity, .. } = &self.of;
         let (met, pace) = (self.record.met(advance), self.record.pace(advance));
         let (aged, stretch) = (strength.at(advance / velocity), self.start + advance);
         let mut toll = Toll::default();
-        let mut reached = law.density(met) * pace;
-        let exposed = self.of.exposure.as_ref().map(|exposure| exposure.at(self.start, advance));
-        let least = (met, exposed.as_ref().map_or((0.0, 0.0), |exposed| exposed.risk(met)));
-        if exposed.is_some() || self.of.per_threshold {
+        let (mut reached, mut kept) = (law.density(met) * pace, met);
+        if let Some(exposure) = &self.of.exposure {
+            let exposed = exposure.at(self.start, advance);
+            let least = (met, exposed.risk(met));
             let asked = self.asked.swap(true, Ordering::Relaxed);
             let add = |share: Share| self.add(&mut toll, share, aged.threshold(share.newborn));
             let known = |exposed: &Exposed<'_>, place: usize| self.risk(exposed, place, asked);
-            self.of.grid.each(least, exposed.as_ref(), &known, add);
-        } else {
-            toll.unbroken[0] = law.survival(met);
+            kept = self.of.grid.each(least, &exposed, &known, add);
+            reached *= (-least.1.0).exp();
         }
-        reached *= (-least.1.0).exp();
+        self.add_kept(&mut toll, kept, &aged);
         toll.breaking[0] += reached;
         toll.breaking[1] += reached * stretch;
         toll
@@ -203,6 +242,7 @@ impl Cohort for Formed {
             let amplitude = self.toll(advance + step).breaking[0] - self.toll(advance - step).breaking[0];
             Break { position: advance, exponent: 0.0, amplitude }
         });
-        above.filter_map(meet).chain(turns).filter(|b| b.amplitude != 0.0).collect()
+        let rare = |b: &Break| b.is_atom() && b.amplitude <= NEGLIGIBLE;
+        above.filter_map(meet).chain(turns).filter(|b| b.amplitude != 0.0 && !rare(b)).collect()
     }
 }

@@ -23,7 +23,8 @@ pub struct Limits {
 impl Limits {
     /// The limits of steady sliding of `contacts`.
     ///
-    /// With ω₀ = w(0; x_s), the rate at which an unstretched contact breaks, F_k/v → N_c⟨k ω₀⁻²⟩/(⟨ω₀⁻¹⟩ + τ).
+    /// With ω₀ = w(0; x_s), the rate at which an unstretched contact breaks, F_k/v → N_c⟨k ω₀⁻²⟩/(⟨ω₀⁻¹⟩ + τ). Of Gaussian
+    /// thresholds and the elastic barrier that is finite for T > 2⟨k⟩σ²: else the few strongest contacts carry ever more.
     ///
     /// # Errors
     /// Those of [`MasterEquation::new`] for the same contacts without rules.
@@ -67,11 +68,14 @@ fn own(stiffness: Stiffness, threshold: f64) -> f64 {
 fn viscosity(contacts: &Contacts) -> Option<f64> {
     let temperature = simple(contacts)?;
     let stiffness = |h: f64| own(contacts.stiffness, h);
-    let life = |h: f64| 1.0 / temperature.rate(0.0, h, stiffness(h));
+    let life = |h: f64| temperature.exponent(0.0, h, stiffness(h)) - temperature.attempt_rate.ln();
     let law = contacts.thresholds.as_ref();
-    let carried = average(law, |h| stiffness(h) * life(h) * life(h))?;
-    let mean = average(law, life)?;
-    Some(contacts.count * carried / (mean + contacts.rules.delay))
+    let carried = ln_average(law, |h| stiffness(h).ln() + 2.0 * life(h))?;
+    let mean = ln_average(law, life)?;
+    // ln(⟨ω₀⁻¹⟩ + τ)
+    let free = (contacts.rules.delay.ln() - mean).exp().ln_1p();
+    let viscosity = contacts.count * (carried - mean - free).exp();
+    viscosity.is_finite().then_some(viscosity)
 }
 
 /// Kinetic friction of slow creep, well below its threshold but far from viscous flow, a force:
@@ -87,8 +91,8 @@ pub fn creep(contacts: &Contacts, velocity: f64) -> Option<f64> {
     if typical <= 0.0 || typical >= law.mean() {
         return None;
     }
-    let square = average(law, |h| own(contacts.stiffness, h) * place(h).powi(2))?;
-    let mean = average(law, place)?;
+    let square = ln_average(law, |h| own(contacts.stiffness, h).ln() + 2.0 * place(h).ln())?.exp();
+    let mean = ln_average(law, |h| place(h).ln())?.exp();
     Some(0.5 * contacts.count * square / (mean + velocity * contacts.rules.delay))
 }
 
@@ -118,22 +122,79 @@ fn breaking_stretch(temperature: &Temperature, threshold: f64, stiffness: f64, v
     brent_root(excess, first, last, 1e-12).map_or(threshold, |y| y * threshold)
 }
 
-/// ⟨g⟩ over a law; `None` where it is not finite or its tail rules.
-fn average(law: &dyn Law, g: impl Fn(f64) -> f64) -> Option<f64> {
-    let atoms: f64 = law.atoms().iter().map(|atom| atom.weight * g(atom.position)).sum();
+/// What is e^−45 of the largest integrand counts no more.
+const FAINT: f64 = 45.0;
+
+/// ln⟨e^g⟩ over a law; `None` where it is not finite, since its tail rules.
+///
+/// e^g may grow by hundreds of orders of magnitude while the density falls by as many: Laplace's method finds where their
+/// product is largest, and Gauss rules sum it around there, on panels on which its logarithm changes little.
+fn ln_average(law: &dyn Law, g: impl Fn(f64) -> f64) -> Option<f64> {
+    let ln_density = |h: f64| match law.density(h) {
+        density if density > f64::MIN_POSITIVE => density.ln(),
+        _ => law.hazard(h).ln() + law.ln_survival(h),
+    };
+    // Beyond a compact support ∞ − ∞.
+    let f = |h: f64| Some(ln_density(h) + g(h)).filter(|f| !f.is_nan()).unwrap_or(f64::NEG_INFINITY);
+    let walls = walls(law, &f)?;
+    let atoms = law.atoms().into_iter().map(|atom| atom.weight.ln() + g(atom.position));
+    let middles = walls.windows(2).map(|pair| f(0.5 * (pair[0] + pair[1])));
+    let most = atoms.clone().chain(middles).fold(f64::NEG_INFINITY, f64::max);
+    let atoms: f64 = atoms.map(|atom| (atom - most).exp()).sum();
+    let panels = walls.windows(2).map(|pair| panel(&|h| f(h) - most, [pair[0], pair[1]], 0));
+    let sum = atoms + panels.sum::<f64>();
+    (sum.is_finite() && sum > 0.0).then(|| most + sum.ln())
+}
+
+/// ∫e^f over an interval, halved until f changes little on its parts.
+fn panel(f: &impl Fn(f64) -> f64, [low, high]: [f64; 2], depth: u32) -> f64 {
+    const LITTLE: f64 = 3.0;
+    const MOST_HALVINGS: u32 = 40;
+    let nodes = RULE.nodes.map(|t| f(low + 0.5 * (high - low) * (1.0 + t)));
+    let (least, most) =
+        nodes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &f| (a.min(f), b.max(f)));
+    if most < -FAINT {
+        return 0.0;
+    }
+    if most - least > LITTLE && depth < MOST_HALVINGS {
+        let middle = 0.5 * (low + high);
+        return panel(f, [low, middle], depth + 1) + panel(f, [middle, high], depth + 1);
+    }
+    0.5 * (high - low) * nodes.iter().zip(&RULE.weights).map(|(f, w)| w * f.exp()).sum::<f64>()
+}
+
+/// Ends of panels that resolve a law up to where e^f has vanished; `None` where it does not.
+fn walls(law: &dyn Law, f: &impl Fn(f64) -> f64) -> Option<Vec<f64>> {
+    /// Thresholds are looked at as far as this many means.
+    const FARTHEST: f64 = 1e8;
+    const MOST_PANELS: f64 = 1e5;
+    let zones = law.zones();
     let mut walls: Vec<f64> = law.breaks().iter().map(|b| b.position).collect();
-    for zone in law.zones() {
+    for zone in &zones {
         let panels = ((zone.high - zone.low) / zone.resolution).ceil().clamp(1.0, 1024.0);
         walls.extend((0..=panels as usize).map(|i| zone.low + (zone.high - zone.low) * i as f64 / panels));
     }
+    let end = walls.iter().fold(0.0, |end, &wall| f64::max(end, wall));
+    if law.quantile(1.0).is_infinite() {
+        let mean = law.mean();
+        let ahead =
+            std::iter::successors(Some(1e-2 * mean), |h| Some(1.02 * h).filter(|&h| h < FARTHEST * mean));
+        let seen: Vec<(f64, f64)> = ahead.map(|h| (h, f(h))).collect();
+        let most = seen.iter().fold(f64::NEG_INFINITY, |most, seen| most.max(seen.1));
+        let last = seen.iter().rposition(|seen| seen.1 > most - FAINT)?;
+        let far = seen.get(last + 1)?.0;
+        let resolution = zones.iter().map(|zone| zone.resolution).fold(f64::INFINITY, f64::min);
+        // A long tail varies on the scale of its distance.
+        let step =
+            |h: &f64| Some(h + resolution.max(0.02 * h)).filter(|&h| h < far + resolution.max(0.02 * h));
+        if far > end {
+            if (far - end) / resolution > MOST_PANELS {
+                return None;
+            }
+            walls.extend(std::iter::successors(Some(end), step));
+        }
+    }
     walls.sort_by(f64::total_cmp);
     walls.dedup();
-    let weigh = |h: f64| {
-        let density = law.density(h);
-        if density > 0.0 { density * g(h) } else { 0.0 }
-    };
-    let panels: Vec<f64> = walls.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], weigh)).collect();
-    let sum = atoms + panels.iter().sum::<f64>();
-    let tail = panels.last().copied().unwrap_or(0.0);
-    (sum.is_finite() && (law.quantile(1.0).is_finite() || tail.abs() < 1e-6 * sum.abs())).then_some(sum)
+    Some(walls)
 }

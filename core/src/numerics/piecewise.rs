@@ -44,9 +44,10 @@ impl Resolution {
     }
 
     /// Whether what is missing after so many bisections may be rounding.
-    fn may_be_rounding(self, left_out: f64, missing: f64, depth: u32) -> bool {
+    fn may_be_rounding(self, missing: f64, depth: u32) -> bool {
         match self {
-            Self::Mean(_) => depth > 6 && left_out < 1e-9,
+            // What the whole cell would miss: no length stands alone.
+            Self::Mean(_) => depth > 6 && missing < 1e-9 * 0.5_f64.powi(depth as i32),
             Self::Relative { .. } => depth > 1 && missing < 1e-9,
         }
     }
@@ -294,7 +295,7 @@ fn bisect<const K: usize>(
     let left_out = tail(&coefficients(0));
     let missing = resolution.missing(&values.map(|v| v[0]), left_out, half);
     // Rounding in f halves with the width, at best; anything that converges gains far more.
-    let noise = missing > 0.4 * before && resolution.may_be_rounding(left_out, missing, depth);
+    let noise = missing > 0.4 * before && resolution.may_be_rounding(missing, depth);
     let narrowest = half <= 16.0 * f64::EPSILON * b;
     if missing <= resolution.most() || noise || narrowest || depth > MOST_BISECTIONS {
         for (k, piecewise) in out.iter_mut().enumerate() {

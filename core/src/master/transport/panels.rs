@@ -37,13 +37,14 @@ impl Panel {
     }
 }
 
-/// The panels that hold the density of a law, none wider than `widest`.
-pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<Panel> {
+/// The panels that hold the density of a law, none wider than `widest` where all but a fraction `rare` of it lies.
+pub(super) fn panels(law: &dyn Law, widest: f64, rare: f64) -> Vec<Panel> {
     let top = law.upper_quantile(0.0).min(law.upper_quantile(BEYOND));
+    let common = if widest.is_finite() { law.upper_quantile(rare) } else { top };
     let zones = law.zones();
     let mut stops: Vec<f64> = zones.iter().flat_map(|zone| [zone.low, zone.high]).collect();
     stops.extend(law.breaks().iter().map(|b| b.position));
-    stops.extend([law.quantile(BEYOND), top]);
+    stops.extend([law.quantile(BEYOND), common, top]);
     stops.retain(|&x| x >= 0.0 && x <= top);
     stops.sort_by(f64::total_cmp);
     stops.dedup();
@@ -55,6 +56,7 @@ pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<Panel> {
         // Tails beyond all zones fall by no more than a power.
         let tail = low > 0.0 && over.is_empty();
         let folds = if tail { (high / low).ln() / TAIL } else { 1.0 };
+        let widest = if low < common { widest } else { f64::INFINITY };
         let count = ((high - low) / scale.min(widest)).max(folds).ceil().max(1.0);
         let edge = |k: f64| {
             if tail { low * (high / low).powf(k / count) } else { low + (high - low) * k / count }
@@ -84,7 +86,7 @@ mod tests {
             Arc::new(Gamma::new(1.0, 0.3).unwrap()),
         ];
         for law in laws {
-            let points = panels(law.as_ref(), f64::INFINITY).into_iter().flat_map(Panel::points);
+            let points = panels(law.as_ref(), f64::INFINITY, 0.0).into_iter().flat_map(Panel::points);
             let whole: f64 = points.map(|(x, weight)| weight * law.density(x)).sum();
             // What 16 points leave out of the tails.
             assert!((whole - 1.0).abs() < 1e-11, "{}: {whole}", law.name());

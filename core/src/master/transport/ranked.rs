@@ -11,11 +11,11 @@ use super::cohort::Place;
 use super::panels::{Panel, panels};
 use super::path::Path;
 use super::seeds::Seed;
-use crate::Result;
 use crate::contacts::{Barrier, Contacts, Stiffness, Strength, Temperature};
-use crate::law::{Atom, SharedLaw};
+use crate::law::{Atom, Law, SharedLaw};
 use crate::numerics::legendre::NODES;
 use crate::numerics::roots::brent_root;
+use crate::{Error, Result};
 
 /// Thresholds that follow from age.
 #[derive(Debug)]
@@ -84,6 +84,36 @@ fn widest(contacts: &Contacts, temperature: &Temperature) -> f64 {
     folds * temperature.energy / (stiffness * mean)
 }
 
+/// Whether temperature moves places of breaking by more than the tolerance, in mean thresholds: by T/(k x̄) for every e-fold
+/// of time over 1/ω, of which there are no more than `MOST`.
+fn is_felt(contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> bool {
+    const MOST: f64 = 50.0;
+    let mean = contacts.thresholds.mean();
+    let blur = temperature.energy / (contacts.stiffness.of(mean) * mean * mean);
+    MOST * blur > tolerance
+}
+
+/// The fraction of the contacts, over the tolerance, whose thresholds are so high that they need not be told apart finely.
+const RARE: f64 = 0.1;
+
+/// Refuses panels of which each cohort would have to keep more numbers than it may.
+fn affordable(law: &dyn Law, widest: f64, rare: f64) -> Result<()> {
+    /// Per cohort, of which there are about a thousand.
+    const BYTES: u64 = 1 << 20;
+    let range = law.upper_quantile(rare) - law.quantile(rare);
+    let needed = (range / widest * (NODES * size_of::<f64>()) as f64) as u64;
+    if needed <= BYTES {
+        return Ok(());
+    }
+    let what = "following contacts at a temperature that blurs thresholds so little";
+    Err(Error::TooLarge {
+        key: "contacts.temperature.energy".into(),
+        what: what.into(),
+        needed,
+        allowed: BYTES,
+    })
+}
+
 /// The change c of ln w over which a rule of n points misses the tolerance: ∫₀¹ e^{cs} ds to c²ⁿ (n!)⁴/[(2n + 1)((2n)!)³].
 fn most_change(rule: &[(f64, f64)], tolerance: f64) -> f64 {
     let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
@@ -95,9 +125,11 @@ fn most_change(rule: &[(f64, f64)], tolerance: f64) -> f64 {
 impl Ranks {
     pub(super) fn new(contacts: &Contacts, tolerance: f64) -> Result<Self> {
         let law = contacts.thresholds.clone();
-        let temperature = contacts.rules.temperature;
+        let temperature = contacts.rules.temperature.filter(|t| is_felt(contacts, t, tolerance));
         let widest = temperature.map_or(f64::INFINITY, |t| widest(contacts, &t));
-        let panels = panels(law.as_ref(), widest);
+        let rare = RARE * tolerance;
+        affordable(law.as_ref(), widest, rare)?;
+        let panels = panels(law.as_ref(), widest, rare);
         let points = panels.iter().flat_map(|panel| panel.points());
         let (mut labels, mut weights): (Vec<_>, Vec<_>) =
             points.map(|(h, width)| (h, width * law.density(h))).unzip();

@@ -1,0 +1,154 @@
+//! Lives of contacts that temperature breaks, of every family of laws, at any temperature and velocity.
+
+mod common;
+
+use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
+use asperity::law::SharedLaw;
+use asperity::master::{Limits, MasterEquation};
+use common::{
+    contacts, exponential, gamma, gaussian, initial, lognormal, master, mixture, point, rectangular, weibull,
+};
+
+fn thermal(thresholds: &SharedLaw, energy: f64, barrier: Barrier) -> Contacts {
+    let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
+    Contacts { rules: Rules { temperature, ..Rules::default() }, ..contacts(thresholds, &point(0.0)) }
+}
+
+fn at(contacts: Contacts, velocity: f64) -> MasterEquation {
+    let start = initial(&contacts.reforming);
+    MasterEquation::at(contacts, &start, velocity).unwrap()
+}
+
+#[track_caller]
+fn near(found: f64, expected: f64, tolerance: f64) {
+    let error = found / expected - 1.0;
+    assert!(error.abs() <= tolerance, "{found:e} instead of {expected:e}: {error:e}");
+}
+
+/// ∫P_c(h) m_n(h) dh, m_n = ∫₀ʰ xⁿ e^{−A} dx, n = 0 and 1, with A of Dawson's integral in closed form (elastic barrier): 24
+/// Gauss points on panels that shrink in h towards 0 and in x towards both ends, in NumPy and SciPy.
+#[test]
+fn means_are_those_of_a_quadrature_over_thresholds() {
+    let cases: [(SharedLaw, f64, f64, f64, f64); 8] = [
+        (gaussian(1.0, 0.1), 0.05, 1e-4, 0.450_380_757_826_359_67, 0.298_066_811_163_366),
+        (weibull(1.5, 1.0), 0.01, 0.1, 0.896_492_317_530_472_1, 0.662_159_018_510_408_8),
+        (weibull(0.6, 1.0), 0.01, 0.1, 1.496_554_874_169_201, 3.093_006_643_127_979_2),
+        (gamma(0.7, 0.56), 0.01, 0.1, 0.690_533_849_684_745_2, 0.578_847_181_371_864_1),
+        (gamma(1.0, 2.0), 0.01, 0.1, 0.993_234_992_266_127_8, 2.515_937_280_245_263),
+        (gamma(1.0, 3.0), 0.01, 0.1, 0.995_731_019_680_751_8, 5.020_786_999_980_446),
+        // The few strongest carry most.
+        (gaussian(1.0, 0.1), 0.05, 1e-20, 3.000_102_067_792_496e-15, 1.288_467_365_021_518e-11),
+        (gaussian(1.0, 0.15), 0.1, 1e-12, 7.198_616_382_490_792e-10, 1.457_634_823_008_381e-7),
+    ];
+    for (law, energy, velocity, mean, friction) in cases {
+        let steady = at(thermal(&law, energy, Barrier::Elastic), velocity).steady_state();
+        // What that quadrature misses of densities that rise at 0.
+        near(steady.mean_life(), mean, 1e-11);
+        near(steady.kinetic_friction(), friction, 1e-11);
+    }
+}
+
+#[test]
+fn slow_flow_of_gaussian_thresholds_is_that_of_the_strongest() {
+    for (std, energy) in [(0.1_f64, 0.05), (0.15, 0.1), (0.1, 0.1)] {
+        // ⟨e^{n h²/2T}⟩ = exp[n/2T/(1 − nσ²/T)]/√(1 − nσ²/T), thresholds below 0 being none.
+        let ln_mean = |n: f64| {
+            let left = 1.0 - n * std * std / energy;
+            n / (2.0 * energy) / left - 0.5 * left.ln()
+        };
+        let exact = (ln_mean(2.0) - ln_mean(1.0)).exp();
+        let flowing = thermal(&gaussian(1.0, std), energy, Barrier::Elastic);
+        let viscosity = Limits::of(&flowing).unwrap().viscosity.unwrap();
+        // Rounding of exponents of about 40; thresholds below 0.
+        near(viscosity, exact, 1e-10);
+        // Contacts that hold longer than a way to their threshold are 7σ beyond the place that weighs most.
+        near(at(flowing, 1e-30).steady_state().kinetic_friction() / 1e-30, exact, 1e-9);
+    }
+}
+
+#[test]
+fn there_is_no_slow_flow_where_the_tail_holds() {
+    let cases: [(SharedLaw, f64); 4] = [
+        // T < 2kσ².
+        (gaussian(1.0, 0.1), 0.019),
+        (exponential(1.0), 0.5),
+        (gamma(1.0, 0.3), 0.05),
+        (lognormal(1.0, 0.3), 10.0),
+    ];
+    for (law, energy) in cases {
+        assert_eq!(Limits::of(&thermal(&law, energy, Barrier::Elastic)).unwrap().viscosity, None);
+    }
+}
+
+/// ∫dr R/S(r) ∫_r^∞ P_c [∫_r^h xⁿ e^{−A} dx] dh by the same quadrature, 12 points for r and for h.
+#[test]
+fn contacts_that_re_form_stretched_flow_and_hold() {
+    let stretched = |velocity: f64| {
+        let law = gamma(1.0, 0.3);
+        let contacts =
+            Contacts { reforming: rectangular(0.0, 0.35), ..thermal(&law, 0.05, Barrier::Elastic) };
+        at(contacts, velocity).steady_state()
+    };
+    let steady = stretched(1e-8);
+    // Thresholds above 4.5, one in 10¹¹, were left out there.
+    near(steady.mean_life(), 0.089_847_085_005_16, 2e-9);
+    near(steady.kinetic_friction(), 0.545_859_426_366_32, 3e-9);
+    // Slower still it costs no more, and few hold.
+    assert!(stretched(1e-11).mean_life() < steady.mean_life());
+}
+
+fn laws() -> Vec<SharedLaw> {
+    let mut laws = vec![point(1.0), exponential(1.0), rectangular(0.999_9, 1.000_1), rectangular(0.0, 2.0)];
+    laws.extend([1e-4, 0.05, 0.3, 1.0].map(|std| gaussian(1.0, std)));
+    laws.extend([1e-4, 0.05, 0.6, 0.8, 0.85, 1.1, 1.2, 2.0, 3.0].map(|std| gamma(1.0, std)));
+    laws.extend([1e-4, 0.05, 0.3, 1.0, 3.0].map(|std| lognormal(1.0, std)));
+    laws.extend([0.4, 0.6, 1.3, 1.4, 1.5, 1.9, 3.3, 20.0].map(|shape| weibull(shape, 1.0)));
+    laws.push(mixture(&[(0.3, point(0.7)), (0.7, gamma(1.0, 0.7))]));
+    laws
+}
+
+/// Work, ∫F dX, is what breaks lose, ½∫u² b du; what is left at first is what breaks; colder is nearer to athermal.
+#[test]
+fn sums_are_right_for_every_law_temperature_barrier_and_velocity() {
+    for law in laws() {
+        let athermal = master(&law, &point(0.0), &point(0.0)).steady_state();
+        for energy in [4e-9, 1e-6, 1e-3, 0.05, 1.0, 100.0] {
+            for barrier in [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe] {
+                for velocity in [1e-12, 1e-3, 10.0] {
+                    let told = format!("{law:?} {energy} {barrier:?} {velocity}");
+                    let equation = at(thermal(&law, energy, barrier), velocity);
+                    let (life, steady) = (equation.life(), equation.steady_state());
+                    let (mean, friction) = (steady.mean_life(), steady.kinetic_friction());
+                    assert!(mean > 0.0 && mean <= athermal.mean_life() * (1.0 + 1e-12), "{told}: {mean}");
+                    assert!(friction > 0.0 && friction.is_finite(), "{told}: {friction}");
+                    let work = life.force().curve().integral();
+                    let lost = life.breaking_energy().curve().value(0.0);
+                    // Each of them is resolved to 1e-14; exponents of up to 50 are rounded.
+                    assert!((lost / work - 1.0).abs() < 1e-10, "{told}: {:e}", lost / work - 1.0);
+                    let kept = life.survival().curve().value(0.0);
+                    assert!((kept - 1.0).abs() < 1e-12, "{told}: {kept}");
+                    if energy == 4e-9 {
+                        // Contacts break T/(k x) ln(ωT/v) early, for x > √T; others are few but where density rises at 0.
+                        assert!((mean / athermal.mean_life() - 1.0).abs() < 1e-4, "{told}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn heat_and_ageing_at_low_temperature_are_ageing() {
+    let aged = |temperature: Option<Temperature>| {
+        let ageing = Some(Ageing::Logarithmic { growth: 0.02, time: 1.0 });
+        let rules = Rules { temperature, ageing, ..Rules::default() };
+        at(Contacts { rules, ..contacts(&gaussian(1.0, 0.1), &point(0.0)) }, 1e-2).steady_state()
+    };
+    let cold = aged(None).kinetic_friction();
+    for energy in [1e-4, 1e-5, 1e-7, 4e-9] {
+        let temperature = Temperature { energy, attempt_rate: 1.0, barrier: Barrier::Elastic };
+        let friction = aged(Some(temperature)).kinetic_friction();
+        // x_s − x_b ≈ T ln(1 + ωT/v)/x.
+        assert!((friction - cold).abs() < 3.0 * energy * (100.0 * energy).ln_1p() + 1e-12, "{energy}");
+    }
+}
