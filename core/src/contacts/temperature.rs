@@ -31,9 +31,18 @@ impl Barrier {
         self.continued(y.min(1.0))
     }
 
+    /// The same of a contact of the stretch x ≥ 0, from h − x: near the threshold 1 − x/h would have lost digits, of which
+    /// E_0/T makes much at low temperatures.
+    pub(crate) fn height_at(self, stretch: f64, threshold: f64) -> f64 {
+        self.of(((threshold - stretch) / threshold).max(0.0), stretch / threshold)
+    }
+
     /// The same for y < 1, and below 0 beyond: as smooth there as the barrier allows, for methods that need a neighbourhood.
     pub(crate) fn continued(self, y: f64) -> f64 {
-        let missing = 1.0 - y;
+        self.of(1.0 - y, y)
+    }
+
+    fn of(self, missing: f64, y: f64) -> f64 {
         match self {
             Self::Elastic => missing * (1.0 + y),
             Self::Bell => missing,

@@ -59,7 +59,7 @@ impl Constant {
             Barrier::Bell => threshold / whole,
             Barrier::Catastrophe => threshold / whole.cbrt().powi(2),
         };
-        let begun = whole * barrier.height(start / threshold);
+        let begun = whole * barrier.height_at(start, threshold);
         let mut constant = Self { barrier, threshold, whole, start, begun, length, before: 0.0 };
         constant.before = constant.gain(start) * (-begun).exp();
         constant
@@ -69,7 +69,7 @@ impl Constant {
     #[inline]
     pub(super) fn at(&self, advance: f64) -> (f64, f64) {
         let stretch = self.start + advance;
-        let exponent = self.whole * self.barrier.height(stretch / self.threshold);
+        let exponent = self.whole * self.barrier.height_at(stretch, self.threshold);
         let now = (-exponent).exp();
         if self.begun - exponent < ALIKE && self.before > 0.0 {
             return (self.short(stretch, advance), now);

@@ -127,7 +127,7 @@ impl Exposure {
             return 0.0;
         }
         let whole = 0.5 * self.stiffness(threshold) * threshold * threshold / self.temperature.energy;
-        whole * self.temperature.barrier.height(stretch / threshold)
+        whole * self.temperature.barrier.height_at(stretch, threshold)
     }
 }
 

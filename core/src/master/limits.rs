@@ -138,8 +138,9 @@ fn ln_average(law: &dyn Law, g: impl Fn(f64) -> f64) -> Option<f64> {
     let f = |h: f64| Some(ln_density(h) + g(h)).filter(|f| !f.is_nan()).unwrap_or(f64::NEG_INFINITY);
     let walls = walls(law, &f)?;
     let atoms = law.atoms().into_iter().map(|atom| atom.weight.ln() + g(atom.position));
-    let middles = walls.windows(2).map(|pair| f(0.5 * (pair[0] + pair[1])));
-    let most = atoms.clone().chain(middles).fold(f64::NEG_INFINITY, f64::max);
+    // Inside of walls, at which a density may jump.
+    let inside = |pair: &[f64]| [1e-9, 0.5, 1.0 - 1e-9].map(|part| f(pair[0] + part * (pair[1] - pair[0])));
+    let most = atoms.clone().chain(walls.windows(2).flat_map(inside)).fold(f64::NEG_INFINITY, f64::max);
     let atoms: f64 = atoms.map(|atom| (atom - most).exp()).sum();
     let panels = walls.windows(2).map(|pair| panel(&|h| f(h) - most, [pair[0], pair[1]], 0));
     let sum = atoms + panels.sum::<f64>();
