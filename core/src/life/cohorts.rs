@@ -132,7 +132,16 @@ impl Outline {
             }
             next = if to >= next { 2.0 * to } else { next };
         }
-        Self { edges: edges.into_iter().map(|edge| edge.0).collect(), mean: sums[0], lived: sums[1] }
+        let [mean, lived, ..] = sums;
+        // What has been split may have come to an end long before the cell did.
+        let no_more = |&(u, left): &(f64, f64)| {
+            let rest = u * left;
+            rest <= NEGLIGIBLE * mean
+                && u * rest <= NEGLIGIBLE * lived
+                && u * u * rest <= NEGLIGIBLE * lived * (lived / mean)
+        };
+        edges.truncate(edges.iter().skip(1).position(no_more).map_or(edges.len(), |last| last + 2));
+        Self { edges: edges.into_iter().map(|edge| edge.0).collect(), mean, lived }
     }
 
     /// What a breaking density counts at the advance u: by as much as breaks there ∫U, ∫u U and U are changed.

@@ -109,8 +109,8 @@ impl Grid {
             let low = if part.ends[0] < least.0 { least } else { at(part.place) };
             self.sum(part, [low, at(part.place + NODES + 1)], least.0, (exposed, known), &mut visit)
         });
-        let end = self.parts.last().map_or(0.0, |part| part.ends[1]).max(least.0);
-        let kept = sought.break_value().unwrap_or(if self.parts.is_empty() { f64::INFINITY } else { end });
+        // Above the last part are too few to count, as long as they may live.
+        let kept = sought.break_value().unwrap_or(f64::INFINITY);
         for &Atom { position: newborn, weight } in &self.walls {
             if newborn > least.0 && newborn <= kept {
                 let (broken, rate) = exposed.risk(newborn);

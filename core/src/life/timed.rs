@@ -194,6 +194,9 @@ impl Formed {
     /// Adds all contacts with newborn thresholds above one.
     fn add_kept(&self, toll: &mut Toll, above: f64, aged: &Aged<'_>) {
         let Timed { law, grid, strength, per_threshold, .. } = &self.of;
+        if above.is_infinite() {
+            return;
+        }
         if *per_threshold && !strength.is_constant() {
             return grid.above(above, |share| self.add(toll, share, aged.threshold(share.newborn)));
         }
