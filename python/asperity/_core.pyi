@@ -1189,7 +1189,7 @@ def run(
 
     Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came, and for a
     checkpoint of another scenario; OSError for a file that cannot be read, FileExistsError for a checkpoint of a run that
-    was not finished; MemoryError for results that do not fit.
+    was not finished or is still running; MemoryError for results that do not fit.
     """
 
 def open_result(folder: str | PathLike[str]) -> Result:

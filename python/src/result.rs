@@ -125,7 +125,7 @@ impl Result {
 ///
 /// Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came, and for a
 /// checkpoint of another scenario; OSError for a file that cannot be read, FileExistsError for a checkpoint of a run that
-/// was not finished; MemoryError for results that do not fit.
+/// was not finished or is still running; MemoryError for results that do not fit.
 #[pyfunction]
 #[pyo3(signature = (scenario, overrides = None, *, progress = None, folder = None, checkpoint = None, resume = false))]
 pub fn run(

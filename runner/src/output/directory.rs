@@ -34,7 +34,7 @@ pub(super) fn replace<'a>(
     dir: &Path,
     files: impl Iterator<Item = (&'a str, &'a [u8])>,
 ) -> Result<Vec<Renamed>> {
-    let (dir, former) = destination(dir)?;
+    let (dir, _) = destination(dir)?;
     let staging = Staging::beside(&dir)?;
     let mut listing = Listing::default();
     for (name, bytes) in files {
@@ -42,35 +42,36 @@ pub(super) fn replace<'a>(
         staging.store(name, bytes)?;
     }
     staging.store(MARKER, listing.to_text().as_bytes())?;
-    match former {
-        None => staging.become_(&dir).map(|()| Vec::new()),
-        Some(former) => clear(&staging.swap_with(&dir)?, &former, &dir),
-    }
+    // Another run may have come first.
+    let (dir, occupied) = destination(&dir)?;
+    if occupied { clear(&staging.swap_with(&dir)?, &dir) } else { staging.become_(&dir).map(|()| Vec::new()) }
 }
 
-/// The folder itself, links followed, and what asperity wrote there if it is one of ours.
-fn destination(dir: &Path) -> Result<(PathBuf, Option<Listing>)> {
+/// The folder itself, links followed, and whether one of ours is already there.
+fn destination(dir: &Path) -> Result<(PathBuf, bool)> {
     let foreign = |what| Err(Error::Foreign { path: dir.to_owned(), what });
     match fs::metadata(dir) {
         Ok(found) if !found.is_dir() => foreign("not a folder"),
-        Ok(_) => match fs::read_to_string(dir.join(MARKER)) {
-            Ok(text) => match Listing::read(&text) {
-                Some(listing) => {
-                    Ok((dir.canonicalize().map_err(Error::system(dir, "resolve"))?, Some(listing)))
-                }
-                None => foreign("a folder whose .asperity does not list what asperity wrote"),
-            },
-            Err(_) => foreign("a folder that asperity did not make"),
-        },
+        Ok(_) if !dir.join(MARKER).is_file() => foreign("a folder that asperity did not make"),
+        Ok(_) if listing(dir).is_none() => {
+            foreign("a folder whose .asperity does not list what asperity wrote")
+        }
+        Ok(_) => Ok((dir.canonicalize().map_err(Error::system(dir, "resolve"))?, true)),
         Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::system(dir, "look at")(error)),
         Err(_) if dir.is_symlink() => foreign("a link to nothing"),
         Err(_) if dir.file_name().is_none() => foreign("not a name for a folder"),
-        Err(_) => Ok((std::path::absolute(dir).map_err(Error::system(dir, "resolve"))?, None)),
+        Err(_) => Ok((std::path::absolute(dir).map_err(Error::system(dir, "resolve"))?, false)),
     }
 }
 
-/// Removes the folder `old`, in whose place `dir` is now: what `former` lists is deleted, all else moves to `dir`.
-fn clear(old: &Path, former: &Listing, dir: &Path) -> Result<Vec<Renamed>> {
+/// What asperity wrote into a folder of ours.
+fn listing(dir: &Path) -> Option<Listing> {
+    Listing::read(&fs::read_to_string(dir.join(MARKER)).ok()?)
+}
+
+/// Removes the folder `old`, in whose place `dir` is now: what asperity wrote is deleted, all else moves to `dir`.
+fn clear(old: &Path, dir: &Path) -> Result<Vec<Renamed>> {
+    let former = listing(old).unwrap_or_default();
     let mut renamed = Vec::new();
     for entry in fs::read_dir(old).map_err(Error::system(old, "read the folder"))? {
         let path = entry.map_err(Error::system(old, "read the folder"))?.path();
