@@ -125,7 +125,7 @@ mod tests {
         let path = folder.path().join("found");
         let mut file = FoundFile::new(path.clone());
         let rows = |values: &[&[f64]]| values.iter().map(|column| Bits(column.to_vec())).collect::<Vec<_>>();
-        let mut add = |file: &mut FoundFile, values: &[&[f64]]| {
+        let add = |file: &mut FoundFile, values: &[&[f64]]| {
             file.add(&rows(values)).unwrap();
             file.extent()
         };
