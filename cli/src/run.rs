@@ -11,7 +11,7 @@ use asperity_runner::{input, output, task};
 use super::arguments::Run;
 use super::interrupt::{Interrupts, Reason};
 use super::progress::Progress;
-use super::{Failure, figure, print, summary, threads};
+use super::{Failure, drawing, figure, print, summary, threads};
 
 pub fn run(arguments: &Run) -> Result<(), Failure> {
     let interrupts = Interrupts::listen().map_err(Failure::run)?;
@@ -108,9 +108,11 @@ fn compute(
     let compute = || task::run_with(&input.scenario, checkpoints.as_deref_mut(), &mut monitor);
     threads::on(arguments.threads, compute)?.map_err(|error| match error {
         asperity::Error::Stopped => stopped(checkpoints, interrupts),
-        asperity::Error::Invalid { .. }
-        | asperity::Error::TooLarge { .. }
-        | asperity::Error::Accuracy { .. } => input.diagnose(&error).into(),
+        asperity::Error::Invalid { .. } => input.diagnose(&error).into(),
+        // Not wrong, but too much.
+        asperity::Error::TooLarge { .. } | asperity::Error::Accuracy { .. } => {
+            Failure::Run(drawing::draw(*input.diagnose(&error)))
+        }
         other => Failure::run(other),
     })
 }

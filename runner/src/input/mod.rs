@@ -59,9 +59,6 @@ pub fn parse(
     }
 }
 
-/// What asks for an accuracy.
-const TOLERANCE: &str = "master_equation.tolerance";
-
 /// Whether the scenario makes sense, and its contacts have a master equation.
 fn check(scenario: &Scenario) -> asperity::Result<()> {
     let (contacts, initial) = scenario.build()?;
@@ -81,7 +78,7 @@ impl Input {
                 let found = format!("{what}: {} or more", amount(*needed));
                 Fault::new(&format!("what fits in {}", amount(*allowed)), &found).under(key)
             }
-            asperity::Error::Accuracy { what, reached, wanted, .. } => {
+            asperity::Error::Accuracy { key, what, reached, wanted } if !key.is_empty() => {
                 // Rounded to two digits it is above what was reached, where this is known.
                 let enough = 1.05 * reached.0;
                 let expected = if enough.is_finite() {
@@ -89,7 +86,7 @@ impl Input {
                 } else {
                     format!("a larger one, to which {what} can be computed, or no tolerance")
                 };
-                Fault::new(&expected, &format!("{wanted:e}")).under(TOLERANCE)
+                Fault::new(&expected, &format!("{wanted:e}")).under(key)
             }
             other => Fault::new("a scenario that can be computed", &other.to_string()),
         })

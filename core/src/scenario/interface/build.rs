@@ -41,7 +41,7 @@ impl Interface {
         &self,
         contacts: Contacts,
         initial: &Initial,
-        tolerance: Tolerance,
+        tolerance: impl Into<Tolerance>,
         ensemble: Option<&Ensemble>,
         monitor: &mut dyn Monitor,
     ) -> Result<elastic::Interface> {
@@ -147,7 +147,7 @@ impl Interface {
         equation: &MasterEquation,
         cell: elastic::Standing,
         stretches: &[f64],
-        tolerance: Tolerance,
+        tolerance: impl Into<Tolerance>,
         monitor: &mut dyn Monitor,
     ) -> Result<Stretches> {
         let elastic::Standing { advance, scale, renewed } = cell;
