@@ -193,11 +193,11 @@ fn checkpoints_come_by_time_too_and_a_limit_of_time_leaves_one() {
     wait_for_events(&folder, 1000);
     child.kill().unwrap();
     child.wait().unwrap();
-    let output = folder.run(&["run", "slow.toml", "--resume", "--max-time", "0.1s"]);
+    let output = folder.run(&["run", "slow.toml", "--resume", "--max-time", "0.01s"]);
     let said = errors(&output);
     assert_eq!(output.status.code(), Some(130), "{said}");
     assert!(
-        said.contains("stopped after 0.1 s, as --max-time says: no results were written; --resume"),
+        said.contains("stopped after 0.01 s, as --max-time says: no results were written; --resume"),
         "{said}"
     );
     folder.succeed(&["run", "slow.toml", "--resume", "--quiet"]);
