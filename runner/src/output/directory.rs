@@ -73,8 +73,14 @@ fn listing(dir: &Path) -> Option<Listing> {
 fn clear(old: &Path, dir: &Path) -> Result<Vec<Renamed>> {
     let former = listing(old).unwrap_or_default();
     let mut renamed = Vec::new();
-    for entry in fs::read_dir(old).map_err(Error::system(old, "read the folder"))? {
-        let path = entry.map_err(Error::system(old, "read the folder"))?.path();
+    let entries = fs::read_dir(old).and_then(|entries| {
+        entries.map(|entry| entry.map(|entry| entry.path())).collect::<std::io::Result<Vec<_>>>()
+    });
+    let mut paths = entries.map_err(Error::system(old, "read the folder"))?;
+    // Files that keep their names go first: a new name is not to be one of theirs.
+    let is_taken = |path: &PathBuf| dir.join(path.file_name().unwrap_or_default()).symlink_metadata().is_ok();
+    paths.sort_by_cached_key(is_taken);
+    for path in paths {
         let name = path.file_name().unwrap_or_default();
         if name == MARKER || former.is_of_ours(&path) {
             fs::remove_file(&path).map_err(Error::system(&path, "remove"))?;
