@@ -37,7 +37,8 @@ pub(super) fn of_layers(contacts: &Contacts, layers: Vec<Layer>, broken: Option<
     let stops = breaks.iter().map(|b| b.position).chain(onsets.iter().copied());
     let stops: Vec<f64> = stops.chain(breaking.iter().flat_map(Breaking::seams)).collect();
     let edges = edges(&zones(&breaking), &stops, end);
-    let moments = Piecewise::resolve_all(|u| sum(&breaking, u), &edges, end, BULK.resolution);
+    let mut moments = Piecewise::resolve_all(|u| sum(&breaking, u), &edges, end, BULK.resolution);
+    weigh_pole(&mut moments[0], &breaks, &breaking);
     breaks.extend(broken.map(Break::from));
     let wide = 0.25 * scale(law);
     onsets.into_iter().for_each(|onset| begin(&mut breaks, &moments[0], onset, wide));
@@ -62,6 +63,16 @@ pub(super) fn of_layers(contacts: &Contacts, layers: Vec<Layer>, broken: Option<
         wait: 0.0,
         error: ROUNDING,
     }
+}
+
+/// Gives the first cell of what breaks its mass where that rises to a pole at 0, which no polynomial follows.
+fn weigh_pole(falls: &mut Piecewise, breaks: &[Break], breaking: &[Breaking<'_>]) {
+    if !breaks.iter().any(|b| b.position == 0.0 && b.is_steep() && b.exponent < 0.0) {
+        return;
+    }
+    let unbroken = |u: f64| breaking.iter().map(|b| b.weighted(u, 0, 0)).sum::<f64>();
+    let width = falls.boundaries[1];
+    falls.coefficients[0][0] += (unbroken(0.0) - unbroken(width)) / width - falls.coefficients[0][0];
 }
 
 /// Tells breaks at an onset by how the curve and its derivatives jump there, unless a power that is not whole does; by the

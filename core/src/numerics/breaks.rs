@@ -66,6 +66,11 @@ impl Break {
         self.exponent < 5.0 && self.exponent.fract() != 0.0
     }
 
+    /// Whether it is so steep that cells have to narrow towards it.
+    pub fn is_singular(&self) -> bool {
+        self.is_steep() && self.exponent < 1.0
+    }
+
     /// Whether it is a point mass.
     pub fn is_atom(&self) -> bool {
         self.exponent == -1.0

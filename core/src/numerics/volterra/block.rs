@@ -147,14 +147,16 @@ pub(super) fn apply(block: &Block, values: &Nodal, out: &mut Nodal) {
     *out = sums;
 }
 
-/// Entries of a block below this, of the whole kernel, are left out: a thousand such blocks would add 1e-16 of the solution.
+/// Where the kernel is below this, of its mean, a block is left out: a thousand of them add 1e-16 of the mass of the source,
+/// which a narrow cell may hold as well as a wide one.
 const NEGLIGIBLE: f64 = 1e-20;
 
 /// The block ∫_source ℓ_j(Y) k(X_i − Y) dY for the Gauss points X_i of the cell `target`.
 pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> Lagged {
     let gap = target.0 - source.0;
     let reach = target.1 + source.1;
-    if 2.0 * source.1 * kernel.bound(gap - reach, gap + reach) < NEGLIGIBLE * kernel.size() {
+    let negligible = NEGLIGIBLE * kernel.size() / kernel.curve().end();
+    if kernel.bound(gap - reach, gap + reach) < negligible {
         return Lagged { block: None, rough: 0.0 };
     }
     let mut out = Box::new([[0.0; NODES]; NODES]);
@@ -186,7 +188,7 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
     let width = 2.0 * source.1;
     let spacing = width / (2 * NODES) as f64;
     let rough = if split { kernel.rough(gap - reach, gap + reach, width, spacing) } else { 0.0 };
-    Lagged { block: (largest > NEGLIGIBLE * kernel.size()).then_some(out), rough }
+    Lagged { block: (largest > width * negligible).then_some(out), rough }
 }
 
 /// One row of a block whose integrand is smooth only between `cuts` in u.

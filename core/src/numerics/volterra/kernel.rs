@@ -111,28 +111,38 @@ impl Kernel {
         self.breaks.iter().any(Break::is_steep)
     }
 
-    /// Whether a cell is as near to a steep break below it as cells are that narrow towards it.
-    fn is_graded(&self, cell: usize) -> bool {
+    /// Whether a cell is as near to such a break below it as cells are that narrow towards it.
+    fn is_graded(&self, cell: usize, such: fn(&Break) -> bool) -> bool {
         let (low, high) = (self.curve.boundaries[cell], self.curve.boundaries[cell + 1]);
         let near = |b: &Break| b.position <= low && low - b.position < 4.0 * (high - low);
-        self.breaks.iter().any(|b| b.is_steep() && near(b))
+        self.breaks.iter().any(|b| such(b) && near(b))
     }
 
     /// The width below which the cells hold the fraction `light` of the mass, or a tenth with those that narrow towards a
-    /// steep break.
+    /// steep break. Cells beside a singularity do not count, since those of a solution double in width from there; where all
+    /// are such, the width that halves the mass; infinite where there are only point masses.
     pub(super) fn narrow(&self, light: f64) -> f64 {
-        let width = |cell: usize| 2.0 * self.curve.cell(cell).1;
-        let mut cells: Vec<_> = (0..self.bounds.len())
-            .map(|k| (width(k), width(k) * self.curve.coefficients[k][0].abs(), self.is_graded(k)))
+        let mut cells: Vec<(f64, f64, usize)> = (0..self.bounds.len())
+            .map(|cell| {
+                let width = 2.0 * self.curve.cell(cell).1;
+                (width, width * self.curve.coefficients[cell][0].abs(), cell)
+            })
             .collect();
         cells.sort_by(|a, b| a.0.total_cmp(&b.0));
         let total: f64 = cells.iter().map(|cell| cell.1).sum();
         let (mut all, mut fine) = (0.0, 0.0);
-        let reached = |(_, mass, graded): &&(f64, f64, bool)| {
-            all += mass;
-            fine += if *graded { 0.0 } else { *mass };
+        let counted = cells.iter().filter(|cell| !self.is_graded(cell.2, Break::is_singular)).find(|cell| {
+            all += cell.1;
+            fine += if self.is_graded(cell.2, Break::is_steep) { 0.0 } else { cell.1 };
             all > 0.1 * total || fine > light * total
+        });
+        let mut below = 0.0;
+        let halving = || {
+            cells.iter().find(|cell| {
+                below += cell.1;
+                below > 0.5 * total
+            })
         };
-        cells.iter().find(reached).map_or(f64::INFINITY, |cell| cell.0)
+        counted.or_else(halving).map_or(f64::INFINITY, |cell| cell.0)
     }
 }

@@ -1,0 +1,63 @@
+//! Thresholds whose density is infinite at 0, against sums over breaks.
+//!
+//! With R and Q_ini at 0, F(X)/(N_c⟨k⟩) = Σ_n {I_n(X) − I_{n+1}(X) − [X C_{n+1}(X) − I_{n+1}(X)]/(n + 1)}, where
+//! C_n(X) = P(S_n ≤ X) and I_n(X) = E[(X − S_n)₊] for the sum S_n of n thresholds: a contact has broken n times, and the
+//! last of n + 1 thresholds has the mean s/(n + 1) where their sum is s.
+
+mod common;
+
+use asperity::law::{Gamma, Law};
+use asperity::master::Tolerance;
+use common::{gamma, lognormal, master, point, weibull};
+
+/// Aimed at, of the mean life.
+const PROMISED: f64 = 1e-10;
+
+/// F(X)/(N_c⟨k⟩) of gamma thresholds of mean 1: sums of them are gamma again. The terms are probabilities between 0 and 1, of
+/// which up to a few hundred count, each right to 1e-15.
+fn force_of_gamma(std: f64, position: f64) -> f64 {
+    let sum = |n: u32| {
+        if n == 0 {
+            return (1.0, position);
+        }
+        let count = f64::from(n);
+        let law = Gamma::new(count, count.sqrt() * std).unwrap();
+        let below = law.cumulative(position);
+        (below, position * below - (count - law.upper_moment(1, position)))
+    };
+    let term = |n: u32| {
+        let ((_, before), (below, after)) = (sum(n), sum(n + 1));
+        before - after - (position * below - after) / f64::from(n + 1)
+    };
+    (0..500).map(term).sum()
+}
+
+#[test]
+fn gamma_thresholds_of_any_width() {
+    for std in [1.2, 1.5, 2.0, 3.0] {
+        let pull = master(&gamma(1.0, std), &point(0.0), &point(0.0)).pull(6.0, PROMISED, &mut ()).unwrap();
+        for k in 1..=60_u32 {
+            let position = 6.0 * (0.618_033_988_749_895 * f64::from(k)).fract();
+            let (got, expected) = (pull.force(position), force_of_gamma(std, position));
+            let error = (got - expected).abs();
+            assert!(
+                error < PROMISED,
+                "std {std}: {got:.14}, not {expected:.14}, at X = {position}: {error:e}"
+            );
+        }
+    }
+}
+
+/// ∫Q = 1 everywhere on the way, by a quadrature of its own, and the estimate says so.
+#[test]
+fn nothing_is_lost_beside_a_pole() {
+    let laws = [weibull(0.4, 1.0), weibull(0.6, 1.0), gamma(1.0, 2.5), lognormal(1.0, 3.0)];
+    for law in laws {
+        let pull = master(&law, &point(0.0), &point(0.0)).pull(5.0, Tolerance::default(), &mut ()).unwrap();
+        assert!(pull.error_estimate() < PROMISED * law.mean(), "{law:?}: {:e}", pull.error_estimate());
+        for k in -60..=6_i32 {
+            let lost = pull.total_probability(1.3 * 2.0_f64.powi(k).min(3.0)) - 1.0;
+            assert!(lost.abs() < PROMISED, "{law:?}: {lost:e} at 1.3 × 2^{k}");
+        }
+    }
+}
