@@ -100,6 +100,17 @@ impl<'a> Blocks<'a> {
         self.past = Some(past);
     }
 
+    /// Adds ∫ over `cell` itself, which has these values, at its points.
+    pub(super) fn add_own(&mut self, mesh: &Mesh, cell: usize, values: &Nodal, out: &mut Nodal) {
+        if mesh.run_of[cell] != self.run {
+            self.reset(mesh.run_of[cell]);
+        }
+        let width = mesh.runs[self.run as usize].width;
+        if let Some(block) = &self.within_run(width, 0).block {
+            apply(block, values, out);
+        }
+    }
+
     /// The contributions of cells of other runs, one by one.
     fn add_cells(&mut self, mesh: &Mesh, cell: usize, values: &[Nodal], out: &mut Nodal) {
         let (start, end) = (mesh.boundaries[cell], self.kernel.curve().end());

@@ -29,6 +29,8 @@ struct March<'a> {
     blocks: Blocks<'a>,
     /// Inverse of identity − kernel on the cell itself, for the run it was made for.
     inverse: Option<(u32, Box<Block>)>,
+    /// That of the kernel of what is kept, on the cell itself.
+    kept_inverse: Option<(u32, Box<Block>)>,
     tail: f64,
     /// The break from which the march is on its way to the next.
     opened: f64,
@@ -77,6 +79,7 @@ pub fn solve(
         density: Piecewise { boundaries: vec![0.0], coefficients: Vec::new() },
         blocks: Blocks::new(kernel, accuracy.density),
         inverse: None,
+        kept_inverse: None,
         tail: 0.0,
         opened: 0.0,
     };
@@ -116,6 +119,9 @@ const MOST_CELLS: usize = 1 << 22;
 /// A ε over its root.
 const NARROWEST: f64 = 1e-11;
 
+/// Cells longer than this many means of the kernel are solved by conservation.
+const LONG: f64 = 4.0;
+
 /// The width of the first cell beside a pole at 0, in units of that of cells to begin with. What it holds is told by
 /// conservation, where in it is of no consequence.
 const SMALLEST: f64 = 1e-30;
@@ -126,7 +132,7 @@ const ROUNDED: f64 = 1e-14;
 /// What rounding of values and of places makes of a tail, `distance` half widths from 0.
 fn rounding(values: &Nodal, distance: f64) -> f64 {
     let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &v| (low.min(v), high.max(v)));
-    4.0 * f64::EPSILON * (low.abs().max(high.abs()) + (high - low) * distance)
+    16.0 * f64::EPSILON * (low.abs().max(high.abs()) + (high - low) * distance)
 }
 
 impl March<'_> {
@@ -203,7 +209,7 @@ impl March<'_> {
         let many = left.min(self.kernel.curve().end()) > 512.0 * self.base;
         let quiet = many && largest * width < 1e-3 * self.accuracy.mass;
         let recovering = width < 0.3 * self.base && missing < 0.05 * limit.max(self.accuracy.mass / width);
-        let settled = done >= 256 && missing < 1e-5 * limit && left > 3072.0 * width;
+        let settled = done >= 128 && missing < 1e-2 * limit && left > 3072.0 * width;
         (quiet || recovering) && pace.patience == 0 || settled
     }
 
@@ -256,7 +262,7 @@ impl March<'_> {
             self.mesh.runs.pop();
         }
         self.mesh.runs.push(Run { first: self.values.len(), start, width });
-        self.inverse = None;
+        (self.inverse, self.kept_inverse) = (None, None);
         self.blocks.reset(u32::MAX);
         self.kept_blocks.reset(u32::MAX);
     }
@@ -269,7 +275,15 @@ impl March<'_> {
         }
         self.mesh.run_of.push(self.mesh.runs.len() as u32 - 1);
         self.mesh.boundaries.push(stop);
-        let Some((values, missing)) = self.resolved(cell) else {
+        let width = 2.0 * self.mesh.cell(cell).1;
+        let found = if width > LONG * self.kept.1.size() {
+            self.conserved(cell)
+        } else if width > 1.01 * self.base {
+            self.resolved(cell).filter(|(values, _)| self.keeps(cell, values))
+        } else {
+            self.resolved(cell)
+        };
+        let Some((values, missing)) = found else {
             self.mesh.run_of.pop();
             self.mesh.boundaries.pop();
             return None;
@@ -277,14 +291,6 @@ impl March<'_> {
         self.values.push(values);
         self.density.boundaries.push(stop);
         self.density.coefficients.push(RULE.coefficients(&values));
-        if 2.0 * self.mesh.cell(cell).1 > 1.01 * self.base && !self.keeps() {
-            self.values.pop();
-            self.density.boundaries.pop();
-            self.density.coefficients.pop();
-            self.mesh.run_of.pop();
-            self.mesh.boundaries.pop();
-            return None;
-        }
         Some(missing)
     }
 
@@ -297,12 +303,8 @@ impl March<'_> {
         if cell == 0 && self.singular.iter().any(|b| b.position == 0.0 && b.exponent < 0.0) {
             return Some((self.conserving(values), 0.0));
         }
-        let missing = tail(&RULE.coefficients(&values));
-        let rounding = rounding(&values, middle / half);
-        if missing <= self.accuracy.density.max(rounding) || missing * half <= self.accuracy.mass {
-            let felt = missing * half / self.accuracy.mass * self.accuracy.density;
-            self.tail = self.tail.max(missing.min(felt));
-            return Some((values, if missing < rounding { 0.0 } else { missing }));
+        if let Some(missing) = self.missing(cell, &values) {
+            return Some((values, missing));
         }
         (half < NARROWEST * middle).then(|| {
             let mean = self.known_mass(cell) / (2.0 * half);
@@ -322,15 +324,55 @@ impl March<'_> {
         values.map(|value| value * missing / held)
     }
 
-    /// Whether all that should be in g is there, at the points of the latest cell.
-    fn keeps(&mut self) -> bool {
+    /// The size of the tail of values on a cell, 0 where that is rounding; `None` where they are not resolved.
+    fn missing(&mut self, cell: usize, values: &Nodal) -> Option<f64> {
+        let (middle, half) = self.mesh.cell(cell);
+        let missing = tail(&RULE.coefficients(values));
+        let rounding = rounding(values, middle / half);
+        if missing > self.accuracy.density.max(rounding) && missing * half > self.accuracy.mass {
+            return None;
+        }
+        let felt = missing * half / self.accuracy.mass * self.accuracy.density;
+        self.tail = self.tail.max(missing.min(felt));
+        Some(if missing < rounding { 0.0 } else { missing })
+    }
+
+    /// The density at the Gauss points of the next cell from source + kernel ∗ g = 1 of what is `kept`, a Volterra equation of
+    /// the first kind. On cells much longer than the kernel it is well conditioned, where 1 − kernel ∗ is near a derivative and
+    /// makes rounding grow with the length. `None` where it is not resolved, or does not solve the equation of the second kind,
+    /// since something was stepped over.
+    fn conserved(&mut self, cell: usize) -> Option<(Nodal, f64)> {
+        let absent = self.kept_before(cell).map(|kept| 1.0 - kept);
+        let (half, run) = (self.mesh.cell(cell).1, self.mesh.runs.len() as u32);
+        if self.kept_inverse.as_ref().is_none_or(|(made_for, _)| *made_for != run) {
+            let own = block(self.kept.1, (0.0, half), (0.0, half)).block?;
+            self.kept_inverse = Some((run, Box::new(inverted(*own))));
+        }
+        let mut values = [0.0; NODES];
+        apply(&self.kept_inverse.as_ref()?.1, &absent, &mut values);
+        let missing = self.missing(cell, &values)?;
+        let mut again = self.known(cell);
+        self.blocks.add_history(&self.mesh, cell, &self.values, &self.density, &mut again);
+        self.blocks.add_own(&self.mesh, cell, &values, &mut again);
+        let off = |i: usize| (again[i] - values[i]).abs() * self.kept.1.size();
+        (0..NODES).all(|i| off(i) <= self.accuracy.kept).then_some((values, missing))
+    }
+
+    /// Whether all that should be in g is there, at the points of the next cell, if it has these values.
+    fn keeps(&mut self, cell: usize, values: &Nodal) -> bool {
+        let mut whole = self.kept_before(cell);
+        self.kept_blocks.add_own(&self.mesh, cell, values, &mut whole);
+        whole.iter().all(|w| (w - 1.0).abs() <= self.accuracy.kept)
+    }
+
+    /// What is kept at the points of the next cell, without what that cell has.
+    fn kept_before(&mut self, cell: usize) -> Nodal {
         let (source, kernel) = self.kept;
-        let cell = self.values.len() - 1;
-        let mut whole = self.mesh.points(cell).map(|(start, offset)| {
+        let mut kept = self.mesh.points(cell).map(|(start, offset)| {
             source.value(start + offset) + struck(kernel.curve(), &self.atoms, (start, offset))
         });
-        self.kept_blocks.add_history(&self.mesh, cell, &self.values, &self.density, &mut whole);
-        whole.iter().all(|w| (w - 1.0).abs() <= self.accuracy.kept)
+        self.kept_blocks.add_history(&self.mesh, cell, &self.values, &self.density, &mut kept);
+        kept
     }
 
     /// Source and atoms at the Gauss points of a cell.
