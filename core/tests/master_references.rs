@@ -151,3 +151,12 @@ fn a_rising_force_has_no_static_friction() {
     // K_c is that of the whole pull, however short the part asked for.
     close(short.critical_stiffness(), 6.988_800_539_548, 2e-10);
 }
+
+/// Thresholds broader than exponential ones: the hazard falls, and F' > 0 everywhere. Its rounding is no stiffness.
+#[test]
+fn a_force_that_never_falls_has_no_critical_stiffness() {
+    for (law, tolerance) in [(gamma(1.0, 1.2), 1e-8), (gamma(1.0, 1.0), 1e-10)] {
+        let pull = master(&law, &point(0.0), &point(0.0)).pull(5.0, tolerance, &mut ()).unwrap();
+        assert_eq!(pull.critical_stiffness(), 0.0);
+    }
+}

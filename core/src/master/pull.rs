@@ -10,6 +10,9 @@ use crate::numerics::breaks::same_position;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::{brent_minimum, brent_root};
 
+/// Forces and slopes differ if they do by so many tolerances, or errors where these are larger.
+const SLACK: f64 = 10.0;
+
 /// The solution of a pull, functions of X in `[0, distance]`.
 ///
 /// Γ solves the renewal equation Γ(X) = φ₀(X) + ∫₀^X Γ(Y) φ(X − Y) dY, and from it
@@ -125,7 +128,7 @@ impl Pull {
     /// F_s and X_s: the maximum of F on (0, distance) and its place, at a jump the left limit; the first of equals.
     /// `None` where F, to within the tolerance, does not fall from there, or ends higher.
     pub fn static_friction(&self) -> Option<Extremum> {
-        let slack = 10.0 * self.tolerance.max(self.leg.error) * self.leg.reborn.mean();
+        let slack = self.slack() * self.leg.reborn.mean();
         let cells = 0..=self.last_cell();
         let mut best = (0.0, f64::NEG_INFINITY, 0);
         for cell in cells.clone() {
@@ -160,7 +163,13 @@ impl Pull {
         roots.chain([high]).map(|x| (x, self.leg.force.value_in(cell, x))).collect()
     }
 
-    /// K_c = max(0, −min F') over X ≥ 0; infinite where the force jumps down.
+    /// How far forces per N_c⟨k⟩ and mean life, and slopes per N_c⟨k⟩, are apart that differ.
+    fn slack(&self) -> f64 {
+        SLACK * self.tolerance.max(self.leg.error)
+    }
+
+    /// K_c = max(0, −min F') over X ≥ 0; infinite where the force jumps down, 0 where it does not fall but by what the
+    /// tolerance, or a larger error, leaves open: ten times that, of N_c⟨k⟩.
     pub fn critical_stiffness(&self) -> f64 {
         let jumps =
             self.leg.solution.atoms.iter().filter(|a| a.position > 0.0 && a.position < self.leg.force.end());
@@ -175,7 +184,7 @@ impl Pull {
         let steepest = (0..self.leg.force.coefficients.len())
             .map(|cell| self.steepest(cell))
             .fold(f64::INFINITY, f64::min);
-        (-self.stiffness * steepest).max(0.0)
+        if -steepest > self.slack() { -self.stiffness * steepest } else { 0.0 }
     }
 
     /// The least slope in a cell, its ends included.
