@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use asperity::monitor::Monitor;
-use asperity_runner::duration;
+use asperity_runner::{duration, memory};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::interrupt::Interrupts;
@@ -97,6 +97,10 @@ impl Monitor for Progress<'_> {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
         self.show(fraction);
         if self.interrupts.asked().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn memory(&self) -> u64 {
+        memory::available()
     }
 
     fn events(&mut self, events: u64, drive: f64) {

@@ -4,6 +4,7 @@ pub mod checkpoint;
 pub mod duration;
 mod folder;
 pub mod input;
+pub mod memory;
 pub mod output;
 pub mod summary;
 pub mod task;

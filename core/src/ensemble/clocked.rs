@@ -11,8 +11,12 @@ use super::lives::{Drawn, Life, Lives};
 use super::passage::{Held, Leg, Passage, stiffness};
 use crate::clocked::{Books, Clocked, Portion, State};
 use crate::contacts::Stiffness;
+use crate::monitor::{MEMORY, fits};
 use crate::random::{Purpose, Stream};
 use crate::{Error, Result};
+
+/// Bytes of a contact, and of the copies on which a step of a block is tried.
+const BYTES: u64 = 5 * size_of::<Contact>() as u64;
 
 /// Contacts that a thread goes through before it takes others; sums are made in their order.
 const CHUNK: usize = 256;
@@ -41,8 +45,18 @@ impl Ensemble {
     /// The contacts at t = 0 and X = 0, to be moved in time. What stands at its threshold in a relaxed start has broken.
     ///
     /// # Errors
-    /// Ageing by a rule that single contacts cannot follow; more contacts than can be numbered.
+    /// Ageing by a rule that single contacts cannot follow; more contacts than can be numbered, or fit in 16 GiB.
     pub fn in_time(&self) -> Result<EnsembleInTime> {
+        self.in_time_within(MEMORY)
+    }
+
+    /// The same in so many bytes, with what a step of a block over them takes meanwhile.
+    ///
+    /// # Errors
+    /// As [`Ensemble::in_time`].
+    pub fn in_time_within(&self, memory: u64) -> Result<EnsembleInTime> {
+        let what = format!("{} contacts in time", self.size);
+        fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), memory)?;
         let Ok(size) = u32::try_from(self.size) else {
             return Err(Error::invalid("size", format!("up to {} contacts in time", u32::MAX), self.size));
         };

@@ -10,13 +10,13 @@ use super::lives::Lives;
 use super::queue::{Contact, Queue, SLICE};
 use super::sums::Sums;
 use crate::contacts::Stiffness;
-use crate::monitor::{Aside, Monitor, report};
+use crate::monitor::{Aside, Monitor, fits, report};
 use crate::numerics::compensated::Compensated;
 use crate::population::{Books, Direction, Population, Response, Way};
 use crate::{Error, Result};
 
-/// Bytes that the contacts may take.
-const BYTES: usize = 16 << 30;
+/// Bytes of a contact: in the queue, on its way to another order, and among what is free or has broken in a slip.
+const BYTES: u64 = 4 * size_of::<Contact>() as u64;
 
 /// Contacts drawn together by one thread.
 const CHUNK: usize = 1 << 12;
@@ -65,18 +65,14 @@ impl Ensemble {
     /// The contacts at X = 0, to be moved. What stands at its threshold in a relaxed start has broken.
     ///
     /// # Errors
-    /// Contacts that know time; more of them than fit in 16 GiB; stopped by the monitor.
+    /// Contacts that know time; more of them than fit in the memory that the monitor allows; stopped by it.
     pub fn population(&self, monitor: &mut dyn Monitor) -> Result<EnsemblePopulation> {
         if let Some(rule) = self.rule_of_time() {
             let expected = "contacts that know no time, since a population is moved without one";
             return Err(Error::invalid(rule, expected, "a rule of time"));
         }
-        let bytes = self.size.saturating_mul(size_of::<Contact>());
-        if bytes > BYTES {
-            let what = format!("a population of {} contacts", self.size);
-            let (key, needed) = ("ensemble.size".into(), bytes as u64);
-            return Err(Error::TooLarge { key, what, needed, allowed: BYTES as u64 });
-        }
+        let what = format!("a population of {} contacts", self.size);
+        fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), monitor.memory())?;
         let (Stiffness::Equal(unit) | Stiffness::PerThreshold(unit)) = self.contacts.stiffness;
         let mut population = EnsemblePopulation {
             lives: Lives::in_any_order(self),

@@ -9,7 +9,7 @@ use super::Ensemble;
 use super::sweep::{Chunk, Sweep};
 use super::tally::{Cell, Different, Equal, Grid, Ruler, forces};
 use crate::contacts::Stiffness;
-use crate::monitor::{Aside, Monitor, report};
+use crate::monitor::{Aside, Monitor, fits, report};
 use crate::{Error, Result};
 
 /// Most chunks of contacts between two reports to the monitor.
@@ -27,9 +27,6 @@ const CACHE: usize = 16 << 20;
 
 /// Bytes that a round of chunks may take, if it is more than one chunk.
 const ROUND_BYTES: usize = 512 << 20;
-
-/// Bytes that one chunk may take.
-const CHUNK_BYTES: usize = 4 << 30;
 
 /// Where to record the distribution of stretches.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -133,7 +130,7 @@ impl Ensemble {
         snapshots: &Snapshots,
         monitor: &mut dyn Monitor,
     ) -> Result<EnsemblePull> {
-        let plan = self.plan::<C>(positions, snapshots)?;
+        let plan = self.plan::<C>(positions, snapshots, monitor.memory())?;
         let (grid, ruler) = (Grid::new(positions), Ruler::of(positions));
         let sweep = Sweep { ensemble: self, grid, ruler, positions, snapshots };
         report(monitor, 0.0)?;
@@ -166,19 +163,18 @@ impl Ensemble {
     }
 
     /// Chunks with so many breaks that merging them costs little, so few that there is one for each core.
-    fn plan<C: Cell>(&self, positions: &[f64], snapshots: &Snapshots) -> Result<Plan> {
+    fn plan<C: Cell>(&self, positions: &[f64], snapshots: &Snapshots, memory: u64) -> Result<Plan> {
         let bins = snapshots.edges.len() * snapshots.positions.len();
         let bytes = positions.len() * size_of::<C>() + bins * size_of::<u64>();
-        if bytes > CHUNK_BYTES {
-            let what = format!("an ensemble at {} positions", positions.len());
-            let (key, needed) = ("pull.points".into(), bytes as u64);
-            return Err(Error::TooLarge { key, what, needed, allowed: CHUNK_BYTES as u64 });
-        }
+        let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
+        // A round, the sums over all rounds, and what is made of them.
+        let needed = (round + 1) * bytes + positions.len() * size_of::<[f64; 2]>();
+        let what = format!("an ensemble at {} positions", positions.len());
+        fits("pull.points", what, needed as u64, memory)?;
         let expected = self.expected_breaks(positions[positions.len() - 1]);
         let least = (bytes as f64).max(20_000.0);
         let breaks = (expected * self.size as f64 / ROUND as f64).clamp(least, least.max(1e6));
         let chunk = (breaks / expected).ceil() as usize;
-        let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
         let quick = if bytes > CACHE { PART / 8 } else { PART };
         let part = (quick as f64 / expected).ceil() as usize;
         Ok(Plan { chunk, part, round, expected: expected as usize })

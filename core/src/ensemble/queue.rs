@@ -150,6 +150,8 @@ impl Queue {
         let mut queue = mem::take(self);
         // What is most of it where it has been put in place and not yet been needed.
         let mut contacts = queue.beyond;
+        let rest = queue.near.len() + queue.late.len() + queue.rungs.iter().map(Vec::len).sum::<usize>();
+        contacts.reserve_exact(rest);
         contacts.append(&mut queue.near);
         contacts.extend(queue.late);
         let mut told = contacts.len();

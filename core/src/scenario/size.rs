@@ -2,21 +2,32 @@
 
 use crate::{Error, Result};
 
-/// Bytes that a description may ask for.
+/// Bytes that results may ask for.
 const ALLOWED: f64 = 4.0 * GIBIBYTE;
+/// Bytes that an interface may ask for, whatever machine it is for; more than that has free is refused when it is run.
+const ANYWHERE: f64 = 64.0 * GIBIBYTE;
 const GIBIBYTE: f64 = 1024.0 * 1024.0 * 1024.0;
 
 /// Of a position: its numbers, their text, and the results file, which is put together in memory.
 pub(super) const BYTES_PER_POINT: f64 = 360.0;
 
-/// Refuses a number of things of the given size that would not fit.
+/// Refuses a number of points of the given size that would not fit.
 pub(super) fn check(key: &str, number: usize, bytes_each: f64) -> Result<()> {
+    within(ALLOWED, key, number, bytes_each)
+}
+
+/// Refuses a number of cells of the given size that would fit on no machine.
+pub(super) fn check_cells(key: &str, number: usize, bytes_each: f64) -> Result<()> {
+    within(ANYWHERE, key, number, bytes_each)
+}
+
+fn within(allowed: f64, key: &str, number: usize, bytes_each: f64) -> Result<()> {
     let needed = number as f64 * bytes_each;
-    if needed <= ALLOWED {
+    if needed <= allowed {
         return Ok(());
     }
-    let most = (ALLOWED / bytes_each).floor();
-    let expected = format!("at most {most}, which take {} of memory", amount(ALLOWED));
+    let most = (allowed / bytes_each).floor();
+    let expected = format!("at most {most}, which take {} of memory", amount(allowed));
     Err(Error::invalid(key, expected, format!("{number}, which would need {}", amount(needed))))
 }
 

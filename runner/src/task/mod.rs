@@ -52,6 +52,9 @@ pub fn run_with(
     monitor: &mut dyn Monitor,
 ) -> Result<Outcome> {
     let (contacts, initial) = scenario.build()?;
+    if let Some(interface) = &scenario.interface {
+        interface.fits(&contacts, scenario.ensemble.as_ref(), monitor.memory())?;
+    }
     let setting = Setting { scenario, contacts, initial };
     let (summary, record) = match scenario.task()? {
         Task::Pull(task) => pull::run(&setting, task, monitor)?,

@@ -23,6 +23,10 @@ impl Monitor for Part<'_> {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
         self.whole.progress(self.start + self.share * fraction)
     }
+
+    fn memory(&self) -> u64 {
+        self.whole.memory()
+    }
 }
 
 /// Tells `monitor` the fraction done; an error if it wants to stop.

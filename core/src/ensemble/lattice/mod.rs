@@ -24,12 +24,12 @@ use self::grid::Grid;
 use self::minima::Minima;
 use super::{Disorder, Ensemble};
 use crate::contacts::{Contacts, Initial, Stiffness};
-use crate::monitor::{Monitor, report};
+use crate::monitor::{MEMORY, Monitor, fits, report};
 use crate::numerics::compensated::Compensated;
 use crate::{Error, Result};
 
-/// Bytes that a lattice may take.
-const BYTES: usize = 16 << 30;
+/// Bytes of a place: what its contact keeps, what it takes as it is drawn, and where all contacts break together.
+const BYTES: u64 = 72;
 
 /// Contacts drawn together by one thread.
 const CHUNK: usize = 1 << 12;
@@ -111,7 +111,24 @@ impl Lattice {
         seed: u64,
         disorder: Disorder,
     ) -> Result<Self> {
+        Self::within(MEMORY, contacts, initial, coupling, seed, disorder)
+    }
+
+    /// The same in so many bytes.
+    ///
+    /// # Errors
+    /// As [`Lattice::new`].
+    pub fn within(
+        memory: u64,
+        contacts: Contacts,
+        initial: Initial,
+        coupling: &Coupling,
+        seed: u64,
+        disorder: Disorder,
+    ) -> Result<Self> {
         Self::check(&contacts, coupling)?;
+        let what = format!("a lattice of {} contacts", coupling.shape.size());
+        fits("interface.cells", what, Self::bytes(coupling.shape), memory)?;
         let unit = stiffness(&contacts)?;
         let size = coupling.shape.size();
         let ensemble = Ensemble::new(contacts, initial, size, seed, disorder)?;
@@ -149,8 +166,13 @@ impl Lattice {
     /// The first thing refused, with the path of its key in a scenario.
     pub fn check(contacts: &Contacts, coupling: &Coupling) -> Result<()> {
         coupling.check().map_err(|e| e.under("interface"))?;
-        stiffness(contacts)?;
-        fits(coupling.shape)
+        stiffness(contacts).map(drop)
+    }
+
+    /// Bytes that contacts so placed take at most.
+    pub fn bytes(shape: Shape) -> u64 {
+        let [rows, columns] = shape.sides().map(|side| side.saturating_add(2) as u64);
+        rows.saturating_mul(columns).saturating_mul(BYTES)
     }
 
     /// Number of contacts.
@@ -266,19 +288,6 @@ fn stiffness(contacts: &Contacts) -> Result<f64> {
             Err(Error::invalid("contacts.stiffness_per_threshold", expected, factor))
         }
     }
-}
-
-/// Refuses what takes more memory than is allowed.
-fn fits(shape: Shape) -> Result<()> {
-    let [rows, columns] = shape.sides().map(|side| side.saturating_add(2));
-    let place = size_of::<Born>() + size_of::<f64>() + 2;
-    let bytes = rows.saturating_mul(columns).saturating_mul(place);
-    if bytes > BYTES {
-        let what = format!("a lattice of {} contacts", shape.size());
-        let (key, needed) = ("interface.cells".into(), bytes as u64);
-        return Err(Error::TooLarge { key, what, needed, allowed: BYTES as u64 });
-    }
-    Ok(())
 }
 
 /// Contacts as they are at X = 0: where they break, and what they were born with.

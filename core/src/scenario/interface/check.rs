@@ -4,12 +4,15 @@ use super::super::{Drive, Ensemble, positive, size};
 use super::{CellSlip, Coupling, Interface, Loading, PerCell};
 use crate::contacts::Contacts;
 use crate::ensemble::lattice::Lattice;
+use crate::monitor::fits;
 use crate::{Error, Result};
 
 /// Bytes that a contact coupled one by one takes at most.
-const BYTES_PER_CONTACT: f64 = 64.0;
+const BYTES_PER_CONTACT: f64 = 72.0;
 /// Bytes that a cell takes at most, with what it takes to couple it: on a half-space with open edges, some cells sliding.
-const BYTES_PER_CELL: f64 = 168.0;
+const BYTES_PER_CELL: f64 = 192.0;
+/// The same of a chain on a half-space, for its one long transform.
+const BYTES_PER_CELL_OF_A_CHAIN: f64 = 336.0;
 /// Bytes that a cell takes that follows the master equation in time, with what of it is tried in a step.
 const BYTES_PER_CELL_IN_TIME: f64 = 2e6;
 /// Bytes that a cell of few contacts takes, and each of them.
@@ -47,6 +50,32 @@ impl Interface {
         }
     }
 
+    /// Refuses an interface that takes more than so much `memory`.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`], naming the cells.
+    pub fn fits(&self, contacts: &Contacts, ensemble: Option<&Ensemble>, memory: u64) -> Result<()> {
+        let cells = self.size();
+        let what = format!("an interface of {cells} cells");
+        let bytes = cells as f64 * self.bytes_per_cell(contacts, ensemble);
+        fits("interface.cells", what, bytes as u64, memory)
+    }
+
+    /// Bytes that a cell takes at most, with what couples it.
+    fn bytes_per_cell(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> f64 {
+        let few = |[cell, contact]: [f64; 2], ensemble: &Ensemble| cell + contact * ensemble.size() as f64;
+        match (self.contacts, contacts.rules.know_time(), ensemble) {
+            (PerCell::One, ..) => BYTES_PER_CONTACT,
+            (PerCell::Many, false, None) => match (self.coupling, &self.cells[..]) {
+                (Coupling::HalfSpace { .. }, [_]) => BYTES_PER_CELL_OF_A_CHAIN,
+                _ => BYTES_PER_CELL,
+            },
+            (PerCell::Many, true, None) => BYTES_PER_CELL_IN_TIME,
+            (PerCell::Many, false, Some(ensemble)) => few(BYTES_PER_ENSEMBLE, ensemble),
+            (PerCell::Many, true, Some(ensemble)) => few(BYTES_PER_ENSEMBLE_IN_TIME, ensemble),
+        }
+    }
+
     /// Values that make no sense whatever a cell is; keys are relative to this table.
     fn values(&self) -> Result<()> {
         let shape = self.shape()?;
@@ -54,7 +83,7 @@ impl Interface {
             PerCell::Many => BYTES_PER_CELL,
             PerCell::One => BYTES_PER_CONTACT,
         };
-        size::check("cells", shape.size(), bytes)?;
+        size::check_cells("cells", shape.size(), bytes)?;
         match self.contacts {
             PerCell::Many => positive("connection", self.connection)?,
             PerCell::One => not_negative("connection", self.connection)?,
@@ -85,7 +114,7 @@ impl Interface {
             let expected = format!("\"overdamped\" with a viscosity, {reason}");
             return Err(Error::invalid("slip", expected, "reset"));
         }
-        if few { Ok(()) } else { size::check("cells", self.size(), BYTES_PER_CELL_IN_TIME) }
+        if few { Ok(()) } else { size::check_cells("cells", self.size(), BYTES_PER_CELL_IN_TIME) }
     }
 
     /// What cells of few contacts need, a cell and each contact taking so many bytes.
@@ -99,7 +128,7 @@ impl Interface {
                             contacts of a cell would break with its first one";
             return Err(Error::invalid("interface.slip", expected, "reset"));
         }
-        size::check("interface.cells", self.size(), cell + contact * size as f64)
+        size::check_cells("interface.cells", self.size(), cell + contact * size as f64)
     }
 
     /// What does not go with single contacts.

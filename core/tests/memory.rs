@@ -1,0 +1,172 @@
+//! What ensembles, blocks, lattices and interfaces take of memory: no more than 1.2 times what they are refused for.
+
+mod common;
+
+use std::ops::ControlFlow;
+
+use asperity::Error;
+use asperity::block::{Block, Drive, Loading, Slip};
+use asperity::contacts::Contacts;
+use asperity::elastic::coupling::{half_space, neighbours};
+use asperity::elastic::{self, Setting};
+use asperity::ensemble::lattice::{Coupling, Lattice, Until};
+use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::law::SharedLaw;
+use asperity::monitor::Monitor;
+use asperity::scenario;
+use asperity::shape::{Edges, Shape};
+use common::sliders::{interface, scales, setting};
+use common::{contacts, curve, gaussian, initial, point, weibull};
+use peak_alloc::PeakAlloc;
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+/// What takes more is refused wrongly.
+const MOST: f64 = 1.2;
+
+/// A machine without memory.
+struct Full;
+
+impl Monitor for Full {
+    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn memory(&self) -> u64 {
+        0
+    }
+}
+
+/// Bytes that are said to be needed.
+#[track_caller]
+fn needed<T>(refused: asperity::Result<T>) -> f64 {
+    match refused.err() {
+        Some(Error::TooLarge { needed, allowed: 0, .. }) => needed as f64,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Most bytes taken at once.
+fn most(work: impl FnOnce()) -> f64 {
+    let before = MEMORY.current_usage();
+    MEMORY.reset_peak_usage();
+    work();
+    (MEMORY.peak_usage() - before) as f64
+}
+
+#[track_caller]
+fn holds(what: &str, taken: f64, needed: f64) {
+    assert!(taken <= MOST * needed, "{what}: {taken} instead of {needed} bytes");
+}
+
+fn ensemble(law: &SharedLaw, size: usize) -> Ensemble {
+    Ensemble::new(contacts(law, &point(0.0)), initial(&point(0.0)), size, 1, Disorder::Annealed).unwrap()
+}
+
+fn pulls() {
+    let model = ensemble(&gaussian(1.0, 0.1), 200);
+    let positions: Vec<f64> = (0..2_000_000).map(|i| 1e-6 * f64::from(i)).collect();
+    let pull = |monitor: &mut dyn Monitor| model.pull(&positions, &Snapshots::default(), monitor);
+    holds("a pull", most(|| drop(pull(&mut ()).unwrap())), needed(pull(&mut Full)));
+}
+
+fn blocks() {
+    let size = 1 << 16;
+    let slips = [Slip::Overdamped, Slip::Reset, Slip::Arrest, Slip::Inertial { mass: 1.0, damping: 0.0 }];
+    for law in [gaussian(1.0, 0.05), weibull(0.5, 1.0)] {
+        let model = ensemble(&law, size);
+        let said = needed(model.population(&mut Full));
+        for slip in slips {
+            let taken = most(|| {
+                let mut population = model.population(&mut ()).unwrap();
+                let block = Block::new(Loading::Spring(0.2), slip, Some(0.01)).unwrap();
+                let drive = Drive { turning_points: vec![6.0, 2.0, 4.0], points: 11 };
+                block.pull(&mut population, &drive, &mut ()).unwrap();
+            });
+            holds(&format!("{slip:?}"), taken, said);
+        }
+    }
+}
+
+fn lattices() {
+    for law in [point(1.0), gaussian(1.0, 0.05)] {
+        for edges in [Edges::Open, Edges::Periodic] {
+            let coupling = Coupling::sharing(Shape::Square([256; 2]), edges, 0.24);
+            let size = coupling.shape.size() as f64;
+            let contacts = Contacts { count: size, ..contacts(&law, &point(0.0)) };
+            let make = |memory: u64| {
+                let start = initial(&point(0.0));
+                Lattice::within(memory, contacts.clone(), start, &coupling, 1, Disorder::Annealed)
+            };
+            let taken = most(|| {
+                let mut lattice = make(u64::MAX).unwrap();
+                lattice.run(Until::Drive(2.5), &mut (), &mut |_| ()).unwrap();
+            });
+            holds("a lattice", taken, needed(make(0)));
+        }
+    }
+}
+
+/// The table of an interface of such cells, to be asked what it needs.
+fn table(shape: Shape, coupling: scenario::Coupling) -> scenario::Interface {
+    let cells = match shape {
+        Shape::Chain(length) => vec![length],
+        Shape::Square(sides) => sides.to_vec(),
+    };
+    scenario::Interface {
+        cells,
+        contacts: scenario::PerCell::Many,
+        connection: 0.5,
+        coupling,
+        edges: scenario::Edges::Open,
+        loading: scenario::Loading::Uniform,
+        slip: None,
+        viscosity: None,
+        disorder: None,
+        drive_tolerance: 1e-3,
+        catalogue_from: 0.0,
+    }
+}
+
+fn interfaces() {
+    let shapes =
+        [(Shape::Square([128; 2]), 3.0), (Shape::Square([128; 2]), 1e6), (Shape::Chain(1 << 12), 3.0)];
+    for (shape, stiffness) in shapes {
+        for edges in [Edges::Open, Edges::Periodic] {
+            let springs = scenario::Coupling::Neighbours { stiffness };
+            on_a_slider(|| neighbours(shape, edges, stiffness), shape, springs);
+            let bulk = scenario::Coupling::HalfSpace { modulus: stiffness, cell: 1.0 };
+            on_a_slider(|| half_space(shape, edges, stiffness, 1.0), shape, bulk);
+        }
+    }
+}
+
+fn on_a_slider(
+    make: impl FnOnce() -> asperity::Result<Box<dyn elastic::Coupling>>,
+    shape: Shape,
+    described: scenario::Coupling,
+) {
+    let said = needed(table(shape, described).fits(&contacts(&point(1.0), &point(0.0)), None, 0));
+    let curve = curve::gaussian(0.1);
+    let taken = most(|| slide(&curve, make().unwrap(), shape.size()));
+    holds(&format!("{shape:?} {described:?}"), taken, said);
+}
+
+/// A slide of all cells, and creep after it.
+fn slide(curve: &curve::ClosedCurve, slider: Box<dyn elastic::Coupling>, size: usize) {
+    let stiff = Setting { viscosity: None, ..setting(0.5, elastic::Slip::Overdamped, 1e-3) };
+    let mut interface = interface(curve, Some(scales(size, 0.03)), slider, stiff);
+    interface.put(3.2, &vec![0.0; size]).unwrap();
+    let _ = interface.next(3.2, &mut ()).unwrap();
+    interface.run(3.21, &mut (), &mut |_, _| ()).unwrap();
+}
+
+/// One after the other: memory is that of all threads.
+#[test]
+fn nothing_takes_more_than_it_is_refused_for() {
+    pulls();
+    blocks();
+    lattices();
+    interfaces();
+}
