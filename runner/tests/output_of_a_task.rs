@@ -197,3 +197,13 @@ fn progress_never_falls_and_reaches_the_end() {
         assert_eq!(stopped.unwrap_err(), Error::Stopped);
     }
 }
+
+/// The scatter of one contact is not known.
+#[test]
+fn one_contact_has_no_standard_error() {
+    let text =
+        "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\npull = {}\nensemble = { size = 1 }\n";
+    let scenario = input::parse(text, "test", Path::new(""), &[]).unwrap().scenario;
+    let record = task::run(&scenario, &mut ()).unwrap().record;
+    assert!(record.get("ensemble_force").is_some() && record.get("ensemble_error").is_none());
+}

@@ -65,15 +65,15 @@ pub fn line(points: Vec<Point>, color: &str, width: f64, dashes: Option<&str>) -
     })
 }
 
-/// Points with error bars.
+/// Points with error bars, without where there are no errors.
 pub fn errors(x: &[f64], y: &[f64], error: &[f64], color: &str) -> Vec<Plot> {
-    let rows = || x.iter().zip(y).zip(error);
+    let points = || x.iter().zip(y);
     let bar = |((&x, &y), &error): ((&f64, &f64), &f64)| {
         line(vec![(x, y - error), (x, y + error)], color, 1.4, None)
     };
-    let markers = ScatterPlot::new().with_data(rows().map(|((&x, &y), _)| (x, y)));
+    let markers = ScatterPlot::new().with_data(points().map(|(&x, &y)| (x, y)));
     let markers = Plot::Scatter(markers.with_color(color).with_size(2.6));
-    rows().map(bar).chain([markers]).collect()
+    points().zip(error).map(bar).chain([markers]).collect()
 }
 
 /// A filled histogram with bins of equal width around `centres`.

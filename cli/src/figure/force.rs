@@ -100,12 +100,10 @@ fn compared(outcome: &Outcome, plots: &mut Plots, legend: &mut Vec<LegendEntry>)
 
 fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
     let record = &outcome.record;
-    let (Some(force), Some(error)) = (record.values("ensemble_force"), record.values("ensemble_error"))
-    else {
-        return;
-    };
+    let Some(force) = record.values("ensemble_force") else { return };
+    let error = record.values("ensemble_error").unwrap_or_default();
     let shown = (0..position.len()).step_by(position.len().div_ceil(MARKERS));
-    let pick = |values: &[f64]| shown.clone().map(|i| values[i]).collect::<Vec<_>>();
+    let pick = |values: &[f64]| shown.clone().filter_map(|i| values.get(i).copied()).collect::<Vec<_>>();
     plots.extend(errors(&pick(position), &pick(force), &pick(error), ORANGE));
     legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
 }

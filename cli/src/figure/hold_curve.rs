@@ -24,7 +24,8 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let points = ScatterPlot::new().with_data(curve(hold, force)).with_color(BLUE).with_size(3.2);
     plots.push(Plot::Scatter(points));
     legend.insert(0, style::line("master equation", BLUE, None));
-    if let (Some(force), Some(error)) = (record.values("ensemble_force"), record.values("ensemble_error")) {
+    if let Some(force) = record.values("ensemble_force") {
+        let error = record.values("ensemble_error").unwrap_or_default();
         plots.extend(errors(hold, force, error, ORANGE));
         legend.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
     }

@@ -39,7 +39,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
 
 fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
     let mut entries = vec![style::line("master equation", BLUE, None)];
-    if outcome.record.get("ensemble_error").is_some() {
+    if outcome.record.get("ensemble_force").is_some() && outcome.record.get("ensemble_drive").is_none() {
         entries.push(style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle));
     }
     entries
@@ -69,12 +69,14 @@ fn steps(time: &[f64], velocity: &[f64]) -> Vec<Point> {
 fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
     let (time, force) = (record.values("time")?, record.values("force")?);
-    let others = record.values("ensemble_force").zip(record.values("ensemble_error"));
-    let (low, high) = style::range([force, others.map_or(&[], |o| o.0)]);
+    // An ensemble under a block has points of its own.
+    let others = record.values("ensemble_force").filter(|_| record.get("ensemble_drive").is_none());
+    let (low, high) = style::range([force, others.unwrap_or_default()]);
     let mut plots = vec![line(curve(time, force), BLUE, 2.0, None)];
-    if let Some((force, error)) = others {
+    if let Some(force) = others {
+        let error = record.values("ensemble_error").unwrap_or_default();
         let shown = (0..time.len()).step_by(time.len().div_ceil(MARKERS));
-        let pick = |values: &[f64]| shown.clone().map(|i| values[i]).collect::<Vec<_>>();
+        let pick = |values: &[f64]| shown.clone().filter_map(|i| values.get(i).copied()).collect::<Vec<_>>();
         plots.extend(errors(&pick(time), &pick(force), &pick(error), ORANGE));
     }
     let layout = style::layout((0.0, *time.last()?), style::heights(low, high))

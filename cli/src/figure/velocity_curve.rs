@@ -64,7 +64,8 @@ fn draw(
     plots.push(line(curve(velocity, friction), color, 2.0, None));
     legend.push(style::line(called(outcome, row), color, None));
     let ensemble = ["ensemble_force", "ensemble_error"].map(|name| part(record, name, velocity.len(), row));
-    if let [Some(force), Some(error)] = ensemble {
+    if let [Some(force), error] = ensemble {
+        let error = error.unwrap_or_default();
         let color = if outcome.summary.limits.len() > 1 { color } else { ORANGE };
         plots.extend(errors(velocity, force, error, color));
     }

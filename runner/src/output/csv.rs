@@ -93,7 +93,7 @@ fn trace(record: &Record, prefix: &str) -> Option<String> {
     let timed = ["time", "velocity", "free"].map(column);
     let ensemble = ["ensemble_force", "ensemble_error"].map(same);
     // an ensemble at the same points stands beside, one with points of its own in its own table
-    let beside = record.get("ensemble_error").map_or(&[][..], |_| &ensemble);
+    let beside = record.get("ensemble_drive").map_or(&ensemble[..], |_| &[]);
     let optional = [&timed[..], beside].concat();
     table(record, &["drive", "position", "force", "spring_force"].map(column), &optional)
 }

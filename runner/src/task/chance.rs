@@ -26,6 +26,14 @@ pub struct Pulled<'a> {
     pub memory: f64,
 }
 
+/// Records the force of an ensemble, and its standard error where there is one: the scatter of one contact is not known.
+pub fn force(record: &mut Record, words: &str, dimension: &str, force: Vec<f64>, error: Vec<f64>) {
+    record.push("ensemble_force", words, Quantity::Force, &[dimension], force);
+    if !error.iter().any(|error| error.is_nan()) {
+        record.push("ensemble_error", "its standard error", Quantity::Force, &[dimension], error);
+    }
+}
+
 impl Pulled<'_> {
     /// Pulls `model` and records force, stretches at the snapshots, and stretches in steady sliding.
     ///
@@ -45,9 +53,8 @@ impl Pulled<'_> {
             Some(velocity) => model.pull_at(velocity, &self.task.positions(), &snapshots, monitor)?,
             None => model.pull(&self.task.positions(), &snapshots, monitor)?,
         };
-        let (words, along) = ("friction force of the ensemble", &["position"]);
-        record.push("ensemble_force", words, Quantity::Force, along, pull.force.clone());
-        record.push("ensemble_error", "its standard error", Quantity::Force, along, pull.error.clone());
+        let words = "friction force of the ensemble";
+        force(record, words, "position", pull.force.clone(), pull.error.clone());
         let at = |x: &f64| snapshots.positions.partition_point(|p| p < x);
         if asked.is_empty() && last.is_empty() {
             return Ok(());

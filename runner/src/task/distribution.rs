@@ -8,7 +8,7 @@ use asperity::scenario;
 use super::grid::Grid;
 use super::{atoms, placed};
 
-/// A density that no contact is seen of.
+/// A density that no contact is seen of, in breaking rates: about what it is where all hold.
 const NONE: f64 = 1e-12;
 
 const STRETCH: (&str, &str) = ("stretch", "stretch at which contacts are together");
@@ -40,7 +40,11 @@ pub fn steady(contacts: &Contacts, steady: &SteadyState, grid: &Grid, record: &m
         let met = steady.thresholds_met(&grid.stretches);
         // Where no contact is seen to hold, both are rounding.
         let rate = |(met, &held): (&f64, &f64)| {
-            if held > NONE { met * steady.breaking_rate() / held } else { f64::INFINITY }
+            if held > NONE * steady.breaking_rate() {
+                met * steady.breaking_rate() / held
+            } else {
+                f64::INFINITY
+            }
         };
         let hazard = met.density.iter().zip(&stretches.density).map(rate).collect();
         ("density of the stretches at which contacts break in steady sliding", met, hazard)

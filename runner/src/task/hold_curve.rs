@@ -7,9 +7,9 @@ use asperity::rate_state::Healing;
 use asperity::record::{Quantity, Record};
 use asperity::{Result, scenario};
 
-use super::Setting;
 use super::part::{self, Part};
 use super::settling::Steady;
+use super::{Setting, chance};
 use crate::summary::{HoldCurve, Peak, Summary};
 
 /// Mean thresholds, of newborn or mature contacts, within which the force peaks after a hold.
@@ -138,9 +138,10 @@ impl Columns {
         add("static_friction", "highest force after the hold", Quantity::Force, self.peak);
         add("peak_position", "way from the hold to the highest force", Quantity::Length, self.place);
         add("held_force", "force at the end of the hold", Quantity::Force, self.held);
-        let words = "force of the ensemble where that of the master equation is highest";
-        add("ensemble_force", words, Quantity::Force, self.ensemble_force);
-        add("ensemble_error", "its standard error", Quantity::Force, self.ensemble_error);
+        if !self.ensemble_force.is_empty() {
+            let words = "force of the ensemble where that of the master equation is highest";
+            chance::force(&mut record, words, "hold", self.ensemble_force, self.ensemble_error);
+        }
         record
     }
 }

@@ -7,7 +7,7 @@ use asperity::record::{Quantity, Record};
 use asperity::{Error, Result, scenario};
 
 use super::part::Part;
-use super::{Setting, sliding};
+use super::{Setting, chance, sliding};
 use crate::output::LARGEST;
 use crate::summary::Sliding;
 
@@ -52,9 +52,7 @@ pub fn rigid(
     if let Some(ensemble) = &scenario.ensemble {
         let model = ensemble.build(contacts.clone(), initial.clone())?;
         let run = model.follow(&history, &times, &mut Part::new(monitor, master, 1.0 - master))?;
-        let along = &["point"];
-        record.push("ensemble_force", "friction force of the ensemble", Quantity::Force, along, run.force);
-        record.push("ensemble_error", "its standard error", Quantity::Force, along, run.error);
+        chance::force(&mut record, "friction force of the ensemble", "point", run.force, run.error);
     }
     Ok((trace, record))
 }
@@ -105,7 +103,7 @@ pub fn behind(
     sliding::adopt(known(sliding::motion_in_time(&run), contacts), "", &mut record);
     let mut told = Sliding::in_time(&run);
     if let Some(ensemble) = &scenario.ensemble {
-        let model = ensemble.build(contacts.clone(), initial.clone())?.in_time()?;
+        let model = ensemble.build(contacts.clone(), initial.clone())?.in_time_within(monitor.memory())?;
         let length = mean * tolerance_over(ensemble.size()).max(tolerance);
         let part = &mut Part::new(monitor, master, 1.0 - master);
         let run = block.in_time(true)?.follow(&model, &history, &times, length, part)?;
