@@ -1,9 +1,10 @@
 //! Between Python's values and those of the core: numbers and arrays, seeds, words, scenarios.
 
+use asperity::monitor::Monitor;
 use asperity::scenario::{Disorder, Start};
 use asperity_runner::input;
 use asperity_runner::summary::Kind;
-use numpy::ndarray::{ArrayD, IxDyn};
+use numpy::ndarray::{ArrayD, ArrayViewD, IxDyn};
 use numpy::{
     Element, IntoPyArray, PyArrayDescrMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
 };
@@ -17,6 +18,13 @@ use toml::Value;
 
 use crate::description::Description;
 use crate::error::{self, invalid, wrong_type};
+use crate::watch::{report, watched};
+
+/// Values computed between two looks at signals.
+const PIECE: usize = 64;
+
+/// Tables, lists and objects within each other that a scenario may have; none makes sense with half as many.
+const DEPTH: usize = 64;
 
 /// Something of a Python module, looked up once.
 pub struct Import(PyOnceLock<Py<PyAny>>, &'static str, &'static str);
@@ -71,12 +79,48 @@ impl<'py> Numbers<'py> {
         if value.is_instance_of::<PyFloat>() || value.is_instance_of::<PyInt>() {
             return value.extract().map(Self::One);
         }
+        unmasked(key, value, DEPTH)?;
         let array: PyReadonlyArrayDyn<'py, f64> = match value.extract() {
             Ok(array) => array,
             Err(_) => as_floats(key, value)?.extract()?,
         };
         Ok(if array.ndim() == 0 { Self::One(array.as_array()[[].as_slice()]) } else { Self::Many(array) })
     }
+}
+
+/// Refuses masked values: what is under a mask is no number that anyone meant.
+fn unmasked(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        let depth = deeper(key, depth)?;
+        return value.try_iter()?.enumerate().try_for_each(|(i, item)| {
+            let item = item?;
+            let number = item.is_instance_of::<PyFloat>() || item.is_instance_of::<PyInt>();
+            if number { Ok(()) } else { unmasked(&format!("{key}.{i}"), &item, depth) }
+        });
+    }
+    static MASKED: Import = Import::new("numpy.ma", "MaskedArray");
+    static COUNT: Import = Import::new("numpy.ma", "count_masked");
+    let py = value.py();
+    if !value.is_instance(MASKED.get(py)?)? {
+        return Ok(());
+    }
+    match COUNT.get(py)?.call1((value,))?.extract()? {
+        0 => Ok(()),
+        masked => {
+            let (masked, all): (usize, usize) = (masked, value.getattr("size")?.extract()?);
+            let expected = "numbers none of which is masked (compressed() leaves out those that are)";
+            Err(invalid(key, expected, format!("{masked} masked of {all}")))
+        }
+    }
+}
+
+/// The depth left within what stands under `key`.
+fn deeper(key: &str, depth: usize) -> PyResult<usize> {
+    depth.checked_sub(1).ok_or_else(|| {
+        let outermost = key.split('.').next().unwrap_or(key);
+        let expected = format!("at most {DEPTH} tables and lists within each other");
+        invalid(outermost, expected, "more (does one hold itself?)")
+    })
 }
 
 fn as_floats<'py>(key: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
@@ -106,9 +150,26 @@ pub fn evaluate<'py>(
             if let Some((place, &value)) = values.iter().enumerate().find(|(_, v)| !domain.contains(**v)) {
                 return Err(domain.refuse(&format!("{key}.{place}"), value));
             }
-            Ok(py.detach(|| values.mapv(&function)).into_pyarray(py).into_any())
+            let found = watched(None, py, |monitor| each(values, &function, monitor))?;
+            Ok(found.into_pyarray(py).into_any())
         }
     }
+}
+
+/// `function` of each of the values.
+fn each(
+    values: ArrayViewD<'_, f64>,
+    function: impl Fn(f64) -> f64,
+    monitor: &mut dyn Monitor,
+) -> asperity::Result<ArrayD<f64>> {
+    let mut found = Vec::with_capacity(values.len());
+    for &value in &values {
+        if found.len() % PIECE == 0 {
+            report(monitor, found.len(), values.len())?;
+        }
+        found.push(function(value));
+    }
+    Ok(ArrayD::from_shape_vec(values.raw_dim(), found).expect("as many numbers as the shape has"))
 }
 
 /// A list of numbers.
@@ -273,40 +334,55 @@ pub fn regime(kind: Kind) -> &'static str {
 
 /// A part of a scenario, made of dictionaries, lists, numbers, texts, arrays and descriptions.
 pub fn toml(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
-    let child = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
-    if let Ok(described) = value.cast::<Description>() {
-        return described
-            .get()
-            .toml()
-            .ok_or_else(|| wrong_type(key, "a law, areas, contacts or a slip rule", value));
+    within(key, value, DEPTH)
+}
+
+/// The same, of at most `depth` things within each other.
+fn within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> {
+    if let Some(plain) = plain(key, value)? {
+        return Ok(plain);
     }
+    let depth = deeper(key, depth)?;
+    let child = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
     if let Ok(table) = value.cast::<PyDict>() {
         let entry = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
             let text: String = name.extract().map_err(|_| wrong_type(key, "keys that are texts", &name))?;
-            let value = toml(&child(&text), &value)?;
+            let value = within(&child(&text), &value, depth)?;
             Ok((text, value))
         };
         return table.iter().map(entry).collect::<PyResult<toml::Table>>().map(Value::Table);
     }
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        let items = value.try_iter()?.enumerate().map(|(i, item)| toml(&child(&i.to_string()), &item?));
-        return items.collect::<PyResult<_>>().map(Value::Array);
+        let item =
+            |(i, item): (usize, PyResult<Bound<'_, PyAny>>)| within(&child(&i.to_string()), &item?, depth);
+        return value.try_iter()?.enumerate().map(item).collect::<PyResult<_>>().map(Value::Array);
+    }
+    unmasked(key, value, depth)?;
+    if value.hasattr("tolist")? {
+        return within(key, &value.call_method0("tolist")?, depth);
+    }
+    Err(wrong_type(key, "a table, a list, a number or a text", value))
+}
+
+/// What has nothing within it, or is described already.
+fn plain(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<Value>> {
+    if let Ok(described) = value.cast::<Description>() {
+        let toml = described.get().toml();
+        let refused = || wrong_type(key, "a law, areas, contacts or a slip rule", value);
+        return toml.ok_or_else(refused).map(Some);
     }
     if value.is_instance_of::<PyBool>() {
-        return value.extract().map(Value::Boolean);
+        return value.extract().map(Value::Boolean).map(Some);
     }
     if value.is_instance_of::<PyInt>() {
         let whole = value.extract().map(Value::Integer);
-        return whole.map_err(|_| invalid(key, "a whole number below 2^63", value));
+        return whole.map(Some).map_err(|_| invalid(key, "a whole number below 2^63", value));
     }
     if value.is_instance_of::<PyFloat>() {
-        return value.extract().map(Value::Float);
+        return value.extract().map(Value::Float).map(Some);
     }
     if value.is_instance_of::<PyString>() {
-        return value.extract().map(Value::String);
+        return value.extract().map(Value::String).map(Some);
     }
-    if value.hasattr("tolist")? {
-        return toml(key, &value.call_method0("tolist")?);
-    }
-    Err(wrong_type(key, "a table, a list, a number or a text", value))
+    Ok(None)
 }

@@ -116,7 +116,7 @@ impl Ensemble {
         let Self { ensemble } = slf.get();
         let edges = match edges {
             Some(edges) => convert::list("edges", edges)?,
-            None => even_edges(ensemble, velocity).map_err(error::core)?,
+            None => watched(None, py, |_| even_edges(ensemble, velocity))?,
         };
         let positions = asked.positions();
         let snapshots = Snapshots { positions: asked.snapshots, edges };

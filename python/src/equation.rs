@@ -14,6 +14,7 @@ use crate::description::{Interface, Plain, Solved};
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, interface, interface_arguments};
 use crate::pull::Pull;
+use crate::watch::detached;
 use crate::{error, values};
 
 /// The master equation of contacts and their start.
@@ -59,7 +60,7 @@ impl MasterEquation {
             };
             Ok(Self { equation, initial })
         };
-        let equation = py.detach(build).map_err(error::core)?;
+        let equation = detached(py, build).map_err(error::core)?;
         let plain = Plain::MasterEquation(Interface { contacts, initial, start }, Solved { own, velocity });
         Ok(Model::new(plain).add_subclass(equation))
     }
@@ -104,7 +105,7 @@ impl MasterEquation {
 
     /// The relaxation to steady sliding.
     fn relaxation(&self, py: Python<'_>) -> Relaxation {
-        Relaxation { relaxation: py.detach(|| self.equation.relaxation()) }
+        Relaxation { relaxation: detached(py, || self.equation.relaxation()) }
     }
 }
 
@@ -181,7 +182,7 @@ impl SteadyState {
         stretches: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let stretches = self.equation.get().stretches(stretches, &[])?;
-        let found = py.detach(|| self.steady.stretch_density(&stretches));
+        let found = detached(py, || self.steady.stretch_density(&stretches));
         values::stretches(py, stretches, found)
     }
 

@@ -13,7 +13,11 @@ use pyo3::types::{PyDict, PyType};
 
 use crate::convert::{self, Domain, Import, Seed, Size, Whole, evaluate};
 use crate::description::{Description, Plain};
+use crate::watch::{report, watched};
 use crate::{error, values};
+
+/// Draws between two looks at signals.
+const PIECE: usize = 1 << 14;
 
 /// A probability law on x ≥ 0: a density, and perhaps point masses.
 ///
@@ -87,10 +91,16 @@ impl Law {
         let mut draws = Vec::new();
         let count = count.filter(|&count| draws.try_reserve_exact(count).is_ok());
         let count = count.ok_or_else(|| PyMemoryError::new_err("size: more numbers than fit in memory"))?;
-        py.detach(|| {
-            draws.resize(count, 0.0);
-            self.built.fill(&mut Stream::new(seed.0, Purpose::Sample, 0), &mut draws);
-        });
+        let mut stream = Stream::new(seed.0, Purpose::Sample, 0);
+        watched(None, py, |monitor| {
+            while draws.len() < count {
+                let done = draws.len();
+                report(monitor, done, count)?;
+                draws.resize(count.min(done + PIECE), 0.0);
+                self.built.fill(&mut stream, &mut draws[done..]);
+            }
+            Ok(())
+        })?;
         let Some(shape) = shape else { return draws[0].into_bound_py_any(py) };
         let array = ArrayD::from_shape_vec(IxDyn(&shape), draws);
         Ok(array.expect("as many numbers as the shape has").into_pyarray(py).into_any())

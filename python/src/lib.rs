@@ -18,6 +18,7 @@ mod record;
 mod result;
 mod rules;
 mod stick_slip;
+mod threads;
 mod transport;
 mod values;
 mod watch;

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use crate::convert::{self, Domain, evaluate};
 use crate::equation::MasterEquation;
 use crate::record::Record;
-use crate::watch::watched;
+use crate::watch::{detached, watched};
 use crate::{error, values};
 
 /// A pull of the slider's bottom from X = 0, solved by the master equation. Forces are those of all N_c contacts.
@@ -80,7 +80,7 @@ impl Pull {
     /// at the end, or never falls.
     #[getter]
     fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let peak = py.detach(|| self.pull.static_friction());
+        let peak = detached(py, || self.pull.static_friction());
         peak.map(|peak| values::static_friction(py, peak.value, peak.position)).transpose()
     }
 
@@ -91,23 +91,23 @@ impl Pull {
     }
 
     /// The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips; inf where the
-    /// force jumps down.
+    /// force jumps down, 0 where it falls by no more than ten times the tolerance leaves open.
     #[getter]
     fn critical_stiffness(&self, py: Python<'_>) -> f64 {
-        py.detach(|| self.pull.critical_stiffness())
+        detached(py, || self.pull.critical_stiffness())
     }
 
     /// The relaxation length X*, over which the start is forgotten; inf where the force never settles, nan where
     /// no root is found.
     #[getter]
     fn relaxation_length(&self, py: Python<'_>) -> f64 {
-        py.detach(|| self.equation.get().equation.relaxation().length())
+        detached(py, || self.equation.get().equation.relaxation().length())
     }
 
     /// The estimated error of F/(N_c⟨k⟩), a length.
     #[getter]
     fn accuracy(&self, py: Python<'_>) -> f64 {
-        py.detach(|| self.pull.error_estimate())
+        detached(py, || self.pull.error_estimate())
     }
 
     /// F(X), for positions from 0 to the distance.
@@ -161,7 +161,7 @@ impl Pull {
         let stretches = self.equation.get().stretches(stretches, &positions)?;
         let mut found = Vec::with_capacity(positions.len());
         for &position in &positions {
-            found.push(py.detach(|| self.pull.stretch_density(position, &stretches)));
+            found.push(detached(py, || self.pull.stretch_density(position, &stretches)));
             py.check_signals()?;
         }
         match found.pop() {

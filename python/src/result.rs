@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::record::Record;
-use crate::watch::watched;
+use crate::watch::{detached, watched};
 use crate::{convert, error, values};
 
 /// What a scenario gives: a mapping from the names of variables to arrays, and the numbers people quote.
@@ -101,7 +101,7 @@ impl Result {
         let Self { scenario, summary } = slf.get();
         let record = slf.as_super().get().copy(slf.py())?;
         let outcome = Outcome { scenario: scenario.clone(), summary: summary.clone(), record };
-        slf.py().detach(|| output::write(&folder, &outcome, &[])).map(drop).map_err(error::files)
+        detached(slf.py(), || output::write(&folder, &outcome, &[])).map(drop).map_err(error::files)
     }
 }
 
@@ -152,7 +152,7 @@ pub fn run(
     // A stop for a checkpoint that could not be written has its own reason.
     let failure = kept.as_mut().and_then(Checkpoints::failure);
     let outcome = failure.map_or(outcome, |failure| Err(error::checkpoint(failure)))?;
-    py.detach(|| output::write(&folder, &outcome, &[])).map_err(error::files)?;
+    detached(py, || output::write(&folder, &outcome, &[])).map_err(error::files)?;
     kept.map_or(Ok(()), Checkpoints::remove).map_err(error::checkpoint)?;
     object(py, outcome)
 }
@@ -177,7 +177,7 @@ fn checkpoints(
 /// Raises OSError for a file that cannot be read, ValueError for one that is not what asperity writes.
 #[pyfunction]
 pub fn open_result(py: Python<'_>, folder: PathBuf) -> PyResult<Py<Result>> {
-    object(py, py.detach(|| output::read(&folder)).map_err(error::files)?)
+    object(py, detached(py, || output::read(&folder)).map_err(error::files)?)
 }
 
 /// The text of a scenario, what messages call it, and the folder that its files are relative to.

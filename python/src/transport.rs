@@ -16,7 +16,7 @@ use crate::law::{AnyLaw, given};
 use crate::model::Model;
 use crate::model::{interface, interface_arguments};
 use crate::record::Record;
-use crate::watch::watched;
+use crate::watch::{detached, watched};
 
 /// A step of a way in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
 ///
@@ -122,7 +122,7 @@ impl Transport {
             let transport = master::Transport::new(contacts.clone(), &initial, tolerance)?;
             Ok(Self { transport, contacts })
         };
-        let transport = py.detach(build).map_err(error::core)?;
+        let transport = detached(py, build).map_err(error::core)?;
         let plain = Plain::Transport(Interface { contacts, initial, start }, own);
         Ok(Model::new(plain).add_subclass(transport))
     }

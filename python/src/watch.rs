@@ -5,9 +5,10 @@ use std::time::{Duration, Instant};
 
 use asperity::monitor::Monitor;
 use asperity::{Error, Result};
+use asperity_runner::memory;
 use pyo3::prelude::*;
 
-use crate::error;
+use crate::{error, threads};
 
 /// How often Python is asked for signals and told of the progress.
 const PERIOD: Duration = Duration::from_millis(20);
@@ -39,6 +40,10 @@ impl Monitor for Watch {
         self.asked = Instant::now();
         if self.raised.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
+
+    fn memory(&self) -> u64 {
+        memory::available()
+    }
 }
 
 /// Does `work` without holding the interpreter. `progress` is None or False, a function of the fraction done, or True
@@ -50,7 +55,7 @@ pub fn watched<T: Send>(
 ) -> PyResult<T> {
     let progress = progress.map(|wish| listener(wish)).transpose()?.flatten();
     let mut watch = Watch { progress, asked: Instant::now(), raised: None };
-    let outcome = py.detach(|| work(&mut watch));
+    let outcome = detached(py, || work(&mut watch));
     match (outcome, watch.raised.take()) {
         (Err(Error::Stopped), Some(raised)) => Err(raised),
         (Err(other), _) => Err(error::core(other)),
@@ -61,6 +66,17 @@ pub fn watched<T: Send>(
             Ok(done)
         }
     }
+}
+
+/// Does `work` without holding the interpreter, in a forked process too.
+pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
+    threads::settle();
+    py.detach(work)
+}
+
+/// Asks `monitor` whether to go on after so many of `all`.
+pub fn report(monitor: &mut dyn Monitor, done: usize, all: usize) -> Result<()> {
+    if monitor.progress(done as f64 / all as f64).is_break() { Err(Error::Stopped) } else { Ok(()) }
 }
 
 /// The function to call with the fraction done, if any.

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import asperity as asp
+import numpy as np
 import pytest
 
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "fig2.toml"
@@ -20,6 +21,9 @@ INTERFACE = asp.Interface(
 )
 REBOUND = asp.Interface(ROUGH, [64, 64], connection=0.5, neighbours=1.0, disorder=0.2, viscosity=1.0)
 LATTICE = asp.Lattice(ROUGH, [256, 256], asp.Rectangular(0.0, 0.5), neighbours=0.249, connection=0.004)
+LAW = asp.Gamma(1.0, 0.5)
+PULL = asp.MasterEquation(GAUSSIAN).pull(2.0)
+MANY = np.linspace(0.0, 2.0, 2 * 10**7)
 SOON = 0.2
 
 LONG: dict[str, Callable[[], object]] = {
@@ -40,6 +44,9 @@ LONG: dict[str, Callable[[], object]] = {
     "interface": lambda: INTERFACE.drive(1e7),
     "slides": lambda: REBOUND.drive(1e7),
     "lattice": lambda: LATTICE.drive(1e7, catalogue_from=1e6),
+    "law of many": lambda: LAW.pdf(MANY),
+    "force at many": lambda: PULL(MANY),
+    "draws": lambda: LAW.rvs(2 * 10**8, seed=1),
     "scenario": lambda: asp.run(SCENARIO, {"ensemble.size": 10**9}),
 }
 

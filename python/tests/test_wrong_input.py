@@ -337,3 +337,74 @@ def test_errors_say_what_was_expected_and_what_came(
 ) -> None:
     with pytest.raises(error, match=text):
         call()
+
+
+class Endless:
+    """Says that it is a list of itself."""
+
+    def tolist(self) -> "Endless":
+        return self
+
+
+class Deeper:
+    """Says that it is a list of another one."""
+
+    def tolist(self) -> "list[Deeper]":
+        return [Deeper()]
+
+
+def held_by_itself() -> dict[str, Any]:
+    table: dict[str, Any] = {}
+    table["contacts"] = table
+    return table
+
+
+def deep(levels: int) -> dict[str, Any]:
+    table: dict[str, Any] = {}
+    for _ in range(levels):
+        table = {"contacts": table}
+    return table
+
+
+@pytest.mark.parametrize(
+    "scenario", [held_by_itself(), deep(100_000), {"contacts": Endless()}, {"contacts": Deeper()}]
+)
+def test_what_never_ends_is_refused(scenario: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match="contacts: expected at most 64 tables and lists within each other"):
+        asp.run(scenario)
+    with pytest.raises(ValueError, match="contacts: expected at most 64 tables and lists within each other"):
+        asp.run("scenarios/fig2.toml", scenario)
+
+
+def test_lists_that_never_end_are_refused() -> None:
+    endless: list[Any] = []
+    endless.extend([endless, endless])
+    with pytest.raises(ValueError, match="x: expected at most 64 tables and lists within each other"):
+        LAW.pdf(endless)
+
+
+MASKED = np.ma.masked_array([1.0, 1.1, 1e20], mask=[False, False, True])
+WITHOUT = MASKED.compressed()
+
+
+@pytest.mark.parametrize(
+    ("call", "key"),
+    [
+        (lambda: LAW.pdf(MASKED), "x"),
+        (lambda: LAW.pdf(np.ma.masked_equal([1, 2], 2)), "x"),
+        (lambda: LAW.pdf([MASKED, MASKED]), r"x\.0"),
+        (lambda: asp.Tabulated(samples=MASKED), "samples"),
+        (lambda: asp.law(MASKED), "samples"),
+        (lambda: THEORY.pull(2.0).force_at(MASKED), "position"),
+        (lambda: asp.run({"contacts": {"thresholds": {"tabulated": {"samples": MASKED}}}}), "samples"),
+    ],
+)  # fmt: skip
+def test_masked_values_are_refused(call: Callable[[], object], key: str) -> None:
+    expected = r"expected numbers none of which is masked \(compressed\(\) leaves out those that are\), got 1 masked of"
+    with pytest.raises(ValueError, match=f"{key}: {expected}"):
+        call()
+
+
+def test_masks_that_hide_nothing_are_none() -> None:
+    assert np.array_equal(LAW.pdf(np.ma.masked_array(WITHOUT)), LAW.pdf(WITHOUT))
+    assert asp.Tabulated(samples=np.ma.masked_array(WITHOUT)) == asp.Tabulated(samples=WITHOUT)
