@@ -180,3 +180,25 @@ fn ctrl_c_stops_a_long_run_and_leaves_nothing() {
         assert_eq!(folder.names(), ["quick.toml"], "{long}");
     }
 }
+
+/// The limit of addresses is one that a test can set: 10⁸ contacts do not fit in 2 GB.
+#[test]
+#[cfg(target_os = "linux")]
+fn more_than_the_memory_there_is_ends_with_1_before_anything_is_written() {
+    let folder = folder();
+    let scenario = SCENARIO.replace("[pull]", "[block]\nstiffness = 1.0\n\n[drive]");
+    let scenario = scenario.replace("snapshots = [0.0, 1.0]\n", "").replace("size = 1000", "size = 100_000_000");
+    folder.write("large.toml", &scenario);
+    let program = folder.asperity(&["run", "large.toml", "--threads", "1"]);
+    let limited = Command::new("sh")
+        .args(["-c", "ulimit -v 2000000; exec \"$0\" \"$@\""])
+        .arg(program.get_program())
+        .args(program.get_args())
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let said = errors(&limited);
+    assert_eq!(limited.status.code(), Some(1), "{said}");
+    assert!(said.contains("ensemble.size: a population of 100000000 contacts would need 12800000000 bytes"), "{said}");
+    assert!(!folder.path().join("out").exists(), "{:?}", folder.names());
+}

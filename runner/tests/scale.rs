@@ -43,6 +43,7 @@ impl Scale {
             Quantity::Velocity => length / time,
             Quantity::PerTime => 1.0 / time,
             Quantity::Number => 1.0,
+            other => panic!("no factor is known of a {}", other.name()),
         }
     }
 

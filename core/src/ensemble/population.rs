@@ -62,6 +62,15 @@ pub struct EnsemblePopulation {
 }
 
 impl Ensemble {
+    /// Refuses contacts to be moved that take more than so much `memory`.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`], naming their number.
+    pub fn population_fits(&self, memory: u64) -> Result<()> {
+        let what = format!("a population of {} contacts", self.size);
+        fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), memory)
+    }
+
     /// The contacts at X = 0, to be moved. What stands at its threshold in a relaxed start has broken.
     ///
     /// # Errors
@@ -71,8 +80,7 @@ impl Ensemble {
             let expected = "contacts that know no time, since a population is moved without one";
             return Err(Error::invalid(rule, expected, "a rule of time"));
         }
-        let what = format!("a population of {} contacts", self.size);
-        fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), monitor.memory())?;
+        self.population_fits(monitor.memory())?;
         let (Stiffness::Equal(unit) | Stiffness::PerThreshold(unit)) = self.contacts.stiffness;
         let mut population = EnsemblePopulation {
             lives: Lives::in_any_order(self),

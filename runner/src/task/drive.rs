@@ -38,6 +38,9 @@ pub fn run(
         return at_a_velocity(setting, &task.forward()?, monitor);
     }
     fits(task, scenario.ensemble.is_some())?;
+    let build = |ensemble: &scenario::Ensemble| ensemble.build(contacts.clone(), initial.clone());
+    let ensemble = scenario.ensemble.as_ref().map(build).transpose()?;
+    ensemble.as_ref().map_or(Ok(()), |ensemble| ensemble.population_fits(monitor.memory()))?;
     let equation = MasterEquation::new(contacts.clone(), initial)?;
     let tolerance = scenario.master_equation.tolerance();
     let loading = first_loading(contacts);
@@ -57,10 +60,9 @@ pub fn run(
         balance(&run, fresh.as_ref(), stiffness, loading, &mut record)?;
     }
     let mut sliding = Sliding::new(&run);
-    if let Some(ensemble) = &scenario.ensemble {
+    if let Some(ensemble) = ensemble {
         let done = shares[0] + shares[1];
         let mut part = Part::new(monitor, done, 1.0 - done);
-        let ensemble = ensemble.build(contacts.clone(), initial.clone())?;
         let mut contacts = ensemble.population(&mut Aside { fraction: 0.0, monitor: &mut part })?;
         let run = task.slider(block, true)?.pull(&mut contacts, &way, &mut part)?;
         adopt(sliding::motion(&run), "ensemble_", &mut record);
