@@ -723,7 +723,7 @@ class Pull(Record):
     @property
     def critical_stiffness(self) -> float:
         """The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips; inf where the
-        force jumps down.
+        force jumps down, 0 where it falls by no more than ten times the tolerance leaves open.
         """
 
     @property
