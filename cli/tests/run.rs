@@ -187,7 +187,8 @@ fn ctrl_c_stops_a_long_run_and_leaves_nothing() {
 fn more_than_the_memory_there_is_ends_with_1_before_anything_is_written() {
     let folder = folder();
     let scenario = SCENARIO.replace("[pull]", "[block]\nstiffness = 1.0\n\n[drive]");
-    let scenario = scenario.replace("snapshots = [0.0, 1.0]\n", "").replace("size = 1000", "size = 100_000_000");
+    let scenario =
+        scenario.replace("snapshots = [0.0, 1.0]\n", "").replace("size = 1000", "size = 100_000_000");
     folder.write("large.toml", &scenario);
     let program = folder.asperity(&["run", "large.toml", "--threads", "1"]);
     let limited = Command::new("sh")
@@ -199,6 +200,9 @@ fn more_than_the_memory_there_is_ends_with_1_before_anything_is_written() {
         .unwrap();
     let said = errors(&limited);
     assert_eq!(limited.status.code(), Some(1), "{said}");
-    assert!(said.contains("ensemble.size: a population of 100000000 contacts would need 12800000000 bytes"), "{said}");
+    assert!(
+        said.contains("ensemble.size: a population of 100000000 contacts would need 12800000000 bytes"),
+        "{said}"
+    );
     assert!(!folder.path().join("out").exists(), "{:?}", folder.names());
 }
