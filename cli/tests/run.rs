@@ -200,9 +200,7 @@ fn more_than_the_memory_there_is_ends_with_1_before_anything_is_written() {
         .unwrap();
     let said = errors(&limited);
     assert_eq!(limited.status.code(), Some(1), "{said}");
-    assert!(
-        said.contains("ensemble.size: a population of 100000000 contacts would need 12800000000 bytes"),
-        "{said}"
-    );
+    // What is drawn may break lines.
+    assert!(["ensemble.size", "100000000", "12800000000"].iter().all(|part| said.contains(part)), "{said}");
     assert!(!folder.path().join("out").exists(), "{:?}", folder.names());
 }
