@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation
+.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz accuracy
 
 export PYTHON ?= python3
 venv := .venv
@@ -152,3 +152,9 @@ $(venv)-peers/ready: core/benches/peers/requirements.txt
 # The page docs/validation, anew. A test recomputes of it what is quick.
 validation:
 	cargo run --release --locked --package asperity-cli --example validation
+
+# Scenarios drawn from the schema, one after the other, for an hour; those that fail are left in target/fuzz, each with the
+# reason, and the command that repeats it is printed. CASE=1234 checks and runs that one.
+fuzz:
+	$(if $(CASE),ASPERITY_CASE=$(CASE)) $(if $(SECONDS_LONG),ASPERITY_FUZZ_SECONDS=$(SECONDS_LONG)) $(if $(FROM),ASPERITY_FUZZ_FROM=$(FROM)) \
+	  cargo test --release --locked --package asperity-cli --test generated -- --ignored --nocapture --exact $(if $(CASE),one_case,campaign)

@@ -1,7 +1,7 @@
 //! The life of contacts that know neither time nor temperature: they break when the stretch reaches the threshold.
 
 use super::breaking::{Breaking, MOMENTS};
-use super::cells::{BULK, NEGLIGIBLE, ORDERS, ROUNDING, edges, scale};
+use super::cells::{BULK, CELL, NEGLIGIBLE, ORDERS, ROUNDING, edges, scale, top};
 use super::layer::Layer;
 use super::{Life, Starts};
 use crate::contacts::{Contacts, Stiffness};
@@ -21,6 +21,17 @@ pub fn athermal(contacts: &Contacts, starts: &SharedLaw, conditional: bool) -> L
     let unbroken = if conditional { 1.0 } else { Breaking::new(law, &layer, BULK).weighted(0.0, 0, 0) };
     let broken = (1.0 - unbroken > NEGLIGIBLE).then_some(Atom { position: 0.0, weight: 1.0 - unbroken });
     of_layers(contacts, vec![layer], broken)
+}
+
+/// How many cells of 16 terms the life of contacts that start at stretches drawn from `starts` takes, at least: those of what
+/// breaks, and those in which starts are summed.
+pub(crate) fn cells_of(contacts: &Contacts, starts: &SharedLaw) -> f64 {
+    let (law, starts) = (contacts.thresholds.as_ref(), starts.as_ref());
+    let range = top(starts, NEGLIGIBLE).min(top(law, NEGLIGIBLE)) - starts.quantile(0.0);
+    let range = if starts.zones().is_empty() { 0.0 } else { range.max(0.0) };
+    let blur = if starts.atoms().is_empty() { scale(starts) } else { 0.0 };
+    let breaking = |zone: Zone| (zone.high - zone.low + range) / (CELL * zone.resolution.max(blur));
+    law.zones().into_iter().map(breaking).sum::<f64>() + range / (2.0 * CELL * scale(law))
 }
 
 /// The life of the contacts of some layers, and of those that have just `broken`.

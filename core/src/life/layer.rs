@@ -56,7 +56,9 @@ impl Layer {
         let thresholds = contacts.thresholds.as_ref();
         let over = |r: f64| if conditional { thresholds.survival(r) } else { 1.0 };
         let all = top(starts, detail.negligible);
-        let end = if conditional { all.min(contacts.highest_start()) } else { all };
+        // Contacts above every threshold are not there, or have broken at once.
+        let held = if conditional { contacts.highest_start() } else { top(thresholds, detail.negligible) };
+        let end = all.min(held);
         let lumps = starts.atoms().into_iter().map(|a| Lump::new(a.position, a.weight / over(a.position)));
         let mut breaks: Vec<_> = starts.breaks();
         breaks.iter_mut().for_each(|b| b.amplitude /= over(b.position));

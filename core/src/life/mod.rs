@@ -21,6 +21,7 @@ mod stock;
 mod timed;
 
 pub use athermal::athermal;
+pub(crate) use athermal::cells_of;
 use athermal::jumps;
 pub(crate) use births::Births;
 pub(crate) use cells::{ORDERS, walls};

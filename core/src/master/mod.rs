@@ -30,7 +30,7 @@ use std::sync::Arc;
 use crate::clocked::Portion;
 use crate::contacts::{Contacts, Initial, Start, Stiffness};
 use crate::law::{Atom, SharedLaw};
-use crate::life::{Life, athermal, moving};
+use crate::life::{Life, athermal, cells_of, moving};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 use leg::Leg;
@@ -90,6 +90,8 @@ impl MasterEquation {
             let expected = format!("a velocity above 0, since contacts.{rule} knows time");
             return Err(Error::invalid("velocity", expected, "none"));
         }
+        affordable(&contacts, "contacts.reforming", &contacts.reforming)?;
+        affordable(&contacts, "initial", &initial.law)?;
         let reborn = athermal(&contacts, &contacts.reforming, true);
         let first = athermal(&contacts, &initial.law, initial.start == Start::Conditional);
         Ok(Self { contacts, start: initial.start, first: Arc::new(first), reborn: Arc::new(reborn) })
@@ -185,4 +187,18 @@ impl MasterEquation {
 fn same(a: &SharedLaw, b: &SharedLaw) -> bool {
     let parameters = a.parameters();
     Arc::ptr_eq(a, b) || (!parameters.is_empty() && a.name() == b.name() && parameters == b.parameters())
+}
+
+/// Refuses contacts whose thresholds vary on lengths so much shorter than those over which they start that their life would
+/// not fit in memory.
+fn affordable(contacts: &Contacts, key: &str, starts: &SharedLaw) -> Result<()> {
+    /// Curves of 16 terms that a life and the solution on it take.
+    const BYTES_PER_CELL: f64 = 16.0 * 8.0 * 20.0;
+    const ALLOWED: f64 = 268_435_456.0;
+    let needed = BYTES_PER_CELL * cells_of(contacts, starts);
+    if needed <= ALLOWED {
+        return Ok(());
+    }
+    let what = "stretches spread over far more than the length on which thresholds vary".into();
+    Err(Error::TooLarge { key: key.into(), what, needed: needed as u64, allowed: ALLOWED as u64 })
 }

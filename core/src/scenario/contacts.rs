@@ -153,7 +153,20 @@ impl Areas {
         let modulus = positive("modulus", self.modulus)?;
         let strength = positive("strength", self.strength)?;
         let areas = self.law.build().map_err(|e| e.under("law"))?;
-        let thresholds = Root::new(strength / modulus, areas)?;
-        Ok((Stiffness::PerThreshold(modulus * modulus / strength), Arc::new(thresholds)))
+        let stiffness = in_range("modulus", modulus * modulus / strength, "modulus²/strength")?;
+        let factor = in_range("strength", strength / modulus, "strength/modulus")?;
+        Ok((Stiffness::PerThreshold(stiffness), Arc::new(Root::new(factor, areas)?)))
     }
+}
+
+/// What follows from several numbers, if it can be written as one.
+fn in_range(key: &str, value: f64, name: &str) -> Result<f64> {
+    if value.is_normal() {
+        return Ok(value);
+    }
+    Err(Error::invalid(
+        key,
+        format!("a number for which {name} is neither 0 nor infinite"),
+        format!("{value}"),
+    ))
 }

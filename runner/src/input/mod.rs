@@ -9,7 +9,6 @@ mod text;
 
 use std::path::Path;
 
-use asperity::master::MasterEquation;
 use asperity::scenario::Scenario;
 use serde::Deserialize as _;
 use serde::de::DeserializeOwned;
@@ -53,20 +52,10 @@ pub fn parse(
     let scenario = Scenario::deserialize(Reader(&document.root)).map_err(|fault| document.draw(fault))?;
     let mut input = Input { scenario, document };
     tables::inline(&mut input.scenario, directory).map_err(|fault| input.document.draw(fault))?;
-    match check(&input.scenario) {
-        Ok(()) => Ok(input),
+    match input.scenario.build() {
+        Ok(_) => Ok(input),
         Err(error) => Err(input.diagnose(&error)),
     }
-}
-
-/// Whether the scenario makes sense, and its contacts have a master equation.
-fn check(scenario: &Scenario) -> asperity::Result<()> {
-    let (contacts, initial) = scenario.build()?;
-    if contacts.rules.know_time() {
-        // its lives are long to compute, and would be checked no further
-        return Ok(());
-    }
-    MasterEquation::new(contacts, &initial).map(drop)
 }
 
 impl Input {

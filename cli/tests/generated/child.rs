@@ -1,0 +1,87 @@
+//! The program as a child, with limits of time and memory.
+
+use std::fs::File;
+use std::os::unix::process::ExitStatusExt as _;
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+/// What a child may take.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Seconds of the processor, of all its threads together.
+    pub seconds: u64,
+    /// Bytes of addresses.
+    pub bytes: u64,
+}
+
+/// How a child ended.
+pub struct Ended {
+    /// Its status; none where it was waiting for ever and was ended.
+    pub status: Option<ExitStatus>,
+    /// Seconds of the processor that it took.
+    pub seconds: f64,
+    /// What it wrote to the standard error.
+    pub errors: String,
+}
+
+impl Ended {
+    /// Its exit code.
+    pub fn code(&self) -> Option<i32> {
+        self.status.and_then(|status| status.code())
+    }
+
+    /// The signal that ended it.
+    pub fn signal(&self) -> Option<i32> {
+        self.status.and_then(|status| status.signal())
+    }
+}
+
+/// The shell sets the limits, which the program inherits.
+const LIMITED: &str = r#"ulimit -v "$1" && ulimit -S -t "$2" && shift 2 && exec "$@""#;
+/// A child that gets this many times its seconds of wall time, and as many besides, waits for something that never comes.
+const PATIENCE: u64 = 20;
+/// Clock ticks in a second, a constant of Linux as programs see it.
+const TICKS: f64 = 100.0;
+
+/// Runs the program in a folder, what it says going to a folder aside.
+pub fn run(arguments: &[&str], folder: &Path, aside: &Path, limits: Limits) -> Ended {
+    let errors = aside.join("errors");
+    let mut child = Command::new("sh")
+        .args(["-c", LIMITED, "sh", &(limits.bytes / 1024).to_string(), &limits.seconds.to_string()])
+        .arg(env!("CARGO_BIN_EXE_asperity"))
+        .args(arguments)
+        .current_dir(folder)
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(File::create(&errors).expect("a file for the errors"))
+        .spawn()
+        .expect("a shell");
+    let patience = Duration::from_secs(PATIENCE * (limits.seconds + PATIENCE));
+    let (seconds, ended) = watch(&child, patience);
+    if !ended {
+        let _ = child.kill();
+    }
+    let status = child.wait().ok().filter(|_| ended);
+    let errors = String::from_utf8_lossy(&std::fs::read(errors).unwrap_or_default()).into_owned();
+    Ended { status, seconds, errors }
+}
+
+/// Looks at a child until it has ended, which its entry in /proc outlives until it is waited for: its seconds, and
+/// whether it did end.
+fn watch(child: &Child, patience: Duration) -> (f64, bool) {
+    let (began, entry) = (Instant::now(), format!("/proc/{}", child.id()));
+    let mut seconds = 0.0;
+    while began.elapsed() < patience {
+        let stat = std::fs::read_to_string(format!("{entry}/stat")).unwrap_or_default();
+        // After the name in parentheses: the state, and as 12th and 13th the ticks in user and system mode.
+        let fields: Vec<_> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
+        let ticks = |field: usize| fields.get(field).and_then(|ticks| ticks.parse().ok()).unwrap_or(0.0);
+        seconds = (ticks(11) + ticks(12)) / TICKS;
+        if fields.first().is_none_or(|state| *state == "Z") {
+            return (seconds, true);
+        }
+        std::thread::sleep(Duration::from_millis(3));
+    }
+    (seconds, false)
+}

@@ -1,0 +1,126 @@
+//! Which tables go together, as the documents say; without these rules hardly a scenario would be accepted.
+
+use super::random::SplitMix;
+use super::scenario::Walk;
+
+/// Distributions without points.
+const CONTINUOUS: [&str; 7] =
+    ["gaussian", "gamma", "lognormal", "rectangular", "exponential", "weibull", "series"];
+
+impl Walk<'_> {
+    fn is(&self, path: &str, option: &str) -> bool {
+        self.options.get(path).is_some_and(|taken| taken == option)
+    }
+
+    fn given(&self, path: &str) -> bool {
+        self.options.get(path).is_some_and(|taken| taken != "absent")
+    }
+
+    fn task(&self) -> &str {
+        &self.options[":alternative"]
+    }
+
+    /// Whether a rule of the contacts needs a time.
+    fn in_time(&self) -> bool {
+        ["temperature", "ageing", "delay"].iter().any(|rule| self.given(&format!("contacts.{rule}")))
+    }
+
+    /// Whether contacts are coupled one by one.
+    fn single(&self) -> bool {
+        self.is("interface.contacts", "one")
+    }
+}
+
+/// Whether a key must be given, or must not; none where it may.
+pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
+    let (task, in_time, interface) = (walk.task(), walk.in_time(), walk.given("interface"));
+    let no = Some(false);
+    match (path, key) {
+        ("contacts", "temperature" | "ageing" | "delay") if task == "renormalisation" => no,
+        ("contacts", "reforming") | ("", "initial") if task == "renormalisation" => no,
+        ("contacts", "stiffness" | "stiffness_per_threshold") if walk.is("contacts:alternative", "areas") => {
+            no
+        }
+        ("contacts", "stiffness_per_threshold") if walk.given("contacts.stiffness") => no,
+        ("", "block") => (!matches!(task, "drive" | "protocol")).then_some(false),
+        ("", "interface") => match task {
+            "renormalisation" => Some(true),
+            "drive" if !walk.given("block") => None,
+            _ => no,
+        },
+        ("", "compare") if !(task == "pull" || task == "protocol" && !walk.given("block")) => no,
+        ("", "ensemble") if walk.is("contacts.ageing", "mean_field") || task == "renormalisation" => no,
+        ("", "ensemble") if interface && !walk.single() && !walk.is("interface.slip", "overdamped") => no,
+        ("pull" | "drive", "velocity") if in_time => Some(true),
+        ("drive", "maps") if !interface => no,
+        ("compare", "position" | "force") => Some(true),
+        ("ensemble", "size") if interface => Some(!walk.single()),
+        // A hundred thousand contacts are not few.
+        ("ensemble", "size") => Some(true),
+        ("block", "slip") if in_time || task == "protocol" => Some(true),
+        ("interface", "slip" | "viscosity" | "disorder") if walk.single() => no,
+        ("interface", "slip" | "viscosity") if in_time => Some(true),
+        ("interface", "disorder") if task == "renormalisation" => Some(true),
+        ("interface", "viscosity") if task == "renormalisation" => no,
+        ("interface.disorder", "std") => Some(true),
+        ("interface.disorder", "scale") => no,
+        ("velocity_curve", "temperatures") if !walk.given("contacts.temperature") => no,
+        ("velocity_curve", "stability") if walk.is("contacts.ageing", "mean_field") => no,
+        ("protocol", "pieces") => Some(walk.given("protocol.velocity_to")),
+        (_, "points") => Some(true),
+        _ => None,
+    }
+}
+
+/// Whether an option goes with those that have been taken.
+pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
+    let (task, in_time) = (walk.options.get(":alternative").map_or("", String::as_str), walk.in_time());
+    let interface = walk.given("interface");
+    match (path, option) {
+        ("contacts:alternative", "areas") => task != "renormalisation",
+        ("contacts.thresholds", family) if task == "renormalisation" => CONTINUOUS.contains(&family),
+        (
+            "contacts.ageing.smoluchowski.mature"
+            | "contacts.ageing.frozen_rank.mature"
+            | "contacts.ageing.mean_field.mature",
+            family,
+        ) => CONTINUOUS.contains(&family),
+        ("contacts.ageing", "mean_field") => {
+            matches!(task, "pull" | "velocity_curve") && !walk.given("contacts.temperature")
+        }
+        ("drive:alternative", "turning_points") => !(interface || in_time),
+        ("drive:alternative", "force_to") => !(interface || in_time || walk.given("block")),
+        ("block.slip", slip) if in_time || task == "protocol" => matches!(slip, "damped" | "inertial"),
+        ("interface.contacts", "one") => {
+            let unequal =
+                walk.is("contacts:alternative", "areas") || walk.given("contacts.stiffness_per_threshold");
+            !(in_time || unequal)
+        }
+        ("interface.slip", "reset") => !in_time,
+        ("interface.loading", "edge") => !walk.single() && task != "renormalisation",
+        ("interface.coupling", "half_space") => !walk.single(),
+        _ => true,
+    }
+}
+
+/// Mean of a distribution, in units of length: contacts re-form and start well below thresholds.
+pub(super) fn mean(consistent: bool, path: &str, random: &mut SplitMix) -> f64 {
+    match path {
+        "initial" | "contacts.reforming" if consistent => random.between(0.0, 0.3),
+        path if path.ends_with("mature") => random.between(0.7, 2.0),
+        _ => random.between(0.3, 1.5),
+    }
+}
+
+/// Puts positions into an order in which they can be reached.
+pub(super) fn order(consistent: bool, key: &str, values: &mut Vec<f64>) {
+    if !consistent {
+        return;
+    }
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    if key == "turning_points" && values.len() == 3 {
+        values.swap(0, 2);
+        values.swap(1, 2);
+    }
+}

@@ -1,0 +1,366 @@
+//! Scenarios drawn from the JSON Schema that the program exports: a case is its number.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value as Json;
+use toml::{Table, Value};
+
+use super::distributions::{self, VARIATIONS};
+use super::quantities::{self, Units};
+use super::random::SplitMix;
+use super::rules;
+
+/// Keys that name a file. They are not drawn: other keys give the same values.
+const FILES: [&str; 2] = ["file", "protocol_file"];
+/// Values that are no measurement.
+const ODD: [f64; 7] = [0.0, -1.0, f64::NAN, f64::INFINITY, 1e308, 5e-324, -0.0];
+/// Whole numbers that ask for too much, or for nothing.
+const ODD_COUNTS: [i64; 4] = [0, 1, 1_000_000_000, i64::MAX];
+
+/// A scenario.
+pub struct Case {
+    /// From which it was drawn.
+    pub number: u64,
+    /// The scenario itself.
+    pub scenario: Table,
+    /// Which option was taken where there was a choice.
+    pub options: BTreeMap<String, String>,
+}
+
+impl Case {
+    /// The scenario as a file.
+    pub fn text(&self) -> String {
+        toml::to_string(&self.scenario).expect("a table of plain values")
+    }
+
+    /// Whether an option was taken, such as `contacts.ageing = logarithmic`.
+    pub fn has(&self, option: &str) -> bool {
+        option
+            .split_once(" = ")
+            .is_some_and(|(path, taken)| self.options.get(path).is_some_and(|of| of == taken))
+    }
+
+    /// Whether a key is there.
+    pub fn given(&self, path: &str) -> bool {
+        self.options.get(path).is_some_and(|taken| taken != "absent")
+    }
+
+    /// How often the contacts move at another velocity, or from another start.
+    pub fn solutions(&self) -> usize {
+        let points = |task: &str| {
+            let table = self.scenario.get(task).and_then(Value::as_table);
+            let points =
+                table.and_then(|table| table.get("points")).and_then(Value::as_integer).unwrap_or(41);
+            table.map_or(1, |_| points.clamp(1, 41) as usize)
+        };
+        let temperatures = if self.given("velocity_curve.temperatures") { 3 } else { 1 };
+        points("velocity_curve") * temperatures * points("hold_curve")
+    }
+}
+
+/// The schema of scenarios.
+pub struct Schema(Json);
+
+impl Schema {
+    /// Reads what `asperity schema` prints.
+    pub fn new(text: &str) -> Self {
+        Self(serde_json::from_str(text).expect("the schema is JSON"))
+    }
+
+    /// All options that a scenario of the schema can have, as [`Case::has`] takes them.
+    pub fn options(&self) -> Vec<String> {
+        let given = |table: &'static str, path: &'static str| {
+            let keys = self.0.pointer(table).and_then(Json::as_object).expect("a table");
+            keys.keys()
+                .filter(|key| !FILES.contains(&key.as_str()))
+                .map(move |key| format!("{path}{key} = given"))
+        };
+        let variants = |name: &str, path: &'static str| {
+            let choices = self.0["$defs"][name]["oneOf"].as_array().expect("choices").iter();
+            choices.map(variant_name).map(|name| format!("{path} = {name}")).collect::<Vec<_>>()
+        };
+        let tables = [
+            ("/$defs/Interface/properties", "interface."),
+            ("/$defs/Pull/properties", "pull."),
+            ("/$defs/Drive/properties", "drive."),
+        ];
+        let optional = |option: &String| {
+            // No choice is noted of keys that a table must have; of a choice of variants it is the variant.
+            let other = [
+                "cells",
+                "connection",
+                "coupling",
+                "turning_points",
+                "force_to",
+                "contacts",
+                "edges",
+                "loading",
+                "slip",
+                "start",
+            ];
+            !other.iter().any(|key| option.ends_with(&format!(".{key} = given")))
+        };
+        let mut options: Vec<_> =
+            tables.into_iter().flat_map(|(table, path)| given(table, path)).filter(optional).collect();
+        for (name, path) in [
+            ("Law", "contacts.thresholds"),
+            ("Law", "contacts.areas.law"),
+            ("Law", "contacts.reforming"),
+            ("Law", "initial"),
+            ("Ageing", "contacts.ageing"),
+            ("Barrier", "contacts.temperature.barrier"),
+            ("Slip", "block.slip"),
+            ("CellSlip", "interface.slip"),
+            ("PerCell", "interface.contacts"),
+            ("Coupling", "interface.coupling"),
+            ("Edges", "interface.edges"),
+            ("Loading", "interface.loading"),
+            ("Disorder", "ensemble.disorder"),
+            ("Start", "pull.start"),
+            ("Start", "drive.start"),
+        ] {
+            options.extend(variants(name, path));
+        }
+        options
+    }
+
+    /// The scenario of a number. Of an even number its tables go together as the rules of the documents want it; of an odd
+    /// one they are drawn each for itself, and some numbers are none that a quantity can have.
+    pub fn case(&self, number: u64) -> Case {
+        let mut random = SplitMix::new(number);
+        let units = units(&mut random);
+        let consistent = number % 2 == 0;
+        let mut walk =
+            Walk { root: &self.0, random, units, consistent, options: BTreeMap::new(), lowest: 1.0 };
+        for (name, unit) in [("length", units.length), ("force", units.force), ("time", units.time)] {
+            walk.options.insert(format!("unit of {name}"), format!("{unit:e}"));
+        }
+        let scenario = walk.table(&self.0, "");
+        Case { number, scenario, options: walk.options }
+    }
+}
+
+/// Units: mostly those in which numbers are near 1.
+fn units(random: &mut SplitMix) -> Units {
+    let mut one = || *random.pick(&[1.0, 1.0, 1.0, 1e-6, 1e-30, 1e30]);
+    Units { length: one(), force: one(), time: one() }
+}
+
+/// A walk through the schema.
+pub(super) struct Walk<'a> {
+    root: &'a Json,
+    random: SplitMix,
+    units: Units,
+    consistent: bool,
+    /// Which option was taken where there was a choice.
+    pub(super) options: BTreeMap<String, String>,
+    /// The last value of a key `from`.
+    lowest: f64,
+}
+
+impl<'a> Walk<'a> {
+    /// The schema that a reference leads to, with its name.
+    fn resolved(&self, schema: &'a Json) -> (&'a str, &'a Json) {
+        if let Some(Json::Array(choices)) = schema.get("anyOf") {
+            let something = choices.iter().find(|choice| choice["type"] != "null");
+            return self.resolved(something.expect("something beside null"));
+        }
+        match schema["$ref"].as_str() {
+            Some(reference) => {
+                let path = reference.strip_prefix('#').expect("a reference within the schema");
+                let name = reference.rsplit('/').next().unwrap_or_default();
+                (name, self.root.pointer(path).expect("what is referred to"))
+            }
+            None => ("", schema),
+        }
+    }
+
+    fn value(&mut self, schema: &'a Json, path: &str, key: &str) -> Value {
+        let (name, schema) = self.resolved(schema);
+        let here = join(path, key);
+        if name == "Law" {
+            return self.distribution(schema, &here);
+        }
+        if schema.get("properties").is_some() {
+            return Value::Table(self.table(schema, &here));
+        }
+        if let Some(choices) = schema["oneOf"].as_array() {
+            return self.variant(choices, &here);
+        }
+        match kind(schema) {
+            "number" => Value::Float(self.number(path, key)),
+            "integer" => Value::Integer(self.count(key)),
+            "boolean" => Value::Boolean(self.choose(&here, &["false", "true"]) == "true"),
+            "string" => Value::String("µm".into()),
+            "array" => self.list(&schema["items"], path, key),
+            other => panic!("{here}: no value is known of type {other}"),
+        }
+    }
+
+    /// One of the variants of an enumeration.
+    fn variant(&mut self, choices: &'a [Json], path: &str) -> Value {
+        let names: Vec<_> = choices.iter().map(variant_name).collect();
+        let allowed: Vec<_> = names.iter().copied().filter(|name| self.allows(path, name)).collect();
+        let chosen = self.choose(path, &allowed);
+        let choice = choices.iter().find(|choice| variant_name(choice) == chosen).expect("one of them");
+        match choice["const"].as_str() {
+            Some(word) => Value::String(word.to_owned()),
+            None => {
+                let content = &choice["properties"][chosen];
+                Value::Table(Table::from_iter([(chosen.to_owned(), self.value(content, path, chosen))]))
+            }
+        }
+    }
+
+    /// A table: of alternatives that exclude each other one, of other keys those that are drawn.
+    fn table(&mut self, schema: &'a Json, path: &str) -> Table {
+        let properties = schema["properties"].as_object().expect("a table has keys");
+        let (needed, excluded) = self.alternative(schema, path);
+        let mut keys: Vec<_> = properties.keys().map(String::as_str).collect();
+        // These decide what else can be.
+        let first = ["contacts", "block", "interface", "ensemble", "velocity_to"];
+        keys.sort_by_key(|key| first.iter().position(|one| one == key).unwrap_or(first.len()));
+        let mut table = Table::new();
+        for key in keys {
+            let here = join(path, key);
+            if FILES.contains(&key) || excluded.contains(&key) {
+                continue;
+            }
+            if !(needed.contains(&key) || required(schema).contains(&key)) {
+                let given = match self.consistent.then(|| rules::given(self, path, key)).flatten() {
+                    Some(given) => given,
+                    None => self.random.chance(if self.consistent { 0.3 } else { 0.4 }),
+                };
+                self.options.insert(here, if given { "given" } else { "absent" }.into());
+                if !given {
+                    continue;
+                }
+            }
+            table.insert(key.to_owned(), self.value(&properties[key], path, key));
+        }
+        table
+    }
+
+    /// Keys that one of the alternatives needs, and those that it excludes.
+    fn alternative(&mut self, schema: &'a Json, path: &str) -> (Vec<&'a str>, Vec<&'a str>) {
+        let Some(alternatives) = schema["oneOf"].as_array() else { return (Vec::new(), Vec::new()) };
+        let names: Vec<_> = alternatives.iter().map(|one| required(one).join("+")).collect();
+        let here = format!("{path}:alternative");
+        let allowed: Vec<_> = names
+            .iter()
+            .map(String::as_str)
+            .filter(|name| !FILES.contains(name) && self.allows(&here, name))
+            .collect();
+        let chosen = self.choose(&here, &allowed).to_owned();
+        let chosen = &alternatives[names.iter().position(|name| *name == chosen).expect("one of them")];
+        let needed = required(chosen);
+        let others = alternatives.iter().flat_map(required);
+        let excluded =
+            forbidden(&chosen["not"]).into_iter().chain(others).filter(|key| !needed.contains(key)).collect();
+        (needed, excluded)
+    }
+
+    fn allows(&self, path: &str, option: &str) -> bool {
+        !self.consistent || rules::allows(self, path, option)
+    }
+
+    /// One of the options, which is noted.
+    fn choose<'b>(&mut self, path: &str, options: &[&'b str]) -> &'b str {
+        let chosen = *self.random.pick(options);
+        self.options.insert(path.to_owned(), chosen.to_owned());
+        chosen
+    }
+
+    /// A distribution: its family, and how broad it is.
+    fn distribution(&mut self, schema: &'a Json, path: &str) -> Value {
+        let families: Vec<_> =
+            schema["oneOf"].as_array().expect("families").iter().map(variant_name).collect();
+        let allowed: Vec<_> = families.into_iter().filter(|family| self.allows(path, family)).collect();
+        let family = self.choose(path, &allowed);
+        let variation = *self.random.pick(&VARIATIONS);
+        self.options.insert(format!("{path}:variation"), format!("{variation:e}"));
+        let unit = if path == "contacts.areas.law" { self.units.length.powi(2) } else { self.units.length };
+        let mean = unit * rules::mean(self.consistent, path, &mut self.random);
+        let parameters = distributions::parameters(family, mean, variation, &mut self.random);
+        Value::Table(Table::from_iter([(family.to_owned(), parameters)]))
+    }
+
+    /// A number: mostly an ordinary one, at times one that is far off; where tables need not go together an odd one, too.
+    fn number(&mut self, path: &str, key: &str) -> f64 {
+        let quantity = quantities::of(path, key);
+        let unit = quantity.unit(self.units);
+        let level = self.random.uniform();
+        let [low, high] = quantity.ordinary;
+        let value = if level < 0.85 {
+            self.random.decades(low, high) * unit
+        } else if self.consistent || level < 0.95 {
+            self.random.decades(-12.0, 12.0) * unit
+        } else {
+            *self.random.pick(&ODD)
+        };
+        match key {
+            "from" => self.lowest = value,
+            "to" if self.consistent => return self.lowest * self.random.decades(0.5, 3.0),
+            _ => {}
+        }
+        value
+    }
+
+    /// A whole number: small, so that a case costs little.
+    fn count(&mut self, key: &str) -> i64 {
+        let most = match key {
+            "points" => 30,
+            "size" => 2000,
+            "seed" => 1000,
+            "pieces" | "runs" => 6,
+            "cells" => 8,
+            _ => panic!("{key}: how large this number is is not listed"),
+        };
+        if !self.consistent && self.random.chance(0.06) {
+            return *self.random.pick(&ODD_COUNTS);
+        }
+        // An error of fewer contacts is hardly known itself.
+        let least = if key == "size" { 500 } else { 2 };
+        least + (self.random.next() % (most - 1)) as i64
+    }
+
+    fn list(&mut self, items: &'a Json, path: &str, key: &str) -> Value {
+        if kind(self.resolved(items).1) == "number" {
+            let mut values: Vec<_> = (0..3).map(|_| self.number(path, key)).collect();
+            rules::order(self.consistent, key, &mut values);
+            return Value::Array(values.into_iter().map(Value::Float).collect());
+        }
+        let length = 1 + self.random.next() % if key == "protocol" { 3 } else { 2 };
+        Value::Array((0..length).map(|_| self.value(items, path, key)).collect())
+    }
+}
+
+fn join(path: &str, key: &str) -> String {
+    if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
+}
+
+/// Its type, if it is not null.
+fn kind(schema: &Json) -> &str {
+    match &schema["type"] {
+        Json::Array(kinds) => {
+            kinds.iter().filter_map(Json::as_str).find(|kind| *kind != "null").unwrap_or("")
+        }
+        kind => kind.as_str().unwrap_or(""),
+    }
+}
+
+fn variant_name(schema: &Json) -> &str {
+    schema["const"].as_str().or_else(|| required(schema).first().copied()).expect("a variant has a name")
+}
+
+fn required(schema: &Json) -> Vec<&str> {
+    schema["required"].as_array().map_or_else(Vec::new, |keys| keys.iter().filter_map(Json::as_str).collect())
+}
+
+/// Keys that must not be there.
+fn forbidden(not: &Json) -> Vec<&str> {
+    match not["anyOf"].as_array() {
+        Some(several) => several.iter().flat_map(required).collect(),
+        None => required(not),
+    }
+}

@@ -1,0 +1,120 @@
+//! What must hold however a scenario is drawn.
+
+use std::path::Path;
+
+use serde_json::Value as Json;
+
+use super::agreement;
+use super::child::{self, Ended, Limits};
+
+/// Nulls in `summary.json` that are documented: nothing was drawn at random; a length that is not known.
+const NULLS: [&str; 3] = ["seed", "relaxation_length", "critical_stiffness"];
+/// Columns in which a cell may be no number: of point masses, what they are of, and what that has no place along.
+const WORDS: [(&str, &str); 3] =
+    [("atoms.csv", "distribution"), ("atoms.csv", "stretch"), ("atoms.csv", "position")];
+
+/// What came of a command.
+pub struct Verdict {
+    /// Whether the scenario was accepted.
+    pub accepted: bool,
+    /// How the program ended.
+    pub ended: Ended,
+    /// What should not have happened.
+    pub failures: Vec<String>,
+    /// How far the master equation is from an ensemble, in standard errors.
+    pub deviation: Option<f64>,
+}
+
+/// Checks the scenario in a folder.
+pub fn check(folder: &Path, aside: &Path, limits: Limits) -> Verdict {
+    let ended = child::run(&["check", "scenario.toml"], folder, aside, limits);
+    let mut failures = ending(&ended, &[0, 2]);
+    failures.extend(nothing_written(folder));
+    Verdict { accepted: ended.code() == Some(0), failures, ended, deviation: None }
+}
+
+/// Runs the scenario in a folder, into the folder `out` beside it.
+pub fn run(folder: &Path, aside: &Path, limits: Limits) -> Verdict {
+    let arguments = ["run", "scenario.toml", "-o", "out", "--quiet", "--threads", "2"];
+    let ended = child::run(&arguments, folder, aside, limits);
+    let mut failures = ending(&ended, &[0, 1, 2, 130]);
+    let accepted = ended.code() == Some(0);
+    failures.extend(if accepted { no_numbers(&folder.join("out")) } else { nothing_written(folder) });
+    Verdict { accepted, failures, ended, deviation: agreement::deviation(&folder.join("out")) }
+}
+
+/// What is wrong with the end itself.
+fn ending(ended: &Ended, codes: &[i32]) -> Vec<String> {
+    let mut failures = Vec::new();
+    match (ended.status, ended.code(), ended.signal()) {
+        (None, ..) => failures.push("it waits for ever".to_owned()),
+        (_, Some(code), _) if !codes.contains(&code) => failures.push(format!("exit code {code}")),
+        // SIGXCPU
+        (.., Some(24)) => failures.push(format!("no end after {} s", ended.seconds)),
+        (.., Some(signal)) => failures.push(format!("ended by signal {signal}")),
+        _ => {}
+    }
+    let said = ["panicked", "overflowed its stack", "memory allocation"];
+    failures.extend(said.into_iter().filter(|words| ended.errors.contains(words)).map(|words| {
+        let line = ended.errors.lines().find(|line| line.contains(words)).unwrap_or_default();
+        format!("it says: {line}")
+    }));
+    if matches!(ended.code(), Some(1 | 2)) && ended.errors.trim().is_empty() {
+        failures.push("no message".to_owned());
+    }
+    failures
+}
+
+/// What is in the folder beside the scenario.
+fn nothing_written(folder: &Path) -> Vec<String> {
+    let names =
+        std::fs::read_dir(folder).expect("the folder").map(|entry| entry.expect("an entry").file_name());
+    names
+        .filter(|name| name != "scenario.toml")
+        .map(|name| format!("{} was written", name.display()))
+        .collect()
+}
+
+/// Places in the results where a number is told that is none.
+fn no_numbers(results: &Path) -> Vec<String> {
+    let mut failures = Vec::new();
+    let text = std::fs::read_to_string(results.join("summary.json")).unwrap_or_default();
+    match serde_json::from_str(&text) {
+        Ok(summary) => nulls(&summary, "", &mut failures),
+        Err(error) => failures.push(format!("summary.json: {error}")),
+    }
+    let names =
+        std::fs::read_dir(results).into_iter().flatten().filter_map(Result::ok).map(|entry| entry.path());
+    for path in names.filter(|path| path.extension().is_some_and(|extension| extension == "csv")) {
+        cells(&path, &mut failures);
+    }
+    failures
+}
+
+fn nulls(value: &Json, path: &str, failures: &mut Vec<String>) {
+    match value {
+        Json::Null if !NULLS.contains(&path) => failures.push(format!("summary.json: {path} is null")),
+        Json::Object(table) => {
+            for (key, value) in table {
+                nulls(value, &if path.is_empty() { key.clone() } else { format!("{path}.{key}") }, failures);
+            }
+        }
+        Json::Array(items) => items.iter().for_each(|item| nulls(item, path, failures)),
+        _ => {}
+    }
+}
+
+fn cells(path: &Path, failures: &mut Vec<String>) {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let name = path.file_name().unwrap_or_default().display().to_string();
+    let mut rows = text.lines();
+    let header: Vec<_> = rows.next().unwrap_or_default().split(',').collect();
+    for (number, row) in rows.enumerate() {
+        for (column, cell) in header.iter().zip(row.split(',')) {
+            if !WORDS.contains(&(&name, column)) && !cell.parse().is_ok_and(f64::is_finite) {
+                failures.push(format!("{name}: {column} is {cell:?} in row {}", number + 1));
+                return;
+            }
+        }
+    }
+}
