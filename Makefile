@@ -153,8 +153,13 @@ $(venv)-peers/ready: core/benches/peers/requirements.txt
 validation:
 	cargo run --release --locked --package asperity-cli --example validation
 
+# The page docs/validation/accuracy, anew. It fails where a distribution or a rule has no entry.
+accuracy:
+	cargo run --release --locked --package asperity-cli --example accuracy
+
 # Scenarios drawn from the schema, one after the other, for an hour; those that fail are left in target/fuzz, each with the
-# reason, and the command that repeats it is printed. CASE=1234 checks and runs that one.
+# reason, and the command that repeats it is printed. CASE=1234 checks and
+# runs that one, SECONDS=600 takes ten minutes, FROM=20000000 other numbers.
 fuzz:
-	$(if $(CASE),ASPERITY_CASE=$(CASE)) $(if $(SECONDS_LONG),ASPERITY_FUZZ_SECONDS=$(SECONDS_LONG)) $(if $(FROM),ASPERITY_FUZZ_FROM=$(FROM)) \
+	$(if $(CASE),ASPERITY_CASE=$(CASE)) $(if $(SECONDS),ASPERITY_FUZZ_SECONDS=$(SECONDS)) $(if $(FROM),ASPERITY_FUZZ_FROM=$(FROM)) \
 	  cargo test --release --locked --package asperity-cli --test generated -- --ignored --nocapture --exact $(if $(CASE),one_case,campaign)

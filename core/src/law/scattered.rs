@@ -65,6 +65,10 @@ impl Product<'_> {
     fn between(&self, y: f64, from: f64, to: f64) -> f64 {
         let value = |t: f64| {
             let scale = 1.0 + self.std * t;
+            // The lowest scale is above 0, but for rounding.
+            if scale <= 0.0 {
+                return 0.0;
+            }
             (-0.5 * t * t).exp() * self.law.density(y / scale) / scale
         };
         let parts = ((to - from) / WIDTH).ceil();

@@ -8,7 +8,7 @@ use asperity::record::{Quantity, Record};
 use asperity::{Result, scenario};
 
 use super::Setting;
-use super::part;
+use super::part::{self, Part};
 use super::settling::Steady;
 use crate::summary::{CurveLimits, Summary};
 
@@ -49,7 +49,8 @@ pub fn run(
                 error.push(slid.1);
             }
             if task.stability {
-                critical.push(contacts, setting, velocity)?;
+                let part = &mut Part::new(monitor, (friction.len() as f64 - 1.0) / points, 1.0 / points);
+                critical.push(contacts, setting, velocity, part)?;
             }
             part::report(monitor, friction.len() as f64 / points)?;
         }
@@ -103,12 +104,27 @@ struct Critical {
 }
 
 impl Critical {
-    fn push(&mut self, contacts: &Contacts, setting: &Setting<'_>, velocity: f64) -> Result<()> {
+    fn push(
+        &mut self,
+        contacts: &Contacts,
+        setting: &Setting<'_>,
+        velocity: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
+        if let (false, Some(&pulled), Some(&sliding)) =
+            (contacts.rules.know_time(), self.pulled.last(), self.sliding.last())
+        {
+            // The same at all velocities.
+            self.pulled.push(pulled);
+            self.sliding.push(sliding);
+            return Ok(());
+        }
         let equation = MasterEquation::at(contacts.clone(), &setting.initial, velocity)?;
         let tolerance = setting.scenario.master_equation.tolerance();
-        let pull = equation.pull(super::first_loading(contacts), tolerance, &mut ())?;
+        let pull = equation.pull(super::first_loading(contacts), tolerance, &mut Part::new(monitor, 0.0, 0.1))?;
         self.pulled.push(pull.critical_stiffness());
-        let response = Transport::step_response(contacts, velocity, LIVES, RESPONSE, &mut ())?;
+        let part = &mut Part::new(monitor, 0.1, 0.9);
+        let response = Transport::step_response(contacts, velocity, LIVES, RESPONSE, part)?;
         self.sliding.push(response.critical_stiffness().map_or(0.0, |(stiffness, _)| stiffness));
         Ok(())
     }

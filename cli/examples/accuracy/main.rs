@@ -1,0 +1,206 @@
+//! Makes `docs/validation/accuracy.md`: how accurate results are by default, and what they cost, for each family of
+//! distributions by its width and for each rule in time.
+//!
+//! `cargo run --release --package asperity-cli --example accuracy` computes everything and writes the page; its test recomputes
+//! what is quick, and compares it with the page.
+
+mod cases;
+
+use std::fmt::Write as _;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use asperity::monitor::Monitor;
+use asperity_runner::{input, task};
+use cpu_time::ProcessTime;
+
+use cases::{RULES, UNIT, VARIATIONS, families};
+
+/// The most units that an entry may take: one that takes more has no place in the page.
+const MOST: f64 = 20_000.0;
+/// Runs of the unit, of which the cost is the median.
+const REPEATS: usize = 9;
+
+const HEAD: &str = "\
+<!-- Written by `make accuracy`: change cli/examples/accuracy instead. -->
+# Accuracy and cost by default
+
+What a pull over five mean thresholds gives where no `master_equation.tolerance` is asked for: the estimated error of
+$F/(N_c\\langle k\\rangle \\bar x)$ that `summary.json` tells as `accuracy`, rounded up to a power of ten, and the cost in units of the
+pull of Gaussian thresholds with a coefficient of variation of 0.05, measured in the same go. Costs are two digits at best and
+depend on the machine; accuracies do not.
+";
+
+/// What came of a scenario.
+struct Entry {
+    /// The estimated error, per mean threshold.
+    accuracy: f64,
+    seconds: f64,
+}
+
+/// Stops what takes too long.
+struct Deadline {
+    begun: ProcessTime,
+    seconds: f64,
+}
+
+impl Monitor for Deadline {
+    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+        if self.begun.elapsed().as_secs_f64() > self.seconds { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+fn page() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/validation/accuracy.md")
+}
+
+/// Runs the contacts and the task of a text in TOML.
+fn entry(text: &str, seconds: f64) -> Result<Entry, String> {
+    let input = input::parse(text, "accuracy", Path::new(""), &[]).map_err(|error| error.to_string())?;
+    let mut deadline = Deadline { begun: ProcessTime::now(), seconds };
+    let outcome = task::run(&input.scenario, &mut deadline).map_err(|error| error.to_string())?;
+    let seconds = deadline.begun.elapsed().as_secs_f64();
+    let friction = outcome.summary.friction.ok_or("a pull tells of friction")?;
+    Ok(Entry { accuracy: friction.accuracy, seconds })
+}
+
+/// The seconds of one unit, once everything is in memory.
+fn unit() -> f64 {
+    let mut seconds: Vec<_> = (0..REPEATS).map(|_| entry(UNIT, f64::INFINITY).expect("the unit runs").seconds).collect();
+    seconds.sort_by(f64::total_cmp);
+    seconds[REPEATS / 2]
+}
+
+/// An error rounded up to a power of ten.
+fn accuracy(error: f64) -> String {
+    let decade = error.max(1e-16).log10().ceil();
+    format!("1e{decade}")
+}
+
+/// A cost in two digits.
+fn cost(units: f64) -> String {
+    let two: f64 = format!("{units:.1e}").parse().unwrap_or(units);
+    format!("{two}")
+}
+
+/// Cells of tables, and entries that there are none of.
+struct Maker {
+    unit: f64,
+    missing: Vec<String>,
+}
+
+impl Maker {
+    fn cell(&mut self, name: &str, text: Option<String>) -> String {
+        let Some(text) = text else { return "–".into() };
+        match entry(&text, MOST * self.unit) {
+            Ok(Entry { accuracy: error, seconds }) => format!("{}, {}", accuracy(error), cost(seconds / self.unit)),
+            Err(reason) => {
+                self.missing.push(format!("{name}: {reason}"));
+                "none".into()
+            }
+        }
+    }
+}
+
+fn row(cells: &[String]) -> String {
+    format!("| {} |\n", cells.join(" | "))
+}
+
+fn head(columns: &[String]) -> String {
+    let rule: Vec<_> = columns.iter().map(|_| "---".to_owned()).collect();
+    row(columns) + &row(&rule)
+}
+
+fn distributions(maker: &mut Maker) -> String {
+    let mut text = "\n## Distributions of thresholds\n\nBy the coefficient of variation: accuracy, cost. A dash where a \
+                    family has none of that width; of a Gaussian it is that before the part below 0 is cut off.\n\n"
+        .to_owned();
+    text += &head(&["distribution".to_owned()].into_iter().chain(VARIATIONS.map(|cv| format!("{cv:e}"))).collect::<Vec<_>>());
+    for family in families() {
+        let cells = VARIATIONS.map(|cv| {
+            let begun = std::time::Instant::now();
+            let cell = maker.cell(&format!("{} {cv:e}", family.name), family.pull(cv));
+            eprintln!("{} {cv:e}: {cell} ({:.1} s)", family.name, Duration::as_secs_f64(&begun.elapsed()));
+            cell
+        });
+        text += &row(&[family.name.to_owned()].into_iter().chain(cells).collect::<Vec<_>>());
+    }
+    text
+}
+
+fn rules(maker: &mut Maker) -> String {
+    let mut text = "\n## Rules in time\n\nAt a velocity, in mean thresholds per time 1: accuracy, cost.\n\n".to_owned();
+    text += &head(&["rule", "contacts", "1e-6", "1e-2", "1", "100"].map(str::to_owned));
+    for rule in RULES {
+        let cells = cases::VELOCITIES.map(|velocity| {
+            let cell = maker.cell(&format!("{} {velocity:e}", rule.name), Some(rule.pull(velocity)));
+            eprintln!("{} {velocity:e}: {cell}", rule.name);
+            cell
+        });
+        text += &row(&[rule.name.to_owned(), rule.words.to_owned()].into_iter().chain(cells).collect::<Vec<_>>());
+    }
+    text
+}
+
+fn main() -> ExitCode {
+    let mut maker = Maker { unit: unit(), missing: Vec::new() };
+    let mut text = HEAD.to_owned();
+    text += &distributions(&mut maker);
+    text += &rules(&mut maker);
+    let mut said = String::new();
+    maker.missing.iter().for_each(|missing| writeln!(said, "no entry: {missing}").expect("a string takes all"));
+    eprint!("{said}");
+    match std::fs::write(page(), text) {
+        Ok(()) if maker.missing.is_empty() => ExitCode::SUCCESS,
+        Ok(()) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("{}: {error}", page().display());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The cell of a row in the page.
+    fn written<'a>(page: &'a str, name: &str, column: usize) -> &'a str {
+        let row = page.lines().find(|line| line.starts_with(&format!("| {name} |"))).expect("a row of that name");
+        row.split(" | ").nth(column).expect("a cell").trim_end_matches(" |")
+    }
+
+    /// The error of a cell.
+    fn told(cell: &str) -> f64 {
+        cell.split(", ").next().and_then(|error| error.parse().ok()).unwrap_or_else(|| panic!("no accuracy: {cell}"))
+    }
+
+    #[test]
+    fn the_page_says_what_the_program_reaches() {
+        let text = std::fs::read_to_string(page()).unwrap();
+        let mut compared = 0;
+        for family in families() {
+            for (column, cv) in VARIATIONS.into_iter().enumerate().filter(|(_, cv)| (0.02..0.4).contains(cv)) {
+                let Some(pull) = family.pull(cv) else { continue };
+                let error = entry(&pull, f64::INFINITY).unwrap().accuracy;
+                // Rounding of sums may be another on another machine: a decade.
+                assert!(error <= 10.0 * told(written(&text, family.name, column + 1)), "{} {cv}: {error:e}", family.name);
+                compared += 1;
+            }
+        }
+        for rule in RULES.iter().filter(|rule| rule.quick) {
+            let error = entry(&rule.pull(1.0), f64::INFINITY).unwrap().accuracy;
+            assert!(error <= 10.0 * told(written(&text, rule.name, 4)), "{}: {error:e}", rule.name);
+            compared += 1;
+        }
+        assert!(compared > 15);
+    }
+
+    #[test]
+    fn errors_are_rounded_up_and_costs_to_two_digits() {
+        assert_eq!([1e-17, 3e-12, 1e-11, 1.1e-5].map(accuracy), ["1e-16", "1e-11", "1e-11", "1e-4"]);
+        assert_eq!([0.123, 1.0, 17.6, 1234.0].map(cost), ["0.12", "1", "18", "1200"]);
+    }
+}
