@@ -7,7 +7,8 @@ pub const VARIATIONS: [f64; 9] = [1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.3, 1.0, 1.5, 3.
 pub const VELOCITIES: [f64; 4] = [1e-6, 1e-2, 1.0, 100.0];
 
 /// What costs are counted in.
-pub const UNIT: &str = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.05 }\npull = { distance = 5.0, points = 101 }\n";
+pub const UNIT: &str =
+    "contacts.thresholds.gaussian = { mean = 1.0, std = 0.05 }\npull = { distance = 5.0, points = 101 }\n";
 
 /// A family of distributions of mean 1, or nearly.
 pub struct Family {
@@ -64,7 +65,9 @@ pub fn families() -> Vec<Family> {
         family("gaussian", |cv| Some(with_std("gaussian", cv))),
         family("gamma", |cv| Some(with_std("gamma", cv))),
         family("lognormal", |cv| Some(with_std("lognormal", cv))),
-        family("weibull", |cv| Some(format!("thresholds.weibull = {{ shape = {:?}, scale = 1.0 }}", shape(cv)))),
+        family("weibull", |cv| {
+            Some(format!("thresholds.weibull = {{ shape = {:?}, scale = 1.0 }}", shape(cv)))
+        }),
         family("rectangular", |cv| {
             let half = half_width(cv)?;
             Some(format!("thresholds.rectangular = {{ min = {:?}, max = {:?} }}", 1.0 - half, 1.0 + half))
@@ -79,7 +82,10 @@ pub fn families() -> Vec<Family> {
         }),
         family("areas", |cv| {
             // Areas vary twice as much as their roots.
-            Some(format!("areas = {{ modulus = 1.0, strength = 1.0, law.gamma = {{ mean = 1.0, std = {:?} }} }}", 2.0 * cv))
+            Some(format!(
+                "areas = {{ modulus = 1.0, strength = 1.0, law.gamma = {{ mean = 1.0, std = {:?} }} }}",
+                2.0 * cv
+            ))
         }),
         family("renormalised", |cv| {
             let coupling = 0.5 * cv.min(0.5);
@@ -118,63 +124,81 @@ macro_rules! rule {
 /// All rules.
 pub const RULES: &[Rule] = &[
     rule!(
-        "elastic barrier", "G(1, 0.1), T = 0.05, ω = 1", false,
+        "elastic barrier",
+        "G(1, 0.1), T = 0.05, ω = 1",
+        false,
         "thresholds.gaussian = { mean = 1.0, std = 0.1 }",
         "temperature = { energy = 0.05, attempt_rate = 1.0, barrier = \"elastic\" }"
     ),
     rule!(
-        "bell barrier", "the same", false,
+        "bell barrier",
+        "the same",
+        false,
         "thresholds.gaussian = { mean = 1.0, std = 0.1 }",
         "temperature = { energy = 0.05, attempt_rate = 1.0, barrier = \"bell\" }"
     ),
     rule!(
-        "catastrophe barrier", "the same", false,
+        "catastrophe barrier",
+        "the same",
+        false,
         "thresholds.gaussian = { mean = 1.0, std = 0.1 }",
         "temperature = { energy = 0.05, attempt_rate = 1.0, barrier = \"catastrophe\" }"
     ),
     rule!(
-        "elastic barrier, wide", "exponential(1), T = 0.05, ω = 1", false,
+        "elastic barrier, wide",
+        "exponential(1), T = 0.05, ω = 1",
+        false,
         "thresholds.exponential.mean = 1.0",
         "temperature = { energy = 0.05, attempt_rate = 1.0 }"
     ),
     rule!(
-        "logarithmic", "G(1, 0.1), β = 0.02, τ₀ = 1", true,
+        "logarithmic",
+        "G(1, 0.1), β = 0.02, τ₀ = 1",
+        true,
         "thresholds.gaussian = { mean = 1.0, std = 0.1 }",
         "ageing.logarithmic = { growth = 0.02, time = 1.0 }"
     ),
     rule!(
-        "frozen_rank", "G(0.5, 0.1) → G(1, 0.05) in a time of 1", true,
+        "frozen_rank",
+        "G(0.5, 0.1) → G(1, 0.05) in a time of 1",
+        true,
         "thresholds.gaussian = { mean = 0.5, std = 0.1 }",
         "ageing.frozen_rank = { time = 1.0, mature.gaussian = { mean = 1.0, std = 0.05 } }"
     ),
     rule!(
-        "frozen_rank, gamma", "gamma(0.7, 0.14) → gamma(1.2, 0.15)", false,
+        "frozen_rank, gamma",
+        "gamma(0.7, 0.14) → gamma(1.2, 0.15)",
+        false,
         "thresholds.gamma = { mean = 0.7, std = 0.14 }",
         "ageing.frozen_rank = { time = 1.0, mature.gamma = { mean = 1.2, std = 0.15 } }"
     ),
     rule!(
-        "smoluchowski", "G(0.5, 0.1) → G(1, 0.05), D = 0.0025", false,
+        "smoluchowski",
+        "G(0.5, 0.1) → G(1, 0.05), D = 0.0025",
+        false,
         "thresholds.gaussian = { mean = 0.5, std = 0.1 }",
         "ageing.smoluchowski = { diffusion = 0.0025, mature.gaussian = { mean = 1.0, std = 0.05 } }"
     ),
     rule!(
-        "smoluchowski, rectangular", "U(0.4, 0.6) → G(1, 0.05), D = 0.0025", false,
+        "smoluchowski, rectangular",
+        "U(0.4, 0.6) → G(1, 0.05), D = 0.0025",
+        false,
         "thresholds.rectangular = { min = 0.4, max = 0.6 }",
         "ageing.smoluchowski = { diffusion = 0.0025, mature.gaussian = { mean = 1.0, std = 0.05 } }"
     ),
     rule!(
-        "mean_field", "G(0.5, 0.1) → G(1, 0.05), D = 0.0025", true,
+        "mean_field",
+        "G(0.5, 0.1) → G(1, 0.05), D = 0.0025",
+        true,
         "thresholds.gaussian = { mean = 0.5, std = 0.1 }",
         "ageing.mean_field = { diffusion = 0.0025, mature.gaussian = { mean = 1.0, std = 0.05 } }"
     ),
     rule!(
-        "delay", "G(1, 0.1), τ = 0.5", true,
+        "delay",
+        "G(1, 0.1), τ = 0.5",
+        true,
         "thresholds.gaussian = { mean = 1.0, std = 0.1 }",
         "delay.time = 0.5"
     ),
-    rule!(
-        "delay, one threshold", "all 1, τ = 0.5", true,
-        "thresholds.point.at = 1.0",
-        "delay.time = 0.5"
-    ),
+    rule!("delay, one threshold", "all 1, τ = 0.5", true, "thresholds.point.at = 1.0", "delay.time = 0.5"),
 ];

@@ -19,7 +19,7 @@ use cpu_time::ProcessTime;
 use cases::{RULES, UNIT, VARIATIONS, families};
 
 /// The most units that an entry may take: one that takes more has no place in the page.
-const MOST: f64 = 20_000.0;
+const MOST: f64 = 5_000.0;
 /// Runs of the unit, of which the cost is the median.
 const REPEATS: usize = 9;
 
@@ -48,7 +48,11 @@ struct Deadline {
 
 impl Monitor for Deadline {
     fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
-        if self.begun.elapsed().as_secs_f64() > self.seconds { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.begun.elapsed().as_secs_f64() > self.seconds {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 }
 
@@ -68,7 +72,8 @@ fn entry(text: &str, seconds: f64) -> Result<Entry, String> {
 
 /// The seconds of one unit, once everything is in memory.
 fn unit() -> f64 {
-    let mut seconds: Vec<_> = (0..REPEATS).map(|_| entry(UNIT, f64::INFINITY).expect("the unit runs").seconds).collect();
+    let mut seconds: Vec<_> =
+        (0..REPEATS).map(|_| entry(UNIT, f64::INFINITY).expect("the unit runs").seconds).collect();
     seconds.sort_by(f64::total_cmp);
     seconds[REPEATS / 2]
 }
@@ -95,7 +100,9 @@ impl Maker {
     fn cell(&mut self, name: &str, text: Option<String>) -> String {
         let Some(text) = text else { return "–".into() };
         match entry(&text, MOST * self.unit) {
-            Ok(Entry { accuracy: error, seconds }) => format!("{}, {}", accuracy(error), cost(seconds / self.unit)),
+            Ok(Entry { accuracy: error, seconds }) => {
+                format!("{}, {}", accuracy(error), cost(seconds / self.unit))
+            }
             Err(reason) => {
                 self.missing.push(format!("{name}: {reason}"));
                 "none".into()
@@ -117,7 +124,12 @@ fn distributions(maker: &mut Maker) -> String {
     let mut text = "\n## Distributions of thresholds\n\nBy the coefficient of variation: accuracy, cost. A dash where a \
                     family has none of that width; of a Gaussian it is that before the part below 0 is cut off.\n\n"
         .to_owned();
-    text += &head(&["distribution".to_owned()].into_iter().chain(VARIATIONS.map(|cv| format!("{cv:e}"))).collect::<Vec<_>>());
+    text += &head(
+        &["distribution".to_owned()]
+            .into_iter()
+            .chain(VARIATIONS.map(|cv| format!("{cv:e}")))
+            .collect::<Vec<_>>(),
+    );
     for family in families() {
         let cells = VARIATIONS.map(|cv| {
             let begun = std::time::Instant::now();
@@ -131,7 +143,8 @@ fn distributions(maker: &mut Maker) -> String {
 }
 
 fn rules(maker: &mut Maker) -> String {
-    let mut text = "\n## Rules in time\n\nAt a velocity, in mean thresholds per time 1: accuracy, cost.\n\n".to_owned();
+    let mut text =
+        "\n## Rules in time\n\nAt a velocity, in mean thresholds per time 1: accuracy, cost.\n\n".to_owned();
     text += &head(&["rule", "contacts", "1e-6", "1e-2", "1", "100"].map(str::to_owned));
     for rule in RULES {
         let cells = cases::VELOCITIES.map(|velocity| {
@@ -139,7 +152,8 @@ fn rules(maker: &mut Maker) -> String {
             eprintln!("{} {velocity:e}: {cell}", rule.name);
             cell
         });
-        text += &row(&[rule.name.to_owned(), rule.words.to_owned()].into_iter().chain(cells).collect::<Vec<_>>());
+        text +=
+            &row(&[rule.name.to_owned(), rule.words.to_owned()].into_iter().chain(cells).collect::<Vec<_>>());
     }
     text
 }
@@ -150,7 +164,10 @@ fn main() -> ExitCode {
     text += &distributions(&mut maker);
     text += &rules(&mut maker);
     let mut said = String::new();
-    maker.missing.iter().for_each(|missing| writeln!(said, "no entry: {missing}").expect("a string takes all"));
+    maker
+        .missing
+        .iter()
+        .for_each(|missing| writeln!(said, "no entry: {missing}").expect("a string takes all"));
     eprint!("{said}");
     match std::fs::write(page(), text) {
         Ok(()) if maker.missing.is_empty() => ExitCode::SUCCESS,
@@ -168,34 +185,53 @@ mod tests {
 
     /// The cell of a row in the page.
     fn written<'a>(page: &'a str, name: &str, column: usize) -> &'a str {
-        let row = page.lines().find(|line| line.starts_with(&format!("| {name} |"))).expect("a row of that name");
+        let row =
+            page.lines().find(|line| line.starts_with(&format!("| {name} |"))).expect("a row of that name");
         row.split(" | ").nth(column).expect("a cell").trim_end_matches(" |")
     }
 
     /// The error of a cell.
     fn told(cell: &str) -> f64 {
-        cell.split(", ").next().and_then(|error| error.parse().ok()).unwrap_or_else(|| panic!("no accuracy: {cell}"))
+        cell.split(", ")
+            .next()
+            .and_then(|error| error.parse().ok())
+            .unwrap_or_else(|| panic!("no accuracy: {cell}"))
+    }
+
+    /// What is quick: name, column of the table, error.
+    fn quick() -> Vec<(&'static str, usize, f64)> {
+        let error = |name: &str, text: &str| match entry(text, f64::INFINITY) {
+            Ok(entry) => entry.accuracy,
+            Err(reason) => panic!("{name}: {reason}"),
+        };
+        let widths = || VARIATIONS.into_iter().enumerate().filter(|(_, cv)| (0.02..0.4).contains(cv));
+        let mut found = Vec::new();
+        for family in families() {
+            let pulls = widths().filter_map(|(column, cv)| Some((column, family.pull(cv)?)));
+            found.extend(pulls.map(|(column, pull)| (family.name, column + 1, error(family.name, &pull))));
+        }
+        let rules = RULES.iter().filter(|rule| rule.quick);
+        found.extend(rules.map(|rule| (rule.name, 4, error(rule.name, &rule.pull(1.0)))));
+        assert!(found.len() > 25);
+        found
     }
 
     #[test]
+    fn what_is_quick_reaches_the_aim() {
+        for (name, _, error) in quick() {
+            // What is aimed at where nothing is said, of F per contact and mean threshold.
+            assert!(error <= 1e-10, "{name}: {error:e}");
+        }
+    }
+
+    #[test]
+    #[ignore = "for where `make accuracy` has written the page"]
     fn the_page_says_what_the_program_reaches() {
         let text = std::fs::read_to_string(page()).unwrap();
-        let mut compared = 0;
-        for family in families() {
-            for (column, cv) in VARIATIONS.into_iter().enumerate().filter(|(_, cv)| (0.02..0.4).contains(cv)) {
-                let Some(pull) = family.pull(cv) else { continue };
-                let error = entry(&pull, f64::INFINITY).unwrap().accuracy;
-                // Rounding of sums may be another on another machine: a decade.
-                assert!(error <= 10.0 * told(written(&text, family.name, column + 1)), "{} {cv}: {error:e}", family.name);
-                compared += 1;
-            }
+        for (name, column, error) in quick() {
+            // Sums may be rounded otherwise on another machine: a decade.
+            assert!(error <= 10.0 * told(written(&text, name, column)), "{name}: {error:e}");
         }
-        for rule in RULES.iter().filter(|rule| rule.quick) {
-            let error = entry(&rule.pull(1.0), f64::INFINITY).unwrap().accuracy;
-            assert!(error <= 10.0 * told(written(&text, rule.name, 4)), "{}: {error:e}", rule.name);
-            compared += 1;
-        }
-        assert!(compared > 15);
     }
 
     #[test]

@@ -62,7 +62,9 @@ impl Count {
         }
         keep(case, verdict);
         let (number, reasons) = (case.number, verdict.failures.join("; "));
-        self.failures.push(format!("{command} of case {number}: {reasons} (again: make fuzz CASE={number})"));
+        let failure = format!("{command} of case {number}: {reasons} (again: make fuzz CASE={number})");
+        println!("{failure}");
+        self.failures.push(failure);
     }
 }
 

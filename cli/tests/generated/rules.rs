@@ -1,5 +1,8 @@
 //! Which tables go together, as the documents say; without these rules hardly a scenario would be accepted.
 
+use toml::{Table, Value};
+
+use super::quantities::Units;
 use super::random::SplitMix;
 use super::scenario::Walk;
 
@@ -122,5 +125,17 @@ pub(super) fn order(consistent: bool, key: &str, values: &mut Vec<f64>) {
     if key == "turning_points" && values.len() == 3 {
         values.swap(0, 2);
         values.swap(1, 2);
+    }
+}
+
+/// Gives a distance where lengths are in units in which the default of 20 would be one of 1e30 thresholds, or of none; what was drawn
+/// stays noted.
+pub(super) fn in_units(scenario: &mut Table, units: Units) {
+    for task in ["pull", "drive"] {
+        let Some(table) = scenario.get_mut(task).and_then(Value::as_table_mut) else { continue };
+        let another = ["distance", "turning_points", "force_to"].iter().any(|key| table.contains_key(*key));
+        if !another && units.length != 1.0 {
+            table.insert("distance".into(), Value::Float(5.0 * units.length));
+        }
     }
 }

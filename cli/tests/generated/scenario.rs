@@ -135,7 +135,10 @@ impl Schema {
         for (name, unit) in [("length", units.length), ("force", units.force), ("time", units.time)] {
             walk.options.insert(format!("unit of {name}"), format!("{unit:e}"));
         }
-        let scenario = walk.table(&self.0, "");
+        let mut scenario = walk.table(&self.0, "");
+        if consistent {
+            rules::in_units(&mut scenario, units);
+        }
         Case { number, scenario, options: walk.options }
     }
 }

@@ -121,7 +121,8 @@ impl Critical {
         }
         let equation = MasterEquation::at(contacts.clone(), &setting.initial, velocity)?;
         let tolerance = setting.scenario.master_equation.tolerance();
-        let pull = equation.pull(super::first_loading(contacts), tolerance, &mut Part::new(monitor, 0.0, 0.1))?;
+        let pull =
+            equation.pull(super::first_loading(contacts), tolerance, &mut Part::new(monitor, 0.0, 0.1))?;
         self.pulled.push(pull.critical_stiffness());
         let part = &mut Part::new(monitor, 0.1, 0.9);
         let response = Transport::step_response(contacts, velocity, LIVES, RESPONSE, part)?;
