@@ -129,7 +129,7 @@ impl Schema {
     pub fn case(&self, number: u64) -> Case {
         let mut random = SplitMix::new(number);
         let units = units(&mut random);
-        let consistent = number % 2 == 0;
+        let consistent = number.is_multiple_of(2);
         let mut walk =
             Walk { root: &self.0, random, units, consistent, options: BTreeMap::new(), lowest: 1.0 };
         for (name, unit) in [("length", units.length), ("force", units.force), ("time", units.time)] {
