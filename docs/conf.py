@@ -66,7 +66,7 @@ def as_site(text: str, keys: dict[str, str]) -> str:
         r"^```math\n(.*?)\n\\tag\{([^}]*)\}\n```", r"```{math}\n:label: \2\n\1\n```", text, flags=re.M | re.S
     )
     text = re.sub(r"\[\(([^()\]]*)\)\]\([^)]*\)", r"{eq}`\1`", text)
-    return re.sub(r"\]\((https?://[^)]*)\)", lambda link: cited(link, keys), text)
+    return re.sub(r"\]\((https?://(?:[^()]|\([^()]*\))*)\)", lambda link: cited(link, keys), text)
 
 
 def cited(link: re.Match, keys: dict[str, str]) -> str:

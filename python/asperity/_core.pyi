@@ -20,6 +20,7 @@ from asperity._values import (
     Label,
     Potential,
     Sizes,
+    Stability,
     State,
     StaticFriction,
     StretchDensity,
@@ -590,6 +591,20 @@ class Block(Description):
     @property
     def slip_fraction(self) -> float:
         """The share of the contacts of an ensemble that must break at one drive for an event to count as a slip."""
+
+    def stability(self, velocity: _Number, *, progress: _Progress = None) -> Stability:
+        """Whether steady sliding at a velocity is stable for small deviations, with the stiffness, mass and damping of this
+        slider: by the linear response of the contacts of its Transport to a small step.
+
+        velocity: the velocity of the top, above 0. progress: as for MasterEquation.pull. Ctrl-C stops it.
+
+        Returns a Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the oscillation
+        that sets in there, and the `growth_rate` and `growth_frequency` of the deviation that grows fastest, 0 where it is
+        stable. The critical stiffness is right to some 1e-3 of the stiffness of all contacts.
+
+        Raises ValueError for a rigid slider, one that slips by a word, contacts that are no Transport, and a velocity that is
+        not above 0.
+        """
 
     def drive(
         self,

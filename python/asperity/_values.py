@@ -83,6 +83,19 @@ class Energy(NamedTuple):
     """Work and strengthening less all the others: 0 but for rounding and the accuracy of the forces."""
 
 
+class Stability(NamedTuple):
+    """What linear stability says of steady sliding at one velocity."""
+
+    critical_stiffness: float
+    """K_c(v; M, γ), above which steady sliding is stable; 0 where it is behind any spring, inf where behind none."""
+    frequency: float
+    """Angular frequency of the oscillation that sets in there, per time; 0 where none does, inf where the slider jumps."""
+    growth_rate: float
+    """How fast the fastest growing deviation grows behind the spring of the block, per time; 0 where it is stable."""
+    growth_frequency: float
+    """Its angular frequency, per time."""
+
+
 class Sizes(NamedTuple):
     """How many events of an ensemble there were of each size: ten bins to a factor of ten, none empty."""
 

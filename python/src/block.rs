@@ -2,7 +2,7 @@
 
 use asperity::block::{self, Curve, Loading};
 use asperity::scenario::{self, Slip};
-use asperity_runner::task::first_loading;
+use asperity_runner::task::{first_loading, stability};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
@@ -12,7 +12,7 @@ use crate::description::{Description, Plain, Slider};
 use crate::law::given;
 use crate::model::Model;
 use crate::stick_slip::StickSlip;
-use crate::transport::{self, Step};
+use crate::transport::{self, Step, Transport};
 use crate::watch::watched;
 use crate::{error, values};
 
@@ -194,6 +194,36 @@ impl Block {
     #[getter]
     fn slip_fraction(slf: &Bound<'_, Self>) -> f64 {
         Self::plain(slf).slip_fraction
+    }
+
+    /// Whether steady sliding at a velocity is stable for small deviations, with the stiffness, mass and damping of this
+    /// slider: by the linear response of the contacts of its Transport to a small step.
+    ///
+    /// velocity: the velocity of the top, above 0. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    ///
+    /// Returns a Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the oscillation
+    /// that sets in there, and the `growth_rate` and `growth_frequency` of the deviation that grows fastest, 0 where it is
+    /// stable. The critical stiffness is right to some 1e-3 of the stiffness of all contacts.
+    ///
+    /// Raises ValueError for a rigid slider, one that slips by a word, contacts that are no Transport, and a velocity that is
+    /// not above 0.
+    #[pyo3(signature = (velocity, *, progress = None))]
+    fn stability<'py>(
+        slf: &Bound<'py, Self>,
+        velocity: f64,
+        progress: Option<Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        let Some(table) = Self::table(slf) else {
+            return Err(error::invalid("block.stiffness", "a finite stiffness", f64::INFINITY));
+        };
+        let model = slf.get().model.bind(py).clone();
+        let Ok(transport) = model.cast::<Transport>() else {
+            return Err(error::invalid("block.model", "a Transport, whose response is linear", "another model"));
+        };
+        let contacts = &transport.get().contacts;
+        let found = watched(progress, py, |monitor| stability(contacts, velocity, Some(&table), monitor))?;
+        values::stability(py, found)
     }
 
     /// Moves the top of the slider from X_T = 0, or imposes a force, and follows its bottom.

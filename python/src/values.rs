@@ -5,6 +5,7 @@ use asperity::law::Atom;
 use asperity::master::Stretches;
 use asperity::record::Quantity;
 use asperity_runner::summary::Place;
+use asperity_runner::task::Stability;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -19,6 +20,7 @@ static ENERGY: Import = Import::new("asperity._values", "Energy");
 static EQUILIBRIA: Import = Import::new("asperity._values", "Equilibria");
 static POTENTIAL: Import = Import::new("asperity._values", "Potential");
 static EVENTS: Import = Import::new("asperity._events", "Events");
+static STABILITY: Import = Import::new("asperity._values", "Stability");
 static SIZES: Import = Import::new("asperity._values", "Sizes");
 static COURSE: Import = Import::new("asperity._values", "Course");
 
@@ -45,6 +47,12 @@ pub fn evolution(py: Python<'_>, at: Vec<f64>, found: Vec<Stretches>) -> PyResul
     let shape = [found.len(), at.len()];
     let density = found.into_iter().flat_map(|one| one.density).collect();
     STRETCH_DENSITY.get(py)?.call1((row(py, at)?, array(py, &shape, density)?, masses))
+}
+
+/// What linear stability says of steady sliding.
+pub fn stability(py: Python<'_>, found: Stability) -> PyResult<Bound<'_, PyAny>> {
+    let Stability { critical_stiffness, frequency, growth_rate, growth_frequency } = found;
+    STABILITY.get(py)?.call1((critical_stiffness, frequency, growth_rate, growth_frequency))
 }
 
 /// What a variable of a record is.

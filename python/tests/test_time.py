@@ -158,3 +158,29 @@ def test_what_does_not_go_with_time_is_refused() -> None:
         asp.Block(transport, None, damped).drive(force_to=1.0, velocity=1.0)
     with pytest.raises(ValueError, match="steps"):
         asp.Block(transport, 1.0, damped).follow([])
+
+
+def test_steady_sliding_needs_damping_where_contacts_age() -> None:
+    transport = asp.Transport(asp.Contacts(asp.Gaussian(1.0, 0.2), ageing=asp.Logarithmic(0.02, 1.0)))
+    heavy = asp.Block(transport, 0.25, asp.Inertial(mass=1e3)).stability(1e-3)
+    assert heavy.critical_stiffness == heavy.frequency == np.inf
+    assert heavy.growth_rate > 0.0
+    assert heavy.growth_frequency > 0.0
+    damped = asp.Block(transport, 0.25, asp.Inertial(mass=1e3, damping=5.0)).stability(1e-3)
+    assert 0.0 < damped.critical_stiffness < 0.25
+    assert damped.growth_rate == damped.growth_frequency == 0.0
+    with pytest.raises(ValueError, match="velocity"):
+        asp.Block(transport, 0.25, asp.Damped(1.0)).stability(0.0)
+    with pytest.raises(ValueError, match=r"block\.slip"):
+        asp.Block(transport, 0.25).stability(1e-3)
+    with pytest.raises(ValueError, match=r"block\.model"):
+        asp.Block(asp.MasterEquation(asp.Contacts(THRESHOLDS)), 0.25, asp.Damped(1.0)).stability(1e-3)
+
+
+def test_the_closure_of_steady_sliding_knows_no_first_loading() -> None:
+    closure = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=asp.MeanField(asp.Gaussian(1.0, 0.05), 0.0025))
+    theory = asp.MasterEquation(closure, velocity=0.1)
+    assert theory.steady_state().kinetic_friction == pytest.approx(0.4831162958, abs=4e-7)
+    assert np.isnan(theory.relaxation().length)
+    with pytest.raises(ValueError, match=r"contacts\.ageing\.mean_field"):
+        theory.pull(5.0)

@@ -48,6 +48,7 @@ fn outcome(seed: u64) -> Outcome {
             friction_coefficients: None,
             steps: Vec::new(),
             limits: Vec::new(),
+            stability: None,
             hold_curve: None,
             catalogue: None,
             renormalisation: None,

@@ -347,3 +347,28 @@ fn an_ensemble_slips_beside_its_block() {
     // drives at slips scatter by some N^(-2/3)
     near(first(sliding.ensemble.as_ref().unwrap()), first(&sliding), 4.0 * 300.0_f64.powf(-2.0 / 3.0));
 }
+
+#[test]
+fn a_block_beside_a_velocity_curve_tells_its_stability() {
+    let text = |damping: &str| {
+        format!(
+            "{GROWING} velocity_curve = {{ from = 1e-3, to = 1e-2, points = 2, stability = true }}
+             block = {{ stiffness = 0.2, slip.inertial = {{ mass = 1e3{damping} }} }}"
+        )
+    };
+    let [free, damped] = ["", ", damping = 20.0"].map(|damping| run(&text(damping)));
+    let column = |outcome: &Outcome, name: &str| outcome.record.values(name).unwrap().to_vec();
+    assert_eq!(column(&free, "critical_stiffness_sliding"), [f64::INFINITY; 2]);
+    assert!(column(&free, "growth_rate").iter().all(|rate| *rate > 0.0));
+    let told = free.summary.stability.unwrap();
+    assert_eq!((told.velocities, told.unstable), (2, Some(2)));
+    assert_eq!(told.critical_stiffness_sliding.0, f64::INFINITY);
+    // Damping of more than −dF_k/dv, which is about βF_k/v.
+    assert_eq!(column(&damped, "growth_rate"), [0.0; 2]);
+    assert_eq!(damped.summary.stability.unwrap().unstable, Some(0));
+    let (_base, dir) = folder();
+    output::write(&dir, &free, &[]).unwrap();
+    let table = std::fs::read_to_string(dir.join("velocity_curve.csv")).unwrap();
+    let header = "velocity,kinetic_friction,critical_stiffness,critical_stiffness_sliding,growth_rate,growth_frequency";
+    assert_eq!(table.lines().next(), Some(header));
+}

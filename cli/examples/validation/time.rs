@@ -175,7 +175,7 @@ one contact and has no ensemble. ± is one standard error.
         }
     }
     page.end();
-    let caption = "Kinetic friction against velocity: master equation (lines) and ensembles (dots). Heat makes fast sliding strong, age makes it weak; thresholds that fluctuate lose again where sliding is slow.";
+    let caption = "Kinetic friction against velocity: master equation (lines) and ensembles (dots). Of thresholds as narrow as these, heat makes fast sliding strong and age makes it weak; thresholds that fluctuate lose again where sliding is slow.";
     page.picture("velocity", caption, &picture(drawn, quick));
 }
 

@@ -54,6 +54,7 @@ fn outcome() -> Outcome {
         friction_coefficients: None,
         steps: Vec::new(),
         limits: Vec::new(),
+        stability: None,
         hold_curve: None,
         catalogue: None,
         renormalisation: None,

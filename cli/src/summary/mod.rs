@@ -63,7 +63,7 @@ fn rubbed(summary: &Summary, friction: &Friction) -> Vec<(&'static str, String)>
     let length = value(friction.relaxation_length.0, Quantity::Length);
     let critical = match friction.critical_stiffness.0 {
         never if never <= 0.0 => {
-            "none: the force never falls, and a slider of any stiffness is stable".into()
+            "none: the force of this pull never falls".into()
         }
         stiffness => format!("K_c = {}", value(stiffness, Quantity::Stiffness)),
     };

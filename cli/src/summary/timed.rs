@@ -1,7 +1,7 @@
 //! Steps, curves against velocity and hold time, and their reading by rate and state, for people.
 
 use asperity::record::Quantity;
-use asperity_runner::summary::{CurveLimits, HoldCurve, RateState, Step, Summary};
+use asperity_runner::summary::{CurveLimits, HoldCurve, RateState, Stability, Step, Summary};
 
 use super::{digits, fitted, with_unit};
 
@@ -11,6 +11,7 @@ const LISTED: usize = 12;
 /// Lines as those of the rest of the summary.
 pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
     let mut lines: Vec<_> = summary.limits.iter().flat_map(|limits| ends(summary, limits)).collect();
+    lines.extend(summary.stability.iter().map(|found| ("steady sliding", stable(summary, found))));
     for step in summary.steps.iter().take(LISTED) {
         lines.push(("step", told(summary, step)));
         lines.extend(step.rate_state.iter().map(|read| ("  rate and state", read_as(summary, read))));
@@ -41,6 +42,23 @@ fn ends(summary: &Summary, limits: &CurveLimits) -> Vec<(&'static str, String)> 
         ("slow sliding", format!("F_k → {}·v{at}", value(summary, viscosity, Quantity::Number)))
     }));
     lines
+}
+
+/// For small deviations, without mass and damping or with those of the block.
+fn stable(summary: &Summary, found: &Stability) -> String {
+    let stiffness = found.critical_stiffness_sliding.0;
+    let who = match found.unstable {
+        None => "of a slider without mass and damping".to_owned(),
+        Some(0) => "of this block, stable at all velocities".to_owned(),
+        Some(unstable) => format!("of this block, unstable at {unstable} of {} velocities", found.velocities),
+    };
+    match stiffness {
+        _ if stiffness <= 0.0 => format!("{who}: stable behind any spring"),
+        _ if stiffness.is_finite() => {
+            format!("{who}: stable behind K > {}", value(summary, stiffness, Quantity::Stiffness))
+        }
+        _ => format!("{who}: stable behind no spring, however stiff"),
+    }
 }
 
 fn told(summary: &Summary, step: &Step) -> String {

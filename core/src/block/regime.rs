@@ -54,6 +54,8 @@ pub enum Missing {
     Constancy,
     /// No slip for a while, but not for long.
     Silence,
+    /// No slip, but swings of the slider that still grow.
+    Calm,
 }
 
 /// Sliding is smooth after this many times the longest way between two slips, or the largest mean stretch of the
@@ -122,6 +124,36 @@ pub(super) fn tell(events: &[Jump], start: Point, last: Point, stretch: f64, end
     if steady(tail) { persistent(slips, tail) } else { undecided(Missing::Constancy) }
 }
 
+/// A velocity of the slider that is higher than those before and after it, in units of that of the drive, and where.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Swing {
+    pub position: f64,
+    pub velocity: f64,
+}
+
+/// The regime of a motion in time: not smooth where the last swings grow, one after the other, and go farther than `seen`.
+pub(super) fn calm(regime: Regime, swings: &[Swing], seen: f64) -> Regime {
+    /// Swings looked at: noise makes so many rise in a row once in 120.
+    const LAST: usize = 5;
+    /// Least growth from the first to the last of them.
+    const GROWTH: f64 = 1.01;
+    let slips = match regime {
+        Regime::Smooth { .. } => 0,
+        Regime::Transient { slips, .. } => slips,
+        other => return other,
+    };
+    let Some([first, .., before, last]) = swings.len().checked_sub(LAST).map(|from| &swings[from..]) else {
+        return regime;
+    };
+    let excess = |swing: &Swing| swing.velocity - 1.0;
+    let grow = swings[swings.len() - LAST..].windows(2).all(|pair| pair[1].velocity > pair[0].velocity);
+    let way = excess(last) * (last.position - before.position) / std::f64::consts::TAU;
+    if grow && excess(last) > GROWTH * excess(first) && way > seen {
+        return Regime::Undecided { slips, missing: Missing::Calm };
+    }
+    regime
+}
+
 /// The longest way in balance before a slip.
 fn longest_stick(events: &[Jump], start: Point) -> f64 {
     let rests = std::iter::once(start.position).chain(events.iter().map(|e| e.after.position));
@@ -174,6 +206,7 @@ impl std::fmt::Display for Regime {
                     Missing::Slips => "too few slips to see whether they go on",
                     Missing::Constancy => "the slips still change in size",
                     Missing::Silence => "no slip for a while, but not long enough to call it smooth",
+                    Missing::Calm => "no slip, but the slider swings about its drive, ever more",
                 };
                 write!(f, "undecided after {}, the drive is too short: {why}", counted(slips))
             }

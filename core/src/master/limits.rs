@@ -78,48 +78,107 @@ fn viscosity(contacts: &Contacts) -> Option<f64> {
     viscosity.is_finite().then_some(viscosity)
 }
 
-/// Kinetic friction of slow creep, well below its threshold but far from viscous flow, a force:
-/// F_k ≈ ½N_c⟨k x_b²⟩/(⟨x_b⟩ + vτ), where a contact breaks typically at the x_b at which its rate of breaking per advance
-/// ahead has grown to T w(x_b)/(v |∂ΔE/∂x|) = e^{−γ}, γ = 0.577… (Euler's constant).
+/// Kinetic friction of slow creep, well below the athermal one but far from viscous flow, a force.
 ///
-/// `None` for contacts that age or re-form stretched, and at velocities for which no such x_b lies below the mean threshold.
+/// With g = −ΔE/T a contact of one threshold has met, up to the stretch x, the integrated rate A(x) = (w/v g')(1 + g''/g'² + …).
+/// It breaks where that reaches a number drawn from the exponential distribution, whose logarithm has the mean −γ, γ = 0.577…
+/// (Euler's constant), and the variance π²/6. Around the x_b at which w/(v g') = e^{−γ} follow
+///
+/// ⟨x⟩ = x_b − (1 + π²/12) g''/g'³, ⟨x²⟩ = ⟨x⟩² + π²/(6 g'²), F_k ≈ ½N_c⟨k⟨x²⟩⟩/(⟨⟨x⟩⟩ + vτ),
+///
+/// outer means being those over thresholds. The next terms are smaller by 1/(x_b g') and by T/ΔE(x_b): of identical thresholds
+/// F_k is right to 1 % where `creep` gives it, x_b g' ≥ 6 and ΔE(x_b) ≥ 2T, and nearly always to 0.3 %.
+///
+/// `None` for contacts that age or re-form stretched, and at velocities at which contacts of the mean threshold do not break so.
 pub fn creep(contacts: &Contacts, velocity: f64) -> Option<f64> {
     let temperature = simple(contacts)?;
     let law = contacts.thresholds.as_ref();
-    let place = |h: f64| breaking_stretch(temperature, h, own(contacts.stiffness, h), velocity);
-    let typical = place(law.mean());
-    if typical <= 0.0 || typical >= law.mean() {
+    let thermal = |h: f64| Thermal::new(temperature, h, own(contacts.stiffness, h), velocity);
+    if !thermal(law.mean()).creeps() {
         return None;
     }
-    let square = ln_average(law, |h| own(contacts.stiffness, h).ln() + 2.0 * place(h).ln())?.exp();
-    let mean = ln_average(law, |h| place(h).ln())?.exp();
+    let moment = |power: i32| {
+        let of = |h: f64| {
+            let (first, second) = thermal(h).breaking_stretch();
+            if power == 1 { first.ln() } else { own(contacts.stiffness, h).ln() + second.ln() }
+        };
+        ln_average(law, of).map(f64::exp)
+    };
+    let (square, mean) = (moment(2)?, moment(1)?);
     Some(0.5 * contacts.count * square / (mean + velocity * contacts.rules.delay))
 }
 
-/// The stretch x_b at which a contact typically breaks in slow creep: 0 where it flows, its threshold where heat comes late.
-fn breaking_stretch(temperature: &Temperature, threshold: f64, stiffness: f64, velocity: f64) -> f64 {
-    /// e^{−γ}.
-    const TYPICAL: f64 = 0.561_459_483_566_885_2;
-    let whole = 0.5 * stiffness * threshold * threshold;
-    // −∂(ΔE/E₀)/∂y at y = x/x_s
-    let steepness = |y: f64| match temperature.barrier {
-        Barrier::Elastic => 2.0 * y,
-        Barrier::Bell => 1.0,
-        Barrier::Catastrophe => 1.5 * (1.0 - y).sqrt(),
-    };
-    let ahead = |y: f64| {
-        let rate = temperature.rate(y * threshold, threshold, stiffness);
-        rate * temperature.energy * threshold / (velocity * whole * steepness(y))
-    };
-    let excess = |y: f64| (ahead(y) / TYPICAL).ln();
-    // Up to here the barrier has fallen by less than T: the rate is still that at rest.
-    let least = temperature.energy / whole;
-    let first = if temperature.barrier == Barrier::Elastic { (0.5 * least).sqrt() } else { least };
-    let last = 1.0 - 1e-6;
-    if first >= last || excess(first) >= 0.0 {
-        return 0.0;
+/// Contacts of one threshold that heat breaks while the slider moves at a velocity.
+struct Thermal {
+    barrier: Barrier,
+    threshold: f64,
+    /// E₀/T.
+    height: f64,
+    /// ln(ωx_s/v).
+    attempts: f64,
+}
+
+impl Thermal {
+    fn new(temperature: &Temperature, threshold: f64, stiffness: f64, velocity: f64) -> Self {
+        let height = 0.5 * stiffness * threshold * threshold / temperature.energy;
+        let attempts = (temperature.attempt_rate * threshold / velocity).ln();
+        Self { barrier: temperature.barrier, threshold, height, attempts }
     }
-    brent_root(excess, first, last, 1e-12).map_or(threshold, |y| y * threshold)
+
+    /// ΔE/T at y = x/x_s, the first derivative of −ΔE/T by y and the second.
+    fn barrier(&self, y: f64) -> [f64; 3] {
+        let left = (1.0 - y).sqrt();
+        let of_height = match self.barrier {
+            Barrier::Elastic => [1.0 - y * y, 2.0 * y, 2.0],
+            Barrier::Bell => [1.0 - y, 1.0, 0.0],
+            Barrier::Catastrophe => [left.powi(3), 1.5 * left, -0.75 / left],
+        };
+        of_height.map(|part| self.height * part)
+    }
+
+    /// x_b/x_s: 0 where contacts flow, 1 where heat comes too late.
+    fn typical(&self) -> f64 {
+        /// γ.
+        const EULER: f64 = 0.577_215_664_901_532_9;
+        let excess = |y: f64| {
+            let [left, steepness, _] = self.barrier(y);
+            self.attempts - left - steepness.ln() + EULER
+        };
+        // Up to here the barrier has fallen by less than T, or by half of it: the rate is still that at rest.
+        let least = 1.0 / self.height;
+        let first = if self.barrier == Barrier::Elastic { (0.5 * least).sqrt() } else { least };
+        let last = 1.0 - 1e-6;
+        if first >= last || excess(first) >= 0.0 {
+            return 0.0;
+        }
+        brent_root(excess, first, last, 1e-12).unwrap_or(1.0)
+    }
+
+    /// Whether contacts break by heat alone, and after they have stretched well.
+    fn creeps(&self) -> bool {
+        /// Least x_b g' …
+        const STRETCHED: f64 = 6.0;
+        /// … and ΔE(x_b)/T.
+        const LEFT: f64 = 2.0;
+        let y = self.typical();
+        let [left, steepness, _] = self.barrier(y);
+        y * steepness >= STRETCHED && left >= LEFT
+    }
+
+    /// ⟨x⟩ and ⟨x²⟩ of the stretches at which contacts break.
+    fn breaking_stretch(&self) -> (f64, f64) {
+        /// π²/6, the variance of the logarithm of what is drawn from the exponential distribution.
+        const SCATTER: f64 = std::f64::consts::PI * std::f64::consts::PI / 6.0;
+        let y = self.typical();
+        if y == 0.0 || y == 1.0 {
+            return (y * self.threshold, (y * self.threshold).powi(2));
+        }
+        let [_, steepness, bend] = self.barrier(y);
+        // Where the barrier is nearly gone the threshold limits the stretch, not the expansion.
+        let mean = (y - bend / steepness.powi(3) * (1.0 + 0.5 * SCATTER)).clamp(0.0, 1.0);
+        let square = (mean * mean + SCATTER / (steepness * steepness)).min(1.0);
+        (mean * self.threshold, square * self.threshold * self.threshold)
+    }
 }
 
 /// What is e^−45 of the largest integrand counts no more.

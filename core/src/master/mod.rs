@@ -23,12 +23,12 @@ pub use steady::SteadyState;
 pub use stepping::{Stepping, Variant};
 pub use stock::Stock;
 pub use tolerance::Tolerance;
-pub use transport::{StepResponse, Trace, Transport};
+pub use transport::{Slider, StepResponse, Trace, Transport};
 
 use std::sync::Arc;
 
 use crate::clocked::Portion;
-use crate::contacts::{Contacts, Initial, Start, Stiffness};
+use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
 use crate::law::{Atom, SharedLaw};
 use crate::life::{Life, athermal, cells_of, moving};
 use crate::monitor::Monitor;
@@ -144,6 +144,15 @@ impl MasterEquation {
         &self.first
     }
 
+    /// Refuses the closure of steady sliding where sliding is not steady.
+    fn has_transients(&self) -> Result<()> {
+        if !matches!(self.contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
+            return Ok(());
+        }
+        let expected = "a rule for one contact where sliding is not steady: mean_field is the closure of steady sliding";
+        Err(Error::invalid("contacts.ageing.mean_field", expected, "a pull from a start"))
+    }
+
     /// Total force per unit of the carried force of a life: N_c⟨k⟩, or N_c κ.
     fn stiffness(&self) -> f64 {
         let (Stiffness::Equal(per_contact) | Stiffness::PerThreshold(per_contact)) = self.contacts.stiffness;
@@ -155,7 +164,7 @@ impl MasterEquation {
         SteadyState::new(self.reborn.clone(), self.stiffness())
     }
 
-    /// The relaxation spectrum.
+    /// The relaxation spectrum; of `ageing.mean_field`, which closes steady sliding alone, it is not known.
     pub fn relaxation(&self) -> Relaxation {
         Relaxation::new(&self.contacts, &self.first, &self.reborn, self.stiffness())
     }
@@ -164,8 +173,8 @@ impl MasterEquation {
     /// threshold. The solution reaches at least three mean lives, so that K_c is found however short the pull.
     ///
     /// # Errors
-    /// A distance that is not above 0 or a tolerance outside [1e-12, 1e-2]; stopped by the monitor; too many point
-    /// masses; accuracy not reached.
+    /// A distance that is not above 0 or a tolerance outside [1e-12, 1e-2]; `ageing.mean_field`, which says nothing of sliding
+    /// that is not steady; stopped by the monitor; too many point masses; accuracy not reached.
     pub fn pull(
         &self,
         distance: f64,
@@ -177,6 +186,7 @@ impl MasterEquation {
         }
         let tolerance = tolerance.into();
         tolerance.check()?;
+        self.has_transients()?;
         let end = distance.max(3.0 * self.reborn.mean());
         let leg = Leg::solve(&self.first, &self.reborn, end, tolerance, monitor)?;
         Ok(Pull::new(leg, self.stiffness(), distance, tolerance.value()))

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_4;
 
 use num_complex::Complex64;
 
-use crate::contacts::Contacts;
+use crate::contacts::{Ageing, Contacts};
 use crate::life::{Continuation, Life};
 
 /// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1 and
@@ -59,6 +59,10 @@ fn paper_estimate(contacts: &Contacts, reborn: &Life) -> f64 {
 
 impl Relaxation {
     pub(super) fn new(contacts: &Contacts, first: &Life, reborn: &Life, stiffness: f64) -> Self {
+        let kinetic_friction = stiffness * reborn.force().curve().integral() / reborn.mean();
+        if matches!(contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
+            return Self::unknown(kinetic_friction);
+        }
         let transform = Transform::new(contacts, reborn);
         let roots = transform.roots();
         let law = &contacts.thresholds;
@@ -77,13 +81,20 @@ impl Relaxation {
             terms: terms.into_iter().map(|t| Term { amplitude: stiffness * t.amplitude, ..t }).collect(),
             length: 1.0 / slowest,
             paper_estimate: paper_estimate(contacts, reborn),
-            kinetic_friction: stiffness * reborn.force().curve().integral() / reborn.mean(),
+            kinetic_friction,
             valid_from,
         }
     }
 
-    /// Relaxation length X*, infinite where the force never settles; NaN where no root is found, or where a tail that was
-    /// cut off may rule ([`crate::law::Law::known_rate`]).
+    /// Of a closure that knows steady sliding alone.
+    fn unknown(kinetic_friction: f64) -> Self {
+        let (roots, terms) = (Vec::new(), Vec::new());
+        let [length, paper_estimate] = [f64::NAN; 2];
+        Self { roots, terms, length, paper_estimate, kinetic_friction, valid_from: f64::INFINITY }
+    }
+
+    /// Relaxation length X*, infinite where the force never settles; NaN where no root is found, where a tail that was
+    /// cut off may rule ([`crate::law::Law::known_rate`]), and for `ageing.mean_field`.
     pub fn length(&self) -> f64 {
         self.length
     }

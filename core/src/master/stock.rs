@@ -47,10 +47,11 @@ impl MasterEquation {
     /// What breaks at once in a relaxed start has broken before. Contacts at a velocity can be moved forward, and reset.
     ///
     /// # Errors
-    /// A tolerance outside [1e-12, 1e-2]; too many point masses; accuracy not reached.
+    /// A tolerance outside [1e-12, 1e-2]; `ageing.mean_field`; too many point masses; accuracy not reached.
     pub fn population(&self, tolerance: impl Into<Tolerance>) -> Result<Stock> {
         let tolerance = tolerance.into();
         tolerance.check()?;
+        self.has_transients()?;
         let interface = Interface::of(self, tolerance);
         let course = interface.first(self)?;
         Ok(Stock {

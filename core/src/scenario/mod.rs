@@ -140,10 +140,13 @@ impl Scenario {
             }
             (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),
             (Task::Protocol(_), Some(block)) => block.in_time(true).and_then(|_| self.check_alone()),
+            (Task::VelocityCurve(VelocityCurve { stability: true, .. }), Some(block)) => {
+                block.in_time(true).map(drop)
+            }
             (_, None) => Ok(()),
             (task, Some(_)) => {
                 let found = format!("one with [{}]", task.name());
-                Err(Error::invalid("block", "a block only with the tasks [drive] and [[protocol]]", found))
+                Err(Error::invalid("block", "a block only with the tasks [drive] and [[protocol]], and with velocity_curve.stability = true", found))
             }
         }
     }

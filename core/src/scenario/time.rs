@@ -40,8 +40,8 @@ impl Scenario {
     /// Refuses what a closure for steady sliding has no answer to.
     fn steady_alone(&self, task: Task<'_>) -> Result<()> {
         let key = "contacts.ageing.mean_field";
-        if !matches!(task, Task::Pull(_) | Task::VelocityCurve(_)) {
-            let expected = "an ageing with a rule for each contact where the velocity varies (smoluchowski, frozen_rank or logarithmic)";
+        if !matches!(task, Task::VelocityCurve(_)) {
+            let expected = "an ageing with a rule for each contact where sliding is not steady (smoluchowski, frozen_rank or logarithmic)";
             return Err(Error::invalid(key, expected, format!("a steady closure with [{}]", task.name())));
         }
         if let Task::VelocityCurve(VelocityCurve { stability: true, .. }) = task {

@@ -20,7 +20,8 @@ pub struct VelocityCurve {
     /// Temperatures T for each of which a curve is computed, instead of the one energy of `contacts.temperature`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub temperatures: Vec<f64>,
-    /// Whether the critical stiffnesses at each velocity are computed, too, which takes about a second each.
+    /// Whether the critical stiffnesses at each velocity are computed, too, which takes about a second each; with a block, those
+    /// for its mass and damping, and how fast small deviations from steady sliding grow behind its stiffness.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     #[schemars(extend("default" = false))]
     pub stability: bool,

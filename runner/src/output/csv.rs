@@ -24,12 +24,14 @@ const SLIP: [&str; 11] = [
 ];
 
 /// Names of the columns of a curve against velocity.
-const CURVE: [&str; 5] = [
+const CURVE: [&str; 7] = [
     "kinetic_friction",
     "ensemble_force",
     "ensemble_error",
     "critical_stiffness",
     "critical_stiffness_sliding",
+    "growth_rate",
+    "growth_frequency",
 ];
 
 /// Names of the columns of events of an interface, as far as they are known.

@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub use catalogue::{Catalogue, Largest, PowerLaw};
 pub use renormalisation::{Compared, Renormalisation, Size};
-pub use time::{CurveLimits, Fitted, HoldCurve, Peak, RateState, Step};
+pub use time::{CurveLimits, Fitted, HoldCurve, Peak, RateState, Stability, Step};
 
 /// The numbers of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,6 +43,9 @@ pub struct Summary {
     /// What the curves against velocity tend to.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub limits: Vec<CurveLimits>,
+    /// Whether steady sliding is stable, at all velocities of the curves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stability: Option<Stability>,
     /// What the curve against hold time says.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_curve: Option<HoldCurve>,

@@ -4,6 +4,8 @@ use asperity::master::Limits;
 use asperity::rate_state::{Healing, VelocityStep};
 use serde::{Deserialize, Serialize};
 
+use super::Extended;
+
 /// A step of a protocol.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Step {
@@ -83,6 +85,18 @@ pub struct CurveLimits {
     /// F_k/v as v → 0, of thermal contacts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
+}
+
+/// Whether steady sliding is stable at the velocities of a curve, or of several.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Stability {
+    /// The largest K_c(v), of a slider without mass and damping or of the block; 0 where every spring is stiff enough.
+    pub critical_stiffness_sliding: Extended,
+    /// Number of velocities.
+    pub velocities: usize,
+    /// At how many of them deviations grow behind the block; absent where there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unstable: Option<usize>,
 }
 
 /// What a hold curve says.

@@ -13,6 +13,7 @@ mod pull;
 mod renormalisation;
 mod settling;
 pub mod sliding;
+mod stability;
 mod velocity_curve;
 
 use asperity::Result;
@@ -33,6 +34,7 @@ pub use grid::Grid;
 pub use in_time::tolerance_over;
 pub use interface::cells_in_time;
 pub use pull::along_the_pull;
+pub use stability::{Stability, stability};
 
 /// Computes `scenario`.
 ///
@@ -131,6 +133,7 @@ impl Setting<'_> {
             sliding: None,
             steps: Vec::new(),
             limits: Vec::new(),
+            stability: None,
             hold_curve: None,
             renormalisation: None,
             catalogue: None,

@@ -2,7 +2,7 @@
 
 use asperity::contacts::{Contacts, Rules, Temperature};
 use asperity::history::{History, Piece};
-use asperity::master::{Limits, MasterEquation, Transport, creep};
+use asperity::master::{Limits, MasterEquation, creep};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::{Result, scenario};
@@ -10,12 +10,9 @@ use asperity::{Result, scenario};
 use super::Setting;
 use super::part::{self, Part};
 use super::settling::Steady;
-use crate::summary::{CurveLimits, Summary};
+use super::stability::stability;
+use crate::summary::{CurveLimits, Extended, Stability, Summary};
 
-/// Mean lives of a contact for which the response of steady sliding is followed.
-const LIVES: f64 = 30.0;
-/// Tolerance of that response, with which K_c is right to some 1e-3 of the stiffness of the contacts.
-const RESPONSE: f64 = 1e-5;
 /// Share of the work that the master equation is, beside an ensemble.
 const MASTER: f64 = 0.2;
 
@@ -64,20 +61,24 @@ pub fn run(
         record.push("temperature", "temperature T, an energy", Quantity::Energy, &["temperature"], energies);
     }
     let mut known = |name, words, quantity, values: Vec<f64>| {
-        if values.iter().any(|v| v.is_finite()) {
+        if values.iter().any(|v| !v.is_nan()) {
             record.push(name, words, quantity, along, values);
         }
     };
+    let stability = critical.told();
     let words = ["critical stiffness of a pull from the start", "critical stiffness of steady sliding"];
     known("critical_stiffness", words[0], Quantity::Stiffness, critical.pulled);
     known("critical_stiffness_sliding", words[1], Quantity::Stiffness, critical.sliding);
+    let words = ["rate at which deviations from steady sliding grow", "angular frequency at which they grow"];
+    known("growth_rate", words[0], Quantity::PerTime, critical.rate);
+    known("growth_frequency", words[1], Quantity::PerTime, critical.frequency);
     let mut add = |name, words, values| known(name, words, Quantity::Force, values);
     add("kinetic_friction", "friction force of steady sliding", friction);
     add("ensemble_force", "friction force of the ensemble in steady sliding", force);
     add("ensemble_error", "its standard error", error);
     add("creep_friction", "friction force by the law of slow creep, where it holds", slow.creep);
     add("viscous_friction", "friction force of viscous flow, the limit of low velocities", slow.viscous);
-    Ok((Summary { limits, ..setting.heading() }, record))
+    Ok((Summary { limits, stability, ..setting.heading() }, record))
 }
 
 /// The contacts of each curve, with the temperature by which it is known.
@@ -99,8 +100,12 @@ fn curves(setting: &Setting<'_>, task: &scenario::VelocityCurve) -> Vec<(Option<
 struct Critical {
     /// −min F' of a pull from the start.
     pulled: Vec<f64>,
-    /// That of steady sliding, by its linear response; 0 where every slider slides steadily.
+    /// That of steady sliding, by its linear response; 0 where every slider slides steadily, infinite where none does.
     sliding: Vec<f64>,
+    /// How fast deviations from steady sliding grow behind a block, if there is one; 0 where they die out.
+    rate: Vec<f64>,
+    /// Their angular frequency.
+    frequency: Vec<f64>,
 }
 
 impl Critical {
@@ -111,8 +116,9 @@ impl Critical {
         velocity: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
-        if let (false, Some(&pulled), Some(&sliding)) =
-            (contacts.rules.know_time(), self.pulled.last(), self.sliding.last())
+        let block = setting.scenario.block.as_ref();
+        if let (false, None, Some(&pulled), Some(&sliding)) =
+            (contacts.rules.know_time(), block, self.pulled.last(), self.sliding.last())
         {
             // The same at all velocities.
             self.pulled.push(pulled);
@@ -124,10 +130,24 @@ impl Critical {
         let pull =
             equation.pull(super::first_loading(contacts), tolerance, &mut Part::new(monitor, 0.0, 0.1))?;
         self.pulled.push(pull.critical_stiffness());
-        let part = &mut Part::new(monitor, 0.1, 0.9);
-        let response = Transport::step_response(contacts, velocity, LIVES, RESPONSE, part)?;
-        self.sliding.push(response.critical_stiffness().map_or(0.0, |(stiffness, _)| stiffness));
+        let found = stability(contacts, velocity, block, &mut Part::new(monitor, 0.1, 0.9))?;
+        self.sliding.push(found.critical_stiffness);
+        if block.is_some() {
+            self.rate.push(found.growth_rate);
+            self.frequency.push(found.growth_frequency);
+        }
         Ok(())
+    }
+
+    /// What is told of all velocities together; nothing where it was not asked for.
+    fn told(&self) -> Option<Stability> {
+        let largest = self.sliding.iter().copied().reduce(f64::max)?;
+        let unstable = self.rate.iter().filter(|rate| **rate > 0.0).count();
+        Some(Stability {
+            critical_stiffness_sliding: Extended(largest),
+            velocities: self.sliding.len(),
+            unstable: (!self.rate.is_empty()).then_some(unstable),
+        })
     }
 }
 

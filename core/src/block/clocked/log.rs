@@ -1,7 +1,7 @@
 //! What is kept of a slider's motion in time: moments, slips, and where the work of the drive went.
 
 use super::stage::{Dynamics, Pulled, State};
-use crate::block::regime::{self, Jump};
+use crate::block::regime::{self, Jump, Swing};
 use crate::block::run::End;
 use crate::block::{Energy, Point, Regime};
 use crate::clocked::Clocked;
@@ -71,6 +71,14 @@ pub(super) struct Log {
     fraction: f64,
     start: Moment,
     last: Moment,
+    /// Time and velocity of the moment before that.
+    earlier: (f64, f64),
+    /// Whether the slider was becoming faster.
+    rising: bool,
+    /// Since it last slipped, or the drive changed.
+    swings: Vec<Swing>,
+    /// How far a step may be off.
+    tolerance: f64,
     /// The velocity of the drive, when it last moved or, before, will first move.
     pulled: f64,
     open: Option<Open>,
@@ -132,11 +140,24 @@ impl Moment {
         }
     }
 
+    /// Time and velocity.
+    fn time_and_velocity(&self) -> (f64, f64) {
+        (self.time, self.velocity)
+    }
+
     /// The same without time.
     pub fn point(&self) -> Point {
         let &Self { drive, position, force, spring_force, .. } = self;
         Point { drive, position, force, spring_force }
     }
+}
+
+/// The highest value of the parabola through three points, of which the middle one is the highest.
+fn top([(t0, v0), (t1, v1), (t2, v2)]: [(f64, f64); 3]) -> f64 {
+    let (before, after) = ((v1 - v0) / (t1 - t0), (v2 - v1) / (t2 - t1));
+    let bend = (after - before) / (t2 - t0);
+    let slope = before + bend * (t1 - t0);
+    if bend < 0.0 { v1 - 0.25 * slope * slope / bend } else { v1 }
 }
 
 impl TimedSlip {
@@ -156,13 +177,17 @@ impl TimedSlip {
 }
 
 impl Log {
-    pub fn new(start: Moment, pulled: f64, contacts: &dyn Clocked, fraction: f64) -> Self {
+    pub fn new(start: Moment, pulled: f64, contacts: &dyn Clocked, fraction: f64, tolerance: f64) -> Self {
         Self {
             trace: Vec::new(),
             slips: Vec::new(),
             fraction,
             start,
             last: start,
+            earlier: start.time_and_velocity(),
+            rising: false,
+            swings: Vec::new(),
+            tolerance,
             pulled,
             open: None,
             most: (start.force.abs(), contacts.tangent()),
@@ -174,6 +199,7 @@ impl Log {
         if velocity > 0.0 {
             self.pulled = velocity;
         }
+        self.swings.clear();
     }
 
     /// A moment asked for.
@@ -200,12 +226,21 @@ impl Log {
                 self.end(moment, fast, contacts.position());
             }
         }
+        let rising = moment.velocity > self.last.velocity;
+        if self.rising && !rising {
+            let velocity =
+                top([self.earlier, self.last.time_and_velocity(), moment.time_and_velocity()]) / self.pulled;
+            self.swings.push(Swing { position: self.last.position, velocity });
+        }
+        self.rising = rising;
+        self.earlier = self.last.time_and_velocity();
         self.last = moment;
     }
 
     /// The open slip has ended in the step to a moment, the contacts having come to `turn`.
     fn end(&mut self, moment: Moment, fast: f64, turn: f64) {
         let Some(open) = self.open.take() else { return };
+        self.swings.clear();
         let arrested = moment.position < turn;
         let slows = self.last.velocity > fast && !arrested;
         let after = if slows { self.last.until(&moment, fast) } else { moment };
@@ -225,9 +260,14 @@ impl Log {
     }
 
     pub fn close(self) -> Slide {
-        let Self { trace, slips, start, last, most, .. } = self;
+        /// Tolerances that a swing must go beyond to be seen.
+        const SEEN: f64 = 10.0;
+        let Self { trace, slips, start, last, most, fraction, swings, tolerance, .. } = self;
         let jumps: Vec<Jump> = slips.iter().map(TimedSlip::jump).collect();
-        let regime = regime::tell(&jumps, start.point(), last.point(), most.0 / most.1, End::Reached);
+        let told = regime::tell(&jumps, start.point(), last.point(), most.0 / most.1, End::Reached);
+        // Of few contacts breaks make swings, by chance.
+        let seen = if fraction > 0.0 { f64::INFINITY } else { SEEN * tolerance };
+        let regime = regime::calm(told, &swings, seen);
         Slide { trace, slips, energy: last.energy - start.energy, regime }
     }
 }

@@ -134,7 +134,7 @@ impl Rider {
         let at = Pulled { drive, velocity: 0.0 };
         let spent = Energy::default();
         let start = Moment::of(&dynamics, &state, at, 0.0, spent);
-        let log = Log::new(start, pulled, state.contacts.as_ref(), fraction);
+        let log = Log::new(start, pulled, state.contacts.as_ref(), fraction, dynamics.tolerance);
         Self { dynamics, state, pulled: at, time: 0.0, pace: f64::INFINITY, steps: 0, spent, log }
     }
 

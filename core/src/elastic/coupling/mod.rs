@@ -79,7 +79,9 @@ pub fn neighbours(shape: Shape, edges: Edges, stiffness: f64) -> Result<Box<dyn 
     Ok(Box::new(Neighbours::new(shape, edges, stiffness)?))
 }
 
-/// A half-space of effective shear modulus G* under square cells of side `cell`.
+/// A half-space of effective shear modulus G* under square cells of side `cell`: G* is the shear modulus G for Poisson's ratio
+/// ν = 0, and G/(1 − ν) on a chain along the direction of sliding. On a lattice with ν > 0 waves along that direction are stiffer
+/// than waves across it by 1/(1 − ν), which no G* says.
 ///
 /// # Errors
 /// What [`HalfSpace::new`] refuses.

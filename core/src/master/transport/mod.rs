@@ -19,6 +19,7 @@ mod path;
 mod ranked;
 mod response;
 mod seeds;
+mod stability;
 mod state;
 mod steady;
 mod trial;
@@ -40,6 +41,7 @@ use path::Path;
 use ranked::Ranks;
 pub use response::StepResponse;
 use seeds::{Seed, seeds};
+pub use stability::Slider;
 use trial::Stage;
 
 /// Contacts under a slider whose velocity varies.

@@ -1,13 +1,11 @@
-//! How steady sliding answers to a small step: linear response, and the stiffness below which it is unstable.
+//! How steady sliding answers to a small step: linear response, and the complex dynamic stiffness of the contacts.
 //!
-//! A slider that slides at v behind a spring K, K(X_T − X) = F, is displaced by δX e^{iωt} from steady sliding. With the
-//! response r(t) of F, per length, to a small step of X at t = 0, its force changes by F̂(iω) δX e^{iωt},
+//! Contacts slide steadily at v. With the response r(t) of F, per length, to a small step of X at t = 0, a displacement δX e^{st}
+//! of the slider changes the force by F̂(s) δX e^{st},
 //!
-//! F̂(iω) = iω ∫₀^∞ r e^{−iωt} dt = r(0) + ∫₀^∞ r' e^{−iωt} dt,
+//! F̂(s) = s ∫₀^∞ r e^{−st} dt = r(0) + ∫₀^∞ r' e^{−st} dt.
 //!
-//! and steady sliding is neutral where K + F̂(iω) = 0: it is stable for K > K_c(v) = max −Re F̂(iω) over the ω at which
-//! Im F̂ = 0, the limit −r(0) at ω → ∞ among them: there a step lowers the force by more than it relaxes the spring. At small
-//! ω, F̂ ≈ iω ∫r dt = iω dF_k/dv.
+//! F̂(iω) is the complex dynamic stiffness at the angular frequency ω. At small ω, F̂ ≈ iω ∫r dt = iω dF_k/dv.
 
 use num_complex::Complex64;
 
@@ -16,7 +14,6 @@ use crate::Result;
 use crate::contacts::Contacts;
 use crate::history::{History, Piece};
 use crate::monitor::Monitor;
-use crate::numerics::roots::brent_root;
 
 /// The response of the force in steady sliding to a small step of the slider.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +36,8 @@ const FINER: f64 = 2.0;
 const FAST: f64 = 1e4;
 
 impl Transport {
-    /// The response of steady sliding at a velocity to a small step, for so many mean lives of a contact.
+    /// The response of steady sliding at a velocity to a small step, for so many mean lives of a contact; 0 where contacts know no
+    /// time.
     ///
     /// # Errors
     /// Those of [`Transport::steady`]; a number of lives that is not above 0; stopped by the monitor.
@@ -51,6 +49,13 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> Result<StepResponse> {
         super::positive("lives", lives)?;
+        super::positive("velocity", velocity)?;
+        if !contacts.rules.know_time() {
+            // Then the force of steady sliding does not depend on how the slider moves on.
+            contacts.check(&super::steady::relaxed())?;
+            let time = vec![0.0, contacts.thresholds.mean() / velocity];
+            return Ok(StepResponse { velocity, response: vec![0.0; time.len()], time });
+        }
         let mut steady = Self::steady(contacts, velocity, tolerance)?;
         steady.rough = None;
         let by = STEP * super::pace::scale(contacts);
@@ -70,14 +75,33 @@ impl Transport {
 }
 
 impl StepResponse {
-    /// F̂(iω), with r straight between the times.
-    pub fn at(&self, frequency: f64) -> Complex64 {
+    /// F̂(s), Re s ≥ 0, with r straight between the times. Beyond the frequencies that these resolve it is r(0) + ρ/s, as it is
+    /// for |s| → ∞, with the ρ that Im F̂ has at the last of them.
+    pub fn at(&self, s: Complex64) -> Complex64 {
+        if s.norm() <= self.resolved() {
+            return self.sum(s);
+        }
+        let last = Complex64::new(0.0, self.resolved());
+        Complex64::from(self.response[0]) - last.im * self.sum(last).im / s
+    }
+
+    /// The highest frequency that the times resolve.
+    pub(super) fn resolved(&self) -> f64 {
+        1.0 / self.time[1]
+    }
+
+    /// How long the response is known.
+    pub(super) fn known(&self) -> f64 {
+        self.time[self.time.len() - 1]
+    }
+
+    fn sum(&self, s: Complex64) -> Complex64 {
         let mut sum = Complex64::from(self.response[0]);
         for (time, response) in self.time.windows(2).zip(self.response.windows(2)) {
             let (half, middle) = (0.5 * (time[1] - time[0]), 0.5 * (time[0] + time[1]));
-            let phase = frequency * half;
-            let blur = if phase == 0.0 { 1.0 } else { phase.sin() / phase };
-            sum += Complex64::from_polar((response[1] - response[0]) * blur, -frequency * middle);
+            let phase = s * half;
+            let blur = if phase.norm() == 0.0 { Complex64::from(1.0) } else { phase.sinh() / phase };
+            sum += (response[1] - response[0]) * blur * (-s * middle).exp();
         }
         sum
     }
@@ -87,23 +111,5 @@ impl StepResponse {
         let part =
             |(time, response): (&[f64], &[f64])| 0.5 * (time[1] - time[0]) * (response[0] + response[1]);
         self.time.windows(2).zip(self.response.windows(2)).map(part).sum()
-    }
-
-    /// K_c(v) and the ω of the oscillation that sets in there, infinite where the slider jumps; `None` where steady sliding is stable for every K > 0.
-    pub fn critical_stiffness(&self) -> Option<(f64, f64)> {
-        /// Frequencies looked at per e-fold.
-        const PER_FOLD: f64 = 50.0;
-        let (last, spacing) = (self.time[self.time.len() - 1], self.time[1]);
-        let (low, high) = (1.0 / last, 1.0 / spacing);
-        let count = ((high / low).ln() * PER_FOLD).ceil().max(1.0);
-        let frequency = |k: u32| low * (high / low).powf(f64::from(k) / count);
-        let loss = |frequency: f64| self.at(frequency).im;
-        let crossings = (0..count as u32).filter_map(|k| {
-            let (a, b) = (frequency(k), frequency(k + 1));
-            let root = if (loss(a) > 0.0) == (loss(b) > 0.0) { None } else { brent_root(loss, a, b, 0.0) }?;
-            Some((-self.at(root).re, root))
-        });
-        let jump = (-self.response[0], f64::INFINITY);
-        crossings.chain([jump]).filter(|crossing| crossing.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 }

@@ -77,7 +77,7 @@ impl Transport {
 }
 
 /// No contacts to begin with are stretched.
-fn relaxed() -> Initial {
+pub(super) fn relaxed() -> Initial {
     let law = Point::new(0.0).expect("0 is a place");
     Initial { law: Arc::new(law), start: Start::Conditional }
 }

@@ -1,0 +1,173 @@
+//! Whether steady sliding of a slider with mass and damping is stable: the roots of its characteristic equation.
+//!
+//! M Ẍ = K(X_T − X) − F − γẊ, the top at X_T = vt + const. Small deviations from steady sliding go as e^{st} with
+//!
+//! D(s) = M s² + γ s + K + F̂(s) = 0,
+//!
+//! F̂ being the dynamic stiffness of the contacts ([`StepResponse`]). Steady sliding is stable if no root has Re s > 0. K is real:
+//! on a line Re s = a roots lie only at the ω with Im[D(a + iω)] = 0, and only for K = K_j(a) = −Re[D(a + iω_j) − K]. By the
+//! argument principle (Nyquist's criterion for a = 0) the number of roots to the right of the line is, conjugate ones counted
+//! each, twice the number of K_j > K at which Im D rises with ω less the number of those at which it falls; ω = 0 counts once.
+//! All of them are on the left where K is above the largest K_j(0), the critical stiffness K_c(v; M, γ).
+//! (J. R. Rice and A. L. Ruina, J. Appl. Mech. 50, 343 (1983), for friction with a memory.)
+
+use num_complex::Complex64;
+
+use super::StepResponse;
+use crate::numerics::roots::brent_root;
+use crate::{Error, Float, Result};
+
+/// A slider behind its spring, for small deviations from steady sliding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slider {
+    /// K > 0, the stiffness of the spring.
+    pub stiffness: f64,
+    /// M ≥ 0, the mass.
+    pub mass: f64,
+    /// γ ≥ 0, the damping, force per velocity.
+    pub damping: f64,
+}
+
+/// A place at which a root crosses a line Re s = a as K falls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Crossing {
+    frequency: f64,
+    stiffness: f64,
+    /// By how many roots on the right there are more below `stiffness` than above it.
+    roots: i32,
+}
+
+/// Frequencies looked at per e-fold.
+const PER_FOLD: f64 = 50.0;
+
+impl StepResponse {
+    /// K_c(v; M, γ) of a slider with a mass and a damping, either 0 or above, above which steady sliding is stable, and the ω of
+    /// the oscillation that sets in there. Infinite where no spring makes steady sliding stable, as without damping wherever
+    /// contacts feed high frequencies, Im F̂ < 0; its ω then is, too. `None` where steady sliding is stable for every K > 0.
+    ///
+    /// Without mass and damping the limit −r(0) at ω → ∞ counts as well: there a step lowers the force by more than it relaxes
+    /// the spring.
+    pub fn critical_stiffness(&self, mass: f64, damping: f64) -> Option<(f64, f64)> {
+        let slider = Slider { stiffness: 0.0, mass, damping };
+        let crossings = self.crossings(&slider, 0.0).into_iter().map(|c| (c.stiffness, c.frequency));
+        crossings.filter(|crossing| crossing.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// How many roots of the characteristic equation have Re s > 0: 0 where steady sliding is stable.
+    pub fn unstable_roots(&self, slider: &Slider) -> usize {
+        self.right_of(slider, 0.0).max(0) as usize
+    }
+
+    /// The root s = a + iω, ω ≥ 0, of the fastest growing deviation from steady sliding, which grows as e^{at}; `None` where
+    /// steady sliding is stable.
+    ///
+    /// # Errors
+    /// A slider without mass and damping, whose deviations may grow at any rate; the root is not found.
+    pub fn growth(&self, slider: &Slider) -> Result<Option<Complex64>> {
+        /// Halvings of the interval of rates before Newton's method.
+        const HALVINGS: usize = 20;
+        if !(slider.mass > 0.0 || slider.damping > 0.0) {
+            return Err(Error::invalid("mass", "a mass or a damping above 0", slider.mass));
+        }
+        if self.unstable_roots(slider) == 0 {
+            return Ok(None);
+        }
+        let (mut low, mut high) = (0.0, self.bound(slider));
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            *(if self.right_of(slider, middle) > 0 { &mut low } else { &mut high }) = middle;
+        }
+        let off = |crossing: &Crossing| (crossing.stiffness - slider.stiffness).abs();
+        let nearest = self.crossings(slider, low).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        let guess = nearest.map(|crossing| Complex64::new(low, crossing.frequency));
+        guess.and_then(|guess| self.polish(slider, guess)).map(Some).ok_or_else(|| {
+            let what = "the rate at which deviations from steady sliding grow".to_owned();
+            let (reached, wanted) = (Float(high - low), Float(0.0));
+            Error::Accuracy { key: String::new(), what, reached, wanted }
+        })
+    }
+
+    /// D(s) − K.
+    fn rest(&self, slider: &Slider, s: Complex64) -> Complex64 {
+        (slider.mass * s + slider.damping) * s + self.at(s)
+    }
+
+    /// All |s| of roots with Re s ≥ 0 are below it: |M s + γ| is no less than M|s| and than γ there, |F̂| no more than r varies.
+    fn bound(&self, slider: &Slider) -> f64 {
+        let varies: f64 = self.response.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+        let most = slider.stiffness + self.response[0].abs() + varies;
+        (most / slider.mass).sqrt().min(most / slider.damping)
+    }
+
+    /// The number of roots with Re s > a.
+    fn right_of(&self, slider: &Slider, rate: f64) -> i32 {
+        let crossings = self.crossings(slider, rate).into_iter();
+        crossings
+            .filter(|crossing| crossing.stiffness > slider.stiffness)
+            .map(|crossing| crossing.roots)
+            .sum()
+    }
+
+    /// The crossings of the line Re s = a ≥ 0.
+    fn crossings(&self, slider: &Slider, rate: f64) -> Vec<Crossing> {
+        let at = |frequency: f64| self.rest(slider, Complex64::new(rate, frequency));
+        let imaginary = |frequency: f64| at(frequency).im;
+        let (low, high) = (1.0 / self.known(), self.resolved());
+        let count = ((high / low).ln() * PER_FOLD).ceil().max(1.0);
+        let grid = (0..=count as u32).map(|k| low * (high / low).powf(f64::from(k) / count));
+        let line: Vec<(f64, f64)> = grid.map(|frequency| (frequency, imaginary(frequency))).collect();
+        let inside =
+            line.windows(2).filter(|pair| (pair[0].1 > 0.0) != (pair[1].1 > 0.0)).filter_map(|pair| {
+                let frequency = brent_root(imaginary, pair[0].0, pair[1].0, 0.0)?;
+                let roots = if pair[1].1 > 0.0 { 2 } else { -2 };
+                Some(Crossing { frequency, stiffness: -at(frequency).re, roots })
+            });
+        let mut crossings: Vec<Crossing> = inside.collect();
+        crossings.extend(self.beyond(slider, rate, line[line.len() - 1].1));
+        if rate > 0.0 {
+            // A real root: on the right of it Im D has the sign that it has at the lowest frequencies.
+            let roots = if line[0].1 > 0.0 { 1 } else { -1 };
+            crossings.push(Crossing { frequency: 0.0, stiffness: -at(0.0).re, roots });
+        }
+        crossings
+    }
+
+    /// The crossing at a frequency that is not resolved, where Im D has the value `last` at the highest that is.
+    fn beyond(&self, slider: &Slider, rate: f64, last: f64) -> Option<Crossing> {
+        let Slider { mass, damping, .. } = *slider;
+        if mass == 0.0 && damping == 0.0 {
+            let roots = if last > 0.0 { -1 } else { 1 };
+            return Some(Crossing { frequency: f64::INFINITY, stiffness: -self.response[0], roots });
+        }
+        if last >= 0.0 {
+            return None;
+        }
+        let high = self.resolved();
+        // Im D = (2Ma + γ)ω − ρω/(a² + ω²).
+        let viscous = 2.0 * mass * rate + damping;
+        let decay = (viscous * high - last) * (rate * rate + high * high) / high;
+        let frequency = (decay / viscous - rate * rate).sqrt();
+        let stiffness = if frequency.is_finite() {
+            -self.rest(slider, Complex64::new(rate, frequency)).re
+        } else {
+            f64::INFINITY
+        };
+        Some(Crossing { frequency, stiffness, roots: 2 })
+    }
+
+    /// Newton's method for D(s) = 0, D' by differences.
+    fn polish(&self, slider: &Slider, guess: Complex64) -> Option<Complex64> {
+        let value = |s| self.rest(slider, s) + slider.stiffness;
+        let mut s = guess;
+        for _ in 0..50 {
+            let step = 1e-5 * s.norm().max(1.0 / self.known());
+            let slope = (value(s + step) - value(s - step)) / (2.0 * step);
+            let change = value(s) / slope;
+            s -= change;
+            if change.norm() <= 1e-12 * s.norm() {
+                return Some(Complex64::new(s.re, s.im.abs()));
+            }
+        }
+        None
+    }
+}
