@@ -87,7 +87,7 @@ fn viscosity(contacts: &Contacts) -> Option<f64> {
 /// ⟨x⟩ = x_b − (1 + π²/12) g''/g'³, ⟨x²⟩ = ⟨x⟩² + π²/(6 g'²), F_k ≈ ½N_c⟨k⟨x²⟩⟩/(⟨⟨x⟩⟩ + vτ),
 ///
 /// outer means being those over thresholds. The next terms are smaller by 1/(x_b g') and by T/ΔE(x_b): of identical thresholds
-/// F_k is right to 1 % where `creep` gives it, x_b g' ≥ 6 and ΔE(x_b) ≥ 2T, and nearly always to 0.3 %.
+/// F_k is right to 1 % where `creep` gives it, x_b g' ≥ 6 and ΔE(x_b) ≥ 3T, and nearly always to 0.3 %.
 ///
 /// `None` for contacts that age or re-form stretched, and at velocities at which contacts of the mean threshold do not break so.
 pub fn creep(contacts: &Contacts, velocity: f64) -> Option<f64> {
@@ -159,7 +159,7 @@ impl Thermal {
         /// Least x_b g' …
         const STRETCHED: f64 = 6.0;
         /// … and ΔE(x_b)/T.
-        const LEFT: f64 = 2.0;
+        const LEFT: f64 = 3.0;
         let y = self.typical();
         let [left, steepness, _] = self.barrier(y);
         y * steepness >= STRETCHED && left >= LEFT
