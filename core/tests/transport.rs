@@ -322,7 +322,10 @@ fn the_response_to_a_small_step_integrates_to_the_slope_of_kinetic_friction() {
     let (stiffness, frequency) = response.critical_stiffness(0.0, 0.0).unwrap();
     assert!(stiffness > 0.0 && frequency > 0.0);
     // Where an oscillation sets in, the response is real.
-    assert!(frequency.is_infinite() || (response.at(frequency) + stiffness).norm() < 1e-9);
+    assert!(
+        frequency.is_infinite()
+            || (response.at(num_complex::Complex64::new(0.0, frequency)) + stiffness).norm() < 1e-9
+    );
 }
 
 #[test]

@@ -219,7 +219,11 @@ impl Block {
         };
         let model = slf.get().model.bind(py).clone();
         let Ok(transport) = model.cast::<Transport>() else {
-            return Err(error::invalid("block.model", "a Transport, whose response is linear", "another model"));
+            return Err(error::invalid(
+                "block.model",
+                "a Transport, whose response is linear",
+                "another model",
+            ));
         };
         let contacts = &transport.get().contacts;
         let found = watched(progress, py, |monitor| stability(contacts, velocity, Some(&table), monitor))?;

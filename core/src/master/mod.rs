@@ -149,7 +149,8 @@ impl MasterEquation {
         if !matches!(self.contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
             return Ok(());
         }
-        let expected = "a rule for one contact where sliding is not steady: mean_field is the closure of steady sliding";
+        let expected =
+            "a rule for one contact where sliding is not steady: mean_field is the closure of steady sliding";
         Err(Error::invalid("contacts.ageing.mean_field", expected, "a pull from a start"))
     }
 

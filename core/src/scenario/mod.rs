@@ -146,7 +146,11 @@ impl Scenario {
             (_, None) => Ok(()),
             (task, Some(_)) => {
                 let found = format!("one with [{}]", task.name());
-                Err(Error::invalid("block", "a block only with the tasks [drive] and [[protocol]], and with velocity_curve.stability = true", found))
+                Err(Error::invalid(
+                    "block",
+                    "a block only with the tasks [drive] and [[protocol]], and with velocity_curve.stability = true",
+                    found,
+                ))
             }
         }
     }
