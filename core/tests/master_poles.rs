@@ -48,6 +48,31 @@ fn gamma_thresholds_of_any_width() {
     }
 }
 
+/// The force of such thresholds never falls, so that K_c = 0, and its slope holds where cells are so narrow that the
+/// derivative of a polynomial is rounding.
+#[test]
+fn slopes_beside_a_pole() {
+    for std in [1.2, 1.5, 2.0, 3.0] {
+        let pull = master(&gamma(1.0, std), &point(0.0), &point(0.0)).pull(6.0, PROMISED, &mut ()).unwrap();
+        for k in -12..=14_i32 {
+            let position = 4.0 * 2.0_f64.powi(-k.max(0)) + 0.1 * f64::from((-k).max(0));
+            // Differences of the fourth order over steps of X/1000, of F whose fifth derivative is of the order F'/X⁴.
+            let step = 1e-3 * position;
+            let at = |steps: f64| force_of_gamma(std, position + steps * step);
+            let expected = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * step);
+            let error = (pull.slope(position) - expected).abs();
+            // The force itself is right to 3e-13, the sum of a few hundred terms that are right to 1e-15.
+            let allowed = 1e-7 + 3e-13 / step;
+            assert!(error < allowed, "std {std}: off by {error:e} at {position}, where it is {expected}");
+            assert!(expected > 0.0);
+        }
+        // The slope of a chord of 1e-6 of the mean life, or less.
+        let (chord, slope) = (pull.force(1e-6) / 1e-6, pull.slope(1e-20));
+        assert!(chord - 1e-9 < slope && slope < 1.0, "std {std}: {slope}, {chord}");
+        assert_eq!(pull.critical_stiffness(), 0.0, "std {std}");
+    }
+}
+
 /// ∫Q = 1 everywhere on the way, by a quadrature of its own, and the estimate says so.
 #[test]
 fn nothing_is_lost_beside_a_pole() {

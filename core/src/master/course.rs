@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::Tolerance;
-use super::leg::Leg;
+use super::leg::{Leg, slope};
 use crate::Result;
 use crate::contacts::Contacts;
 use crate::life::{Layer, Life, tidied, walls};
@@ -65,7 +65,7 @@ impl Course {
 
     /// The course on which what breaks stays free.
     pub(super) fn held(first: Arc<Life>) -> Self {
-        let slope = first.force().curve().derivative();
+        let slope = slope(first.force().curve(), first.mean());
         Self { motion: Motion::Held { first, slope }, ledger: OnceLock::new() }
     }
 

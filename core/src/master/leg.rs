@@ -6,6 +6,7 @@ use super::Tolerance;
 use crate::life::{Births, Layer, Life, ORDERS};
 use crate::monitor::{Aside, Monitor};
 use crate::numerics::breaks::{Atom, Break};
+use crate::numerics::legendre::NODES;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::{Accuracy, Kernel, Solution, solve};
 use crate::{Error, Result};
@@ -92,7 +93,7 @@ impl Leg {
             reborn.force(),
             &mut Aside { fraction: 1.0, monitor },
         )?;
-        let slope = force.derivative();
+        let slope = slope(&force, reborn.mean());
         let mut leg =
             Self { first: first.clone(), reborn: reborn.clone(), solution, force, slope, error: 0.0 };
         leg.error = leg.estimated_error();
@@ -161,4 +162,34 @@ impl Leg {
         let rate = rate.part(past, u).mirrored().shifted(u);
         self.reborn.born(&Births { rate, atoms, breaks })
     }
+}
+
+/// What slopes of forces are told over, of a mean life: over less, they are lost in the rounding of the force.
+const CHORD: f64 = 1e-6;
+
+/// The slope of a force on its own cells, of contacts with this mean life.
+///
+/// Cells beside a singularity double in width from next to nothing. The derivative of a polynomial on one of them is little
+/// but the rounding of the force over its width: those that lie within [`CHORD`] together, with no jump between them, have
+/// the slope of their chord.
+pub(super) fn slope(force: &Piecewise, mean: f64) -> Piecewise {
+    let (edges, count, beside) = (&force.boundaries, force.coefficients.len(), CHORD * mean);
+    let jumps = |cell: usize| {
+        let [before, after] = [cell - 1, cell].map(|cell_of| force.value_in(cell_of, edges[cell]));
+        (after - before).abs() > 1e-12 * mean
+    };
+    let mut slope = force.derivative();
+    let mut first = 0;
+    while first < count {
+        let near = |&next: &usize| edges[next + 1] - edges[first] < beside && !jumps(next);
+        let next = first + 1 + (first + 1..count).take_while(near).count();
+        if edges[next] - edges[first] < beside {
+            let rise = force.value_in(next - 1, edges[next]) - force.value_in(first, edges[first]);
+            let mut chord = [0.0; NODES];
+            chord[0] = rise / (edges[next] - edges[first]);
+            slope.coefficients[first..next].fill(chord);
+        }
+        first = next;
+    }
+    slope
 }
