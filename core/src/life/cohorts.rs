@@ -134,13 +134,13 @@ impl Outline {
         }
         let [mean, lived, ..] = sums;
         // What has been split may have come to an end long before the cell did.
-        let no_more = |&(u, left): &(f64, f64)| {
+        let matters = |&(u, left): &(f64, f64)| {
             let rest = u * left;
-            rest <= NEGLIGIBLE * mean
-                && u * rest <= NEGLIGIBLE * lived
-                && u * u * rest <= NEGLIGIBLE * lived * (lived / mean)
+            rest > NEGLIGIBLE * mean
+                || u * rest > NEGLIGIBLE * lived
+                || u * u * rest > NEGLIGIBLE * lived * (lived / mean)
         };
-        edges.truncate(edges.iter().skip(1).position(no_more).map_or(edges.len(), |last| last + 2));
+        edges.truncate(edges.iter().rposition(matters).map_or(2, |last| last + 2));
         Self { edges: edges.into_iter().map(|edge| edge.0).collect(), mean, lived }
     }
 
