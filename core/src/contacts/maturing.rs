@@ -1,9 +1,9 @@
 //! Thresholds that diffuse from the law of newborn contacts towards that of mature ones.
 
 use super::{Ageing, Contacts};
-use crate::law::{Break, Law, SharedLaw};
-use crate::numerics::diffusion::{Diffusion, Potential, continued, shared};
-use crate::numerics::legendre::RULE;
+use crate::law::{Atom, Break, Law, SharedLaw};
+use crate::numerics::diffusion::{Diffusion, Elements, Potential, Slope, continued, shared};
+use crate::numerics::legendre::{NODES, RULE};
 
 /// Thresholds above the ends of the cells are as few as that.
 const NEGLIGIBLE: f64 = 1e-15;
@@ -64,6 +64,122 @@ impl Maturing {
         Potential::of(|h| self.mature.density(h), self.support, POINTS)
     }
 
+    /// S of the newborn thresholds.
+    pub fn survival(&self, stretch: f64) -> f64 {
+        self.newborn.survival(stretch)
+    }
+
+    /// The length on which P_cf varies.
+    pub fn width(&self) -> f64 {
+        let zones = self.mature.zones();
+        zones.iter().map(|zone| zone.resolution.min(zone.high - zone.low)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// U'.
+    pub fn slope(&self) -> Slope {
+        let bulk = self.mature.quantile(0.5);
+        Slope::of(|h| self.mature.density(h), self.support, &self.kinks(), bulk)
+    }
+
+    /// Places at which U' is not smooth, inside the support.
+    pub fn kinks(&self) -> Vec<f64> {
+        let (low, high) = self.support;
+        let breaks = self.mature.breaks().into_iter().map(|b| b.position);
+        breaks.filter(|&place| place > low && place < high).collect()
+    }
+
+    /// The density of newborn thresholds above a stretch, without those that many share, on elements between the stretch, or
+    /// the lower end, and the upper end. Elements leave out no more than `left_out`; towards edges of the law they narrow down
+    /// to `finest`.
+    pub fn spread(&self, stretch: f64, left_out: f64, finest: f64) -> Elements {
+        /// Elements begin this much narrower than a Gaussian's std times this.
+        const WIDTH: f64 = 4.0;
+        let (low, high) = (self.support.0.max(stretch), self.support.1);
+        let law = self.newborn.as_ref();
+        let mut edges = self.kinks();
+        for zone in law.zones() {
+            let (from, to) = (zone.low.max(low), zone.high.min(high));
+            let parts = ((to - from) / (WIDTH * zone.resolution)).ceil().clamp(1.0, 1e3) as u32;
+            edges.extend((0..=parts).map(|k| from + (to - from) * f64::from(k) / f64::from(parts)));
+        }
+        let inside = |b: &Break| b.position >= low && b.position <= high;
+        for edge in law.breaks().iter().filter(|b| inside(b)) {
+            let widths = std::iter::successors(Some(finest), |width| Some(4.0 * width));
+            let widths = widths.take_while(|&width| edge.exponent <= 0.0 && width < 0.1 * (high - low));
+            edges.push(edge.position);
+            edges.extend(widths.flat_map(|width| [edge.position - width, edge.position + width]));
+        }
+        let edges = between(edges, (low, high));
+        let mut density = Elements::of(|h| law.density(h), &edges, left_out, finest);
+        for edge in law.breaks().iter().filter(|b| inside(b) && b.is_steep()) {
+            self.count(&mut density, edge.position);
+        }
+        density
+    }
+
+    /// Gives the elements beside a place where the density of newborn thresholds is steep the mass that they have.
+    fn count(&self, density: &mut Elements, place: f64) {
+        let beside = |i: &usize| density.edges[*i] == place || density.edges[i + 1] == place;
+        for i in (0..density.count()).filter(beside).collect::<Vec<_>>() {
+            let (from, to) = (density.edges[i], density.edges[i + 1]);
+            let mass = self.newborn.cumulative(to) - self.newborn.cumulative(from);
+            density.series[i] = [0.0; NODES];
+            density.series[i][0] = mass / (to - from);
+        }
+    }
+
+    /// How wide the bells are at least that shared thresholds become: of many, they run into each other; `coarser` ones by that
+    /// factor.
+    pub fn bell(&self, spread: f64, coarser: f64) -> f64 {
+        /// Bells told apart at most, and so many that never run into each other.
+        const MOST: usize = 150;
+        const MANY: usize = 20;
+        let atoms = self.newborn.atoms();
+        if atoms.len() <= MANY {
+            return spread;
+        }
+        let range = atoms[atoms.len() - 1].position - atoms[0].position;
+        spread.max(0.5 * coarser * range / atoms.len().min(MOST) as f64)
+    }
+
+    /// Newborn thresholds above a stretch that many share, after the time t in which they have spread by `spread` = √(2Dt), too
+    /// little for U' to vary: Gaussian around h − DU't.
+    pub fn together(&self, stretch: f64, spread: f64, slope: &Slope, left_out: f64) -> Option<Elements> {
+        /// How far a Gaussian reaches, and the width of its elements.
+        const REACH: i32 = 9;
+        let (low, high) = (self.support.0.max(stretch), self.support.1);
+        let atoms: Vec<_> = self.newborn.atoms().into_iter().filter(|a| a.position > stretch).collect();
+        if atoms.is_empty() {
+            return None;
+        }
+        let drifted = |h: f64| h - 0.5 * spread * spread * slope.at(h);
+        let mut edges = self.kinks();
+        for atom in &atoms {
+            let place = drifted(atom.position);
+            edges.extend((-REACH..=REACH).step_by(3).map(|k| place + f64::from(k) * spread));
+            let widths =
+                std::iter::successors(Some(4.0 * f64::from(REACH) * spread), |width| Some(4.0 * width));
+            let widths = widths.take_while(|&width| width < 0.1 * (high - low));
+            edges.extend(widths.flat_map(|width| [place - width, place + width]));
+        }
+        let mut edges = between(edges, (low, high));
+        // Of many, not each one's own.
+        edges.pop();
+        edges.dedup_by(|b, a| *b - *a < spread);
+        edges.push(high);
+        let bell = |h: f64, atom: &Atom| {
+            let z = (h - drifted(atom.position)) / spread;
+            atom.weight * (-0.5 * z * z).exp() / (spread * (2.0 * std::f64::consts::PI).sqrt())
+        };
+        let density = |h: f64| atoms.iter().map(|atom| bell(h, atom)).sum();
+        let mut density = Elements::of(density, &edges, left_out, 0.1 * spread);
+        // What a wall or the stretch has cut off.
+        let whole: f64 = atoms.iter().map(|atom| atom.weight).sum();
+        let factor = whole / density.mass();
+        density.series.iter_mut().flatten().for_each(|c| *c *= factor);
+        Some(density)
+    }
+
     /// The density of newborn thresholds; if they are `ageing`, that of mature ones where it is higher.
     pub fn density(&self, threshold: f64, ageing: bool) -> f64 {
         let mature = if ageing { self.mature.density(threshold) } else { 0.0 };
@@ -92,6 +208,16 @@ impl Maturing {
         let spread = points(law, middles, (low.max(stretch), high));
         shared(middles, atoms.map(|atom| (atom.position, atom.weight)).chain(spread))
     }
+}
+
+/// These places between two ends, in order, with the ends; none so close to another that an element would be no element.
+fn between(mut places: Vec<f64>, (low, high): (f64, f64)) -> Vec<f64> {
+    let least = 1e-12 * (high - low);
+    places.retain(|&place| place > low + least && place < high - least);
+    places.extend([low, high]);
+    places.sort_by(f64::total_cmp);
+    places.dedup_by(|b, a| *b - *a < least);
+    places
 }
 
 /// Points with their masses that stand for the density of a law between two places, even where multiplied by what is

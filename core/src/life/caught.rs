@@ -3,20 +3,21 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::cells::scale;
+use super::cells::{ROUNDING, scale};
 use super::fate::{Cohort, Fate, Toll};
 use crate::contacts::{Contacts, Maturing, Stiffness, Temperature};
 use crate::law::Break;
-use crate::numerics::diffusion::{Followed, Medium, Potential, Rise, Room, Sink};
-use crate::numerics::piecewise::{Piecewise, Resolution};
-use crate::numerics::stencil::Stencil;
-use crate::{Error, Float, Result};
+use crate::numerics::diffusion::{Drain, Elements, Field, March, Slope, Taken};
+use crate::numerics::legendre::{NODES, Nodal};
+use crate::numerics::piecewise::Piecewise;
 
 /// Contacts with v ∂_x p = D∂_h[U' + ∂_h]p − w p on h > x, p = 0 at h = x, from P_ci above where they formed.
+///
+/// That is solved by [`March`] twice, the second time to a hundredth of the first: what both differ by is the error told.
 #[derive(Debug, Clone)]
 pub(super) struct Diffusing {
     maturing: Maturing,
-    potential: Arc<Potential>,
+    slope: Arc<Slope>,
     velocity: f64,
     temperature: Option<Temperature>,
     stiffness: Stiffness,
@@ -29,10 +30,13 @@ pub(super) struct Diffusing {
 #[derive(Debug)]
 struct Formed {
     start: f64,
+    /// Those whose newborn thresholds have a density, and those whose many share, each on each side of the lowest threshold.
     legs: Vec<Leg>,
+    /// Where breaking begins like an inverse square root.
+    onsets: Vec<Break>,
 }
 
-/// A way on which what is left is smooth; each curve in polynomials of the advance.
+/// A way on which what is left is followed; each curve in polynomials of the advance since `from`.
 #[derive(Debug)]
 struct Leg {
     from: f64,
@@ -44,30 +48,35 @@ struct Leg {
 
 /// Sums over what is left: of 1, h and h², of w/v and of h w/v.
 const SUMS: usize = 5;
-type Sum = [f64; SUMS];
 
-/// Cells and steps to begin with; twice as many at each level.
-const COARSEST: usize = 64;
+/// How closely the equation is solved.
+#[derive(Debug, Clone, Copy)]
+struct Detail {
+    /// What a step may leave out, of the contacts of a cohort.
+    left_out: f64,
+    /// How far shared thresholds are spread to begin with, as part of how far they will be when the stretch meets them; the same
+    /// of the narrowest element at an edge.
+    spread: f64,
+}
 
-/// Levels at least, to be extrapolated twice and compared, and at most: 2048 cells and steps.
-const LEVELS: (usize, usize) = (4, 6);
+const FINE: Detail = Detail { left_out: 3e-12, spread: 1e-3 };
+const ROUGH: Detail = Detail { left_out: 3e-10, spread: 2e-3 };
 
-/// What two successive extrapolations may differ by. Of smooth laws the later one is nearer by a factor of about 50.
-const TOLERANCE: f64 = 2e-6;
+/// The part of their way after which contacts with shared thresholds are followed at the latest.
+const EARLY: f64 = 1e-3;
 
-/// What they may differ by in the end, where laws have edges.
-const ALLOWED: f64 = 1e-3;
+/// Contacts left that no result shows.
+const NOTHING: f64 = 1e-16;
 
-/// How finely the layer D/v above the stretch is resolved, and how thin at least, as part of all: a thinner one holds fewer
-/// contacts than any result shows.
-const LAYER: f64 = 40.0;
+/// How thin the layer D/v above the stretch is at least, as part of all: a thinner one holds fewer contacts than any result
+/// shows.
 const THINNEST: f64 = 1e-10;
 
 impl Diffusing {
     /// Contacts that move at a velocity.
     pub(super) fn new(contacts: &Contacts, maturing: Maturing, velocity: f64) -> Self {
         Self {
-            potential: Arc::new(maturing.potential()),
+            slope: Arc::new(maturing.slope()),
             maturing,
             velocity,
             temperature: contacts.rules.temperature,
@@ -75,20 +84,6 @@ impl Diffusing {
             resolution: scale(contacts.thresholds.as_ref()),
             missed: Arc::default(),
         }
-    }
-
-    /// Refuses lives that are not right: newborn thresholds with edges that hardly diffuse stay rough, and cells that follow
-    /// the stretch smear them.
-    ///
-    /// # Errors
-    /// Survival of a cohort that was off by more than [`ALLOWED`].
-    pub(super) fn check(&self) -> Result<()> {
-        let missed = f64::from_bits(self.missed.load(Ordering::Relaxed));
-        if missed <= ALLOWED {
-            return Ok(());
-        }
-        let what = "survival of contacts whose newborn thresholds have edges and hardly diffuse".to_owned();
-        Err(Error::Accuracy { key: String::new(), what, reached: Float(missed), wanted: Float(ALLOWED) })
     }
 
     /// D, at least as large as is needed for a layer that can be resolved.
@@ -99,192 +94,213 @@ impl Diffusing {
 
     /// w/v of a contact at a stretch.
     fn exposure(&self, temperature: Temperature, stretch: f64, threshold: f64) -> f64 {
-        let stiffness = match self.stiffness {
-            Stiffness::Equal(stiffness) => stiffness,
-            Stiffness::PerThreshold(factor) => factor * threshold,
+        temperature.rate(stretch, threshold, self.stiffness.of(threshold)) / self.velocity
+    }
+
+    /// How far newborn thresholds will have spread when the stretch meets them, or where P_cf is as narrow.
+    fn reach(&self) -> f64 {
+        let (low, high) = self.maturing.support;
+        let met = (2.0 * self.diffusion() / self.velocity * 0.5 * (low + high)).sqrt();
+        met.min(self.maturing.width())
+    }
+
+    /// Both kinds of contacts formed at a stretch.
+    fn legs(&self, start: f64, detail: Detail) -> Vec<Leg> {
+        let spread = detail.spread * self.reach();
+        let whole = self.maturing.survival(start);
+        let left_out = detail.left_out * whole;
+        // What spreads that far does so in this time.
+        let time = 0.5 * spread * spread / self.diffusion();
+        let smooth = self.maturing.spread(start, 0.1 * left_out, 0.1 * spread);
+        let mut legs = if smooth.mass() > NOTHING * whole {
+            self.follow(smooth, (start, 0.0), time, left_out)
+        } else {
+            Vec::new()
         };
-        temperature.rate(stretch, threshold, stiffness) / self.velocity
-    }
-
-    /// The ways of the stretch from `start`: up to the lowest threshold, and on.
-    fn ways(&self, start: f64) -> Vec<(f64, f64)> {
-        let (low, high) = self.maturing.support;
-        if start < low { vec![(start, low), (low, high)] } else { vec![(start, high)] }
-    }
-
-    /// The sums at the end of each of so many steps of each way, on as many cells.
-    fn march(&self, start: f64, count: usize) -> Vec<Vec<Sum>> {
-        let (low, high) = self.maturing.support;
-        let floor = start.max(low);
-        let cells = Followed::new(count, self.finest(start));
-        let middles: Vec<f64> = cells.middles(floor, high).collect();
-        let mut masses = self.maturing.newborn(&middles, start);
-        let mut march = |way: (f64, f64)| self.walk(way, &cells, &mut masses);
-        self.ways(start).into_iter().map(&mut march).collect()
-    }
-
-    /// The width of the lowest cell, relative to even ones: so that it resolves the layer D/v, and, where thresholds are at
-    /// the stretch when it begins to meet them, how far they diffuse in the first step.
-    fn finest(&self, start: f64) -> f64 {
-        /// Contacts at their thresholds, per length of all, that no result shows.
-        const NOTHING: f64 = 1e-7;
-        let (low, high) = self.maturing.support;
-        let (floor, layer) = (start.max(low), self.diffusion() / self.velocity);
-        let length = high - floor;
-        let layer = layer / length;
-        let rough = self.maturing.density(floor, start < low) * length > NOTHING;
-        (LAYER * layer).min(if rough { 0.5 * layer.sqrt() } else { 1.0 })
-    }
-
-    /// The same for one way.
-    fn walk(&self, (from, to): (f64, f64), cells: &Followed, masses: &mut [f64]) -> Vec<Sum> {
-        let mut room = Room::default();
-        let ((low, ceiling), count) = (self.maturing.support, masses.len());
-        let mut out = vec![self.sums(from, low, cells, masses)];
-        for k in 0..count {
-            let stretch = [k, k + 1].map(|k| from + (to - from) * graded(k, count));
-            if stretch[1] >= ceiling {
-                out.push([0.0; SUMS]);
-                break;
-            }
-            let duration = (stretch[1] - stretch[0]) / self.velocity;
-            let floor = (stretch[0].max(low), stretch[1].max(low));
-            let rise = Rise { floor, ceiling, duration, absorbing: from >= low };
-            let sink = self.temperature.map(|temperature| {
-                move |h: f64| self.velocity * self.exposure(temperature, 0.5 * (stretch[0] + stretch[1]), h)
-            });
-            let sink = sink.as_ref().map(|sink| sink as Sink<'_>);
-            let medium = Medium { potential: &self.potential, diffusion: self.diffusion(), sink };
-            cells.advance(&rise, &medium, masses, &mut room);
-            out.push(self.sums(stretch[1], low, cells, masses));
+        let spread = self.maturing.bell(spread, detail.spread / FINE.spread);
+        let latest = EARLY * self.maturing.support.1 / self.velocity;
+        let time = (0.5 * spread * spread / self.diffusion()).min(latest);
+        let passed = start + self.velocity * time;
+        if let Some(together) = self.maturing.together(passed, spread, &self.slope, 0.1 * left_out) {
+            legs.extend(self.follow(together, (start, time), time, left_out));
         }
-        out
+        legs
     }
 
-    fn sums(&self, stretch: f64, low: f64, cells: &Followed, masses: &[f64]) -> Sum {
-        let mut sums = [0.0; SUMS];
-        for (h, mass) in cells.middles(stretch.max(low), self.maturing.support.1).zip(masses) {
-            let exposed = self.temperature.map_or(0.0, |t| mass * self.exposure(t, stretch, h));
-            for (sum, term) in sums.iter_mut().zip([*mass, mass * h, mass * h * h, exposed, exposed * h]) {
-                *sum += term;
+    /// Contacts formed at a stretch, of a density that they have after a `time`, until none is left.
+    fn follow(&self, density: Elements, (start, time): (f64, f64), next: f64, left_out: f64) -> Vec<Leg> {
+        let (low, high) = self.maturing.support;
+        let (kinks, lasting) = (self.maturing.kinks(), (high - start) / self.velocity);
+        let drained = self.temperature.map(|temperature| {
+            move |time: f64, h: f64| {
+                self.velocity * self.exposure(temperature, start + self.velocity * time, h)
+            }
+        });
+        let field = Field {
+            slope: &|h| self.slope.at(h),
+            diffusion: self.diffusion(),
+            drain: drained.as_ref().map(|drained| drained as Drain<'_>),
+        };
+        let velocity = self.velocity;
+        let mut march = March {
+            density,
+            field,
+            velocity,
+            absorbing: false,
+            kinks: &kinks,
+            left_out,
+            time,
+            next,
+            first: true,
+        };
+        let mut legs = Vec::new();
+        if time > 0.0 {
+            legs.push(self.waiting(start, &march.density, velocity * time));
+        }
+        let begun = march.density.mass();
+        for (end, absorbing) in [((low - start) / velocity, false), (lasting, true)] {
+            if end <= march.time {
+                continue;
+            }
+            march.absorbing = absorbing;
+            march.begin();
+            let mut steps = Vec::new();
+            while march.time < end * (1.0 - 1e-14) && march.density.mass() > NOTHING * begun {
+                steps.push(march.advance(end));
+            }
+            if !steps.is_empty() {
+                legs.push(self.leg(start, &steps));
             }
         }
+        legs
+    }
+
+    /// Those that wait to be followed.
+    fn waiting(&self, start: f64, density: &Elements, to: f64) -> Leg {
+        let constant = |value: f64| {
+            let mut series = [0.0; NODES];
+            series[0] = value;
+            Piecewise { boundaries: vec![0.0, to], coefficients: vec![series] }
+        };
+        let curves = self.sums(start, density).map(constant);
+        Leg { from: 0.0, to, curves, breaking: constant(0.0) }
+    }
+
+    /// The curves of so many steps.
+    fn leg(&self, start: f64, steps: &[Taken]) -> Leg {
+        let begun = steps[0].from;
+        let advance = |time: f64| self.velocity * (time - begun);
+        let boundaries: Vec<f64> =
+            std::iter::once(0.0).chain(steps.iter().map(|step| advance(step.to))).collect();
+        let sums = |time: f64, density: &Elements| self.sums(start + self.velocity * time, density);
+        let all: Vec<[Nodal; SUMS]> = steps.iter().map(|step| step.all(sums)).collect();
+        let curve = |k: usize| Piecewise {
+            boundaries: boundaries.clone(),
+            coefficients: all.iter().map(|series| series[k]).collect(),
+        };
+        let curves: [Piecewise; SUMS] = std::array::from_fn(curve);
+        let breaking = curves[0].derivative().scaled(-1.0);
+        let [from, to] = [begun, steps[steps.len() - 1].to].map(|time| self.velocity * time);
+        Leg { from, to, curves, breaking }
+    }
+
+    fn sums(&self, stretch: f64, density: &Elements) -> [f64; SUMS] {
+        if self.temperature.is_none() && matches!(self.stiffness, Stiffness::Equal(_)) {
+            let mut sums = [0.0; SUMS];
+            sums[0] = density.mass();
+            return sums;
+        }
+        let mut sums = density.sums(|h| {
+            let exposed = self.temperature.map_or(0.0, |temperature| self.exposure(temperature, stretch, h));
+            [1.0, h, h * h, exposed, h * exposed]
+        });
+        sums[0] = density.mass();
         sums
     }
 
-    /// The sums on each way, at levels that double until two extrapolations agree.
-    fn extrapolated(&self, start: f64) -> Vec<Vec<Sum>> {
-        let mut levels: Vec<[Vec<Vec<Sum>>; 3]> = Vec::new();
-        loop {
-            let plain = self.march(start, COARSEST << levels.len());
-            let Some([coarse, better, best]) = levels.last() else {
-                levels.push([plain.clone(), plain.clone(), plain]);
-                continue;
-            };
-            let second = extrapolate(coarse, &plain, 3.0);
-            let fourth = extrapolate(better, &second, 15.0);
-            let apart = apart(best, &fourth);
-            levels.push([plain, second, fourth.clone()]);
-            if (levels.len() >= LEVELS.0 && apart < TOLERANCE) || levels.len() == LEVELS.1 {
-                // Positive numbers are in the order of their bits.
-                self.missed.fetch_max(apart.to_bits(), Ordering::Relaxed);
-                return fourth;
-            }
-        }
+    /// Where breaking begins like p √(D/πvu), as p contacts per threshold are where the stretch is when it begins to meet them.
+    fn onsets(&self, start: f64, legs: &[Leg]) -> Vec<Break> {
+        /// Of which there is nothing to be seen.
+        const FAINT: f64 = 1e-13;
+        let amplitude = |leg: &Leg| {
+            // From the first step, in which S falls by 2p √(Du/πv).
+            let first = leg.curves[0].boundaries[1];
+            let fallen = leg.curves[0].value_in(0, 0.0) - leg.curves[0].value_in(0, first);
+            0.5 * fallen * (std::f64::consts::PI / first).sqrt()
+        };
+        let low = self.maturing.support.0;
+        let begins = |leg: &&Leg| leg.from + start >= low && leg.breaking.coefficients[0] != [0.0; NODES];
+        let break_of = |leg: &Leg| Break { position: leg.from, exponent: -0.5, amplitude: amplitude(leg) };
+        let length = (self.maturing.support.1 - start).sqrt();
+        legs.iter().filter(begins).map(break_of).filter(|b| b.amplitude * length > FAINT).collect()
     }
-}
-
-/// The part of a way that has been gone after k of n steps: the first ones are short, since much happens at once where
-/// contacts are born at their thresholds, or mature before they stretch.
-fn graded(k: usize, n: usize) -> f64 {
-    (k as f64 / n as f64).powi(2)
-}
-
-/// The finer values, carried on by 1/`gain` of what they differ by from the coarser ones; that is interpolated in between.
-fn extrapolate(coarse: &[Vec<Sum>], fine: &[Vec<Sum>], gain: f64) -> Vec<Vec<Sum>> {
-    let way = |(coarse, fine): (&Vec<Sum>, &Vec<Sum>)| {
-        let apart = |(coarse, fine): (&Sum, &Sum)| std::array::from_fn(|i| (fine[i] - coarse[i]) / gain);
-        let apart: Vec<Sum> = coarse.iter().zip(fine.iter().step_by(2)).map(apart).collect();
-        let place = |k: usize| k as f64 / (fine.len() - 1) as f64;
-        let on = |k: usize| std::array::from_fn(|i| fine[k][i] + interpolated(&apart, place(k), i));
-        (0..fine.len()).map(on).collect()
-    };
-    coarse.iter().zip(fine).map(way).collect()
-}
-
-/// How far survival is from what coarser points tell, in between as well.
-fn apart(coarse: &[Vec<Sum>], fine: &[Vec<Sum>]) -> f64 {
-    let way = |(coarse, fine): (&Vec<Sum>, &Vec<Sum>)| {
-        let place = |k: usize| k as f64 / (fine.len() - 1) as f64;
-        let at = |k: usize| (fine[k][0] - interpolated(coarse, place(k), 0)).abs();
-        (0..fine.len()).map(at).fold(0.0, f64::max)
-    };
-    coarse.iter().zip(fine).map(way).fold(0.0, f64::max)
-}
-
-/// A sum between points that divide [0, 1] evenly.
-fn interpolated(points: &[Sum], place: f64, sum: usize) -> f64 {
-    Stencil::at(place * (points.len() - 1) as f64, points.len()).value(|point| points[point][sum])
 }
 
 impl Fate for Diffusing {
     fn cohort(&self, start: f64) -> Arc<dyn Cohort> {
-        let sums = self.extrapolated(start);
-        let legs = self.ways(start).into_iter().zip(&sums).filter(|((from, to), _)| to > from);
-        let legs = legs.map(|(way, sums)| Leg::new((way.0 - start, way.1 - start), sums)).collect();
-        Arc::new(Formed { start, legs })
+        let legs = self.legs(start, FINE);
+        let onsets = self.onsets(start, &legs);
+        let formed = Formed { start, legs, onsets };
+        let rough = Formed { start, legs: self.legs(start, ROUGH), onsets: Vec::new() };
+        let apart = formed.apart(&rough) / self.maturing.survival(start);
+        // Positive numbers are in the order of their bits.
+        self.missed.fetch_max(apart.to_bits(), Ordering::Relaxed);
+        Arc::new(formed)
     }
 
     fn resolution(&self) -> f64 {
         self.resolution
     }
+
+    fn error(&self) -> f64 {
+        f64::from_bits(self.missed.load(Ordering::Relaxed)).max(ROUNDING)
+    }
 }
 
-impl Leg {
-    fn new((from, to): (f64, f64), sums: &[Sum]) -> Self {
-        /// Polynomials follow the points this much closer than those are right.
-        const FITTED: f64 = 1e-5 * TOLERANCE;
-        let length = to - from;
-        let at = |u: f64| {
-            let place = (u / length).sqrt();
-            std::array::from_fn(|sum| interpolated(sums, place, sum))
+impl Formed {
+    /// The most by which what is left differs.
+    fn apart(&self, other: &Self) -> f64 {
+        let ends = |formed: &Self| -> Vec<f64> {
+            let of = |leg: &Leg| leg.curves[0].boundaries.iter().map(|u| leg.from + u).collect::<Vec<_>>();
+            formed.legs.iter().flat_map(of).collect()
         };
-        let curves: [Piecewise; SUMS] = Piecewise::resolve_all(at, &[], length, Resolution::Mean(FITTED));
-        let mut breaking = curves[0].derivative();
-        breaking.coefficients.iter_mut().flatten().for_each(|c| *c = -*c);
-        Self { from, to, curves, breaking }
+        let places: Vec<f64> = ends(self).into_iter().chain(ends(other)).collect();
+        let left = |formed: &Self, u: f64| formed.toll(u).unbroken[0];
+        places.iter().map(|&u| (left(self, u) - left(other, u)).abs()).fold(0.0, f64::max)
     }
 }
 
 impl Cohort for Formed {
     fn toll(&self, advance: f64) -> Toll {
-        let Some(leg) = self.legs.iter().find(|leg| advance >= leg.from && advance < leg.to) else {
-            return Toll::default();
-        };
-        let u = advance - leg.from;
-        let [unbroken, first, second, exposed, exposed_first] =
-            std::array::from_fn(|k| leg.curves[k].value(u));
-        // What breaks by itself has its own threshold; the rest meets its stretch.
-        let breaking = leg.breaking.value(u);
-        let breaking_first = (self.start + advance) * (breaking - exposed) + exposed_first;
-        Toll { unbroken: [unbroken, first, second], breaking: [breaking, breaking_first] }
+        let mut toll = Toll::default();
+        for leg in self.legs.iter().filter(|leg| advance >= leg.from && advance < leg.to) {
+            let u = advance - leg.from;
+            let [unbroken, first, second, exposed, exposed_first] =
+                std::array::from_fn(|k| leg.curves[k].value(u));
+            // What breaks by itself has its own threshold; the rest meets its stretch.
+            let breaking = leg.breaking.value(u);
+            let breaking_first = (self.start + advance) * (breaking - exposed) + exposed_first;
+            toll.unbroken.iter_mut().zip([unbroken, first, second]).for_each(|(sum, term)| *sum += term);
+            toll.breaking.iter_mut().zip([breaking, breaking_first]).for_each(|(sum, term)| *sum += term);
+        }
+        toll
     }
 
-    /// Where polynomials meet, though they do to their accuracy.
+    /// Where polynomials meet, though they do to their accuracy, and where breaking begins steeply.
     fn breaks(&self) -> Vec<Break> {
         let meet = |leg: &Leg, edge: f64| {
-            let jump = |curve: &Piecewise| {
-                let cell = curve.nearest(edge);
-                let before = if cell > 0 { curve.value_in(cell - 1, edge) } else { 0.0 };
-                if edge < curve.end() {
-                    curve.value_in(cell, edge) - before
-                } else {
-                    -curve.value_in(cell, edge)
-                }
+            let curve = &leg.breaking;
+            let cell = curve.nearest(edge);
+            let before = if cell > 0 { curve.value_in(cell - 1, edge) } else { 0.0 };
+            let jump = if edge < curve.end() {
+                curve.value_in(cell, edge) - before
+            } else {
+                -curve.value_in(cell, edge)
             };
-            Break { position: leg.from + edge, exponent: 0.0, amplitude: jump(&leg.breaking) }
+            Break { position: leg.from + edge, exponent: 0.0, amplitude: jump }
         };
         let of = |leg: &Leg| leg.breaking.boundaries.iter().map(|&edge| meet(leg, edge)).collect::<Vec<_>>();
-        self.legs.iter().flat_map(of).filter(|b| b.position > 0.0).collect()
+        let meets = self.legs.iter().flat_map(of).filter(|b| b.position > 0.0);
+        meets.chain(self.onsets.iter().copied()).collect()
     }
 }

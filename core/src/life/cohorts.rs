@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::Life;
 use super::Starts;
 use super::athermal::begin;
@@ -179,7 +181,8 @@ impl Cohorts {
         let mut points = Vec::new();
         Panels::new(&cohorts.starts.density, cohorts.widest(), NEGLIGIBLE)
             .each(everywhere, |r, _| points.push(r));
-        cohorts.spread = points.into_iter().map(|r| (r.to_bits(), cohorts.fate.cohort(r))).collect();
+        let one = |r: f64| (r.to_bits(), cohorts.fate.cohort(r));
+        cohorts.spread = points.into_par_iter().map(one).collect();
         cohorts
     }
 
@@ -229,7 +232,8 @@ impl Cohorts {
                 met.into_iter().map(|b| Break { position: b.position, ..b.convolve(start.mirrored()) }),
             );
         }
-        out.retain(|b| b.position > 0.0);
+        // At u = 0 only what no derivative tells.
+        out.retain(|b| b.position > 0.0 || b.is_steep());
         out
     }
 

@@ -17,8 +17,7 @@ use crate::law::SharedLaw;
 /// Contacts and starts are taken to have passed [`Contacts::check`].
 ///
 /// # Errors
-/// Ageing that has no life at a velocity; diffusion too slow for newborn thresholds with edges, so that survival is not
-/// right to 1e-3.
+/// Ageing that has no life at a velocity.
 pub fn moving(
     contacts: &Contacts,
     starts: &SharedLaw,
@@ -31,9 +30,7 @@ pub fn moving(
     let life = match (&rules.ageing, Maturing::of(contacts)) {
         (Some(Ageing::Smoluchowski { .. }), Some(maturing)) => {
             let diffusing = Arc::new(Diffusing::new(contacts, maturing, velocity));
-            let life = of_cohorts(contacts, diffusing.clone(), starts.as_ref(), conditional);
-            diffusing.check()?;
-            life
+            of_cohorts(contacts, diffusing, starts.as_ref(), conditional)
         }
         (Some(Ageing::MeanField { .. }), Some(maturing)) => {
             let thresholds = Closure { maturing: &maturing, velocity }.law()?;

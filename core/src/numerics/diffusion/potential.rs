@@ -1,5 +1,7 @@
 //! A potential known at points.
 
+use crate::numerics::piecewise::{Piecewise, Resolution};
+
 /// Below this a density is continued instead: U is kept quadratic, as that of a Gaussian is.
 const FAINTEST: f64 = 1e-280;
 
@@ -39,6 +41,54 @@ impl Potential {
     }
 }
 
+/// U', to the accuracy of the density that it is of.
+#[derive(Debug, Clone)]
+pub struct Slope {
+    /// Where the density is no longer faint.
+    low: f64,
+    high: f64,
+    /// U' from there on …
+    curve: Piecewise,
+    /// … and at both ends, with the derivative; there U is continued as a parabola.
+    ends: [[f64; 2]; 2],
+}
+
+impl Slope {
+    /// U' of U = −ln of a `density` on [low, high] that is smooth between the `edges`, and has its bulk at `bulk`.
+    pub fn of(density: impl Fn(f64) -> f64, (low, high): (f64, f64), edges: &[f64], bulk: f64) -> Self {
+        let faint = |end: f64| {
+            let (mut inside, mut outside) = (bulk, end);
+            while density(outside) <= FAINTEST && (outside - inside).abs() > 1e-9 * (high - low) {
+                let middle = 0.5 * (inside + outside);
+                if density(middle) > FAINTEST { inside = middle } else { outside = middle }
+            }
+            if density(outside) > FAINTEST { outside } else { inside }
+        };
+        // An end at which the density vanishes is no place to begin.
+        let [low, high] = [low, high].map(faint);
+        let edges: Vec<f64> = edges.iter().map(|edge| edge - low).collect();
+        let potential = |u: f64| -density(low + u).max(FAINTEST).ln();
+        let resolution = Resolution::Relative { fraction: 1e-13, negligible: 1.0 };
+        let curve = Piecewise::resolve(potential, &edges, high - low, resolution).derivative();
+        let last = curve.coefficients.len() - 1;
+        let ends = [curve.jet_in(0, 0.0), curve.jet_in(last, high - low)];
+        Self { low, high, curve, ends }
+    }
+
+    /// U'(h).
+    #[inline]
+    pub fn at(&self, h: f64) -> f64 {
+        let u = h - self.low;
+        if u <= 0.0 {
+            self.ends[0][0] + u * self.ends[0][1]
+        } else if h >= self.high {
+            self.ends[1][0] + (h - self.high) * self.ends[1][1]
+        } else {
+            self.curve.value(u)
+        }
+    }
+}
+
 /// The polynomial through values at −1, 0, 1 and 2.
 fn cubic(values: &[f64]) -> [f64; 4] {
     let [a, b, c, d] = std::array::from_fn(|i| values[i]);
@@ -68,6 +118,21 @@ pub fn continued(densities: Vec<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_slope_of_a_gaussian_is_linear_even_where_its_density_is_no_number() {
+        let density = |h: f64| (-0.5 * ((h - 1.0) / 0.01_f64).powi(2)).exp();
+        let slope = Slope::of(density, (0.0, 2.0), &[], 1.0);
+        for h in [0.0, 0.0103, 0.5, 0.99, 1.2345, 2.0] {
+            let exact = (h - 1.0) / 1e-4;
+            // Rounding of U, 640 at most, over the length of a cell.
+            assert!(
+                (slope.at(h) - exact).abs() < 1e-8 * (1.0 + exact.abs()),
+                "{h} {:e}",
+                slope.at(h) - exact
+            );
+        }
+    }
 
     #[test]
     fn the_potential_of_a_gaussian_is_quadratic_even_where_its_density_is_no_number() {

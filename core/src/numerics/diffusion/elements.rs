@@ -1,0 +1,283 @@
+//! A density on spectral elements: a polynomial of degree 15 on each, as a Legendre series (A. T. Patera, J. Comput. Phys. 54,
+//! 468 (1984); in Galerkin form, with hats at the ends and integrated Legendre polynomials in between, I. Babuška, B. A. Szabó
+//! and I. N. Katz, SIAM J. Numer. Anal. 18, 515 (1981)).
+
+use std::sync::LazyLock;
+
+use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments, series};
+use crate::numerics::piecewise::tail;
+
+/// A number for each pair of functions of an element.
+pub(super) type Matrix = [Nodal; NODES];
+
+/// A density on [x, H], element by element; it may jump between them.
+#[derive(Debug, Clone, Default)]
+pub struct Elements {
+    /// Ends of the elements, one more than these.
+    pub edges: Vec<f64>,
+    /// Legendre coefficients on each.
+    pub series: Vec<Nodal>,
+}
+
+/// The functions that continuous densities are made of: (1 ∓ t)/2, and (P_k − P_{k−2})/√(4k − 2) for k ≥ 2.
+#[derive(Debug)]
+pub(super) struct Basis {
+    /// Values at the Gauss points, …
+    pub(super) values: Matrix,
+    /// … and slopes.
+    pub(super) slopes: Matrix,
+    /// ∫ of the product of two of them, …
+    pub(super) mass: Matrix,
+    /// … and of their slopes.
+    pub(super) stiffness: Matrix,
+}
+
+/// The one basis.
+pub(super) static BASIS: LazyLock<Basis> = LazyLock::new(Basis::new);
+
+/// √(4k − 2).
+fn norm(k: usize) -> f64 {
+    (4.0 * k as f64 - 2.0).sqrt()
+}
+
+fn legendre(t: f64) -> Nodal {
+    let mut values = [0.0; NODES];
+    add_moments(t, 1.0, &mut values);
+    values
+}
+
+impl Basis {
+    fn new() -> Self {
+        let (mut values, mut slopes) = ([[0.0; NODES]; NODES], [[0.0; NODES]; NODES]);
+        for (q, &t) in RULE.nodes.iter().enumerate() {
+            let p = legendre(t);
+            let unit = |k: usize| -> Nodal { std::array::from_fn(|i| f64::from(u8::from(i == k))) };
+            let all = Self::split(&p);
+            for k in 0..NODES {
+                values[k][q] = all[k];
+                slopes[k][q] = match k {
+                    0 => -0.5,
+                    1 => 0.5,
+                    _ => (2.0 * k as f64 - 1.0) * series(&unit(k - 1), t) / norm(k),
+                };
+            }
+        }
+        let product = |a: &Matrix| -> Matrix {
+            let sum = |k: usize, l: usize| (0..NODES).map(|q| RULE.weights[q] * a[k][q] * a[l][q]).sum();
+            std::array::from_fn(|k| std::array::from_fn(|l| sum(k, l)))
+        };
+        Self { mass: product(&values), stiffness: product(&slopes), values, slopes }
+    }
+
+    /// What is known of Legendre polynomials, linearly, told of these functions.
+    fn split(of: &Nodal) -> Nodal {
+        std::array::from_fn(|k| match k {
+            0 => 0.5 * (of[0] - of[1]),
+            1 => 0.5 * (of[0] + of[1]),
+            _ => (of[k] - of[k - 2]) / norm(k),
+        })
+    }
+
+    /// ∫ of each function times a Legendre series, on an element of this half width.
+    pub(super) fn moments(series: &Nodal, half: f64) -> Nodal {
+        Self::split(&std::array::from_fn(|n| 2.0 * half * series[n] / (2.0 * n as f64 + 1.0)))
+    }
+
+    /// The Legendre series of a sum of these functions.
+    pub(super) fn series(amplitudes: &Nodal) -> Nodal {
+        let mut out = [0.0; NODES];
+        out[0] = 0.5 * (amplitudes[0] + amplitudes[1]);
+        out[1] = 0.5 * (amplitudes[1] - amplitudes[0]);
+        for k in 2..NODES {
+            out[k] += amplitudes[k] / norm(k);
+            out[k - 2] -= amplitudes[k] / norm(k);
+        }
+        out
+    }
+}
+
+impl Elements {
+    /// A density between the first and the last of the `edges`, on elements that are halved until each leaves out less than
+    /// `left_out` in the mean, or is narrower than `finest`.
+    pub fn of(density: impl Fn(f64) -> f64, edges: &[f64], left_out: f64, finest: f64) -> Self {
+        let mut out = Self { edges: vec![edges[0]], series: Vec::new() };
+        for pair in edges.windows(2) {
+            out.resolve(&density, (pair[0], pair[1]), left_out, finest);
+        }
+        out
+    }
+
+    fn resolve(
+        &mut self,
+        density: &impl Fn(f64) -> f64,
+        (low, high): (f64, f64),
+        left_out: f64,
+        finest: f64,
+    ) {
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let series = RULE.coefficients(&RULE.nodes.map(|t| density(middle + half * t)));
+        if tail(&series) * half > left_out && half > finest {
+            self.resolve(density, (low, middle), left_out, finest);
+            return self.resolve(density, (middle, high), left_out, finest);
+        }
+        self.edges.push(high);
+        self.series.push(series);
+    }
+
+    /// Number of elements.
+    pub fn count(&self) -> usize {
+        self.series.len()
+    }
+
+    /// Middle and half width of an element.
+    pub fn element(&self, i: usize) -> (f64, f64) {
+        (0.5 * (self.edges[i] + self.edges[i + 1]), 0.5 * (self.edges[i + 1] - self.edges[i]))
+    }
+
+    /// Width of an element.
+    pub fn width(&self, i: usize) -> f64 {
+        self.edges[i + 1] - self.edges[i]
+    }
+
+    /// ∫p.
+    pub fn mass(&self) -> f64 {
+        (0..self.count()).map(|i| self.width(i) * self.series[i][0]).sum()
+    }
+
+    /// ∫ of p times several functions.
+    pub fn sums<const K: usize>(&self, weights: impl Fn(f64) -> [f64; K]) -> [f64; K] {
+        let mut sums = [0.0; K];
+        for (i, density) in self.series.iter().enumerate() {
+            let (middle, half) = self.element(i);
+            for (t, w) in RULE.nodes.iter().zip(&RULE.weights) {
+                let mass = half * w * series(density, *t);
+                for (sum, weight) in sums.iter_mut().zip(weights(middle + half * t)) {
+                    *sum += mass * weight;
+                }
+            }
+        }
+        sums
+    }
+
+    /// p at a place, from the right; 0 outside.
+    pub fn value(&self, place: f64) -> f64 {
+        let above = self.edges.partition_point(|&edge| edge <= place);
+        if above == 0 || above > self.count() {
+            return 0.0;
+        }
+        let (middle, half) = self.element(above - 1);
+        series(&self.series[above - 1], (place - middle) / half)
+    }
+
+    /// The projection on other elements of the same interval: exact where they are parts of these, and all moments up to the
+    /// degree stay.
+    #[must_use]
+    pub fn on(&self, edges: &[f64]) -> Self {
+        let mut first = 0;
+        let mut part = |pair: &[f64]| {
+            while first + 1 < self.count() && self.edges[first + 1] <= pair[0] {
+                first += 1;
+            }
+            self.projected((pair[0], pair[1]), first)
+        };
+        Self { edges: edges.to_vec(), series: edges.windows(2).map(&mut part).collect() }
+    }
+
+    /// The projection on [low, high], of which `first` is the first element that reaches into it.
+    fn projected(&self, (low, high): (f64, f64), first: usize) -> Nodal {
+        if (self.edges[first], self.edges[first + 1]) == (low, high) {
+            return self.series[first];
+        }
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let mut moments = [0.0; NODES];
+        for i in (first..self.count()).take_while(|&i| self.edges[i] < high) {
+            let (from, to) = (self.edges[i].max(low), self.edges[i + 1].min(high));
+            let ((m, h), (centre, part)) = (self.element(i), (0.5 * (from + to), 0.5 * (to - from)));
+            for (t, w) in RULE.nodes.iter().zip(&RULE.weights) {
+                let place = centre + part * t;
+                let mass = w * part * series(&self.series[i], (place - m) / h);
+                add_moments((place - middle) / half, mass, &mut moments);
+            }
+        }
+        std::array::from_fn(|n| moments[n] * (n as f64 + 0.5) / half)
+    }
+
+    /// What the element leaves out.
+    pub fn left_out(&self, i: usize) -> f64 {
+        tail(&self.series[i])
+    }
+
+    /// Neighbours joined where one element serves both, to what is `allowed` to one from a place on and of a half width; never
+    /// across the places `kept`.
+    #[must_use]
+    pub fn coarsened(mut self, allowed: impl Fn(f64, f64) -> f64, kept: &[f64]) -> Self {
+        let mut i = 0;
+        while i + 1 < self.count() {
+            if let Some(joint) = self.joint(i, &allowed).filter(|_| !kept.contains(&self.edges[i + 1])) {
+                self.edges.remove(i + 1);
+                self.series.remove(i + 1);
+                self.series[i] = joint;
+                i = i.saturating_sub(1);
+            } else {
+                i += 1;
+            }
+        }
+        self
+    }
+
+    /// One series for an element and the next, if it serves both.
+    fn joint(&self, i: usize, allowed: &impl Fn(f64, f64) -> f64) -> Option<Nodal> {
+        /// The widest next to the narrowest.
+        const RATIO: f64 = 16.1;
+        let [a, b] = [self.width(i), self.width(i + 1)];
+        if a.max(b) > RATIO * a.min(b) {
+            return None;
+        }
+        let (low, high) = (self.edges[i], self.edges[i + 2]);
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let (joint, left_out) = (self.projected((low, high), i), allowed(low, half));
+        let serves = |k: usize| {
+            let (m, h) = self.element(k);
+            let off =
+                |t: &f64| (series(&joint, (m + h * t - middle) / half) - series(&self.series[k], *t)).abs();
+            RULE.nodes.iter().chain(&[-1.0, 1.0]).map(off).fold(0.0, f64::max) <= left_out
+        };
+        (tail(&joint) <= left_out && serves(i) && serves(i + 1)).then_some(joint)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bell(h: f64) -> f64 {
+        (-0.5 * ((h - 0.5) / 0.1).powi(2)).exp()
+    }
+
+    #[test]
+    fn elements_keep_moments_when_they_are_cut_and_joined() {
+        let fine = Elements::of(bell, &[0.0, 0.3, 1.0], 1e-15, 1e-6);
+        let moments = |p: &Elements| p.sums(|h| [1.0, h, h * h]);
+        let cut = fine.on(&[0.0, 0.11, 0.2, 0.3, 0.5, 0.6, 0.9, 1.0]);
+        let joined = cut.clone().coarsened(|_, half| 1e-13 / half, &[]);
+        assert!(joined.count() < cut.count());
+        for other in [&cut, &joined] {
+            for (a, b) in moments(&fine).iter().zip(moments(other)) {
+                // Rounding.
+                assert!((a - b).abs() < 1e-15, "{a} {b}");
+            }
+            // What elements leave out, over their widths.
+            assert!((other.value(0.47) - bell(0.47)).abs() < 1e-11);
+        }
+    }
+
+    #[test]
+    fn sums_of_the_functions_are_legendre_series() {
+        let amplitudes: Nodal = std::array::from_fn(|k| 1.0 / (1.0 + k as f64));
+        let found = Basis::series(&amplitudes);
+        for (q, &t) in RULE.nodes.iter().enumerate() {
+            let exact: f64 = (0..NODES).map(|k| amplitudes[k] * BASIS.values[k][q]).sum();
+            assert!((series(&found, t) - exact).abs() < 1e-15);
+        }
+    }
+}
