@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use asperity::contacts::{Ageing, Contacts};
+use asperity::contacts::{Ageing, Contacts, Initial, Maturing, Start};
 use asperity::law::{Gamma, Gaussian, Mixture, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
+use asperity::master::MasterEquation;
+use asperity::numerics::diffusion::{Step, Work};
 
 fn gaussian(mean: f64, std: f64) -> SharedLaw {
     Arc::new(Gaussian::new(mean, std).unwrap())
@@ -22,8 +24,8 @@ fn a_mixture_of_one_gaussian_ages_like_that_gaussian() {
     let mixture: SharedLaw = Arc::new(Mixture::new(vec![(1.0, gaussian(0.5, 0.1))]).unwrap());
     for (velocity, expected) in [(10.0, 0.2721367872), (1.0, 0.3867782523), (0.1, 0.5012378105)] {
         let found = kinetic_friction(&mixture, &gaussian(1.0, 0.05), velocity);
-        // What the newborn law has below 0 is cut off, of 2.9e-7, and thresholds are known to 1e-7.
-        assert!((found - expected).abs() < 3.9e-7, "{velocity} {found}");
+        // What the newborn law has below 0 is cut off, of 2.9e-7.
+        assert!((found - expected).abs() < 3e-7, "{velocity} {found}");
     }
 }
 
@@ -41,4 +43,49 @@ fn friction_weakens_from_that_of_the_mature_law_to_that_of_the_newborn_one() {
         assert!((found[3] - still(&newborn)).abs() < 3e-6);
         assert!(found.windows(2).all(|pair| pair[0] > pair[1]), "{found:?}");
     }
+}
+
+/// F_k where S(x) = 1 − max G(x'; x'/v), G by finite volumes on so many cells, of which the stretch passes one at each step.
+fn by_finite_volumes(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64, cells: usize) -> f64 {
+    let maturing = Maturing::new(newborn.clone(), mature.clone(), mature.std().powi(2));
+    let operator = Arc::new(maturing.operator(cells));
+    let (width, none) = (operator.width(), (f64::NEG_INFINITY, f64::NEG_INFINITY));
+    let mut masses = maturing.newborn(&operator.middles(), -1.0);
+    let (mut work, step) = (Work::default(), Step::new(&operator, width / velocity));
+    let (mut met, mut sums) = (0.0_f64, [0.5 * width, 0.0]);
+    for cell in 1..cells {
+        step.advance(&mut masses, none, None, &mut work);
+        met = met.max(masses[..cell].iter().sum());
+        sums[0] += width * (1.0 - met);
+        sums[1] += width * operator.edge(cell) * (1.0 - met);
+    }
+    sums[1] / sums[0]
+}
+
+#[test]
+fn between_gammas_ranks_are_those_of_the_law_followed_by_finite_volumes() {
+    let law = |mean, std| Arc::new(Gamma::new(mean, std).unwrap()) as SharedLaw;
+    let (newborn, mature) = (law(0.7, 0.14), law(1.2, 0.15));
+    for velocity in [5.0, 0.7] {
+        let [coarse, fine, finest] =
+            [500, 1000, 2000].map(|cells| by_finite_volumes(&newborn, &mature, velocity, cells));
+        let (better, best) = (fine + (fine - coarse) / 3.0, finest + (finest - fine) / 3.0);
+        let found = kinetic_friction(&newborn, &mature, velocity);
+        // Both are of second order, extrapolated once; the better one is off by a fifteenth of what they differ by, or less.
+        let off = (found - best).abs();
+        assert!(off < (best - better).abs() && off < 3e-8, "{velocity} {found} {best} {better}");
+    }
+}
+
+#[test]
+fn the_error_of_ranks_is_told_and_a_pull_does_not_cost_much() {
+    let law = |mean, std| Arc::new(Gamma::new(mean, std).unwrap()) as SharedLaw;
+    let mut contacts = Contacts::new(law(0.7, 0.14), Arc::new(Point::new(0.0).unwrap()));
+    contacts.rules.ageing = Some(Ageing::FrozenRank { mature: law(1.2, 0.15), time: 1.0 });
+    let initial = Initial { law: Arc::new(Point::new(0.0).unwrap()), start: Start::Conditional };
+    let equation = MasterEquation::at(contacts, &initial, 5.0).unwrap();
+    assert!(equation.life().error() < 1e-9, "{:e}", equation.life().error());
+    let pull = equation.pull(1.4, 1e-9, &mut ()).unwrap();
+    // Smooth thresholds make few cells: the law's own number of them, and those of the lull.
+    assert!(pull.cells() < 400, "{}", pull.cells());
 }

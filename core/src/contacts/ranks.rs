@@ -1,35 +1,36 @@
 //! Contacts that keep their rank while the law of their thresholds matures.
 
-use std::sync::Arc;
-
 use super::Maturing;
 use crate::law::SharedLaw;
-use crate::numerics::diffusion::{Step, Work};
+use crate::numerics::diffusion::{Elements, Field, March};
+use crate::numerics::legendre::{primitive, series};
 use crate::numerics::roots::brent_root;
 use crate::numerics::stencil::Stencil;
 
-/// Ranks q are told by ψ = ln[q/(1 − q)], evenly from −30 to 30: all but 1e-13 of the contacts at either end.
-const FAR: f64 = 30.0;
-const RANKS: usize = 481;
+/// Ranks q are told by ψ = ln[q/(1 − q)], evenly from −23 to 23: all but 1e-10 of the contacts at either end.
+const FAR: f64 = 23.0;
+const RANKS: usize = 369;
 
-/// Ages t are told by ln(1 + t/τ), evenly up to 200 τ; from there on nothing changes.
-const AGES: usize = 129;
+/// Ages t are told by ln(1 + t/s), this far apart, up to 200 τ; from there on nothing changes.
+const SPACING: f64 = 0.04;
 const OLDEST: f64 = 200.0;
 
-/// Cells, and steps between two ages, at the coarsest of three levels.
-const CELLS: usize = 512;
-const STEPS: usize = 2;
+/// s over the time in which the newborn law, as narrow as it is, changes; where it has edges, these do at once.
+const SOON: f64 = 0.2;
+const AT_ONCE: f64 = 1e-6;
+
+/// What the law at an age leaves out.
+const LEFT_OUT: f64 = 1e-13;
 
 /// The threshold h(q, t) of rank q, G(h; t) = q, where G is the distribution function at the age t of the law that evolves
-/// as [`Maturing`] tells.
-///
-/// The law is carried on by [`Step`] at three levels, each with twice as many cells and steps as the one before, and the
-/// thresholds are extrapolated.
+/// as [`Maturing`] tells, carried on by [`March`].
 pub(super) struct Ranks {
     newborn: SharedLaw,
+    /// s.
     time: f64,
     /// h at even ψ, for each age.
     rows: Vec<Vec<f64>>,
+    error: f64,
 }
 
 /// The thresholds at one age.
@@ -54,25 +55,68 @@ impl std::fmt::Debug for Ranks {
 impl Ranks {
     /// The thresholds of contacts of the law `newborn`, which matures in the time τ.
     pub(super) fn new(newborn: &SharedLaw, maturing: &Maturing, time: f64) -> Self {
-        let levels = [1, 2, 4].map(|fine| evolved(maturing, time, fine));
-        let extrapolated = |age: usize, rank: usize| {
-            let [coarse, fine, finest] = levels.each_ref().map(|level| level[age][rank]);
-            let (better, best) = (fine + (fine - coarse) / 3.0, finest + (finest - fine) / 3.0);
-            best + (best - better) / 15.0
+        let edged = newborn.breaks().iter().any(|b| b.exponent <= 0.0 && b.weight(newborn.mean()) > LEFT_OUT);
+        let soon = if edged {
+            AT_ONCE
+        } else {
+            SOON * (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0)
         };
-        let row = |age: usize| (0..RANKS).map(|rank| extrapolated(age, rank)).collect();
+        let scale = soon * time;
+        let count = ((OLDEST * time / scale).ln_1p() / SPACING).ceil() as usize + 1;
+        let age = |row: usize| scale * (SPACING * row as f64).exp_m1();
         let born = (0..RANKS).map(|rank| quantile(newborn, psi(rank))).collect();
-        let rows = std::iter::once(born).chain((0..AGES - 1).map(row)).collect();
-        Self { newborn: newborn.clone(), time, rows }
+        let ages: Vec<f64> = (1..count).map(age).collect();
+        let rows = std::iter::once(born).chain(evolved(maturing, &ages)).collect();
+        let mut ranks = Self { newborn: newborn.clone(), time: scale, rows, error: 0.0 };
+        ranks.error = ranks.missed();
+        ranks
+    }
+
+    /// Estimated error of the distribution function at any age.
+    pub(super) fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// The error of the distribution function that interpolation makes: from what every second row and rank, and every fourth,
+    /// tell of those in between.
+    fn missed(&self) -> f64 {
+        let [second, fourth] = [2, 4].map(|every| self.apart(every));
+        // Rounding, and what the law leaves out.
+        (second * (second / fourth.max(f64::MIN_POSITIVE)).min(1.0)).max(10.0 * LEFT_OUT)
+    }
+
+    /// How far what rows and ranks tell that are so many apart is from those half way in between, as a part of the contacts.
+    fn apart(&self, every: usize) -> f64 {
+        let (ages, ranks) = ((self.rows.len() - 1) / every, (RANKS - 1) / every);
+        let (older, farther) = (ages * every, ranks * every);
+        let mut most = 0.0_f64;
+        for rank in 1..RANKS - 1 {
+            // 1 of ψ is q(1 − q) of the contacts.
+            let q = 1.0 / (1.0 + (-psi(rank)).exp());
+            let per_length = |row: &[f64]| {
+                q * (1.0 - q) * 2.0 * (2.0 * FAR / (RANKS - 1) as f64) / (row[rank + 1] - row[rank - 1])
+            };
+            for row in (every / 2..older).step_by(every) {
+                let stencil = Stencil::at(row as f64 / every as f64, ages + 1);
+                let told = stencil.value(|age| self.rows[age * every][rank]);
+                most = most.max((told - self.rows[row][rank]).abs() * per_length(&self.rows[row]));
+            }
+            if rank % every == every / 2 && rank < farther {
+                for row in &self.rows {
+                    let told = Stencil::at(rank as f64 / every as f64, ranks + 1).value(|k| row[k * every]);
+                    most = most.max((told - row[rank]).abs() * per_length(row));
+                }
+            }
+        }
+        most
     }
 
     /// The thresholds at an age.
     pub(super) fn at(&self, age: f64) -> Ranked<'_> {
-        let spacing = OLDEST.ln_1p() / (AGES - 1) as f64;
-        let place = (age / self.time).ln_1p() / spacing;
-        let last = (AGES - 1) as f64;
-        let pace = if place < last { 1.0 / (spacing * (self.time + age)) } else { 0.0 };
-        Ranked { ranks: self, ages: Stencil::at(place.min(last), AGES), pace }
+        let place = (age / self.time).ln_1p() / SPACING;
+        let last = (self.rows.len() - 1) as f64;
+        let pace = if place < last { 1.0 / (SPACING * (self.time + age)) } else { 0.0 };
+        Ranked { ranks: self, ages: Stencil::at(place.min(last), self.rows.len()), pace }
     }
 
     /// ψ of a newborn threshold.
@@ -141,64 +185,68 @@ fn quantile(law: &SharedLaw, psi: f64) -> f64 {
     if psi < 0.0 { law.quantile(minor) } else { law.upper_quantile(minor) }
 }
 
-/// The thresholds of all ranks at all ages above 0, on `fine` times as many cells and steps as at the coarsest level.
-fn evolved(maturing: &Maturing, time: f64, fine: usize) -> Vec<Vec<f64>> {
-    let operator = Arc::new(maturing.operator(CELLS * fine));
-    let mut masses = maturing.newborn(&operator.middles(), -1.0);
-    let age = |row: usize| time * (OLDEST.ln_1p() * row as f64 / (AGES - 1) as f64).exp_m1();
-    let edges: Vec<f64> = (1..operator.cells()).map(|cell| operator.edge(cell)).collect();
-    let mut work = Work::default();
-    let mut next = |row: usize| {
-        let count = STEPS * fine;
-        let step = Step::new(&operator, (age(row) - age(row - 1)) / count as f64);
-        for _ in 0..count {
-            step.advance(&mut masses, (f64::NEG_INFINITY, f64::NEG_INFINITY), None, &mut work);
+/// The thresholds of all ranks at all these ages, which rise.
+fn evolved(maturing: &Maturing, ages: &[f64]) -> Vec<Vec<f64>> {
+    /// The narrowest element at an edge, as part of the width of P_cf.
+    const FINEST: f64 = 1e-5;
+    let (slope, kinks) = (maturing.slope(), maturing.kinks());
+    let finest = FINEST * maturing.width();
+    let field = Field { slope: &|h| slope.at(h), diffusion: maturing.diffusion, drain: None };
+    let mut march = March {
+        density: maturing.spread(maturing.support.0, 0.1 * LEFT_OUT, finest),
+        field,
+        velocity: 0.0,
+        absorbing: false,
+        kinks: &kinks,
+        left_out: LEFT_OUT,
+        time: 0.0,
+        next: finest * finest / maturing.diffusion,
+        first: true,
+    };
+    let mut at = |age: &f64| {
+        while march.time < *age {
+            march.advance(*age);
         }
-        inverted(&edges, &masses, maturing.support)
+        inverted(&march.density)
     };
-    (1..AGES).map(&mut next).collect()
+    ages.iter().map(&mut at).collect()
 }
 
-/// The places at which masses below and above, split at the `edges`, have the ranks ψ.
-fn inverted(edges: &[f64], masses: &[f64], support: (f64, f64)) -> Vec<f64> {
-    let sums = |masses: &mut dyn Iterator<Item = &f64>| -> Vec<f64> {
-        masses
-            .scan(0.0, |sum, mass| {
-                *sum += mass;
-                Some(*sum)
-            })
-            .collect()
+/// The places at which masses below and above have the ranks ψ.
+fn inverted(density: &Elements) -> Vec<f64> {
+    let masses: Vec<f64> = (0..density.count()).map(|i| density.width(i) * density.series[i][0]).collect();
+    let whole: f64 = masses.iter().sum();
+    let place = |rank: usize| {
+        let psi = psi(rank);
+        // Counted from the nearer end, in which little is lost.
+        let minor = whole / (1.0 + psi.abs().exp());
+        let all = || 0..masses.len();
+        let met = if psi < 0.0 { found(all(), &masses, minor) } else { found(all().rev(), &masses, minor) };
+        let Some((element, before)) = met else { return density.edges[0] };
+        let (middle, half) = density.element(element);
+        let below = primitive(&density.series[element]);
+        let wanted = if psi < 0.0 { minor - before } else { masses[element] - (minor - before) };
+        let excess = |t: f64| half * (density.series[element][0] + series(&below, t)) - wanted;
+        middle + half * brent_root(excess, -1.0, 1.0, 0.0).unwrap_or(0.0)
     };
-    let (below, above) = (sums(&mut masses.iter()), sums(&mut masses.iter().rev()));
-    let count = edges.len();
-    let known = edges.iter().enumerate().map(|(i, &edge)| (below[i].ln() - above[count - 1 - i].ln(), edge));
-    let known: Vec<(f64, f64)> = known.filter(|point| point.0.abs() < FAR + 2.0).collect();
-    (0..RANKS).map(|rank| place(&known, psi(rank), support)).collect()
+    (0..RANKS).map(place).collect()
 }
 
-/// The place at which ψ is met, by the polynomial through the eight points around; beyond them, in the last cell, masses
-/// are even.
-fn place(known: &[(f64, f64)], psi: f64, (low, high): (f64, f64)) -> f64 {
-    let (first, last) = (known[0], known[known.len() - 1]);
-    if psi < first.0 {
-        return low + (first.1 - low) * (psi - first.0).exp();
-    }
-    if psi > last.0 {
-        return high - (high - last.1) * (last.0 - psi).exp();
-    }
-    const POINTS: usize = 8;
-    let above = known.partition_point(|point| point.0 < psi);
-    let first = above.saturating_sub(POINTS / 2).min(known.len().saturating_sub(POINTS));
-    let around = &known[first..known.len().min(first + POINTS)];
-    let weight = |k: usize| {
-        let others = around.iter().enumerate().filter(|other| other.0 != k);
-        others.map(|(_, other)| (psi - other.0) / (around[k].0 - other.0)).product::<f64>()
-    };
-    (0..around.len()).map(|k| weight(k) * around[k].1).sum()
+/// The element in which the masses so far pass what is wanted, and those before it.
+fn found(mut elements: impl Iterator<Item = usize>, masses: &[f64], wanted: f64) -> Option<(usize, f64)> {
+    let mut before = 0.0;
+    elements.find_map(|i| {
+        let passes = before + masses[i] >= wanted;
+        let found = passes.then_some((i, before));
+        before += masses[i];
+        found
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::law::Gaussian;
 
@@ -215,8 +263,8 @@ mod tests {
             for z in [-3.0, -1.0, 0.0, 0.5, 3.0, 5.0] {
                 let (newborn, exact) = (0.8 + 0.1 * z, mean + std * z);
                 let found = aged.threshold(newborn);
-                // Cells of a fiftieth of σ_f, extrapolated twice.
-                assert!((found - exact).abs() < 1e-7, "{age} {z} {:e}", found - exact);
+                // At 5σ ranks are 3e-7, of a law that is right to 1e-13.
+                assert!((found - exact).abs() < 1e-9, "{age} {z} {:e}", found - exact);
                 let drift = (0.2 * left - z * 0.0075 * left * left / std) / time;
                 let drift = if age < 400.0 { drift } else { 0.0 };
                 // Slopes lose what ages and ranks are apart: 1/25 in ln t, 1/100 in h.

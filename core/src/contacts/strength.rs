@@ -81,6 +81,14 @@ impl Strength {
         matches!(self.kind, Kind::Constant)
     }
 
+    /// Estimated error of the distribution function of present thresholds at any age.
+    pub fn error(&self) -> f64 {
+        match &self.kind {
+            Kind::Ranked(ranks) => ranks.error(),
+            _ => 0.0,
+        }
+    }
+
     /// The strengths at an age t ≥ 0.
     pub fn at(&self, age: f64) -> Aged<'_> {
         let affine = match self.kind {

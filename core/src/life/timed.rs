@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use super::cells::{NEGLIGIBLE, scale, with_atoms};
+use super::cells::{NEGLIGIBLE, ROUNDING, scale, with_atoms};
 use super::exposure::{Exposed, Exposure, Risk, blur};
 use super::fate::{Cohort, Fate, Passing, Toll};
 use super::grid::{Grid, Share};
@@ -126,6 +126,10 @@ impl Fate for Timed {
         let record = Record::new(&self.strength, self.velocity, start, self.highest);
         let (histories, asked) = (OnceLock::new(), AtomicBool::new(false));
         Arc::new(Formed { of: self.clone(), start, record, histories, asked })
+    }
+
+    fn error(&self) -> f64 {
+        self.strength.error().max(ROUNDING)
     }
 
     fn resolution(&self) -> f64 {
