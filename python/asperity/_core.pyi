@@ -1166,9 +1166,10 @@ class Transport(Model):
 
         Returns a Record of variables of shape (n,), n being the points of all steps, shared where steps meet: `time`,
         `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of contacts that breaks per
-        time) and `free` (the fraction that is broken and has not yet re-formed).
+        time), `free` (the fraction that is broken and has not yet re-formed) and `force_error` (an estimate, on the safe side,
+        of the largest error of the force, the same at all points).
 
-        Raises ValueError for no steps.
+        Raises ValueError for no steps, RuntimeError where that error is larger than a tolerance that was given.
         """
 
 @overload

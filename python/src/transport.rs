@@ -1,6 +1,7 @@
 //! Contacts under a slider whose velocity varies.
 
 use asperity::history::History;
+use asperity::monitor::Monitor;
 use asperity::record::{self, Quantity};
 use asperity::scenario::{self, Units};
 use asperity::{Error, ensemble, master};
@@ -133,9 +134,10 @@ impl Transport {
     ///
     /// Returns a Record of variables of shape (n,), n being the points of all steps, shared where steps meet: `time`,
     /// `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of contacts that breaks per
-    /// time) and `free` (the fraction that is broken and has not yet re-formed).
+    /// time), `free` (the fraction that is broken and has not yet re-formed) and `force_error` (an estimate, on the safe side,
+    /// of the largest error of the force, the same at all points).
     ///
-    /// Raises ValueError for no steps.
+    /// Raises ValueError for no steps, RuntimeError where that error is larger than a tolerance that was given.
     #[pyo3(signature = (steps, *, progress = None))]
     fn follow(
         slf: &Bound<'_, Self>,
@@ -145,7 +147,13 @@ impl Transport {
         let py = slf.py();
         let (history, times) = way(steps)?;
         let mut transport = slf.get().transport.clone();
-        let trace = watched(progress, py, |monitor| transport.follow(&history, &times, monitor))?;
+        let tolerance = Self::plain(slf).tolerance;
+        let follow = |monitor: &mut dyn Monitor| {
+            let trace = transport.follow(&history, &times, monitor)?;
+            trace.check(transport.unit(), tolerance)?;
+            Ok(trace)
+        };
+        let trace = watched(progress, py, follow)?;
         Py::new(py, Record::new(py, columns(trace), Units::default())?)
     }
 }
@@ -180,6 +188,8 @@ fn columns(trace: master::Trace) -> record::Record {
     let words = "fraction of contacts breaking per time";
     add("breaking_frequency", words, Quantity::PerTime, trace.breaking_rate);
     add("free", "fraction of contacts that are free", Quantity::Number, trace.free);
+    let error = vec![trace.error; record.values("time").map_or(0, <[f64]>::len)];
+    record.push("force_error", "estimated error of the force", Quantity::Force, &["point"], error);
     record
 }
 

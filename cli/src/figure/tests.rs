@@ -53,6 +53,7 @@ fn outcome() -> Outcome {
         sliding: None,
         friction_coefficients: None,
         steps: Vec::new(),
+        force_error: None,
         limits: Vec::new(),
         stability: None,
         hold_curve: None,

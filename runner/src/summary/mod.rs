@@ -37,6 +37,9 @@ pub struct Summary {
     /// How the slider slid, where its top was driven.
     #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
     pub sliding: Option<Sliding>,
+    /// Estimated error of the force on a protocol, on the safe side.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force_error: Option<f64>,
     /// The steps of a protocol.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<Step>,

@@ -48,6 +48,7 @@ pub fn rigid(
     let tolerance = scenario.master_equation.tolerance_in_time(&contacts.rules);
     let mut transport = Transport::new(contacts.clone(), initial, tolerance)?;
     let trace = transport.follow(&history, &times, &mut Part::new(monitor, 0.0, master))?;
+    trace.check(transport.unit(), scenario.master_equation.tolerance)?;
     let mut record = traced(&trace, contacts.rules.delay > 0.0);
     if let Some(ensemble) = &scenario.ensemble {
         let model = ensemble.build(contacts.clone(), initial.clone())?;

@@ -132,6 +132,7 @@ impl Setting<'_> {
             friction_coefficients: None,
             sliding: None,
             steps: Vec::new(),
+            force_error: None,
             limits: Vec::new(),
             stability: None,
             hold_curve: None,

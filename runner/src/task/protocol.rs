@@ -31,7 +31,7 @@ pub fn run(
     let (trace, mut record) = in_time::rigid(setting, task, monitor)?;
     let steps = told(setting, task, &trace)?;
     let compare = compared(setting.scenario, &trace, &mut record);
-    Ok((Summary { steps, compare, ..setting.heading() }, record))
+    Ok((Summary { force_error: Some(trace.error), steps, compare, ..setting.heading() }, record))
 }
 
 /// The measured curve, and how far it is from the trace, linear between its points.

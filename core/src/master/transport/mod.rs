@@ -56,6 +56,8 @@ pub struct Transport {
     seeds: Arc<[Seed]>,
     /// Force of all contacts per stretch.
     stiffness: f64,
+    /// N_c⟨k⟩ times the mean threshold.
+    unit: f64,
     tolerance: f64,
     delay: f64,
     time: f64,
@@ -137,10 +139,12 @@ impl Transport {
         Tolerance::from(tolerance).check()?;
         let seeds = seeds(contacts.reforming.as_ref(), contacts.highest_start(), widest(contacts), |_| 1.0);
         let (Stiffness::Equal(stiffness) | Stiffness::PerThreshold(stiffness)) = contacts.stiffness;
+        let mean = contacts.thresholds.mean();
         Ok(Self {
             model: Arc::new(model(contacts, &seeds, tolerance)?),
             seeds: seeds.into(),
             stiffness: contacts.count * stiffness,
+            unit: contacts.count * contacts.stiffness.of(mean) * mean,
             tolerance,
             delay: contacts.rules.delay,
             time: 0.0,
@@ -154,6 +158,11 @@ impl Transport {
             kinks: Vec::new(),
             rough: None,
         })
+    }
+
+    /// N_c⟨k⟩ times the mean threshold, the force that tolerances are counted in.
+    pub fn unit(&self) -> f64 {
+        self.unit
     }
 
     /// Force F.
@@ -441,6 +450,16 @@ const LEAST: f64 = 1e-5;
 const SAME: f64 = 4.0 * f64::EPSILON;
 
 impl Trace {
+    /// Refuses a trace whose estimated error is larger than what is required of F/(N_c⟨k⟩) per mean threshold, `unit` being that
+    /// force.
+    ///
+    /// # Errors
+    /// [`Error::Accuracy`].
+    pub fn check(&self, unit: f64, required: Option<f64>) -> Result<()> {
+        let what = || "the force of contacts followed through time".to_owned();
+        required.map_or(Ok(()), |required| Tolerance::from(required).allows(self.error / unit, what))
+    }
+
     fn push(&mut self, transport: &Transport, velocity: f64) {
         self.time.push(transport.time);
         self.position.push(transport.position);

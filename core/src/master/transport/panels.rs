@@ -1,7 +1,7 @@
 //! Where a law is looked at: panels on which its density is smooth, with Gauss points.
 
 use crate::law::Law;
-use crate::numerics::legendre::{NODES, RULE};
+use crate::numerics::legendre::{NODES, Nodal, RULE};
 
 /// Width of a panel in units of a zone's resolution: skewed laws vary faster than that at their steeper side.
 const WIDTH: f64 = 1.0;
@@ -26,21 +26,29 @@ impl Panel {
         (0..NODES).map(move |i| (middle + half * RULE.nodes[i], half * RULE.weights[i]))
     }
 
-    /// ∫_from^high of `density` times the polynomial through `values` at the Gauss points.
-    pub(super) fn above(self, from: f64, values: &[f64], density: impl Fn(f64) -> f64) -> f64 {
+    /// ∫_from^high of `density` times e^{−A}, with A at the Gauss points.
+    ///
+    /// e^{−A} of a rate that falls by e³ on the panel is no polynomial of degree 15 to better than 1e-6, ln A is one to rounding;
+    /// where contacts have just formed, A is one.
+    pub(super) fn above(self, from: f64, exponents: &Nodal, density: impl Fn(f64) -> f64) -> f64 {
+        /// Of as small an A, e^{−A} differs from a polynomial by nothing.
+        const SMALL: f64 = 1e-6;
         let (middle, half) = (0.5 * (self.low + self.high), 0.5 * (self.high - self.low));
+        let logarithmic = exponents.iter().any(|a| *a > SMALL) && exponents.iter().all(|a| *a > 0.0);
+        let values = exponents.map(|a| if logarithmic { a.ln() } else { (-a).exp() });
         RULE.integrate(from, self.high, |h| {
             let row = RULE.cardinals((h - middle) / half);
             let value: f64 = row.iter().zip(values).map(|(weight, value)| weight * value).sum();
-            density(h) * value
+            density(h) * if logarithmic { (-value.exp()).exp() } else { value }
         })
     }
 }
 
-/// The panels that hold the density of a law, none wider than `widest` where all but a fraction `rare` of it lies.
-pub(super) fn panels(law: &dyn Law, widest: f64, rare: f64) -> Vec<Panel> {
+/// The panels that hold the density of a law, none wider than what is the `widest` at its upper end where all but a fraction
+/// `rare` of it lies.
+pub(super) fn panels(law: &dyn Law, widest: impl Fn(f64) -> f64, rare: f64) -> Vec<Panel> {
     let top = law.upper_quantile(0.0).min(law.upper_quantile(BEYOND));
-    let common = if widest.is_finite() { law.upper_quantile(rare) } else { top };
+    let common = law.upper_quantile(rare).min(top);
     let zones = law.zones();
     let mut stops: Vec<f64> = zones.iter().flat_map(|zone| [zone.low, zone.high]).collect();
     stops.extend(law.breaks().iter().map(|b| b.position));
@@ -56,16 +64,23 @@ pub(super) fn panels(law: &dyn Law, widest: f64, rare: f64) -> Vec<Panel> {
         // Tails beyond all zones fall by no more than a power.
         let tail = low > 0.0 && over.is_empty();
         let folds = if tail { (high / low).ln() / TAIL } else { 1.0 };
-        let widest = if low < common { widest } else { f64::INFINITY };
-        let count = ((high - low) / scale.min(widest)).max(folds).ceil().max(1.0);
+        let widest = |x: f64| if low < common { widest(x) } else { f64::INFINITY };
+        let count = ((high - low) / scale).max(folds).ceil().max(1.0);
         let edge = |k: f64| {
             if tail { low * (high / low).powf(k / count) } else { low + (high - low) * k / count }
         };
-        let parts =
-            (0..count as u32).map(|k| Panel { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) });
+        let parts = (0..count as u32)
+            .flat_map(|k| cut(Panel { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) }, &widest));
         panels.extend(parts.filter(|panel| panel.points().any(|(x, _)| law.density(x) > 0.0)));
     }
     panels
+}
+
+/// Equal parts of a panel that are narrow enough.
+fn cut(panel: Panel, widest: &impl Fn(f64) -> f64) -> impl Iterator<Item = Panel> {
+    let count = ((panel.high - panel.low) / widest(panel.high)).ceil().max(1.0);
+    let edge = move |k: u32| panel.low + (panel.high - panel.low) * f64::from(k) / count;
+    (0..count as u32).map(move |k| Panel { low: edge(k), high: edge(k + 1) })
 }
 
 #[cfg(test)]
@@ -86,7 +101,7 @@ mod tests {
             Arc::new(Gamma::new(1.0, 0.3).unwrap()),
         ];
         for law in laws {
-            let points = panels(law.as_ref(), f64::INFINITY, 0.0).into_iter().flat_map(Panel::points);
+            let points = panels(law.as_ref(), |_| f64::INFINITY, 0.0).into_iter().flat_map(Panel::points);
             let whole: f64 = points.map(|(x, weight)| weight * law.density(x)).sum();
             // What 16 points leave out of the tails.
             assert!((whole - 1.0).abs() < 1e-11, "{}: {whole}", law.name());

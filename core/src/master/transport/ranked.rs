@@ -3,7 +3,7 @@
 //! A contact born with the threshold h_0 ~ P_ci, above its stretch then, is left with the probability e^{−A}, A = ∫w dt,
 //! while its present threshold has stayed above its stretch: while h_0 > c, the largest newborn threshold that the stretch
 //! has met. The share left is ∫_c^∞ P_ci e^{−A} dh_0 over that at birth. A is kept at Gauss points of panels; on the panel
-//! where c lies e^{−A} is the polynomial through its values there, for which the rate is continued past y = 1.
+//! where c lies ln A is the polynomial through its values there, for which the rate is continued past y = 1.
 
 use serde::{Deserialize, Serialize};
 
@@ -72,16 +72,19 @@ const NOTHING: f64 = 1e-15;
 /// Lumps meet a threshold this near.
 const MET: f64 = 1e-12;
 
-/// The share of a rate's e-fold of threshold that a panel may cover.
-fn widest(contacts: &Contacts, temperature: &Temperature) -> f64 {
-    let mean = contacts.thresholds.mean();
-    let stiffness = contacts.stiffness.of(mean);
+/// The width of a panel with this upper end, by the e-folds that a rate may fall by on it: no more than E_0/T grows by.
+fn widest(contacts: &Contacts, temperature: &Temperature, high: f64) -> f64 {
     let folds = match temperature.barrier {
-        Barrier::Elastic | Barrier::Bell => 4.0,
+        // Sixteen points integrate exp(−e^{−t}) over three to 1e-12.
+        Barrier::Elastic | Barrier::Bell => 3.0,
         // Its rate has a weak singularity where the threshold is met.
         Barrier::Catastrophe => 1.0,
     };
-    folds * temperature.energy / (stiffness * mean)
+    let steeper = match contacts.stiffness {
+        Stiffness::Equal(_) => 1.0,
+        Stiffness::PerThreshold(_) => 1.5,
+    };
+    folds * temperature.energy / (steeper * contacts.stiffness.of(high) * high)
 }
 
 /// Whether temperature moves places of breaking by more than the tolerance, in mean thresholds: by T/(k x̄) for every e-fold
@@ -126,9 +129,9 @@ impl Ranks {
     pub(super) fn new(contacts: &Contacts, tolerance: f64) -> Result<Self> {
         let law = contacts.thresholds.clone();
         let temperature = contacts.rules.temperature.filter(|t| is_felt(contacts, t, tolerance));
-        let widest = temperature.map_or(f64::INFINITY, |t| widest(contacts, &t));
+        let widest = |high: f64| temperature.map_or(f64::INFINITY, |t| widest(contacts, &t, high));
         let rare = RARE * tolerance;
-        affordable(law.as_ref(), widest, rare)?;
+        affordable(law.as_ref(), widest(law.upper_quantile(rare)), rare)?;
         let panels = panels(law.as_ref(), widest, rare);
         let points = panels.iter().flat_map(|panel| panel.points());
         let (mut labels, mut weights): (Vec<_>, Vec<_>) =
@@ -215,7 +218,9 @@ impl Ranks {
     ) {
         let (rule, parts) = self.rule(temperature, place, path, (from, to));
         let gone = left.exponents.partition_point(|&exponent| exponent > GONE);
-        let first = (self.first(left.met) * NODES).min(self.spread).max(gone.min(self.spread));
+        // On a panel with some that are not gone, all are followed: A is interpolated on it.
+        let first =
+            (self.first(left.met) * NODES).min(self.spread).max(gone.min(self.spread) / NODES * NODES);
         for part in 0..parts {
             let width = (to - from) / f64::from(parts);
             let start = from + width * f64::from(part);
@@ -312,8 +317,9 @@ impl Ranks {
             sum += self.weights[i] * weight(self.labels[i]) * kept(left, i);
         }
         if split {
-            let values: [f64; NODES] = std::array::from_fn(|k| kept(left, first * NODES + k));
-            sum += self.panels[first].above(left.met, &values, |h| self.law.density(h) * weight(h));
+            let label = |k: usize| left.exponents.get(first * NODES + k).copied().unwrap_or(0.0);
+            let exponents = std::array::from_fn(label);
+            sum += self.panels[first].above(left.met, &exponents, |h| self.law.density(h) * weight(h));
         }
         sum
     }
