@@ -29,6 +29,7 @@ fn outcome(seed: u64) -> Outcome {
     Outcome {
         scenario: format!("title = \"τ\"\n# {}\n", "long ".repeat(20_000)),
         summary: Summary {
+            force_error: None,
             title: "τ, the title".into(),
             version: "0.1.0".into(),
             units: Units { length: "µm".into(), force: "MPa".into(), time: String::new() },
