@@ -186,6 +186,11 @@ impl Maturing {
         self.newborn.density(threshold).max(mature)
     }
 
+    /// The lowest newborn threshold that many share.
+    pub fn lowest_shared(&self) -> Option<f64> {
+        self.newborn.atoms().first().map(|atom| atom.position)
+    }
+
     /// A length on which both laws vary little.
     pub fn resolution(&self) -> f64 {
         let zones = self.newborn.zones().into_iter().chain(self.mature.zones());

@@ -8,7 +8,7 @@ use super::fate::{Cohort, Fate, Toll};
 use crate::contacts::{Contacts, Maturing, Stiffness, Temperature};
 use crate::law::Break;
 use crate::numerics::diffusion::{Drain, Elements, Field, March, Slope, Taken};
-use crate::numerics::legendre::{NODES, Nodal};
+use crate::numerics::legendre::{NODES, Nodal, RULE, derivative, series};
 use crate::numerics::piecewise::Piecewise;
 
 /// Contacts with v ∂_x p = D∂_h[U' + ∂_h]p − w p on h > x, p = 0 at h = x, from P_ci above where they formed.
@@ -68,9 +68,11 @@ const EARLY: f64 = 1e-3;
 /// Contacts left that no result shows.
 const NOTHING: f64 = 1e-16;
 
-/// How thin the layer D/v above the stretch is at least, as part of all: a thinner one holds fewer contacts than any result
-/// shows.
-const THINNEST: f64 = 1e-10;
+/// D/v is at least this part of all thresholds: by less, edges do not spread as far as an element is wide.
+const LEAST: f64 = 1e-14;
+
+/// The same of a layer D/v above the stretch that elements have to resolve.
+const RESOLVED: f64 = 1e-10;
 
 impl Diffusing {
     /// Contacts that move at a velocity.
@@ -86,10 +88,15 @@ impl Diffusing {
         }
     }
 
-    /// D, at least as large as is needed for a layer that can be resolved.
+    /// D, or the least that can be resolved.
     fn diffusion(&self) -> f64 {
+        self.at_least(LEAST)
+    }
+
+    /// D, but for a layer D/v of this part of all thresholds at least.
+    fn at_least(&self, part: f64) -> f64 {
         let (low, high) = self.maturing.support;
-        self.maturing.diffusion.max(THINNEST * (high - low) * self.velocity)
+        self.maturing.diffusion.max(part * (high - low) * self.velocity)
     }
 
     /// w/v of a contact at a stretch.
@@ -157,6 +164,13 @@ impl Diffusing {
         if time > 0.0 {
             legs.push(self.waiting(start, &march.density, velocity * time));
         }
+        let layer = self.diffusion() / velocity;
+        let met = march.density.value(start + velocity * time).abs();
+        if self.is_thin(layer) && met * layer < left_out {
+            legs.push(self.free(start, layer, march, lasting));
+            return legs;
+        }
+        march.field.diffusion = self.at_least(RESOLVED);
         let begun = march.density.mass();
         for (end, absorbing) in [((low - start) / velocity, false), (lasting, true)] {
             if end <= march.time {
@@ -173,6 +187,84 @@ impl Diffusing {
             }
         }
         legs
+    }
+
+    /// Whether the layer above the stretch is so thin that its mass is known by two terms.
+    fn is_thin(&self, layer: f64) -> bool {
+        /// Of the length on which the laws vary: what is left out is of the third order, and at edges, which have spread by
+        /// √(2xD/v), of the second.
+        const OF_DENSITY: f64 = 2e-5;
+        /// Of the least of the thresholds that many share, around which they have spread likewise.
+        const OF_SHARED: f64 = 3e-7;
+        let shared = self.maturing.lowest_shared().map_or(f64::INFINITY, |place| OF_SHARED * place);
+        layer < shared.min(OF_DENSITY * self.maturing.resolution())
+    }
+
+    /// The curves of contacts whose density q would go on as it is if none were caught, but in a thin layer above the stretch.
+    ///
+    /// With λ = D/v, y = h − x and Q(u) = q(x, u), p = q − e^{−y/λ}[Q − y(Q' + (U' + w/v)Q) + …]: a boundary layer at an outflow
+    /// (M. Van Dyke, *Perturbation Methods in Fluid Mechanics*, 1975). It has the mass −λQ + λ²(Q' + (U' + w/v)Q), around
+    /// y = λ, up to λ³Q''.
+    fn free(&self, start: f64, layer: f64, mut march: March<'_>, end: f64) -> Leg {
+        let (from, begun) = (march.time, march.density.mass());
+        let stretch = |time: f64| start + self.velocity * time;
+        let mut steps: Vec<Taken> = Vec::new();
+        while march.time < end * (1.0 - 1e-14)
+            && march.density.sums_above(stretch(march.time), |_| [1.0])[0] > NOTHING * begun
+        {
+            steps.push(march.advance(end));
+        }
+        let mut boundaries = vec![0.0];
+        let mut curves: [Vec<Nodal>; SUMS] = std::array::from_fn(|_| Vec::new());
+        for step in &steps {
+            let met = step.at(step.from).edges.into_iter().map(|edge| (edge - start) / self.velocity);
+            let mut cuts: Vec<f64> = met.filter(|&time| time > step.from && time < step.to).collect();
+            cuts.push(step.to);
+            let mut low = step.from;
+            for high in cuts {
+                let series = self.layered(start, layer, step, (low, high));
+                curves.iter_mut().zip(series).for_each(|(curve, series)| curve.push(series));
+                boundaries.push(self.velocity * (high - from));
+                low = high;
+            }
+        }
+        let to = from + boundaries[boundaries.len() - 1] / self.velocity;
+        let curves = curves.map(|coefficients| Piecewise { boundaries: boundaries.clone(), coefficients });
+        let breaking = curves[0].derivative().scaled(-1.0);
+        let [from, to] = [from, to].map(|time| self.velocity * time);
+        Leg { from, to, curves, breaking }
+    }
+
+    /// The sums in polynomials of the time from `low` to `high`, in which the stretch passes no edge of an element.
+    fn layered(&self, start: f64, layer: f64, step: &Taken, (low, high): (f64, f64)) -> [Nodal; SUMS] {
+        let times = RULE.nodes.map(|t| 0.5 * (low + high) + 0.5 * (high - low) * t);
+        let densities = times.map(|time| step.at(time));
+        let stretches = times.map(|time| start + self.velocity * time);
+        let met: Nodal = std::array::from_fn(|i| densities[i].value(stretches[i]));
+        let slope = derivative(&RULE.coefficients(&met)).map(|c| c / (0.5 * self.velocity * (high - low)));
+        let sums: [[f64; SUMS]; NODES] = std::array::from_fn(|i| {
+            let (x, density) = (stretches[i], &densities[i]);
+            let exposed = self.temperature.map_or(0.0, |temperature| self.exposure(temperature, x, x));
+            let bent = series(&slope, RULE.nodes[i]) + (self.slope.at(x) + exposed) * met[i];
+            let mass = -layer * met[i] + layer * layer * bent;
+            let of_layer = self.weights(x, x + layer).map(|weight| mass * weight);
+            self.note(layer * bent, met[i], layer);
+            let whole = density.sums_above(x, |h| self.weights(x, h));
+            std::array::from_fn(|k| whole[k] + of_layer[k])
+        });
+        std::array::from_fn(|k| RULE.coefficients(&sums.map(|sums| sums[k])))
+    }
+
+    /// Takes the error of what two terms leave out, as the second one is to the first.
+    fn note(&self, second: f64, first: f64, layer: f64) {
+        let third = if first == 0.0 { 0.0 } else { (layer * second * second / first).abs() };
+        self.missed.fetch_max(third.min(1.0).to_bits(), Ordering::Relaxed);
+    }
+
+    /// What sums count of a contact: 1, h, h², w/v and h w/v.
+    fn weights(&self, stretch: f64, h: f64) -> [f64; SUMS] {
+        let exposed = self.temperature.map_or(0.0, |temperature| self.exposure(temperature, stretch, h));
+        [1.0, h, h * h, exposed, h * exposed]
     }
 
     /// Those that wait to be followed.
@@ -210,10 +302,7 @@ impl Diffusing {
             sums[0] = density.mass();
             return sums;
         }
-        let mut sums = density.sums(|h| {
-            let exposed = self.temperature.map_or(0.0, |temperature| self.exposure(temperature, stretch, h));
-            [1.0, h, h * h, exposed, h * exposed]
-        });
+        let mut sums = density.sums(|h| self.weights(stretch, h));
         sums[0] = density.mass();
         sums
     }

@@ -146,14 +146,20 @@ impl Elements {
 
     /// ∫ of p times several functions.
     pub fn sums<const K: usize>(&self, weights: impl Fn(f64) -> [f64; K]) -> [f64; K] {
+        self.sums_above(f64::NEG_INFINITY, weights)
+    }
+
+    /// ∫ of p times several functions, above a place.
+    pub fn sums_above<const K: usize>(&self, place: f64, weights: impl Fn(f64) -> [f64; K]) -> [f64; K] {
         let mut sums = [0.0; K];
-        for (i, density) in self.series.iter().enumerate() {
+        for i in self.edges[1..].partition_point(|&edge| edge <= place)..self.count() {
             let (middle, half) = self.element(i);
+            let from = self.edges[i].max(place);
+            let (centre, part) = (0.5 * (from + self.edges[i + 1]), 0.5 * (self.edges[i + 1] - from));
             for (t, w) in RULE.nodes.iter().zip(&RULE.weights) {
-                let mass = half * w * series(density, *t);
-                for (sum, weight) in sums.iter_mut().zip(weights(middle + half * t)) {
-                    *sum += mass * weight;
-                }
+                let at = centre + part * t;
+                let mass = part * w * series(&self.series[i], (at - middle) / half);
+                sums.iter_mut().zip(weights(at)).for_each(|(sum, weight)| *sum += mass * weight);
             }
         }
         sums

@@ -3,7 +3,7 @@
 use super::elements::Elements;
 use super::radau::{RADAU, STAGES};
 use super::slab::{Drain, Field, Motion, left_out, slab};
-use crate::numerics::legendre::Nodal;
+use crate::numerics::legendre::{Nodal, series};
 
 /// ∂_t p = D∂_h[U' + ∂_h]p − wp on [x, H], H reflecting.
 ///
@@ -182,6 +182,21 @@ fn refined(edges: &[f64], rough: &[f64], absorbing: bool) -> Vec<f64> {
 }
 
 impl Taken {
+    /// The density at a time of the step, where elements rested.
+    pub fn at(&self, time: f64) -> Elements {
+        let done = (time - self.from) / (self.to - self.from);
+        let weight = |m: usize| {
+            let alone: [f64; STAGES + 1] = std::array::from_fn(|k| f64::from(u8::from(k == m)));
+            series(&RADAU.coefficients(&alone), 2.0 * done - 1.0)
+        };
+        let weights: [f64; STAGES + 1] = std::array::from_fn(weight);
+        let sum = |i: usize| -> Nodal {
+            std::array::from_fn(|n| weights.iter().zip(&self.points).map(|(w, p)| w * p.series[i][n]).sum())
+        };
+        let edges = self.points[0].edges.clone();
+        Elements { series: (0..edges.len() - 1).map(sum).collect(), edges }
+    }
+
     /// A number that follows from the density at each time, as a Legendre series in time on the step.
     pub fn series(&self, of: impl Fn(f64, &Elements) -> f64) -> Nodal {
         let [series] = self.all(|time, density| [of(time, density)]);
