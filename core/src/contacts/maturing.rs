@@ -186,6 +186,13 @@ impl Maturing {
         self.newborn.density(threshold).max(mature)
     }
 
+    /// Whether the density of newborn thresholds jumps, by more than a tail that is cut off at 0 does, or many share one.
+    pub fn has_edges(&self) -> bool {
+        const FAINT: f64 = 1e-4;
+        let jumps = |b: &Break| b.exponent <= 0.0 && b.weight(self.newborn.mean()) > FAINT;
+        !self.newborn.atoms().is_empty() || self.newborn.breaks().iter().any(jumps)
+    }
+
     /// The lowest newborn threshold that many share.
     pub fn lowest_shared(&self) -> Option<f64> {
         self.newborn.atoms().first().map(|atom| atom.position)

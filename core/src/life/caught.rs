@@ -10,6 +10,7 @@ use crate::law::Break;
 use crate::numerics::diffusion::{Drain, Elements, Field, March, Slope, Taken};
 use crate::numerics::legendre::{NODES, Nodal, RULE, derivative, series};
 use crate::numerics::piecewise::Piecewise;
+use crate::{Error, Result};
 
 /// Contacts with v ∂_x p = D∂_h[U' + ∂_h]p − w p on h > x, p = 0 at h = x, from P_ci above where they formed.
 ///
@@ -74,18 +75,42 @@ const LEAST: f64 = 1e-14;
 /// The same of a layer D/v above the stretch that elements have to resolve.
 const RESOLVED: f64 = 1e-10;
 
+/// The same where newborn thresholds have edges besides, and temperature breaks contacts.
+const RESOLVED_WITH_EDGES: f64 = 1e-5;
+
 impl Diffusing {
     /// Contacts that move at a velocity.
-    pub(super) fn new(contacts: &Contacts, maturing: Maturing, velocity: f64) -> Self {
-        Self {
+    ///
+    /// # Errors
+    /// Newborn thresholds with edges that diffuse so little that both the edges and what temperature does at the stretch would
+    /// have to be resolved in a layer of next to nothing.
+    pub(super) fn new(
+        contacts: &Contacts,
+        maturing: Maturing,
+        temperature: Option<Temperature>,
+        velocity: f64,
+    ) -> Result<Self> {
+        let (low, high) = maturing.support;
+        let least = RESOLVED_WITH_EDGES * (high - low) * velocity;
+        if temperature.is_some() && maturing.has_edges() && maturing.diffusion < least {
+            let expected = format!(
+                "{least:.1e} or more at this velocity, where newborn thresholds have edges and temperature breaks contacts"
+            );
+            return Err(Error::invalid(
+                "contacts.ageing.smoluchowski.diffusion",
+                expected,
+                maturing.diffusion,
+            ));
+        }
+        Ok(Self {
             slope: Arc::new(maturing.slope()),
             maturing,
             velocity,
-            temperature: contacts.rules.temperature,
+            temperature,
             stiffness: contacts.stiffness,
             resolution: scale(contacts.thresholds.as_ref()),
             missed: Arc::default(),
-        }
+        })
     }
 
     /// D, or the least that can be resolved.
@@ -135,7 +160,25 @@ impl Diffusing {
     }
 
     /// Contacts formed at a stretch, of a density that they have after a `time`, until none is left.
-    fn follow(&self, density: Elements, (start, time): (f64, f64), next: f64, left_out: f64) -> Vec<Leg> {
+    ///
+    /// Elements that a thin layer goes through may amplify what they leave out until there are too many of them. Then more may
+    /// be left out from the beginning: what two solutions differ by tells how much that was.
+    fn follow(&self, density: Elements, begun: (f64, f64), next: f64, left_out: f64) -> Vec<Leg> {
+        const ALLOWED: [f64; 3] = [1.0, 10.0, 100.0];
+        let with =
+            |factor: f64| self.followed(density.clone(), begun, next, (factor * left_out, factor < 1e3));
+        let quiet = ALLOWED.into_iter().find_map(with);
+        quiet.unwrap_or_else(|| with(1e3).unwrap_or_default())
+    }
+
+    /// The same, with what a step may leave out, and whether to give up where elements are too many.
+    fn followed(
+        &self,
+        density: Elements,
+        (start, time): (f64, f64),
+        next: f64,
+        (left_out, gives_up): (f64, bool),
+    ) -> Option<Vec<Leg>> {
         let (low, high) = self.maturing.support;
         let (kinks, lasting) = (self.maturing.kinks(), (high - start) / self.velocity);
         let drained = self.temperature.map(|temperature| {
@@ -168,7 +211,7 @@ impl Diffusing {
         let met = march.density.value(start + velocity * time).abs();
         if self.is_thin(layer) && met * layer < left_out {
             legs.push(self.free(start, layer, march, lasting));
-            return legs;
+            return Some(legs);
         }
         march.field.diffusion = self.at_least(RESOLVED);
         let begun = march.density.mass();
@@ -181,15 +224,19 @@ impl Diffusing {
             let mut steps = Vec::new();
             while march.time < end * (1.0 - 1e-14) && march.density.mass() > NOTHING * begun {
                 steps.push(march.advance(end));
+                if gives_up && march.is_crowded() {
+                    return None;
+                }
             }
             if !steps.is_empty() {
                 legs.push(self.leg(start, &steps));
             }
         }
-        legs
+        Some(legs)
     }
 
-    /// Whether the layer above the stretch is so thin that its mass is known by two terms.
+    /// Whether the layer above the stretch is so thin that its mass is known by two terms; where temperature breaks contacts
+    /// their density has a kink at the stretch, unless they are caught there.
     fn is_thin(&self, layer: f64) -> bool {
         /// Of the length on which the laws vary: what is left out is of the third order, and at edges, which have spread by
         /// √(2xD/v), of the second.
@@ -197,13 +244,13 @@ impl Diffusing {
         /// Of the least of the thresholds that many share, around which they have spread likewise.
         const OF_SHARED: f64 = 3e-7;
         let shared = self.maturing.lowest_shared().map_or(f64::INFINITY, |place| OF_SHARED * place);
-        layer < shared.min(OF_DENSITY * self.maturing.resolution())
+        self.temperature.is_none() && layer < shared.min(OF_DENSITY * self.maturing.resolution())
     }
 
     /// The curves of contacts whose density q would go on as it is if none were caught, but in a thin layer above the stretch.
     ///
-    /// With λ = D/v, y = h − x and Q(u) = q(x, u), p = q − e^{−y/λ}[Q − y(Q' + (U' + w/v)Q) + …]: a boundary layer at an outflow
-    /// (M. Van Dyke, *Perturbation Methods in Fluid Mechanics*, 1975). It has the mass −λQ + λ²(Q' + (U' + w/v)Q), around
+    /// With λ = D/v, y = h − x and Q(u) = q(x, u), p = q − e^{−y/λ}[Q − y(Q' + U'Q) + …]: a boundary layer at an outflow,
+    /// by matched asymptotic expansions. It has the mass −λQ + λ²(Q' + U'Q), around
     /// y = λ, up to λ³Q''.
     fn free(&self, start: f64, layer: f64, mut march: March<'_>, end: f64) -> Leg {
         let (from, begun) = (march.time, march.density.mass());
@@ -244,8 +291,7 @@ impl Diffusing {
         let slope = derivative(&RULE.coefficients(&met)).map(|c| c / (0.5 * self.velocity * (high - low)));
         let sums: [[f64; SUMS]; NODES] = std::array::from_fn(|i| {
             let (x, density) = (stretches[i], &densities[i]);
-            let exposed = self.temperature.map_or(0.0, |temperature| self.exposure(temperature, x, x));
-            let bent = series(&slope, RULE.nodes[i]) + (self.slope.at(x) + exposed) * met[i];
+            let bent = series(&slope, RULE.nodes[i]) + self.slope.at(x) * met[i];
             let mass = -layer * met[i] + layer * layer * bent;
             let of_layer = self.weights(x, x + layer).map(|weight| mass * weight);
             self.note(layer * bent, met[i], layer);

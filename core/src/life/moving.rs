@@ -17,7 +17,8 @@ use crate::law::SharedLaw;
 /// Contacts and starts are taken to have passed [`Contacts::check`].
 ///
 /// # Errors
-/// Ageing that has no life at a velocity.
+/// Ageing that has no life at a velocity; temperature that breaks contacts whose newborn thresholds have edges and hardly
+/// diffuse.
 pub fn moving(
     contacts: &Contacts,
     starts: &SharedLaw,
@@ -29,7 +30,8 @@ pub fn moving(
     let thermal = rules.temperature.is_some_and(|temperature| is_felt(&temperature, contacts, velocity));
     let life = match (&rules.ageing, Maturing::of(contacts)) {
         (Some(Ageing::Smoluchowski { .. }), Some(maturing)) => {
-            let diffusing = Arc::new(Diffusing::new(contacts, maturing, velocity));
+            let temperature = rules.temperature.filter(|_| thermal);
+            let diffusing = Arc::new(Diffusing::new(contacts, maturing, temperature, velocity)?);
             of_cohorts(contacts, diffusing, starts.as_ref(), conditional)
         }
         (Some(Ageing::MeanField { .. }), Some(maturing)) => {

@@ -48,7 +48,7 @@ pub struct Taken {
 const NARROWEST: f64 = 1e-13;
 
 /// Elements, and tries of a step, at most: where these are not enough, what is left out says so.
-const MOST_ELEMENTS: usize = 600;
+const MOST_ELEMENTS: usize = 400;
 const MOST_TRIES: usize = 60;
 
 /// A step may grow by this factor.
@@ -76,6 +76,11 @@ impl March<'_> {
         let mut edges = self.density.edges.clone();
         edges.splice(1..1, marks.map(|width| floor + width));
         self.density = self.density.on(&edges);
+    }
+
+    /// Whether elements are so many that none is cut any more.
+    pub fn is_crowded(&self) -> bool {
+        self.density.count() >= MOST_ELEMENTS
     }
 
     /// Goes on, up to a time.
