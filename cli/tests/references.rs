@@ -71,8 +71,7 @@ fn name(author: &str) -> (String, String) {
 
 /// The year of what a link says, if it says one.
 fn year(words: &str) -> Option<&str> {
-    let numbers = words.split(|c: char| !c.is_ascii_digit());
-    numbers.filter(|number| number.len() == 4).next_back()
+    words.split(|c: char| !c.is_ascii_digit()).rfind(|number| number.len() == 4)
 }
 
 /// What a link says of a work is true.

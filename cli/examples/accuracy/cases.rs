@@ -187,13 +187,6 @@ pub const RULES: &[Rule] = &[
         "ageing.smoluchowski = { diffusion = 0.0025, mature.gaussian = { mean = 1.0, std = 0.05 } }"
     ),
     rule!(
-        "mean_field",
-        "G(0.5, 0.1) → G(1, 0.05), D = 0.0025",
-        true,
-        "thresholds.gaussian = { mean = 0.5, std = 0.1 }",
-        "ageing.mean_field = { diffusion = 0.0025, mature.gaussian = { mean = 1.0, std = 0.05 } }"
-    ),
-    rule!(
         "delay",
         "G(1, 0.1), τ = 0.5",
         true,

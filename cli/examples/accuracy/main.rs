@@ -1,8 +1,8 @@
 //! Makes `docs/validation/accuracy.md`: how accurate results are by default, and what they cost, for each family of
 //! distributions by its width and for each rule in time.
 //!
-//! `cargo run --release --package asperity-cli --example accuracy` computes everything and writes the page; its test recomputes
-//! what is quick, and compares it with the page.
+//! `cargo run --release --package asperity-cli --example accuracy` computes everything and writes the page; its test computes what
+//! is quick.
 
 mod cases;
 
@@ -183,54 +183,32 @@ fn main() -> ExitCode {
 mod tests {
     use super::*;
 
-    /// The cell of a row in the page.
-    fn written<'a>(page: &'a str, name: &str, column: usize) -> &'a str {
-        let row =
-            page.lines().find(|line| line.starts_with(&format!("| {name} |"))).expect("a row of that name");
-        row.split(" | ").nth(column).expect("a cell").trim_end_matches(" |")
-    }
+    /// Families whose pulls take seconds.
+    const SLOW: [&str; 3] = ["tabulated", "areas", "renormalised"];
 
-    /// The error of a cell.
-    fn told(cell: &str) -> f64 {
-        cell.split(", ")
-            .next()
-            .and_then(|error| error.parse().ok())
-            .unwrap_or_else(|| panic!("no accuracy: {cell}"))
-    }
-
-    /// What is quick: name, column of the table, error.
-    fn quick() -> Vec<(&'static str, usize, f64)> {
+    /// What is quick: name and error.
+    fn quick() -> Vec<(&'static str, f64)> {
         let error = |name: &str, text: &str| match entry(text, f64::INFINITY) {
             Ok(entry) => entry.accuracy,
             Err(reason) => panic!("{name}: {reason}"),
         };
-        let widths = || VARIATIONS.into_iter().enumerate().filter(|(_, cv)| (0.02..0.4).contains(cv));
+        let widths = || VARIATIONS.into_iter().filter(|cv| (0.02..0.4).contains(cv));
         let mut found = Vec::new();
-        for family in families() {
-            let pulls = widths().filter_map(|(column, cv)| Some((column, family.pull(cv)?)));
-            found.extend(pulls.map(|(column, pull)| (family.name, column + 1, error(family.name, &pull))));
+        for family in families().iter().filter(|family| !SLOW.contains(&family.name)) {
+            let pulls = widths().filter_map(|cv| family.pull(cv));
+            found.extend(pulls.map(|pull| (family.name, error(family.name, &pull))));
         }
         let rules = RULES.iter().filter(|rule| rule.quick);
-        found.extend(rules.map(|rule| (rule.name, 4, error(rule.name, &rule.pull(1.0)))));
-        assert!(found.len() > 25);
+        found.extend(rules.map(|rule| (rule.name, error(rule.name, &rule.pull(1.0)))));
+        assert!(found.len() > 15, "{}", found.len());
         found
     }
 
     #[test]
     fn what_is_quick_reaches_the_aim() {
-        for (name, _, error) in quick() {
+        for (name, error) in quick() {
             // What is aimed at where nothing is said, of F per contact and mean threshold.
             assert!(error <= 1e-10, "{name}: {error:e}");
-        }
-    }
-
-    #[test]
-    #[ignore = "for where `make accuracy` has written the page"]
-    fn the_page_says_what_the_program_reaches() {
-        let text = std::fs::read_to_string(page()).unwrap();
-        for (name, column, error) in quick() {
-            // Sums may be rounded otherwise on another machine: a decade.
-            assert!(error <= 10.0 * told(written(&text, name, column)), "{name}: {error:e}");
         }
     }
 
