@@ -87,11 +87,11 @@ class Stability(NamedTuple):
     """What linear stability says of steady sliding at one velocity."""
 
     critical_stiffness: float
-    """K_c(v; M, γ), above which steady sliding is stable; 0 where it is behind any spring, inf where behind none."""
+    """K_c(v; M, γ), above which steady sliding is stable; 0 where it always is, inf where it never is."""
     frequency: float
-    """Angular frequency of the oscillation that sets in there, per time; 0 where none does, inf where the slider jumps."""
+    """Angular frequency of the oscillation that sets in there, per time; 0: none does; inf: a jump."""
     growth_rate: float
-    """How fast the fastest growing deviation grows behind the spring of the block, per time; 0 where it is stable."""
+    """Rate at which the fastest deviation grows behind the spring of the block, per time; 0: it is stable."""
     growth_frequency: float
     """Its angular frequency, per time."""
 

@@ -400,7 +400,8 @@ WITHOUT = MASKED.compressed()
     ],
 )  # fmt: skip
 def test_masked_values_are_refused(call: Callable[[], object], key: str) -> None:
-    expected = r"expected numbers none of which is masked \(compressed\(\) leaves out those that are\), got 1 masked of"
+    way = r"\(compressed\(\) leaves out those that are\)"
+    expected = f"expected numbers none of which is masked {way}, got 1 masked of"
     with pytest.raises(ValueError, match=f"{key}: {expected}"):
         call()
 
