@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Interface;
 use super::batch::fill;
+use super::fine::Fine;
 use super::outlook::Outlook;
 use super::slide::STALLED;
 use crate::Result;
@@ -82,7 +83,7 @@ impl Interface {
                 self.pace.made(to - from);
                 return Ok(false);
             }
-            self.by.fill(0.0);
+            self.stand();
             self.drive = from;
             if stride <= least {
                 self.lose(to);
@@ -96,9 +97,12 @@ impl Interface {
     fn attempt(&mut self, to: f64, outlook: &Outlook) -> Result<bool> {
         let distance = to - self.drive;
         let mut held = vec![0.0; self.len()];
-        self.coupling.forces(&self.positions, &mut held);
+        self.coupling.forces(Fine::now(self.fine.as_ref(), &self.positions), &mut held);
         self.drive = to;
         fill(&mut self.by, |j| outlook.way(j, distance));
+        if let Some(fine) = &mut self.fine {
+            fine.aim(&self.by);
+        }
         let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let excess = self.excess_ahead(&held)?;

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Interface;
 use super::batch::sum;
 use super::cells::Account;
+use super::fine::Fine;
 
 /// The books of a motion; every term is computed on its own, none as the remainder.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -45,11 +46,12 @@ pub(super) struct Stored {
 impl Interface {
     /// What is stored now.
     pub(super) fn stored(&mut self) -> Stored {
-        self.coupling.forces(&self.positions, &mut self.excess);
+        let displaced = Fine::now(self.fine.as_ref(), &self.positions);
+        self.coupling.forces(displaced, &mut self.excess);
         let (positions, drive) = (&self.positions, self.drive);
         Stored {
             connection: sum(self.len(), |j| 0.5 * self.connection(j) * (drive - positions[j]).powi(2)),
-            coupling: self.coupling.energy(positions, &self.excess),
+            coupling: self.coupling.energy(displaced, &self.excess),
             contacts: self.cells.account(),
         }
     }

@@ -20,6 +20,7 @@ pub mod coupling;
 mod creep;
 mod energy;
 mod event;
+mod fine;
 mod first;
 mod outlook;
 mod plain;
@@ -37,6 +38,7 @@ pub use state::State;
 use self::batch::change;
 use self::creep::Pace;
 use self::energy::Stored;
+use self::fine::Fine;
 use crate::clocked::Portion;
 use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
@@ -107,8 +109,8 @@ impl Setting {
 /// Cells on an elastic slider.
 ///
 /// Forces and energies are totals over the cells, in the units of the populations of which the cells are made. Cells that
-/// share a curve take up to 110 bytes each where they slide, and what couples them: 2 GB for 4096² under a periodic
-/// half-space.
+/// share a curve take up to 110 bytes each where they slide, 24 more on a stiff slider, and what couples them: 2 GB for
+/// 4096² under a periodic half-space.
 pub struct Interface {
     cells: Box<dyn Cells>,
     coupling: Box<dyn Coupling>,
@@ -118,6 +120,8 @@ pub struct Interface {
     drive: f64,
     time: f64,
     positions: Vec<f64>,
+    /// What positions do not tell of a stiff slider.
+    fine: Option<Fine>,
     /// Advances that are tried from there.
     by: Vec<f64>,
     /// Forces out of balance after the advances that were last asked for; a step leaves something else.
@@ -155,6 +159,7 @@ impl Interface {
             drive: 0.0,
             time: 0.0,
             positions: vec![0.0; number],
+            fine: None,
             by: vec![0.0; number],
             excess: vec![0.0; number],
             springs: vec![0.0; number],
@@ -163,6 +168,7 @@ impl Interface {
             closed: Stored::default(),
             path: (0.0, 0.0),
         };
+        interface.refine();
         interface.begin()?;
         Ok(interface)
     }

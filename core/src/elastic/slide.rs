@@ -46,13 +46,14 @@ impl Interface {
         self.cells.mark();
         if let Err(error) = self.follow(&mut slide, monitor) {
             self.cells.recall(monitor)?;
-            self.by.fill(0.0);
+            self.stand();
             self.positions.copy_from_slice(&slide.before);
+            self.fine = slide.fine;
             return Err(error);
         }
         self.cells.rejoin();
         let force_after = self.force()?;
-        self.pull_halfway(&slide.before);
+        self.pull_halfway(&slide);
         let events = self.events(&slide, force_after);
         let lost = self.lost(&slide);
         self.cells.unmark();
@@ -67,6 +68,7 @@ impl Interface {
     fn before(&mut self) -> Result<Slide> {
         Ok(Slide {
             before: self.positions.clone(),
+            fine: self.fine.clone(),
             force: self.force()?,
             work: self.cells.account().work,
             fallen: Vec::with_capacity(self.len()),
@@ -196,13 +198,17 @@ impl Interface {
 
     /// The pulls of drive and slider where cells are halfway between the positions before and now, in place of the excess:
     /// their means on any way, as they are linear in positions and A is symmetric.
-    fn pull_halfway(&mut self, before: &[f64]) {
+    fn pull_halfway(&mut self, slide: &Slide) {
         let connection = self.connections();
-        let positions = &self.positions;
-        fill(&mut self.by, |j| 0.5 * (before[j] + positions[j]));
+        let (before, positions) = (&slide.before, &self.positions);
+        let middle = |j: usize| 0.5 * (before[j] + positions[j]);
+        match (&self.fine, &slide.fine) {
+            (Some(fine), Some(before)) => fine.halfway(before, &mut self.by),
+            _ => fill(&mut self.by, middle),
+        }
         self.coupling.forces(&self.by, &mut self.excess);
-        let (drive, middle) = (self.drive, &self.by);
-        change(&mut self.excess, |j, held| connection(j) * (drive - middle[j]) + held);
+        let drive = self.drive;
+        change(&mut self.excess, |j, held| connection(j) * (drive - middle(j)) + held);
         self.by.fill(0.0);
     }
 
