@@ -186,10 +186,14 @@ fn temperature_breaks_contacts_that_cannot_diffuse_as_it_does_those_that_do_not_
         let curves = |life: &Life| {
             [life.survival(), life.force(), life.square(), life.breaking_energy()].map(|k| k.curve().clone())
         };
+        // They diffuse by as much as a layer that can be resolved takes, 1e-10 of all thresholds; the error told has it.
+        let told = ageing.error();
+        assert!(told < 1e-7, "{told:e}");
         for (a, b) in curves(&ageing).iter().zip(&curves(&still)) {
             for k in 0..140 {
                 let (a, b) = (a.value(0.01 * f64::from(k)), b.value(0.01 * f64::from(k)));
-                assert!((a - b).abs() < 2e-6, "{k} {a} {b} {:e}", a - b);
+                // Carried force and energy have thresholds of up to 1.7 and stiffnesses of up to 2.6 as factors.
+                assert!((a - b).abs() < 10.0 * told, "{k} {a} {b}: {:e}, told {told:e}", a - b);
             }
         }
         assert!(still.survival().curve().value(0.9) < 0.7);

@@ -52,16 +52,19 @@ const SUMS: usize = 5;
 
 /// How closely the equation is solved.
 #[derive(Debug, Clone, Copy)]
-struct Detail {
+struct Discretisation {
     /// What a step may leave out, of the contacts of a cohort.
     left_out: f64,
     /// How far shared thresholds are spread to begin with, as part of how far they will be when the stretch meets them; the same
     /// of the narrowest element at an edge.
     spread: f64,
+    /// The least layers D/v, in units of those of the finer solution.
+    layers: f64,
 }
 
-const FINE: Detail = Detail { left_out: 3e-12, spread: 1e-3 };
-const ROUGH: Detail = Detail { left_out: 3e-10, spread: 2e-3 };
+const FINE: Discretisation = Discretisation { left_out: 3e-12, spread: 1e-3, layers: 1.0 };
+/// Twice as thick layers tell what the thickest of the finer solution does to the result, which is of the first order.
+const ROUGH: Discretisation = Discretisation { left_out: 3e-10, spread: 2e-3, layers: 2.0 };
 
 /// The part of their way after which contacts with shared thresholds are followed at the latest.
 const EARLY: f64 = 1e-3;
@@ -113,11 +116,6 @@ impl Diffusing {
         })
     }
 
-    /// D, or the least that can be resolved.
-    fn diffusion(&self) -> f64 {
-        self.at_least(LEAST)
-    }
-
     /// D, but for a layer D/v of this part of all thresholds at least.
     fn at_least(&self, part: f64) -> f64 {
         let (low, high) = self.maturing.support;
@@ -130,31 +128,33 @@ impl Diffusing {
     }
 
     /// How far newborn thresholds will have spread when the stretch meets them, or where P_cf is as narrow.
-    fn reach(&self) -> f64 {
+    fn reach(&self, diffusion: f64) -> f64 {
         let (low, high) = self.maturing.support;
-        let met = (2.0 * self.diffusion() / self.velocity * 0.5 * (low + high)).sqrt();
+        let met = (2.0 * diffusion / self.velocity * 0.5 * (low + high)).sqrt();
         met.min(self.maturing.width())
     }
 
     /// Both kinds of contacts formed at a stretch.
-    fn legs(&self, start: f64, detail: Detail) -> Vec<Leg> {
-        let spread = detail.spread * self.reach();
+    fn legs(&self, start: f64, solved: Discretisation) -> Vec<Leg> {
+        let diffusion = self.at_least(solved.layers * LEAST);
+        let spread = solved.spread * self.reach(diffusion);
         let whole = self.maturing.survival(start);
-        let left_out = detail.left_out * whole;
+        let (wider, solved) =
+            (solved.spread / FINE.spread, Discretisation { left_out: solved.left_out * whole, ..solved });
         // What spreads that far does so in this time.
-        let time = 0.5 * spread * spread / self.diffusion();
-        let smooth = self.maturing.spread(start, 0.1 * left_out, 0.1 * spread);
+        let time = 0.5 * spread * spread / diffusion;
+        let smooth = self.maturing.spread(start, 0.1 * solved.left_out, 0.1 * spread);
         let mut legs = if smooth.mass() > NOTHING * whole {
-            self.follow(smooth, (start, 0.0), time, left_out)
+            self.follow(smooth, (start, 0.0), time, solved)
         } else {
             Vec::new()
         };
-        let spread = self.maturing.bell(spread, detail.spread / FINE.spread);
+        let spread = self.maturing.bell(spread, wider);
         let latest = EARLY * self.maturing.support.1 / self.velocity;
-        let time = (0.5 * spread * spread / self.diffusion()).min(latest);
+        let time = (0.5 * spread * spread / diffusion).min(latest);
         let passed = start + self.velocity * time;
-        if let Some(together) = self.maturing.together(passed, spread, &self.slope, 0.1 * left_out) {
-            legs.extend(self.follow(together, (start, time), time, left_out));
+        if let Some(together) = self.maturing.together(passed, spread, &self.slope, 0.1 * solved.left_out) {
+            legs.extend(self.follow(together, (start, time), time, solved));
         }
         legs
     }
@@ -163,21 +163,23 @@ impl Diffusing {
     ///
     /// Elements that a thin layer goes through may amplify what they leave out until there are too many of them. Then more may
     /// be left out from the beginning: what two solutions differ by tells how much that was.
-    fn follow(&self, density: Elements, begun: (f64, f64), next: f64, left_out: f64) -> Vec<Leg> {
-        const ALLOWED: [f64; 3] = [1.0, 10.0, 100.0];
-        let with =
-            |factor: f64| self.followed(density.clone(), begun, next, (factor * left_out, factor < 1e3));
-        let quiet = ALLOWED.into_iter().find_map(with);
-        quiet.unwrap_or_else(|| with(1e3).unwrap_or_default())
+    fn follow(&self, density: Elements, begun: (f64, f64), next: f64, solved: Discretisation) -> Vec<Leg> {
+        const FACTORS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
+        let with = |factor: f64| {
+            let solved = Discretisation { left_out: factor * solved.left_out, ..solved };
+            self.followed(density.clone(), begun, next, solved, factor < FACTORS[FACTORS.len() - 1])
+        };
+        FACTORS.into_iter().find_map(with).unwrap_or_default()
     }
 
-    /// The same, with what a step may leave out, and whether to give up where elements are too many.
+    /// The same; with `gives_up`, nothing where elements are too many.
     fn followed(
         &self,
         density: Elements,
         (start, time): (f64, f64),
         next: f64,
-        (left_out, gives_up): (f64, bool),
+        Discretisation { left_out, layers, .. }: Discretisation,
+        gives_up: bool,
     ) -> Option<Vec<Leg>> {
         let (low, high) = self.maturing.support;
         let (kinks, lasting) = (self.maturing.kinks(), (high - start) / self.velocity);
@@ -188,7 +190,7 @@ impl Diffusing {
         });
         let field = Field {
             slope: &|h| self.slope.at(h),
-            diffusion: self.diffusion(),
+            diffusion: self.at_least(layers * LEAST),
             drain: drained.as_ref().map(|drained| drained as Drain<'_>),
         };
         let velocity = self.velocity;
@@ -207,13 +209,13 @@ impl Diffusing {
         if time > 0.0 {
             legs.push(self.waiting(start, &march.density, velocity * time));
         }
-        let layer = self.diffusion() / velocity;
+        let layer = field.diffusion / velocity;
         let met = march.density.value(start + velocity * time).abs();
         if self.is_thin(layer) && met * layer < left_out {
             legs.push(self.free(start, layer, march, lasting));
             return Some(legs);
         }
-        march.field.diffusion = self.at_least(RESOLVED);
+        march.field.diffusion = self.at_least(layers * RESOLVED);
         let begun = march.density.mass();
         for (end, absorbing) in [((low - start) / velocity, false), (lasting, true)] {
             if end <= march.time {
@@ -249,9 +251,8 @@ impl Diffusing {
 
     /// The curves of contacts whose density q would go on as it is if none were caught, but in a thin layer above the stretch.
     ///
-    /// With λ = D/v, y = h − x and Q(u) = q(x, u), p = q − e^{−y/λ}[Q − y(Q' + U'Q) + …]: a boundary layer at an outflow,
-    /// by matched asymptotic expansions. It has the mass −λQ + λ²(Q' + U'Q), around
-    /// y = λ, up to λ³Q''.
+    /// With λ = D/v, y = h − x and Q(u) = q(x, u), p = q − e^{−y/λ}[Q − y(Q' + U'Q) + …]: a boundary layer at an outflow, by
+    /// matched asymptotic expansions. It has the mass −λQ + λ²(Q' + U'Q), around y = λ, up to λ³Q''.
     fn free(&self, start: f64, layer: f64, mut march: March<'_>, end: f64) -> Leg {
         let (from, begun) = (march.time, march.density.mass());
         let stretch = |time: f64| start + self.velocity * time;
