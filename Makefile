@@ -158,8 +158,8 @@ accuracy:
 	cargo run --release --locked --package asperity-cli --example accuracy
 
 # Scenarios drawn from the schema, one after the other, for an hour; those that fail are left in target/fuzz, each with the
-# reason, and the command that repeats it is printed. CASE=1234 checks and
-# runs that one, SECONDS=600 takes ten minutes, FROM=20000000 other numbers.
+# reason, and the command that repeats it is printed. CASE=1234 checks and runs that one, SECONDS=600 takes ten minutes,
+# FROM=20000000 other numbers.
 fuzz:
 	$(if $(CASE),ASPERITY_CASE=$(CASE)) $(if $(SECONDS),ASPERITY_FUZZ_SECONDS=$(SECONDS)) $(if $(FROM),ASPERITY_FUZZ_FROM=$(FROM)) \
 	  cargo test --release --locked --package asperity-cli --test generated -- --ignored --nocapture --exact $(if $(CASE),one_case,campaign)

@@ -44,7 +44,7 @@ enum Stage {
     Writing,
 }
 
-/// The ear of a run.
+/// What a run asks whether it is to end.
 pub struct Interrupts(Arc<Shared>);
 
 struct Shared {

@@ -5,7 +5,7 @@ use asperity::law::Atom;
 use asperity::master::Stretches;
 use asperity::record::Quantity;
 use asperity_runner::summary::Place;
-use asperity_runner::task::Stability;
+use asperity_runner::task::LinearStability;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -50,8 +50,8 @@ pub fn evolution(py: Python<'_>, at: Vec<f64>, found: Vec<Stretches>) -> PyResul
 }
 
 /// What linear stability says of steady sliding.
-pub fn stability(py: Python<'_>, found: Stability) -> PyResult<Bound<'_, PyAny>> {
-    let Stability { critical_stiffness, frequency, growth_rate, growth_frequency } = found;
+pub fn stability(py: Python<'_>, found: LinearStability) -> PyResult<Bound<'_, PyAny>> {
+    let LinearStability { critical_stiffness, frequency, growth_rate, growth_frequency } = found;
     STABILITY.get(py)?.call1((critical_stiffness, frequency, growth_rate, growth_frequency))
 }
 

@@ -54,12 +54,12 @@ pub enum Missing {
     Constancy,
     /// No slip for a while, but not for long.
     Silence,
-    /// No slip, but swings of the slider that still grow.
+    /// No slip, but oscillations of the slider about the velocity of the drive that still grow.
     Calm,
 }
 
 /// Sliding is smooth after this many times the longest way between two slips, or the largest mean stretch of the
-/// contacts: the force has then gone through that many of its swings.
+/// contacts: the force has then gone through that many of its oscillations.
 const LONG: f64 = 3.0;
 
 /// Slips stop to be expected after this many times the longest way between two of them.
@@ -126,14 +126,15 @@ pub(super) fn tell(events: &[Jump], start: Point, last: Point, stretch: f64, end
 
 /// A velocity of the slider that is higher than those before and after it, in units of that of the drive, and where.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Swing {
+pub(super) struct Oscillation {
     pub position: f64,
     pub velocity: f64,
 }
 
-/// The regime of a motion in time: not smooth where the last swings grow, one after the other, and go farther than `seen`.
-pub(super) fn calm(regime: Regime, swings: &[Swing], seen: f64) -> Regime {
-    /// Swings looked at: noise makes so many rise in a row once in 120.
+/// The regime of a motion in time: not smooth where the last oscillations grow, one after the other, to
+/// more than `seen`.
+pub(super) fn calm(regime: Regime, oscillations: &[Oscillation], seen: f64) -> Regime {
+    /// Oscillations looked at: noise makes so many rise in a row once in 120.
     const LAST: usize = 5;
     /// Least growth from the first to the last of them.
     const GROWTH: f64 = 1.01;
@@ -142,11 +143,14 @@ pub(super) fn calm(regime: Regime, swings: &[Swing], seen: f64) -> Regime {
         Regime::Transient { slips, .. } => slips,
         other => return other,
     };
-    let Some([first, .., before, last]) = swings.len().checked_sub(LAST).map(|from| &swings[from..]) else {
+    let Some([first, .., before, last]) =
+        oscillations.len().checked_sub(LAST).map(|from| &oscillations[from..])
+    else {
         return regime;
     };
-    let excess = |swing: &Swing| swing.velocity - 1.0;
-    let grow = swings[swings.len() - LAST..].windows(2).all(|pair| pair[1].velocity > pair[0].velocity);
+    let excess = |oscillation: &Oscillation| oscillation.velocity - 1.0;
+    let grow =
+        oscillations[oscillations.len() - LAST..].windows(2).all(|pair| pair[1].velocity > pair[0].velocity);
     let way = excess(last) * (last.position - before.position) / std::f64::consts::TAU;
     if grow && excess(last) > GROWTH * excess(first) && way > seen {
         return Regime::Undecided { slips, missing: Missing::Calm };
@@ -206,7 +210,7 @@ impl std::fmt::Display for Regime {
                     Missing::Slips => "too few slips to see whether they go on",
                     Missing::Constancy => "the slips still change in size",
                     Missing::Silence => "no slip for a while, but not long enough to call it smooth",
-                    Missing::Calm => "no slip, but the slider swings about its drive, ever more",
+                    Missing::Calm => "no slip, but oscillations about the velocity of the drive still grow",
                 };
                 write!(f, "undecided after {}, the drive is too short: {why}", counted(slips))
             }

@@ -2,7 +2,7 @@
 
 use super::Maturing;
 use crate::law::SharedLaw;
-use crate::numerics::diffusion::{Elements, Field, March};
+use crate::numerics::diffusion::{Elements, Evolution, Field};
 use crate::numerics::legendre::{primitive, series};
 use crate::numerics::roots::brent_root;
 use crate::numerics::stencil::Stencil;
@@ -23,7 +23,7 @@ const AT_ONCE: f64 = 1e-6;
 const LEFT_OUT: f64 = 1e-13;
 
 /// The threshold h(q, t) of rank q, G(h; t) = q, where G is the distribution function at the age t of the law that evolves
-/// as [`Maturing`] tells, carried on by [`March`].
+/// as [`Maturing`] tells, carried on by [`Evolution`].
 pub(super) struct Ranks {
     newborn: SharedLaw,
     /// s.
@@ -191,8 +191,8 @@ fn evolved(maturing: &Maturing, ages: &[f64]) -> Vec<Vec<f64>> {
     const FINEST: f64 = 1e-5;
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
     let finest = FINEST * maturing.width();
-    let field = Field { slope: &|h| slope.at(h), diffusion: maturing.diffusion, drain: None };
-    let mut march = March {
+    let field = Field { slope: &|h| slope.at(h), diffusion: maturing.diffusion, loss: None };
+    let mut evolution = Evolution {
         density: maturing.spread(maturing.support.0, 0.1 * LEFT_OUT, finest),
         field,
         velocity: 0.0,
@@ -204,10 +204,10 @@ fn evolved(maturing: &Maturing, ages: &[f64]) -> Vec<Vec<f64>> {
         first: true,
     };
     let mut at = |age: &f64| {
-        while march.time < *age {
-            march.advance(*age);
+        while evolution.time < *age {
+            evolution.advance(*age);
         }
-        inverted(&march.density)
+        inverted(&evolution.density)
     };
     ages.iter().map(&mut at).collect()
 }

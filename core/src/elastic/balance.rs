@@ -3,7 +3,7 @@
 use super::Interface;
 use super::batch::{all, change, fill, largest};
 use super::cells::{Extremes, Slopes};
-use super::fine::Fine;
+use super::differences::Differences;
 use super::solve::MOST_STEPS;
 use crate::Result;
 use crate::monitor::Monitor;
@@ -54,8 +54,8 @@ impl Interface {
             let goal = self.precision();
             self.coupling.respond(&self.springs, &mut self.excess, goal);
             self.positions.copy_from_slice(&self.excess);
-            if let Some(fine) = &mut self.fine {
-                fine.put(&self.positions);
+            if let Some(differences) = &mut self.differences {
+                differences.put(&self.positions);
             }
         }
         self.closed = self.stored();
@@ -64,7 +64,7 @@ impl Interface {
 
     /// What is rounding in a force out of balance.
     pub(super) fn precision(&self) -> f64 {
-        let (number, displaced) = (self.len(), Fine::now(self.fine.as_ref(), &self.positions));
+        let (number, displaced) = (self.len(), Differences::now(self.differences.as_ref(), &self.positions));
         let pull = largest(number, |j| {
             self.connection(j) * self.drive.abs() + self.coupling.own(j) * displaced[j].abs()
         });
@@ -84,7 +84,7 @@ impl Interface {
 
     /// The same after the advances that are tried, from where the slider pulls by `held`.
     pub(super) fn excess_ahead(&mut self, held: &[f64]) -> Result<f64> {
-        self.coupling.forces(Fine::ahead(self.fine.as_ref(), &self.by), &mut self.excess);
+        self.coupling.forces(Differences::ahead(self.differences.as_ref(), &self.by), &mut self.excess);
         let connection = self.connections();
         let (drive, positions, by) = (self.drive, &self.positions, &self.by);
         let pull = |j: usize| connection(j) * (drive - positions[j] - by[j]);
@@ -94,7 +94,7 @@ impl Interface {
 
     /// In place of the excess the forces by which drive and slider pull at cells where they are.
     pub(super) fn pull_here(&mut self) {
-        self.coupling.forces(Fine::now(self.fine.as_ref(), &self.positions), &mut self.excess);
+        self.coupling.forces(Differences::now(self.differences.as_ref(), &self.positions), &mut self.excess);
         let (connection, drive, positions) = (self.connections(), self.drive, &self.positions);
         change(&mut self.excess, |j, held| connection(j) * (drive - positions[j]) + held);
     }
@@ -173,8 +173,8 @@ impl Interface {
         let stable = self.coupling.respond(&self.springs, &mut self.excess, goal).is_some();
         if stable {
             change(&mut self.by, |j, by| by + self.excess[j]);
-            if let Some(fine) = &mut self.fine {
-                fine.correct(&self.excess);
+            if let Some(differences) = &mut self.differences {
+                differences.correct(&self.excess);
             }
         }
         stable
@@ -197,7 +197,7 @@ impl Interface {
         if !all(number, |j| self.springs[j] > f64::NEG_INFINITY) {
             return Ok(false);
         }
-        self.coupling.forces(Fine::ahead(self.fine.as_ref(), &self.by), &mut self.excess);
+        self.coupling.forces(Differences::ahead(self.differences.as_ref(), &self.by), &mut self.excess);
         if all(number, |j| self.by[j] > 0.0 && self.springs[j] * self.by[j] > self.excess[j]) {
             return Ok(true);
         }
@@ -211,8 +211,8 @@ impl Interface {
     pub(super) fn commit(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         self.cells.advance(&self.by, monitor)?;
         change(&mut self.positions, |j, position| position + self.by[j]);
-        if let Some(fine) = &mut self.fine {
-            fine.advance(&self.by);
+        if let Some(differences) = &mut self.differences {
+            differences.advance(&self.by);
         }
         self.by.fill(0.0);
         Ok(())

@@ -1,7 +1,7 @@
 //! From the cells that slipped in a slide to events: each part of them that hangs together is one.
 
 use super::batch::largest;
-use super::fine::Fine;
+use super::differences::Differences;
 use super::{Event, Interface, Slip, Slipped};
 use crate::shape::{Edges, Shape};
 
@@ -20,7 +20,7 @@ pub(super) struct Slide {
     /// Positions before.
     pub before: Vec<f64>,
     /// What they did not tell.
-    pub fine: Option<Fine>,
+    pub differences: Option<Differences>,
     /// Friction force before.
     pub force: f64,
     /// Work done on the contacts before.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Interface;
 use super::batch::fill;
-use super::fine::Fine;
+use super::differences::Differences;
 use super::outlook::Outlook;
 use super::slide::STALLED;
 use crate::Result;
@@ -97,11 +97,11 @@ impl Interface {
     fn attempt(&mut self, to: f64, outlook: &Outlook) -> Result<bool> {
         let distance = to - self.drive;
         let mut held = vec![0.0; self.len()];
-        self.coupling.forces(Fine::now(self.fine.as_ref(), &self.positions), &mut held);
+        self.coupling.forces(Differences::now(self.differences.as_ref(), &self.positions), &mut held);
         self.drive = to;
         fill(&mut self.by, |j| outlook.way(j, distance));
-        if let Some(fine) = &mut self.fine {
-            fine.aim(&self.by);
+        if let Some(differences) = &mut self.differences {
+            differences.aim(&self.by);
         }
         let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {

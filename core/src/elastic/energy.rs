@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Interface;
 use super::batch::sum;
 use super::cells::Account;
-use super::fine::Fine;
+use super::differences::Differences;
 
 /// The books of a motion; every term is computed on its own, none as the remainder.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -46,7 +46,7 @@ pub(super) struct Stored {
 impl Interface {
     /// What is stored now.
     pub(super) fn stored(&mut self) -> Stored {
-        let displaced = Fine::now(self.fine.as_ref(), &self.positions);
+        let displaced = Differences::now(self.differences.as_ref(), &self.positions);
         self.coupling.forces(displaced, &mut self.excess);
         let (positions, drive) = (&self.positions, self.drive);
         Stored {

@@ -18,9 +18,9 @@ pub mod cells;
 pub mod clocked;
 pub mod coupling;
 mod creep;
+mod differences;
 mod energy;
 mod event;
-mod fine;
 mod first;
 mod outlook;
 mod plain;
@@ -37,8 +37,8 @@ pub use state::State;
 
 use self::batch::change;
 use self::creep::Pace;
+use self::differences::Differences;
 use self::energy::Stored;
-use self::fine::Fine;
 use crate::clocked::Portion;
 use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
@@ -121,7 +121,7 @@ pub struct Interface {
     time: f64,
     positions: Vec<f64>,
     /// What positions do not tell of a stiff slider.
-    fine: Option<Fine>,
+    differences: Option<Differences>,
     /// Advances that are tried from there.
     by: Vec<f64>,
     /// Forces out of balance after the advances that were last asked for; a step leaves something else.
@@ -159,7 +159,7 @@ impl Interface {
             drive: 0.0,
             time: 0.0,
             positions: vec![0.0; number],
-            fine: None,
+            differences: None,
             by: vec![0.0; number],
             excess: vec![0.0; number],
             springs: vec![0.0; number],

@@ -48,7 +48,7 @@ impl Interface {
             self.cells.recall(monitor)?;
             self.stand();
             self.positions.copy_from_slice(&slide.before);
-            self.fine = slide.fine;
+            self.differences = slide.differences;
             return Err(error);
         }
         self.cells.rejoin();
@@ -68,7 +68,7 @@ impl Interface {
     fn before(&mut self) -> Result<Slide> {
         Ok(Slide {
             before: self.positions.clone(),
-            fine: self.fine.clone(),
+            differences: self.differences.clone(),
             force: self.force()?,
             work: self.cells.account().work,
             fallen: Vec::with_capacity(self.len()),
@@ -202,8 +202,8 @@ impl Interface {
         let connection = self.connections();
         let (before, positions) = (&slide.before, &self.positions);
         let middle = |j: usize| 0.5 * (before[j] + positions[j]);
-        match (&self.fine, &slide.fine) {
-            (Some(fine), Some(before)) => fine.halfway(before, &mut self.by),
+        match (&self.differences, &slide.differences) {
+            (Some(differences), Some(before)) => differences.halfway(before, &mut self.by),
             _ => fill(&mut self.by, middle),
         }
         self.coupling.forces(&self.by, &mut self.excess);

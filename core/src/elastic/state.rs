@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::creep::Pace;
+use super::differences::Differences;
 use super::energy::Stored;
-use super::fine::Fine;
 use super::{Energy, Interface, cells};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
@@ -16,7 +16,7 @@ pub struct State {
     time: f64,
     positions: Vec<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    fine: Option<Fine>,
+    differences: Option<Differences>,
     cells: cells::State,
     pace: Pace,
     energy: Energy,
@@ -30,7 +30,7 @@ impl Interface {
             drive: self.drive,
             time: self.time,
             positions: self.positions.clone(),
-            fine: self.fine.clone(),
+            differences: self.differences.clone(),
             cells: self.cells.state(),
             pace: self.pace,
             energy: self.energy,
@@ -43,14 +43,14 @@ impl Interface {
     /// # Errors
     /// A state of another number of cells; those of the cells.
     pub fn restore(&mut self, state: State, monitor: &mut dyn Monitor) -> Result<()> {
-        let State { drive, time, positions, fine, cells, pace, energy, closed } = state;
+        let State { drive, time, positions, differences, cells, pace, energy, closed } = state;
         if positions.len() != self.len() {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", positions.len())));
         }
         self.cells.restore(cells, monitor)?;
         (self.drive, self.time, self.positions) = (drive, time, positions);
-        self.fine = fine;
+        self.differences = differences;
         (self.pace, self.energy, self.closed) = (pace, energy, closed);
         self.by.fill(0.0);
         Ok(())

@@ -7,14 +7,14 @@ use super::cells::{ROUNDING, scale};
 use super::fate::{Cohort, Fate, Toll};
 use crate::contacts::{Contacts, Maturing, Stiffness, Temperature};
 use crate::law::Break;
-use crate::numerics::diffusion::{Drain, Elements, Field, March, Slope, Taken};
+use crate::numerics::diffusion::{Elements, Evolution, Field, Loss, Slope, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, derivative, series};
 use crate::numerics::piecewise::Piecewise;
 use crate::{Error, Result};
 
 /// Contacts with v ∂_x p = D∂_h[U' + ∂_h]p − w p on h > x, p = 0 at h = x, from P_ci above where they formed.
 ///
-/// That is solved by [`March`] twice, the second time to a hundredth of the first: what both differ by is the error told.
+/// That is solved by [`Evolution`] twice, the second time to a hundredth of the first: what both differ by is the error told.
 #[derive(Debug, Clone)]
 pub(super) struct Diffusing {
     maturing: Maturing,
@@ -183,7 +183,7 @@ impl Diffusing {
     ) -> Option<Vec<Leg>> {
         let (low, high) = self.maturing.support;
         let (kinks, lasting) = (self.maturing.kinks(), (high - start) / self.velocity);
-        let drained = self.temperature.map(|temperature| {
+        let lost = self.temperature.map(|temperature| {
             move |time: f64, h: f64| {
                 self.velocity * self.exposure(temperature, start + self.velocity * time, h)
             }
@@ -191,10 +191,10 @@ impl Diffusing {
         let field = Field {
             slope: &|h| self.slope.at(h),
             diffusion: self.at_least(layers * LEAST),
-            drain: drained.as_ref().map(|drained| drained as Drain<'_>),
+            loss: lost.as_ref().map(|lost| lost as Loss<'_>),
         };
         let velocity = self.velocity;
-        let mut march = March {
+        let mut evolution = Evolution {
             density,
             field,
             velocity,
@@ -207,26 +207,26 @@ impl Diffusing {
         };
         let mut legs = Vec::new();
         if time > 0.0 {
-            legs.push(self.waiting(start, &march.density, velocity * time));
+            legs.push(self.waiting(start, &evolution.density, velocity * time));
         }
         let layer = field.diffusion / velocity;
-        let met = march.density.value(start + velocity * time).abs();
+        let met = evolution.density.value(start + velocity * time).abs();
         if self.is_thin(layer) && met * layer < left_out {
-            legs.push(self.free(start, layer, march, lasting));
+            legs.push(self.free(start, layer, evolution, lasting));
             return Some(legs);
         }
-        march.field.diffusion = self.at_least(layers * RESOLVED);
-        let begun = march.density.mass();
+        evolution.field.diffusion = self.at_least(layers * RESOLVED);
+        let begun = evolution.density.mass();
         for (end, absorbing) in [((low - start) / velocity, false), (lasting, true)] {
-            if end <= march.time {
+            if end <= evolution.time {
                 continue;
             }
-            march.absorbing = absorbing;
-            march.begin();
+            evolution.absorbing = absorbing;
+            evolution.begin();
             let mut steps = Vec::new();
-            while march.time < end * (1.0 - 1e-14) && march.density.mass() > NOTHING * begun {
-                steps.push(march.advance(end));
-                if gives_up && march.is_crowded() {
+            while evolution.time < end * (1.0 - 1e-14) && evolution.density.mass() > NOTHING * begun {
+                steps.push(evolution.advance(end));
+                if gives_up && evolution.is_crowded() {
                     return None;
                 }
             }
@@ -253,14 +253,14 @@ impl Diffusing {
     ///
     /// With λ = D/v, y = h − x and Q(u) = q(x, u), p = q − e^{−y/λ}[Q − y(Q' + U'Q) + …]: a boundary layer at an outflow, by
     /// matched asymptotic expansions. It has the mass −λQ + λ²(Q' + U'Q), around y = λ, up to λ³Q''.
-    fn free(&self, start: f64, layer: f64, mut march: March<'_>, end: f64) -> Leg {
-        let (from, begun) = (march.time, march.density.mass());
+    fn free(&self, start: f64, layer: f64, mut evolution: Evolution<'_>, end: f64) -> Leg {
+        let (from, begun) = (evolution.time, evolution.density.mass());
         let stretch = |time: f64| start + self.velocity * time;
-        let mut steps: Vec<Taken> = Vec::new();
-        while march.time < end * (1.0 - 1e-14)
-            && march.density.sums_above(stretch(march.time), |_| [1.0])[0] > NOTHING * begun
+        let mut steps: Vec<TimeStep> = Vec::new();
+        while evolution.time < end * (1.0 - 1e-14)
+            && evolution.density.sums_above(stretch(evolution.time), |_| [1.0])[0] > NOTHING * begun
         {
-            steps.push(march.advance(end));
+            steps.push(evolution.advance(end));
         }
         let mut boundaries = vec![0.0];
         let mut curves: [Vec<Nodal>; SUMS] = std::array::from_fn(|_| Vec::new());
@@ -284,7 +284,7 @@ impl Diffusing {
     }
 
     /// The sums in polynomials of the time from `low` to `high`, in which the stretch passes no edge of an element.
-    fn layered(&self, start: f64, layer: f64, step: &Taken, (low, high): (f64, f64)) -> [Nodal; SUMS] {
+    fn layered(&self, start: f64, layer: f64, step: &TimeStep, (low, high): (f64, f64)) -> [Nodal; SUMS] {
         let times = RULE.nodes.map(|t| 0.5 * (low + high) + 0.5 * (high - low) * t);
         let densities = times.map(|time| step.at(time));
         let stretches = times.map(|time| start + self.velocity * time);
@@ -326,7 +326,7 @@ impl Diffusing {
     }
 
     /// The curves of so many steps.
-    fn leg(&self, start: f64, steps: &[Taken]) -> Leg {
+    fn leg(&self, start: f64, steps: &[TimeStep]) -> Leg {
         let begun = steps[0].from;
         let advance = |time: f64| self.velocity * (time - begun);
         let boundaries: Vec<f64> =

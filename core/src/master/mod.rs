@@ -31,7 +31,7 @@ use crate::clocked::Portion;
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
 use crate::law::{Atom, SharedLaw};
 use crate::life::{Life, athermal, cells_of, moving};
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, fits};
 use crate::{Error, Result};
 use leg::Leg;
 
@@ -205,11 +205,8 @@ fn same(a: &SharedLaw, b: &SharedLaw) -> bool {
 fn affordable(contacts: &Contacts, key: &str, starts: &SharedLaw) -> Result<()> {
     /// Curves of 16 terms that a life and the solution on it take.
     const BYTES_PER_CELL: f64 = 16.0 * 8.0 * 20.0;
-    const ALLOWED: f64 = 268_435_456.0;
+    const ALLOWED: u64 = 256 << 20;
     let needed = BYTES_PER_CELL * cells_of(contacts, starts);
-    if needed <= ALLOWED {
-        return Ok(());
-    }
-    let what = "stretches spread over far more than the length on which thresholds vary".into();
-    Err(Error::TooLarge { key: key.into(), what, needed: needed as u64, allowed: ALLOWED as u64 })
+    let what = "stretches spread over far more than the length on which thresholds vary";
+    fits(key, what, needed as u64, ALLOWED)
 }

@@ -34,7 +34,7 @@ pub use grid::Grid;
 pub use in_time::tolerance_over;
 pub use interface::cells_in_time;
 pub use pull::along_the_pull;
-pub use stability::{Stability, stability};
+pub use stability::{LinearStability, stability};
 
 /// Computes `scenario`.
 ///

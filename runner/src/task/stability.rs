@@ -12,7 +12,7 @@ const RESPONSE: f64 = 1e-5;
 
 /// What linear stability says of steady sliding at one velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stability {
+pub struct LinearStability {
     /// K_c(v; M, γ), above which steady sliding is stable: 0 where it is behind any spring, infinite where behind none.
     pub critical_stiffness: f64,
     /// Angular frequency of the oscillation that sets in there; 0 where none does, infinite where the slider jumps.
@@ -32,14 +32,14 @@ pub fn stability(
     velocity: f64,
     block: Option<&scenario::Block>,
     monitor: &mut dyn Monitor,
-) -> Result<Stability> {
+) -> Result<LinearStability> {
     let slider = block.map(slider).transpose()?;
     let response = Transport::step_response(contacts, velocity, LIVES, RESPONSE, monitor)?;
     let (mass, damping) = slider.map_or((0.0, 0.0), |slider| (slider.mass, slider.damping));
     let (critical_stiffness, frequency) = response.critical_stiffness(mass, damping).unwrap_or((0.0, 0.0));
     let growth = slider.map_or(Ok(None), |slider| response.growth(&slider))?;
     let (growth_rate, growth_frequency) = growth.map_or((0.0, 0.0), |s| (s.re, s.im));
-    Ok(Stability { critical_stiffness, frequency, growth_rate, growth_frequency })
+    Ok(LinearStability { critical_stiffness, frequency, growth_rate, growth_frequency })
 }
 
 /// What moves a block in time.

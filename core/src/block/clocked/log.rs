@@ -1,7 +1,7 @@
 //! What is kept of a slider's motion in time: moments, slips, and where the work of the drive went.
 
 use super::stage::{Dynamics, Pulled, State};
-use crate::block::regime::{self, Jump, Swing};
+use crate::block::regime::{self, Jump, Oscillation};
 use crate::block::run::End;
 use crate::block::{Energy, Point, Regime};
 use crate::clocked::Clocked;
@@ -76,7 +76,7 @@ pub(super) struct Log {
     /// Whether the slider was becoming faster.
     rising: bool,
     /// Since it last slipped, or the drive changed.
-    swings: Vec<Swing>,
+    oscillations: Vec<Oscillation>,
     /// How far a step may be off.
     tolerance: f64,
     /// The velocity of the drive, when it last moved or, before, will first move.
@@ -186,7 +186,7 @@ impl Log {
             last: start,
             earlier: start.time_and_velocity(),
             rising: false,
-            swings: Vec::new(),
+            oscillations: Vec::new(),
             tolerance,
             pulled,
             open: None,
@@ -199,7 +199,7 @@ impl Log {
         if velocity > 0.0 {
             self.pulled = velocity;
         }
-        self.swings.clear();
+        self.oscillations.clear();
     }
 
     /// A moment asked for.
@@ -230,7 +230,7 @@ impl Log {
         if self.rising && !rising {
             let velocity =
                 top([self.earlier, self.last.time_and_velocity(), moment.time_and_velocity()]) / self.pulled;
-            self.swings.push(Swing { position: self.last.position, velocity });
+            self.oscillations.push(Oscillation { position: self.last.position, velocity });
         }
         self.rising = rising;
         self.earlier = self.last.time_and_velocity();
@@ -240,7 +240,7 @@ impl Log {
     /// The open slip has ended in the step to a moment, the contacts having come to `turn`.
     fn end(&mut self, moment: Moment, fast: f64, turn: f64) {
         let Some(open) = self.open.take() else { return };
-        self.swings.clear();
+        self.oscillations.clear();
         let arrested = moment.position < turn;
         let slows = self.last.velocity > fast && !arrested;
         let after = if slows { self.last.until(&moment, fast) } else { moment };
@@ -260,14 +260,14 @@ impl Log {
     }
 
     pub fn close(self) -> Slide {
-        /// Tolerances that a swing must go beyond to be seen.
+        /// Tolerances that a oscillation must go beyond to be seen.
         const SEEN: f64 = 10.0;
-        let Self { trace, slips, start, last, most, fraction, swings, tolerance, .. } = self;
+        let Self { trace, slips, start, last, most, fraction, oscillations, tolerance, .. } = self;
         let jumps: Vec<Jump> = slips.iter().map(TimedSlip::jump).collect();
         let told = regime::tell(&jumps, start.point(), last.point(), most.0 / most.1, End::Reached);
-        // Of few contacts breaks make swings, by chance.
+        // Of few contacts breaks make oscillations, by chance.
         let seen = if fraction > 0.0 { f64::INFINITY } else { SEEN * tolerance };
-        let regime = regime::calm(told, &swings, seen);
+        let regime = regime::calm(told, &oscillations, seen);
         Slide { trace, slips, energy: last.energy - start.energy, regime }
     }
 }

@@ -6,26 +6,26 @@
 //! with U_i = −ln of the mass that cell i has in the stationary law. B(−δ) = e^δ B(δ), so that this law carries no flux at
 //! all, to rounding, however coarse the cells; otherwise the error is of second order in Δ. Both ends reflect.
 //!
-//! [`March`] solves the same on spectral [`Elements`]: to rounding where a density is smooth, and for one cohort at a time; the cells
+//! [`Evolution`] solves the same on spectral [`Elements`]: to rounding where a density is smooth, and for one cohort at a time; the cells
 //! are for steps of any kind, many at once, and for a law's mean time.
 
 mod elements;
+mod evolution;
 mod factors;
 mod floor;
 mod follow;
-mod march;
 mod potential;
 mod radau;
 mod slab;
 mod step;
 
 pub use elements::Elements;
+pub use evolution::{Evolution, TimeStep};
 pub use factors::Factors;
 use floor::Cut;
 pub use follow::{Followed, Medium, Rise, Room, Sink};
-pub use march::{March, Taken};
 pub use potential::{Potential, Slope, continued};
-pub use slab::{Drain, Field};
+pub use slab::{Field, Loss};
 pub use step::{Lost, Step, Work};
 
 /// The operator L = D∂_h[U' + ∂_h] on cells.

@@ -10,7 +10,7 @@ use super::radau::{RADAU, Radau, STAGES};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 
 /// A rate per time at which mass is taken away at a part of the step and a place.
-pub type Drain<'a> = &'a dyn Fn(f64, f64) -> f64;
+pub type Loss<'a> = &'a dyn Fn(f64, f64) -> f64;
 
 /// What a density moves in.
 #[derive(Clone, Copy)]
@@ -20,7 +20,7 @@ pub struct Field<'a> {
     /// D, above 0.
     pub diffusion: f64,
     /// What takes mass away besides the floor.
-    pub drain: Option<Drain<'a>>,
+    pub loss: Option<Loss<'a>>,
 }
 
 /// How elements move in a step.
@@ -145,15 +145,15 @@ impl Cell {
 fn operator((edges, speeds): ([f64; 2], [f64; 2]), field: &Field<'_>, done: f64) -> Matrix {
     let (middle, half) = (0.5 * (edges[0] + edges[1]), 0.5 * (edges[1] - edges[0]));
     let at = |t: f64, of: [f64; 2]| 0.5 * ((1.0 - t) * of[0] + (1.0 + t) * of[1]);
-    let (mut carried, mut drained) = ([0.0; NODES], [0.0; NODES]);
+    let (mut carried, mut lost) = ([0.0; NODES], [0.0; NODES]);
     for (q, (t, weight)) in RULE.nodes.iter().zip(&RULE.weights).enumerate() {
         let place = middle + half * t;
         carried[q] = weight * (field.diffusion * (field.slope)(place) + at(*t, speeds));
-        drained[q] = field.drain.map_or(0.0, |drain| weight * half * drain(done, place));
+        lost[q] = field.loss.map_or(0.0, |loss| weight * half * loss(done, place));
     }
     std::array::from_fn(|k| {
         let (slopes, values) = (&BASIS.slopes[k], &BASIS.values[k]);
-        let row: Nodal = std::array::from_fn(|q| slopes[q] * carried[q] + values[q] * drained[q]);
+        let row: Nodal = std::array::from_fn(|q| slopes[q] * carried[q] + values[q] * lost[q]);
         let entry = |l: usize| -> f64 {
             let sum: f64 = row.iter().zip(&BASIS.values[l]).map(|(a, b)| a * b).sum();
             field.diffusion / half * BASIS.stiffness[k][l] + sum
@@ -229,7 +229,7 @@ impl<'a> Mesh<'a> {
             let times = (RADAU.nodes[m], motion.duration * RADAU.sweep[m][m]);
             let cell = |i: usize| {
                 let speeds = [i, i + 1].map(|i| mesh.share(i) * motion.by / motion.duration);
-                let rests = speeds == [0.0; 2] && field.drain.is_none();
+                let rests = speeds == [0.0; 2] && field.loss.is_none();
                 let still = mesh.cells.first().filter(|_| rests).map(|cells| &cells[i].operator);
                 Cell::new(([edges[i], edges[i + 1]], speeds), field, times, still)
             };

@@ -14,7 +14,7 @@ const STIFF: f64 = 1e3;
 /// A stiff slider keeps them small, so that they have digits that positions leave out: each rounding of X is a force of
 /// A_jj ε X, each one of them of A_jj ε |X_j − X_0| only.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Fine {
+pub(super) struct Differences {
     now: Vec<f64>,
     /// Those of the advances that are tried, where more is known of them than advances tell.
     #[serde(skip)]
@@ -26,20 +26,20 @@ fn from_first(values: &[f64], out: &mut [f64]) {
     fill(out, |j| values[j] - values[0]);
 }
 
-impl Fine {
+impl Differences {
     /// Of cells that all are where the first one is.
     fn new(number: usize) -> Self {
         Self { now: vec![0.0; number], ahead: None }
     }
 
     /// Displacements that make the forces of the slider where cells are: positions, unless more is known.
-    pub fn now<'a>(fine: Option<&'a Self>, positions: &'a [f64]) -> &'a [f64] {
-        fine.map_or(positions, |fine| &fine.now)
+    pub fn now<'a>(differences: Option<&'a Self>, positions: &'a [f64]) -> &'a [f64] {
+        differences.map_or(positions, |differences| &differences.now)
     }
 
     /// Displacements that make the change of these forces on the advances that are tried.
-    pub fn ahead<'a>(fine: Option<&'a Self>, by: &'a [f64]) -> &'a [f64] {
-        fine.and_then(|fine| fine.ahead.as_deref()).unwrap_or(by)
+    pub fn ahead<'a>(differences: Option<&'a Self>, by: &'a [f64]) -> &'a [f64] {
+        differences.and_then(|differences| differences.ahead.as_deref()).unwrap_or(by)
     }
 
     /// Puts cells where positions tell.
@@ -87,7 +87,7 @@ impl Interface {
         let number = self.len();
         let own = largest(number, |j| self.coupling.own(j));
         let stiff = own > STIFF * self.cells.extremes().steepest;
-        self.fine = (stiff && self.feels_differences_only(own)).then(|| Fine::new(number));
+        self.differences = (stiff && self.feels_differences_only(own)).then(|| Differences::new(number));
     }
 
     /// Whether cells that all move by the same make no forces, next to the stiffness `own` of one that moves alone: nothing else
@@ -102,8 +102,8 @@ impl Interface {
     /// No advances are tried.
     pub(super) fn stand(&mut self) {
         self.by.fill(0.0);
-        if let Some(fine) = &mut self.fine {
-            fine.drop_aim();
+        if let Some(differences) = &mut self.differences {
+            differences.drop_aim();
         }
     }
 }

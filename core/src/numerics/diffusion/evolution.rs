@@ -2,7 +2,7 @@
 
 use super::elements::Elements;
 use super::radau::{RADAU, STAGES};
-use super::slab::{Drain, Field, Motion, left_out, slab};
+use super::slab::{Field, Loss, Motion, left_out, slab};
 use crate::numerics::legendre::{Nodal, series};
 
 /// ∂_t p = D∂_h[U' + ∂_h]p − wp on [x, H], H reflecting.
@@ -10,10 +10,10 @@ use crate::numerics::legendre::{Nodal, series};
 /// Elements are halved where they leave out too much and joined where they need not; steps are as long as what their
 /// polynomials in time leave out allows. Where the floor absorbs, the elements next to it go with it, up to the first that is
 /// wide enough to be squeezed, so that the layer D/v above it rests in them; all others rest.
-pub struct March<'a> {
+pub struct Evolution<'a> {
     /// p.
     pub density: Elements,
-    /// What it moves in; the first argument of its drain is the time.
+    /// What it moves in; the first argument of its loss is the time.
     pub field: Field<'a>,
     /// v of the floor.
     pub velocity: f64,
@@ -34,7 +34,7 @@ pub struct March<'a> {
 
 /// A step done: the density at its beginning and at Radau's points.
 #[derive(Debug)]
-pub struct Taken {
+pub struct TimeStep {
     /// When it began, …
     pub from: f64,
     /// … and ended.
@@ -54,7 +54,7 @@ const MOST_TRIES: usize = 60;
 /// A step may grow by this factor.
 const GROWTH: f64 = 3.0;
 
-impl March<'_> {
+impl Evolution<'_> {
     /// Cuts the lowest elements so that they hold the layer above an absorbing floor at which there is a density, and shortens
     /// the next step to the time in which no more is lost there than may be left out.
     pub fn begin(&mut self) {
@@ -84,17 +84,17 @@ impl March<'_> {
     }
 
     /// Goes on, up to a time.
-    pub fn advance(&mut self, limit: f64) -> Taken {
+    pub fn advance(&mut self, limit: f64) -> TimeStep {
         let density = std::mem::take(&mut self.density);
         let ends = (density.edges[0], density.edges[density.count()]);
         let allowed = |low: f64, half: f64| 0.1 * self.left_out / self.counted(ends, low, half);
         let mut start = density.coarsened(allowed, self.kinks);
         for tries in 0.. {
             let motion = self.motion(&start, limit - self.time);
-            let drained = |done: f64, place: f64| {
-                self.field.drain.map_or(0.0, |drain| drain(self.time + done * motion.duration, place))
+            let lost = |done: f64, place: f64| {
+                self.field.loss.map_or(0.0, |loss| loss(self.time + done * motion.duration, place))
             };
-            let field = Field { drain: self.field.drain.map(|_| &drained as Drain<'_>), ..self.field };
+            let field = Field { loss: self.field.loss.map(|_| &lost as Loss<'_>), ..self.field };
             let slab = slab(&start, &motion, &field, 0.02 * self.left_out);
             let missed = left_out(&start, &slab.stages, &RADAU);
             let last = tries >= MOST_TRIES;
@@ -113,17 +113,17 @@ impl March<'_> {
             let to = if whole { limit } else { self.time + motion.duration };
             self.next = motion.duration * factor.clamp(0.6, GROWTH);
             let missing: f64 = rough.iter().map(|rough| rough * self.left_out).sum();
-            let taken = Taken {
+            let step = TimeStep {
                 from: std::mem::replace(&mut self.time, to),
                 to,
                 points: std::iter::once(start).chain(slab.stages).collect(),
                 left_out: missed + slab.unsettled + missing,
             };
-            self.density = taken.points[STAGES].clone();
+            self.density = step.points[STAGES].clone();
             self.first = false;
-            return taken;
+            return step;
         }
-        unreachable!("the last try is taken")
+        unreachable!("the last try is accepted")
     }
 
     /// The next step, no longer than `limit`.
@@ -186,7 +186,7 @@ fn refined(edges: &[f64], rough: &[f64], absorbing: bool) -> Vec<f64> {
     out
 }
 
-impl Taken {
+impl TimeStep {
     /// The density at a time of the step, where elements rested.
     pub fn at(&self, time: f64) -> Elements {
         let done = (time - self.from) / (self.to - self.from);
