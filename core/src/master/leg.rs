@@ -131,16 +131,17 @@ impl Leg {
     }
 
     /// Points spread over the leg, with their cells: halfway between the middle of a cell, where a polynomial is at its best,
-    /// and its end; atoms lie on boundaries.
+    /// and its end; atoms lie on boundaries. Of the last cell the end, too.
     fn places(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let end = self.force.end();
         let spread = (1..=16).map(move |k| end * (f64::from(k) * GOLDEN).fract()).chain([end]);
-        spread.map(|x| {
+        let inside = spread.map(|x| {
             let cell = self.force.nearest(x);
             let (middle, half) = self.force.cell(cell);
             (cell, middle + 0.5 * half)
-        })
+        });
+        inside.chain([(self.force.nearest(end), end * (1.0 - 1e-12))])
     }
 
     /// The contacts born up to the advance `u` in the given cell, and still there.

@@ -60,7 +60,11 @@ pub fn solve(
     let narrow = if source.size() > 1e-3 { own } else { own.min(kernel.narrow(accuracy.light)) };
     let width = (accuracy.widening * narrow).min(end);
     let spacing = width / (2 * NODES) as f64;
-    let matters = |b: &Break| b.weight(spacing) > 10.0 * accuracy.density;
+    // As of cells: what a break inside one misses is allowed in the density, or in the mass.
+    let matters = |b: &Break| {
+        let missed = b.weight(spacing);
+        missed > 10.0 * accuracy.density && missed * spacing > 10.0 * accuracy.mass
+    };
     let breaks = renewed(source.breaks(), kernel.breaks(), end, matters, monitor)?;
     let atoms =
         breaks.iter().filter(|b| b.is_atom()).map(|b| Atom { position: b.position, weight: b.amplitude });
@@ -118,6 +122,9 @@ const MOST_CELLS: usize = 1 << 22;
 /// A (x − x_b)^−½ it is given its mass, not its shape. The shape is worth A² times this, while places rounded to ε cost
 /// A ε over its root.
 const NARROWEST: f64 = 1e-11;
+
+/// How far before its end a cell is looked at, in half widths: farther than an atom there may be put by rounding.
+const BEFORE: f64 = 1e-9;
 
 /// Cells longer than this many means of the kernel are solved by conservation.
 const LONG: f64 = 4.0;
@@ -276,22 +283,22 @@ impl March<'_> {
         self.mesh.run_of.push(self.mesh.runs.len() as u32 - 1);
         self.mesh.boundaries.push(stop);
         let width = 2.0 * self.mesh.cell(cell).1;
-        let found = if width > LONG * self.kept.1.size() {
-            self.conserved(cell)
-        } else if width > 1.01 * self.base {
-            self.resolved(cell).filter(|(values, _)| self.keeps(cell, values))
-        } else {
-            self.resolved(cell)
-        };
-        let Some((values, missing)) = found else {
-            self.mesh.run_of.pop();
-            self.mesh.boundaries.pop();
-            return None;
-        };
-        self.values.push(values);
-        self.density.boundaries.push(stop);
-        self.density.coefficients.push(RULE.coefficients(&values));
-        Some(missing)
+        let found =
+            if width > LONG * self.kept.1.size() { self.conserved(cell) } else { self.resolved(cell) };
+        if let Some((values, missing)) = found {
+            self.values.push(values);
+            self.density.boundaries.push(stop);
+            self.density.coefficients.push(RULE.coefficients(&values));
+            if width <= 1.01 * self.base || self.keeps(cell) {
+                return Some(missing);
+            }
+            self.values.pop();
+            self.density.boundaries.pop();
+            self.density.coefficients.pop();
+        }
+        self.mesh.run_of.pop();
+        self.mesh.boundaries.pop();
+        None
     }
 
     /// The density at the Gauss points of the next cell and the size of its tail, 0 where that is rounding; `None` where
@@ -358,14 +365,24 @@ impl March<'_> {
         (0..NODES).all(|i| off(i) <= self.accuracy.kept).then_some((values, missing))
     }
 
-    /// Whether all that should be in g is there, at the points of the next cell, if it has these values.
-    fn keeps(&mut self, cell: usize, values: &Nodal) -> bool {
-        let mut whole = self.kept_before(cell);
-        self.kept_blocks.add_own(&self.mesh, cell, values, &mut whole);
-        whole.iter().all(|w| (w - 1.0).abs() <= self.accuracy.kept)
+    /// Whether all that should be in g is there, at the points of the last cell and at its end: what begins between the last
+    /// point and the end shows at the end alone.
+    fn keeps(&mut self, cell: usize) -> bool {
+        let allowed = self.accuracy.kept;
+        let all = |kept: f64| (kept - 1.0).abs() <= allowed;
+        all(self.kept_at_end(cell)) && self.kept_before(cell).into_iter().all(all)
     }
 
-    /// What is kept at the points of the next cell, without what that cell has.
+    /// What is kept at the end of a cell, before an atom that lies there.
+    fn kept_at_end(&self, cell: usize) -> f64 {
+        let ((source, kernel), (middle, half)) = (self.kept, self.mesh.cell(cell));
+        let end = middle + half * (1.0 - BEFORE);
+        source.value(end)
+            + struck(kernel.curve(), &self.atoms, (end, 0.0))
+            + self.mesh.convolve_at(&self.density, kernel, end)
+    }
+
+    /// What is kept at the points of a cell, of the cells that have values.
     fn kept_before(&mut self, cell: usize) -> Nodal {
         let (source, kernel) = self.kept;
         let mut kept = self.mesh.points(cell).map(|(start, offset)| {
