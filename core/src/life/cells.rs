@@ -29,11 +29,16 @@ impl Detail {
         Self { resolution: Resolution::Relative { fraction: 1e-13, negligible }, negligible }
     }
 
+    /// Low tails as well, each cell to 1e-13 of all that lies below its end, down to what is negligible.
+    pub(super) const fn low_tails(negligible: f64) -> Self {
+        Self { resolution: Resolution::Cumulative { fraction: 1e-13, negligible }, negligible }
+    }
+
     /// Where cells have to end: across its seams a density is not itself to 1e-13.
     pub(super) fn seams(self, law: &dyn Law) -> Vec<f64> {
         match self.resolution {
             Resolution::Mean(_) => Vec::new(),
-            Resolution::Relative { .. } => law.seams(),
+            Resolution::Relative { .. } | Resolution::Cumulative { .. } => law.seams(),
         }
     }
 }

@@ -16,6 +16,11 @@ use crate::numerics::volterra::Kernel;
 /// over all u is a product, so that φ̂(s) = P̂_c(s) ν̂(−s) − ∫_0^∞ e^{sv} φ(−v) dv.
 /// Analytic wherever P̂_c is. Where Re s ≥ 0 the difference cancels by 1/S; left of where e^{−sx} P_c(x) has its bulk
 /// above the starts it is exact to rounding.
+///
+/// Both terms are made of the same ν, so that an error δν counts by ∫δν(r) e^{sr} ∫_r^∞ e^{−sx} P_c(x) dx dr, of which a start
+/// has at most |δν(r)| e^{r Re s} times the whole transform of P_c. Starts below r have as much of it, lifted by more: δν may
+/// be a small part of ∫^r ν at any s. Where S falls to 0 at a finite stretch and R does not, ν has a pole there, of which
+/// rounding of r leaves few digits, but its integral is logarithmic, and of the few that start there.
 #[derive(Debug)]
 pub(crate) struct Continuation {
     thresholds: Thresholds,
@@ -45,7 +50,7 @@ const DEEPEST: f64 = 1e-250;
 impl Continuation {
     /// φ̂ for Re s ≤ `edge` < 0. Contacts are taken to have passed [`Contacts::check`].
     pub(crate) fn new(contacts: &Contacts, edge: f64) -> Self {
-        let (thresholds, detail) = (contacts.thresholds.as_ref(), Detail::tails(LOWEST));
+        let (thresholds, detail) = (contacts.thresholds.as_ref(), Detail::low_tails(LOWEST));
         let placed = Layer::placed(contacts, contacts.reforming.as_ref(), true, detail);
         // Thresholds below the stretches count as well.
         let unbounded = Layer { ahead: f64::NEG_INFINITY, behind: f64::NEG_INFINITY, ..placed };

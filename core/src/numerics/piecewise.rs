@@ -25,21 +25,32 @@ pub enum Resolution {
         /// The value.
         negligible: f64,
     },
+    /// What a cell leaves out, times its half width, is at most a fraction of the integral up to its end, or of an integral
+    /// that is negligible. For a function of one sign.
+    Cumulative {
+        /// The fraction.
+        fraction: f64,
+        /// The integral.
+        negligible: f64,
+    },
 }
 
 impl Resolution {
-    /// What a cell misses by: at most `self.most()` where it is resolved.
-    fn missing(self, values: &Nodal, left_out: f64, half: f64) -> f64 {
+    /// What a cell misses by, with the integral up to its end: at most `self.most()` where it is resolved.
+    fn missing(self, values: &Nodal, left_out: f64, half: f64, integral: f64) -> f64 {
         match self {
             Self::Mean(_) => left_out * half,
             Self::Relative { negligible, .. } => {
                 left_out / values.iter().fold(negligible, |largest, v| largest.max(v.abs()))
             }
+            Self::Cumulative { negligible, .. } => left_out * half / integral.abs().max(negligible),
         }
     }
 
     fn most(self) -> f64 {
-        let (Self::Mean(most) | Self::Relative { fraction: most, .. }) = self;
+        let (Self::Mean(most)
+        | Self::Relative { fraction: most, .. }
+        | Self::Cumulative { fraction: most, .. }) = self;
         most
     }
 
@@ -48,7 +59,7 @@ impl Resolution {
         match self {
             // What the whole cell would miss: no length stands alone.
             Self::Mean(_) => depth > 6 && missing < 1e-9 * 0.5_f64.powi(depth as i32),
-            Self::Relative { .. } => depth > 1 && missing < 1e-9,
+            Self::Relative { .. } | Self::Cumulative { .. } => depth > 1 && missing < 1e-9,
         }
     }
 }
@@ -80,8 +91,9 @@ impl Piecewise {
         edges.sort_by(f64::total_cmp);
         edges.dedup_by(|b, a| *b - *a <= f64::EPSILON * end);
         let mut out = std::array::from_fn(|_| Self { boundaries: vec![0.0], coefficients: Vec::new() });
+        let mut integral = 0.0;
         for pair in edges.windows(2) {
-            bisect(&f, (pair[0], pair[1]), (f64::INFINITY, 0), resolution, &mut out);
+            bisect(&f, (pair[0], pair[1]), (f64::INFINITY, 0), resolution, &mut integral, &mut out);
         }
         out
     }
@@ -287,24 +299,27 @@ fn bisect<const K: usize>(
     (a, b): (f64, f64),
     (before, depth): (f64, u32),
     resolution: Resolution,
+    integral: &mut f64,
     out: &mut [Piecewise; K],
 ) {
     let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
     let values = RULE.nodes.map(|t| f(middle + half * t));
     let coefficients = |k: usize| RULE.coefficients(&values.map(|v| v[k]));
-    let left_out = tail(&coefficients(0));
-    let missing = resolution.missing(&values.map(|v| v[0]), left_out, half);
+    let first = coefficients(0);
+    let up_to_here = *integral + 2.0 * half * first[0];
+    let missing = resolution.missing(&values.map(|v| v[0]), tail(&first), half, up_to_here);
     // Rounding in f halves with the width, at best; anything that converges gains far more.
     let noise = missing > 0.4 * before && resolution.may_be_rounding(missing, depth);
     let narrowest = half <= 16.0 * f64::EPSILON * b;
     if missing <= resolution.most() || noise || narrowest || depth > MOST_BISECTIONS {
+        *integral = up_to_here;
         for (k, piecewise) in out.iter_mut().enumerate() {
             piecewise.boundaries.push(b);
             piecewise.coefficients.push(coefficients(k));
         }
     } else {
-        bisect(f, (a, middle), (missing, depth + 1), resolution, out);
-        bisect(f, (middle, b), (missing, depth + 1), resolution, out);
+        bisect(f, (a, middle), (missing, depth + 1), resolution, integral, out);
+        bisect(f, (middle, b), (missing, depth + 1), resolution, integral, out);
     }
 }
 
