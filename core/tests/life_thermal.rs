@@ -4,8 +4,11 @@ mod common;
 
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
 use asperity::law::SharedLaw;
+use asperity::life::moving;
 use asperity::master::{Limits, MasterEquation};
-use common::{contacts, exponential, gamma, gaussian, initial, lognormal, point, rectangular, weibull};
+use common::{
+    contacts, exponential, gamma, gaussian, initial, lognormal, mixture, point, rectangular, weibull,
+};
 
 fn thermal(thresholds: &SharedLaw, energy: f64, barrier: Barrier) -> Contacts {
     let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
@@ -109,4 +112,32 @@ fn heat_and_ageing_at_low_temperature_are_ageing() {
         // x_s − x_b ≈ T ln(1 + ωT/v)/x.
         assert!((friction - cold).abs() < 3.0 * energy * (100.0 * energy).ln_1p() + 1e-12, "{energy}");
     }
+}
+
+/// What breaks is all, and the mean life that of single thresholds, each a life of its own, by Simpson's rule.
+#[test]
+fn edges_that_temperature_hardly_blurs_are_not_missed() {
+    let few = mixture(&[(0.02, point(1.5)), (0.98, gaussian(1.0, 0.1))]);
+    let laws = [rectangular(0.0, 2.0), rectangular(0.5, 1.5), few];
+    for barrier in [Barrier::Catastrophe, Barrier::Bell, Barrier::Elastic] {
+        for energy in [1e-2, 1e-4, 1e-6, 1e-7, 1e-9] {
+            for (law, velocity) in laws.iter().flat_map(|law| [1e-1, 1e-3].map(|v| (law, v))) {
+                let hot = thermal(law, energy, barrier);
+                let life = moving(&hot, &hot.reforming, true, velocity, false).unwrap();
+                let atoms: f64 = life.breaking().atoms().map(|atom| atom.weight).sum();
+                // Some ten cells, each to 1e-14.
+                near(life.breaking().curve().integral() + atoms, 1.0, 1e-13);
+            }
+        }
+    }
+    let (barrier, energy, velocity) = (Barrier::Catastrophe, 1e-6, 1e-3);
+    let mean = |law: &SharedLaw| at(thermal(law, energy, barrier), velocity).steady_state().mean_life();
+    let steps = 200;
+    let one = |k: u32| {
+        let weight = if k == 0 || k == steps { 1.0 } else { f64::from(2 + 2 * (k % 2)) };
+        weight * mean(&point(0.5 + f64::from(k) / f64::from(steps)))
+    };
+    let expected = (0..=steps).map(one).sum::<f64>() / f64::from(3 * steps);
+    // What the lives of single thresholds leave out; lives are smooth in thresholds.
+    near(mean(&laws[1]), expected, 1e-11);
 }

@@ -9,7 +9,7 @@ use super::Life;
 use super::Starts;
 use super::athermal::begin;
 use super::cells::{BULK, CELL, NEGLIGIBLE};
-use super::fate::{Cohort, Fate, Toll};
+use super::fate::{Cohort, Fate, Step, Toll};
 use super::layer::Layer;
 use super::panels::{Domain, Panels};
 use crate::contacts::{Contacts, Stiffness};
@@ -55,7 +55,8 @@ pub(super) fn of_cohorts(
     let at = |u: f64| cohorts.sums(&panels, u, per_threshold);
     let unbroken = if conditional { 1.0 } else { at(0.0).survival };
     let mut breaks = cohorts.breaks();
-    let outline = Outline::new(&at, &breaks, contacts.thresholds.mean());
+    let stops = breaks.iter().map(|b| b.position).chain(cohorts.approaches()).collect();
+    let outline = Outline::new(&at, stops, contacts.thresholds.mean());
     let edges = &outline.edges;
     let end = edges[edges.len() - 1];
     let finer = per_threshold.then(|| stiffening(&at, edges, contacts.thresholds.mean()));
@@ -102,13 +103,13 @@ struct Outline {
 
 impl Outline {
     /// Boundaries from 0 to where what is left no longer matters: such that no cell loses more than a part of the contacts,
-    /// and each is at most as wide as all before it.
-    fn new(at: &impl Fn(f64) -> Sums, breaks: &[Break], mean: f64) -> Self {
+    /// and each is at most as wide as all before it; and at `stops`.
+    fn new(at: &impl Fn(f64) -> Sums, mut stops: Vec<f64>, mean: f64) -> Self {
         let start = at(0.0);
         let rate = start.breaking / start.survival;
         let first =
             if rate.is_finite() { mean.min(1.0 / rate.max(f64::MIN_POSITIVE)) / 8.0 } else { mean / 8.0 };
-        let mut stops: Vec<f64> = breaks.iter().map(|b| b.position).filter(|&u| u > 0.0).collect();
+        stops.retain(|&u| u > 0.0);
         stops.sort_by(f64::total_cmp);
         let (mut edges, mut next, mut sums) = (vec![(0.0, start.survival)], first, [0.0; 4]);
         loop {
@@ -235,6 +236,13 @@ impl Cohorts {
         // At u = 0 only what no derivative tells.
         out.retain(|b| b.position > 0.0 || b.is_steep());
         out
+    }
+
+    /// Places before steps of the breaking density, which points of wide cells would miss.
+    fn approaches(&self) -> impl Iterator<Item = f64> {
+        let edged = self.starts.breaks.iter().map(|start| self.fate.cohort(start.position));
+        let all = self.together.iter().cloned().chain(edged);
+        all.flat_map(|cohort| cohort.steps()).flat_map(Step::approach)
     }
 
     /// Atoms of the elastic energy lost.

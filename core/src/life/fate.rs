@@ -36,6 +36,30 @@ pub(crate) trait Cohort: Debug + Send + Sync {
     fn breaks(&self) -> Vec<Break> {
         Vec::new()
     }
+
+    /// Where the breaking density may change just before, over lengths far shorter than the advance.
+    fn steps(&self) -> Vec<Step> {
+        Vec::new()
+    }
+}
+
+/// An edge of P_c, or a threshold that many share, as temperature blurs it: contacts break before they reach it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Step {
+    /// The advance at which it would be reached.
+    pub(crate) advance: f64,
+    /// The shortest length on which the breaking density may change before.
+    pub(crate) width: f64,
+}
+
+impl Step {
+    /// Places before it, each four times as near as the one before: a change at any distance, over a length that is not far
+    /// shorter, is met by the points of the cell that it lies in.
+    pub(crate) fn approach(self) -> impl Iterator<Item = f64> {
+        const RATIO: f64 = 0.25;
+        let nearer = move |distance: &f64| Some(RATIO * distance).filter(|&nearer| nearer > self.width);
+        std::iter::successors(Some(self.advance), nearer).skip(1).map(move |distance| self.advance - distance)
+    }
 }
 
 /// What is left of a cohort and what breaks, with powers of the present threshold h where that matters (k = κ h).

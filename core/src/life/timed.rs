@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::cells::{NEGLIGIBLE, ROUNDING, scale, with_atoms};
 use super::exposure::{Exposed, Exposure, Risk, blur};
-use super::fate::{Cohort, Fate, Passing, Toll};
+use super::fate::{Cohort, Fate, Passing, Step, Toll};
 use super::grid::{Grid, Share};
 use super::record::Record;
 use crate::Result;
@@ -29,6 +29,8 @@ pub(super) struct Timed {
     strength: Strength,
     velocity: f64,
     exposure: Option<Exposure>,
+    /// The length on which temperature blurs where contacts break.
+    blur: Option<f64>,
     grid: Arc<Grid>,
     /// How many numbers the histories hold that are kept.
     kept: Arc<AtomicUsize>,
@@ -76,6 +78,7 @@ impl Timed {
             velocity,
             grid: Arc::new(Grid::new(law, highest, exposure.as_ref(), highest / velocity, rooted)),
             kept: Arc::default(),
+            blur: contacts.rules.temperature.filter(|_| thermal).map(|t| blur(contacts, &t)),
             exposure,
             per_threshold: matches!(contacts.stiffness, Stiffness::PerThreshold(_)),
         })
@@ -88,6 +91,12 @@ impl Timed {
         /// 64 MB.
         const MOST: usize = 1 << 23;
         self.kept.load(Ordering::Relaxed) < MOST
+    }
+
+    /// Breaks and atoms of P_c that results may show.
+    fn seen(&self) -> impl Iterator<Item = &Break> {
+        let mean = self.law.mean();
+        self.hazards.iter().filter(move |b| b.is_atom() || b.weight(mean) * mean > FAINT)
     }
 
     fn keep(&self, history: Piecewise) -> Piecewise {
@@ -158,9 +167,7 @@ impl Fate for Timed {
             if self.strength.is_constant() { None } else { brent_root(back, 0.0, self.highest, 0.0) };
         let newest = newest.filter(|&start| self.law.density(start) * self.law.mean() > FAINT);
         let lull = newest.map(|start| Passing { start, weight: 0.0, pace: 0.0 });
-        let mean = self.law.mean();
-        let seen = self.hazards.iter().filter(|b| b.is_atom() || b.weight(mean) * mean > FAINT);
-        seen.filter_map(pass).chain(lull).collect()
+        self.seen().filter_map(pass).chain(lull).collect()
     }
 }
 
@@ -251,5 +258,12 @@ impl Cohort for Formed {
         });
         let rare = |b: &Break| b.is_atom() && b.amplitude <= NEGLIGIBLE;
         above.filter_map(meet).chain(turns).filter(|b| b.amplitude != 0.0 && !rare(b)).collect()
+    }
+
+    fn steps(&self) -> Vec<Step> {
+        let Some(width) = self.of.blur else { return Vec::new() };
+        let met = self.of.seen().filter(|hazard| hazard.position > self.start);
+        let step = |hazard: &Break| Some(Step { advance: self.record.meeting(hazard.position)?, width });
+        met.filter_map(step).collect()
     }
 }
