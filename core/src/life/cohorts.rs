@@ -9,7 +9,7 @@ use super::Life;
 use super::Starts;
 use super::athermal::begin;
 use super::cells::{BULK, CELL, NEGLIGIBLE};
-use super::fate::{Cohort, Fate, Step, Toll};
+use super::fate::{BlurredEdge, Cohort, Fate, Toll};
 use super::layer::Layer;
 use super::panels::{Domain, Panels};
 use crate::contacts::{Contacts, Stiffness};
@@ -238,11 +238,11 @@ impl Cohorts {
         out
     }
 
-    /// Places before steps of the breaking density, which points of wide cells would miss.
+    /// Places before blurred edges, where the breaking density changes, which points of wide cells would miss.
     fn approaches(&self) -> impl Iterator<Item = f64> {
         let edged = self.starts.breaks.iter().map(|start| self.fate.cohort(start.position));
         let all = self.together.iter().cloned().chain(edged);
-        all.flat_map(|cohort| cohort.steps()).flat_map(Step::approach)
+        all.flat_map(|cohort| cohort.blurred_edges()).flat_map(BlurredEdge::approach)
     }
 
     /// Atoms of the elastic energy lost.

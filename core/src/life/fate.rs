@@ -38,21 +38,21 @@ pub(crate) trait Cohort: Debug + Send + Sync {
     }
 
     /// Where the breaking density may change just before, over lengths far shorter than the advance.
-    fn steps(&self) -> Vec<Step> {
+    fn blurred_edges(&self) -> Vec<BlurredEdge> {
         Vec::new()
     }
 }
 
 /// An edge of P_c, or a threshold that many share, as temperature blurs it: contacts break before they reach it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Step {
+pub(crate) struct BlurredEdge {
     /// The advance at which it would be reached.
     pub(crate) advance: f64,
     /// The shortest length on which the breaking density may change before.
     pub(crate) width: f64,
 }
 
-impl Step {
+impl BlurredEdge {
     /// Places before it, each four times as near as the one before: a change at any distance, over a length that is not far
     /// shorter, is met by the points of the cell that it lies in.
     pub(crate) fn approach(self) -> impl Iterator<Item = f64> {

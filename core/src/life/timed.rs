@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::cells::{NEGLIGIBLE, ROUNDING, scale, with_atoms};
 use super::exposure::{Exposed, Exposure, Risk, blur};
-use super::fate::{Cohort, Fate, Passing, Step, Toll};
+use super::fate::{BlurredEdge, Cohort, Fate, Passing, Toll};
 use super::grid::{Grid, Share};
 use super::record::Record;
 use crate::Result;
@@ -260,10 +260,11 @@ impl Cohort for Formed {
         above.filter_map(meet).chain(turns).filter(|b| b.amplitude != 0.0 && !rare(b)).collect()
     }
 
-    fn steps(&self) -> Vec<Step> {
+    fn blurred_edges(&self) -> Vec<BlurredEdge> {
         let Some(width) = self.of.blur else { return Vec::new() };
         let met = self.of.seen().filter(|hazard| hazard.position > self.start);
-        let step = |hazard: &Break| Some(Step { advance: self.record.meeting(hazard.position)?, width });
-        met.filter_map(step).collect()
+        let edge =
+            |hazard: &Break| Some(BlurredEdge { advance: self.record.meeting(hazard.position)?, width });
+        met.filter_map(edge).collect()
     }
 }

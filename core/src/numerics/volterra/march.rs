@@ -60,11 +60,11 @@ pub fn solve(
     let narrow = if source.size() > 1e-3 { own } else { own.min(kernel.narrow(accuracy.light)) };
     let width = (accuracy.widening * narrow).min(end);
     let spacing = width / (2 * NODES) as f64;
-    // As of cells: what a break inside one misses is allowed in the density, or in the mass.
-    let matters = |b: &Break| {
-        let missed = b.weight(spacing);
-        missed > 10.0 * accuracy.density && missed * spacing > 10.0 * accuracy.mass
-    };
+    // As of cells: what a break inside one misses is allowed in the density, or in the mass. So many that show in the density
+    // that they are refused would cost hours even so.
+    let shows_in_density = |b: &Break| b.weight(spacing) > 10.0 * accuracy.density;
+    let matters = |b: &Break| shows_in_density(b) && b.weight(spacing) * spacing > 10.0 * accuracy.mass;
+    renewed(source.breaks(), kernel.breaks(), end, shows_in_density, monitor)?;
     let breaks = renewed(source.breaks(), kernel.breaks(), end, matters, monitor)?;
     let atoms =
         breaks.iter().filter(|b| b.is_atom()).map(|b| Atom { position: b.position, weight: b.amplitude });
