@@ -12,6 +12,8 @@
 mod broken;
 mod cohort;
 mod diffusing;
+mod fitted;
+mod grid;
 mod model;
 mod pace;
 mod panels;
@@ -22,6 +24,7 @@ mod seeds;
 mod stability;
 mod state;
 mod steady;
+mod thermal;
 mod trial;
 
 use std::sync::Arc;

@@ -20,10 +20,16 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// Gauss points and weights.
+    /// Gauss points with their weights.
     pub(super) fn points(self) -> impl Iterator<Item = (f64, f64)> {
         let (middle, half) = (0.5 * (self.low + self.high), 0.5 * (self.high - self.low));
         (0..NODES).map(move |i| (middle + half * RULE.nodes[i], half * RULE.weights[i]))
+    }
+
+    /// Gauss points and weights.
+    pub(super) fn nodes(self) -> (Nodal, Nodal) {
+        let (middle, half) = (0.5 * (self.low + self.high), 0.5 * (self.high - self.low));
+        (RULE.nodes.map(|node| middle + half * node), RULE.weights.map(|weight| half * weight))
     }
 
     /// ∫_from^high of `density` times e^{−A}, with A at the Gauss points.
@@ -44,15 +50,13 @@ impl Panel {
     }
 }
 
-/// The panels that hold the density of a law, none wider than what is the `widest` at its upper end where all but a fraction
-/// `rare` of it lies.
-pub(super) fn panels(law: &dyn Law, widest: impl Fn(f64) -> f64, rare: f64) -> Vec<Panel> {
+/// The panels that hold the density of a law, none wider than `widest`.
+pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<Panel> {
     let top = law.upper_quantile(0.0).min(law.upper_quantile(BEYOND));
-    let common = law.upper_quantile(rare).min(top);
     let zones = law.zones();
     let mut stops: Vec<f64> = zones.iter().flat_map(|zone| [zone.low, zone.high]).collect();
     stops.extend(law.breaks().iter().map(|b| b.position));
-    stops.extend([law.quantile(BEYOND), common, top]);
+    stops.extend([law.quantile(BEYOND), top]);
     stops.retain(|&x| x >= 0.0 && x <= top);
     stops.sort_by(f64::total_cmp);
     stops.dedup();
@@ -60,27 +64,19 @@ pub(super) fn panels(law: &dyn Law, widest: impl Fn(f64) -> f64, rare: f64) -> V
     for ends in stops.windows(2) {
         let (low, high) = (ends[0], ends[1]);
         let over: Vec<_> = zones.iter().filter(|zone| zone.low < high && zone.high > low).collect();
-        let scale = over.iter().map(|zone| WIDTH * zone.resolution).fold(f64::INFINITY, f64::min);
+        let scale = over.iter().map(|zone| WIDTH * zone.resolution).fold(widest, f64::min);
         // Tails beyond all zones fall by no more than a power.
         let tail = low > 0.0 && over.is_empty();
         let folds = if tail { (high / low).ln() / TAIL } else { 1.0 };
-        let widest = |x: f64| if low < common { widest(x) } else { f64::INFINITY };
         let count = ((high - low) / scale).max(folds).ceil().max(1.0);
         let edge = |k: f64| {
             if tail { low * (high / low).powf(k / count) } else { low + (high - low) * k / count }
         };
-        let parts = (0..count as u32)
-            .flat_map(|k| cut(Panel { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) }, &widest));
+        let parts =
+            (0..count as u32).map(|k| Panel { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) });
         panels.extend(parts.filter(|panel| panel.points().any(|(x, _)| law.density(x) > 0.0)));
     }
     panels
-}
-
-/// Equal parts of a panel that are narrow enough.
-fn cut(panel: Panel, widest: &impl Fn(f64) -> f64) -> impl Iterator<Item = Panel> {
-    let count = ((panel.high - panel.low) / widest(panel.high)).ceil().max(1.0);
-    let edge = move |k: u32| panel.low + (panel.high - panel.low) * f64::from(k) / count;
-    (0..count as u32).map(move |k| Panel { low: edge(k), high: edge(k + 1) })
 }
 
 #[cfg(test)]
@@ -101,7 +97,7 @@ mod tests {
             Arc::new(Gamma::new(1.0, 0.3).unwrap()),
         ];
         for law in laws {
-            let points = panels(law.as_ref(), |_| f64::INFINITY, 0.0).into_iter().flat_map(Panel::points);
+            let points = panels(law.as_ref(), f64::INFINITY).into_iter().flat_map(Panel::points);
             let whole: f64 = points.map(|(x, weight)| weight * law.density(x)).sum();
             // What 16 points leave out of the tails.
             assert!((whole - 1.0).abs() < 1e-11, "{}: {whole}", law.name());

@@ -2,40 +2,36 @@
 //!
 //! A contact born with the threshold h_0 ~ P_ci, above its stretch then, is left with the probability e^{−A}, A = ∫w dt,
 //! while its present threshold has stayed above its stretch: while h_0 > c, the largest newborn threshold that the stretch
-//! has met. The share left is ∫_c^∞ P_ci e^{−A} dh_0 over that at birth. A is kept at Gauss points of panels; on the panel
-//! where c lies ln A is the polynomial through its values there, for which the rate is continued past y = 1.
+//! has met. The share left is ∫_c^∞ P_ci e^{−A} dh_0 over that at birth. A falls with h_0, by e at least where E_0 grows by T:
+//! it is kept on a *band* of thresholds only, at Gauss points of the panels of a [`Grid`]. Contacts below the band are gone,
+//! those above it untouched. The lower the temperature, the narrower the band; of no width, it is c. On the panel where c
+//! lies ln A is the polynomial through its values there, for which the rate is continued past y = 1.
 
 use serde::{Deserialize, Serialize};
 
 use super::cohort::Place;
+use super::grid::Grid;
 use super::panels::{Panel, panels};
 use super::path::Path;
 use super::seeds::Seed;
-use crate::contacts::{Barrier, Contacts, Stiffness, Strength, Temperature};
-use crate::law::{Atom, Law, SharedLaw};
-use crate::numerics::legendre::NODES;
+use super::thermal::{Moment, NOTHING, Passage, Thermal};
+use crate::Result;
+use crate::contacts::{Contacts, Stiffness, Strength, Temperature};
+use crate::law::{Atom, SharedLaw};
+use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::roots::brent_root;
-use crate::{Error, Result};
 
 /// Thresholds that follow from age.
 #[derive(Debug)]
 pub(super) struct Ranks {
     law: SharedLaw,
     strength: Strength,
-    temperature: Option<Temperature>,
     stiffness: Stiffness,
-    /// By how much ln w may change in a part of a time step that one of the [`RULES`] is to sum.
-    most_change: [f64; RULES.len()],
-    panels: Vec<Panel>,
-    /// Newborn thresholds at the Gauss points of the panels, then the atoms' …
-    labels: Vec<f64>,
-    /// … and the share of the newborn at each.
-    weights: Vec<f64>,
+    /// Where temperature is felt.
+    thermal: Option<(Thermal, Grid)>,
     atoms: Vec<Atom>,
-    /// How many labels stand for the density, …
-    spread: usize,
-    /// … and the share of the newborn at each label of these and above.
-    above: Vec<f64>,
+    /// The panels of the law.
+    panels: Vec<Panel>,
 }
 
 /// Who is left of a place.
@@ -43,139 +39,95 @@ pub(super) struct Ranks {
 pub(super) struct Left {
     /// c.
     met: f64,
-    /// The share of each atom whose cell has not been passed by its threshold.
-    atoms: Vec<f64>,
-    /// A at each label; empty where nothing breaks below its threshold.
-    exponents: Vec<f64>,
-    /// From this label of the density on, A = 0.
-    reached: usize,
+    /// Of each atom, the share whose cell has not been passed by its threshold, and A.
+    atoms: Vec<(f64, f64)>,
+    band: Band,
     /// The share of P_ci above the stretch at birth.
     newborn: f64,
 }
 
-/// Gauss rules on [0, 1], as points and weights.
-const RULES: [&[(f64, f64)]; 3] = [
-    &[(0.211_324_865_405_187_13, 0.5), (0.788_675_134_594_812_9, 0.5)],
-    &[(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)],
-    &[
-        (0.069_431_844_202_973_71, 0.173_927_422_568_726_92),
-        (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
-        (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
-        (0.930_568_155_797_026_3, 0.173_927_422_568_726_92),
-    ],
-];
+/// Thresholds at which some contacts are left and some are not; empty until temperature breaks any.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+struct Band {
+    /// The number of its lowest panel.
+    first: u64,
+    /// A at the Gauss points of its panels, …
+    exponents: Vec<Nodal>,
+    /// … and the share of the newborn at each.
+    weights: Vec<Nodal>,
+}
 
-/// Contacts with a larger A are gone; what adds less is nothing.
+/// Contacts with a larger A are gone.
 const GONE: f64 = 60.0;
-const NOTHING: f64 = 1e-15;
 
 /// Lumps meet a threshold this near.
 const MET: f64 = 1e-12;
 
-/// The width of a panel with this upper end, by the e-folds that a rate may fall by on it: no more than E_0/T grows by.
-fn widest(contacts: &Contacts, temperature: &Temperature, high: f64) -> f64 {
-    let folds = match temperature.barrier {
-        // Sixteen points integrate exp(−e^{−t}) over three to 1e-12.
-        Barrier::Elastic | Barrier::Bell => 3.0,
-        // Its rate has a weak singularity where the threshold is met.
-        Barrier::Catastrophe => 1.0,
-    };
-    let steeper = match contacts.stiffness {
-        Stiffness::Equal(_) => 1.0,
-        Stiffness::PerThreshold(_) => 1.5,
-    };
-    folds * temperature.energy / (steeper * contacts.stiffness.of(high) * high)
-}
-
-/// Whether temperature moves places of breaking by more than the tolerance, in mean thresholds: by T/(k x̄) for every e-fold
-/// of time over 1/ω, of which there are no more than `MOST`.
-fn is_felt(contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> bool {
-    const MOST: f64 = 50.0;
+/// How far, in mean thresholds, temperature moves places of breaking for every e-fold of time over 1/ω: by T/(k x̄).
+fn blur(contacts: &Contacts, temperature: &Temperature) -> f64 {
     let mean = contacts.thresholds.mean();
-    let blur = temperature.energy / (contacts.stiffness.of(mean) * mean * mean);
-    MOST * blur > tolerance
+    temperature.energy / (contacts.stiffness.of(mean) * mean * mean)
 }
 
-/// The fraction of the contacts, over the tolerance, whose thresholds are so high that they need not be told apart finely.
-const RARE: f64 = 0.1;
+/// E-folds of time over 1/ω, of which there are no more.
+const MOST_FOLDS: f64 = 50.0;
 
-/// Refuses panels of which each cohort would have to keep more numbers than it may.
-fn affordable(law: &dyn Law, widest: f64, rare: f64) -> Result<()> {
-    /// Per cohort, of which there are about a thousand.
-    const BYTES: u64 = 1 << 20;
-    let range = law.upper_quantile(rare) - law.quantile(rare);
-    let needed = (range / widest * (NODES * size_of::<f64>()) as f64) as u64;
-    if needed <= BYTES {
-        return Ok(());
+impl Band {
+    fn is_empty(&self) -> bool {
+        self.exponents.is_empty()
     }
-    let what = "following contacts at a temperature that blurs thresholds so little";
-    Err(Error::TooLarge {
-        key: "contacts.temperature.energy".into(),
-        what: what.into(),
-        needed,
-        allowed: BYTES,
-    })
-}
 
-/// The change c of ln w over which a rule of n points misses the tolerance: ∫₀¹ e^{cs} ds to c²ⁿ (n!)⁴/[(2n + 1)((2n)!)³].
-fn most_change(rule: &[(f64, f64)], tolerance: f64) -> f64 {
-    let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
-    let n = rule.len();
-    let error = factorial(n).powi(4) / ((2 * n + 1) as f64 * factorial(2 * n).powi(3));
-    (tolerance / error).powf(0.5 / n as f64)
+    /// The number of the first panel above it.
+    fn end(&self) -> u64 {
+        self.first + self.exponents.len() as u64
+    }
+
+    /// Leaves out its panels below this one.
+    fn rise(&mut self, first: u64) {
+        let below = (first.saturating_sub(self.first) as usize).min(self.exponents.len());
+        self.exponents.drain(..below);
+        self.weights.drain(..below);
+        self.first = self.first.max(first);
+    }
 }
 
 impl Ranks {
     pub(super) fn new(contacts: &Contacts, tolerance: f64) -> Result<Self> {
         let law = contacts.thresholds.clone();
-        let temperature = contacts.rules.temperature.filter(|t| is_felt(contacts, t, tolerance));
-        let widest = |high: f64| temperature.map_or(f64::INFINITY, |t| widest(contacts, &t, high));
-        let rare = RARE * tolerance;
-        affordable(law.as_ref(), widest(law.upper_quantile(rare)), rare)?;
-        let panels = panels(law.as_ref(), widest, rare);
-        let points = panels.iter().flat_map(|panel| panel.points());
-        let (mut labels, mut weights): (Vec<_>, Vec<_>) =
-            points.map(|(h, width)| (h, width * law.density(h))).unzip();
-        let (atoms, spread) = (law.atoms(), labels.len());
-        let mut above = vec![0.0; spread + 1];
-        (0..spread).rev().for_each(|i| above[i] = above[i + 1] + weights[i]);
-        labels.extend(atoms.iter().map(|atom| atom.position));
-        weights.extend(atoms.iter().map(|atom| atom.weight));
+        // Temperature is felt where it moves places of breaking by more than the tolerance.
+        let felt = |t: &Temperature| MOST_FOLDS * blur(contacts, t) > tolerance;
+        let thermal = contacts.rules.temperature.filter(felt).map(|t| {
+            let thermal = Thermal::new(contacts, t, blur(contacts, &t), tolerance);
+            (thermal, Grid::new(law.as_ref(), contacts, &t))
+        });
         let strength = Strength::of(contacts)?;
-        Ok(Self {
-            law,
-            strength,
-            temperature,
-            stiffness: contacts.stiffness,
-            most_change: RULES.map(|rule| most_change(rule, tolerance)),
-            panels,
-            labels,
-            weights,
-            atoms,
-            spread,
-            above,
-        })
+        let (atoms, panels) = (law.atoms(), panels(law.as_ref(), f64::INFINITY));
+        Ok(Self { law, strength, stiffness: contacts.stiffness, thermal, atoms, panels })
     }
 
-    /// How many numbers a step of a cohort goes through.
+    /// About how many numbers a step of a cohort goes through.
     pub(super) fn cells(&self) -> usize {
-        if self.temperature.is_some() { self.labels.len() } else { 1 }
+        /// Panels of a band.
+        const BAND: u64 = 16;
+        let band = self.thermal.as_ref().map_or(0, |(_, grid)| grid.count().min(BAND) as usize * NODES);
+        1 + self.atoms.len() + band
     }
 
     pub(super) fn newborn(&self, seed: &Seed) -> Left {
-        let exponents = if self.temperature.is_some() { vec![0.0; self.labels.len()] } else { Vec::new() };
-        let above = |atom: &Atom| uncovered(atom.position, seed.stretch, seed.below, seed.above);
+        let above = |atom: &Atom| (uncovered(atom.position, seed.stretch, seed.below, seed.above), 0.0);
         let atoms = self.atoms.iter().map(above).collect();
-        let mut left = Left { met: seed.stretch.abs(), atoms, exponents, reached: 0, newborn: 1.0 };
+        let mut left = Left { met: seed.stretch.abs(), atoms, band: Band::default(), newborn: 1.0 };
         left.newborn = self.count(&left);
         left
     }
 
-    /// Whether there is a share of each atom and an exponent at each label that has one.
+    /// Whether there is a share of each atom, and a band on panels that there are.
     pub(super) fn fits(&self, left: &Left) -> bool {
-        let exponents = if self.temperature.is_some() { self.labels.len() } else { 0 };
-        (left.atoms.len(), left.exponents.len()) == (self.atoms.len(), exponents)
-            && left.reached <= self.spread
+        let panels = self.thermal.as_ref().map_or(0, |(_, grid)| grid.count());
+        let Left { atoms, band, .. } = left;
+        atoms.len() == self.atoms.len()
+            && band.exponents.len() == band.weights.len()
+            && (band.is_empty() || band.end() <= panels)
     }
 
     /// Time passes: thermal breaks, and thresholds that are met. By how much ageing makes the others stiffer.
@@ -194,94 +146,69 @@ impl Ranks {
         self.measure(left, older).1 - self.measure(left, age).1
     }
 
-    fn go(&self, place: Place, left: &mut Left, path: &Path, (from, to): (f64, f64)) {
-        if let Some(temperature) = &self.temperature {
-            self.accumulate(temperature, place, left, path, (from, to));
-        }
-        let stretch = (place.stretch + path.advance(from, to)).abs();
-        let aged = self.strength.at(place.age + path.duration * (to - from));
+    fn go(&self, place: Place, left: &mut Left, path: &Path, ends: (f64, f64)) {
+        let passage =
+            Passage { strength: &self.strength, stretch: place.stretch, age: place.age, path, ends };
+        let (stretch, aged) = passage.at(ends.1);
         left.met = left.met.max(aged.newborn(stretch));
         let (below, above) = (place.below, place.above);
-        for (share, atom) in left.atoms.iter_mut().zip(&self.atoms) {
+        for ((share, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
             *share = share.min(uncovered(aged.threshold(atom.position), stretch, below, above));
         }
-    }
-
-    /// Adds ∫w dt to the exponents, by a Gauss rule on each part in which ln w changes little.
-    fn accumulate(
-        &self,
-        temperature: &Temperature,
-        place: Place,
-        left: &mut Left,
-        path: &Path,
-        (from, to): (f64, f64),
-    ) {
-        let (rule, parts) = self.rule(temperature, place, path, (from, to));
-        let gone = left.exponents.partition_point(|&exponent| exponent > GONE);
-        // On a panel with some that are not gone, all are followed: A is interpolated on it.
-        let first =
-            (self.first(left.met) * NODES).min(self.spread).max(gone.min(self.spread) / NODES * NODES);
-        for part in 0..parts {
-            let width = (to - from) / f64::from(parts);
-            let start = from + width * f64::from(part);
-            for (point, weight) in rule {
-                let s = start + point * width;
-                let stretch = (place.stretch + path.advance(from, s)).abs();
-                let aged = self.strength.at(place.age + path.duration * (s - from));
-                let time = weight * path.duration * width;
-                let added = |label: f64| {
-                    time * self.rate(temperature, stretch, aged.threshold(label).max(f64::MIN_POSITIVE))
-                };
-                for label in first..self.spread {
-                    let exponent = added(self.labels[label]);
-                    // The stronger a contact the lower its rate.
-                    if exponent < NOTHING {
-                        break;
-                    }
-                    left.exponents[label] += exponent;
-                    left.reached = left.reached.max(label + 1);
-                }
-                for label in self.spread..self.labels.len() {
-                    left.exponents[label] += added(self.labels[label]);
-                }
-            }
+        if let Some((thermal, grid)) = &self.thermal {
+            self.accumulate(thermal, grid, &passage, left);
         }
     }
 
-    /// The rate, continued past the threshold.
-    #[inline]
-    fn rate(&self, temperature: &Temperature, stretch: f64, threshold: f64) -> f64 {
-        let whole = 0.5 * self.stiffness.of(threshold) * threshold * threshold;
-        let missing = temperature.barrier.continued(stretch / threshold);
-        temperature.attempt_rate * (-whole / temperature.energy * missing).exp()
-    }
-
-    /// The rule that needs the fewest points in all, and in how many parts ln w changes little enough for it.
-    fn rule(
-        &self,
-        temperature: &Temperature,
-        place: Place,
-        path: &Path,
-        (from, to): (f64, f64),
-    ) -> (&'static [(f64, f64)], u32) {
-        /// Enough for any rate.
-        const MOST: f64 = 256.0;
-        let newborn = self.panels.last().map_or(0.0, |panel| panel.high);
-        let newborn = self.atoms.last().map_or(newborn, |atom| newborn.max(atom.position));
-        let (age, time) = (place.age, path.duration * (to - from));
-        let (before, after) =
-            (self.strength.threshold(newborn, age), self.strength.threshold(newborn, age + time));
-        let top = before.max(after);
-        let moved = path.advance(from, to).abs() + (after - before).abs();
-        let change = self.stiffness.of(top) * top * moved / temperature.energy;
-        let parts = |most: f64| (change / most).ceil().clamp(1.0, MOST) as u32;
-        let rules = RULES.into_iter().zip(self.most_change.map(parts));
-        rules.min_by_key(|(rule, parts)| rule.len() as u32 * parts).unwrap_or((RULES[0], 1))
-    }
-
-    /// The first panel that reaches above a label.
-    fn first(&self, label: f64) -> usize {
-        self.panels.partition_point(|panel| panel.high <= label)
+    /// Adds ∫w dt to the exponents.
+    fn accumulate<'a>(&self, thermal: &Thermal, grid: &Grid, passage: &Passage<'a>, left: &mut Left) {
+        let highest = self.panels.last().map(|panel| panel.high);
+        let top = highest.into_iter().chain(self.atoms.last().map(|atom| atom.position)).fold(0.0, f64::max);
+        let shared = thermal.shared(passage, top);
+        let mut room = Vec::new();
+        let mut fitted = |label: f64, sum: &mut dyn FnMut(&[Moment<'a>])| match &shared {
+            Some(moments) => sum(moments),
+            None => {
+                thermal.fit(passage, label, &mut room);
+                sum(&room);
+            }
+        };
+        for ((_, exponent), atom) in left.atoms.iter_mut().zip(&self.atoms) {
+            fitted(atom.position, &mut |moments| *exponent += thermal.added_to(moments, atom.position));
+        }
+        let mut gone = |number: u64| {
+            let (high, mut added) = (grid.panel(number).high, 0.0);
+            fitted(high, &mut |moments| added = thermal.added_to(moments, high));
+            added > GONE
+        };
+        let (lowest, count) = (grid.above(left.met), grid.count());
+        let band = &mut left.band;
+        if band.is_empty() || lowest >= band.end() {
+            let first = first_not(lowest, count.saturating_sub(1), &mut gone);
+            *band = Band { first, ..Band::default() };
+        } else {
+            band.rise(lowest);
+        }
+        for number in band.first..count {
+            let panel = grid.panel(number);
+            let (labels, weights) = panel.nodes();
+            let mut added = Nodal::default();
+            fitted(labels[NODES / 2], &mut |moments| added = thermal.added(moments, &labels));
+            // The stronger a contact the lower its rate.
+            if added[0] < NOTHING {
+                break;
+            }
+            let place = (number - band.first) as usize;
+            if place == band.exponents.len() {
+                let density: Nodal = std::array::from_fn(|i| weights[i] * self.law.density(labels[i]));
+                band.exponents.push(Nodal::default());
+                band.weights.push(density);
+            }
+            band.exponents[place].iter_mut().zip(added).for_each(|(exponent, added)| *exponent += added);
+        }
+        // The last panel tells that all below its end are gone.
+        let gone = band.exponents.iter().take_while(|exponents| exponents[NODES - 1] > GONE).count();
+        band.rise(band.first + gone.min(band.exponents.len().saturating_sub(1)) as u64);
     }
 
     /// The share that is left, and its stiffness.
@@ -291,45 +218,55 @@ impl Ranks {
             Stiffness::Equal(_) => count,
             Stiffness::PerThreshold(_) => {
                 let aged = self.strength.at(age);
-                self.sum(left, self.spread, |h| aged.threshold(h)) / left.newborn
+                let threshold = |h: f64| aged.threshold(h);
+                let untouched = self.untouched(self.top(left), threshold);
+                (self.touched(left, threshold) + untouched) / left.newborn
             }
         };
         (count, stiffness)
     }
 
     fn count(&self, left: &Left) -> f64 {
-        if self.temperature.is_some() {
-            let reached = left.reached.max(self.first(left.met) * NODES + NODES).min(self.spread);
-            return self.sum(left, reached, |_| 1.0) + self.above[reached];
-        }
-        let beyond = |atom: &&Atom| atom.position > left.met;
+        let top = self.top(left);
+        let beyond = |atom: &&Atom| atom.position > top;
         let atoms: f64 = self.atoms.iter().filter(beyond).map(|atom| atom.weight).sum();
-        (self.law.survival(left.met) - atoms).max(0.0) + self.in_atoms(left, &|_| 1.0)
+        (self.law.survival(top) - atoms).max(0.0) + self.touched(left, |_| 1.0)
     }
 
-    /// ∫ P_ci `weight`(h_0) e^{−A} dh_0 from c up to a label of the density, and that of the atoms.
-    fn sum(&self, left: &Left, end: usize, weight: impl Fn(f64) -> f64) -> f64 {
-        let first = self.first(left.met);
-        let split = self.panels.get(first).is_some_and(|panel| panel.low < left.met);
-        let whole = (first + usize::from(split)) * NODES..end;
-        let mut sum = self.in_atoms(left, &weight);
-        for i in whole {
-            sum += self.weights[i] * weight(self.labels[i]) * kept(left, i);
+    /// The label from which on A = 0.
+    fn top(&self, left: &Left) -> f64 {
+        match &self.thermal {
+            Some((_, grid)) if !left.band.is_empty() => grid.panel(left.band.end() - 1).high,
+            _ => left.met,
         }
-        if split {
-            let label = |k: usize| left.exponents.get(first * NODES + k).copied().unwrap_or(0.0);
-            let exponents = std::array::from_fn(label);
-            sum += self.panels[first].above(left.met, &exponents, |h| self.law.density(h) * weight(h));
-        }
-        sum
     }
 
-    fn in_atoms(&self, left: &Left, weight: &impl Fn(f64) -> f64) -> f64 {
-        let first = self.labels.len() - self.atoms.len();
-        let term = |(k, atom): (usize, &Atom)| {
-            atom.weight * weight(atom.position) * left.atoms[k] * kept(left, first + k)
+    /// ∫ P_ci `weight`(h_0) dh_0 above a label, without atoms.
+    fn untouched(&self, from: f64, weight: impl Fn(f64) -> f64) -> f64 {
+        let integrand = |h: f64| self.law.density(h) * weight(h);
+        let over = self.panels.iter().filter(|panel| panel.high > from);
+        over.map(|panel| RULE.integrate(from.max(panel.low), panel.high, integrand)).sum()
+    }
+
+    /// ∫ P_ci `weight`(h_0) e^{−A} dh_0 of the band above c, and that of the atoms.
+    fn touched(&self, left: &Left, weight: impl Fn(f64) -> f64) -> f64 {
+        let term = |(atom, (share, exponent)): (&Atom, &(f64, f64))| {
+            atom.weight * weight(atom.position) * share * (-exponent).exp()
         };
-        self.atoms.iter().enumerate().map(term).sum()
+        let atoms: f64 = self.atoms.iter().zip(&left.atoms).map(term).sum();
+        let Some((_, grid)) = &self.thermal else { return atoms };
+        let band = &left.band;
+        let panels = band.exponents.iter().zip(&band.weights).zip(band.first..);
+        let share = |((exponents, weights), number): ((&Nodal, &Nodal), u64)| {
+            let panel = grid.panel(number);
+            if panel.low < left.met {
+                return panel.above(left.met, exponents, |h| self.law.density(h) * weight(h));
+            }
+            let labels = panel.points().map(|(label, _)| label);
+            let terms = weights.iter().zip(exponents).zip(labels);
+            terms.map(|((share, exponent), label)| share * weight(label) * (-exponent).exp()).sum()
+        };
+        atoms + panels.map(share).sum::<f64>()
     }
 
     /// When a lump that moves at `velocity` meets the next threshold that many share, up to `limit`.
@@ -337,7 +274,7 @@ impl Ranks {
         let ahead = |atom: &Atom, time: f64| {
             self.strength.threshold(atom.position, place.age + time) - (place.stretch + velocity * time).abs()
         };
-        let standing = self.atoms.iter().zip(&left.atoms).filter(|(_, share)| **share > 0.0);
+        let standing = self.atoms.iter().zip(&left.atoms).filter(|(_, (share, _))| *share > 0.0);
         let times = standing.filter_map(|(atom, _)| {
             if self.strength.is_constant() {
                 let time = (atom.position - place.stretch) / velocity;
@@ -354,7 +291,7 @@ impl Ranks {
     /// Lets the atoms go that a lump has met.
     pub(super) fn strike(&self, place: Place, left: &mut Left) -> bool {
         let aged = self.strength.at(place.age);
-        for (share, atom) in left.atoms.iter_mut().zip(&self.atoms) {
+        for ((share, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
             if place.stretch.abs() >= aged.threshold(atom.position) * (1.0 - MET) {
                 *share = 0.0;
             }
@@ -363,9 +300,24 @@ impl Ranks {
     }
 }
 
-/// e^{−A}.
-fn kept(left: &Left, label: usize) -> f64 {
-    left.exponents.get(label).map_or(1.0, |exponent| (-exponent).exp())
+/// The first number from `low` on that is not gone, or `high`; near `low`, mostly.
+fn first_not(low: u64, high: u64, gone: &mut impl FnMut(u64) -> bool) -> u64 {
+    if low >= high || !gone(low) {
+        return low;
+    }
+    let (mut last, mut stride) = (low, 1);
+    let mut first = loop {
+        let next = high.min(last + stride);
+        if next == high || !gone(next) {
+            break next;
+        }
+        (last, stride) = (next, 2 * stride);
+    };
+    while first - last > 1 {
+        let middle = last + (first - last) / 2;
+        *(if gone(middle) { &mut last } else { &mut first }) = middle;
+    }
+    first
 }
 
 /// The share of a cell around a stretch that lies below a threshold; of a lump, all until it has passed.

@@ -24,7 +24,7 @@ const NEGLIGIBLE: f64 = 1e-14;
 pub(super) fn seeds(law: &dyn Law, top: f64, widest: f64, held: impl Fn(f64) -> f64) -> Vec<Seed> {
     let lump = |a: Atom| Seed { stretch: a.position, weight: a.weight, below: 0.0, above: 0.0 };
     let mut seeds: Vec<Seed> = law.atoms().into_iter().map(lump).collect();
-    for panel in panels(law, |_| widest, 0.0) {
+    for panel in panels(law, widest) {
         let mut edge = panel.low;
         for (stretch, width) in panel.points() {
             let (below, above) = (stretch - edge, edge + width - stretch);

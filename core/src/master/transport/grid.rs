@@ -1,0 +1,184 @@
+//! The labels of contacts that temperature breaks: newborn thresholds on panels on which the rate falls by few e-folds.
+//!
+//! The lower the temperature, the more of these panels there are; only some of them matter at a time. They are told by
+//! formula: the panels of the law, each cut into parts of equal [`Folds`].
+
+use super::panels::{Panel, panels};
+use crate::contacts::{Barrier, Contacts, Stiffness, Temperature};
+use crate::law::Law;
+
+/// A measure u(h) of thresholds: ln w falls by no more e-folds between two of them than u grows by.
+///
+/// Over the elastic and the bell barrier, u = E_0/T. Over the catastrophe barrier ln w = −E_0/T (1 − x/h)^{3/2} is less steep
+/// near x = h, where it is above −L: u = E_0/T up to L, and L + (3/2) L^{1/3} [(E_0/T)^{2/3} − L^{2/3}] beyond.
+#[derive(Debug, Clone, Copy)]
+struct Folds {
+    /// E_0/T at h = 1.
+    unit: f64,
+    /// E_0 ∝ h^power.
+    power: f64,
+    /// L.
+    deepest: f64,
+    /// The e-folds on a panel.
+    most: f64,
+}
+
+/// The panels of a law at a temperature.
+#[derive(Debug)]
+pub(super) struct Grid {
+    pieces: Vec<Piece>,
+    folds: Folds,
+}
+
+/// A panel of the law, cut into parts.
+#[derive(Debug)]
+struct Piece {
+    whole: Panel,
+    /// u at its lower end, and by how much it grows on a part.
+    low: f64,
+    step: f64,
+    /// Among all parts, the number of the first.
+    first: u64,
+    count: u64,
+}
+
+impl Folds {
+    fn new(contacts: &Contacts, temperature: &Temperature) -> Self {
+        /// Contacts with a higher barrier, in T, do not break in 10²⁰ of 1/ω.
+        const DEEPEST: f64 = 80.0;
+        let (most, deepest) = match temperature.barrier {
+            // Sixteen points integrate exp(−e^{−t}) over three to 1e-12.
+            Barrier::Elastic | Barrier::Bell => (3.0, f64::INFINITY),
+            // Its rate has a weak singularity where the threshold is met.
+            Barrier::Catastrophe => (1.0, DEEPEST),
+        };
+        let power = match contacts.stiffness {
+            Stiffness::Equal(_) => 2.0,
+            Stiffness::PerThreshold(_) => 3.0,
+        };
+        Self { unit: 0.5 * contacts.stiffness.of(1.0) / temperature.energy, power, deepest, most }
+    }
+
+    /// u(h).
+    fn at(&self, threshold: f64) -> f64 {
+        let whole = self.unit * threshold.powf(self.power);
+        if whole <= self.deepest {
+            return whole;
+        }
+        let root = self.deepest.cbrt();
+        root.mul_add(1.5 * (whole.cbrt().powi(2) - root * root), self.deepest)
+    }
+
+    /// h(u).
+    fn threshold(&self, folds: f64) -> f64 {
+        let whole = if folds <= self.deepest {
+            folds
+        } else {
+            let root = self.deepest.cbrt();
+            ((folds - self.deepest) / (1.5 * root) + root * root).powf(1.5)
+        };
+        (whole / self.unit).powf(1.0 / self.power)
+    }
+}
+
+impl Grid {
+    pub(super) fn new(law: &dyn Law, contacts: &Contacts, temperature: &Temperature) -> Self {
+        /// So many parts of a panel are more than its ends have digits for.
+        const FINEST: f64 = 1e15;
+        let folds = Folds::new(contacts, temperature);
+        let mut first = 0;
+        let piece = |whole: Panel| {
+            let (low, high) = (folds.at(whole.low), folds.at(whole.high));
+            let count = ((high - low) / folds.most).ceil().clamp(1.0, FINEST);
+            let piece = Piece { whole, low, step: (high - low) / count, first, count: count as u64 };
+            first += piece.count;
+            piece
+        };
+        Self { pieces: panels(law, f64::INFINITY).into_iter().map(piece).collect(), folds }
+    }
+
+    /// How many panels there are.
+    pub(super) fn count(&self) -> u64 {
+        self.pieces.last().map_or(0, |piece| piece.first + piece.count)
+    }
+
+    /// The panel of a number.
+    pub(super) fn panel(&self, number: u64) -> Panel {
+        let piece = &self.pieces[self.pieces.partition_point(|piece| piece.first <= number) - 1];
+        let part = number - piece.first;
+        Panel { low: self.edge(piece, part), high: self.edge(piece, part + 1) }
+    }
+
+    /// The number of the first panel that reaches above a label.
+    pub(super) fn above(&self, label: f64) -> u64 {
+        let Some(piece) = self.pieces.get(self.pieces.partition_point(|piece| piece.whole.high <= label))
+        else {
+            return self.count();
+        };
+        if label < piece.whole.low {
+            return piece.first;
+        }
+        let mut part = (((self.folds.at(label) - piece.low) / piece.step) as u64).min(piece.count - 1);
+        // Rounding.
+        while part > 0 && self.edge(piece, part) > label {
+            part -= 1;
+        }
+        while self.edge(piece, part + 1) <= label {
+            part += 1;
+        }
+        piece.first + part
+    }
+
+    fn edge(&self, piece: &Piece, part: u64) -> f64 {
+        if part == 0 {
+            piece.whole.low
+        } else if part == piece.count {
+            piece.whole.high
+        } else {
+            let edge = self.folds.threshold(piece.low + part as f64 * piece.step);
+            edge.clamp(piece.whole.low, piece.whole.high)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::law::{Lognormal, Point, Rectangular, SharedLaw};
+
+    #[test]
+    fn panels_follow_each_other_and_the_rate_falls_by_few_folds_on_each() {
+        let laws: [SharedLaw; 2] =
+            [Arc::new(Rectangular::new(0.0, 1.5).unwrap()), Arc::new(Lognormal::new(1.0, 1.0).unwrap())];
+        for (law, barrier) in laws.iter().flat_map(|law| {
+            [Barrier::Elastic, Barrier::Bell, Barrier::Catastrophe].map(|barrier| (law, barrier))
+        }) {
+            for stiffness in [Stiffness::Equal(2.0), Stiffness::PerThreshold(2.0)] {
+                let contacts = Contacts {
+                    stiffness,
+                    ..Contacts::new(law.clone(), Arc::new(Point::new(0.0).unwrap()))
+                };
+                let temperature = Temperature { energy: 1e-6, attempt_rate: 1.0, barrier };
+                let grid = Grid::new(law.as_ref(), &contacts, &temperature);
+                let ln_rate = |x: f64, h: f64| -temperature.exponent(x, h, stiffness.of(h));
+                for label in [1e-4, 0.01, 0.3, 1.2] {
+                    let number = grid.above(label);
+                    let panel = grid.panel(number);
+                    assert!(panel.low <= label && label < panel.high, "{label}: {panel:?}");
+                    assert_eq!(grid.panel(number + 1).low, panel.high);
+                    // At stretches at which these contacts break.
+                    for part in 0..100 {
+                        let x = panel.low * f64::from(part) / 100.0;
+                        if ln_rate(x, panel.high) > -80.0 {
+                            let fall = ln_rate(x, panel.low) - ln_rate(x, panel.high);
+                            assert!(fall < 1.1 * grid.folds.most, "{barrier:?} {x} {panel:?}: {fall}");
+                        }
+                    }
+                }
+                assert_eq!(grid.above(1e9), grid.count());
+            }
+        }
+    }
+}
