@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn exponentials_times_cubics_are_integrated_exactly() {
-        for c in [0.0, 1e-3, 0.3, 0.999, 1.0, 1.5, 10.0, 100.0, 1e6] {
+        for c in [0.0_f64, 1e-3, 0.3, 0.999, 1.0, 1.5, 10.0, 100.0, 1e6] {
             for power in 0..4 {
                 let f = |z: f64| (z * c.max(1.0)).powi(power) * (-c * z).exp();
                 let sum: f64 = fitted(c).iter().map(|&(z, weight)| weight * f(z)).sum();

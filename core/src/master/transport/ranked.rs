@@ -16,7 +16,7 @@ use super::path::Path;
 use super::seeds::Seed;
 use super::thermal::{Moment, NOTHING, Passage, Thermal};
 use crate::Result;
-use crate::contacts::{Contacts, Stiffness, Strength, Temperature};
+use crate::contacts::{Barrier, Contacts, Stiffness, Strength, Temperature};
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::roots::brent_root;
@@ -63,14 +63,24 @@ const GONE: f64 = 60.0;
 /// Lumps meet a threshold this near.
 const MET: f64 = 1e-12;
 
-/// How far, in mean thresholds, temperature moves places of breaking for every e-fold of time over 1/ω: by T/(k x̄).
-fn blur(contacts: &Contacts, temperature: &Temperature) -> f64 {
+/// How far, in mean thresholds, temperature moves places of breaking in e^`folds` times 1/ω: to where the barrier is so many T.
+fn moved(contacts: &Contacts, temperature: &Temperature, folds: f64) -> f64 {
     let mean = contacts.thresholds.mean();
-    temperature.energy / (contacts.stiffness.of(mean) * mean * mean)
+    let part = folds * temperature.energy / (0.5 * contacts.stiffness.of(mean) * mean * mean);
+    match temperature.barrier {
+        Barrier::Elastic => 0.5 * part,
+        Barrier::Bell => part,
+        Barrier::Catastrophe => part.powf(2.0 / 3.0),
+    }
 }
 
-/// E-folds of time over 1/ω, of which there are no more.
-const MOST_FOLDS: f64 = 50.0;
+/// Whether temperature moves places of breaking by more than the tolerance of the follower beside which a rough one has this
+/// tolerance: both feel it, or the difference is below the finer tolerance.
+fn is_felt(contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> bool {
+    /// E-folds of time over 1/ω, of which there are no more.
+    const MOST: f64 = 50.0;
+    moved(contacts, temperature, MOST) > tolerance / super::ROUGH
+}
 
 impl Band {
     fn is_empty(&self) -> bool {
@@ -94,10 +104,9 @@ impl Band {
 impl Ranks {
     pub(super) fn new(contacts: &Contacts, tolerance: f64) -> Result<Self> {
         let law = contacts.thresholds.clone();
-        // Temperature is felt where it moves places of breaking by more than the tolerance.
-        let felt = |t: &Temperature| MOST_FOLDS * blur(contacts, t) > tolerance;
-        let thermal = contacts.rules.temperature.filter(felt).map(|t| {
-            let thermal = Thermal::new(contacts, t, blur(contacts, &t), tolerance);
+        let felt = contacts.rules.temperature.filter(|t| is_felt(contacts, t, tolerance));
+        let thermal = felt.map(|t| {
+            let thermal = Thermal::new(contacts, t, moved(contacts, &t, 1.0), tolerance);
             (thermal, Grid::new(law.as_ref(), contacts, &t))
         });
         let strength = Strength::of(contacts)?;
@@ -326,4 +335,51 @@ fn uncovered(threshold: f64, stretch: f64, below: f64, above: f64) -> f64 {
         return ((threshold - (stretch - below)) / (below + above)).clamp(0.0, 1.0);
     }
     if stretch > threshold * (1.0 + MET) { 0.0 } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::contacts::Rules;
+    use crate::law::{Exponential, Gaussian, Point};
+
+    /// The panels of the band after each of some steps at a stretch of about 1, with holds between them.
+    fn bands(law: SharedLaw, barrier: Barrier, energy: f64) -> Vec<usize> {
+        let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
+        let rules = Rules { temperature, ..Rules::default() };
+        let contacts = Contacts { rules, ..Contacts::new(law, Arc::new(Point::new(0.0).unwrap())) };
+        let ranks = Ranks::new(&contacts, 1e-8).unwrap();
+        let seed = Seed { stretch: 0.0, weight: 1.0, below: 0.0, above: 0.0 };
+        let mut place = Place { stretch: 0.0, below: 0.0, above: 0.0, age: 0.0 };
+        let mut left = ranks.newborn(&seed);
+        let mut bands = Vec::new();
+        for (by, duration) in [(0.9, 1.0), (0.01, 1e3), (0.0, 1e6), (0.01, 1.0), (0.0, 1e9), (0.1, 1e3)] {
+            let path = Path { duration, by };
+            ranks.advance(place, &mut left, &path, (0.0, 1.0));
+            (place.stretch, place.age) = (place.stretch + by, place.age + duration);
+            bands.push(left.band.exponents.len());
+        }
+        bands
+    }
+
+    #[test]
+    fn a_band_has_few_panels_at_any_temperature() {
+        let laws: [SharedLaw; 2] =
+            [Arc::new(Gaussian::new(1.0, 0.05).unwrap()), Arc::new(Exponential::new(1.0).unwrap())];
+        for law in laws {
+            // ln w falls by ln(60/1e-15) = 39 on it, and up to a panel more at either end; on a panel by three, by half as much over
+            // the bell barrier, and over the catastrophe barrier by ½ to two.
+            for (barrier, most) in
+                [(Barrier::Elastic, 15), (Barrier::Bell, 15 * 2), (Barrier::Catastrophe, 50)]
+            {
+                for energy in [1e-3, 1e-4, 1e-6, 4e-9] {
+                    let panels = bands(law.clone(), barrier, energy);
+                    assert!(panels.iter().all(|&count| count <= most), "{barrier:?} {energy:e}: {panels:?}");
+                    assert!(panels[2] > 0, "{barrier:?} {energy:e}: {panels:?}");
+                }
+            }
+        }
+    }
 }
