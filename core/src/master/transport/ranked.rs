@@ -14,7 +14,7 @@ use super::grid::Grid;
 use super::panels::{Panel, panels};
 use super::path::Path;
 use super::seeds::Seed;
-use super::thermal::{Moment, NOTHING, Passage, Thermal};
+use super::thermal::{Moment, Passage, Thermal};
 use crate::Result;
 use crate::contacts::{Barrier, Contacts, Stiffness, Strength, Temperature};
 use crate::law::{Atom, SharedLaw};
@@ -204,7 +204,7 @@ impl Ranks {
             let mut added = Nodal::default();
             fitted(labels[NODES / 2], &mut |moments| added = thermal.added(moments, &labels));
             // The stronger a contact the lower its rate.
-            if added[0] < NOTHING {
+            if added[0] < thermal.nothing {
                 break;
             }
             let place = (number - band.first) as usize;
@@ -369,8 +369,8 @@ mod tests {
         let laws: [SharedLaw; 2] =
             [Arc::new(Gaussian::new(1.0, 0.05).unwrap()), Arc::new(Exponential::new(1.0).unwrap())];
         for law in laws {
-            // ln w falls by ln(60/1e-15) = 39 on it, and up to a panel more at either end; on a panel by three, by half as much over
-            // the bell barrier, and over the catastrophe barrier by ½ to two.
+            // ln w falls by ln(60/1e-15) = 39 on it at most, and up to a panel more at either end; on a panel by three, by half
+            // as much over the bell barrier, and over the catastrophe barrier by ½ to two.
             for (barrier, most) in
                 [(Barrier::Elastic, 15), (Barrier::Bell, 15 * 2), (Barrier::Catastrophe, 50)]
             {

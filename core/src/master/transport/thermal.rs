@@ -18,6 +18,8 @@ pub(super) struct Thermal {
     most_change: [f64; RULES.len()],
     /// By how much ln w may differ from a straight line at a point of the fitted rule.
     most_bend: f64,
+    /// What adds less to A is nothing.
+    pub(super) nothing: f64,
 }
 
 /// A part of a time step of contacts of one age.
@@ -44,9 +46,6 @@ const RULES: [&[(f64, f64)]; 2] = [
     &[(0.211_324_865_405_187_13, 0.5), (0.788_675_134_594_812_9, 0.5)],
     &[(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)],
 ];
-
-/// What adds less to A is nothing.
-pub(super) const NOTHING: f64 = 1e-15;
 
 /// The change c of ln w over which a rule of n points misses the tolerance: ∫₀¹ e^{cs} ds to c²ⁿ (n!)⁴/[(2n + 1)((2n)!)³].
 fn most_change(rule: &[(f64, f64)], tolerance: f64) -> f64 {
@@ -76,12 +75,16 @@ impl Thermal {
         const MISSED: f64 = 0.015;
         /// The error of A that never matters.
         const ROUGH: f64 = 0.01;
+        /// The error of A in tolerances that does not matter where many steps add it to all, and the least that is told.
+        const FAINT: f64 = 1e-6;
+        const LEAST: f64 = 1e-15;
         Self {
             temperature,
             stiffness: contacts.stiffness,
             most_change: RULES.map(|rule| most_change(rule, tolerance)),
-            // Only contacts inside the blur see the error.
+            // Only contacts inside the blur see errors.
             most_bend: ((tolerance / blur).min(ROUGH) / MISSED).sqrt(),
+            nothing: (FAINT * tolerance / blur).clamp(LEAST, FAINT),
         }
     }
 
@@ -123,7 +126,7 @@ impl Thermal {
         let (width, ends) = (to - from, [ln_rate(from), ln_rate(to)]);
         let highest = ends[0].max(ends[1]);
         if halvings < DEEPEST
-            && self.temperature.attempt_rate * passage.path.duration * width * highest.exp() < NOTHING
+            && self.temperature.attempt_rate * passage.path.duration * width * highest.exp() < self.nothing
         {
             return;
         }
