@@ -51,9 +51,9 @@ fn pull(
 /// Resets for ever, over the master equation.
 fn trace() {
     let (contacts, initial) = contacts();
-    let equation = MasterEquation::new(contacts, &initial).unwrap();
+    let equation = MasterEquation::new(contacts, &initial, &mut ()).unwrap();
     let times = (0..5).map(|_| {
-        let mut population = equation.population(1e-10).unwrap();
+        let mut population = equation.population(1e-10, &mut ()).unwrap();
         let (run, time) = pull(&mut population, Slip::Reset, None, (PERIODS + 0.5) * PERIOD);
         assert_eq!(run.events.len(), PERIODS as usize);
         black_box(run);

@@ -52,7 +52,8 @@ fn lives(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("life");
     group.sample_size(10);
     group.bench_function("smoluchowski", |bencher| {
-        bencher.iter(|| black_box(moving(&contacts, &contacts.reforming, true, 0.1, false).unwrap()));
+        bencher
+            .iter(|| black_box(moving(&contacts, &contacts.reforming, true, 0.1, false, &mut ()).unwrap()));
     });
     group.finish();
 }

@@ -32,7 +32,7 @@ fn population() -> Stock {
     let relaxed = Arc::new(Point::new(0.0).unwrap());
     let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1).unwrap()), relaxed.clone());
     let start = Initial { law: relaxed, start: Start::Conditional };
-    MasterEquation::new(contacts, &start).unwrap().population(1e-10).unwrap()
+    MasterEquation::new(contacts, &start, &mut ()).unwrap().population(1e-10, &mut ()).unwrap()
 }
 
 /// Scales uniform in 1 ± 0.3.

@@ -23,7 +23,7 @@ impl Case {
         let (thresholds, reforming) = (self.thresholds.clone(), self.reforming.clone());
         let contacts = Contacts::new(thresholds, reforming);
         let initial = Initial { law: self.initial.clone(), start: Start::Conditional };
-        MasterEquation::new(contacts, &initial).unwrap()
+        MasterEquation::new(contacts, &initial, &mut ()).unwrap()
     }
 }
 
@@ -89,7 +89,7 @@ fn ways(criterion: &mut Criterion) {
     group.sample_size(20);
     for (name, thresholds, reforming) in cases {
         let case = Case { thresholds, reforming, initial: relaxed.clone() };
-        let mut turned = case.equation().population(1e-10).unwrap();
+        let mut turned = case.equation().population(1e-10, &mut ()).unwrap();
         advance(&mut turned, 1.4);
         group.bench_function(format!("{name}, back by 1.5"), |bencher| {
             cpu(bencher, || {
@@ -98,7 +98,7 @@ fn ways(criterion: &mut Criterion) {
                 stock
             });
         });
-        let fresh = case.equation().population(1e-10).unwrap();
+        let fresh = case.equation().population(1e-10, &mut ()).unwrap();
         group.bench_function(format!("{name}, 1000 resets"), |bencher| {
             cpu(bencher, || {
                 let mut stock = fresh.clone();

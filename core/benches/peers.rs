@@ -77,7 +77,8 @@ fn grid(last: f64, step: f64) -> Vec<f64> {
 fn against_python() {
     let figure = |points: &[f64]| {
         let (contacts, initial) = interface();
-        let pull = MasterEquation::new(contacts, &initial).unwrap().pull(20.0, 1e-10, &mut ()).unwrap();
+        let pull =
+            MasterEquation::new(contacts, &initial, &mut ()).unwrap().pull(20.0, 1e-10, &mut ()).unwrap();
         let force: Vec<f64> = points.iter().map(|&x| pull.force(x)).collect();
         force[points.len() / 4]
     };
@@ -142,7 +143,8 @@ fn deformable(side: usize, drive: f64, drive_tolerance: f64) -> (Interface, Stat
     let relaxed: SharedLaw = Arc::new(Point::new(0.0).unwrap());
     let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1).unwrap()), relaxed.clone());
     let start = Initial { law: relaxed, start: Start::Conditional };
-    let population = MasterEquation::new(contacts, &start).unwrap().population(1e-10).unwrap();
+    let population =
+        MasterEquation::new(contacts, &start, &mut ()).unwrap().population(1e-10, &mut ()).unwrap();
     let cells = Curves::new(&population, side * side, &mut ()).unwrap();
     let cells = cells.scaled(scales(side * side, 0.05, 1).unwrap()).unwrap();
     let setting = Setting {

@@ -42,7 +42,7 @@ fn logarithmic() -> Contacts {
 
 /// A slider with K = 1 over relaxed contacts without rules, driven to X_T = 2.
 fn first_slip(slip: Slip, velocity: f64, tolerance: f64) -> Slide {
-    let transport = Transport::new(athermal(), &initial(&point(0.0)), 0.1 * tolerance).unwrap();
+    let transport = Transport::new(athermal(), &initial(&point(0.0)), 0.1 * tolerance, &mut ()).unwrap();
     let drive = steady(velocity, 2.0);
     block(1.0, slip).follow(&transport, &drive, &times(&drive, 50), tolerance, &mut ()).unwrap()
 }
@@ -59,8 +59,10 @@ fn slow_and_little_damped_it_is_the_overdamped_block() {
     let slip = &slow.slips[0];
     // Ten times as fast as the drive it is where F' = −0.9 K, somewhat before X_1, the drive by the square of that.
     near(slip.before.drive, FIRST[0], 3e-4);
-    let pull =
-        MasterEquation::new(athermal(), &initial(&point(0.0))).unwrap().pull(2.0, 1e-9, &mut ()).unwrap();
+    let pull = MasterEquation::new(athermal(), &initial(&point(0.0)), &mut ())
+        .unwrap()
+        .pull(2.0, 1e-9, &mut ())
+        .unwrap();
     // The accuracy of steps.
     near(slip.before.force, pull.force(slip.before.position), 1e-5);
     near(slip.after.force, pull.force(slip.after.position), 1e-5);
@@ -85,7 +87,7 @@ fn slow_and_undamped_it_stops_at_equal_areas() {
 #[test]
 fn breaks_lose_what_they_do_in_the_athermal_block() {
     let relaxed = point(0.0);
-    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10).unwrap();
+    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10, &mut ()).unwrap();
     let drive = Drive { turning_points: vec![2.0], points: 2 };
     // Lingering, as above, times forces below 1.
     for (slip, velocity, accuracy) in [(Slip::Damped { damping: 1e-3 }, 1e-4, 2e-5), (UNDAMPED, 1e-5, 3e-4)] {
@@ -112,7 +114,7 @@ fn steady_sliding_is_unstable_below_the_critical_stiffness_of_its_response() {
         let response = Transport::step_response(&contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
         let critical = response.critical_stiffness(0.0, 0.0).unwrap().0;
         let regime = |stiffness: f64| {
-            let sliding = Transport::steady(&contacts, velocity, 1e-4).unwrap();
+            let sliding = Transport::steady(&contacts, velocity, 1e-4, &mut ()).unwrap();
             // A viscous force of a thousandth shifts K_c by next to nothing.
             let slip = Slip::Damped { damping: 1e-3 / velocity };
             let drive = steady(velocity, 200.0);
@@ -136,7 +138,7 @@ fn way(run: &Slide) -> History {
 #[test]
 fn the_ensemble_moved_alike_feels_the_same_force() {
     let relaxed = initial(&point(0.0));
-    let transport = Transport::new(logarithmic(), &relaxed, 1e-5).unwrap();
+    let transport = Transport::new(logarithmic(), &relaxed, 1e-5, &mut ()).unwrap();
     let drive = steady(1e-2, 12.0);
     let slip = Slip::Damped { damping: 0.1 };
     let run = block(0.2, slip).follow(&transport, &drive, &times(&drive, 400), 1e-4, &mut ()).unwrap();
@@ -157,7 +159,7 @@ fn the_ensemble_moved_alike_feels_the_same_force() {
 #[test]
 fn over_contacts_without_time_damped_is_overdamped() {
     let relaxed = point(0.0);
-    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10).unwrap();
+    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10, &mut ()).unwrap();
     let drive = Drive { turning_points: vec![10.0], points: 11 };
     let run = |slip| block(1.0, slip).pull(&mut population.clone(), &drive, &mut ()).unwrap();
     assert_eq!(run(Slip::Damped { damping: 0.3 }), run(Slip::Overdamped));
@@ -170,7 +172,7 @@ fn a_drive_at_rest_ages_a_block_at_rest() {
         Piece { velocity: 0.1, duration: 3.0 },
         Piece { velocity: 0.0, duration: 1e4 },
     ]);
-    let transport = Transport::new(logarithmic(), &initial(&point(0.0)), 1e-5).unwrap();
+    let transport = Transport::new(logarithmic(), &initial(&point(0.0)), 1e-5, &mut ()).unwrap();
     let slip = Slip::Inertial { mass: 1e-4, damping: 0.1 };
     let run = block(1.0, slip).follow(&transport, &drive.unwrap(), &[5.0, 13.0, 1e4], 1e-4, &mut ()).unwrap();
     assert_eq!(run.slips, []);
@@ -183,7 +185,7 @@ fn a_drive_at_rest_ages_a_block_at_rest() {
 
 #[test]
 fn what_limits_no_velocity_is_refused() {
-    let transport = Transport::new(athermal(), &initial(&point(0.0)), 1e-3).unwrap();
+    let transport = Transport::new(athermal(), &initial(&point(0.0)), 1e-3, &mut ()).unwrap();
     let drive = steady(1.0, 1.0);
     let key = |result: Result<Slide>| match result {
         Err(Error::Invalid { key, .. }) => key,

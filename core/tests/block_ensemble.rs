@@ -50,7 +50,8 @@ fn first_slips(reforming: &SharedLaw, size: usize, runs: u64, slip: Slip) -> Vec
 
 /// The first slip of the master equation.
 fn first_slip(reforming: &SharedLaw, slip: Slip) -> Event {
-    let mut population = master(&gaussian(1.0, STD), reforming, &point(0.0)).population(1e-10).unwrap();
+    let mut population =
+        master(&gaussian(1.0, STD), reforming, &point(0.0)).population(1e-10, &mut ()).unwrap();
     pull(&mut population, STIFFNESS, slip, &[2.0]).events[0]
 }
 

@@ -35,7 +35,7 @@ fn logarithmic() -> Contacts {
 }
 
 fn transport(contacts: &Contacts, tolerance: f64) -> Box<dyn Clocked> {
-    Box::new(Transport::new(contacts.clone(), &initial(&point(0.0)), tolerance).unwrap())
+    Box::new(Transport::new(contacts.clone(), &initial(&point(0.0)), tolerance, &mut ()).unwrap())
 }
 
 /// Cells whose contacts are these, of such scales.
@@ -194,7 +194,7 @@ fn slow_and_without_rules_it_is_the_athermal_interface() {
     let (stiffness, connection, viscosity, velocity, drive) = (0.5, 0.2, 1e-3, 1e-4, 5.8);
     let (scales, tolerance) = (&WEAK[..4], 3e-4);
     let relaxed = point(0.0);
-    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10).unwrap();
+    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10, &mut ()).unwrap();
     let curves = Curves::new(&population, scales.len(), &mut ()).unwrap();
     let athermal_setting = Setting {
         connection,

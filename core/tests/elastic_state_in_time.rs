@@ -60,7 +60,7 @@ fn start() -> Initial {
 }
 
 fn transport(contacts: &Contacts) -> Box<dyn Clocked> {
-    Box::new(Transport::new(contacts.clone(), &start(), 1e-2).unwrap())
+    Box::new(Transport::new(contacts.clone(), &start(), 1e-2, &mut ()).unwrap())
 }
 
 fn few(contacts: &Contacts, disorder: Disorder) -> Box<dyn Clocked> {

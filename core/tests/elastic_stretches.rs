@@ -19,7 +19,7 @@ use common::{contacts, gaussian, initial, master, point, rectangular};
 #[test]
 fn stretches_of_a_cell_carry_its_force() {
     let equation = master(&gaussian(1.0, 0.1), &rectangular(0.0, 0.2), &point(0.0));
-    let population = equation.population(1e-10).unwrap();
+    let population = equation.population(1e-10, &mut ()).unwrap();
     let scales = [1.0, 0.9, 1.2, 1.05];
     for slip in [Slip::Overdamped, Slip::Reset] {
         let cells = Curves::new(&population, 4, &mut ()).unwrap().scaled(scales.to_vec()).unwrap();
@@ -89,16 +89,16 @@ fn edges() -> Vec<f64> {
 #[test]
 fn stretches_of_a_cell_in_time_are_those_of_a_rigid_slider() {
     let start = initial(&gaussian(0.3, 0.1));
-    let equation = MasterEquation::at(ageing(), &start, VELOCITY).unwrap();
+    let equation = MasterEquation::at(ageing(), &start, VELOCITY, &mut ()).unwrap();
     let pull = equation.pull(WAY, 1e-10, &mut ()).unwrap();
     let mean = |ends: &[f64]| {
         let places: Vec<f64> =
             (0..20).map(|i| ends[0] + (f64::from(i) + 0.5) / 20.0 * (ends[1] - ends[0])).collect();
-        pull.stretch_density(WAY, &places).density.iter().sum::<f64>() / 20.0
+        pull.stretch_density(WAY, &places, &mut ()).unwrap().density.iter().sum::<f64>() / 20.0
     };
     let expected: Vec<f64> = edges().windows(2).map(mean).collect();
     for scale in [1.0, 1.3] {
-        let cell = rigid(Box::new(Transport::new(ageing(), &start, 1e-5).unwrap()), scale);
+        let cell = rigid(Box::new(Transport::new(ageing(), &start, 1e-5, &mut ()).unwrap()), scale);
         let portions = cell.stretches(0).unwrap();
         let edges: Vec<f64> = edges().iter().map(|edge| scale * edge).collect();
         let density = binned(&portions, &edges).unwrap();

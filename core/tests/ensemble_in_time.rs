@@ -130,7 +130,7 @@ fn energies_are_those_of_transport() {
     let way = way.unwrap();
     for ageing in [strengthening(), diffusing()] {
         let contacts = involved(ageing);
-        let transport = Transport::new(contacts.clone(), &initial(&point(0.0)), 1e-4).unwrap();
+        let transport = Transport::new(contacts.clone(), &initial(&point(0.0)), 1e-4, &mut ()).unwrap();
         let mut transport = transport.copy();
         go(transport.as_mut(), &way, 1, |_| ());
         let exact = transport.books();
@@ -190,7 +190,7 @@ fn a_block_slips_as_over_transport() {
     let rules = Rules { ageing: Some(strengthening()), ..Rules::default() };
     let contacts = Contacts { rules, ..contacts(&gaussian(1.0, 0.2), &point(0.0)) };
     let (block, drive) = ((0.3, Slip::Damped { damping: 0.1 }), steady(1e-2, 4.8));
-    let transport = Transport::new(contacts.clone(), &initial(&point(0.0)), 1e-5).unwrap();
+    let transport = Transport::new(contacts.clone(), &initial(&point(0.0)), 1e-5, &mut ()).unwrap();
     let exact = slide(&transport, block, &drive, 1e-4).slips[0];
     let size = 500;
     let slips: Vec<_> = (0..8)

@@ -16,7 +16,7 @@ fn gaussian(mean: f64, std: f64) -> SharedLaw {
 fn told(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64) -> (f64, f64) {
     let mut contacts = Contacts::new(newborn.clone(), Arc::new(Point::new(0.0).unwrap()));
     contacts.rules.ageing = Some(Ageing::FrozenRank { mature: mature.clone(), time: 1.0 });
-    let life = moving(&contacts, &contacts.reforming, true, velocity, false).unwrap();
+    let life = moving(&contacts, &contacts.reforming, true, velocity, false, &mut ()).unwrap();
     (life.force().curve().integral() / life.survival().curve().integral(), life.error())
 }
 
@@ -93,7 +93,7 @@ fn a_pull_reaches_an_accuracy_that_is_asked_for() {
     let mut contacts = Contacts::new(law(0.7, 0.14), Arc::new(Point::new(0.0).unwrap()));
     contacts.rules.ageing = Some(Ageing::FrozenRank { mature: law(1.2, 0.15), time: 1.0 });
     let initial = Initial { law: Arc::new(Point::new(0.0).unwrap()), start: Start::Conditional };
-    let equation = MasterEquation::at(contacts, &initial, 5.0).unwrap();
+    let equation = MasterEquation::at(contacts, &initial, 5.0, &mut ()).unwrap();
     let pull = equation.pull(1.4, 1e-9, &mut ()).unwrap();
     let told = pull.error_estimate() / equation.life().mean();
     assert!(equation.life().error() <= told && told < 1e-9, "{told:e}");

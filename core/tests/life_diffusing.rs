@@ -24,7 +24,7 @@ fn reference() -> Contacts {
 }
 
 fn life(contacts: &Contacts, velocity: f64) -> Life {
-    moving(contacts, &contacts.reforming, true, velocity, false).unwrap()
+    moving(contacts, &contacts.reforming, true, velocity, false, &mut ()).unwrap()
 }
 
 /// ∫xS/∫S.
@@ -121,7 +121,7 @@ fn thresholds_that_have_no_time_to_diffuse_are_the_newborn_ones() {
     for newborn in [gaussian(0.5, 0.1), Arc::new(Gamma::new(1.0, 0.3).unwrap()) as SharedLaw] {
         let fast = contacts(newborn.clone(), gaussian(1.0, 0.05), 0.0025);
         let slow = contacts(newborn, gaussian(1.0, 0.05), 1e-12);
-        let still = athermal(&fast, &fast.reforming, true);
+        let still = athermal(&fast, &fast.reforming, true, &mut ()).unwrap();
         for (contacts, diffusion, velocity) in [(&fast, 0.0025, 1e7), (&slow, 1e-12, 1.0)] {
             let life = life(contacts, velocity);
             for k in 0..150 {
@@ -205,7 +205,7 @@ fn edges_are_refused_that_hardly_diffuse_where_temperature_breaks_contacts() {
     let mut contacts = contacts(Arc::new(Rectangular::new(0.4, 0.6).unwrap()), gaussian(1.0, 0.3), 1e-7);
     contacts.rules.temperature =
         Some(Temperature { energy: 0.05, attempt_rate: 7.0, barrier: Barrier::Elastic });
-    let error = moving(&contacts, &contacts.reforming, true, 1.0, false).unwrap_err();
+    let error = moving(&contacts, &contacts.reforming, true, 1.0, false, &mut ()).unwrap_err();
     assert!(error.to_string().contains("ageing.smoluchowski.diffusion"), "{error}");
 }
 

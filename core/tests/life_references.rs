@@ -17,7 +17,7 @@ fn gaussian(mean: f64, std: f64) -> SharedLaw {
 fn at(thresholds: SharedLaw, rules: Rules, velocity: f64) -> MasterEquation {
     let contacts = Contacts { rules, ..Contacts::new(thresholds, point(0.0)) };
     let initial = Initial { law: point(0.0), start: Start::Conditional };
-    MasterEquation::at(contacts, &initial, velocity).unwrap()
+    MasterEquation::at(contacts, &initial, velocity, &mut ()).unwrap()
 }
 
 /// Thermal breaking at the height E_0/T of the barrier at x̄ = 1, ω = 1.

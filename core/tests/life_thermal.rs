@@ -17,7 +17,7 @@ fn thermal(thresholds: &SharedLaw, energy: f64, barrier: Barrier) -> Contacts {
 
 fn at(contacts: Contacts, velocity: f64) -> MasterEquation {
     let start = initial(&contacts.reforming);
-    MasterEquation::at(contacts, &start, velocity).unwrap()
+    MasterEquation::at(contacts, &start, velocity, &mut ()).unwrap()
 }
 
 #[track_caller]
@@ -59,7 +59,7 @@ fn slow_flow_of_gaussian_thresholds_is_that_of_the_strongest() {
         };
         let exact = (ln_mean(2.0) - ln_mean(1.0)).exp();
         let flowing = thermal(&gaussian(1.0, std), energy, Barrier::Elastic);
-        let viscosity = Limits::of(&flowing).unwrap().viscosity.unwrap();
+        let viscosity = Limits::of(&flowing, &mut ()).unwrap().viscosity.unwrap();
         // Rounding of exponents of about 40; thresholds below 0.
         near(viscosity, exact, 1e-10);
         // Contacts that hold longer than a way to their threshold are 7σ beyond the place that weighs most.
@@ -77,7 +77,7 @@ fn there_is_no_slow_flow_where_the_tail_holds() {
         (lognormal(1.0, 0.3), 10.0),
     ];
     for (law, energy) in cases {
-        assert_eq!(Limits::of(&thermal(&law, energy, Barrier::Elastic)).unwrap().viscosity, None);
+        assert_eq!(Limits::of(&thermal(&law, energy, Barrier::Elastic), &mut ()).unwrap().viscosity, None);
     }
 }
 
@@ -123,7 +123,7 @@ fn edges_that_temperature_hardly_blurs_are_not_missed() {
         for energy in [1e-2, 1e-4, 1e-6, 1e-7, 1e-9] {
             for (law, velocity) in laws.iter().flat_map(|law| [1e-1, 1e-3].map(|v| (law, v))) {
                 let hot = thermal(law, energy, barrier);
-                let life = moving(&hot, &hot.reforming, true, velocity, false).unwrap();
+                let life = moving(&hot, &hot.reforming, true, velocity, false, &mut ()).unwrap();
                 let atoms: f64 = life.breaking().atoms().map(|atom| atom.weight).sum();
                 // Some ten cells, each to 1e-14.
                 near(life.breaking().curve().integral() + atoms, 1.0, 1e-13);

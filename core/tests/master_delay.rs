@@ -32,7 +32,7 @@ type Sum = (f64, f64);
 fn equation(thresholds: &SharedLaw, reforming: &SharedLaw, delay: f64, velocity: f64) -> MasterEquation {
     let rules = Rules { delay, ..Rules::default() };
     let delayed = Contacts { rules, ..contacts(thresholds, reforming) };
-    MasterEquation::at(delayed, &initial(reforming), velocity).unwrap()
+    MasterEquation::at(delayed, &initial(reforming), velocity, &mut ()).unwrap()
 }
 
 fn pulled(thresholds: &SharedLaw, delay: f64, velocity: f64, tolerance: f64) -> Pull {
@@ -162,7 +162,7 @@ fn contacts_that_re_form_stretched() {
 #[test]
 fn a_population_moves_along_the_same_curve() {
     let equation = equation(&rectangular(0.5, 1.5), &point(0.0), 0.7, 0.5);
-    let mut population = equation.population(PROMISED).unwrap();
+    let mut population = equation.population(PROMISED, &mut ()).unwrap();
     let sum = uniform(0.5, 1.5);
     for k in 1..80 {
         let to = 0.1 * f64::from(k);

@@ -99,7 +99,7 @@ fn stiffness_that_grows_with_the_threshold() {
     let per_threshold = |thresholds: &SharedLaw| {
         let mut contacts = contacts(thresholds, &point(0.0));
         contacts.stiffness = asperity::contacts::Stiffness::PerThreshold(1.0 / thresholds.mean());
-        MasterEquation::new(contacts, &initial(&point(0.0))).unwrap()
+        MasterEquation::new(contacts, &initial(&point(0.0)), &mut ()).unwrap()
     };
     for law in [gaussian(1.0, 0.2), gamma(1.0, 0.4), rectangular(0.5, 1.5)] {
         // ⟨x³⟩/(2⟨x⟩) with κ⟨x⟩ = 1.
@@ -134,8 +134,8 @@ fn identical_contacts_repeat_for_ever() {
     assert_eq!(pull.static_friction().unwrap().position, 1.0);
     assert_eq!(pull.critical_stiffness(), f64::INFINITY);
     assert_eq!(pull.breaking_atoms().len(), 100);
-    assert_eq!(master.relaxation().length(), f64::INFINITY);
-    let state = pull.stretch_density(12.25, &[0.1, 0.5]);
+    assert_eq!(master.relaxation(&mut ()).unwrap().length(), f64::INFINITY);
+    let state = pull.stretch_density(12.25, &[0.1, 0.5], &mut ()).unwrap();
     assert_eq!(state.density, [0.0, 0.0]);
     assert_eq!(state.atoms.len(), 1);
     close(state.atoms[0].position, 0.25, 1e-12);

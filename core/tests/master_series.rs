@@ -69,7 +69,8 @@ fn starts_made_from_a_function_do_as_well() {
             made(&law, &[0.5, 0.999])
         };
         let (own, series) = (master(&thresholds, &law, &law), master(&thresholds, &series, &series));
-        let (length, expected) = (series.relaxation().length(), own.relaxation().length());
+        let (length, expected) =
+            (series.relaxation(&mut ()).unwrap().length(), own.relaxation(&mut ()).unwrap().length());
         assert!((length / expected - 1.0).abs() < 1e-10, "{law:?}: X* = {length}, not {expected}");
         let (own, series) =
             (own.pull(10.0, 1e-10, &mut ()).unwrap(), series.pull(10.0, 1e-10, &mut ()).unwrap());
@@ -83,7 +84,8 @@ fn starts_made_from_a_function_do_as_well() {
 
 #[test]
 fn relaxation_lengths_are_those_of_the_law_where_its_tail_does_not_matter() {
-    let length = |law: &SharedLaw| master(law, &point(0.0), &point(0.0)).relaxation().length();
+    let length =
+        |law: &SharedLaw| master(law, &point(0.0), &point(0.0)).relaxation(&mut ()).unwrap().length();
     for law in
         [gaussian(1.0, 0.05), gaussian(1.0, 0.3), gamma(1.0, 0.1), gamma(1.0, 0.3), weibull(12.153, 1.0431)]
     {
@@ -98,7 +100,7 @@ fn where_the_tail_rules_the_length_is_not_known() {
     for law in [exponential(1.0), gamma(1.0, 0.9), lognormal(1.0, 0.3), lognormal(1.0, 0.6)] {
         let made = made(&law, &[0.5, 0.999]);
         for law in [made.clone(), mixture(&[(0.9, gaussian(1.0, 0.5)), (0.1, made)])] {
-            let relaxation = master(&law, &point(0.0), &point(0.0)).relaxation();
+            let relaxation = master(&law, &point(0.0), &point(0.0)).relaxation(&mut ()).unwrap();
             assert!(relaxation.length().is_nan(), "{law:?}: {}", relaxation.length());
             assert!(relaxation.roots().is_empty());
         }

@@ -13,7 +13,7 @@ fn a_pull_over_many_lives_is_solved_in_cells_that_grow() {
     let temperature = Temperature { energy: 0.21, attempt_rate: 1.0, barrier: Barrier::Elastic };
     let rules = Rules { temperature: Some(temperature), ..Rules::default() };
     let warm = Contacts { rules, ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
-    let equation = MasterEquation::at(warm, &initial(&point(0.0)), 1e-12).unwrap();
+    let equation = MasterEquation::at(warm, &initial(&point(0.0)), 1e-12, &mut ()).unwrap();
     let life = equation.life().mean();
     let pull = equation.pull(5.0, Tolerance::default(), &mut ()).unwrap();
     assert!(pull.cells() < 10_000, "{}", pull.cells());

@@ -25,7 +25,7 @@ fn closed(newborn: (f64, f64), mature: (f64, f64), velocity_over_rate: f64) -> f
 fn kinetic_friction(newborn: SharedLaw, mature: SharedLaw, diffusion: f64, velocity: f64) -> f64 {
     let mut contacts = Contacts::new(newborn, Arc::new(Point::new(0.0).unwrap()));
     contacts.rules.ageing = Some(Ageing::MeanField { mature, diffusion });
-    let life = moving(&contacts, &contacts.reforming, true, velocity, false).unwrap();
+    let life = moving(&contacts, &contacts.reforming, true, velocity, false, &mut ()).unwrap();
     life.force().curve().integral() / life.survival().curve().integral()
 }
 

@@ -45,7 +45,7 @@ fn pull(contacts: &Contacts, velocity: f64, distance: f64, tolerance: f64) -> Tr
     let duration = distance / velocity;
     let history = History::new(vec![Piece { velocity, duration }]).unwrap();
     let times: Vec<f64> = (1..=37).map(|k| f64::from(k) / 37.0 * duration).collect();
-    let mut transport = Transport::new(contacts.clone(), &relaxed(), tolerance).unwrap();
+    let mut transport = Transport::new(contacts.clone(), &relaxed(), tolerance, &mut ()).unwrap();
     transport.follow(&history, &times, &mut ()).unwrap()
 }
 
@@ -69,7 +69,7 @@ fn at_one_velocity_the_renewal_equation_is_reproduced_however_cold_it_is() {
         // In which ½x² grows by T, there are 10⁴ times 1/ω.
         let velocity = 1e-4 * energy;
         let trace = pull(&contacts, velocity, 1.4, tolerance);
-        let equation = MasterEquation::at(contacts, &relaxed(), velocity).unwrap();
+        let equation = MasterEquation::at(contacts, &relaxed(), velocity, &mut ()).unwrap();
         let exact = equation.pull(1.4, 1e-8, &mut ()).unwrap();
         let off = trace.position.iter().zip(&trace.force).map(|(&x, force)| (force - exact.force(x)).abs());
         let off = off.fold(0.0, f64::max);
@@ -120,7 +120,8 @@ fn a_hold_and_what_follows_it_are_those_of_the_elastic_barrier() {
                 pieces.push(piece(fast, by));
                 stretches.push(stretches[stretches.len() - 1] + by);
             }
-            let mut transport = Transport::new(Contacts { rules, ..cold }, &relaxed(), tolerance).unwrap();
+            let mut transport =
+                Transport::new(Contacts { rules, ..cold }, &relaxed(), tolerance, &mut ()).unwrap();
             for (i, piece) in pieces.into_iter().enumerate() {
                 let history = History::new(vec![piece]).unwrap();
                 transport.follow(&history, &[], &mut ()).unwrap();

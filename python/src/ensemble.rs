@@ -2,6 +2,7 @@
 
 use asperity::ensemble::{self, Snapshots};
 use asperity::master::MasterEquation;
+use asperity::monitor::Monitor;
 use asperity::record::{self, Quantity};
 use asperity::scenario::{self, Units};
 use asperity_runner::task::Grid;
@@ -116,7 +117,7 @@ impl Ensemble {
         let Self { ensemble } = slf.get();
         let edges = match edges {
             Some(edges) => convert::list("edges", edges)?,
-            None => watched(None, py, |_| even_edges(ensemble, velocity))?,
+            None => watched(None, py, |monitor| even_edges(ensemble, velocity, monitor))?,
         };
         let positions = asked.positions();
         let snapshots = Snapshots { positions: asked.snapshots, edges };
@@ -162,11 +163,15 @@ impl Ensemble {
 }
 
 /// Edges of even bins up to where hardly any contact holds.
-fn even_edges(ensemble: &ensemble::Ensemble, velocity: Option<f64>) -> asperity::Result<Vec<f64>> {
+fn even_edges(
+    ensemble: &ensemble::Ensemble,
+    velocity: Option<f64>,
+    monitor: &mut dyn Monitor,
+) -> asperity::Result<Vec<f64>> {
     let (contacts, initial) = (ensemble.contacts().clone(), ensemble.initial());
     let equation = match velocity {
-        Some(velocity) => MasterEquation::at(contacts, initial, velocity)?,
-        None => MasterEquation::new(contacts, initial)?,
+        Some(velocity) => MasterEquation::at(contacts, initial, velocity, monitor)?,
+        None => MasterEquation::new(contacts, initial, monitor)?,
     };
     Ok(Grid::new(&equation, initial, &[]).edges(ensemble.size()))
 }

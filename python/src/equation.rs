@@ -2,6 +2,7 @@
 
 use asperity::contacts::Initial;
 use asperity::master;
+use asperity::monitor::Monitor;
 use asperity::scenario;
 use asperity_runner::task::Grid;
 use numpy::ToPyArray as _;
@@ -14,7 +15,7 @@ use crate::description::{Interface, Plain, Solved};
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, interface, interface_arguments};
 use crate::pull::Pull;
-use crate::watch::detached;
+use crate::watch::watched;
 use crate::{error, values};
 
 /// The master equation of contacts and their start.
@@ -51,16 +52,16 @@ impl MasterEquation {
     ) -> PyResult<PyClassInitializer<Self>> {
         let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
         let own = scenario::MasterEquation { tolerance };
-        let build = || {
+        let build = |monitor: &mut dyn Monitor| {
             own.check().map_err(|e| e.under("master_equation"))?;
             let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
             let equation = match velocity {
-                Some(velocity) => master::MasterEquation::at(contacts, &initial, velocity)?,
-                None => master::MasterEquation::new(contacts, &initial)?,
+                Some(velocity) => master::MasterEquation::at(contacts, &initial, velocity, monitor)?,
+                None => master::MasterEquation::new(contacts, &initial, monitor)?,
             };
             Ok(Self { equation, initial })
         };
-        let equation = detached(py, build).map_err(error::core)?;
+        let equation = watched(None, py, build)?;
         let plain = Plain::MasterEquation(Interface { contacts, initial, start }, Solved { own, velocity });
         Ok(Model::new(plain).add_subclass(equation))
     }
@@ -104,8 +105,9 @@ impl MasterEquation {
     }
 
     /// The relaxation to steady sliding.
-    fn relaxation(&self, py: Python<'_>) -> Relaxation {
-        Relaxation { relaxation: detached(py, || self.equation.relaxation()) }
+    fn relaxation(&self, py: Python<'_>) -> PyResult<Relaxation> {
+        let relaxation = watched(None, py, |monitor| self.equation.relaxation(monitor))?;
+        Ok(Relaxation { relaxation })
     }
 }
 
@@ -182,7 +184,7 @@ impl SteadyState {
         stretches: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let stretches = self.equation.get().stretches(stretches, &[])?;
-        let found = detached(py, || self.steady.stretch_density(&stretches));
+        let found = watched(None, py, |monitor| self.steady.stretch_density(&stretches, monitor))?;
         values::stretches(py, stretches, found)
     }
 

@@ -2,7 +2,7 @@
 
 use asperity::clocked::{Portion, binned};
 use asperity::master::{MasterEquation, Stretches};
-use asperity::monitor::Monitor;
+use asperity::monitor::{Monitor, Part};
 use asperity::scenario::{
     self, CellSlip, Coupling, Disorder, Drive, Edges, Loading, PerCell, Scales, Scenario, Units,
 };
@@ -62,7 +62,7 @@ impl Surface {
         monitor: &mut dyn Monitor,
     ) -> asperity::Result<(Vec<f64>, Stretches)> {
         let tolerance = scenario::MasterEquation::default().tolerance();
-        let equation = MasterEquation::new(contacts.clone(), &initial)?;
+        let equation = MasterEquation::new(contacts.clone(), &initial, &mut Part::new(monitor, 0.0, 0.0))?;
         let mut driven =
             self.own.deformable(contacts, &initial, tolerance, self.ensemble.as_ref(), monitor)?;
         driven.run(at, monitor, &mut |_, _| ())?;
@@ -277,7 +277,8 @@ impl Interface {
             let built = scenario.build()?;
             match (looked, velocity) {
                 (looked, Some(velocity)) => {
-                    let mut driven = task::cells_in_time(&scenario, &surface.own, &built.0, &built.1)?;
+                    let mut driven =
+                        task::cells_in_time(&scenario, &surface.own, &built.0, &built.1, monitor)?;
                     driven.run(at, velocity, monitor, &mut |_, _| ())?;
                     looked.at(&driven.stretches(cell)?)
                 }

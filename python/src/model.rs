@@ -101,7 +101,9 @@ impl<'a> Solver<'a> {
     /// The contacts at X = 0, to be moved together.
     pub fn population(self, monitor: &mut dyn Monitor) -> Result<Box<dyn Population>> {
         Ok(match self {
-            Self::MasterEquation(equation, tolerance) => Box::new(equation.population(tolerance)?),
+            Self::MasterEquation(equation, tolerance) => {
+                Box::new(equation.population(tolerance, &mut Aside { fraction: 0.0, monitor })?)
+            }
             Self::Transport(..) => {
                 let expected = "a MasterEquation or an Ensemble where no time passes (Block.follow moves a Transport, and Block.drive at a velocity)";
                 return Err(Error::invalid("block.model", expected, "a Transport"));

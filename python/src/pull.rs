@@ -1,6 +1,7 @@
 //! A pull of the slider's bottom, computed.
 
 use asperity::master;
+use asperity::monitor::Monitor;
 use asperity::record;
 use asperity::scenario::{self, Units};
 use asperity_runner::task;
@@ -100,8 +101,9 @@ impl Pull {
     /// The relaxation length X*, over which the start is forgotten; inf where the force never settles, nan where
     /// no root is found.
     #[getter]
-    fn relaxation_length(&self, py: Python<'_>) -> f64 {
-        detached(py, || self.equation.get().equation.relaxation().length())
+    fn relaxation_length(&self, py: Python<'_>) -> PyResult<f64> {
+        let relaxation = watched(None, py, |monitor| self.equation.get().equation.relaxation(monitor))?;
+        Ok(relaxation.length())
     }
 
     /// The estimated error of F/(N_c⟨k⟩), a length.
@@ -161,8 +163,8 @@ impl Pull {
         let stretches = self.equation.get().stretches(stretches, &positions)?;
         let mut found = Vec::with_capacity(positions.len());
         for &position in &positions {
-            found.push(detached(py, || self.pull.stretch_density(position, &stretches)));
-            py.check_signals()?;
+            let at = |monitor: &mut dyn Monitor| self.pull.stretch_density(position, &stretches, monitor);
+            found.push(watched(None, py, at)?);
         }
         match found.pop() {
             Some(only) if single => values::stretches(py, stretches, only),

@@ -1,7 +1,7 @@
 //! Contacts under a slider whose velocity varies.
 
 use asperity::history::History;
-use asperity::monitor::Monitor;
+use asperity::monitor::{Monitor, Part};
 use asperity::record::{self, Quantity};
 use asperity::scenario::{self, Units};
 use asperity::{Error, ensemble, master};
@@ -17,7 +17,7 @@ use crate::law::{AnyLaw, given};
 use crate::model::Model;
 use crate::model::{interface, interface_arguments};
 use crate::record::Record;
-use crate::watch::{detached, watched};
+use crate::watch::watched;
 
 /// A step of a way in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
 ///
@@ -116,14 +116,14 @@ impl Transport {
     ) -> PyResult<PyClassInitializer<Self>> {
         let Interface { contacts, initial, start } = interface(contacts, initial, start)?;
         let own = scenario::MasterEquation { tolerance };
-        let build = || {
+        let build = |monitor: &mut dyn Monitor| {
             own.check().map_err(|e| e.under("transport"))?;
             let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
             let tolerance = own.tolerance_in_time(&contacts.rules);
-            let transport = master::Transport::new(contacts.clone(), &initial, tolerance)?;
+            let transport = master::Transport::new(contacts.clone(), &initial, tolerance, monitor)?;
             Ok(Self { transport, contacts })
         };
-        let transport = detached(py, build).map_err(error::core)?;
+        let transport = watched(None, py, build)?;
         let plain = Plain::Transport(Interface { contacts, initial, start }, own);
         Ok(Model::new(plain).add_subclass(transport))
     }
@@ -224,7 +224,9 @@ pub fn velocity_curve<'py>(
     let curve = watched(progress, py, |monitor| {
         let mut friction = Vec::with_capacity(values.len());
         for (i, &velocity) in values.iter().enumerate() {
-            let at = master::MasterEquation::at(contacts.clone(), &initial, velocity);
+            let done = i as f64 / values.len() as f64;
+            let aside = &mut Part::new(monitor, done, 0.0);
+            let at = master::MasterEquation::at(contacts.clone(), &initial, velocity, aside);
             let equation = at.map_err(|e| e.under(&format!("velocities.{i}")))?;
             friction.push(equation.steady_state().kinetic_friction());
             if monitor.progress((i + 1) as f64 / values.len() as f64).is_break() {

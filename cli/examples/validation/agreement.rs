@@ -70,8 +70,8 @@ fn cases() -> Vec<Case> {
 
 impl Case {
     fn solved(&self) -> Pull {
-        let master =
-            MasterEquation::new(self.contacts.clone(), &self.initial).expect("contacts that survive");
+        let master = MasterEquation::new(self.contacts.clone(), &self.initial, &mut ())
+            .expect("contacts that survive");
         master.pull(15.0, 1e-10, &mut ()).expect("the tolerance is reached")
     }
 

@@ -37,8 +37,9 @@ const OVERDAMPED: Setting = Setting {
 
 /// Gaussian thresholds of σ = 0.1.
 fn cells(number: usize) -> Curves {
-    let population =
-        master(&gaussian(1.0, 0.1), &point(0.0)).population(1e-10).expect("a tolerance that is kept");
+    let population = master(&gaussian(1.0, 0.1), &point(0.0))
+        .population(1e-10, &mut ())
+        .expect("a tolerance that is kept");
     Curves::new(&population, number, &mut ()).expect("nothing stops it")
 }
 

@@ -40,7 +40,8 @@ fn first_slip(population: &mut dyn Population, slip: Slip, fraction: Option<f64>
 }
 
 fn exact(slip: Slip) -> Event {
-    let mut population = master(&gaussian(1.0, STD), &point(0.0)).population(1e-10).expect("contacts");
+    let mut population =
+        master(&gaussian(1.0, STD), &point(0.0)).population(1e-10, &mut ()).expect("contacts");
     first_slip(&mut population, slip, None)
 }
 

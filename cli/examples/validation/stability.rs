@@ -49,7 +49,7 @@ impl Interface {
     }
 
     fn driven(&self, stiffness: f64, slip: Slip, distance: f64) -> StickSlip {
-        let mut population = master(&self.law, &point(0.0)).population(TOLERANCE).expect("contacts");
+        let mut population = master(&self.law, &point(0.0)).population(TOLERANCE, &mut ()).expect("contacts");
         let block = Block::new(Loading::Spring(stiffness), slip, None).expect("a stiffness above 0");
         let drive = Drive { turning_points: vec![distance], points: 2 };
         block.pull(&mut population, &drive, &mut ()).expect("a drive")

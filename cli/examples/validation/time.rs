@@ -117,7 +117,7 @@ struct Drawn {
 
 impl Case {
     fn equation(&self, velocity: f64) -> MasterEquation {
-        MasterEquation::at(self.contacts.clone(), &relaxed(), velocity).expect("a velocity above 0")
+        MasterEquation::at(self.contacts.clone(), &relaxed(), velocity, &mut ()).expect("a velocity above 0")
     }
 
     fn kinetic_friction(&self, velocity: f64) -> f64 {

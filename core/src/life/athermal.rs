@@ -4,8 +4,10 @@ use super::breaking::{Breaking, MOMENTS};
 use super::cells::{BULK, CELL, NEGLIGIBLE, ORDERS, ROUNDING, edges, scale, top};
 use super::layer::Layer;
 use super::{Life, Starts};
+use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::{Atom, Break, SharedLaw, Zone};
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
@@ -15,12 +17,32 @@ use crate::numerics::volterra::Kernel;
 /// ν = R/S); otherwise stretch and threshold are independent, and the fraction ∫R(1 − S) breaks at u = 0.
 ///
 /// Contacts and starts are taken to have passed [`Contacts::check`].
-pub fn athermal(contacts: &Contacts, starts: &SharedLaw, conditional: bool) -> Life {
+///
+/// # Errors
+/// Stopped by the monitor.
+pub fn athermal(
+    contacts: &Contacts,
+    starts: &SharedLaw,
+    conditional: bool,
+    monitor: &mut dyn Monitor,
+) -> Result<Life> {
+    let watch = Watch::new(monitor);
+    let life = athermal_within(contacts, starts, conditional, &watch);
+    watch.check().map(|()| life)
+}
+
+/// The same; of no use where the monitor asks to stop.
+pub(super) fn athermal_within(
+    contacts: &Contacts,
+    starts: &SharedLaw,
+    conditional: bool,
+    watch: &Watch<'_>,
+) -> Life {
     let layer = Layer::placed(contacts, starts.as_ref(), conditional, BULK);
     let law = contacts.thresholds.as_ref();
     let unbroken = if conditional { 1.0 } else { Breaking::new(law, &layer, BULK).weighted(0.0, 0, 0) };
     let broken = (1.0 - unbroken > NEGLIGIBLE).then_some(Atom { position: 0.0, weight: 1.0 - unbroken });
-    of_layers(contacts, vec![layer], broken)
+    of_layers(contacts, vec![layer], broken, watch)
 }
 
 /// How many cells of 16 terms the life of contacts that start at stretches drawn from `starts` takes, at least: those of what
@@ -39,7 +61,12 @@ pub(crate) fn cells_of(contacts: &Contacts, starts: &SharedLaw) -> f64 {
 /// Only the moments b_n(u) = ∫ν(x) (x+u)ⁿ P_c(x+u) dx of what breaks are computed by quadrature, over those x that go
 /// beyond where they have been; what is carried follows from what breaks later: with s the survival, m the force and q
 /// its square, s' = −b₀, m' = s − b₁, q' = 2m − b₂. For k = κ x_s, one order of ξ more: see `per_threshold`.
-pub(super) fn of_layers(contacts: &Contacts, layers: Vec<Layer>, broken: Option<Atom>) -> Life {
+pub(super) fn of_layers(
+    contacts: &Contacts,
+    layers: Vec<Layer>,
+    broken: Option<Atom>,
+    watch: &Watch<'_>,
+) -> Life {
     let law = contacts.thresholds.as_ref();
     let breaking: Vec<_> = layers.iter().map(|layer| Breaking::new(law, layer, BULK)).collect();
     let mut breaks: Vec<Break> = breaking.iter().flat_map(Breaking::breaks).collect();
@@ -48,7 +75,8 @@ pub(super) fn of_layers(contacts: &Contacts, layers: Vec<Layer>, broken: Option<
     let stops = breaks.iter().map(|b| b.position).chain(onsets.iter().copied());
     let stops: Vec<f64> = stops.chain(breaking.iter().flat_map(Breaking::seams)).collect();
     let edges = edges(&zones(&breaking), &stops, end);
-    let mut moments = Piecewise::resolve_all(|u| sum(&breaking, u), &edges, end, BULK.resolution);
+    let mut moments =
+        Piecewise::resolve_all(|u| watch.value(|| sum(&breaking, u)), &edges, end, BULK.resolution);
     weigh_pole(&mut moments[0], &breaks, &breaking);
     breaks.extend(broken.map(Break::from));
     let wide = 0.25 * scale(law);

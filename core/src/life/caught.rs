@@ -7,6 +7,7 @@ use super::cells::{ROUNDING, scale};
 use super::fate::{Cohort, Fate, Toll};
 use crate::contacts::{Contacts, Maturing, Stiffness, Temperature};
 use crate::law::Break;
+use crate::monitor::Watch;
 use crate::numerics::diffusion::{Elements, Evolution, Field, Loss, Slope, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, derivative, series};
 use crate::numerics::piecewise::Piecewise;
@@ -135,7 +136,7 @@ impl Diffusing {
     }
 
     /// Both kinds of contacts formed at a stretch.
-    fn legs(&self, start: f64, solved: Discretisation) -> Vec<Leg> {
+    fn legs(&self, start: f64, solved: Discretisation, watch: &Watch<'_>) -> Vec<Leg> {
         let diffusion = self.at_least(solved.layers * LEAST);
         let spread = solved.spread * self.reach(diffusion);
         let whole = self.maturing.survival(start);
@@ -145,7 +146,7 @@ impl Diffusing {
         let time = 0.5 * spread * spread / diffusion;
         let smooth = self.maturing.spread(start, 0.1 * solved.left_out, 0.1 * spread);
         let mut legs = if smooth.mass() > NOTHING * whole {
-            self.follow(smooth, (start, 0.0), time, solved)
+            self.follow(smooth, (start, 0.0), time, solved, watch)
         } else {
             Vec::new()
         };
@@ -154,7 +155,7 @@ impl Diffusing {
         let time = (0.5 * spread * spread / diffusion).min(latest);
         let passed = start + self.velocity * time;
         if let Some(together) = self.maturing.together(passed, spread, &self.slope, 0.1 * solved.left_out) {
-            legs.extend(self.follow(together, (start, time), time, solved));
+            legs.extend(self.follow(together, (start, time), time, solved, watch));
         }
         legs
     }
@@ -163,11 +164,18 @@ impl Diffusing {
     ///
     /// Elements that a thin layer goes through may amplify what they leave out until there are too many of them. Then more may
     /// be left out from the beginning: what two solutions differ by tells how much that was.
-    fn follow(&self, density: Elements, begun: (f64, f64), next: f64, solved: Discretisation) -> Vec<Leg> {
+    fn follow(
+        &self,
+        density: Elements,
+        begun: (f64, f64),
+        next: f64,
+        solved: Discretisation,
+        watch: &Watch<'_>,
+    ) -> Vec<Leg> {
         const FACTORS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
         let with = |factor: f64| {
             let solved = Discretisation { left_out: factor * solved.left_out, ..solved };
-            self.followed(density.clone(), begun, next, solved, factor < FACTORS[FACTORS.len() - 1])
+            self.followed(density.clone(), begun, next, solved, (factor < FACTORS[FACTORS.len() - 1], watch))
         };
         FACTORS.into_iter().find_map(with).unwrap_or_default()
     }
@@ -179,7 +187,7 @@ impl Diffusing {
         (start, time): (f64, f64),
         next: f64,
         Discretisation { left_out, layers, .. }: Discretisation,
-        gives_up: bool,
+        (gives_up, watch): (bool, &Watch<'_>),
     ) -> Option<Vec<Leg>> {
         let (low, high) = self.maturing.support;
         let (kinks, lasting) = (self.maturing.kinks(), (high - start) / self.velocity);
@@ -212,7 +220,7 @@ impl Diffusing {
         let layer = field.diffusion / velocity;
         let met = evolution.density.value(start + velocity * time).abs();
         if self.is_thin(layer) && met * layer < left_out {
-            legs.push(self.free(start, layer, evolution, lasting));
+            legs.push(self.free(start, layer, evolution, lasting, watch));
             return Some(legs);
         }
         evolution.field.diffusion = self.at_least(layers * RESOLVED);
@@ -224,14 +232,17 @@ impl Diffusing {
             evolution.absorbing = absorbing;
             evolution.begin();
             let mut steps = Vec::new();
-            while evolution.time < end * (1.0 - 1e-14) && evolution.density.mass() > NOTHING * begun {
+            while evolution.time < end * (1.0 - 1e-14)
+                && evolution.density.mass() > NOTHING * begun
+                && !watch.stops()
+            {
                 steps.push(evolution.advance(end));
                 if gives_up && evolution.is_crowded() {
                     return None;
                 }
             }
             if !steps.is_empty() {
-                legs.push(self.leg(start, &steps));
+                legs.push(self.leg(start, &steps, watch));
             }
         }
         Some(legs)
@@ -253,12 +264,13 @@ impl Diffusing {
     ///
     /// With λ = D/v, y = h − x and Q(u) = q(x, u), p = q − e^{−y/λ}[Q − y(Q' + U'Q) + …]: a boundary layer at an outflow, by
     /// matched asymptotic expansions. It has the mass −λQ + λ²(Q' + U'Q), around y = λ, up to λ³Q''.
-    fn free(&self, start: f64, layer: f64, mut evolution: Evolution<'_>, end: f64) -> Leg {
+    fn free(&self, start: f64, layer: f64, mut evolution: Evolution<'_>, end: f64, watch: &Watch<'_>) -> Leg {
         let (from, begun) = (evolution.time, evolution.density.mass());
         let stretch = |time: f64| start + self.velocity * time;
         let mut steps: Vec<TimeStep> = Vec::new();
         while evolution.time < end * (1.0 - 1e-14)
             && evolution.density.sums_above(stretch(evolution.time), |_| [1.0])[0] > NOTHING * begun
+            && !watch.stops()
         {
             steps.push(evolution.advance(end));
         }
@@ -270,7 +282,7 @@ impl Diffusing {
             cuts.push(step.to);
             let mut low = step.from;
             for high in cuts {
-                let series = self.layered(start, layer, step, (low, high));
+                let series = watch.value(|| self.layered(start, layer, step, (low, high)));
                 curves.iter_mut().zip(series).for_each(|(curve, series)| curve.push(series));
                 boundaries.push(self.velocity * (high - from));
                 low = high;
@@ -326,12 +338,13 @@ impl Diffusing {
     }
 
     /// The curves of so many steps.
-    fn leg(&self, start: f64, steps: &[TimeStep]) -> Leg {
+    fn leg(&self, start: f64, steps: &[TimeStep], watch: &Watch<'_>) -> Leg {
         let begun = steps[0].from;
         let advance = |time: f64| self.velocity * (time - begun);
         let boundaries: Vec<f64> =
             std::iter::once(0.0).chain(steps.iter().map(|step| advance(step.to))).collect();
-        let sums = |time: f64, density: &Elements| self.sums(start + self.velocity * time, density);
+        let sums =
+            |time: f64, density: &Elements| watch.value(|| self.sums(start + self.velocity * time, density));
         let all: Vec<[Nodal; SUMS]> = steps.iter().map(|step| step.all(sums)).collect();
         let curve = |k: usize| Piecewise {
             boundaries: boundaries.clone(),
@@ -373,11 +386,14 @@ impl Diffusing {
 }
 
 impl Fate for Diffusing {
-    fn cohort(&self, start: f64) -> Arc<dyn Cohort> {
-        let legs = self.legs(start, FINE);
+    fn cohort(&self, start: f64, watch: &Watch<'_>) -> Arc<dyn Cohort> {
+        if watch.stops() {
+            return Arc::new(Formed { start, legs: Vec::new(), onsets: Vec::new() });
+        }
+        let legs = self.legs(start, FINE, watch);
         let onsets = self.onsets(start, &legs);
         let formed = Formed { start, legs, onsets };
-        let rough = Formed { start, legs: self.legs(start, ROUGH), onsets: Vec::new() };
+        let rough = Formed { start, legs: self.legs(start, ROUGH, watch), onsets: Vec::new() };
         let apart = formed.apart(&rough) / self.maturing.survival(start);
         // Positive numbers are in the order of their bits.
         self.missed.fetch_max(apart.to_bits(), Ordering::Relaxed);

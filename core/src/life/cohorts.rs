@@ -1,9 +1,7 @@
 //! A life put together from cohorts: sums over where contacts start.
 
 use std::collections::HashMap;
-use std::sync::Arc;
-
-use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Life;
 use super::Starts;
@@ -12,8 +10,10 @@ use super::cells::{BULK, CELL, NEGLIGIBLE};
 use super::fate::{BlurredEdge, Cohort, Fate, Toll};
 use super::layer::Layer;
 use super::panels::{Domain, Panels};
+use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::{Atom, Break, Law};
+use crate::monitor::Watch;
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::volterra::Kernel;
 
@@ -43,20 +43,25 @@ struct Sums {
 }
 
 /// The life of contacts of this fate whose starts are drawn from `starts`, as in [`super::athermal`].
+///
+/// # Errors
+/// Stopped by the monitor.
 pub(super) fn of_cohorts(
     contacts: &Contacts,
     fate: Arc<dyn Fate>,
     starts: &dyn Law,
     conditional: bool,
-) -> Life {
-    let cohorts = Cohorts::new(contacts, fate, starts, conditional);
+    watch: &Watch<'_>,
+) -> Result<Life> {
+    let cohorts = Cohorts::new(contacts, fate, starts, conditional, watch);
     let per_threshold = matches!(contacts.stiffness, Stiffness::PerThreshold(_));
     let panels = Panels::new(&cohorts.starts.density, cohorts.widest(), NEGLIGIBLE);
-    let at = |u: f64| cohorts.sums(&panels, u, per_threshold);
+    let at = |u: f64| watch.value(|| cohorts.sums(&panels, u, per_threshold, watch));
     let unbroken = if conditional { 1.0 } else { at(0.0).survival };
-    let mut breaks = cohorts.breaks();
-    let stops = breaks.iter().map(|b| b.position).chain(cohorts.approaches()).collect();
+    let mut breaks = cohorts.breaks(watch);
+    let stops = breaks.iter().map(|b| b.position).chain(cohorts.approaches(watch)).collect();
     let outline = Outline::new(&at, stops, contacts.thresholds.mean());
+    watch.check()?;
     let edges = &outline.edges;
     let end = edges[edges.len() - 1];
     let finer = per_threshold.then(|| stiffening(&at, edges, contacts.thresholds.mean()));
@@ -79,7 +84,8 @@ pub(super) fn of_cohorts(
     let smoother: Vec<_> = breaks.iter().map(|&b| Break { exponent: b.exponent + 1.0, ..b }).collect();
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
     let breaking_energy = lost.integrated_from_end(0.0, &cohorts.struck(per_threshold));
-    Life {
+    watch.check()?;
+    Ok(Life {
         survival: kernel(survival),
         force: kernel(force),
         square: kernel(square),
@@ -89,7 +95,7 @@ pub(super) fn of_cohorts(
         error: cohorts.fate.error(),
         starts: Starts::Cohorts(cohorts),
         wait: 0.0,
-    }
+    })
 }
 
 /// Cell boundaries to begin with, and the lengths on which a life is judged.
@@ -173,17 +179,28 @@ fn split(at: &impl Fn(f64) -> Sums, [low, high]: [(f64, f64); 2], whole: f64, ed
 }
 
 impl Cohorts {
-    fn new(contacts: &Contacts, fate: Arc<dyn Fate>, starts: &dyn Law, conditional: bool) -> Self {
+    fn new(
+        contacts: &Contacts,
+        fate: Arc<dyn Fate>,
+        starts: &dyn Law,
+        conditional: bool,
+        watch: &Watch<'_>,
+    ) -> Self {
         let starts = Layer::placed(contacts, starts, conditional, BULK);
-        let together = starts.lumps.iter().map(|lump| fate.cohort(lump.position)).collect();
+        let together = starts.lumps.iter().map(|lump| fate.cohort(lump.position, watch)).collect();
         let mut cohorts = Self { fate, starts, together, spread: HashMap::new() };
         let everywhere =
             Domain { low: f64::NEG_INFINITY, high: f64::INFINITY, cuts: Vec::new(), steep: Vec::new() };
         let mut points = Vec::new();
         Panels::new(&cohorts.starts.density, cohorts.widest(), NEGLIGIBLE)
             .each(everywhere, |r, _| points.push(r));
-        let one = |r: f64| (r.to_bits(), cohorts.fate.cohort(r));
-        cohorts.spread = points.into_par_iter().map(one).collect();
+        let spread = Mutex::new(HashMap::with_capacity(points.len()));
+        watch.share(points.len(), |number| {
+            let start: f64 = points[number];
+            let cohort = cohorts.fate.cohort(start, watch);
+            spread.lock().unwrap_or_else(PoisonError::into_inner).insert(start.to_bits(), cohort);
+        });
+        cohorts.spread = spread.into_inner().unwrap_or_else(PoisonError::into_inner);
         cohorts
     }
 
@@ -193,7 +210,7 @@ impl Cohorts {
     }
 
     /// The sums at an advance.
-    fn sums(&self, panels: &Panels<'_>, advance: f64, per_threshold: bool) -> Sums {
+    fn sums(&self, panels: &Panels<'_>, advance: f64, per_threshold: bool, watch: &Watch<'_>) -> Sums {
         let mut sums = Sums::default();
         for (lump, cohort) in self.starts.lumps.iter().zip(&self.together) {
             sums.add(cohort.toll(advance), lump.weight, lump.position + advance, per_threshold);
@@ -214,21 +231,22 @@ impl Cohorts {
         };
         panels.each(domain, |r, weight| {
             let known = self.spread.get(&r.to_bits());
-            let toll = known.map_or_else(|| self.fate.cohort(r).toll(advance), |cohort| cohort.toll(advance));
+            let unknown = || self.fate.cohort(r, watch).toll(advance);
+            let toll = watch.value(|| known.map_or_else(unknown, |cohort| cohort.toll(advance)));
             sums.add(toll, weight, r + advance, per_threshold);
         });
         sums
     }
 
     /// Where the breaking density is not smooth past u = 0, atoms among it.
-    fn breaks(&self) -> Vec<Break> {
+    fn breaks(&self, watch: &Watch<'_>) -> Vec<Break> {
         let mut out = Vec::new();
         for (lump, cohort) in self.starts.lumps.iter().zip(&self.together) {
             let scaled = |b: Break| Break { amplitude: b.amplitude * lump.weight, ..b };
             out.extend(cohort.breaks().into_iter().map(scaled));
         }
         for start in &self.starts.breaks {
-            let met = self.fate.cohort(start.position).breaks();
+            let met = self.fate.cohort(start.position, watch).breaks();
             out.extend(
                 met.into_iter().map(|b| Break { position: b.position, ..b.convolve(start.mirrored()) }),
             );
@@ -239,8 +257,8 @@ impl Cohorts {
     }
 
     /// Places before blurred edges, where the breaking density changes, which points of wide cells would miss.
-    fn approaches(&self) -> impl Iterator<Item = f64> {
-        let edged = self.starts.breaks.iter().map(|start| self.fate.cohort(start.position));
+    fn approaches(&self, watch: &Watch<'_>) -> impl Iterator<Item = f64> {
+        let edged = self.starts.breaks.iter().map(|start| self.fate.cohort(start.position, watch));
         let all = self.together.iter().cloned().chain(edged);
         all.flat_map(|cohort| cohort.blurred_edges()).flat_map(BlurredEdge::approach)
     }
@@ -260,10 +278,10 @@ impl Cohorts {
     }
 
     /// Density at stretch x of contacts that formed u ago.
-    pub(super) fn density(&self, x: f64, advance: f64) -> f64 {
+    pub(super) fn density(&self, x: f64, advance: f64, watch: &Watch<'_>) -> f64 {
         let start = x - advance;
         let density = self.starts.density_at(start);
-        if density == 0.0 { 0.0 } else { density * self.fate.cohort(start).toll(advance).unbroken[0] }
+        if density == 0.0 { 0.0 } else { density * self.fate.cohort(start, watch).toll(advance).unbroken[0] }
     }
 
     /// Stretches of those that formed u ago at point masses, with the fraction still there.
@@ -275,25 +293,25 @@ impl Cohorts {
     }
 
     /// Density at stretch x of contacts that have formed at the rate `rate(advance)`, not smooth at starts in `cuts`.
-    pub(super) fn standing(&self, x: f64, rate: impl Fn(f64) -> f64, cuts: &[f64]) -> f64 {
+    pub(super) fn standing(&self, x: f64, rate: impl Fn(f64) -> f64, cuts: &[f64], watch: &Watch<'_>) -> f64 {
         let lumps = self.starts.lumps.iter().zip(&self.together).filter(|(lump, _)| lump.position <= x);
         let one = |(lump, cohort): (&super::Lump, &Arc<dyn Cohort>)| {
             let advance = x - lump.position;
             lump.weight * cohort.toll(advance).unbroken[0] * rate(advance)
         };
-        let left = |r: f64| self.fate.cohort(r).toll(x - r).unbroken[0] * rate(x - r);
+        let left = |r: f64| watch.value(|| self.fate.cohort(r, watch).toll(x - r).unbroken[0] * rate(x - r));
         lumps.map(one).sum::<f64>() + self.starts.spread_below(x, left, cuts)
     }
 }
 
 impl Cohorts {
     /// Density at x of the stretches at which contacts break; atoms not counted.
-    pub(super) fn breaking(&self, x: f64) -> f64 {
+    pub(super) fn breaking(&self, x: f64, watch: &Watch<'_>) -> f64 {
         let lumps = self.starts.lumps.iter().zip(&self.together).filter(|(lump, _)| lump.position <= x);
         let one = |(lump, cohort): (&super::Lump, &Arc<dyn Cohort>)| {
             lump.weight * cohort.toll(x - lump.position).breaking[0]
         };
-        let met = |r: f64| self.fate.cohort(r).toll(x - r).breaking[0];
+        let met = |r: f64| watch.value(|| self.fate.cohort(r, watch).toll(x - r).breaking[0]);
         lumps.map(one).sum::<f64>() + self.starts.spread_below(x, met, &[])
     }
 

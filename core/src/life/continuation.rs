@@ -7,6 +7,7 @@ use super::cells::{BULK, Detail, edges, resolved, with_atoms};
 use super::layer::Layer;
 use crate::contacts::Contacts;
 use crate::law::{Break, Law, SharedLaw, Zone};
+use crate::monitor::Watch;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
@@ -49,7 +50,7 @@ const DEEPEST: f64 = 1e-250;
 
 impl Continuation {
     /// φ̂ for Re s ≤ `edge` < 0. Contacts are taken to have passed [`Contacts::check`].
-    pub(crate) fn new(contacts: &Contacts, edge: f64) -> Self {
+    pub(crate) fn new(contacts: &Contacts, edge: f64, watch: &Watch<'_>) -> Self {
         let (thresholds, detail) = (contacts.thresholds.as_ref(), Detail::low_tails(LOWEST));
         let placed = Layer::placed(contacts, contacts.reforming.as_ref(), true, detail);
         // Thresholds below the stretches count as well.
@@ -61,7 +62,7 @@ impl Continuation {
         let before = |z: Zone| Zone { low: -z.high, high: -z.low, ..z };
         let zones: Vec<_> = breaking.zones().into_iter().map(before).collect();
         let stops: Vec<_> = breaks.iter().map(|b| b.position).collect();
-        let fading = |v: f64| (edge * v).exp() * breaking.moments(-v)[0];
+        let fading = |v: f64| watch.value(|| (edge * v).exp() * breaking.moments(-v)[0]);
         let curve = Piecewise::resolve(fading, &edges(&zones, &stops, highest), highest, BULK.resolution);
         let before = Kernel::new(curve, breaks);
         let atoms = unbounded.all_breaks().into_iter().filter(Break::is_atom).collect();

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use super::cells::ROUNDING;
 use crate::law::Break;
+use crate::monitor::Watch;
 
 /// A kind of contacts, moved at a constant velocity.
 pub(crate) trait Fate: Debug + Send + Sync {
     /// The contacts formed at stretch r ≥ 0 whose newborn thresholds, drawn from P_c, are above r: the fraction S(r) of
-    /// all, so that what a [`Toll`] tells is not divided by S(r).
-    fn cohort(&self, start: f64) -> Arc<dyn Cohort>;
+    /// all, so that what a [`Toll`] tells is not divided by S(r). Where the monitor asks to stop, they are of no use.
+    fn cohort(&self, start: f64, watch: &Watch<'_>) -> Arc<dyn Cohort>;
 
     /// Estimated error of the fractions that tolls tell, of those asked for so far.
     fn error(&self) -> f64 {

@@ -35,6 +35,7 @@ pub(crate) use stock::{Sums, life_of, strikes, tidied};
 use num_complex::Complex64;
 
 use crate::law::{Atom, Break, SharedLaw};
+use crate::monitor::Watch;
 use crate::numerics::volterra::Kernel;
 
 /// The life of contacts that start together, as curves of the advance u, per contact started and per unit stiffness
@@ -152,13 +153,13 @@ impl Life {
     }
 
     /// Density at x of the stretches at which contacts break, point masses not counted.
-    pub(crate) fn met_density(&self, x: f64) -> f64 {
+    pub(crate) fn met_density(&self, x: f64, watch: &Watch<'_>) -> f64 {
         match &self.starts {
             Starts::Layers { layers, thresholds } => {
                 thresholds.density(x)
                     * layers.iter().map(|layer| layer.sum_below(x, |_| 1.0, &[])).sum::<f64>()
             }
-            Starts::Cohorts(cohorts) => cohorts.breaking(x),
+            Starts::Cohorts(cohorts) => cohorts.breaking(x, watch),
         }
     }
 
@@ -181,7 +182,7 @@ impl Life {
     }
 
     /// Density at stretch x of contacts that started u ago, per contact started; atoms not counted.
-    pub fn stretch_density(&self, x: f64, u: f64) -> f64 {
+    pub(crate) fn stretch_density(&self, x: f64, u: f64, watch: &Watch<'_>) -> f64 {
         let u = u - self.wait;
         if u < 0.0 {
             return 0.0;
@@ -191,7 +192,7 @@ impl Life {
                 let unbroken = |l: &Layer| l.density_at(x - u) * thresholds.survival(l.largest(x - u, u));
                 layers.iter().map(unbroken).sum()
             }
-            Starts::Cohorts(cohorts) => cohorts.density(x, u),
+            Starts::Cohorts(cohorts) => cohorts.density(x, u, watch),
         }
     }
 
@@ -216,11 +217,12 @@ impl Life {
 
     /// Density at stretch x of contacts that have been born at the rate `rate(advance)` per contact, the advance
     /// counted back from now; `cuts` are advances at which that rate is not smooth.
-    pub fn standing_density(
+    pub(crate) fn standing_density(
         &self,
         x: f64,
         rate: impl Fn(f64) -> f64,
         cuts: impl Iterator<Item = f64>,
+        watch: &Watch<'_>,
     ) -> f64 {
         let rate = |u: f64| rate(u + self.wait);
         let cuts: Vec<f64> = cuts.map(|u| x - (u - self.wait)).collect();
@@ -233,7 +235,7 @@ impl Life {
                 let standing = |layer: &Layer| layer.sum_below(x, |r| rate(x - r), &cuts);
                 survival * layers.iter().map(standing).sum::<f64>()
             }
-            Starts::Cohorts(cohorts) => cohorts.standing(x, rate, &cuts),
+            Starts::Cohorts(cohorts) => cohorts.standing(x, rate, &cuts, watch),
         }
     }
 

@@ -2,48 +2,53 @@
 
 use std::sync::Arc;
 
+use super::Life;
+use super::athermal::athermal_within;
 use super::caught::Diffusing;
 use super::cohorts::of_cohorts;
 use super::exposure::blur;
 use super::timed::Timed;
-use super::{Life, athermal};
 use crate::Result;
 use crate::contacts::{Ageing, Closure, Contacts, Maturing, Temperature};
 use crate::law::SharedLaw;
+use crate::monitor::{Monitor, Watch};
 
 /// The life, at the velocity v, of contacts that start at stretches drawn from `starts` at age 0, read as in
-/// [`athermal`]; with `delayed`, of contacts that have just broken and are free for the time τ before they start.
+/// [`super::athermal`]; with `delayed`, of contacts that have just broken and are free for the time τ before they start.
 ///
 /// Contacts and starts are taken to have passed [`Contacts::check`].
 ///
 /// # Errors
 /// Ageing that has no life at a velocity; temperature that breaks contacts whose newborn thresholds have edges and hardly
-/// diffuse.
+/// diffuse; stopped by the monitor.
 pub fn moving(
     contacts: &Contacts,
     starts: &SharedLaw,
     conditional: bool,
     velocity: f64,
     delayed: bool,
+    monitor: &mut dyn Monitor,
 ) -> Result<Life> {
+    let watch = Watch::new(monitor);
     let rules = &contacts.rules;
     let thermal = rules.temperature.is_some_and(|temperature| is_felt(&temperature, contacts, velocity));
     let life = match (&rules.ageing, Maturing::of(contacts)) {
         (Some(Ageing::Smoluchowski { .. }), Some(maturing)) => {
             let temperature = rules.temperature.filter(|_| thermal);
             let diffusing = Arc::new(Diffusing::new(contacts, maturing, temperature, velocity)?);
-            of_cohorts(contacts, diffusing, starts.as_ref(), conditional)
+            of_cohorts(contacts, diffusing, starts.as_ref(), conditional, &watch)?
         }
         (Some(Ageing::MeanField { .. }), Some(maturing)) => {
             let thresholds = Closure { maturing: &maturing, velocity }.law()?;
-            athermal(&Contacts { thresholds, ..contacts.clone() }, starts, conditional)
+            athermal_within(&Contacts { thresholds, ..contacts.clone() }, starts, conditional, &watch)
         }
-        (None, _) if !thermal => athermal(contacts, starts, conditional),
+        (None, _) if !thermal => athermal_within(contacts, starts, conditional, &watch),
         _ => {
             let timed = Arc::new(Timed::new(contacts, velocity, thermal)?);
-            of_cohorts(contacts, timed, starts.as_ref(), conditional)
+            of_cohorts(contacts, timed, starts.as_ref(), conditional, &watch)?
         }
     };
+    watch.check()?;
     Ok(if delayed { life.delayed(velocity * rules.delay) } else { life })
 }
 

@@ -5,8 +5,10 @@ use super::athermal::of_layers;
 use super::breaking::Breaking;
 use super::cells::{BULK, NEGLIGIBLE, RESOLUTION, scale, walls};
 use super::layer::{Layer, Lump, SAME};
+use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::Law;
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::breaks::same_position;
 use crate::numerics::piecewise::Piecewise;
 
@@ -15,8 +17,13 @@ use crate::numerics::piecewise::Piecewise;
 const FAINT: f64 = 1e-11;
 
 /// The life of the contacts of some layers; what breaks stays broken.
-pub(crate) fn life_of(contacts: &Contacts, layers: Vec<Layer>) -> Life {
-    of_layers(contacts, layers, None)
+///
+/// # Errors
+/// Stopped by the monitor.
+pub(crate) fn life_of(contacts: &Contacts, layers: Vec<Layer>, monitor: &mut dyn Monitor) -> Result<Life> {
+    let watch = Watch::new(monitor);
+    let life = of_layers(contacts, layers, None, &watch);
+    watch.check().map(|()| life)
 }
 
 /// What the contacts of some layers are together, per unit stiffness.

@@ -11,6 +11,7 @@ use super::record::Record;
 use crate::Result;
 use crate::contacts::{Aged, Barrier, Contacts, Stiffness, Strength};
 use crate::law::{Break, SharedLaw};
+use crate::monitor::Watch;
 use crate::numerics::legendre::NODES;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::brent_root;
@@ -131,7 +132,7 @@ fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
 }
 
 impl Fate for Timed {
-    fn cohort(&self, start: f64) -> Arc<dyn Cohort> {
+    fn cohort(&self, start: f64, _watch: &Watch<'_>) -> Arc<dyn Cohort> {
         let record = Record::new(&self.strength, self.velocity, start, self.highest);
         let (histories, asked) = (OnceLock::new(), AtomicBool::new(false));
         Arc::new(Formed { of: self.clone(), start, record, histories, asked })

@@ -41,7 +41,7 @@ impl Back {
     pub(super) fn solve(&mut self, held: bool, interface: &Interface) -> Result<()> {
         if self.course.is_none() {
             let layers = self.layers.to_vec();
-            let course = if held { interface.held(layers) } else { interface.renewed(layers)? };
+            let course = if held { interface.held(layers) } else { interface.renewed(layers, &mut ())? };
             // What breaks at the end of the straight part must lie within what is solved.
             let further = if 2.0 * self.length > course.end() {
                 course.extended(4.0 * self.length, interface.tolerance, &mut ())?

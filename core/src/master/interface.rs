@@ -6,6 +6,7 @@ use super::course::Course;
 use super::{MasterEquation, Tolerance};
 use crate::contacts::{Contacts, Start, Stiffness};
 use crate::life::{Layer, Life, Sums, life_of, tidied};
+use crate::monitor::Monitor;
 use crate::{Error, Result};
 
 /// A course is first solved for this many mean lives, then for twice as many, and so on.
@@ -42,37 +43,38 @@ impl Interface {
     }
 
     /// The course from X = 0, after what breaks there at once.
-    pub(super) fn first(&self, equation: &MasterEquation) -> Result<Course> {
+    pub(super) fn first(&self, equation: &MasterEquation, monitor: &mut dyn Monitor) -> Result<Course> {
         if equation.start == Start::Conditional || self.knows_time() {
-            return self.course(equation.first.clone());
+            return self.course(equation.first.clone(), monitor);
         }
         let mut layers = equation.first.layers().to_vec();
         let broken = 1.0 - Sums::of(&layers, &self.contacts).unbroken;
         layers.extend(self.reborn.layers().iter().map(|layer| layer.clone().scaled(broken)));
-        self.renewed(layers)
+        self.renewed(layers, monitor)
     }
 
     /// The course of contacts with this first life.
-    fn course(&self, first: Arc<Life>) -> Result<Course> {
-        Course::renewed(first, &self.reborn, FIRST * self.reborn.mean(), self.tolerance, &mut ())
+    fn course(&self, first: Arc<Life>, monitor: &mut dyn Monitor) -> Result<Course> {
+        Course::renewed(first, &self.reborn, FIRST * self.reborn.mean(), self.tolerance, monitor)
     }
 
     /// The course of contacts in these layers, whose breaking ones re-form.
     ///
     /// All of them should be there; what the tolerance of earlier courses leaves is made up for, lest it add up.
-    pub(super) fn renewed(&self, layers: Vec<Layer>) -> Result<Course> {
+    pub(super) fn renewed(&self, layers: Vec<Layer>, monitor: &mut dyn Monitor) -> Result<Course> {
         let layers = tidied(layers, self.contacts.thresholds.as_ref());
         let there = Sums::of(&layers, &self.contacts).unbroken;
         let what = || "the probability of all stretches where the slider turned".to_owned();
         self.tolerance.times(SLACK).allows((there - 1.0).abs(), what)?;
         let layers = layers.into_iter().map(|layer| layer.scaled(1.0 / there)).collect();
-        self.course(Arc::new(life_of(&self.contacts, layers)))
+        self.course(Arc::new(life_of(&self.contacts, layers, monitor)?), monitor)
     }
 
     /// The course of contacts in these layers, whose breaking ones stay free.
     pub(super) fn held(&self, layers: Vec<Layer>) -> Course {
         let layers = tidied(layers, self.contacts.thresholds.as_ref());
-        Course::held(Arc::new(life_of(&self.contacts, layers)))
+        let life = life_of(&self.contacts, layers, &mut ()).expect("nobody asks to stop");
+        Course::held(Arc::new(life))
     }
 
     /// The course of contacts that have all just re-formed.
@@ -80,7 +82,7 @@ impl Interface {
         if let Some(course) = self.fresh.get() {
             return Ok(course.clone());
         }
-        let course = Arc::new(self.course(self.reborn.clone())?);
+        let course = Arc::new(self.course(self.reborn.clone(), &mut ())?);
         Ok(self.fresh.get_or_init(|| course).clone())
     }
 

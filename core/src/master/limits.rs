@@ -4,6 +4,7 @@ use super::{MasterEquation, SteadyState};
 use crate::Result;
 use crate::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiffness, Temperature};
 use crate::law::{Law, Point, SharedLaw};
+use crate::monitor::Monitor;
 use crate::numerics::legendre::RULE;
 use crate::numerics::roots::brent_root;
 
@@ -28,9 +29,10 @@ impl Limits {
     ///
     /// # Errors
     /// Those of [`MasterEquation::new`] for the same contacts without rules.
-    pub fn of(contacts: &Contacts) -> Result<Self> {
+    pub fn of(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Self> {
         let free = contacts.rules.delay > 0.0;
-        let athermal = |thresholds: &SharedLaw| athermal(contacts, thresholds).map(|s| s.kinetic_friction());
+        let mut athermal =
+            |thresholds: &SharedLaw| athermal(contacts, thresholds, monitor).map(|s| s.kinetic_friction());
         let newborn = athermal(&contacts.thresholds)?;
         let slow = match (&contacts.rules.temperature, &contacts.rules.ageing) {
             (Some(_), _) | (None, Some(Ageing::Smoluchowski { .. } | Ageing::Logarithmic { .. })) => None,
@@ -44,10 +46,10 @@ impl Limits {
 }
 
 /// Steady sliding of the same contacts with these thresholds, without rules.
-fn athermal(contacts: &Contacts, thresholds: &SharedLaw) -> Result<SteadyState> {
+fn athermal(contacts: &Contacts, thresholds: &SharedLaw, monitor: &mut dyn Monitor) -> Result<SteadyState> {
     let bare = Contacts { thresholds: thresholds.clone(), rules: Rules::default(), ..contacts.clone() };
     let rest = Initial { law: std::sync::Arc::new(Point::new(0.0)?), start: Start::Conditional };
-    Ok(MasterEquation::new(bare, &rest)?.steady_state())
+    Ok(MasterEquation::new(bare, &rest, monitor)?.steady_state())
 }
 
 /// The temperature of contacts for whose slow flow there is a closed form: they do not age and re-form unstretched.

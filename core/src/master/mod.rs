@@ -31,7 +31,7 @@ use crate::clocked::Portion;
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
 use crate::law::{Atom, SharedLaw};
 use crate::life::{Life, athermal, cells_of, moving};
-use crate::monitor::{Monitor, fits};
+use crate::monitor::{Monitor, Watch, fits};
 use crate::{Error, Result};
 use leg::Leg;
 
@@ -65,6 +65,19 @@ pub struct Stretches {
 }
 
 impl Stretches {
+    /// Those of a density that may take long at each stretch.
+    fn evaluated(
+        stretches: &[f64],
+        density: impl Fn(f64, &Watch<'_>) -> f64,
+        atoms: Vec<Atom>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
+        let watch = Watch::new(monitor);
+        let density = stretches.iter().map(|&x| watch.value(|| density(x, &watch))).collect();
+        watch.check()?;
+        Ok(Self { density, atoms })
+    }
+
     /// Those of contacts that are known portion by portion: on stretches asked for, and where portions are at one.
     pub fn of(portions: &[Portion], stretches: &[f64]) -> Self {
         let (points, cells): (Vec<_>, Vec<_>) = portions.iter().partition(|portion| portion.is_point());
@@ -83,8 +96,8 @@ impl MasterEquation {
     /// The master equation of contacts that start from `initial`.
     ///
     /// # Errors
-    /// Those of [`Contacts::check`]; contacts that know time.
-    pub fn new(contacts: Contacts, initial: &Initial) -> Result<Self> {
+    /// Those of [`Contacts::check`]; contacts that know time; stopped by the monitor.
+    pub fn new(contacts: Contacts, initial: &Initial, monitor: &mut dyn Monitor) -> Result<Self> {
         contacts.check(initial)?;
         if let Some(rule) = contacts.rules.first() {
             let expected = format!("a velocity above 0, since contacts.{rule} knows time");
@@ -92,8 +105,8 @@ impl MasterEquation {
         }
         affordable(&contacts, "contacts.reforming", &contacts.reforming)?;
         affordable(&contacts, "initial", &initial.law)?;
-        let reborn = athermal(&contacts, &contacts.reforming, true);
-        let first = athermal(&contacts, &initial.law, initial.start == Start::Conditional);
+        let reborn = athermal(&contacts, &contacts.reforming, true, monitor)?;
+        let first = athermal(&contacts, &initial.law, initial.start == Start::Conditional, monitor)?;
         Ok(Self { contacts, start: initial.start, first: Arc::new(first), reborn: Arc::new(reborn) })
     }
 
@@ -104,21 +117,27 @@ impl MasterEquation {
     /// contacts are stretched is told by [`Transport::books`] alone.
     ///
     /// # Errors
-    /// A velocity that is not a finite number above 0; those of [`Contacts::check`]; ageing for which no life is known.
-    pub fn at(contacts: Contacts, initial: &Initial, velocity: f64) -> Result<Self> {
+    /// A velocity that is not a finite number above 0; those of [`Contacts::check`]; ageing for which no life is known;
+    /// stopped by the monitor.
+    pub fn at(
+        contacts: Contacts,
+        initial: &Initial,
+        velocity: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         if !(velocity.is_finite() && velocity > 0.0) {
             return Err(Error::invalid("velocity", "a finite number above 0", velocity));
         }
         if !contacts.rules.know_time() {
-            return Self::new(contacts, initial);
+            return Self::new(contacts, initial, monitor);
         }
         contacts.check(initial)?;
-        let reborn = Arc::new(moving(&contacts, &contacts.reforming, true, velocity, true)?);
+        let reborn = Arc::new(moving(&contacts, &contacts.reforming, true, velocity, true, monitor)?);
         let conditional = initial.start == Start::Conditional;
         let first = if conditional && contacts.rules.delay == 0.0 && same(&initial.law, &contacts.reforming) {
             reborn.clone()
         } else {
-            Arc::new(moving(&contacts, &initial.law, conditional, velocity, false)?)
+            Arc::new(moving(&contacts, &initial.law, conditional, velocity, false, monitor)?)
         };
         Ok(Self { contacts, start: initial.start, first, reborn })
     }
@@ -166,8 +185,11 @@ impl MasterEquation {
     }
 
     /// The relaxation spectrum; of `ageing.mean_field`, which closes steady sliding alone, it is not known.
-    pub fn relaxation(&self) -> Relaxation {
-        Relaxation::new(&self.contacts, &self.first, &self.reborn, self.stiffness())
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn relaxation(&self, monitor: &mut dyn Monitor) -> Result<Relaxation> {
+        Relaxation::new(&self.contacts, &self.first, &self.reborn, self.stiffness(), monitor)
     }
 
     /// Pulls the slider's bottom from X = 0 to `distance` (a length), F/(N_c⟨k⟩) to about `tolerance` × the mean

@@ -4,8 +4,10 @@ use std::sync::OnceLock;
 
 use super::leg::Leg;
 use super::{Extremum, Stretches};
+use crate::Result;
 use crate::law::Atom;
 use crate::life::Life;
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::breaks::same_position;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::{brent_minimum, brent_root};
@@ -83,21 +85,30 @@ impl Pull {
     }
 
     /// Q(x; X) at the given stretches, and its point masses.
-    pub fn stretch_density(&self, position: f64, stretches: &[f64]) -> Stretches {
-        let density = stretches.iter().map(|&x| self.density_at(position, x)).collect();
-        Stretches { density, atoms: self.stretch_atoms(position) }
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn stretch_density(
+        &self,
+        position: f64,
+        stretches: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Stretches> {
+        let at = |x: f64, watch: &Watch<'_>| self.density_at(position, x, watch);
+        Stretches::evaluated(stretches, at, self.stretch_atoms(position), monitor)
     }
 
-    fn density_at(&self, position: f64, x: f64) -> f64 {
+    fn density_at(&self, position: f64, x: f64, watch: &Watch<'_>) -> f64 {
         let past = self.struck_by(position);
-        let single: f64 =
-            past.iter().map(|a| a.weight * self.leg.reborn.stretch_density(x, position - a.position)).sum();
+        let (first, reborn) = (&self.leg.first, &self.leg.reborn);
+        let since = |born: &Atom| reborn.stretch_density(x, position - born.position, watch);
+        let single: f64 = past.iter().map(|born| born.weight * since(born)).sum();
         let rate = |u: f64| if u > position { 0.0 } else { self.breaking_rate(position - u) };
         let edges = &self.leg.solution.density.boundaries;
         let recent = edges.partition_point(|&b| b < position - x);
         let cuts = edges[recent..].iter().take_while(|&&b| b < position).map(|b| position - b);
         let cuts = cuts.chain(std::iter::once(position));
-        self.leg.first.stretch_density(x, position) + single + self.leg.reborn.standing_density(x, rate, cuts)
+        first.stretch_density(x, position, watch) + single + reborn.standing_density(x, rate, cuts, watch)
     }
 
     /// Atoms of Γ at or before `position` from which something may still be unbroken there.

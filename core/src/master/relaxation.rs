@@ -4,8 +4,10 @@ use std::f64::consts::FRAC_PI_4;
 
 use num_complex::Complex64;
 
+use crate::Result;
 use crate::contacts::{Ageing, Contacts};
 use crate::life::{Continuation, Life};
+use crate::monitor::{Monitor, Watch};
 
 /// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1 and
 /// c_j = φ̂₀(s_j) m̂(s_j)/(−φ̂'(s_j)).
@@ -58,12 +60,19 @@ fn paper_estimate(contacts: &Contacts, reborn: &Life) -> f64 {
 }
 
 impl Relaxation {
-    pub(super) fn new(contacts: &Contacts, first: &Life, reborn: &Life, stiffness: f64) -> Self {
+    pub(super) fn new(
+        contacts: &Contacts,
+        first: &Life,
+        reborn: &Life,
+        stiffness: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         let kinetic_friction = stiffness * reborn.force().curve().integral() / reborn.mean();
         if matches!(contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
-            return Self::unknown(kinetic_friction);
+            return Ok(Self::unknown(kinetic_friction));
         }
-        let transform = Transform::new(contacts, reborn);
+        let watch = Watch::new(monitor);
+        let transform = Transform::new(contacts, reborn, &watch);
         let roots = transform.roots();
         let law = &contacts.thresholds;
         let rate = if contacts.rules.know_time() { f64::INFINITY } else { law.decay_rate() };
@@ -76,14 +85,15 @@ impl Relaxation {
         };
         let terms = transform.terms(&roots, first);
         let valid_from = valid_from(&terms, &roots, rate.min(law.known_rate()), first, reborn);
-        Self {
+        watch.check()?;
+        Ok(Self {
             roots,
             terms: terms.into_iter().map(|t| Term { amplitude: stiffness * t.amplitude, ..t }).collect(),
             length: 1.0 / slowest,
             paper_estimate: paper_estimate(contacts, reborn),
             kinetic_friction,
             valid_from,
-        }
+        })
     }
 
     /// Of a closure that knows steady sliding alone.
@@ -139,7 +149,7 @@ fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, rebo
 }
 
 /// φ̂ and what follows from it.
-struct Transform<'a> {
+struct Transform<'a, 'm> {
     reborn: &'a Life,
     mean: f64,
     /// φ̂ to the left of what the life gives; none for contacts at a velocity.
@@ -153,17 +163,18 @@ struct Transform<'a> {
     known: f64,
     /// Re s down to which there is a transform.
     leftmost: f64,
+    watch: &'a Watch<'m>,
 }
 
-impl<'a> Transform<'a> {
-    fn new(contacts: &'a Contacts, reborn: &'a Life) -> Self {
+impl<'a, 'm> Transform<'a, 'm> {
+    fn new(contacts: &'a Contacts, reborn: &'a Life, watch: &'a Watch<'m>) -> Self {
         let law = &contacts.thresholds;
         let apart = 1.0 - law.survival(contacts.reforming.upper_quantile(1e-18)) < 1e-15;
         let timed = contacts.rules.know_time();
         let continued = law.decay_rate() == 0.0 && !timed;
         // Of 1e-18 left out, e^8 times more is still 1e-14.
         let known = -8.0 / reborn.breaking().curve().end();
-        let continuation = (!timed).then(|| Continuation::new(contacts, known));
+        let continuation = (!timed).then(|| Continuation::new(contacts, known, watch));
         Self {
             reborn,
             mean: reborn.mean(),
@@ -172,6 +183,7 @@ impl<'a> Transform<'a> {
             everywhere: apart && law.laplace_is_closed() && !timed,
             continued,
             known,
+            watch,
         }
     }
 
@@ -182,7 +194,9 @@ impl<'a> Transform<'a> {
 
     /// φ̂(s).
     fn breaking(&self, s: Complex64) -> Complex64 {
-        self.laws(s).map_or_else(|| self.reborn.breaking().transform(s).0, |laws| laws.transform(s))
+        self.watch.value(|| {
+            self.laws(s).map_or_else(|| self.reborn.breaking().transform(s).0, |laws| laws.transform(s))
+        })
     }
 
     /// φ̂'(s); of the continuation by Cauchy's formula on eight points around s, exact to the eighth order.

@@ -4,7 +4,9 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::Stretches;
+use crate::Result;
 use crate::life::Life;
+use crate::monitor::{Monitor, Watch};
 
 /// Steady sliding: Q_s(x) = Γ_s S(x) ∫₀ˣ R/S, 1/Γ_s = ∫dr (R/S) ∫_r^∞ S, F_k = N_c⟨k⟩ ∫x Q_s dx.
 ///
@@ -59,14 +61,21 @@ impl SteadyState {
     /// The law of the stretches at which contacts break, at given stretches: P_c where contacts know no time and re-form below
     /// all thresholds. With time it is that of the thresholds that they meet, or come near to, at this velocity. Point masses
     /// are those of contacts that re-form at one stretch.
-    pub fn thresholds_met(&self, stretches: &[f64]) -> Stretches {
-        let density = stretches.iter().map(|&x| self.life.met_density(x)).collect();
-        Stretches { density, atoms: self.life.met_atoms() }
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn thresholds_met(&self, stretches: &[f64], monitor: &mut dyn Monitor) -> Result<Stretches> {
+        let atoms = self.life.met_atoms();
+        Stretches::evaluated(stretches, |x, watch| self.life.met_density(x, watch), atoms, monitor)
     }
 
     /// Q_s at the given stretches; it has no point masses.
-    pub fn stretch_density(&self, stretches: &[f64]) -> Stretches {
-        let at = |&x: &f64| self.life.standing_density(x, |_| 1.0 / self.mean, std::iter::empty());
-        Stretches { density: stretches.iter().map(at).collect(), atoms: Vec::new() }
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn stretch_density(&self, stretches: &[f64], monitor: &mut dyn Monitor) -> Result<Stretches> {
+        let rate = |_| 1.0 / self.mean;
+        let at = |x: f64, watch: &Watch<'_>| self.life.standing_density(x, rate, std::iter::empty(), watch);
+        Stretches::evaluated(stretches, at, Vec::new(), monitor)
     }
 }

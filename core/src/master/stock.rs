@@ -47,13 +47,14 @@ impl MasterEquation {
     /// What breaks at once in a relaxed start has broken before. Contacts at a velocity can be moved forward, and reset.
     ///
     /// # Errors
-    /// A tolerance outside [1e-12, 1e-2]; `ageing.mean_field`; too many point masses; accuracy not reached.
-    pub fn population(&self, tolerance: impl Into<Tolerance>) -> Result<Stock> {
+    /// A tolerance outside [1e-12, 1e-2]; `ageing.mean_field`; too many point masses; accuracy not reached;
+    /// stopped by the monitor.
+    pub fn population(&self, tolerance: impl Into<Tolerance>, monitor: &mut dyn Monitor) -> Result<Stock> {
         let tolerance = tolerance.into();
         tolerance.check()?;
         self.has_transients()?;
         let interface = Interface::of(self, tolerance);
-        let course = interface.first(self)?;
+        let course = interface.first(self, monitor)?;
         Ok(Stock {
             interface: Arc::new(interface),
             course: Arc::new(course),
@@ -366,7 +367,7 @@ impl Population for Stock {
             if self.moved == self.direction { layer } else { layer.mirrored() }
         });
         layers.extend(newborn);
-        let course = self.interface.renewed(layers)?;
+        let course = self.interface.renewed(layers, &mut ())?;
         self.settle();
         self.lost -= std::mem::take(&mut self.free) * self.interface.newborn_energy();
         self.begin(Arc::new(course), self.direction);

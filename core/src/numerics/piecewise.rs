@@ -311,7 +311,9 @@ fn bisect<const K: usize>(
     // Rounding in f halves with the width, at best; anything that converges gains far more.
     let noise = missing > 0.4 * before && resolution.may_be_rounding(missing, depth);
     let narrowest = half <= 16.0 * f64::EPSILON * b;
-    if missing <= resolution.most() || noise || narrowest || depth > MOST_BISECTIONS {
+    // What is no number is none on any part either.
+    let unknown = missing.is_nan();
+    if missing <= resolution.most() || noise || narrowest || unknown || depth > MOST_BISECTIONS {
         *integral = up_to_here;
         for (k, piecewise) in out.iter_mut().enumerate() {
             piecewise.boundaries.push(b);

@@ -57,5 +57,5 @@ pub fn initial(law: &SharedLaw) -> Initial {
 }
 
 pub fn master(thresholds: &SharedLaw, reforming: &SharedLaw, start: &SharedLaw) -> MasterEquation {
-    MasterEquation::new(contacts(thresholds, reforming), &initial(start)).unwrap()
+    MasterEquation::new(contacts(thresholds, reforming), &initial(start), &mut ()).unwrap()
 }

@@ -84,7 +84,7 @@ impl Kind {
     /// Follows transport to a tolerance, and `size` contacts one by one, both from rest.
     pub fn follow(&self, way: &History, tolerance: f64, size: usize) -> Followed {
         let initial = Initial { law: relaxed(), start: Start::Conditional };
-        let transport = Transport::new(self.contacts.clone(), &initial, tolerance);
+        let transport = Transport::new(self.contacts.clone(), &initial, tolerance, &mut ());
         let ensemble = Ensemble::new(self.contacts.clone(), initial, size, 1, Disorder::Annealed);
         let times = looks(way);
         let trace = transport.and_then(|mut transport| transport.follow(way, &times, &mut ()));

@@ -1,7 +1,9 @@
 //! Distributions of stretches and thresholds, from the master equation.
 
+use asperity::Result;
 use asperity::contacts::Contacts;
 use asperity::master::{Pull, SteadyState, Stretches};
+use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::scenario;
 
@@ -14,15 +16,24 @@ const NONE: f64 = 1e-12;
 const STRETCH: (&str, &str) = ("stretch", "stretch at which contacts are together");
 
 /// Q(x; X) at the snapshots.
-pub fn evolving(task: &scenario::Pull, pull: &Pull, grid: &Grid, record: &mut Record) {
+///
+/// # Errors
+/// The monitor's wish to stop.
+pub fn evolving(
+    task: &scenario::Pull,
+    pull: &Pull,
+    grid: &Grid,
+    record: &mut Record,
+    monitor: &mut dyn Monitor,
+) -> Result<()> {
     record.push("stretch", "stretch x", Quantity::Length, &["stretch"], grid.stretches.clone());
     let snapshots = &task.snapshots;
     if snapshots.is_empty() {
-        return;
+        return Ok(());
     }
     let (mut density, mut masses) = (Vec::new(), Vec::new());
     for &position in snapshots {
-        let stretches = pull.stretch_density(position, &grid.stretches);
+        let stretches = pull.stretch_density(position, &grid.stretches, monitor)?;
         density.extend(stretches.density);
         masses.extend(stretches.atoms.iter().map(|atom| ([position, atom.position], atom.weight)));
     }
@@ -30,14 +41,24 @@ pub fn evolving(task: &scenario::Pull, pull: &Pull, grid: &Grid, record: &mut Re
     let words = "density Q(x; X) of stretches";
     record.push("stretch_density", words, Quantity::PerLength, &["snapshot", "stretch"], density);
     atoms(record, "stretch_atom", [("position", "position X of the snapshot"), STRETCH], masses.into_iter());
+    Ok(())
 }
 
 /// Q_s with P_c and P; of contacts that know time, with the thresholds that they meet, and P from these.
-pub fn steady(contacts: &Contacts, steady: &SteadyState, grid: &Grid, record: &mut Record) {
-    let stretches = steady.stretch_density(&grid.stretches);
+///
+/// # Errors
+/// The monitor's wish to stop.
+pub fn steady(
+    contacts: &Contacts,
+    steady: &SteadyState,
+    grid: &Grid,
+    record: &mut Record,
+    monitor: &mut dyn Monitor,
+) -> Result<()> {
+    let stretches = steady.stretch_density(&grid.stretches, monitor)?;
     let law = contacts.thresholds.as_ref();
     let (words, thresholds, hazard) = if contacts.rules.know_time() {
-        let met = steady.thresholds_met(&grid.stretches);
+        let met = steady.thresholds_met(&grid.stretches, monitor)?;
         // Where no contact is seen to hold, both are rounding.
         let rate = |(met, &held): (&f64, &f64)| {
             if held > NONE * steady.breaking_rate() {
@@ -60,4 +81,5 @@ pub fn steady(contacts: &Contacts, steady: &SteadyState, grid: &Grid, record: &m
     atoms(record, "steady_atom", [STRETCH], stretches.atoms.iter().map(placed));
     let threshold = ("stretch", "threshold that contacts share");
     atoms(record, "threshold_atom", [threshold], thresholds.atoms.iter().map(placed));
+    Ok(())
 }

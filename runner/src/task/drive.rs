@@ -41,13 +41,13 @@ pub fn run(
     let build = |ensemble: &scenario::Ensemble| ensemble.build(contacts.clone(), initial.clone());
     let ensemble = scenario.ensemble.as_ref().map(build).transpose()?;
     ensemble.as_ref().map_or(Ok(()), |ensemble| ensemble.population_fits(monitor.memory()))?;
-    let equation = MasterEquation::new(contacts.clone(), initial)?;
+    let equation = MasterEquation::new(contacts.clone(), initial, &mut Part::new(monitor, 0.0, 0.0))?;
     let tolerance = scenario.master_equation.tolerance();
     let loading = first_loading(contacts);
     let reach = task.turns().iter().fold(loading, |far, turn| far.max(*turn));
     let shares = if scenario.ensemble.is_some() { [0.05, 0.25] } else { [0.1, 0.9] };
     let pull = equation.pull(reach, tolerance, &mut Part::new(monitor, 0.0, shares[0]))?;
-    let mut population = equation.population(tolerance)?;
+    let mut population = equation.population(tolerance, &mut Part::new(monitor, shares[0], 0.0))?;
     let (block, way) = (scenario.block.as_ref(), task.build());
     let mut record = Record::default();
     let fresh = population.copy();
@@ -69,7 +69,8 @@ pub fn run(
         adopt(sliding::sizes(&run, ensemble.size()), "", &mut record);
         sliding.ensemble = Some(Box::new(Sliding::new(&run)));
     }
-    let summary = setting.summary(&equation.steady_state(), &equation.relaxation(), &pull);
+    let relaxation = equation.relaxation(&mut Part::new(monitor, 1.0, 0.0))?;
+    let summary = setting.summary(&equation.steady_state(), &relaxation, &pull);
     Ok((Summary { sliding: Some(sliding), ..summary }, record))
 }
 
@@ -83,7 +84,8 @@ fn at_a_velocity(
     let Setting { scenario, contacts, initial } = setting;
     in_time::fits(protocol, setting)?;
     let velocity = protocol.0[0].velocities().0;
-    let equation = MasterEquation::at(contacts.clone(), initial, velocity)?;
+    let equation =
+        MasterEquation::at(contacts.clone(), initial, velocity, &mut Part::new(monitor, 0.0, 0.0))?;
     let tolerance = scenario.master_equation.tolerance();
     let part = &mut Part::new(monitor, 0.0, PULL);
     let pull = equation.pull(first_loading(contacts), tolerance, part)?;
@@ -93,7 +95,8 @@ fn at_a_velocity(
             .map(|(sliding, record)| (Some(sliding), record))?,
         None => (None, in_time::rigid(setting, protocol, part)?.1),
     };
-    let summary = setting.summary(&equation.steady_state(), &equation.relaxation(), &pull);
+    let relaxation = equation.relaxation(&mut Part::new(monitor, 1.0, 0.0))?;
+    let summary = setting.summary(&equation.steady_state(), &relaxation, &pull);
     Ok((Summary { sliding, ..summary }, record))
 }
 

@@ -29,13 +29,14 @@ pub fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let Setting { scenario, contacts, initial } = setting;
-    let steady = Steady::at(contacts, initial, task.velocity)?;
+    let aside = &mut Part::new(monitor, 0.0, 0.0);
+    let steady = Steady::at(contacts, initial, task.velocity, aside)?;
     let mature =
         contacts.rules.ageing.as_ref().and_then(|ageing| ageing.mature()).map_or(0.0, |law| law.mean());
     let reach = REACH * contacts.thresholds.mean().max(mature).max(steady.life);
     let holds = task.holds();
     let tolerance = scenario.master_equation.tolerance_in_time(&contacts.rules);
-    let mut held = Transport::steady(contacts, task.velocity, tolerance)?;
+    let mut held = Transport::steady(contacts, task.velocity, tolerance, aside)?;
     let slide = moving(task.velocity, steady.way);
     let mut columns = Columns::default();
     let mut before = 0.0;

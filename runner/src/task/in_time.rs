@@ -46,7 +46,8 @@ pub fn rigid(
     let (history, times) = (protocol.build()?, protocol.times());
     let master = if scenario.ensemble.is_some() { MASTER } else { 1.0 };
     let tolerance = scenario.master_equation.tolerance_in_time(&contacts.rules);
-    let mut transport = Transport::new(contacts.clone(), initial, tolerance)?;
+    let aside = &mut Part::new(monitor, 0.0, 0.0);
+    let mut transport = Transport::new(contacts.clone(), initial, tolerance, aside)?;
     let trace = transport.follow(&history, &times, &mut Part::new(monitor, 0.0, master))?;
     trace.check(transport.unit(), scenario.master_equation.tolerance)?;
     let mut record = traced(&trace, contacts.rules.delay > 0.0);
@@ -97,7 +98,8 @@ pub fn behind(
     let tolerance = scenario.master_equation.tolerance_of_a_block();
     let mean = contacts.thresholds.mean();
     let master = if scenario.ensemble.is_some() { MASTER } else { 1.0 };
-    let transport = Transport::new(contacts.clone(), initial, tolerance)?;
+    let aside = &mut Part::new(monitor, 0.0, 0.0);
+    let transport = Transport::new(contacts.clone(), initial, tolerance, aside)?;
     let part = &mut Part::new(monitor, 0.0, master);
     let run = block.in_time(false)?.follow(&transport, &history, &times, tolerance * mean, part)?;
     let mut record = Record::default();

@@ -8,6 +8,7 @@ use asperity::record::Record;
 use asperity::scenario::{self, Scenario};
 
 use super::hold_curve::peak;
+use super::part::Part;
 use super::{Setting, compare, in_time};
 use crate::summary::{Comparison, RateState, Step, Summary};
 
@@ -29,7 +30,7 @@ pub fn run(
         return Ok((Summary { sliding: Some(sliding), ..setting.heading() }, record));
     }
     let (trace, mut record) = in_time::rigid(setting, task, monitor)?;
-    let steps = told(setting, task, &trace)?;
+    let steps = told(setting, task, &trace, &mut Part::new(monitor, 1.0, 0.0))?;
     let compare = compared(setting.scenario, &trace, &mut record);
     Ok((Summary { force_error: Some(trace.error), steps, compare, ..setting.heading() }, record))
 }
@@ -46,7 +47,12 @@ fn compared(scenario: &Scenario, trace: &Trace, record: &mut Record) -> Option<C
 }
 
 /// What is quoted of each step.
-fn told(setting: &Setting<'_>, task: &scenario::Protocol, trace: &Trace) -> Result<Vec<Step>> {
+fn told(
+    setting: &Setting<'_>,
+    task: &scenario::Protocol,
+    trace: &Trace,
+    monitor: &mut dyn Monitor,
+) -> Result<Vec<Step>> {
     let mut frictions = Vec::new();
     let mut first = 0;
     let mut steps = Vec::new();
@@ -63,7 +69,7 @@ fn told(setting: &Setting<'_>, task: &scenario::Protocol, trace: &Trace) -> Resu
             force: trace.force[last],
             peak: peak(position, force),
             kinetic_friction: match step.velocity_to {
-                None if velocity > 0.0 => steady(setting, velocity, &mut frictions)?,
+                None if velocity > 0.0 => steady(setting, velocity, &mut frictions, monitor)?,
                 _ => None,
             },
             rate_state: before
@@ -76,14 +82,19 @@ fn told(setting: &Setting<'_>, task: &scenario::Protocol, trace: &Trace) -> Resu
 }
 
 /// F_k at a velocity, remembered; `None` when there are too many of them.
-fn steady(setting: &Setting<'_>, velocity: f64, known: &mut Vec<(f64, f64)>) -> Result<Option<f64>> {
+fn steady(
+    setting: &Setting<'_>,
+    velocity: f64,
+    known: &mut Vec<(f64, f64)>,
+    monitor: &mut dyn Monitor,
+) -> Result<Option<f64>> {
     if let Some(&(_, friction)) = known.iter().find(|(v, _)| *v == velocity) {
         return Ok(Some(friction));
     }
     if known.len() == SPEEDS {
         return Ok(None);
     }
-    let equation = MasterEquation::at(setting.contacts.clone(), &setting.initial, velocity)?;
+    let equation = MasterEquation::at(setting.contacts.clone(), &setting.initial, velocity, monitor)?;
     let friction = equation.steady_state().kinetic_friction();
     known.push((velocity, friction));
     Ok(Some(friction))

@@ -27,9 +27,10 @@ pub fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let Setting { scenario, contacts, initial, .. } = setting;
+    let aside = &mut Part::new(monitor, 0.0, 0.0);
     let equation = match task.velocity {
-        Some(velocity) => MasterEquation::at(contacts.clone(), initial, velocity)?,
-        None => MasterEquation::new(contacts.clone(), initial)?,
+        Some(velocity) => MasterEquation::at(contacts.clone(), initial, velocity, aside)?,
+        None => MasterEquation::new(contacts.clone(), initial, aside)?,
     };
     let grid = Grid::new(&equation, initial, &task.snapshots);
     fits(scenario, task, &grid)?;
@@ -40,9 +41,10 @@ pub fn run(
     let part = &mut Part::new(monitor, 0.6 * master, 0.4 * master);
     along_the_pull(&pull, task.positions(), sample(scenario), &mut record, part)?;
     let compare = compare(scenario, pull.distance(), |x| pull.force(x), &mut record);
-    distribution::evolving(task, &pull, &grid, &mut record);
-    let (steady, relaxation) = (equation.steady_state(), equation.relaxation());
-    distribution::steady(contacts, &steady, &grid, &mut record);
+    let aside = &mut Part::new(monitor, master, 0.0);
+    distribution::evolving(task, &pull, &grid, &mut record, aside)?;
+    let (steady, relaxation) = (equation.steady_state(), equation.relaxation(aside)?);
+    distribution::steady(contacts, &steady, &grid, &mut record, aside)?;
     if let Some(ensemble) = &scenario.ensemble {
         let model = ensemble.build(contacts.clone(), initial.clone())?;
         let pulled = chance::Pulled {

@@ -3,6 +3,7 @@
 use asperity::Result;
 use asperity::contacts::{Contacts, Initial};
 use asperity::master::MasterEquation;
+use asperity::monitor::Monitor;
 
 /// Lengths of dephasing after which a start is forgotten: e^{−12} is 6e-6 of what it was.
 const FORGOTTEN: f64 = 12.0;
@@ -26,8 +27,13 @@ impl Steady {
     ///
     /// # Errors
     /// Those of [`MasterEquation::at`].
-    pub fn at(contacts: &Contacts, initial: &Initial, velocity: f64) -> Result<Self> {
-        let equation = MasterEquation::at(contacts.clone(), initial, velocity)?;
+    pub fn at(
+        contacts: &Contacts,
+        initial: &Initial,
+        velocity: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
+        let equation = MasterEquation::at(contacts.clone(), initial, velocity, monitor)?;
         let steady = equation.steady_state();
         let life = steady.mean_life();
         let way = (FORGOTTEN * steady.dephasing_length()).max(FOUND * steady.life_found()).min(MOST * life);

@@ -32,16 +32,18 @@ pub fn run(
     let mut critical = Critical::default();
     let points = (curves.len() * velocities.len()) as f64;
     for (temperature, contacts) in &curves {
-        let limit = Limits::of(contacts)?;
+        let limit = Limits::of(contacts, &mut Part::new(monitor, friction.len() as f64 / points, 0.0))?;
         limits.push(CurveLimits::new(*temperature, &limit));
         for &velocity in &velocities {
-            let steady = Steady::at(contacts, &setting.initial, velocity)?;
+            let aside = &mut Part::new(monitor, friction.len() as f64 / points, 0.0);
+            let steady = Steady::at(contacts, &setting.initial, velocity, aside)?;
             friction.push(steady.friction);
             slow.push(contacts, velocity, limit.viscosity);
             if let Some(ensemble) = &setting.scenario.ensemble {
-                part::report(monitor, (friction.len() as f64 - 1.0 + MASTER) / points)?;
+                let done = (friction.len() as f64 - 1.0 + MASTER) / points;
+                let part = &mut Part::new(monitor, done, 0.0);
                 let first = (force.len() * ensemble.size()) as u64;
-                let slid = slide(setting, contacts, (ensemble, first), velocity, steady.way)?;
+                let slid = slide(setting, contacts, (ensemble, first), velocity, steady.way, part)?;
                 force.push(slid.0);
                 error.push(slid.1);
             }
@@ -125,7 +127,8 @@ impl Critical {
             self.sliding.push(sliding);
             return Ok(());
         }
-        let equation = MasterEquation::at(contacts.clone(), &setting.initial, velocity)?;
+        let aside = &mut Part::new(monitor, 0.0, 0.0);
+        let equation = MasterEquation::at(contacts.clone(), &setting.initial, velocity, aside)?;
         let tolerance = setting.scenario.master_equation.tolerance();
         let pull =
             equation.pull(super::first_loading(contacts), tolerance, &mut Part::new(monitor, 0.0, 0.1))?;
@@ -172,9 +175,10 @@ fn slide(
     (ensemble, first): (&scenario::Ensemble, u64),
     velocity: f64,
     way: f64,
+    monitor: &mut dyn Monitor,
 ) -> Result<(f64, f64)> {
     let model = ensemble.build(contacts.clone(), setting.initial.clone())?.numbered_from(first);
     let history = History::new(vec![Piece { velocity, duration: way / velocity }])?;
-    let trace = model.follow(&history, &[history.duration()], &mut ())?;
+    let trace = model.follow(&history, &[history.duration()], monitor)?;
     Ok((trace.force[0], trace.error[0]))
 }

@@ -107,14 +107,25 @@ impl Transport {
     ///
     /// # Errors
     /// Those of [`Contacts::check`]; `ageing.mean_field`, which is no rule for one contact; a tolerance outside
-    /// [1e-12, 1e-2].
-    pub fn new(contacts: Contacts, initial: &Initial, tolerance: f64) -> Result<Self> {
+    /// [1e-12, 1e-2]; stopped by the monitor.
+    pub fn new(
+        contacts: Contacts,
+        initial: &Initial,
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         contacts.check(initial)?;
-        let fine = Self::starting(&contacts, initial, tolerance)?;
-        Ok(fine.beside(Self::starting(&contacts, initial, rough(tolerance))?))
+        let fine = Self::starting(&contacts, initial, tolerance, monitor)?;
+        Ok(fine.beside(Self::starting(&contacts, initial, rough(tolerance), monitor)?))
     }
 
-    fn starting(contacts: &Contacts, initial: &Initial, tolerance: f64) -> Result<Self> {
+    fn starting(
+        contacts: &Contacts,
+        initial: &Initial,
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
+        report(monitor, 0.0)?;
         let mut transport = Self::empty(contacts, tolerance)?;
         let law = contacts.thresholds.as_ref();
         let held = |x: f64| match initial.start {
@@ -276,15 +287,20 @@ impl Transport {
     /// # Errors
     /// A time that is not above 0; steps that would have to be too short.
     pub fn step(&mut self, by: f64, during: f64) -> Result<()> {
+        self.step_watched(by, during, &mut ())
+    }
+
+    /// The same step, which the monitor may stop.
+    fn step_watched(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
         positive("during", during)?;
         if !by.is_finite() {
             return Err(Error::invalid("by", "a finite length", by));
         }
         if let Some(rough) = &mut self.rough {
-            rough.step(by, during)?;
+            rough.step_watched(by, during, monitor)?;
         }
         self.turn();
-        self.glide(by / during, during, &mut |_| Ok(()))
+        self.glide(by / during, during, &mut |_| report(monitor, 0.0))
     }
 
     /// The breaking rate may have a kink here, and again where what breaks now is born.

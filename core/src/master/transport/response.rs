@@ -13,7 +13,7 @@ use super::Transport;
 use crate::Result;
 use crate::contacts::Contacts;
 use crate::history::{History, Piece};
-use crate::monitor::Monitor;
+use crate::monitor::{Aside, Monitor, Part};
 
 /// The response of the force in steady sliding to a small step of the slider.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +56,7 @@ impl Transport {
             let time = vec![0.0, contacts.thresholds.mean() / velocity];
             return Ok(StepResponse { velocity, response: vec![0.0; time.len()], time });
         }
-        let mut steady = Self::steady(contacts, velocity, tolerance)?;
+        let mut steady = Self::steady(contacts, velocity, tolerance, &mut Aside { fraction: 0.0, monitor })?;
         steady.rough = None;
         let by = STEP * super::pace::scale(contacts);
         let during = by / (FAST * velocity);
@@ -66,9 +66,9 @@ impl Transport {
         let time: Vec<f64> = (0..=count as u32).map(|k| f64::from(k) / count * duration).collect();
         let history = History::new(vec![Piece { velocity, duration }])?;
         let mut displaced = steady.clone();
-        displaced.step(by, during)?;
-        let after = displaced.follow(&history, &time, monitor)?;
-        let before = steady.follow(&history, &time, &mut ())?;
+        displaced.step_watched(by, during, &mut Aside { fraction: 0.0, monitor })?;
+        let after = displaced.follow(&history, &time, &mut Part::new(monitor, 0.0, 0.5))?;
+        let before = steady.follow(&history, &time, &mut Part::new(monitor, 0.5, 0.5))?;
         let response = after.force.iter().zip(&before.force).map(|(after, before)| (after - before) / by);
         Ok(StepResponse { velocity, response: response.collect(), time })
     }

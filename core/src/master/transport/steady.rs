@@ -9,6 +9,7 @@ use std::sync::Arc;
 use crate::Result;
 use crate::contacts::{Contacts, Initial, Start};
 use crate::law::Point;
+use crate::monitor::{Monitor, report};
 use crate::numerics::diffusion::Room;
 
 /// The share of contacts that breaks in a panel of ages, in units of the fourth root of the tolerance.
@@ -23,14 +24,24 @@ impl Transport {
     ///
     /// # Errors
     /// Those of [`Transport::new`]; a velocity that is not above 0.
-    pub fn steady(contacts: &Contacts, velocity: f64, tolerance: f64) -> Result<Self> {
+    pub fn steady(
+        contacts: &Contacts,
+        velocity: f64,
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         super::positive("velocity", velocity)?;
         contacts.check(&relaxed())?;
-        let fine = Self::sliding(contacts, velocity, tolerance)?;
-        Ok(fine.beside(Self::sliding(contacts, velocity, super::rough(tolerance))?))
+        let fine = Self::sliding(contacts, velocity, tolerance, monitor)?;
+        Ok(fine.beside(Self::sliding(contacts, velocity, super::rough(tolerance), monitor)?))
     }
 
-    fn sliding(contacts: &Contacts, velocity: f64, tolerance: f64) -> Result<Self> {
+    fn sliding(
+        contacts: &Contacts,
+        velocity: f64,
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         let mut transport = Self::empty(contacts, tolerance)?;
         let most = (DEATHS * tolerance.powf(0.25)).min(0.5);
         let bend = BEND * tolerance * contacts.thresholds.mean() / velocity;
@@ -44,14 +55,18 @@ impl Transport {
             let mut after = walkers.clone();
             let mut go =
                 |cohort: &mut Cohort, part| cohort.advance(&transport.model, &path, part, &mut room).0;
-            let mut both = |part| after.iter_mut().map(|cohort| go(cohort, part)).sum::<f64>();
-            let (first, second) = (both(Part::First), both(Part::Second));
+            let mut both = |part| {
+                let one = |cohort: &mut Cohort| report(monitor, 0.0).map(|()| go(cohort, part));
+                after.iter_mut().map(one).sum::<Result<f64>>()
+            };
+            let (first, second) = (both(Part::First)?, both(Part::Second)?);
             let lost = (first + second).max(most / bend * duration * (first - second).abs());
             if lost > most && duration * velocity > SHORTEST {
                 duration *= 0.5;
                 continue;
             }
             for walker in &walkers {
+                report(monitor, 0.0)?;
                 for (part, ends) in [(Part::Late, [0.0, 0.5]), (Part::Early, [0.5, 1.0])] {
                     let mut cohort = walker.clone();
                     go(&mut cohort, part);

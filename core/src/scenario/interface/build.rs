@@ -12,7 +12,7 @@ use crate::elastic::{self, InterfaceInTime, SettingInTime, coupling};
 use crate::ensemble::lattice::{self, Lattice};
 use crate::law::{SharedLaw, scattered};
 use crate::master::{MasterEquation, Stretches, Tolerance, Transport};
-use crate::monitor::Monitor;
+use crate::monitor::{Aside, Monitor, report};
 use crate::population::Population;
 use crate::shape;
 use crate::{Error, Result};
@@ -55,7 +55,9 @@ impl Interface {
                 Box::new(if let Some(scales) = scales { cells.scaled(&scales)? } else { cells })
             }
             None => {
-                let population = MasterEquation::new(contacts, initial)?.population(tolerance)?;
+                let aside = &mut Aside { fraction: 0.0, monitor };
+                let population =
+                    MasterEquation::new(contacts, initial, aside)?.population(tolerance, aside)?;
                 let cells = Curves::new(&population, self.size(), monitor)?;
                 Box::new(if let Some(scales) = scales { cells.scaled(scales)? } else { cells })
             }
@@ -76,22 +78,24 @@ impl Interface {
         tolerance: f64,
         step: f64,
         ensemble: Option<&Ensemble>,
+        monitor: &mut dyn Monitor,
     ) -> Result<InterfaceInTime> {
         let scales =
             self.disorder.as_ref().map_or_else(|| Ok(vec![1.0; self.size()]), |s| s.build(self.size()));
         let scales = scales.map_err(|e| e.under("interface"))?;
-        let cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn Clocked>> {
+        let mut cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn Clocked>> {
+            report(monitor, 0.0)?;
             let contacts = cooler(contacts, scale);
             let cell: Box<dyn Clocked> = match ensemble {
                 Some(ensemble) => {
                     let first = (cell * ensemble.size()) as u64;
                     Box::new(ensemble.build(contacts, initial.clone())?.numbered_from(first).in_time()?)
                 }
-                None => Box::new(Transport::new(contacts, initial, tolerance)?),
+                None => Box::new(Transport::new(contacts, initial, tolerance, monitor)?),
             };
             Ok(Box::new(Scaled::new(cell, scale)?))
         };
-        let cells = scales.iter().enumerate().map(cell).collect::<Result<_>>()?;
+        let cells = scales.iter().enumerate().map(&mut cell).collect::<Result<_>>()?;
         let elastic::Setting { connection, loading, area, .. } = self.setting(1.0);
         let setting = SettingInTime {
             connection,
@@ -154,7 +158,9 @@ impl Interface {
         let equation = if renewed { equation.renewed() } else { equation.clone() };
         let distance = advance.max(equation.contacts().thresholds.mean());
         let places: Vec<f64> = stretches.iter().map(|x| x / scale).collect();
-        let mut found = equation.pull(distance, tolerance, monitor)?.stretch_density(advance, &places);
+        let pull = equation.pull(distance, tolerance, monitor)?;
+        let aside = &mut Aside { fraction: 1.0, monitor };
+        let mut found = pull.stretch_density(advance, &places, aside)?;
         found.density.iter_mut().for_each(|density| *density /= scale);
         found.atoms.iter_mut().for_each(|atom| atom.position *= scale);
         Ok(found)

@@ -27,12 +27,13 @@ impl CellsInTime {
         setting: &Setting<'_>,
         task: &scenario::Drive,
         interface: &scenario::Interface,
+        monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         let Setting { scenario, contacts, initial } = setting;
         let Some(velocity) = task.velocity else {
             return Err(Error::invalid("drive.velocity", "a velocity above 0", "none"));
         };
-        Ok(Self { interface: cells_in_time(scenario, interface, contacts, initial)?, velocity })
+        Ok(Self { interface: cells_in_time(scenario, interface, contacts, initial, monitor)?, velocity })
     }
 }
 
@@ -45,12 +46,13 @@ pub fn cells_in_time(
     interface: &scenario::Interface,
     contacts: &Contacts,
     initial: &Initial,
+    monitor: &mut dyn Monitor,
 ) -> Result<InterfaceInTime> {
     let tolerance = scenario.master_equation.tolerance_of_a_block();
     let ensemble = scenario.ensemble.as_ref();
     let share = ensemble.map_or(tolerance, |ensemble| tolerance_over(ensemble.size()).max(tolerance));
     let step = share * contacts.thresholds.mean();
-    interface.in_time(contacts, initial, tolerance, step, ensemble)
+    interface.in_time(contacts, initial, tolerance, step, ensemble, monitor)
 }
 
 impl Model for CellsInTime {

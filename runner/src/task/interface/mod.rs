@@ -14,6 +14,7 @@ use asperity::scenario::{self, PerCell, Scenario};
 use asperity::{Error, Result};
 
 use super::Setting;
+use super::part::Part;
 use crate::checkpoint::Checkpoints;
 use crate::output::LARGEST;
 use crate::summary::Summary;
@@ -45,7 +46,7 @@ pub fn run(
             drive(setting, task, interface, model, checkpoints, monitor)
         }
         PerCell::Many if contacts.rules.know_time() => {
-            let model = CellsInTime::new(setting, task, interface)?;
+            let model = CellsInTime::new(setting, task, interface, &mut Part::new(monitor, 0.0, 0.0))?;
             drive(setting, task, interface, model, checkpoints, monitor)
         }
         PerCell::Many => {
