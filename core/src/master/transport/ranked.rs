@@ -41,7 +41,8 @@ pub(super) struct Left {
     met: f64,
     /// Of each atom, the share whose cell has not been passed by its threshold, and A.
     atoms: Vec<(f64, f64)>,
-    band: Band,
+    /// None where temperature breaks none.
+    band: Option<Band>,
     /// The share of P_ci above the stretch at birth.
     newborn: f64,
 }
@@ -125,18 +126,22 @@ impl Ranks {
     pub(super) fn newborn(&self, seed: &Seed) -> Left {
         let above = |atom: &Atom| (uncovered(atom.position, seed.stretch, seed.below, seed.above), 0.0);
         let atoms = self.atoms.iter().map(above).collect();
-        let mut left = Left { met: seed.stretch.abs(), atoms, band: Band::default(), newborn: 1.0 };
+        let band = self.thermal.as_ref().map(|_| Band::default());
+        let mut left = Left { met: seed.stretch.abs(), atoms, band, newborn: 1.0 };
         left.newborn = self.count(&left);
         left
     }
 
-    /// Whether there is a share of each atom, and a band on panels that there are.
+    /// Whether there is a share of each atom, and a band on panels that there are if temperature breaks any.
     pub(super) fn fits(&self, left: &Left) -> bool {
-        let panels = self.thermal.as_ref().map_or(0, |(_, grid)| grid.count());
-        let Left { atoms, band, .. } = left;
-        atoms.len() == self.atoms.len()
-            && band.exponents.len() == band.weights.len()
-            && (band.is_empty() || band.end() <= panels)
+        let fits = |band: &Band, grid: &Grid| {
+            band.exponents.len() == band.weights.len() && (band.is_empty() || band.end() <= grid.count())
+        };
+        left.atoms.len() == self.atoms.len()
+            && match (&left.band, &self.thermal) {
+                (Some(band), Some((_, grid))) => fits(band, grid),
+                (band, thermal) => band.is_none() && thermal.is_none(),
+            }
     }
 
     /// Time passes: thermal breaks, and thresholds that are met. By how much ageing makes the others stiffer.
@@ -171,6 +176,7 @@ impl Ranks {
 
     /// Adds ∫w dt to the exponents.
     fn accumulate<'a>(&self, thermal: &Thermal, grid: &Grid, passage: &Passage<'a>, left: &mut Left) {
+        let Left { met, atoms, band: Some(band), .. } = left else { return };
         let highest = self.panels.last().map(|panel| panel.high);
         let top = highest.into_iter().chain(self.atoms.last().map(|atom| atom.position)).fold(0.0, f64::max);
         let shared = thermal.shared(passage, top);
@@ -182,7 +188,7 @@ impl Ranks {
                 sum(&room);
             }
         };
-        for ((_, exponent), atom) in left.atoms.iter_mut().zip(&self.atoms) {
+        for ((_, exponent), atom) in atoms.iter_mut().zip(&self.atoms) {
             fitted(atom.position, &mut |moments| *exponent += thermal.added_to(moments, atom.position));
         }
         let mut gone = |number: u64| {
@@ -190,8 +196,7 @@ impl Ranks {
             fitted(high, &mut |moments| added = thermal.added_to(moments, high));
             added > GONE
         };
-        let (lowest, count) = (grid.above(left.met), grid.count());
-        let band = &mut left.band;
+        let (lowest, count) = (grid.above(*met), grid.count());
         if band.is_empty() || lowest >= band.end() {
             let first = first_not(lowest, count.saturating_sub(1), &mut gone);
             *band = Band { first, ..Band::default() };
@@ -244,8 +249,8 @@ impl Ranks {
 
     /// The label from which on A = 0.
     fn top(&self, left: &Left) -> f64 {
-        match &self.thermal {
-            Some((_, grid)) if !left.band.is_empty() => grid.panel(left.band.end() - 1).high,
+        match (&self.thermal, &left.band) {
+            (Some((_, grid)), Some(band)) if !band.is_empty() => grid.panel(band.end() - 1).high,
             _ => left.met,
         }
     }
@@ -263,8 +268,7 @@ impl Ranks {
             atom.weight * weight(atom.position) * share * (-exponent).exp()
         };
         let atoms: f64 = self.atoms.iter().zip(&left.atoms).map(term).sum();
-        let Some((_, grid)) = &self.thermal else { return atoms };
-        let band = &left.band;
+        let (Some((_, grid)), Some(band)) = (&self.thermal, &left.band) else { return atoms };
         let panels = band.exponents.iter().zip(&band.weights).zip(band.first..);
         let share = |((exponents, weights), number): ((&Nodal, &Nodal), u64)| {
             let panel = grid.panel(number);
@@ -359,7 +363,7 @@ mod tests {
             let path = Path { duration, by };
             ranks.advance(place, &mut left, &path, (0.0, 1.0));
             (place.stretch, place.age) = (place.stretch + by, place.age + duration);
-            bands.push(left.band.exponents.len());
+            bands.push(left.band.as_ref().unwrap().exponents.len());
         }
         bands
     }
