@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use support::{Folder, errors, names, scenarios, tomls};
+use support::{Folder, errors, names, reaped, scenarios, tomls};
 
 /// Long enough for any machine, and never waited for.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -101,27 +101,54 @@ fn every_signal_ends_a_run_as_ctrl_c_does() {
     }
 }
 
-/// After a time of CPU that is another one for each, from the start to 0.3 s: laws, lives, solvers, pictures.
+/// At moments of CPU time from 3 ms to 2 s, other ones for each scenario: laws, lives, solvers, pictures.
 #[test]
 fn shipped_scenarios_end_wherever_they_are() {
-    let mut ended = 0;
-    for (number, path) in tomls(&scenarios()).iter().enumerate() {
-        let folder = Folder::new();
-        let child = spawn(&mut folder.asperity(&["run", path.to_str().unwrap(), "-o", "results"]));
-        // Multiples of the golden ratio are spread evenly.
-        at_work(&child, 0.3 * (number as f64 * 0.618_034).fract());
-        let output = ended_by(child, &["INT"]);
-        match output.status.code() {
-            Some(0) => {}
-            // Before the program listens the signal does what it does to any.
-            None | Some(130) => {
-                assert_eq!(folder.names(), [""; 0], "{path:?}");
-                ended += 1;
-            }
-            code => panic!("{path:?}: {code:?}, {}", errors(&output)),
+    const SEEDS: [f64; 2] = [0.0, 0.5];
+    let paths = tomls(&scenarios());
+    let ended: Vec<usize> = std::thread::scope(|scope| {
+        let threads = SEEDS.map(|seed| {
+            let paths = &paths;
+            scope.spawn(move || {
+                let numbered = paths.iter().enumerate();
+                numbered.filter(|&(number, path)| ends_at(path, moment(number, seed))).count()
+            })
+        });
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    let (ended, all) = (ended.iter().sum::<usize>(), SEEDS.len() * paths.len());
+    assert!(3 * ended >= all, "only {ended} of {all} had not come to their end");
+}
+
+/// The CPU time after which a run is sent a signal, even in its logarithm.
+fn moment(number: usize, seed: f64) -> f64 {
+    // Multiples of the golden ratio are spread evenly.
+    let part = (number as f64 * 0.618_034 + seed).fract();
+    3e-3 * (2.0_f64 / 3e-3).powf(part)
+}
+
+/// Whether a scenario has not come to its end at a moment, and ends as it should.
+fn ends_at(scenario: &Path, moment: f64) -> bool {
+    let folder = Folder::new();
+    let child = spawn(&mut folder.asperity(&["run", scenario.to_str().unwrap(), "-o", "results"]));
+    at_work(&child, moment);
+    send(&child, &["INT"]);
+    let (before, ended) = (status(&child).1, reaped(child));
+    // Times of a process that has not ended are known to a hundredth of a second.
+    assert!(ended.seconds - before < CPU + 0.01, "{scenario:?} at {moment}: {} s", ended.seconds - before);
+    match ended.code {
+        Some(0) => {
+            assert_eq!(folder.names(), ["results"], "{scenario:?} at {moment}");
+            assert!(folder.path().join("results/summary.json").exists(), "{scenario:?} at {moment}");
+            false
         }
+        // Before the program listens the signal does what it does to any.
+        None | Some(130) => {
+            assert_eq!(folder.names(), [""; 0], "{scenario:?} at {moment}");
+            true
+        }
+        code => panic!("{scenario:?} at {moment}: {code:?}"),
     }
-    assert!(ended >= 10, "only {ended} had not come to their end");
 }
 
 #[test]
@@ -161,7 +188,7 @@ fn a_second_signal_ends_what_does_not_stop() {
 fn who_is_told_to_outlive_the_terminal_does() {
     let folder = folder();
     let mut shell = Command::new("sh");
-    let script = r#"trap '' HUP; exec "$0" run long.toml"#;
+    let script = r#"exec nohup "$0" run long.toml"#;
     shell.args(["-c", script, env!("CARGO_BIN_EXE_asperity")]).current_dir(folder.path());
     let mut child = spawn(&mut shell);
     at_work(&child, 0.05);

@@ -2,7 +2,7 @@
 #![allow(dead_code, missing_docs)]
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output};
 
 pub struct Folder(tempfile::TempDir);
 
@@ -62,4 +62,30 @@ pub fn scenarios() -> PathBuf {
 pub fn tomls(folder: &Path) -> Vec<PathBuf> {
     let files = names(folder).into_iter().filter(|name| name.ends_with(".toml"));
     files.map(|name| folder.join(name)).collect()
+}
+
+/// How a process ended.
+#[cfg(target_os = "linux")]
+pub struct Ended {
+    /// Its exit code; none of one that a signal ended.
+    pub code: Option<i32>,
+    /// Seconds of the processor that it took, of all its threads together.
+    pub seconds: f64,
+}
+
+/// Waits for a process to end.
+#[cfg(target_os = "linux")]
+#[expect(unsafe_code, reason = "no safe function tells what a process took")]
+pub fn reaped(child: Child) -> Ended {
+    let (mut status, id) = (0, libc::pid_t::try_from(child.id()).unwrap());
+    // SAFETY: `status` and `usage` are there to be written to; all bytes of `usage` may be 0.
+    let (usage, waited) = unsafe {
+        let mut usage: libc::rusage = std::mem::zeroed();
+        let waited = libc::wait4(id, &raw mut status, 0, &raw mut usage);
+        (usage, waited)
+    };
+    assert_eq!(waited, id);
+    let seconds = |time: libc::timeval| time.tv_sec as f64 + 1e-6 * time.tv_usec as f64;
+    let code = libc::WIFEXITED(status).then(|| libc::WEXITSTATUS(status));
+    Ended { code, seconds: seconds(usage.ru_utime) + seconds(usage.ru_stime) }
 }
