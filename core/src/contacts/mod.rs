@@ -11,6 +11,7 @@ pub use ageing::Ageing;
 pub use closure::Closure;
 pub use maturing::Maturing;
 pub use strength::{Aged, Strength};
+pub(crate) use strength::{Label, Rank};
 pub use temperature::{Barrier, Temperature};
 
 use crate::law::{Law, SharedLaw, Zone};

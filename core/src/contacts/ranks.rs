@@ -1,15 +1,20 @@
 //! Contacts that keep their rank while the law of their thresholds matures.
 
+use std::cell::Cell;
+
 use super::Maturing;
 use crate::law::SharedLaw;
 use crate::numerics::diffusion::{Elements, Evolution, Field};
 use crate::numerics::legendre::{primitive, series};
 use crate::numerics::roots::brent_root;
-use crate::numerics::stencil::Stencil;
+use crate::numerics::stencil::{POINTS, Stencil};
 
 /// Ranks q are told by ψ = ln[q/(1 − q)], evenly from −23 to 23: all but 1e-10 of the contacts at either end.
 const FAR: f64 = 23.0;
 const RANKS: usize = 369;
+
+/// How far ranks told are apart in ψ.
+const SPREAD: f64 = 2.0 * FAR / (RANKS - 1) as f64;
 
 /// Ages t are told by ln(1 + t/s), this far apart, up to 200 τ; from there on nothing changes.
 const SPACING: f64 = 0.04;
@@ -40,6 +45,36 @@ pub(super) struct Ranked<'a> {
     ages: Stencil,
     /// d(place among the ages)/dt; 0 beyond the oldest.
     pace: f64,
+}
+
+/// A contact that keeps its rank.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rank {
+    ranks: Stencil,
+    /// By how much its threshold is beyond those of the ranks told.
+    beyond: f64,
+}
+
+/// A contact that keeps its rank, at many ages: what the ranks around it tell at an age is kept.
+#[derive(Debug)]
+pub(crate) struct Followed<'a> {
+    ranks: &'a Ranks,
+    rank: Rank,
+    /// Its threshold at the ages told; NaN where nobody has asked.
+    thresholds: Vec<Cell<f64>>,
+}
+
+impl Followed<'_> {
+    pub(super) fn threshold(&self, age: f64) -> f64 {
+        let told = |age: usize| {
+            let known = &self.thresholds[age];
+            if known.get().is_nan() {
+                known.set(self.rank.ranks.value(|rank| self.ranks.rows[age][rank]));
+            }
+            known.get()
+        };
+        self.ranks.at(age).ages.value(told) + self.rank.beyond
+    }
 }
 
 impl std::fmt::Debug for Ranks {
@@ -93,9 +128,7 @@ impl Ranks {
         for rank in 1..RANKS - 1 {
             // 1 of ψ is q(1 − q) of the contacts.
             let q = 1.0 / (1.0 + (-psi(rank)).exp());
-            let per_length = |row: &[f64]| {
-                q * (1.0 - q) * 2.0 * (2.0 * FAR / (RANKS - 1) as f64) / (row[rank + 1] - row[rank - 1])
-            };
+            let per_length = |row: &[f64]| q * (1.0 - q) * 2.0 * SPREAD / (row[rank + 1] - row[rank - 1]);
             for row in (every / 2..older).step_by(every) {
                 let stencil = Stencil::at(row as f64 / every as f64, ages + 1);
                 let told = stencil.value(|age| self.rows[age * every][rank]);
@@ -119,6 +152,31 @@ impl Ranks {
         Ranked { ranks: self, ages: Stencil::at(place.min(last), self.rows.len()), pace }
     }
 
+    /// The rank of a contact born with h_0. Beyond the ranks told its threshold goes on as h_0 does.
+    pub(super) fn rank(&self, newborn: f64) -> Rank {
+        let psi = self.psi(newborn);
+        let end = psi.clamp(-FAR, FAR);
+        let beyond = if end == psi { 0.0 } else { newborn - quantile(&self.newborn, end) };
+        Rank { ranks: stencil(end), beyond }
+    }
+
+    /// The contact born with h_0, to be asked for its thresholds at many ages.
+    pub(super) fn followed(&self, newborn: f64) -> Followed<'_> {
+        let thresholds = vec![Cell::new(f64::NAN); self.rows.len()];
+        Followed { ranks: self, rank: self.rank(newborn), thresholds }
+    }
+
+    /// The newborn threshold of rank ψ: from ranks told by one step of Newton, where that is as good as its quantile.
+    fn born(&self, psi: f64) -> f64 {
+        /// The error of the step is about its square, in widths of the law.
+        const NEAR: f64 = 1e-7;
+        let told = stencil(psi).value(|rank| self.rows[0][rank]);
+        let law = &self.newborn;
+        let slope = law.density(told) / (law.cumulative(told) * law.survival(told));
+        let step = (self.psi(told) - psi) / slope;
+        if step.abs() < NEAR * law.std() { told - step } else { quantile(law, psi) }
+    }
+
     /// ψ of a newborn threshold.
     fn psi(&self, newborn: f64) -> f64 {
         self.newborn.cumulative(newborn).ln() - self.newborn.ln_survival(newborn)
@@ -126,24 +184,37 @@ impl Ranks {
 }
 
 impl Ranked<'_> {
-    /// h of a contact born with h_0. Beyond the ranks told it goes on as h_0 does.
+    /// h of a contact born with h_0.
     pub(super) fn threshold(&self, newborn: f64) -> f64 {
-        let psi = self.ranks.psi(newborn);
-        let end = psi.clamp(-FAR, FAR);
-        let beyond = if end == psi { 0.0 } else { newborn - quantile(&self.ranks.newborn, end) };
-        self.value(end) + beyond
+        self.threshold_of(&self.ranks.rank(newborn))
+    }
+
+    /// h of a contact of a rank.
+    pub(super) fn threshold_of(&self, rank: &Rank) -> f64 {
+        self.ages.value(|age| rank.ranks.value(|rank| self.ranks.rows[age][rank])) + rank.beyond
     }
 
     /// h_0 of a contact whose threshold is h.
     pub(super) fn newborn(&self, threshold: f64) -> f64 {
-        let (low, high) = (self.value(-FAR), self.value(FAR));
-        let end =
-            if threshold <= low { Some((-FAR, low)) } else { (threshold >= high).then_some((FAR, high)) };
-        if let Some((psi, end)) = end {
-            return quantile(&self.ranks.newborn, psi) + threshold - end;
+        let at = |rank: usize| self.ages.value(|age| self.ranks.rows[age][rank]);
+        let (low, high) = (at(0), at(RANKS - 1));
+        if threshold <= low {
+            return self.ranks.rows[0][0] + threshold - low;
         }
-        let psi = brent_root(|psi| self.value(psi) - threshold, -FAR, FAR, 0.0).unwrap_or(FAR);
-        quantile(&self.ranks.newborn, psi)
+        if threshold >= high {
+            return self.ranks.rows[0][RANKS - 1] + threshold - high;
+        }
+        // The rank told that is just below.
+        let (mut below, mut above) = (0, RANKS - 1);
+        while above - below > 1 {
+            let middle = (below + above) / 2;
+            *(if at(middle) <= threshold { &mut below } else { &mut above }) = middle;
+        }
+        let first = Stencil::at(below as f64, RANKS).first;
+        let near: [f64; POINTS] = std::array::from_fn(|k| at(first + k));
+        let excess = |place: f64| Stencil::from(first, place).value(|rank| near[rank - first]) - threshold;
+        let place = brent_root(excess, below as f64, above as f64, 0.0).unwrap_or(below as f64);
+        self.ranks.born(place * SPREAD - FAR)
     }
 
     /// ∂h/∂h_0 = ∂h/∂ψ p_i/[G_i(1 − G_i)].
@@ -156,7 +227,7 @@ impl Ranked<'_> {
         let slope = ranks.slope(|rank| self.ages.value(|age| self.ranks.rows[age][rank]));
         let law = &self.ranks.newborn;
         let per_rank = law.density(newborn) / (law.cumulative(newborn) * law.survival(newborn));
-        slope / (2.0 * FAR / (RANKS - 1) as f64) * per_rank
+        slope / SPREAD * per_rank
     }
 
     /// ∂h/∂t.
@@ -164,19 +235,14 @@ impl Ranked<'_> {
         let ranks = stencil(self.ranks.psi(newborn).clamp(-FAR, FAR));
         self.pace * self.ages.slope(|age| ranks.value(|rank| self.ranks.rows[age][rank]))
     }
-
-    fn value(&self, psi: f64) -> f64 {
-        let ranks = stencil(psi);
-        self.ages.value(|age| ranks.value(|rank| self.ranks.rows[age][rank]))
-    }
 }
 
 fn stencil(psi: f64) -> Stencil {
-    Stencil::at((psi + FAR) * (RANKS - 1) as f64 / (2.0 * FAR), RANKS)
+    Stencil::at((psi + FAR) / SPREAD, RANKS)
 }
 
 fn psi(rank: usize) -> f64 {
-    2.0 * FAR * rank as f64 / (RANKS - 1) as f64 - FAR
+    SPREAD * rank as f64 - FAR
 }
 
 /// The threshold of rank ψ in a law.

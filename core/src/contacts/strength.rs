@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+pub(crate) use super::ranks::Rank;
 use super::ranks::{Ranked, Ranks};
-use super::{Ageing, Contacts, Maturing};
+use super::{Ageing, Contacts, Maturing, ranks};
 use crate::law::{Law, SharedLaw};
 use crate::{Error, Result};
 
@@ -45,6 +46,22 @@ pub struct Aged<'a>(At<'a>);
 enum At<'a> {
     Affine(Affine),
     Ranked(Ranked<'a>),
+}
+
+/// What tells a contact from others of its age, for as long as it lasts: its newborn threshold, and its rank where it keeps that.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Label<'a> {
+    /// h_0.
+    pub(crate) newborn: f64,
+    /// What [`Strength::rank`] tells of it.
+    pub(crate) rank: Option<&'a Rank>,
+}
+
+/// One contact, to be asked for its thresholds at many ages.
+#[derive(Debug)]
+pub(crate) enum Followed<'a> {
+    Affine(&'a Strength, f64),
+    Ranked(ranks::Followed<'a>),
 }
 
 /// h = `shift` + `factor` h_0, and how that grows per time.
@@ -119,6 +136,19 @@ impl Strength {
         Aged(At::Affine(affine))
     }
 
+    /// The rank of contacts born with h_0, where they keep it. Their thresholds at many ages are found sooner by it.
+    pub(crate) fn rank(&self, newborn: f64) -> Option<Rank> {
+        if let Kind::Ranked(ranks) = &self.kind { Some(ranks.rank(newborn)) } else { None }
+    }
+
+    /// The contact born with h_0.
+    pub(crate) fn followed(&self, newborn: f64) -> Followed<'_> {
+        match &self.kind {
+            Kind::Ranked(ranks) => Followed::Ranked(ranks.followed(newborn)),
+            _ => Followed::Affine(self, newborn),
+        }
+    }
+
     /// h of a contact born with h_0, at an age.
     pub fn threshold(&self, newborn: f64, age: f64) -> f64 {
         self.at(age).threshold(newborn)
@@ -150,6 +180,17 @@ impl Kind {
     }
 }
 
+impl Followed<'_> {
+    /// h at an age.
+    #[inline]
+    pub(crate) fn threshold(&self, age: f64) -> f64 {
+        match self {
+            Self::Affine(strength, newborn) => strength.threshold(*newborn, age),
+            Self::Ranked(followed) => followed.threshold(age).max(0.0),
+        }
+    }
+}
+
 impl Aged<'_> {
     /// h of a contact born with h_0.
     #[inline]
@@ -157,6 +198,15 @@ impl Aged<'_> {
         match &self.0 {
             At::Affine(aged) => (aged.shift + aged.factor * newborn).max(0.0),
             At::Ranked(aged) => aged.threshold(newborn).max(0.0),
+        }
+    }
+
+    /// h of a contact with a label.
+    #[inline]
+    pub(crate) fn threshold_of(&self, label: Label<'_>) -> f64 {
+        match (&self.0, label.rank) {
+            (At::Ranked(aged), Some(rank)) => aged.threshold_of(rank).max(0.0),
+            _ => self.threshold(label.newborn),
         }
     }
 

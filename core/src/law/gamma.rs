@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use rand_distr::Distribution;
 
-use super::incomplete_gamma::IncompleteGamma;
+use super::incomplete_gamma::{IncompleteGamma, Shape};
 use super::{Break, Law, Parameter, SharedLaw, crossing, onset, positive, shared, unknown};
 use crate::random::Stream;
 use crate::{Error, Result};
@@ -16,6 +16,7 @@ pub struct Gamma {
     mean: f64,
     std: f64,
     shape: f64,
+    at_shape: Shape,
     scale: f64,
     sampler: rand_distr::Gamma<f64>,
 }
@@ -30,11 +31,11 @@ impl Gamma {
         let (shape, scale) = ((mean / std).powi(2), std * (std / mean));
         let sampler = rand_distr::Gamma::new(shape, scale)
             .map_err(|_| Error::invalid("std", format!("within 1e±150 of mean = {mean}"), std))?;
-        Ok(Self { mean, std, shape, scale, sampler })
+        Ok(Self { mean, std, shape, at_shape: Shape::new(shape), scale, sampler })
     }
 
     fn at(&self, x: f64) -> IncompleteGamma {
-        IncompleteGamma::new(self.shape, x / self.scale, (x - self.mean) / self.mean)
+        IncompleteGamma::new(&self.at_shape, x / self.scale, (x - self.mean) / self.mean)
     }
 
     /// p(0⁺), also S there times the hazard.

@@ -12,6 +12,15 @@ use puruspe::erfcx;
 /// Shapes from here on use asymptotic expansions.
 const LARGE: f64 = 20.0;
 
+/// A shape a > 0, with what follows from it alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shape {
+    a: f64,
+    /// Γ(a); of a large shape, what Stirling's formula leaves of ln Γ(a).
+    gamma: f64,
+    ln_gamma: f64,
+}
+
 /// The regularised functions P(a, x) and Q(a, x) at one point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct IncompleteGamma {
@@ -27,13 +36,22 @@ enum Tail {
     Upper(f64),
 }
 
+impl Shape {
+    pub(super) fn new(a: f64) -> Self {
+        let (gamma, ln_gamma) =
+            if a >= LARGE { (stirling(a), f64::NAN) } else { (libm::tgamma(a), libm::lgamma(a)) };
+        Self { a, gamma, ln_gamma }
+    }
+}
+
 impl IncompleteGamma {
-    /// At shape a > 0 and x ≥ 0; `excess` is x/a − 1, which the caller may know better than from a and x.
-    pub(super) fn new(a: f64, x: f64, excess: f64) -> Self {
+    /// At x ≥ 0; `excess` is x/a − 1, which the caller may know better than from a and x.
+    pub(super) fn new(shape: &Shape, x: f64, excess: f64) -> Self {
         // As good as infinite, and nothing overflows.
         const FAR: f64 = 1e200;
         let (x, excess) = (x.min(FAR), excess.min(FAR));
-        let (kernel, ln_kernel) = kernel(a, x, excess);
+        let a = shape.a;
+        let (kernel, ln_kernel) = kernel(shape, x, excess);
         let tail = if a >= LARGE && (-0.5..1.0).contains(&excess) {
             uniform(a, excess)
         } else if x < a.max(1.0) {
@@ -75,16 +93,16 @@ impl IncompleteGamma {
 }
 
 /// D(a, x) and its logarithm.
-fn kernel(a: f64, x: f64, excess: f64) -> (f64, f64) {
+fn kernel(&Shape { a, gamma, ln_gamma }: &Shape, x: f64, excess: f64) -> (f64, f64) {
     if a >= LARGE {
-        let ln = 0.5 * (a / TAU).ln() + a * ln_1p_minus(excess) - stirling(a);
-        return ((a / TAU).sqrt() * (a * ln_1p_minus(excess) - stirling(a)).exp(), ln);
+        let ln = 0.5 * (a / TAU).ln() + a * ln_1p_minus(excess) - gamma;
+        return ((a / TAU).sqrt() * (a * ln_1p_minus(excess) - gamma).exp(), ln);
     }
-    let ln = a * x.ln() - x - libm::lgamma(a);
+    let ln = a * x.ln() - x - ln_gamma;
     if x > 700.0 {
         return (ln.exp(), ln);
     }
-    let kernel = x.powf(a) * (-x).exp() / libm::tgamma(a);
+    let kernel = x.powf(a) * (-x).exp() / gamma;
     let ln = if kernel.is_normal() { kernel.ln() } else { ln };
     (kernel, ln)
 }
@@ -205,7 +223,7 @@ mod tests {
         // Shape 20 lies where all three converge; each is right to a few 1e-15.
         for x in [15.0, 20.0, 26.0] {
             let excess = x / 20.0 - 1.0;
-            let (kernel, _) = kernel(20.0, x, excess);
+            let (kernel, _) = kernel(&Shape::new(20.0), x, excess);
             let (lower, upper) = (kernel * series(20.0, x), kernel * continued_fraction(20.0, x));
             assert!((lower + upper - 1.0).abs() < 1e-14);
             match uniform(20.0, excess) {
@@ -219,6 +237,6 @@ mod tests {
     fn the_kernel_is_one_function() {
         // Both forms at shape 20; the logarithm's error is its own size in roundings.
         let direct = 20.0_f64.powf(20.0) * (-20.0_f64).exp() / libm::tgamma(20.0);
-        assert!((kernel(20.0, 20.0, 0.0).0 / direct - 1.0).abs() < 1e-14);
+        assert!((kernel(&Shape::new(20.0), 20.0, 0.0).0 / direct - 1.0).abs() < 1e-14);
     }
 }

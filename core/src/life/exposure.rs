@@ -121,6 +121,12 @@ impl Exposure {
         at(0.0).max(at(age))
     }
 
+    /// ΔE/T of a contact formed at `start` with the newborn threshold, as a function of the advance.
+    fn ahead(&self, start: f64, newborn: f64) -> impl Fn(f64) -> f64 {
+        let contact = self.strength.followed(newborn);
+        move |u| self.exponent(start + u, contact.threshold(u / self.velocity))
+    }
+
     /// ΔE/T of a contact at the stretch x with the present threshold h.
     fn exponent(&self, stretch: f64, threshold: f64) -> f64 {
         if threshold <= 0.0 {
@@ -184,10 +190,7 @@ impl Exposed<'_> {
         /// What a contact may break by without being missed.
         const NEGLIGIBLE: f64 = 1e-18;
         let exposure = self.exposure;
-        let exponent = |u: f64| {
-            let threshold = exposure.strength.threshold(newborn, u / exposure.velocity);
-            exposure.exponent(self.start + u, threshold)
-        };
+        let exponent = exposure.ahead(self.start, newborn);
         let rate = |u: f64| exposure.attempts() * (-exponent(u)).exp();
         let most = (exposure.attempts() * end / NEGLIGIBLE).ln();
         let mut edges = Vec::new();
@@ -201,11 +204,7 @@ impl Exposed<'_> {
 
     /// A where thresholds age, by quadrature over the way.
     fn summed(&self, newborn: f64) -> f64 {
-        let Exposure { strength, velocity, .. } = self.exposure;
-        let exponent = |u: f64| {
-            let threshold = strength.threshold(newborn, u / velocity);
-            self.exposure.exponent(self.start + u, threshold)
-        };
+        let exponent = self.exposure.ahead(self.start, newborn);
         let ends = [0.0, self.advance].map(|u| (u, exponent(u)));
         self.exposure.attempts() * halved(&exponent, ends, (ends[0].1.min(ends[1].1), 0))
     }

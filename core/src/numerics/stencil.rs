@@ -3,33 +3,54 @@
 /// Points of a stencil.
 pub const POINTS: usize = 10;
 
-/// Weights of values at even points in the value, and in the slope per spacing, at a place in between.
+/// Weights of values at even points in the value at a place in between, and in the slope there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stencil {
     /// The first point that counts.
     pub first: usize,
+    /// The place, as spacings from there.
+    place: f64,
     /// Weights in the value.
-    pub weights: [f64; POINTS],
-    /// Weights in the slope.
-    pub slopes: [f64; POINTS],
+    weights: [f64; POINTS],
 }
+
+/// 1/Π_{j ≠ k} (k − j) = (−1)^{9−k}/[k! (9 − k)!].
+const SCALES: [f64; POINTS] = {
+    let mut scales = [1.0; POINTS];
+    let mut k = 0;
+    while k < POINTS {
+        let mut j = 0;
+        while j < POINTS {
+            if j != k {
+                scales[k] /= k as f64 - j as f64;
+            }
+            j += 1;
+        }
+        k += 1;
+    }
+    scales
+};
 
 impl Stencil {
     /// The stencil for a `place` in units of the spacing, of `count` points, ten or more; towards an end it is not centred.
     pub fn at(place: f64, count: usize) -> Self {
         let first = (place - 0.5 * (POINTS - 2) as f64).floor().clamp(0.0, (count - POINTS) as f64);
-        let t = place - first;
-        let mut stencil = Self { first: first as usize, weights: [0.0; POINTS], slopes: [0.0; POINTS] };
+        Self::from(first as usize, place)
+    }
+
+    /// The stencil of the ten points from `first` on.
+    pub fn from(first: usize, place: f64) -> Self {
+        let t = place - first as f64;
+        let mut weights = SCALES;
+        let (mut below, mut above) = (1.0, 1.0);
         for k in 0..POINTS {
-            let (mut weight, mut slope) = (1.0, 0.0);
-            for j in (0..POINTS).filter(|&j| j != k) {
-                let scale = 1.0 / (k as f64 - j as f64);
-                slope = (slope * (t - j as f64) + weight) * scale;
-                weight *= (t - j as f64) * scale;
-            }
-            (stencil.weights[k], stencil.slopes[k]) = (weight, slope);
+            let last = POINTS - 1 - k;
+            weights[k] *= below;
+            weights[last] *= above;
+            below *= t - k as f64;
+            above *= t - last as f64;
         }
-        stencil
+        Self { first, place: t, weights }
     }
 
     /// The value there of what `known` tells at the points.
@@ -39,7 +60,21 @@ impl Stencil {
 
     /// The slope there, per spacing.
     pub fn slope(&self, known: impl Fn(usize) -> f64) -> f64 {
-        self.slopes.iter().zip(self.first..).map(|(weight, point)| weight * known(point)).sum()
+        self.slopes().iter().zip(self.first..).map(|(weight, point)| weight * known(point)).sum()
+    }
+
+    /// Weights in the slope: Π_{j ≠ k} (t − j) is the product of those below and above, each with its derivative.
+    fn slopes(&self) -> [f64; POINTS] {
+        let (mut below, mut above) = ([(1.0, 0.0); POINTS], [(1.0, 0.0); POINTS]);
+        let longer = |(value, slope): (f64, f64), j: usize| {
+            let factor = self.place - j as f64;
+            (value * factor, slope * factor + value)
+        };
+        for k in 1..POINTS {
+            below[k] = longer(below[k - 1], k - 1);
+            above[POINTS - 1 - k] = longer(above[POINTS - k], POINTS - k);
+        }
+        std::array::from_fn(|k| SCALES[k] * (below[k].1 * above[k].0 + below[k].0 * above[k].1))
     }
 }
 

@@ -7,6 +7,9 @@
 //! those above it untouched. The lower the temperature, the narrower the band; of no width, it is c. On the panel where c
 //! lies ln A is the polynomial through its values there, for which the rate is continued past y = 1.
 
+use std::collections::HashMap;
+use std::sync::{Arc, PoisonError, RwLock};
+
 use serde::{Deserialize, Serialize};
 
 use super::cohort::Place;
@@ -16,7 +19,7 @@ use super::path::Path;
 use super::seeds::Seed;
 use super::thermal::{Moment, Passage, Thermal};
 use crate::Result;
-use crate::contacts::{Barrier, Contacts, Stiffness, Strength, Temperature};
+use crate::contacts::{Barrier, Contacts, Label, Rank, Stiffness, Strength, Temperature};
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::roots::brent_root;
@@ -32,7 +35,14 @@ pub(super) struct Ranks {
     atoms: Vec<Atom>,
     /// The panels of the law.
     panels: Vec<Panel>,
+    /// Ranks on panels of the grid: they take long to find, and all cohorts have the same.
+    ranks: RwLock<HashMap<u64, Arc<PanelRanks>>>,
+    /// The strongest contacts.
+    strongest: (f64, Option<Rank>),
 }
+
+/// Ranks at the Gauss points of a panel, and at its upper end.
+type PanelRanks = [Rank; NODES + 1];
 
 /// Who is left of a place.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -112,7 +122,18 @@ impl Ranks {
         });
         let strength = Strength::of(contacts)?;
         let (atoms, panels) = (law.atoms(), panels(law.as_ref(), f64::INFINITY));
-        Ok(Self { law, strength, stiffness: contacts.stiffness, thermal, atoms, panels })
+        let highest = panels.last().map(|panel| panel.high);
+        let highest = highest.into_iter().chain(atoms.last().map(|atom| atom.position)).fold(0.0, f64::max);
+        Ok(Self {
+            law,
+            strongest: (highest, strength.rank(highest)),
+            strength,
+            stiffness: contacts.stiffness,
+            thermal,
+            atoms,
+            panels,
+            ranks: RwLock::default(),
+        })
     }
 
     /// About how many numbers a step of a cohort goes through.
@@ -177,11 +198,10 @@ impl Ranks {
     /// Adds ∫w dt to the exponents.
     fn accumulate<'a>(&self, thermal: &Thermal, grid: &Grid, passage: &Passage<'a>, left: &mut Left) {
         let Left { met, atoms, band: Some(band), .. } = left else { return };
-        let highest = self.panels.last().map(|panel| panel.high);
-        let top = highest.into_iter().chain(self.atoms.last().map(|atom| atom.position)).fold(0.0, f64::max);
-        let shared = thermal.shared(passage, top);
+        let shared =
+            thermal.shared(passage, Label { newborn: self.strongest.0, rank: self.strongest.1.as_ref() });
         let mut room = Vec::new();
-        let mut fitted = |label: f64, sum: &mut dyn FnMut(&[Moment<'a>])| match &shared {
+        let mut fitted = |label: Label<'_>, sum: &mut dyn FnMut(&[Moment<'a>])| match &shared {
             Some(moments) => sum(moments),
             None => {
                 thermal.fit(passage, label, &mut room);
@@ -189,11 +209,15 @@ impl Ranks {
             }
         };
         for ((_, exponent), atom) in atoms.iter_mut().zip(&self.atoms) {
-            fitted(atom.position, &mut |moments| *exponent += thermal.added_to(moments, atom.position));
+            let rank = self.strength.rank(atom.position);
+            let label = Label { newborn: atom.position, rank: rank.as_ref() };
+            fitted(label, &mut |moments| *exponent += thermal.added_to(moments, label));
         }
         let mut gone = |number: u64| {
-            let (high, mut added) = (grid.panel(number).high, 0.0);
-            fitted(high, &mut |moments| added = thermal.added_to(moments, high));
+            let (ranks, mut added) = (self.ranks(grid, number), 0.0);
+            let rank = ranks.as_ref().map(|ranks| &ranks[NODES]);
+            let top = Label { newborn: grid.panel(number).high, rank };
+            fitted(top, &mut |moments| added = thermal.added_to(moments, top));
             added > GONE
         };
         let (lowest, count) = (grid.above(*met), grid.count());
@@ -204,9 +228,10 @@ impl Ranks {
             band.rise(lowest);
         }
         for number in band.first..count {
-            let panel = grid.panel(number);
-            let (labels, weights) = panel.nodes();
-            let mut added = Nodal::default();
+            let (points, weights) = grid.panel(number).nodes();
+            let (ranks, mut added) = (self.ranks(grid, number), Nodal::default());
+            let rank = |i: usize| ranks.as_ref().map(|ranks| &ranks[i]);
+            let labels = std::array::from_fn(|i| Label { newborn: points[i], rank: rank(i) });
             fitted(labels[NODES / 2], &mut |moments| added = thermal.added(moments, &labels));
             // The stronger a contact the lower its rate.
             if added[0] < thermal.nothing {
@@ -214,7 +239,7 @@ impl Ranks {
             }
             let place = (number - band.first) as usize;
             if place == band.exponents.len() {
-                let density: Nodal = std::array::from_fn(|i| weights[i] * self.law.density(labels[i]));
+                let density: Nodal = std::array::from_fn(|i| weights[i] * self.law.density(points[i]));
                 band.exponents.push(Nodal::default());
                 band.weights.push(density);
             }
@@ -223,6 +248,25 @@ impl Ranks {
         // The last panel tells that all below its end are gone.
         let gone = band.exponents.iter().take_while(|exponents| exponents[NODES - 1] > GONE).count();
         band.rise(band.first + gone.min(band.exponents.len().saturating_sub(1)) as u64);
+    }
+
+    /// The ranks on a panel of the grid, where contacts keep them.
+    fn ranks(&self, grid: &Grid, number: u64) -> Option<Arc<PanelRanks>> {
+        /// Panels whose ranks are kept: 32 MB.
+        const MOST: usize = 1 << 14;
+        self.strongest.1.as_ref()?;
+        if let Some(known) = self.ranks.read().unwrap_or_else(PoisonError::into_inner).get(&number) {
+            return Some(known.clone());
+        }
+        let panel = grid.panel(number);
+        let thresholds: Vec<f64> = panel.nodes().0.into_iter().chain([panel.high]).collect();
+        let found: Vec<Rank> = thresholds.into_iter().filter_map(|h| self.strength.rank(h)).collect();
+        let ranks: Arc<PanelRanks> = Arc::new(found.try_into().ok()?);
+        let mut known = self.ranks.write().unwrap_or_else(PoisonError::into_inner);
+        if known.len() < MOST {
+            known.insert(number, ranks.clone());
+        }
+        Some(ranks)
     }
 
     /// The share that is left, and its stiffness.

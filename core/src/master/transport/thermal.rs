@@ -6,8 +6,8 @@
 
 use super::fitted::fitted;
 use super::path::Path;
-use crate::contacts::{Aged, Contacts, Stiffness, Strength, Temperature};
-use crate::numerics::legendre::Nodal;
+use crate::contacts::{Aged, Contacts, Label, Stiffness, Strength, Temperature};
+use crate::numerics::legendre::{NODES, Nodal};
 
 /// Breaking by temperature.
 #[derive(Debug)]
@@ -89,10 +89,10 @@ impl Thermal {
     }
 
     /// The moments of a rule that does for all labels up to `top`, if one of the [`RULES`] does.
-    pub(super) fn shared<'a>(&self, passage: &Passage<'a>, top: f64) -> Option<Vec<Moment<'a>>> {
+    pub(super) fn shared<'a>(&self, passage: &Passage<'a>, top: Label<'_>) -> Option<Vec<Moment<'a>>> {
         let &Passage { strength, age, path, ends: (from, to), .. } = passage;
         let time = path.duration * (to - from);
-        let (before, after) = (strength.threshold(top, age), strength.threshold(top, age + time));
+        let [before, after] = [age, age + time].map(|age| strength.at(age).threshold_of(top));
         let moved = path.advance(from, to).abs() + (after - before).abs();
         let top = before.max(after);
         let change = self.stiffness.of(top) * top * moved / self.temperature.energy;
@@ -104,7 +104,7 @@ impl Thermal {
     }
 
     /// The moments of a rule that does for labels like this one.
-    pub(super) fn fit<'a>(&self, passage: &Passage<'a>, label: f64, moments: &mut Vec<Moment<'a>>) {
+    pub(super) fn fit<'a>(&self, passage: &Passage<'a>, label: Label<'_>, moments: &mut Vec<Moment<'a>>) {
         moments.clear();
         let whole = passage.ends;
         self.fit_part(passage, label, whole, DEEPEST, moments);
@@ -114,14 +114,14 @@ impl Thermal {
     fn fit_part<'a>(
         &self,
         passage: &Passage<'a>,
-        label: f64,
+        label: Label<'_>,
         (from, to): (f64, f64),
         halvings: u32,
         moments: &mut Vec<Moment<'a>>,
     ) {
         let ln_rate = |s: f64| {
             let (stretch, aged) = passage.at(s);
-            self.ln_rate(stretch, aged.threshold(label))
+            self.ln_rate(stretch, aged.threshold_of(label))
         };
         let (width, ends) = (to - from, [ln_rate(from), ln_rate(to)]);
         let highest = ends[0].max(ends[1]);
@@ -151,7 +151,7 @@ impl Thermal {
     }
 
     /// What the moments add to A of these labels.
-    pub(super) fn added(&self, moments: &[Moment], labels: &Nodal) -> Nodal {
+    pub(super) fn added(&self, moments: &[Moment], labels: &[Label<'_>; NODES]) -> Nodal {
         let mut exponents = Nodal::default();
         for moment in moments {
             for (exponent, &label) in exponents.iter_mut().zip(labels) {
@@ -162,15 +162,15 @@ impl Thermal {
     }
 
     /// What the moments add to A of a label.
-    pub(super) fn added_to(&self, moments: &[Moment], label: f64) -> f64 {
+    pub(super) fn added_to(&self, moments: &[Moment], label: Label<'_>) -> f64 {
         moments.iter().map(|moment| self.over(moment, label)).sum()
     }
 
     #[inline]
-    fn over(&self, moment: &Moment, label: f64) -> f64 {
+    fn over(&self, moment: &Moment, label: Label<'_>) -> f64 {
         /// Contacts far below the stretch are gone, with exponents that can be counted with.
         const MOST: f64 = 1e300;
-        let rate = self.ln_rate(moment.stretch, moment.aged.threshold(label)).exp();
+        let rate = self.ln_rate(moment.stretch, moment.aged.threshold_of(label)).exp();
         (moment.time * self.temperature.attempt_rate * rate).min(MOST)
     }
 
