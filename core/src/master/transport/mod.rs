@@ -31,7 +31,7 @@ use std::sync::Arc;
 
 use super::{Stretches, Tolerance};
 use crate::clocked::{Books, Clocked, Portion, State};
-use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
+use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness, Strength};
 use crate::history::History;
 use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
@@ -115,18 +115,21 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         contacts.check(initial)?;
-        let fine = Self::starting(&contacts, initial, tolerance, monitor)?;
-        Ok(fine.beside(Self::starting(&contacts, initial, rough(tolerance), monitor)?))
+        let strength = strength(&contacts)?;
+        let mut starting =
+            |tolerance| Self::starting(&contacts, strength.clone(), initial, tolerance, monitor);
+        Ok(starting(tolerance)?.beside(starting(rough(tolerance))?))
     }
 
     fn starting(
         contacts: &Contacts,
+        strength: Option<Strength>,
         initial: &Initial,
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         report(monitor, 0.0)?;
-        let mut transport = Self::empty(contacts, tolerance)?;
+        let mut transport = Self::empty(contacts, strength, tolerance)?;
         let law = contacts.thresholds.as_ref();
         let held = |x: f64| match initial.start {
             Start::Conditional => 1.0,
@@ -149,13 +152,13 @@ impl Transport {
         self
     }
 
-    fn empty(contacts: &Contacts, tolerance: f64) -> Result<Self> {
+    fn empty(contacts: &Contacts, strength: Option<Strength>, tolerance: f64) -> Result<Self> {
         Tolerance::from(tolerance).check()?;
         let seeds = seeds(contacts.reforming.as_ref(), contacts.highest_start(), widest(contacts), |_| 1.0);
         let (Stiffness::Equal(stiffness) | Stiffness::PerThreshold(stiffness)) = contacts.stiffness;
         let mean = contacts.thresholds.mean();
         Ok(Self {
-            model: Arc::new(model(contacts, &seeds, tolerance)?),
+            model: Arc::new(model(contacts, strength, &seeds, tolerance)),
             seeds: seeds.into(),
             stiffness: contacts.count * stiffness,
             unit: contacts.count * contacts.stiffness.of(mean) * mean,
@@ -494,19 +497,25 @@ fn rough(tolerance: f64) -> f64 {
     (ROUGH * tolerance).min(1e-2)
 }
 
-/// The rules of the thresholds of these contacts, which re-form at the seeds.
-fn model(contacts: &Contacts, seeds: &[Seed], tolerance: f64) -> Result<Model> {
+/// How strong contacts are by their age, unless their thresholds diffuse.
+fn strength(contacts: &Contacts) -> Result<Option<Strength>> {
     match &contacts.rules.ageing {
         Some(Ageing::MeanField { .. }) => {
             let expected = "a rule for one contact: mean_field is the closure of steady sliding";
             Err(Error::invalid("contacts.ageing.mean_field", expected, "a velocity that varies"))
         }
-        Some(Ageing::Smoluchowski { .. }) => {
-            let diffusing = Diffusing::new(contacts, seeds, pace::scale(contacts), tolerance);
-            Ok(Model::Diffusing(diffusing.expect("smoluchowski has a mature law")))
-        }
-        _ => Ok(Model::Ranked(Ranks::new(contacts, tolerance)?)),
+        Some(Ageing::Smoluchowski { .. }) => Ok(None),
+        _ => Strength::of(contacts).map(Some),
     }
+}
+
+/// The rules of the thresholds of these contacts, which re-form at the seeds and have the [`strength`].
+fn model(contacts: &Contacts, strength: Option<Strength>, seeds: &[Seed], tolerance: f64) -> Model {
+    if let Some(strength) = strength {
+        return Model::Ranked(Ranks::new(contacts, strength, tolerance));
+    }
+    let diffusing = Diffusing::new(contacts, seeds, pace::scale(contacts), tolerance);
+    Model::Diffusing(diffusing.expect("thresholds that diffuse have a mature law"))
 }
 
 /// The widest cell of a law of stretches: no wider than the thresholds can see.

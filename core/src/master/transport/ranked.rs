@@ -18,7 +18,6 @@ use super::panels::{Panel, panels};
 use super::path::Path;
 use super::seeds::Seed;
 use super::thermal::{Moment, Passage, Thermal};
-use crate::Result;
 use crate::contacts::{Barrier, Contacts, Label, Rank, Stiffness, Strength, Temperature};
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
@@ -113,18 +112,18 @@ impl Band {
 }
 
 impl Ranks {
-    pub(super) fn new(contacts: &Contacts, tolerance: f64) -> Result<Self> {
+    /// Contacts of a [`Strength`].
+    pub(super) fn new(contacts: &Contacts, strength: Strength, tolerance: f64) -> Self {
         let law = contacts.thresholds.clone();
         let felt = contacts.rules.temperature.filter(|t| is_felt(contacts, t, tolerance));
         let thermal = felt.map(|t| {
             let thermal = Thermal::new(contacts, t, moved(contacts, &t, 1.0), tolerance);
             (thermal, Grid::new(law.as_ref(), contacts, &t))
         });
-        let strength = Strength::of(contacts)?;
         let (atoms, panels) = (law.atoms(), panels(law.as_ref(), f64::INFINITY));
         let highest = panels.last().map(|panel| panel.high);
         let highest = highest.into_iter().chain(atoms.last().map(|atom| atom.position)).fold(0.0, f64::max);
-        Ok(Self {
+        Self {
             law,
             strongest: (highest, strength.rank(highest)),
             strength,
@@ -133,7 +132,7 @@ impl Ranks {
             atoms,
             panels,
             ranks: RwLock::default(),
-        })
+        }
     }
 
     /// About how many numbers a step of a cohort goes through.
@@ -398,7 +397,7 @@ mod tests {
         let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
         let rules = Rules { temperature, ..Rules::default() };
         let contacts = Contacts { rules, ..Contacts::new(law, Arc::new(Point::new(0.0).unwrap())) };
-        let ranks = Ranks::new(&contacts, 1e-8).unwrap();
+        let ranks = Ranks::new(&contacts, Strength::of(&contacts).unwrap(), 1e-8);
         let seed = Seed { stretch: 0.0, weight: 1.0, below: 0.0, above: 0.0 };
         let mut place = Place { stretch: 0.0, below: 0.0, above: 0.0, age: 0.0 };
         let mut left = ranks.newborn(&seed);

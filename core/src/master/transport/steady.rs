@@ -7,7 +7,7 @@ use super::path::{Part, Path};
 use std::sync::Arc;
 
 use crate::Result;
-use crate::contacts::{Contacts, Initial, Start};
+use crate::contacts::{Contacts, Initial, Start, Strength};
 use crate::law::Point;
 use crate::monitor::{Monitor, report};
 use crate::numerics::diffusion::Room;
@@ -32,17 +32,19 @@ impl Transport {
     ) -> Result<Self> {
         super::positive("velocity", velocity)?;
         contacts.check(&relaxed())?;
-        let fine = Self::sliding(contacts, velocity, tolerance, monitor)?;
-        Ok(fine.beside(Self::sliding(contacts, velocity, super::rough(tolerance), monitor)?))
+        let strength = super::strength(contacts)?;
+        let mut sliding = |tolerance| Self::sliding(contacts, strength.clone(), velocity, tolerance, monitor);
+        Ok(sliding(tolerance)?.beside(sliding(super::rough(tolerance))?))
     }
 
     fn sliding(
         contacts: &Contacts,
+        strength: Option<Strength>,
         velocity: f64,
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let mut transport = Self::empty(contacts, tolerance)?;
+        let mut transport = Self::empty(contacts, strength, tolerance)?;
         let most = (DEATHS * tolerance.powf(0.25)).min(0.5);
         let bend = BEND * tolerance * contacts.thresholds.mean() / velocity;
         let mut walkers: Vec<Cohort> =

@@ -177,7 +177,11 @@ impl Thermal {
     /// ln(w/ω), continued past the threshold.
     #[inline]
     fn ln_rate(&self, stretch: f64, threshold: f64) -> f64 {
-        let threshold = threshold.max(f64::MIN_POSITIVE);
+        /// Where the stretch is so many thresholds there is no barrier, and its continuation overflows.
+        const FAR: f64 = 1e100;
+        if threshold * FAR <= stretch || threshold <= 0.0 {
+            return 0.0;
+        }
         let whole = 0.5 * self.stiffness.of(threshold) * threshold * threshold;
         -whole / self.temperature.energy * self.temperature.barrier.continued(stretch / threshold)
     }

@@ -1,5 +1,6 @@
 //! An interface as the objects that it describes.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::super::{Block, Ensemble};
@@ -83,15 +84,23 @@ impl Interface {
         let scales =
             self.disorder.as_ref().map_or_else(|| Ok(vec![1.0; self.size()]), |s| s.build(self.size()));
         let scales = scales.map_err(|e| e.under("interface"))?;
+        // By temperature: cells of one are alike, and what takes long to find is found once.
+        let mut alike: HashMap<Option<u64>, Transport> = HashMap::new();
         let mut cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn Clocked>> {
             report(monitor, 0.0)?;
             let contacts = cooler(contacts, scale);
+            let energy = contacts.rules.temperature.map(|temperature| temperature.energy.to_bits());
             let cell: Box<dyn Clocked> = match ensemble {
                 Some(ensemble) => {
                     let first = (cell * ensemble.size()) as u64;
                     Box::new(ensemble.build(contacts, initial.clone())?.numbered_from(first).in_time()?)
                 }
-                None => Box::new(Transport::new(contacts, initial, tolerance, monitor)?),
+                None => {
+                    if !alike.contains_key(&energy) {
+                        alike.insert(energy, Transport::new(contacts, initial, tolerance, monitor)?);
+                    }
+                    Box::new(alike[&energy].clone())
+                }
             };
             Ok(Box::new(Scaled::new(cell, scale)?))
         };
