@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz accuracy
+.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid accuracy
 
 export PYTHON ?= python3
 venv := .venv
@@ -163,3 +163,9 @@ accuracy:
 fuzz:
 	$(if $(CASE),ASPERITY_CASE=$(CASE)) $(if $(SECONDS),ASPERITY_FUZZ_SECONDS=$(SECONDS)) $(if $(FROM),ASPERITY_FUZZ_FROM=$(FROM)) \
 	  cargo test --release --locked --package asperity-cli --test generated -- --ignored --nocapture --exact $(if $(CASE),one_case,campaign)
+
+# All combinations of a distribution, a task, a temperature and a rule of ageing, one after the other; those that fail are left in
+# target/fuzz. CASE=1234 runs that one.
+grid:
+	$(if $(CASE),ASPERITY_CASE=$(CASE)) \
+	  cargo test --release --locked --package asperity-cli --test generated -- --ignored --nocapture --exact all_combinations

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use asperity::contacts::{Barrier, Contacts, Initial, Rules, Start, Temperature};
+use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Temperature};
 use asperity::history::{History, Piece};
-use asperity::law::{Exponential, Gaussian, Lognormal, Point, Rectangular, SharedLaw};
+use asperity::law::{Exponential, Gaussian, Lognormal, Point, Rectangular, SharedLaw, Weibull};
 use asperity::master::{MasterEquation, Trace, Transport};
 
 /// ω.
@@ -149,5 +149,28 @@ fn so_cold_that_temperature_moves_nothing_contacts_are_athermal() {
         // While the barrier is below T, the slider moves by no more than 8e-9, in 8e-3/ω: contacts break earlier by less than
         // that. They break twice, where slopes are up to 7; both are right to the tolerance.
         assert!(off < 2.0 * 7.0 * 8e-9 + 2.0 * tolerance, "{barrier:?}: {off:e}");
+    }
+}
+
+/// Weak thresholds that age rank by rank come below 0, where they are 0: under them no barrier is left.
+#[test]
+fn thresholds_of_nothing_are_met_at_once() {
+    let mature = Arc::new(Gaussian::new(1.5, 0.2).unwrap());
+    let ageing = Some(Ageing::FrozenRank { mature, time: 1.0 });
+    let cold = contacts(Arc::new(Weibull::new(8.3, 1.0).unwrap()), Barrier::Elastic, 1e-6);
+    let rules = Rules { ageing, ..cold.rules };
+    let athermal = Rules { temperature: None, ..rules.clone() };
+    let tolerance = 1e-4;
+    let [warm, cold] = [rules, athermal].map(|rules| {
+        let contacts = Contacts { rules, ..cold.clone() };
+        let slow = Piece { velocity: 1e-12, duration: 1e-2 };
+        let history = History::new(vec![slow, Piece { velocity: 0.1, duration: 5.0 }]).unwrap();
+        let times: Vec<f64> = (0..=20).map(|k| 0.25 * f64::from(k)).collect();
+        let mut transport = Transport::new(contacts, &relaxed(), tolerance, &mut ()).unwrap();
+        transport.follow(&history, &times, &mut ()).unwrap().force
+    });
+    for (warm, cold) in warm.iter().zip(&cold) {
+        // Temperature moves breaks by about 1e-6, where the density of thresholds is up to 3.
+        assert!((warm - cold).abs() < 2.0 * tolerance + 1e-5, "{warm} {cold}");
     }
 }

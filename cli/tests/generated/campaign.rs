@@ -3,10 +3,9 @@
 use std::collections::BTreeSet;
 use std::fmt;
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::agreement::{Deviations, ERRORS};
+use super::child;
 use super::prediction;
 use super::scenario::Case;
 use super::verdict::{self, Verdict};
@@ -88,19 +87,8 @@ pub fn known() -> BTreeSet<u64> {
 
 /// Judges all cases.
 pub fn judge(cases: &[Case], task: Task) -> Count {
-    let (next, count) = (AtomicUsize::new(0), Mutex::new(Count::default()));
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(|| {
-                while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let one = judged(case, task);
-                    count.lock().expect("no other thread has failed").add(one);
-                }
-            });
-        }
-    });
-    let mut count = count.into_inner().expect("no thread has failed");
+    let mut count = Count::default();
+    child::shared(cases, |case| Some(judged(case, task))).into_iter().for_each(|one| count.add(one));
     count.failures.sort();
     count
 }
@@ -118,7 +106,7 @@ fn judged(case: &Case, task: Task) -> Count {
     }
     count.accepted += 1;
     if task == Task::Run {
-        let run = verdict::run(folder.path(), aside.path(), prediction::run(case));
+        let run = verdict::run(folder.path(), aside.path(), prediction::run(case), "--quiet");
         count.seconds += run.ended.seconds;
         count.failed(case, "run", &run);
         if run.accepted {

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::os::unix::process::ExitStatusExt as _;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// What a child may take.
@@ -84,4 +86,26 @@ fn watch(child: &Child, patience: Duration) -> (f64, bool) {
         std::thread::sleep(Duration::from_millis(3));
     }
     (seconds, false)
+}
+
+/// What comes of all items, on as many threads as there are, in the order of the items.
+pub fn shared<T: Sync, U: Send>(items: &[T], each: impl Fn(&T) -> Option<U> + Sync) -> Vec<U> {
+    let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                loop {
+                    let number = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(item) = items.get(number) else { return };
+                    if let Some(one) = each(item) {
+                        found.lock().expect("no other thread has failed").push((number, one));
+                    }
+                }
+            });
+        }
+    });
+    let mut found = found.into_inner().expect("no thread has failed");
+    found.sort_by_key(|one| one.0);
+    found.into_iter().map(|one| one.1).collect()
 }

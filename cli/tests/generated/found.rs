@@ -36,7 +36,8 @@ fn judged(file: &Path) -> Option<String> {
     }
     let [folder, aside] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
     std::fs::write(folder.path().join("scenario.toml"), &text).expect("the scenario is written");
-    let judge = if wanted == "accepted" { verdict::check } else { verdict::run };
+    let run = |folder: &Path, aside: &Path, limits| verdict::run(folder, aside, limits, "--quiet");
+    let judge = if wanted == "accepted" { verdict::check } else { run };
     let run = judge(folder.path(), aside.path(), LIMITS);
     let mut failures = run.failures;
     match (wanted.strip_prefix("refused "), run.ended.code()) {

@@ -10,6 +10,7 @@ mod campaign;
 mod child;
 mod distributions;
 mod found;
+mod grid;
 mod pairs;
 mod prediction;
 mod quantities;
@@ -146,6 +147,27 @@ fn campaign() {
         println!("up to case {number}: {count}");
     }
     count.assert_none_failed();
+}
+
+/// Of the grid of distributions, tasks, temperatures and rules of ageing, so many, spread evenly.
+const OF_THE_GRID: u64 = 40;
+
+#[test]
+fn combinations_end_within_their_limits() {
+    // A number that shares no factor with theirs, so that it goes through all values of each.
+    let numbers: Vec<u64> = (0..OF_THE_GRID).map(|k| (k * 1_048_573) % grid::COUNT).collect();
+    let failures = grid::judge(&numbers);
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// `make grid`
+#[test]
+#[ignore = "for `make grid`, takes hours"]
+fn all_combinations() {
+    let numbers: Vec<u64> =
+        given("ASPERITY_CASE").map_or_else(|| (0..grid::COUNT).collect(), |number| vec![number]);
+    let failures = grid::judge(&numbers);
+    assert!(failures.is_empty(), "{} of {}:\n{}", failures.len(), numbers.len(), failures.join("\n"));
 }
 
 fn numbers(cases: &[scenario::Case]) -> Vec<u64> {

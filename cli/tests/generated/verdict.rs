@@ -33,9 +33,9 @@ pub fn check(folder: &Path, aside: &Path, limits: Limits) -> Verdict {
     Verdict { accepted: ended.code() == Some(0), failures, ended, deviation: None }
 }
 
-/// Runs the scenario in a folder, into the folder `out` beside it.
-pub fn run(folder: &Path, aside: &Path, limits: Limits) -> Verdict {
-    let arguments = ["run", "scenario.toml", "-o", "out", "--quiet", "--threads", "2"];
+/// Runs the scenario in a folder, into the folder `out` beside it, with an option.
+pub fn run(folder: &Path, aside: &Path, limits: Limits, option: &str) -> Verdict {
+    let arguments = ["run", "scenario.toml", "-o", "out", "--threads", "2", option];
     let ended = child::run(&arguments, folder, aside, limits);
     let mut failures = ending(&ended, &[0, 1, 2, 130]);
     let accepted = ended.code() == Some(0);
