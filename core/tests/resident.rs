@@ -96,7 +96,9 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
     interface.next(3.2, monitor).map(drop)
 }
 
-const OBJECTS: [(&str, fn(&mut dyn Monitor) -> Made); 4] =
+type Make = fn(&mut dyn Monitor) -> Made;
+
+const OBJECTS: [(&str, Make); 4] =
     [("pull", pull), ("block", block), ("lattice", lattice), ("interface", cells)];
 
 /// Not a test by itself: makes what it is told to, and tells the most memory that this process has had.

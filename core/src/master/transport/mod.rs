@@ -512,7 +512,7 @@ fn strength(contacts: &Contacts) -> Result<Option<Strength>> {
 /// The rules of the thresholds of these contacts, which re-form at the seeds and have the [`strength`].
 fn model(contacts: &Contacts, strength: Option<Strength>, seeds: &[Seed], tolerance: f64) -> Model {
     if let Some(strength) = strength {
-        return Model::Ranked(Ranks::new(contacts, strength, tolerance));
+        return Model::Ranked(Box::new(Ranks::new(contacts, strength, tolerance)));
     }
     let diffusing = Diffusing::new(contacts, seeds, pace::scale(contacts), tolerance);
     Model::Diffusing(diffusing.expect("thresholds that diffuse have a mature law"))

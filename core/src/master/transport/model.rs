@@ -13,7 +13,7 @@ use crate::numerics::diffusion::Room;
 #[derive(Debug)]
 pub(super) enum Model {
     /// They follow from the age of a contact.
-    Ranked(Ranks),
+    Ranked(Box<Ranks>),
     /// They diffuse.
     Diffusing(Diffusing),
 }

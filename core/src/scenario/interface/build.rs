@@ -1,6 +1,7 @@
 //! An interface as the objects that it describes.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use super::super::{Block, Ensemble};
@@ -95,12 +96,12 @@ impl Interface {
                     let first = (cell * ensemble.size()) as u64;
                     Box::new(ensemble.build(contacts, initial.clone())?.numbered_from(first).in_time()?)
                 }
-                None => {
-                    if !alike.contains_key(&energy) {
-                        alike.insert(energy, Transport::new(contacts, initial, tolerance, monitor)?);
+                None => Box::new(match alike.entry(energy) {
+                    Entry::Occupied(known) => known.get().clone(),
+                    Entry::Vacant(new) => {
+                        new.insert(Transport::new(contacts, initial, tolerance, monitor)?).clone()
                     }
-                    Box::new(alike[&energy].clone())
-                }
+                }),
             };
             Ok(Box::new(Scaled::new(cell, scale)?))
         };
