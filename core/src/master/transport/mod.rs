@@ -515,7 +515,7 @@ fn model(contacts: &Contacts, strength: Option<Strength>, seeds: &[Seed], tolera
         return Model::Ranked(Box::new(Ranks::new(contacts, strength, tolerance)));
     }
     let diffusing = Diffusing::new(contacts, seeds, pace::scale(contacts), tolerance);
-    Model::Diffusing(diffusing.expect("thresholds that diffuse have a mature law"))
+    Model::Diffusing(Box::new(diffusing.expect("thresholds that diffuse have a mature law")))
 }
 
 /// The widest cell of a law of stretches: no wider than the thresholds can see.

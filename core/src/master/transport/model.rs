@@ -15,7 +15,7 @@ pub(super) enum Model {
     /// They follow from the age of a contact.
     Ranked(Box<Ranks>),
     /// They diffuse.
-    Diffusing(Diffusing),
+    Diffusing(Box<Diffusing>),
 }
 
 /// The thresholds of a cohort.
