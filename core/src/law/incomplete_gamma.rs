@@ -95,8 +95,10 @@ impl IncompleteGamma {
 /// D(a, x) and its logarithm.
 fn kernel(&Shape { a, gamma, ln_gamma }: &Shape, x: f64, excess: f64) -> (f64, f64) {
     if a >= LARGE {
-        let ln = 0.5 * (a / TAU).ln() + a * ln_1p_minus(excess) - gamma;
-        return ((a / TAU).sqrt() * (a * ln_1p_minus(excess) - gamma).exp(), ln);
+        // Far below x = a, 1 + excess has lost digits that x has.
+        let exponent = if excess < -0.5 { (x / a).ln() - excess } else { ln_1p_minus(excess) };
+        let ln = 0.5 * (a / TAU).ln() + a * exponent - gamma;
+        return ((a / TAU).sqrt() * (a * exponent - gamma).exp(), ln);
     }
     let ln = a * x.ln() - x - ln_gamma;
     if x > 700.0 {
@@ -230,6 +232,18 @@ mod tests {
                 Tail::Lower(ratio) => assert!((kernel * ratio / lower - 1.0).abs() < 1e-14),
                 Tail::Upper(ratio) => assert!((kernel * ratio / upper - 1.0).abs() < 1e-14),
             }
+        }
+    }
+
+    /// xᵃ by exact powers of 2: far below the mean, where 1 + excess keeps no digits.
+    #[test]
+    fn the_kernel_keeps_its_digits_far_below_the_mean() {
+        let at = |power: i32| 25.0 * 2.0_f64.powi(power);
+        let value = |power: i32| kernel(&Shape::new(25.0), at(power), at(power) / 25.0 - 1.0).0;
+        for power in [-10, -20, -25] {
+            let ratio = 2.0_f64.powi(25) * (at(power - 1) - at(power)).exp();
+            // Roundings of an exponent of up to 430.
+            assert!((value(power) / value(power - 1) / ratio - 1.0).abs() < 1e-12, "{power}");
         }
     }
 
