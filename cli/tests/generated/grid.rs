@@ -12,10 +12,10 @@ use super::verdict;
 
 /// Seconds of the processor, which no run reaches that stops in time, and addresses: 500 MB, and what the allocator sets aside for
 /// each of four threads, 64 MiB.
-const LIMITS: Limits = Limits { seconds: 120, bytes: 500_000_000 + (4 << 26) };
+const LIMITS: Limits = Limits { seconds: 180, bytes: 500_000_000 + (4 << 26) };
 
 /// What takes longer is stopped; the first line of a log comes after ten seconds, and lives at a velocity tell no progress.
-const STOPPED: &str = "--max-time=30s";
+const STOPPED: &str = "--max-time=60s";
 
 /// Combinations that are known to fail, with the reason: they are named, and not run.
 const KNOWN: [(u64, &str); 2] = [

@@ -404,6 +404,11 @@ impl Fate for Diffusing {
         self.resolution
     }
 
+    fn rounding(&self) -> f64 {
+        // Rounding of the masses of some tens of elements, over a step as long as all that went before.
+        2e-12
+    }
+
     fn error(&self) -> f64 {
         f64::from_bits(self.missed.load(Ordering::Relaxed)).max(ROUNDING)
     }

@@ -61,6 +61,8 @@ pub(super) fn of_cohorts(
     let mut breaks = cohorts.breaks(watch);
     let stops = breaks.iter().map(|b| b.position).chain(cohorts.approaches(watch)).collect();
     let outline = Outline::new(&at, stops, contacts.thresholds.mean());
+    let rounding = cohorts.fate.rounding();
+    breaks.retain(|b| b.exponent != 0.0 || b.amplitude.abs() * b.position >= rounding);
     watch.check()?;
     let edges = &outline.edges;
     let end = edges[edges.len() - 1];

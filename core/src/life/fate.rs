@@ -18,6 +18,11 @@ pub(crate) trait Fate: Debug + Send + Sync {
         ROUNDING
     }
 
+    /// Jumps of the breaking density, times their advance, that are rounding of what is left.
+    fn rounding(&self) -> f64 {
+        0.0
+    }
+
     /// A length over which the tolls at one advance vary little with the start, between the starts that
     /// [`Fate::passing`] tells.
     fn resolution(&self) -> f64;
