@@ -27,13 +27,14 @@ pub fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let Setting { scenario, contacts, initial, .. } = setting;
+    fits(scenario, task, None)?;
     let aside = &mut Part::new(monitor, 0.0, 0.0);
     let equation = match task.velocity {
         Some(velocity) => MasterEquation::at(contacts.clone(), initial, velocity, aside)?,
         None => MasterEquation::new(contacts.clone(), initial, aside)?,
     };
     let grid = Grid::new(&equation, initial, &task.snapshots);
-    fits(scenario, task, &grid)?;
+    fits(scenario, task, Some(&grid))?;
     let master = if scenario.ensemble.is_some() { 0.5 } else { 1.0 };
     let tolerance = scenario.master_equation.tolerance();
     let pull = equation.pull(task.distance, tolerance, &mut Part::new(monitor, 0.0, 0.6 * master))?;
@@ -59,10 +60,10 @@ pub fn run(
     Ok((Summary { compare, ..summary }, record))
 }
 
-/// Refuses before any work what could not be written after it.
-fn fits(scenario: &Scenario, pull: &scenario::Pull, grid: &Grid) -> Result<()> {
-    let densities = (pull.snapshots.len() + 3) * grid.stretches.len();
-    let bins = scenario.ensemble.as_ref().map_or(0, |ensemble| grid.bins(ensemble.size()));
+/// Refuses before any work what could not be written after it; the grid is known once there is an equation.
+fn fits(scenario: &Scenario, pull: &scenario::Pull, grid: Option<&Grid>) -> Result<()> {
+    let densities = (pull.snapshots.len() + 3) * grid.map_or(0, |grid| grid.stretches.len());
+    let bins = grid.zip(scenario.ensemble.as_ref()).map_or(0, |(grid, ensemble)| grid.bins(ensemble.size()));
     let histograms = (pull.snapshots.len() + 1) * bins;
     let needed = ((pull.points * COLUMNS + densities + histograms) * size_of::<f64>()) as u64;
     if needed <= LARGEST {
