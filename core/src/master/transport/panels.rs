@@ -20,6 +20,14 @@ pub(super) struct Panel {
 }
 
 impl Panel {
+    /// The panel, cut so that no part ends at more than twice where it begins: Gauss points follow any power of the stretch then.
+    fn graded(self) -> impl Iterator<Item = Self> {
+        let folds = if self.low > 0.0 { (self.high / self.low).log2() } else { 1.0 };
+        let count = folds.ceil().max(1.0);
+        let edge = move |k: f64| if k == count { self.high } else { self.low * (folds * k / count).exp2() };
+        (0..count as u32).map(move |k| Self { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) })
+    }
+
     /// Gauss points with their weights.
     pub(super) fn points(self) -> impl Iterator<Item = (f64, f64)> {
         let (middle, half) = (0.5 * (self.low + self.high), 0.5 * (self.high - self.low));
@@ -74,7 +82,8 @@ pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<Panel> {
         };
         let parts =
             (0..count as u32).map(|k| Panel { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) });
-        panels.extend(parts.filter(|panel| panel.points().any(|(x, _)| law.density(x) > 0.0)));
+        let graded = parts.flat_map(Panel::graded);
+        panels.extend(graded.filter(|panel| panel.points().any(|(x, _)| law.density(x) > 0.0)));
     }
     panels
 }
@@ -95,6 +104,8 @@ mod tests {
             Arc::new(Exponential::new(1.0).unwrap()),
             Arc::new(Weibull::new(1.0, 4.0).unwrap()),
             Arc::new(Gamma::new(1.0, 0.3).unwrap()),
+            Arc::new(Gamma::new(1.0, 1.5).unwrap()),
+            Arc::new(Weibull::new(0.6, 1.0).unwrap()),
         ];
         for law in laws {
             let points = panels(law.as_ref(), f64::INFINITY).into_iter().flat_map(Panel::points);
