@@ -30,7 +30,8 @@ const HEAD: &str = "\
 What a pull over five mean thresholds gives where no `master_equation.tolerance` is asked for: the estimated error of
 $F/(N_c\\langle k\\rangle \\bar x)$ that `summary.json` tells as `accuracy`, rounded up to a power of ten, and the cost in units of the
 pull of Gaussian thresholds with a coefficient of variation of 0.05, measured in the same go. Costs are two digits at best and
-depend on the machine; accuracies do not. Of a pull that takes more than 20 000 units there is none.
+depend on the machine; accuracies do not. Of a pull that takes more than 20 000 units, or is
+refused, there is none.
 ";
 
 /// What came of a scenario.
