@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use asperity::scenario::Law;
 use toml::{Table, Value};
 
 use super::child::{self, Limits};
@@ -23,19 +24,7 @@ const KNOWN: [(u64, &str); 1] = [(
     "the response of steady sliding of weak contacts that temperature breaks: no progress in a minute",
 )];
 
-const DISTRIBUTIONS: [&str; 11] = [
-    "gaussian",
-    "gamma",
-    "lognormal",
-    "rectangular",
-    "point",
-    "exponential",
-    "weibull",
-    "tabulated",
-    "series",
-    "mixture",
-    "renormalised",
-];
+const DISTRIBUTIONS: [&str; 11] = Law::NAMES;
 
 /// Energies T, of contacts that a barrier of about ½ holds; 0 for no temperature.
 const ENERGIES: [f64; 5] = [0.0, 1e-6, 1e-3, 0.05, 1.0];

@@ -15,8 +15,7 @@ use crate::{Error, Result};
 pub struct Gamma {
     mean: f64,
     std: f64,
-    shape: f64,
-    at_shape: Shape,
+    shape: Shape,
     scale: f64,
     sampler: rand_distr::Gamma<f64>,
 }
@@ -31,16 +30,16 @@ impl Gamma {
         let (shape, scale) = ((mean / std).powi(2), std * (std / mean));
         let sampler = rand_distr::Gamma::new(shape, scale)
             .map_err(|_| Error::invalid("std", format!("within 1e±150 of mean = {mean}"), std))?;
-        Ok(Self { mean, std, shape, at_shape: Shape::new(shape), scale, sampler })
+        Ok(Self { mean, std, shape: Shape::new(shape), scale, sampler })
     }
 
     fn at(&self, x: f64) -> IncompleteGamma {
-        IncompleteGamma::new(&self.at_shape, x / self.scale, (x - self.mean) / self.mean)
+        IncompleteGamma::new(&self.shape, x / self.scale, (x - self.mean) / self.mean)
     }
 
     /// p(0⁺), also S there times the hazard.
     fn density_at_zero(&self) -> f64 {
-        match self.shape.total_cmp(&1.0) {
+        match self.shape.a.total_cmp(&1.0) {
             std::cmp::Ordering::Less => f64::INFINITY,
             std::cmp::Ordering::Equal => 1.0 / self.scale,
             std::cmp::Ordering::Greater => 0.0,
@@ -111,7 +110,7 @@ impl Law for Gamma {
     }
 
     fn breaks(&self) -> Vec<Break> {
-        onset(self.shape - 1.0, self.scale.powf(-self.shape))
+        onset(self.shape.a - 1.0, self.scale.powf(-self.shape.a))
     }
 
     fn decay_rate(&self) -> f64 {
@@ -123,7 +122,7 @@ impl Law for Gamma {
         let w = s * self.scale;
         // ln(1 + w), right where w is small and k large.
         let modulus = 0.5 * (2.0 * w.re + w.norm_sqr()).ln_1p();
-        (-self.shape * Complex64::new(modulus, w.im.atan2(1.0 + w.re))).exp()
+        (-self.shape.a * Complex64::new(modulus, w.im.atan2(1.0 + w.re))).exp()
     }
 
     fn fill(&self, stream: &mut Stream, out: &mut [f64]) {

@@ -15,10 +15,19 @@ const LARGE: f64 = 20.0;
 /// A shape a > 0, with what follows from it alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Shape {
-    a: f64,
-    /// Γ(a); of a large shape, what Stirling's formula leaves of ln Γ(a).
-    gamma: f64,
-    ln_gamma: f64,
+    pub(super) a: f64,
+    gamma: OfShape,
+}
+
+/// Γ(a).
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum OfShape {
+    Direct {
+        gamma: f64,
+        ln: f64,
+    },
+    /// Of a large shape, what Stirling's formula leaves of ln Γ(a).
+    Stirling(f64),
 }
 
 /// The regularised functions P(a, x) and Q(a, x) at one point.
@@ -38,9 +47,8 @@ enum Tail {
 
 impl Shape {
     pub(super) fn new(a: f64) -> Self {
-        let (gamma, ln_gamma) =
-            if a >= LARGE { (stirling(a), f64::NAN) } else { (libm::tgamma(a), libm::lgamma(a)) };
-        Self { a, gamma, ln_gamma }
+        let direct = || OfShape::Direct { gamma: libm::tgamma(a), ln: libm::lgamma(a) };
+        Self { a, gamma: if a >= LARGE { OfShape::Stirling(stirling(a)) } else { direct() } }
     }
 }
 
@@ -93,20 +101,23 @@ impl IncompleteGamma {
 }
 
 /// D(a, x) and its logarithm.
-fn kernel(&Shape { a, gamma, ln_gamma }: &Shape, x: f64, excess: f64) -> (f64, f64) {
-    if a >= LARGE {
-        // Far below x = a, 1 + excess has lost digits that x has.
-        let exponent = if excess < -0.5 { (x / a).ln() - excess } else { ln_1p_minus(excess) };
-        let ln = 0.5 * (a / TAU).ln() + a * exponent - gamma;
-        return ((a / TAU).sqrt() * (a * exponent - gamma).exp(), ln);
+fn kernel(&Shape { a, gamma }: &Shape, x: f64, excess: f64) -> (f64, f64) {
+    match gamma {
+        OfShape::Stirling(rest) => {
+            // Far below x = a, 1 + excess has lost digits that x has.
+            let exponent = if excess < -0.5 { (x / a).ln() - excess } else { ln_1p_minus(excess) };
+            let ln = 0.5 * (a / TAU).ln() + a * exponent - rest;
+            ((a / TAU).sqrt() * (a * exponent - rest).exp(), ln)
+        }
+        OfShape::Direct { gamma, ln: ln_gamma } => {
+            let ln = a * x.ln() - x - ln_gamma;
+            if x > 700.0 {
+                return (ln.exp(), ln);
+            }
+            let kernel = x.powf(a) * (-x).exp() / gamma;
+            (kernel, if kernel.is_normal() { kernel.ln() } else { ln })
+        }
     }
-    let ln = a * x.ln() - x - ln_gamma;
-    if x > 700.0 {
-        return (ln.exp(), ln);
-    }
-    let kernel = x.powf(a) * (-x).exp() / gamma;
-    let ln = if kernel.is_normal() { kernel.ln() } else { ln };
-    (kernel, ln)
 }
 
 /// P/D = Σ xⁿ/(a (a+1) … (a+n)).
