@@ -260,3 +260,58 @@ fn what_breaks_is_what_is_no_longer_left() {
         assert!((whole - 1.0).abs() < 1e-13, "{velocity}: {:e}", whole - 1.0);
     }
 }
+
+/// The least λ of −f'' + z f' = λ f above z_0, where f = 0: the rate at which thresholds that diffuse are met by a stretch at
+/// rest, in units of D/σ². By f(z) = λ ∫_{z_0}^z e^{s²/2} ∫_s^∞ e^{−t²/2} f dt ds, again and again, trapezoids extrapolated.
+fn slowest_rate(least: f64) -> f64 {
+    let by_trapezoids = |steps: usize| {
+        let step = (8.0 - least) / steps as f64;
+        let weights: Vec<f64> =
+            (0..=steps).map(|i| (-0.5 * (least + step * i as f64).powi(2)).exp()).collect();
+        let whole = |f: &[f64]| f.iter().zip(&weights).map(|(value, weight)| value * weight).sum::<f64>();
+        let (mut f, mut rate) = (vec![1.0; steps + 1], 0.0);
+        for _ in 0..20 {
+            let mut above = vec![0.0; steps + 1];
+            for i in (0..steps).rev() {
+                above[i] = above[i + 1] + 0.5 * step * (weights[i] * f[i] + weights[i + 1] * f[i + 1]);
+            }
+            let mut next = vec![0.0; steps + 1];
+            for i in 1..=steps {
+                let [a, b] = [i - 1, i].map(|k| above[k] / weights[k]);
+                next[i] = next[i - 1] + 0.5 * step * (a + b);
+            }
+            rate = whole(&f) / whole(&next);
+            f = next.iter().map(|value| value * rate).collect();
+        }
+        rate
+    };
+    (4.0 * by_trapezoids(800) - by_trapezoids(400)) / 3.0
+}
+
+/// So slow that the thresholds above the stretch are always those that decay slowest, those of a slider at rest.
+#[test]
+fn a_slow_slider_meets_thresholds_at_the_rate_of_one_at_rest() {
+    let (std, velocity) = (0.05, 1e-6);
+    let contacts = contacts(gaussian(0.5, 0.1), gaussian(1.0, std), std * std);
+    const PARTS: usize = 300;
+    // Below, the rate is less than 1e-16.
+    let (from, to) = (0.55, 0.9);
+    let step = (to - from) / PARTS as f64;
+    let rate = |half_steps: usize| slowest_rate((from + 0.5 * step * half_steps as f64 - 1.0) / std);
+    let rates: Vec<f64> = (0..=2 * PARTS).map(rate).collect();
+    let mut met = 0.0;
+    let mut sums = [from, 0.5 * from * from];
+    for part in 0..=PARTS {
+        if part > 0 {
+            let [a, b, c] = [2, 1, 0].map(|back| rates[2 * part - back]);
+            met += step / 6.0 * (a + 4.0 * b + c) / velocity;
+        }
+        let simpson = if part == 0 || part == PARTS { 1.0 } else { 2.0 + 2.0 * (part % 2) as f64 };
+        let weight = step / 3.0 * simpson * (-met).exp();
+        sums[0] += weight;
+        sums[1] += weight * (from + step * part as f64);
+    }
+    let found = kinetic_friction(&life(&contacts, velocity));
+    // Thresholds lag behind the stretch by a part of order v, 6e-6 of the friction at 1e-4; what has matured takes 1e-6 of a length.
+    assert!((found - sums[1] / sums[0]).abs() < 5e-7, "{found} {}", sums[1] / sums[0]);
+}
