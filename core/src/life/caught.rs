@@ -405,7 +405,7 @@ impl Fate for Diffusing {
     }
 
     fn rounding(&self) -> f64 {
-        // Rounding of the masses of some tens of elements, over a step as long as all that went before.
+        // Rounding of the masses of some tens of elements, over a step.
         2e-12
     }
 

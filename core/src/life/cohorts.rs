@@ -62,7 +62,7 @@ pub(super) fn of_cohorts(
     let stops = breaks.iter().map(|b| b.position).chain(cohorts.approaches(watch)).collect();
     let outline = Outline::new(&at, stops, contacts.thresholds.mean());
     let rounding = cohorts.fate.rounding();
-    breaks.retain(|b| b.exponent != 0.0 || b.amplitude.abs() * b.position >= rounding);
+    breaks.retain(|b| b.exponent != 0.0 || b.amplitude.abs() * outline.beside(b.position) >= rounding);
     watch.check()?;
     let edges = &outline.edges;
     let end = edges[edges.len() - 1];
@@ -153,6 +153,13 @@ impl Outline {
         };
         edges.truncate(edges.iter().rposition(matters).map_or(2, |last| last + 2));
         Self { edges: edges.into_iter().map(|edge| edge.0).collect(), mean, lived }
+    }
+
+    /// The width of the narrower cell beside an edge.
+    fn beside(&self, edge: f64) -> f64 {
+        let next = self.edges.partition_point(|&e| e <= edge);
+        let before = self.edges[..next].iter().rev().find(|&&e| e < edge).map_or(edge, |low| edge - low);
+        self.edges.get(next).map_or(before, |high| before.min(high - edge))
     }
 
     /// What a breaking density counts at the advance u: by as much as breaks there ∫U, ∫u U and U are changed.

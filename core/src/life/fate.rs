@@ -18,7 +18,7 @@ pub(crate) trait Fate: Debug + Send + Sync {
         ROUNDING
     }
 
-    /// Jumps of the breaking density, times their advance, that are rounding of what is left.
+    /// Jumps of the breaking density, times the width of the narrower cell beside them, that are rounding of what is left.
     fn rounding(&self) -> f64 {
         0.0
     }
