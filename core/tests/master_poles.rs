@@ -8,7 +8,7 @@ mod common;
 
 use asperity::law::{Gamma, Law};
 use asperity::master::Tolerance;
-use common::{gamma, lognormal, master, point, weibull};
+use common::{gamma, gaussian, lognormal, master, mixture, point, weibull};
 
 /// Aimed at, of the mean life.
 const PROMISED: f64 = 1e-10;
@@ -29,12 +29,12 @@ fn force_of_gamma(std: f64, position: f64) -> f64 {
         let ((_, before), (below, after)) = (sum(n), sum(n + 1));
         before - after - (position * below - after) / f64::from(n + 1)
     };
-    (0..500).map(term).sum()
+    (0..800).map(term).sum()
 }
 
 #[test]
 fn gamma_thresholds_of_any_width() {
-    for std in [1.2, 1.5, 2.0, 3.0] {
+    for std in [1.2, 1.5, 2.0, 3.0, 4.5, 6.0, 10.0] {
         let pull = master(&gamma(1.0, std), &point(0.0), &point(0.0)).pull(6.0, PROMISED, &mut ()).unwrap();
         for k in 1..=60_u32 {
             let position = 6.0 * (0.618_033_988_749_895 * f64::from(k)).fract();
@@ -52,7 +52,7 @@ fn gamma_thresholds_of_any_width() {
 /// derivative of a polynomial is rounding.
 #[test]
 fn slopes_beside_a_pole() {
-    for std in [1.2, 1.5, 2.0, 3.0] {
+    for std in [1.2, 1.5, 2.0, 3.0, 6.0] {
         let pull = master(&gamma(1.0, std), &point(0.0), &point(0.0)).pull(6.0, PROMISED, &mut ()).unwrap();
         for k in -12..=14_i32 {
             let position = 4.0 * 2.0_f64.powi(-k.max(0)) + 0.1 * f64::from((-k).max(0));
@@ -76,7 +76,15 @@ fn slopes_beside_a_pole() {
 /// ∫Q = 1 everywhere on the way, by a quadrature of its own, and the estimate says so.
 #[test]
 fn nothing_is_lost_beside_a_pole() {
-    let laws = [weibull(0.4, 1.0), weibull(0.6, 1.0), gamma(1.0, 2.5), lognormal(1.0, 3.0)];
+    let narrow = mixture(&[(0.5, gamma(0.8, 3.2)), (0.5, gaussian(1.2, 0.01))]);
+    let laws = [
+        weibull(0.2, 1.0),
+        weibull(0.4, 1.0),
+        weibull(0.6, 1.0),
+        gamma(1.0, 2.5),
+        lognormal(1.0, 3.0),
+        narrow,
+    ];
     for law in laws {
         let pull = master(&law, &point(0.0), &point(0.0)).pull(5.0, Tolerance::default(), &mut ()).unwrap();
         assert!(pull.error_estimate() < PROMISED * law.mean(), "{law:?}: {:e}", pull.error_estimate());

@@ -120,7 +120,7 @@ impl Kernel {
 
     /// The width below which the cells hold the fraction `light` of the mass, or a tenth with those that narrow towards a
     /// steep break. Cells beside a singularity do not count, since those of a solution double in width from there; where all
-    /// are such, the width that halves the mass; infinite where there are only point masses.
+    /// are such, the width that halves the mean; infinite where there are only point masses.
     pub(super) fn narrow(&self, light: f64) -> f64 {
         let mut cells: Vec<(f64, f64, usize)> = (0..self.bounds.len())
             .map(|cell| {
@@ -136,11 +136,13 @@ impl Kernel {
             fine += if self.is_graded(cell.2, Break::is_steep) { 0.0 } else { cell.1 };
             all > 0.1 * total || fine > light * total
         });
+        let moment = |cell: &(f64, f64, usize)| cell.1 * self.curve.cell(cell.2).0;
+        let whole: f64 = cells.iter().map(moment).sum();
         let mut below = 0.0;
         let halving = || {
             cells.iter().find(|cell| {
-                below += cell.1;
-                below > 0.5 * total
+                below += moment(cell);
+                below > 0.5 * whole
             })
         };
         counted.or_else(halving).map_or(f64::INFINITY, |cell| cell.0)

@@ -34,6 +34,8 @@ struct March<'a> {
     tail: f64,
     /// The break from which the march is on its way to the next.
     opened: f64,
+    /// The end of the cells that double in width from that break.
+    graded_to: f64,
 }
 
 /// Solves g = source + kernel ∗ g on [0, end].
@@ -86,6 +88,7 @@ pub fn solve(
         kept_inverse: None,
         tail: 0.0,
         opened: 0.0,
+        graded_to: 0.0,
     };
     let shows = |b: &Break| b.weight(spacing) > 10.0 * accuracy.carried;
     let carried = breaks.iter().flat_map(|b| onsets[1].iter().map(|onset| b.convolve(*onset)));
@@ -129,8 +132,8 @@ const BEFORE: f64 = 1e-9;
 /// Cells longer than this many means of the kernel are solved by conservation.
 const LONG: f64 = 4.0;
 
-/// The width of the first cell beside a pole at 0, in units of that of cells to begin with. What it holds is told by
-/// conservation, where in it is of no consequence.
+/// The width of the first cell beside a pole at 0, in units of that of cells to begin with. What it and those next to it hold is
+/// told by conservation, where in the first is of no consequence.
 const SMALLEST: f64 = 1e-30;
 
 /// By how much the place of a break, a sum of some others, may be rounded, in units of itself.
@@ -146,7 +149,9 @@ impl March<'_> {
     /// Cells from where the march stands to `stop`, halved and grown as needed.
     fn section(&mut self, stop: f64, end: f64, pace: &mut Pace, monitor: &mut dyn Monitor) -> Result<()> {
         self.opened = self.density.end();
-        for to in self.graded(stop).into_iter().chain([stop]) {
+        let graded = self.graded(stop);
+        self.graded_to = graded.last().copied().unwrap_or(self.opened);
+        for to in graded.into_iter().chain([stop]) {
             while self.density.end() < to {
                 if to < stop {
                     *pace = Pace { width: pace.width.min(to - self.density.end()), patience: 0 };
@@ -306,9 +311,14 @@ impl March<'_> {
     fn resolved(&mut self, cell: usize) -> Option<(Nodal, f64)> {
         let (middle, half) = self.mesh.cell(cell);
         let known = self.known(cell);
-        let values = self.solved(cell, known);
-        if cell == 0 && self.singular.iter().any(|b| b.position == 0.0 && b.exponent < 0.0) {
-            return Some((self.conserving(values), 0.0));
+        let mut values = self.solved(cell, known);
+        if self.is_beside_pole(cell) {
+            values = self.conserving(cell, &values);
+            // What stays inside of a cell is misplaced by its place at most, by which forces are off.
+            let misplaced = tail(&RULE.coefficients(&values)) * half * (middle + half);
+            if cell == 0 || misplaced <= self.accuracy.mass * self.kept.1.size() {
+                return Some((values, 0.0));
+            }
         }
         if let Some(missing) = self.missing(cell, &values) {
             return Some((values, missing));
@@ -319,16 +329,27 @@ impl March<'_> {
         })
     }
 
-    /// The values on the first cell times the factor by which source + kernel ∗ g is 1 at its end.
-    fn conserving(&self, values: Nodal) -> Nodal {
+    /// Whether a cell is one of those that double in width from a pole at 0.
+    fn is_beside_pole(&self, cell: usize) -> bool {
+        self.opened == 0.0
+            && self.mesh.boundaries[cell + 1] <= self.graded_to
+            && self.singular.iter().any(|b| b.position == 0.0 && b.exponent < 0.0)
+    }
+
+    /// The values on a cell times the factor by which source + kernel ∗ g of what is kept is 1 at its end: what the shape of a
+    /// pole in the first cell is off by moves no mass farther on.
+    fn conserving(&mut self, cell: usize, values: &Nodal) -> Nodal {
         let (source, kernel) = self.kept;
-        let (start, end) = (0.0, self.mesh.boundaries[1]);
-        let half = 0.5 * (end - start);
-        let held: f64 = (0..NODES)
-            .map(|i| half * RULE.weights[i] * values[i] * kernel.curve().value(half * (1.0 - RULE.nodes[i])))
-            .sum();
-        let missing = 1.0 - source.value(end) - struck(kernel.curve(), &self.atoms, (end, 0.0));
-        values.map(|value| value * missing / held)
+        let end = self.mesh.boundaries[cell + 1];
+        let before = source.value(end)
+            + struck(kernel.curve(), &self.atoms, (end, 0.0))
+            + (0..cell).map(|cell| self.mesh.convolve_cell(cell, &self.density, kernel, end)).sum::<f64>();
+        self.density.boundaries.push(end);
+        self.density.coefficients.push(RULE.coefficients(values));
+        let held = self.mesh.convolve_cell(cell, &self.density, kernel, end);
+        self.density.boundaries.pop();
+        self.density.coefficients.pop();
+        values.map(|value| value * (1.0 - before) / held)
     }
 
     /// The size of the tail of values on a cell, 0 where that is rounding; `None` where they are not resolved.

@@ -46,7 +46,7 @@ impl Mesh {
         cells.map(|cell| self.convolve_cell(cell, density, kernel, x)).sum()
     }
 
-    fn convolve_cell(&self, cell: usize, density: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
+    pub(super) fn convolve_cell(&self, cell: usize, density: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
         let (middle, half) = self.cell(cell);
         let (low, high) = ((x - middle - half).max(0.0), x - middle + half);
         let mut cuts = vec![low];
