@@ -152,11 +152,11 @@ impl Combination {
     }
 }
 
-/// Whether the last line of a log tells that less than an hour is left, as `1.5 % after 10 s, about 12 min 3 s left`.
+/// Whether the last line of a log tells that less than a day is left, as `1.5 % after 10 s, about 12 min 3 s left`.
 fn is_soon_done(log: &str) -> bool {
     let line = log.lines().rev().find(|line| line.contains(" % after "));
     let left = line.and_then(|line| line.split(", about ").nth(1));
-    left.is_some_and(|left| !left.contains(" d ") && !left.contains(" h ") && !left.contains(" h"))
+    left.is_some_and(|left| !left.contains(" d "))
 }
 
 /// Whether a message begins with the path of a key, as `× contacts.temperature.energy: …`.

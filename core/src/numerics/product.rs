@@ -10,6 +10,9 @@ const LANES: usize = 8;
 
 /// Σ a_j b_j.
 pub fn product(a: &[f64], b: &[f64]) -> f64 {
+    if a.len() <= CHUNK {
+        return in_lanes(a, b);
+    }
     let chunks = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK));
     let sums: Vec<f64> = chunks.map(|(a, b)| in_lanes(a, b)).collect();
     sums.iter().sum()

@@ -6,8 +6,7 @@ mod neighbours;
 pub use half_space::HalfSpace;
 pub use neighbours::Neighbours;
 
-use rayon::prelude::*;
-
+use super::batch;
 use super::solve::solve;
 use crate::numerics::product::product;
 use crate::shape::{Edges, Shape};
@@ -60,7 +59,8 @@ pub trait Coupling: Send + Sync {
     fn energy(&self, displacements: &[f64], forces: &[f64]) -> f64 {
         let Some(first) = displacements.first() else { return 0.0 };
         // Forces add to 0 but for rounding, which is not to count with how far all have come.
-        let relative: Vec<f64> = displacements.par_iter().map(|x| x - first).collect();
+        let mut relative = vec![0.0; displacements.len()];
+        batch::fill(&mut relative, |cell| displacements[cell] - first);
         -0.5 * product(&relative, forces)
     }
 }

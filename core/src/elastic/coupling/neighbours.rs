@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::{Coupling, fits, positive};
 use crate::Result;
+use crate::elastic::batch;
 use crate::elastic::solve::solve;
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
@@ -91,7 +92,11 @@ impl Coupling for Neighbours {
             beside(row, rows, edges).for_each(|other| pull(row_of(other), own, forces));
             forces.iter_mut().for_each(|force| *force *= stiffness);
         };
-        forces.par_chunks_mut(columns).enumerate().with_min_len(SHARE.div_ceil(columns)).for_each(sweep);
+        if forces.len() <= SHARE {
+            forces.chunks_mut(columns).enumerate().for_each(sweep);
+        } else {
+            forces.par_chunks_mut(columns).enumerate().with_min_len(SHARE.div_ceil(columns)).for_each(sweep);
+        }
     }
 
     /// Where neighbours are not much stiffer than the ground, each cell alone.
@@ -101,7 +106,7 @@ impl Coupling for Neighbours {
             self.solve(diagonal, right);
         } else {
             let spring = diagonal + self.stiffness * self.shape.neighbours() as f64;
-            right.par_chunks_mut(SHARE).for_each(|right| right.iter_mut().for_each(|x| *x /= spring));
+            batch::change(right, |_, force| force / spring);
         }
         stiff
     }
