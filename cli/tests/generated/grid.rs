@@ -19,10 +19,7 @@ const LIMITS: Limits = Limits { seconds: 180, bytes: 500_000_000 + (4 << 26) };
 const STOPPED: &str = "--max-time=60s";
 
 /// Combinations that are known to fail, with the reason: they are named, and not run.
-const KNOWN: [(u64, &str); 1] = [(
-    2429,
-    "the response of steady sliding of weak contacts that temperature breaks: no progress in a minute",
-)];
+const KNOWN: [(u64, &str); 0] = [];
 
 const DISTRIBUTIONS: [&str; 11] = Law::NAMES;
 

@@ -235,13 +235,16 @@ fn graded(mut edges: Vec<f64>, steep: &[f64], least: f64) -> Vec<f64> {
     const RATIO: f64 = 1.0 / 3.0;
     for &at in steep {
         let floor = least.max(8.0 * f64::EPSILON * at).max(f64::MIN_POSITIVE);
-        let beside = |edge: Option<&f64>| edge.map_or(0.0, |edge| edge - at);
-        let above = beside(edges.iter().find(|edge| **edge > at + floor));
-        let below = beside(edges.iter().rev().find(|edge| **edge < at - floor));
-        for width in [below, above] {
-            let next = |width: &f64| Some(RATIO * width).filter(|width| width.abs() > floor);
-            edges.extend(std::iter::successors(next(&width), next).map(|width| at + width));
-        }
+        let between = |near: f64, far: f64| {
+            let next = move |far: &f64| Some(RATIO * far).filter(|far| far.abs() > near.abs().max(floor));
+            std::iter::successors(next(&far), next).map(move |distance| at + distance)
+        };
+        let beside = |pair: &[f64]| {
+            let [low, high] = [pair[0] - at, pair[1] - at];
+            between(low.max(0.0), high.max(0.0)).chain(between(high.min(0.0), low.min(0.0)))
+        };
+        let more: Vec<f64> = edges.windows(2).flat_map(beside).collect();
+        edges.extend(more);
         edges.sort_by(f64::total_cmp);
     }
     edges.dedup();

@@ -245,13 +245,16 @@ impl Cohort for Formed {
 
     fn breaks(&self) -> Vec<Break> {
         let meet = |hazard: &Break| {
-            let advance = self.record.meeting(hazard.position)?;
+            let here = hazard.position == self.start;
+            let advance = if here { 0.0 } else { self.record.meeting(hazard.position)? };
             let left = self.of.left(self.start, advance, hazard.position);
             let pace = if hazard.is_atom() { 1.0 } else { self.record.pace(advance) };
             let amplitude = hazard.amplitude * left * pace.powf(hazard.exponent + 1.0);
             Some(Break { position: advance, amplitude, ..*hazard })
         };
-        let above = self.of.hazards.iter().filter(|hazard| hazard.position > self.start);
+        // Where contacts start, only what no derivative tells.
+        let shows = |b: &&Break| b.position > self.start || b.position == self.start && b.is_steep();
+        let above = self.of.hazards.iter().filter(shows);
         let turns = self.record.turns().map(|advance| {
             let step = 1e-9 * advance.max(f64::MIN_POSITIVE);
             let amplitude = self.toll(advance + step).breaking[0] - self.toll(advance - step).breaking[0];
