@@ -215,6 +215,7 @@ fn lattice(events: usize) -> Outcome {
         events,
         from: 0.0,
         magnitude: "size".into(),
+        magnitude_unit: "1".into(),
         law: None,
         mean_waiting: Some(1.0),
         waiting_variation: Some(0.0),

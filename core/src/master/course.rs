@@ -65,7 +65,7 @@ impl Course {
 
     /// The course on which what breaks stays free.
     pub(super) fn held(first: Arc<Life>) -> Self {
-        let slope = slope(first.force().curve(), first.mean());
+        let slope = slope(first.force().curve(), &first);
         Self { motion: Motion::Held { first, slope }, ledger: OnceLock::new() }
     }
 

@@ -14,10 +14,11 @@ mod state;
 pub use scaled::Scaled;
 pub use state::StateInTime;
 
-use super::{Coupling, Energy, Event, Loading, Slipped};
+use super::{Coupling, Energy, Event, Loading, Slipped, event};
 use crate::clocked::{Books, Clocked, Portion};
 use crate::monitor::{Monitor, report};
 use crate::numerics::two_stages::{CHANGE, change};
+use crate::record::Record;
 use crate::{Error, Float, Result};
 use slips::{Look, Seen, Slips};
 use stage::{Dynamics, Pulled, State, Tried};
@@ -42,8 +43,8 @@ pub struct SettingInTime {
     /// The share of the contacts of a cell that breaks in the smallest event: above 0 where contacts are so few that each
     /// of them makes its cell slip a little.
     pub slip_fraction: f64,
-    /// Area of a cell; 1 where areas are counted in cells.
-    pub area: f64,
+    /// Area of a cell; `None` where areas are counted in cells.
+    pub area: Option<f64>,
 }
 
 impl SettingInTime {
@@ -53,7 +54,7 @@ impl SettingInTime {
             ("connection", self.connection),
             ("viscosity", self.viscosity),
             ("tolerance", self.tolerance),
-            ("area", self.area),
+            ("area", self.area.unwrap_or(1.0)),
         ] {
             positive(key, value)?;
         }
@@ -202,6 +203,11 @@ impl InterfaceInTime {
     /// Breaks since the beginning, per contact.
     pub fn broken(&self) -> f64 {
         self.cells.iter().map(|cell| cell.contacts.books().broken).sum::<f64>() / self.len() as f64
+    }
+
+    /// A catalogue as columns, those of `events.csv`.
+    pub fn record(&self, events: &[Event]) -> Record {
+        event::record(events, self.slips.area)
     }
 
     /// Energies since the beginning; `slip` is what viscous drag has taken, ∫Σ ηẊ_j² dt, in slips or not.

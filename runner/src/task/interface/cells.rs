@@ -49,7 +49,7 @@ impl Model for Cells {
 
     fn columns(&self, events: &[Self::Event]) -> Record {
         let events: Vec<_> = events.iter().map(|event| event.0).collect();
-        let mut record = elastic::record(&events);
+        let mut record = self.interface.record(&events);
         record.variables.retain(|variable| self.timed || !IN_TIME.contains(&variable.name.as_str()));
         record
     }

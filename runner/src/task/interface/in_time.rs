@@ -1,7 +1,7 @@
 //! Cells whose contacts know time as an interface that is driven at a velocity.
 
 use asperity::contacts::{Contacts, Initial};
-use asperity::elastic::{self, Event, InterfaceInTime, Slipped, StateInTime};
+use asperity::elastic::{Event, InterfaceInTime, Slipped, StateInTime};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::scenario::{self, Scenario};
@@ -88,7 +88,7 @@ impl Model for CellsInTime {
     }
 
     fn columns(&self, events: &[Self::Event]) -> Record {
-        elastic::record(&events.iter().map(|event| event.0).collect::<Vec<_>>())
+        self.interface.record(&events.iter().map(|event| event.0).collect::<Vec<_>>())
     }
 
     fn slipped(&self, events: &[Self::Event], first: usize) -> Record {

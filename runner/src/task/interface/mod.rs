@@ -74,7 +74,7 @@ fn drive<M: Model>(
     let summary = Summary {
         seed: seed(setting.scenario, interface),
         sample: None,
-        catalogue: Some(catalogue::read::<M>(interface, &found.events)),
+        catalogue: Some(catalogue::read::<M>(interface, &setting.scenario.units, &found.events)),
         ..setting.heading()
     };
     Ok((summary, record::<M>(interface, &stops, found)))
