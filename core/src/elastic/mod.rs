@@ -263,6 +263,11 @@ impl Interface {
         self.cells.account().broken / self.len() as f64
     }
 
+    /// Estimated error of the force of a cell, the largest so far; 0 where contacts are followed one by one.
+    pub fn error(&self) -> f64 {
+        self.cells.error()
+    }
+
     /// A catalogue as columns, those of `events.csv`.
     pub fn record(&self, events: &[Event]) -> Record {
         event::record(events, self.setting.area)

@@ -99,6 +99,14 @@ impl Course {
         self.force().end()
     }
 
+    /// Estimated error of F, per unit stiffness, mean life and mean stiffness, where the stretches at its beginning are right.
+    pub(super) fn error(&self) -> f64 {
+        match &self.motion {
+            Motion::Renewed(leg) => leg.error,
+            Motion::Held { first, .. } => first.error(),
+        }
+    }
+
     /// Whether what breaks stays free.
     pub(super) fn is_held(&self) -> bool {
         matches!(self.motion, Motion::Held { .. })

@@ -16,6 +16,8 @@ pub struct Cells {
     pub interface: elastic::Interface,
     /// Whether slides take time.
     pub timed: bool,
+    /// Whether contacts follow the master equation.
+    pub solved: bool,
 }
 
 impl Model for Cells {
@@ -56,6 +58,10 @@ impl Model for Cells {
 
     fn slipped(&self, events: &[Self::Event], first: usize) -> Record {
         slipped(events, first, self.timed)
+    }
+
+    fn error(&self) -> Option<f64> {
+        self.solved.then(|| self.interface.error())
     }
 
     fn trace(&mut self) -> Result<Vec<f64>> {

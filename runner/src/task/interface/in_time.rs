@@ -16,6 +16,8 @@ pub struct CellsInTime {
     interface: InterfaceInTime,
     /// Of the drive.
     velocity: f64,
+    /// Whether contacts are followed by transport.
+    solved: bool,
 }
 
 impl CellsInTime {
@@ -33,7 +35,9 @@ impl CellsInTime {
         let Some(velocity) = task.velocity else {
             return Err(Error::invalid("drive.velocity", "a velocity above 0", "none"));
         };
-        Ok(Self { interface: cells_in_time(scenario, interface, contacts, initial, monitor)?, velocity })
+        let solved = scenario.ensemble.is_none();
+        let interface = cells_in_time(scenario, interface, contacts, initial, monitor)?;
+        Ok(Self { interface, velocity, solved })
     }
 }
 
@@ -93,6 +97,10 @@ impl Model for CellsInTime {
 
     fn slipped(&self, events: &[Self::Event], first: usize) -> Record {
         slipped(events, first, true)
+    }
+
+    fn error(&self) -> Option<f64> {
+        self.solved.then(|| self.interface.error())
     }
 
     fn trace(&mut self) -> Result<Vec<f64>> {
