@@ -51,7 +51,7 @@ fn velocity_curves_of_broad_thresholds() {
     // F_k = ⟨x_s²⟩/2⟨x_s⟩: (1 + 3²)/2, and Γ(1 + 2/k)/2Γ(1 + 1/k) in 40 digits.
     for (law, exact) in [
         ("gamma = { mean = 1.0, std = 3.0 }", 5.0),
-        ("weibull = { shape = 0.3, scale = 1.0 }", 140.0333814595388522),
+        ("weibull = { shape = 0.3, scale = 1.0 }", 140.033_381_459_538_84),
     ] {
         let text =
             format!("velocity_curve = {{ from = 0.1, to = 1.0, points = 2 }}\ncontacts.thresholds.{law}\n");
