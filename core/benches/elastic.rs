@@ -76,7 +76,7 @@ fn row(name: &str, coupling: Box<dyn Coupling>) {
         slip: Slip::Overdamped,
         viscosity: None,
         drive_tolerance: 1e-6,
-        area: 1.0,
+        area: None,
     };
     let mut interface = Interface::new(Box::new(disordered(number)), coupling, setting).unwrap();
     // The first event follows a long way without any.

@@ -153,7 +153,7 @@ fn deformable(side: usize, drive: f64, drive_tolerance: f64) -> (Interface, Stat
         slip: Slip::Overdamped,
         viscosity: None,
         drive_tolerance,
-        area: 1.0,
+        area: None,
     };
     let slider = half_space(Shape::Square([side; 2]), Edges::Periodic, 3.0, 1.0).unwrap();
     let mut interface = Interface::new(Box::new(cells), slider, setting).unwrap();

@@ -130,6 +130,12 @@ pub trait Population: Send + Sync {
     /// Energies and breaks.
     fn books(&self) -> Books;
 
+    /// Estimated error of the force, the largest so far; 0 of contacts that are followed one by one, which carry what they
+    /// carry.
+    fn error(&self) -> f64 {
+        0.0
+    }
+
     /// The stretches of the contacts that hold, in no order, where they are followed one by one.
     fn stretches(&self) -> Option<Vec<f64>> {
         None

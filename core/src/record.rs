@@ -14,6 +14,10 @@ pub enum Quantity {
     Stiffness,
     /// A force times a length.
     Energy,
+    /// A length squared.
+    Area,
+    /// A length cubed: an area times a slip.
+    Volume,
     /// A time.
     Time,
     /// A length per time.
@@ -26,12 +30,14 @@ pub enum Quantity {
 
 impl Quantity {
     /// Every quantity, for tables of labels.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Length,
         Self::Force,
         Self::PerLength,
         Self::Stiffness,
         Self::Energy,
+        Self::Area,
+        Self::Volume,
         Self::Time,
         Self::Velocity,
         Self::PerTime,
@@ -46,6 +52,8 @@ impl Quantity {
             Self::PerLength => "per_length",
             Self::Stiffness => "stiffness",
             Self::Energy => "energy",
+            Self::Area => "area",
+            Self::Volume => "volume",
             Self::Time => "time",
             Self::Velocity => "velocity",
             Self::PerTime => "per_time",

@@ -52,7 +52,7 @@ fn chain(cells: usize, stiffness: f64) -> Box<dyn Coupling> {
 
 fn setting(connection: f64, viscosity: f64, tolerance: f64) -> SettingInTime {
     let loading = Loading::Uniform;
-    SettingInTime { connection, loading, viscosity, tolerance, slip_fraction: 0.0, area: 1.0 }
+    SettingInTime { connection, loading, viscosity, tolerance, slip_fraction: 0.0, area: None }
 }
 
 fn events(interface: &mut InterfaceInTime, drive: f64, velocity: f64) -> Vec<Event> {
@@ -202,7 +202,7 @@ fn slow_and_without_rules_it_is_the_athermal_interface() {
         slip: Slip::Overdamped,
         viscosity: Some(viscosity),
         drive_tolerance: 1e-9,
-        area: 1.0,
+        area: None,
     };
     let curves = Box::new(curves.scaled(scales.to_vec()).unwrap());
     let mut expected = Interface::new(curves, chain(scales.len(), stiffness), athermal_setting).unwrap();

@@ -75,7 +75,7 @@ fn chain(cell: &dyn Fn() -> Box<dyn Clocked>) -> InterfaceInTime {
         viscosity: 0.1,
         tolerance: 1e-2,
         slip_fraction: 0.01,
-        area: 1.0,
+        area: None,
     };
     let cells =
         SCALES.iter().map(|&scale| -> Box<dyn Clocked> { Box::new(Scaled::new(cell(), scale).unwrap()) });
@@ -174,7 +174,7 @@ fn a_state_of_something_else_is_refused() {
         viscosity: 0.1,
         tolerance: 1e-2,
         slip_fraction: 0.0,
-        area: 1.0,
+        area: None,
     };
     let coupling = half_space(Shape::Chain(1), Edges::Open, 0.5, 1.0).unwrap();
     let mut one = InterfaceInTime::new(vec![cell()], coupling, setting).unwrap();

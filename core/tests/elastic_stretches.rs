@@ -72,7 +72,7 @@ fn rigid(contacts: Box<dyn Clocked>, scale: f64) -> InterfaceInTime {
         viscosity: 1.0,
         tolerance: 1e-4,
         slip_fraction: 0.0,
-        area: 1.0,
+        area: None,
     };
     let coupling = neighbours(Shape::Chain(1), Edges::Open, 1.0).unwrap();
     let contacts = Box::new(Scaled::new(contacts, scale).unwrap());

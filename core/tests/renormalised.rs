@@ -174,7 +174,7 @@ fn neighbours_make_nearly_the_renormalised_law() {
 fn setting(share: f64, slip: elastic::Slip) -> Setting {
     let connection = 1.0 / share - 1.0;
     let (loading, viscosity) = (Loading::Uniform, None);
-    Setting { connection, loading, slip, viscosity, drive_tolerance: 1e-12, area: 1.0 }
+    Setting { connection, loading, slip, viscosity, drive_tolerance: 1e-12, area: None }
 }
 
 /// A chain of cells on springs.

@@ -67,8 +67,8 @@ fn entry(text: &str, seconds: f64) -> Result<Entry, String> {
     let mut deadline = Deadline { begun: ProcessTime::now(), seconds };
     let outcome = task::run(&input.scenario, &mut deadline).map_err(|error| error.to_string())?;
     let seconds = deadline.begun.elapsed().as_secs_f64();
-    let friction = outcome.summary.friction.ok_or("a pull tells of friction")?;
-    Ok(Entry { accuracy: friction.accuracy, seconds })
+    let accuracy = outcome.summary.accuracy.ok_or("a pull tells its accuracy")?;
+    Ok(Entry { accuracy, seconds })
 }
 
 /// The seconds of one unit, once everything is in memory.

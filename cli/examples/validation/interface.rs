@@ -32,7 +32,7 @@ const OVERDAMPED: Setting = Setting {
     slip: Slip::Overdamped,
     viscosity: None,
     drive_tolerance: 1e-6,
-    area: 1.0,
+    area: None,
 };
 
 /// Gaussian thresholds of σ = 0.1.

@@ -193,7 +193,7 @@ fn breaks_of_cells(shape: Shape, springs: f64, seed: u64) -> FirstBreaks {
         slip: Slip::Overdamped,
         viscosity: None,
         drive_tolerance: 1e-6,
-        area: 1.0,
+        area: None,
     };
     let interface = Interface::new(Box::new(cells.expect("as many scales as cells")), springs, setting);
     let found = interface.expect("cells as coupled").first_breaks(

@@ -22,7 +22,7 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
         lines.push(("mean waiting", format!("{} of drive{variation}", drive(mean))));
     }
     if let Some(largest) = catalogue.largest {
-        let what = format!("{} {}", catalogue.magnitude, digits(largest.magnitude));
+        let what = format!("{} {}", catalogue.magnitude, magnitude(catalogue, largest.magnitude));
         lines.push((
             "largest event",
             format!("{what}, {} cells, at X_T = {}", largest.cells, drive(largest.drive)),
@@ -43,12 +43,18 @@ fn told(catalogue: &Catalogue, law: &PowerLaw) -> String {
     let cut_off = if !law.is_cut_off() {
         "no cut-off seen".into()
     } else {
-        format!("cut-off {}", with_error(Fitted { value: law.cut_off.0, error: law.cut_off_error.0 }))
+        let fitted = with_error(Fitted { value: law.cut_off.0, error: law.cut_off_error.0 });
+        format!("cut-off {}", with_unit(fitted, law.cut_off.0, &catalogue.magnitude_unit))
     };
     format!(
         "τ = {exponent}, {cut_off}, of {} from {} on ({} events)",
         catalogue.magnitude,
-        digits(law.from),
+        magnitude(catalogue, law.from),
         law.events
     )
+}
+
+/// A magnitude with its unit.
+fn magnitude(catalogue: &Catalogue, number: f64) -> String {
+    with_unit(digits(number), number, &catalogue.magnitude_unit)
 }

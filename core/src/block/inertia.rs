@@ -136,7 +136,9 @@ impl Walk<'_> {
         }
         let unseen = UNSEEN * swing.energy;
         let visible = |place: f64| place > f64::EPSILON * self.look.position.abs();
-        let mut place = self.look.way.length.min(self.look.position.abs().max(1.0));
+        // Contacts are stretched by twice that, or more.
+        let stretch = swing.energy / self.state(swing.drive, 0.0).spring_force.abs();
+        let mut place = self.look.way.length.min(self.look.position.abs().max(stretch));
         while visible(place) && !(excess(place) > 0.0 && place * excess(place) < unseen) {
             place *= 0.5;
         }

@@ -171,7 +171,7 @@ impl Walk<'_> {
     pub(super) fn is_balanced(&self, drive: f64) -> bool {
         let here = self.look.drive_here();
         // Where all of these are near 0, stretches are still differences of positions as far away as the slider was.
-        let scale = drive.abs() + self.look.position.abs() + here.abs() + self.rest.abs();
+        let scale = drive.abs() + here.abs() + self.drive_of(self.look.position.abs() + self.rest.abs());
         (drive - here).abs() <= ROUNDING * scale
     }
 

@@ -49,8 +49,8 @@ pub(super) struct Walk<'a> {
     stored: f64,
     /// Where the drive last turned.
     pub leg_start: Point,
-    /// How far the slider may go from where it last was at rest, for each unit of the force imposed.
-    reach: f64,
+    /// N⟨k⟩ where a force is imposed.
+    stiffness: Option<f64>,
     /// Where it was.
     pub rest: f64,
     turning_points: Vec<f64>,
@@ -84,7 +84,7 @@ impl<'a> Walk<'a> {
             open: Energy::default(),
             books,
             leg_start,
-            reach: f64::INFINITY,
+            stiffness: None,
             rest: position,
             turning_points: Vec::new(),
             path: (0.0, 0.0),
@@ -133,7 +133,7 @@ impl<'a> Walk<'a> {
     pub fn leg(&mut self, direction: Direction, asked: &[f64]) -> Result<Option<Point>> {
         self.leg_start = self.point();
         if self.block.loading == Loading::Force {
-            self.reach = RUNAWAY / self.unloading()?;
+            self.stiffness = Some(self.unloading()?);
         }
         let mut asked = asked;
         self.rest = self.look.position;
@@ -186,7 +186,13 @@ impl<'a> Walk<'a> {
     /// Whether the slider is too far from where it was at rest for a drive, or for the one that the leg began at.
     pub fn is_gone(&self, drive: f64) -> bool {
         let largest = drive.abs().max(self.leg_start.drive.abs());
-        (self.look.position - self.rest).abs() > self.reach * largest
+        let gone = (self.look.position - self.rest).abs();
+        self.stiffness.is_some_and(|stiffness| gone > RUNAWAY * largest / stiffness)
+    }
+
+    /// How large a drive is that belongs to a length: an imposed force is that of contacts so far stretched.
+    pub fn drive_of(&self, length: f64) -> f64 {
+        self.stiffness.unwrap_or(1.0) * length
     }
 
     /// Keeps the state of balance at an advance `a` for the trace.

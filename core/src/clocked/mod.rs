@@ -3,9 +3,11 @@
 //! Where a [`crate::population::Population`] has no time of its own, here every move takes its time, and time passes at
 //! rest, too.
 
+mod beside;
 mod portion;
 mod state;
 
+pub use beside::Beside;
 pub use portion::{Portion, binned};
 pub use state::State;
 
@@ -55,6 +57,12 @@ pub trait Clocked: Send + Sync {
     /// # Errors
     /// Accuracy not reached.
     fn step(&mut self, by: f64, during: f64) -> Result<()>;
+
+    /// The same contacts here and now, followed less accurately: moved the same way they tell the error of the force. None of
+    /// contacts that are followed one by one.
+    fn rough(&self) -> Option<Box<dyn Clocked>> {
+        None
+    }
 
     /// A copy in the present state, to come back to.
     fn copy(&self) -> Box<dyn Clocked>;

@@ -189,7 +189,8 @@ impl Maturing {
     /// Whether the density of newborn thresholds jumps, by more than a tail that is cut off at 0 does, or many share one.
     pub fn has_edges(&self) -> bool {
         const FAINT: f64 = 1e-4;
-        let jumps = |b: &Break| b.exponent <= 0.0 && b.weight(self.newborn.mean()) > FAINT;
+        let mean = self.newborn.mean();
+        let jumps = |b: &Break| b.exponent <= 0.0 && b.weight(mean) * mean > FAINT;
         !self.newborn.atoms().is_empty() || self.newborn.breaks().iter().any(jumps)
     }
 

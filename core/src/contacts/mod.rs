@@ -34,6 +34,14 @@ impl Stiffness {
             Self::PerThreshold(factor) => factor * threshold,
         }
     }
+
+    /// The same per unit stiffness, ⟨k⟩ or κ.
+    pub fn weight(self, threshold: f64) -> f64 {
+        match self {
+            Self::Equal(_) => 1.0,
+            Self::PerThreshold(_) => threshold,
+        }
+    }
 }
 
 /// The contacts of an interface.

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::Maturing;
-use crate::law::SharedLaw;
+use crate::law::{Break, SharedLaw};
 use crate::numerics::diffusion::{Elements, Evolution, Field};
 use crate::numerics::legendre::{primitive, series};
 use crate::numerics::roots::brent_root;
@@ -90,7 +90,9 @@ impl std::fmt::Debug for Ranks {
 impl Ranks {
     /// The thresholds of contacts of the law `newborn`, which matures in the time τ.
     pub(super) fn new(newborn: &SharedLaw, maturing: &Maturing, time: f64) -> Self {
-        let edged = newborn.breaks().iter().any(|b| b.exponent <= 0.0 && b.weight(newborn.mean()) > LEFT_OUT);
+        let mean = newborn.mean();
+        let jumps = |b: &Break| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
+        let edged = newborn.breaks().iter().any(jumps);
         let soon = if edged {
             AT_ONCE
         } else {

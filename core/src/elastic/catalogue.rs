@@ -101,13 +101,14 @@ impl Interface {
         let timed = self.setting.viscosity.map_or(f64::NAN, |_| 1.0);
         let [front_speed_left, front_speed_right] = fronts(slipped, self.coupling.shape()).map(|v| timed * v);
         let begun = slide.starts[slipped[0].cell];
+        let area = self.setting.area.unwrap_or(1.0);
         Event {
             drive: self.drive,
             time: timed * (self.time + begun),
             epicentre: slipped[0].cell,
             cells: slipped.len(),
-            area: self.setting.area * slipped.len() as f64,
-            moment: self.setting.area * slipped.iter().map(|s| s.slip).sum::<f64>(),
+            area: area * slipped.len() as f64,
+            moment: area * slipped.iter().map(|s| s.slip).sum::<f64>(),
             duration: timed * (slide.over - begun),
             front_speed_left,
             front_speed_right,

@@ -67,8 +67,8 @@ impl Event {
     }
 }
 
-/// A catalogue as columns, those of `events.csv`.
-pub fn record(events: &[Event]) -> Record {
+/// A catalogue as columns, those of `events.csv`; areas are counted in cells where a cell has none.
+pub(super) fn record(events: &[Event], area: Option<f64>) -> Record {
     let mut record = Record::default();
     let mut column = |name: &str, long_name: &str, quantity, value: &dyn Fn(&Event) -> f64| {
         record.push(name, long_name, quantity, &["event"], events.iter().map(value).collect());
@@ -88,8 +88,9 @@ pub fn record(events: &[Event]) -> Record {
     column("time", "time", Quantity::Time, &|e| e.time);
     column("epicentre", "cell that slipped first", number, &|e| e.epicentre as f64);
     column("cells", "cells that slipped", number, &|e| e.cells as f64);
-    column("area", "area that slipped", number, &|e| e.area);
-    column("moment", "slip times area", length, &|e| e.moment);
+    let (area, moment) = area.map_or((number, length), |_| (Quantity::Area, Quantity::Volume));
+    column("area", "area that slipped", area, &|e| e.area);
+    column("moment", "slip times area", moment, &|e| e.moment);
     column("duration", "duration", Quantity::Time, &|e| e.duration);
     column("front_speed_left", "front speed to the left", Quantity::PerTime, &|e| e.front_speed_left);
     column("front_speed_right", "front speed to the right", Quantity::PerTime, &|e| e.front_speed_right);

@@ -32,7 +32,7 @@ pub use cells::{Cells, Curves, Populations, Standing};
 pub use clocked::{InterfaceInTime, SettingInTime, StateInTime};
 pub use coupling::Coupling;
 pub use energy::Energy;
-pub use event::{Event, Slipped, record};
+pub use event::{Event, Slipped};
 pub use state::State;
 
 use self::batch::change;
@@ -41,6 +41,7 @@ use self::differences::Differences;
 use self::energy::Stored;
 use crate::clocked::Portion;
 use crate::monitor::{Monitor, report};
+use crate::record::Record;
 use crate::{Error, Result};
 
 /// Which cells are connected to the drive.
@@ -83,8 +84,8 @@ pub struct Setting {
     pub viscosity: Option<f64>,
     /// A length: where balance is lost is found to this accuracy of the drive.
     pub drive_tolerance: f64,
-    /// Area of a cell; 1 where areas are counted in cells.
-    pub area: f64,
+    /// Area of a cell; `None` where areas are counted in cells.
+    pub area: Option<f64>,
 }
 
 impl Setting {
@@ -96,7 +97,7 @@ impl Setting {
             ("connection", self.connection),
             ("viscosity", viscosity),
             ("drive_tolerance", tolerance),
-            ("area", self.area),
+            ("area", self.area.unwrap_or(1.0)),
         ] {
             if !(value.is_finite() && value > 0.0) {
                 return Err(Error::invalid(key, "a finite number above 0", value));
@@ -260,6 +261,16 @@ impl Interface {
     /// Breaks since the beginning, per contact.
     pub fn broken(&self) -> f64 {
         self.cells.account().broken / self.len() as f64
+    }
+
+    /// Estimated error of the force of a cell, the largest so far; 0 where contacts are followed one by one.
+    pub fn error(&self) -> f64 {
+        self.cells.error()
+    }
+
+    /// A catalogue as columns, those of `events.csv`.
+    pub fn record(&self, events: &[Event]) -> Record {
+        event::record(events, self.setting.area)
     }
 
     /// Puts the drive somewhere and moves each cell forward to a position of its own, along its curve. Books begin anew.

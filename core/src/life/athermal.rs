@@ -100,6 +100,7 @@ pub(super) fn of_layers(
         breaking: Kernel::new(falls, breaks),
         starts: Starts::Layers { layers, thresholds: contacts.thresholds.clone() },
         wait: 0.0,
+        stiffness: contacts.stiffness.weight(law.mean()),
         error: ROUNDING,
     }
 }

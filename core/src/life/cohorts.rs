@@ -96,6 +96,7 @@ pub(super) fn of_cohorts(
         breaking: Kernel::new(breaking, breaks),
         error: cohorts.fate.error(),
         starts: Starts::Cohorts(cohorts),
+        stiffness: contacts.stiffness.weight(contacts.thresholds.mean()),
         wait: 0.0,
     })
 }

@@ -69,7 +69,9 @@ pub struct Life {
     starts: Starts,
     /// The advance for which contacts are free before they form.
     wait: f64,
-    /// Estimated error of survival, and of the carried force per mean life.
+    /// Mean stiffness of a contact, per unit stiffness.
+    stiffness: f64,
+    /// Estimated error of survival, and of the carried force per mean life and mean stiffness.
     error: f64,
 }
 
@@ -126,7 +128,12 @@ impl Life {
         self.layers().first().map_or_else(Layer::default, |starts| births.layer(starts))
     }
 
-    /// Estimated error of the curves: of survival, and of the carried force per mean life.
+    /// Mean stiffness of a contact, per unit stiffness: 1, or the mean threshold where k = κ x_s.
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
+    /// Estimated error of the curves: of survival, and of the carried force per mean life and mean stiffness.
     pub fn error(&self) -> f64 {
         self.error
     }
@@ -274,6 +281,7 @@ impl Life {
             breaking_energy: late(self.breaking_energy, doomed),
             starts: self.starts,
             wait: self.wait + by,
+            stiffness: self.stiffness,
             error: self.error,
         }
     }

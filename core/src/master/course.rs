@@ -65,7 +65,7 @@ impl Course {
 
     /// The course on which what breaks stays free.
     pub(super) fn held(first: Arc<Life>) -> Self {
-        let slope = slope(first.force().curve(), first.mean());
+        let slope = slope(first.force().curve(), &first);
         Self { motion: Motion::Held { first, slope }, ledger: OnceLock::new() }
     }
 
@@ -97,6 +97,14 @@ impl Course {
     /// Where the solution ends; on a course where nothing re-forms, where nothing is left.
     pub(super) fn end(&self) -> f64 {
         self.force().end()
+    }
+
+    /// Estimated error of F, per unit stiffness, mean life and mean stiffness, where the stretches at its beginning are right.
+    pub(super) fn error(&self) -> f64 {
+        match &self.motion {
+            Motion::Renewed(leg) => leg.error,
+            Motion::Held { first, .. } => first.error(),
+        }
     }
 
     /// Whether what breaks stays free.

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::course::Course;
 use super::{MasterEquation, Tolerance};
-use crate::contacts::{Contacts, Start, Stiffness};
+use crate::contacts::{Contacts, Start};
 use crate::life::{Layer, Life, Sums, life_of, tidied};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
@@ -93,10 +93,7 @@ impl Interface {
 
     /// Mean stiffness of a contact that has just re-formed, per unit stiffness.
     pub(super) fn newborn_stiffness(&self) -> f64 {
-        match self.contacts.stiffness {
-            Stiffness::Equal(_) => 1.0,
-            Stiffness::PerThreshold(_) => self.contacts.thresholds.mean(),
-        }
+        self.reborn.stiffness()
     }
 
     /// Whether contacts move at a velocity.

@@ -79,7 +79,7 @@ impl Leg {
             density: 0.3 * tolerance / reborn.mean(),
             mass: 3e-3 * tolerance,
             kept: tolerance,
-            carried: 0.3 * tolerance * reborn.mean(),
+            carried: 0.3 * tolerance * unit(reborn),
             widening: (tolerance / 1e-13).powf(1.0 / 16.0),
             light,
         };
@@ -93,7 +93,7 @@ impl Leg {
             reborn.force(),
             &mut Aside { fraction: 1.0, monitor },
         )?;
-        let slope = slope(&force, reborn.mean());
+        let slope = slope(&force, reborn);
         let mut leg =
             Self { first: first.clone(), reborn: reborn.clone(), solution, force, slope, error: 0.0 };
         leg.error = leg.estimated_error();
@@ -108,7 +108,7 @@ impl Leg {
             lost = lost.max((self.sum_at(Life::survival, x) - 1.0).abs());
             apart = apart.max((self.sum_at(Life::force, x) - self.force.value_in(cell, x)).abs());
         }
-        self.of_lives() + lost.max(apart / self.reborn.mean())
+        self.of_lives() + lost.max(apart / unit(&self.reborn))
     }
 
     /// What the lives themselves are off by.
@@ -168,16 +168,22 @@ impl Leg {
 /// What slopes of forces are told over, of a mean life: over less, they are lost in the rounding of the force.
 const CHORD: f64 = 1e-6;
 
-/// The slope of a force on its own cells, of contacts with this mean life.
+/// The force of contacts stretched by their mean life, per unit stiffness.
+pub(super) fn unit(life: &Life) -> f64 {
+    life.mean() * life.stiffness()
+}
+
+/// The slope of a force on its own cells, of contacts with this life.
 ///
 /// Cells beside a singularity double in width from next to nothing. The derivative of a polynomial on one of them is little
 /// but the rounding of the force over its width: those that lie within [`CHORD`] together, with no jump between them, have
 /// the slope of their chord.
-pub(super) fn slope(force: &Piecewise, mean: f64) -> Piecewise {
-    let (edges, count, beside) = (&force.boundaries, force.coefficients.len(), CHORD * mean);
+pub(super) fn slope(force: &Piecewise, life: &Life) -> Piecewise {
+    let (edges, count, beside) = (&force.boundaries, force.coefficients.len(), CHORD * life.mean());
+    let least = 1e-12 * unit(life);
     let jumps = |cell: usize| {
         let [before, after] = [cell - 1, cell].map(|cell_of| force.value_in(cell_of, edges[cell]));
-        (after - before).abs() > 1e-12 * mean
+        (after - before).abs() > least
     };
     let mut slope = force.derivative();
     let mut first = 0;

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::leg::Leg;
+use super::leg::{Leg, unit};
 use super::{Extremum, Stretches};
 use crate::Result;
 use crate::law::Atom;
@@ -139,7 +139,7 @@ impl Pull {
     /// F_s and X_s: the maximum of F on (0, distance) and its place, at a jump the left limit; the first of equals.
     /// `None` where F, to within the tolerance, does not fall from there, or ends higher.
     pub fn static_friction(&self) -> Option<Extremum> {
-        let slack = self.slack() * self.leg.reborn.mean();
+        let slack = self.slack() * unit(&self.leg.reborn);
         let cells = 0..=self.last_cell();
         let mut best = (0.0, f64::NEG_INFINITY, 0);
         for cell in cells.clone() {
@@ -187,7 +187,7 @@ impl Pull {
         let falls = |a: &Atom| {
             let after = self.leg.force.nearest(a.position);
             let before = self.leg.force.value_in(after.saturating_sub(1), a.position);
-            before - self.leg.force.value_in(after, a.position) > 1e-12 * self.leg.reborn.mean()
+            before - self.leg.force.value_in(after, a.position) > 1e-12 * unit(&self.leg.reborn)
         };
         if jumps.into_iter().any(falls) {
             return f64::INFINITY;
@@ -195,7 +195,7 @@ impl Pull {
         let steepest = (0..self.leg.force.coefficients.len())
             .map(|cell| self.steepest(cell))
             .fold(f64::INFINITY, f64::min);
-        if -steepest > self.slack() { -self.stiffness * steepest } else { 0.0 }
+        if -steepest > self.slack() * self.leg.reborn.stiffness() { -self.stiffness * steepest } else { 0.0 }
     }
 
     /// The least slope in a cell, its ends included.

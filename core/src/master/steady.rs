@@ -29,6 +29,14 @@ impl SteadyState {
         self.stiffness * self.life.force().curve().integral() / self.mean
     }
 
+    /// Estimated error of F_k/(N_c⟨k⟩), a length: F_k is ∫m du/∫S du, with m the force of a contact and S what is left of it
+    /// after the advance u, each off by the error of the life (of m per mean life) over the advances at which contacts are
+    /// found.
+    pub fn error_estimate(&self) -> f64 {
+        let friction = self.life.force().curve().integral() / (self.mean * self.life.stiffness());
+        self.life.error() * (self.mean + friction) * self.life_found() / self.mean
+    }
+
     /// Breaking rate Γ_s, the fraction of contacts per unit length.
     pub fn breaking_rate(&self) -> f64 {
         1.0 / self.mean

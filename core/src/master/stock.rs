@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::back::Back;
 use super::course::{Account, Course};
 use super::interface::Interface;
+use super::leg::unit;
 use super::{MasterEquation, Tolerance};
 use crate::Result;
 use crate::life::{Layer, Sums};
@@ -38,6 +39,10 @@ pub struct Stock {
     /// Energy lost and breaks before the course, per contact and unit stiffness.
     lost: f64,
     broken: f64,
+    /// What the stretches at the beginning of the course are off by, as an error of the force on it, and the largest error of
+    /// the force before; both as [`Course::error`] tells them.
+    inherited: f64,
+    worst: f64,
     /// The state to come back to.
     marked: Option<Box<Self>>,
 }
@@ -70,6 +75,8 @@ impl MasterEquation {
             free: 0.0,
             lost: 0.0,
             broken: 0.0,
+            inherited: 0.0,
+            worst: 0.0,
             marked: None,
         })
     }
@@ -212,6 +219,8 @@ impl Stock {
 
     /// Begins another course where the slider is.
     fn begin(&mut self, course: Arc<Course>, direction: Direction) {
+        self.inherited += self.course.error();
+        self.worst = self.worst.max(self.inherited);
         (self.origin, self.direction) = (self.position(), direction);
         (self.course, self.furthest, self.cell, self.behind) = (course, 0.0, 0, 0.0);
         self.back = None;
@@ -339,6 +348,8 @@ impl Population for Stock {
         self.lost += released;
         self.broken += 1.0 - std::mem::take(&mut self.free);
         self.begin(fresh, direction);
+        // Of what has been, fresh contacts know nothing.
+        self.inherited = 0.0;
         (self.moved, self.looked, self.holding) = (direction, direction, false);
         Ok(())
     }
@@ -372,6 +383,12 @@ impl Population for Stock {
         self.lost -= std::mem::take(&mut self.free) * self.interface.newborn_energy();
         self.begin(Arc::new(course), self.direction);
         Ok(())
+    }
+
+    /// That of the course, and of all since contacts last re-formed together whose stretches it began with.
+    fn error(&self) -> f64 {
+        let error = self.worst.max(self.inherited + self.course.error());
+        self.interface.stiffness * unit(&self.interface.reborn) * error
     }
 
     fn mark(&mut self) {

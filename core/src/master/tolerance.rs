@@ -62,7 +62,10 @@ impl Tolerance {
     }
 
     /// Refuses an `error` larger than what is required; `what` has it.
-    pub(super) fn allows(self, error: f64, what: impl FnOnce() -> String) -> Result<()> {
+    ///
+    /// # Errors
+    /// [`Error::Accuracy`].
+    pub fn allows(self, error: f64, what: impl FnOnce() -> String) -> Result<()> {
         if !self.required || error <= self.value {
             return Ok(());
         }

@@ -98,6 +98,9 @@ fn labels_keep_compound_units_together() {
     assert_eq!(units.label(crate::record::Quantity::Stiffness), "N/(m/s)");
     assert_eq!(units.label(crate::record::Quantity::Energy), "N·m/s");
     assert_eq!(units.label(crate::record::Quantity::Time), "1");
+    assert_eq!(units.label(crate::record::Quantity::Area), "(m/s)²");
+    let units = Units { length: "µm".into(), ..Units::default() };
+    assert_eq!(units.label(crate::record::Quantity::Volume), "µm³");
     for quantity in crate::record::Quantity::ALL {
         assert_eq!(Units::default().label(quantity), "1");
     }

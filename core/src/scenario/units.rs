@@ -34,6 +34,8 @@ impl Units {
             Quantity::PerLength => over("", &self.length),
             Quantity::Stiffness => over(&self.force, &self.length),
             Quantity::Energy => times(&self.force, &self.length),
+            Quantity::Area => power(&self.length, '²'),
+            Quantity::Volume => power(&self.length, '³'),
             Quantity::Time => over(&self.time, ""),
             Quantity::Velocity => over(&self.length, &self.time),
             Quantity::PerTime => over("", &self.time),
@@ -42,12 +44,23 @@ impl Units {
     }
 }
 
+/// What holds the parts of a compound unit together.
+const COMPOUND: [char; 4] = [' ', '/', '*', '·'];
+
 fn over(numerator: &str, denominator: &str) -> String {
     let numerator = if numerator.is_empty() { "1" } else { numerator };
     match denominator {
         "" => numerator.to_owned(),
-        compound if compound.contains([' ', '/', '*', '·']) => format!("{numerator}/({compound})"),
+        compound if compound.contains(COMPOUND) => format!("{numerator}/({compound})"),
         simple => format!("{numerator}/{simple}"),
+    }
+}
+
+fn power(unit: &str, exponent: char) -> String {
+    match unit {
+        "" => "1".to_owned(),
+        compound if compound.contains(COMPOUND) => format!("({compound}){exponent}"),
+        simple => format!("{simple}{exponent}"),
     }
 }
 

@@ -10,7 +10,7 @@ use asperity::population::Population;
 use asperity::shape::{Edges, Shape};
 
 pub fn setting(connection: f64, slip: Slip, drive_tolerance: f64) -> Setting {
-    Setting { connection, loading: Loading::Uniform, slip, viscosity: None, drive_tolerance, area: 1.0 }
+    Setting { connection, loading: Loading::Uniform, slip, viscosity: None, drive_tolerance, area: None }
 }
 
 pub fn interface(

@@ -15,6 +15,8 @@ pub struct Catalogue {
     pub from: f64,
     /// The column of `events.csv` that tells how large an event is.
     pub magnitude: String,
+    /// Its unit, `1` where it has none.
+    pub magnitude_unit: String,
     /// The law of magnitudes; absent where there are too few events.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<PowerLaw>,

@@ -24,6 +24,9 @@ pub struct Summary {
     /// What a pull at one velocity says; absent where the task knows no such pull.
     #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
     pub friction: Option<Friction>,
+    /// Estimated error of F/(N_c⟨k⟩), a length; absent where all contacts are followed one by one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<f64>,
     /// Number of contacts N_c that forces are scaled to.
     pub contacts: f64,
     /// Number of contacts that the finite-size band and the ensemble stand for.
@@ -82,8 +85,6 @@ pub struct Friction {
     pub relaxation_length_paper: Extended,
     /// K_c.
     pub critical_stiffness: Extended,
-    /// Estimated error of F/(N_c⟨k⟩).
-    pub accuracy: f64,
 }
 
 /// How a driven slider slid.

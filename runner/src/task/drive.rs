@@ -9,6 +9,7 @@ use asperity::record::{Quantity, Record};
 use asperity::scenario;
 use asperity::{Error, Result};
 
+use super::accuracy::{Accuracy, stiffness};
 use super::part::Part;
 use super::sliding::{self, adopt};
 use super::{Setting, in_time};
@@ -54,6 +55,9 @@ pub fn run(
     let master = task.slider(block, false)?;
     let run = master.pull(&mut population, &way, &mut Part::new(monitor, shares[0], shares[1]));
     let run = run.map_err(|e| e.under("drive"))?;
+    // The forces of the contacts; and energies that do not balance, over the way of a life, where motion is off besides.
+    let lives = stiffness(contacts) * equation.steady_state().mean_life();
+    let off = population.error() / stiffness(contacts) + run.energy.imbalance().abs() / lives;
     adopt(sliding::motion(&run), "", &mut record);
     adopt(sliding::course(&run), "", &mut record);
     if let Loading::Spring(stiffness) = master.loading() {
@@ -70,8 +74,10 @@ pub fn run(
         sliding.ensemble = Some(Box::new(Sliding::new(&run)));
     }
     let relaxation = equation.relaxation(&mut Part::new(monitor, 1.0, 0.0))?;
-    let summary = setting.summary(&equation.steady_state(), &relaxation, &pull);
-    Ok((Summary { sliding: Some(sliding), ..summary }, record))
+    let steady = equation.steady_state();
+    let summary = Summary { sliding: Some(sliding), ..setting.summary(&steady, &relaxation, &pull) };
+    let accuracy = Accuracy::new(setting, pull.error_estimate().max(off), steady.mean_life());
+    Ok((accuracy.told(setting, "the force on a slider that is driven", summary)?, record))
 }
 
 /// Drives the slider over contacts that know time; friction is that of a pull at the velocity of its top.
@@ -90,14 +96,19 @@ fn at_a_velocity(
     let part = &mut Part::new(monitor, 0.0, PULL);
     let pull = equation.pull(first_loading(contacts), tolerance, part)?;
     let part = &mut Part::new(monitor, PULL, 1.0 - PULL);
-    let (sliding, record) = match &scenario.block {
+    let (sliding, record, moved) = match &scenario.block {
         Some(block) => in_time::behind(setting, protocol, block, part)
-            .map(|(sliding, record)| (Some(sliding), record))?,
-        None => (None, in_time::rigid(setting, protocol, part)?.1),
+            .map(|(sliding, record, moved)| (Some(sliding), record, moved))?,
+        None => {
+            let (trace, record) = in_time::rigid(setting, protocol, part)?;
+            (None, record, Accuracy::in_time(setting, trace.error))
+        }
     };
     let relaxation = equation.relaxation(&mut Part::new(monitor, 1.0, 0.0))?;
-    let summary = setting.summary(&equation.steady_state(), &relaxation, &pull);
-    Ok((Summary { sliding, ..summary }, record))
+    let steady = equation.steady_state();
+    let summary = Summary { sliding, ..setting.summary(&steady, &relaxation, &pull) };
+    let accuracy = Accuracy::new(setting, pull.error_estimate(), steady.mean_life()).worse(moved);
+    Ok((accuracy.told(setting, "the force on a slider that is driven", summary)?, record))
 }
 
 /// How far the first loading of a slider is followed: five mean thresholds.

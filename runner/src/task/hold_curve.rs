@@ -1,5 +1,6 @@
 //! `[hold_curve]`: slide until that is steady, hold, slide on; static friction against how long it was held.
 
+use asperity::contacts::Contacts;
 use asperity::history::{History, Piece};
 use asperity::master::Transport;
 use asperity::monitor::Monitor;
@@ -7,6 +8,7 @@ use asperity::rate_state::Healing;
 use asperity::record::{Quantity, Record};
 use asperity::{Result, scenario};
 
+use super::accuracy::Accuracy;
 use super::part::{self, Part};
 use super::settling::Steady;
 use super::{Setting, chance};
@@ -16,8 +18,13 @@ use crate::summary::{HoldCurve, Peak, Summary};
 const REACH: f64 = 2.0;
 /// Points between which the peak is looked for first, …
 const POINTS: usize = 41;
-/// … and between the neighbours of the highest of them.
+/// … and, round by round, between the neighbours of the highest of them.
 const CLOSER: usize = 21;
+/// Rounds, at most: each brings points ten times nearer to each other.
+const ROUNDS: usize = 4;
+
+/// Share of the work that the master equation is, beside an ensemble.
+const MASTER: f64 = 0.5;
 
 /// Computes the curve that `task` asks for.
 ///
@@ -35,58 +42,132 @@ pub fn run(
         contacts.rules.ageing.as_ref().and_then(|ageing| ageing.mature()).map_or(0.0, |law| law.mean());
     let reach = REACH * contacts.thresholds.mean().max(mature).max(steady.life);
     let holds = task.holds();
-    let tolerance = scenario.master_equation.tolerance_in_time(&contacts.rules);
-    let mut held = Transport::steady(contacts, task.velocity, tolerance, aside)?;
-    let slide = moving(task.velocity, steady.way);
-    let mut columns = Columns::default();
-    let mut before = 0.0;
-    for (done, &hold) in holds.iter().enumerate() {
-        let share = 1.0 / holds.len() as f64;
-        let part = &mut Part::new(monitor, done as f64 * share, share);
-        let on = moving(task.velocity, reach);
-        let master = if scenario.ensemble.is_some() { 0.5 } else { 1.0 };
-        // A longer hold goes on where the shorter one ended.
-        let longer = History::new(vec![Piece { velocity: 0.0, duration: hold - before }])?;
-        held.follow(&longer, &[], &mut Part::new(part, 0.0, 0.2 * master))?;
-        before = hold;
-        let peak = slid(&held, on, &mut Part::new(part, 0.2 * master, 0.8 * master))?;
-        columns.push(peak, held.force());
-        if let Some(ensemble) = &scenario.ensemble {
+    let master = if scenario.ensemble.is_some() { MASTER } else { 1.0 };
+    let on = moving(task.velocity, reach);
+    let (mut columns, accuracy) = followed(setting, task, on, &mut Part::new(monitor, 0.0, master))?;
+    if let Some(ensemble) = &scenario.ensemble {
+        let slide = moving(task.velocity, steady.way);
+        for (done, &hold) in holds.iter().enumerate() {
+            let share = (1.0 - master) / holds.len() as f64;
+            let part = &mut Part::new(monitor, master + done as f64 * share, share);
             let first = (done * ensemble.size()) as u64;
             let model = ensemble.build(contacts.clone(), initial.clone())?.numbered_from(first);
-            let moment = slide.duration + hold + peak.position / task.velocity;
+            let moment = slide.duration + hold + columns.place[done] / task.velocity;
             let history = History::new(vec![slide, Piece { velocity: 0.0, duration: hold }, on])?;
-            let run = model.follow(&history, &[moment], &mut Part::new(part, master, 1.0 - master))?;
+            let run = model.follow(&history, &[moment], part)?;
             columns.ensemble_force.push(run.force[0]);
             columns.ensemble_error.push(run.error[0]);
         }
-        part::report(part, 1.0)?;
     }
     let healing = Healing::read(&holds, &columns.peak);
     let curve = HoldCurve::new(task.velocity, steady.friction, healing);
-    Ok((Summary { hold_curve: Some(curve), ..setting.heading() }, columns.record(holds)))
+    let summary = Summary { hold_curve: Some(curve), ..setting.heading() };
+    Ok((accuracy.told(setting, "the force after a hold", summary)?, columns.record(holds)))
+}
+
+/// Holds and what comes after them by the master equation, which slides `on`: columns without an ensemble, and how accurate they
+/// are.
+///
+/// Where that is less than what is asked for, contacts are followed with a smaller tolerance.
+fn followed(
+    setting: &Setting<'_>,
+    task: &scenario::HoldCurve,
+    on: Piece,
+    monitor: &mut dyn Monitor,
+) -> Result<(Columns, Accuracy)> {
+    /// How often that is tried, …
+    const ATTEMPTS: u32 = 2;
+    /// … and the smallest tolerance that there is.
+    const FINEST: f64 = 1e-12;
+    let mut tolerance = setting.scenario.master_equation.tolerance_in_time(&setting.contacts.rules);
+    let mut attempt = 1;
+    loop {
+        let part = &mut Part::new(monitor, 0.0, 1.0);
+        let (columns, force) = held_and_slid(&setting.contacts, task, (on, tolerance), part)?;
+        let accuracy = Accuracy::in_time(setting, force);
+        let missing = accuracy.missing(setting);
+        if missing <= 1.0 || attempt == ATTEMPTS || tolerance == FINEST {
+            return Ok((columns, accuracy));
+        }
+        (tolerance, attempt) = ((0.5 * tolerance / missing).max(FINEST), attempt + 1);
+    }
+}
+
+/// The same at a tolerance, with the estimated error of the forces.
+fn held_and_slid(
+    contacts: &Contacts,
+    task: &scenario::HoldCurve,
+    (on, tolerance): (Piece, f64),
+    monitor: &mut dyn Monitor,
+) -> Result<(Columns, f64)> {
+    let holds = task.holds();
+    let aside = &mut Part::new(monitor, 0.0, 0.0);
+    let mut held = Transport::steady(contacts, task.velocity, tolerance, aside)?;
+    let mut columns = Columns::default();
+    let (mut before, mut error) = (0.0, 0.0_f64);
+    for (done, &hold) in holds.iter().enumerate() {
+        let share = 1.0 / holds.len() as f64;
+        let part = &mut Part::new(monitor, done as f64 * share, share);
+        // A longer hold goes on where the shorter one ended.
+        let longer = History::new(vec![Piece { velocity: 0.0, duration: hold - before }])?;
+        let rest = held.follow(&longer, &[longer.duration()], &mut Part::new(part, 0.0, 0.2))?;
+        before = hold;
+        let (peak, off) = slid(&held, on, &mut Part::new(part, 0.2, 0.8))?;
+        error = error.max(rest.error).max(off);
+        columns.push(peak, held.force());
+        part::report(part, 1.0)?;
+    }
+    Ok((columns, error))
 }
 
 fn moving(velocity: f64, way: f64) -> Piece {
     Piece { velocity, duration: way / velocity }
 }
 
-/// The highest force of contacts that were held and then slide `on`, by the way since.
-fn slid(held: &Transport, on: Piece, monitor: &mut dyn Monitor) -> Result<Peak> {
-    let look = |(from, to): (f64, f64), points: usize, part: &mut Part<'_>| {
-        let time = |i: usize| {
-            if i + 1 < points { from + (to - from) * (i as f64 / (points - 1) as f64) } else { to }
-        };
-        let times: Vec<f64> = (0..points).map(time).collect();
-        held.clone().follow(&History::new(vec![Piece { duration: to, ..on }])?, &times, part)
+/// The highest force of contacts that were held and then slide `on`, by the way since, and its estimated error: that of the
+/// forces, and how far the peak is from that of every other of them.
+fn slid(held: &Transport, on: Piece, monitor: &mut dyn Monitor) -> Result<(Peak, f64)> {
+    let moved = |duration: f64| History::new(vec![Piece { duration, ..on }]);
+    let times = spread((0.0, on.duration), POINTS);
+    let trace = held.clone().follow(&moved(on.duration)?, &times, &mut Part::new(monitor, 0.0, 0.5))?;
+    let (start, end) = beside(&times, &trace.force);
+    let mut near = held.clone();
+    if start > 0.0 {
+        near.follow(&moved(start)?, &[], &mut Part::new(monitor, 0.5, 0.3))?;
+    }
+    let (mut window, mut round) = ((0.0, end - start), 1);
+    loop {
+        let times = spread(window, CLOSER);
+        let aside = &mut Part::new(monitor, 0.8, 0.0);
+        let trace = near.clone().follow(&moved(window.1)?, &times, aside)?;
+        let found = peak(&trace.position, &trace.force);
+        let coarse = peak(&every_other(&trace.position), &every_other(&trace.force));
+        let off = (found.force - coarse.force).abs();
+        if off <= trace.error || round == ROUNDS {
+            let peak = Peak { position: found.position - held.position(), ..found };
+            return Ok((peak, trace.error + off));
+        }
+        (window, round) = (beside(&times, &trace.force), round + 1);
+    }
+}
+
+/// So many times, evenly from one to another.
+fn spread((from, to): (f64, f64), points: usize) -> Vec<f64> {
+    let time = |i: usize| {
+        if i + 1 < points { from + (to - from) * (i as f64 / (points - 1) as f64) } else { to }
     };
-    let rough = look((0.0, on.duration), POINTS, &mut Part::new(monitor, 0.0, 0.5))?;
-    let highest = highest(&rough.force);
-    let time = |point: usize| on.duration * (point.min(POINTS - 1) as f64 / (POINTS - 1) as f64);
-    let near = (time(highest.saturating_sub(1)), time(highest + 1));
-    let trace = look(near, CLOSER, &mut Part::new(monitor, 0.5, 0.5))?;
-    let peak = peak(&trace.position, &trace.force);
-    Ok(Peak { position: peak.position - held.position(), ..peak })
+    (0..points).map(time).collect()
+}
+
+/// The times before and after that of the highest force.
+fn beside(times: &[f64], force: &[f64]) -> (f64, f64) {
+    let highest = highest(force);
+    (times[highest.saturating_sub(1)], times[(highest + 1).min(times.len() - 1)])
+}
+
+/// Every other value, the first and the last of an odd number among them.
+fn every_other(values: &[f64]) -> Vec<f64> {
+    values.iter().copied().step_by(2).collect()
 }
 
 fn highest(force: &[f64]) -> usize {

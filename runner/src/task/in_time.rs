@@ -6,6 +6,7 @@ use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::{Error, Result, scenario};
 
+use super::accuracy::Accuracy;
 use super::part::Part;
 use super::{Setting, chance, sliding};
 use crate::output::LARGEST;
@@ -92,7 +93,7 @@ pub fn behind(
     protocol: &scenario::Protocol,
     block: &scenario::Block,
     monitor: &mut dyn Monitor,
-) -> Result<(Sliding, Record)> {
+) -> Result<(Sliding, Record, Accuracy)> {
     let Setting { scenario, contacts, initial } = setting;
     let (history, times) = (protocol.build()?, protocol.times());
     let tolerance = scenario.master_equation.tolerance_of_a_block();
@@ -102,6 +103,7 @@ pub fn behind(
     let transport = Transport::new(contacts.clone(), initial, tolerance, aside)?;
     let part = &mut Part::new(monitor, 0.0, master);
     let run = block.in_time(false)?.follow(&transport, &history, &times, tolerance * mean, part)?;
+    let accuracy = Accuracy::in_time(setting, run.error);
     let mut record = Record::default();
     sliding::adopt(known(sliding::motion_in_time(&run), contacts), "", &mut record);
     let mut told = Sliding::in_time(&run);
@@ -113,7 +115,7 @@ pub fn behind(
         sliding::adopt(known(sliding::motion_in_time(&run), contacts), "ensemble_", &mut record);
         told.ensemble = Some(Box::new(Sliding::in_time(&run)));
     }
-    Ok((told, record))
+    Ok((told, record, accuracy))
 }
 
 /// What a step of a block may be off over so many contacts followed one by one, per mean threshold.

@@ -1,5 +1,6 @@
 //! A scenario computed: the master equation, the ensemble if asked for, and what both say.
 
+mod accuracy;
 mod chance;
 mod distribution;
 mod drive;
@@ -98,23 +99,9 @@ impl Setting<'_> {
             relaxation_length: Extended(relaxation.length()),
             relaxation_length_paper: Extended(relaxation.paper_estimate()),
             critical_stiffness: Extended(pull.critical_stiffness()),
-            accuracy: pull.error_estimate(),
         };
         let friction_coefficients = self.scenario.contacts.normal_load.map(coefficients);
-        let mut heading = self.heading();
-        heading.warnings.extend(self.short_of_the_aim(pull.error_estimate() / steady.mean_life()));
-        Summary { friction: Some(friction), friction_coefficients, ..heading }
-    }
-
-    /// What is said of a pull that is less accurate than aimed at: an estimated error, per mean life.
-    fn short_of_the_aim(&self, reached: f64) -> Option<String> {
-        let aim = self.scenario.master_equation.tolerance().value();
-        (reached > aim).then(|| {
-            format!(
-                "the estimated error of the force is {reached:.1e} of N⟨k⟩ times the mean life of a contact, more than the \
-                 {aim:e} aimed at"
-            )
-        })
+        Summary { friction: Some(friction), friction_coefficients, ..self.heading() }
     }
 
     /// What is said whatever the task.
@@ -125,6 +112,7 @@ impl Setting<'_> {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             units: scenario.units.clone(),
             friction: None,
+            accuracy: None,
             contacts: scenario.contacts.count,
             sample: sample(scenario),
             seed: scenario.ensemble.as_ref().map(|ensemble| ensemble.seed),

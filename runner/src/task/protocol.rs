@@ -7,6 +7,7 @@ use asperity::rate_state::VelocityStep;
 use asperity::record::Record;
 use asperity::scenario::{self, Scenario};
 
+use super::accuracy::Accuracy;
 use super::hold_curve::peak;
 use super::part::Part;
 use super::{Setting, compare, in_time};
@@ -26,13 +27,16 @@ pub fn run(
 ) -> Result<(Summary, Record)> {
     in_time::fits(task, setting)?;
     if let Some(block) = &setting.scenario.block {
-        let (sliding, record) = in_time::behind(setting, task, block, monitor)?;
-        return Ok((Summary { sliding: Some(sliding), ..setting.heading() }, record));
+        let (sliding, record, accuracy) = in_time::behind(setting, task, block, monitor)?;
+        let summary = Summary { sliding: Some(sliding), ..setting.heading() };
+        return Ok((accuracy.told(setting, "the force on a block in time", summary)?, record));
     }
     let (trace, mut record) = in_time::rigid(setting, task, monitor)?;
     let steps = told(setting, task, &trace, &mut Part::new(monitor, 1.0, 0.0))?;
     let compare = compared(setting.scenario, &trace, &mut record);
-    Ok((Summary { force_error: Some(trace.error), steps, compare, ..setting.heading() }, record))
+    let summary = Summary { force_error: Some(trace.error), steps, compare, ..setting.heading() };
+    let accuracy = Accuracy::in_time(setting, trace.error);
+    Ok((accuracy.told(setting, "the force along the protocol", summary)?, record))
 }
 
 /// The measured curve, and how far it is from the trace, linear between its points.

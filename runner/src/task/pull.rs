@@ -6,6 +6,7 @@ use asperity::record::{Quantity, Record};
 use asperity::scenario::{self, Scenario};
 use asperity::{Error, Result};
 
+use super::accuracy::Accuracy;
 use super::grid::Grid;
 use super::part::{self, Part};
 use super::{Setting, atoms, chance, compare, distribution, sample};
@@ -56,8 +57,9 @@ pub fn run(
         };
         pulled.record(&model, &mut record, &mut Part::new(monitor, master, 1.0 - master))?;
     }
-    let summary = setting.summary(&steady, &relaxation, &pull);
-    Ok((Summary { compare, ..summary }, record))
+    let summary = Summary { compare, ..setting.summary(&steady, &relaxation, &pull) };
+    let accuracy = Accuracy::new(setting, pull.error_estimate(), steady.mean_life());
+    Ok((accuracy.told(setting, "the force on a pull", summary)?, record))
 }
 
 /// Refuses before any work what could not be written after it; the grid is known once there is an equation.

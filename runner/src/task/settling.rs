@@ -20,6 +20,8 @@ pub struct Steady {
     pub way: f64,
     /// Mean way of a contact from birth to break.
     pub life: f64,
+    /// Estimated error of F_k/(N_c⟨k⟩).
+    pub error: f64,
 }
 
 impl Steady {
@@ -37,6 +39,6 @@ impl Steady {
         let steady = equation.steady_state();
         let life = steady.mean_life();
         let way = (FORGOTTEN * steady.dephasing_length()).max(FOUND * steady.life_found()).min(MOST * life);
-        Ok(Self { friction: steady.kinetic_friction(), way, life })
+        Ok(Self { friction: steady.kinetic_friction(), way, life, error: steady.error_estimate() })
     }
 }

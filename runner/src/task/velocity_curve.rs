@@ -8,6 +8,7 @@ use asperity::record::{Quantity, Record};
 use asperity::{Result, scenario};
 
 use super::Setting;
+use super::accuracy::Accuracy;
 use super::part::{self, Part};
 use super::settling::Steady;
 use super::stability::stability;
@@ -30,6 +31,7 @@ pub fn run(
     let (mut friction, mut slow, mut limits) = (Vec::new(), Slow::default(), Vec::new());
     let (mut force, mut error) = (Vec::new(), Vec::new());
     let mut critical = Critical::default();
+    let mut accuracy = Accuracy::new(setting, 0.0, setting.contacts.thresholds.mean());
     let points = (curves.len() * velocities.len()) as f64;
     for (temperature, contacts) in &curves {
         let limit = Limits::of(contacts, &mut Part::new(monitor, friction.len() as f64 / points, 0.0))?;
@@ -38,6 +40,7 @@ pub fn run(
             let aside = &mut Part::new(monitor, friction.len() as f64 / points, 0.0);
             let steady = Steady::at(contacts, &setting.initial, velocity, aside)?;
             friction.push(steady.friction);
+            accuracy = accuracy.worse(Accuracy::new(setting, steady.error, steady.life));
             slow.push(contacts, velocity, limit.viscosity);
             if let Some(ensemble) = &setting.scenario.ensemble {
                 let done = (friction.len() as f64 - 1.0 + MASTER) / points;
@@ -49,7 +52,8 @@ pub fn run(
             }
             if task.stability {
                 let part = &mut Part::new(monitor, (friction.len() as f64 - 1.0) / points, 1.0 / points);
-                critical.push(contacts, setting, velocity, part)?;
+                let pulled = critical.push(contacts, setting, velocity, part)?;
+                accuracy = accuracy.worse(Accuracy::new(setting, pulled, steady.life));
             }
             part::report(monitor, friction.len() as f64 / points)?;
         }
@@ -80,7 +84,8 @@ pub fn run(
     add("ensemble_error", "its standard error", error);
     add("creep_friction", "friction force by the law of slow creep, where it holds", slow.creep);
     add("viscous_friction", "friction force of viscous flow, the limit of low velocities", slow.viscous);
-    Ok((Summary { limits, stability, ..setting.heading() }, record))
+    let summary = Summary { limits, stability, ..setting.heading() };
+    Ok((accuracy.told(setting, "the friction force of steady sliding", summary)?, record))
 }
 
 /// The contacts of each curve, with the temperature by which it is known.
@@ -111,13 +116,14 @@ struct Critical {
 }
 
 impl Critical {
+    /// Adds those at a velocity; the estimated error of the pull, F/(N_c⟨k⟩).
     fn push(
         &mut self,
         contacts: &Contacts,
         setting: &Setting<'_>,
         velocity: f64,
         monitor: &mut dyn Monitor,
-    ) -> Result<()> {
+    ) -> Result<f64> {
         let block = setting.scenario.block.as_ref();
         if let (false, None, Some(&pulled), Some(&sliding)) =
             (contacts.rules.know_time(), block, self.pulled.last(), self.sliding.last())
@@ -125,7 +131,7 @@ impl Critical {
             // The same at all velocities.
             self.pulled.push(pulled);
             self.sliding.push(sliding);
-            return Ok(());
+            return Ok(0.0);
         }
         let aside = &mut Part::new(monitor, 0.0, 0.0);
         let equation = MasterEquation::at(contacts.clone(), &setting.initial, velocity, aside)?;
@@ -139,7 +145,7 @@ impl Critical {
             self.rate.push(found.growth_rate);
             self.frequency.push(found.growth_frequency);
         }
-        Ok(())
+        Ok(pull.error_estimate())
     }
 
     /// What is told of all velocities together; nothing where it was not asked for.

@@ -61,6 +61,9 @@ pub struct Slide {
     pub energy: Energy,
     /// What kind of sliding it was.
     pub regime: Regime,
+    /// An estimate of the largest error of F on the way gone, on the safe side: how far it is from F at a larger tolerance of
+    /// the contacts. 0 of contacts that are followed one by one.
+    pub error: f64,
 }
 
 /// What is being kept.
@@ -259,7 +262,7 @@ impl Log {
         });
     }
 
-    pub fn close(self) -> Slide {
+    pub fn close(self, error: f64) -> Slide {
         /// Tolerances that a oscillation must go beyond to be seen.
         const SEEN: f64 = 10.0;
         let Self { trace, slips, start, last, most, fraction, oscillations, tolerance, .. } = self;
@@ -268,7 +271,7 @@ impl Log {
         // Of few contacts breaks make oscillations, by chance.
         let seen = if fraction > 0.0 { f64::INFINITY } else { SEEN * tolerance };
         let regime = regime::calm(told, &oscillations, seen);
-        Slide { trace, slips, energy: last.energy - start.energy, regime }
+        Slide { trace, slips, energy: last.energy - start.energy, regime, error }
     }
 }
 

@@ -9,7 +9,7 @@ mod log;
 mod stage;
 
 use super::{Block, Energy, Loading, Slip};
-use crate::clocked::Clocked;
+use crate::clocked::{Beside, Clocked};
 use crate::history::History;
 use crate::monitor::{Monitor, report};
 use crate::numerics::two_stages::{CHANGE, MEET, WEIGHTS, change};
@@ -66,7 +66,7 @@ impl Block {
             }
         }
         report(monitor, 1.0)?;
-        Ok(rider.log.close())
+        Ok(rider.log.close(rider.error))
     }
 
     /// What moves the slider in time.
@@ -124,6 +124,9 @@ struct Rider {
     /// What came and went that the contacts do not count.
     spent: Energy,
     log: Log,
+    /// What tells the error of the force, and the largest so far.
+    beside: Option<Beside>,
+    error: f64,
 }
 
 impl Rider {
@@ -135,7 +138,19 @@ impl Rider {
         let spent = Energy::default();
         let start = Moment::of(&dynamics, &state, at, 0.0, spent);
         let log = Log::new(start, pulled, state.contacts.as_ref(), fraction, dynamics.tolerance);
-        Self { dynamics, state, pulled: at, time: 0.0, pace: f64::INFINITY, steps: 0, spent, log }
+        let beside = Beside::of(contacts);
+        Self {
+            dynamics,
+            state,
+            pulled: at,
+            time: 0.0,
+            pace: f64::INFINITY,
+            steps: 0,
+            spent,
+            log,
+            beside,
+            error: 0.0,
+        }
     }
 
     /// From now on the drive has another velocity.
@@ -204,6 +219,9 @@ impl Rider {
                 continue;
             }
             self.spent += dynamics.at_rest([state, &rested], *pulled, duration);
+            if let Some(beside) = &mut self.beside {
+                self.error = self.error.max(beside.go(0.0, duration, rested.force)?);
+            }
             self.state = rested;
             return Ok(duration);
         }
@@ -237,22 +255,29 @@ impl Rider {
             } else {
                 self.pace =
                     if duration < left { factor * duration } else { self.pace.max(factor * duration) };
-                self.accept(tried, duration);
+                self.accept(tried, duration)?;
                 return Ok(duration);
             }
         }
     }
 
-    fn accept(&mut self, tried: stage::Tried, duration: f64) {
+    fn accept(&mut self, tried: stage::Tried, duration: f64) -> Result<()> {
         let states = [&self.state, &tried.middle, &tried.end];
+        if let Some(beside) = &mut self.beside {
+            for (pair, share) in states.windows(2).zip([MEET, 1.0 - MEET]) {
+                let by = pair[1].position() - pair[0].position();
+                self.error = self.error.max(beside.go(by, share * duration, pair[1].force)?);
+            }
+        }
         self.spent += self.dynamics.on_the_way(states, self.pulled, duration);
         self.state = tried.end;
         if self.state.velocity > 0.0 {
-            return;
+            return Ok(());
         }
         self.state.velocity = 0.0;
         let excess = self.dynamics.excess(&self.state, self.pulled.after(duration)).min(0.0);
         self.spent.slip += 0.5 * excess * excess / self.dynamics.resistance(&self.state);
+        Ok(())
     }
 }
 

@@ -214,6 +214,10 @@ impl Cells for Curves {
         self.first.extremes().and(self.fresh.extremes()).scaled(self.largest_scale)
     }
 
+    fn error(&self) -> f64 {
+        self.largest_scale * self.first.error().max(self.fresh.error())
+    }
+
     fn reach(&mut self, by: &[f64]) -> Result<bool> {
         self.reach_on(longest(by), &mut ())
     }

@@ -136,6 +136,11 @@ pub trait Cells: Send + Sync {
     /// Number of cells.
     fn len(&self) -> usize;
 
+    /// Estimated error of the force of a cell, the largest of all; 0 where contacts are followed one by one.
+    fn error(&self) -> f64 {
+        0.0
+    }
+
     /// Whether there are none.
     fn is_empty(&self) -> bool {
         self.len() == 0

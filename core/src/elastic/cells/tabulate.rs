@@ -29,6 +29,8 @@ pub(super) struct Table {
     /// Where what is tabulated ends.
     end: f64,
     work: f64,
+    /// What pieces are off by, at most.
+    off: f64,
     /// Whether contacts break where the next piece begins.
     breaks: bool,
     begun: population::Books,
@@ -46,6 +48,8 @@ struct Known {
     /// Where they end.
     end: f64,
     extremes: Extremes,
+    /// Estimated error of the force.
+    error: f64,
 }
 
 /// Part of a way: where it begins, its length, F on it.
@@ -53,6 +57,8 @@ struct Part {
     start: f64,
     length: f64,
     force: Quintic,
+    /// What it is off by.
+    off: f64,
 }
 
 impl Table {
@@ -64,8 +70,9 @@ impl Table {
         let begun = population.books();
         let curve = Curve::default();
         let (known, marked, since) = (Known::default(), Known::default(), Vec::new());
-        let (end, work, breaks) = (0.0, 0.0, false);
-        let mut table = Self { population, origin, curve, end, work, breaks, begun, known, marked, since };
+        let (end, work, off, breaks) = (0.0, 0.0, 0.0, false);
+        let mut table =
+            Self { population, origin, curve, end, work, off, breaks, begun, known, marked, since };
         table.go_on(monitor)?;
         table.curve.index();
         table.mark();
@@ -90,6 +97,11 @@ impl Table {
     /// What is known of the curve is at most, forces where pieces end.
     pub fn extremes(&self) -> Extremes {
         self.known.extremes
+    }
+
+    /// Estimated error of the force as far as the curve is known: that of the population, and of the pieces.
+    pub fn error(&self) -> f64 {
+        self.known.error
     }
 
     /// Brings the curve to `end` at least; what asks stands at `from`.
@@ -141,8 +153,9 @@ impl Table {
         let next = self.known.ways - self.marked.ways;
         if next == self.since.len() {
             self.tabulate(monitor)?;
-            let Self { known, end, ref curve, .. } = *self;
-            self.since.push(Known { ways: known.ways + 1, end, extremes: curve.extremes() });
+            let Self { known, end, ref curve, off, .. } = *self;
+            let error = self.population.error() + off;
+            self.since.push(Known { ways: known.ways + 1, end, extremes: curve.extremes(), error });
         }
         self.known = self.since[next];
         Ok(())
@@ -159,6 +172,7 @@ impl Table {
         self.split(0.0, way.length, way, HALVINGS, &mut parts);
         let origin = self.population.position();
         for part in parts {
+            self.off = self.off.max(part.off);
             self.push(&part, origin, monitor)?;
         }
         self.end = self.population.position() - self.origin;
@@ -176,8 +190,9 @@ impl Table {
         let force = through([-1.0, 0.0, 1.0].map(at), half);
         let scale = [-1.0, 1.0].map(|t| at(t).force.abs()).into_iter().fold(0.0, f64::max);
         let wrong = [-0.5, 0.5].map(|t| (horner(&force, t).0 - at(t).force).abs());
-        if way.straight || halvings == 0 || wrong[0].max(wrong[1]) <= ACCURACY * scale {
-            parts.push(Part { start, length, force });
+        let off = wrong[0].max(wrong[1]);
+        if way.straight || halvings == 0 || off <= ACCURACY * scale {
+            parts.push(Part { start, length, force, off });
         } else {
             self.split(start, half, way, halvings - 1, parts);
             self.split(start + half, half, way, halvings - 1, parts);

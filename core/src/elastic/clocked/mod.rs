@@ -14,10 +14,13 @@ mod state;
 pub use scaled::Scaled;
 pub use state::StateInTime;
 
-use super::{Coupling, Energy, Event, Loading, Slipped};
-use crate::clocked::{Books, Clocked, Portion};
+use rayon::prelude::*;
+
+use super::{Coupling, Energy, Event, Loading, Slipped, event};
+use crate::clocked::{Beside, Books, Clocked, Portion};
 use crate::monitor::{Monitor, report};
-use crate::numerics::two_stages::{CHANGE, change};
+use crate::numerics::two_stages::{CHANGE, MEET, change};
+use crate::record::Record;
 use crate::{Error, Float, Result};
 use slips::{Look, Seen, Slips};
 use stage::{Dynamics, Pulled, State, Tried};
@@ -42,8 +45,8 @@ pub struct SettingInTime {
     /// The share of the contacts of a cell that breaks in the smallest event: above 0 where contacts are so few that each
     /// of them makes its cell slip a little.
     pub slip_fraction: f64,
-    /// Area of a cell; 1 where areas are counted in cells.
-    pub area: f64,
+    /// Area of a cell; `None` where areas are counted in cells.
+    pub area: Option<f64>,
 }
 
 impl SettingInTime {
@@ -53,7 +56,7 @@ impl SettingInTime {
             ("connection", self.connection),
             ("viscosity", self.viscosity),
             ("tolerance", self.tolerance),
-            ("area", self.area),
+            ("area", self.area.unwrap_or(1.0)),
         ] {
             positive(key, value)?;
         }
@@ -81,6 +84,9 @@ pub struct InterfaceInTime {
     begun: Stored,
     look: Look,
     slips: Slips,
+    /// What tells the errors of the forces of cells, and the largest so far; nothing of contacts followed one by one.
+    beside: Option<Vec<Beside>>,
+    error: f64,
     /// Where the present run began, and its end.
     path: (f64, f64),
 }
@@ -125,6 +131,7 @@ impl InterfaceInTime {
         let SettingInTime { connection, viscosity, tolerance, slip_fraction, area, .. } = setting;
         let mut dynamics = Dynamics { coupling, connection, connected, viscosity, tolerance };
         dynamics.respond(&springs, &mut positions);
+        let beside = contacts.iter().map(|contacts| Beside::of(contacts.as_ref())).collect();
         let mut interface = Self {
             dynamics,
             cells: contacts.into_iter().zip(positions).map(|(contacts, x)| State::of(contacts, x)).collect(),
@@ -136,6 +143,8 @@ impl InterfaceInTime {
             begun: Stored { connection: 0.0, coupling: 0.0, contacts: Books::default() },
             look: Look { time: 0.0, drive, cells: Vec::new() },
             slips: Slips::new(number, slip_fraction, area),
+            beside,
+            error: 0.0,
             path: (drive, drive),
         };
         interface.begun = interface.stored();
@@ -202,6 +211,17 @@ impl InterfaceInTime {
     /// Breaks since the beginning, per contact.
     pub fn broken(&self) -> f64 {
         self.cells.iter().map(|cell| cell.contacts.books().broken).sum::<f64>() / self.len() as f64
+    }
+
+    /// An estimate of the largest error of the force of a cell on the way gone, on the safe side: how far it is from that at a
+    /// larger tolerance of the contacts. 0 of contacts that are followed one by one.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// A catalogue as columns, those of `events.csv`.
+    pub fn record(&self, events: &[Event]) -> Record {
+        event::record(events, self.slips.area)
     }
 
     /// Energies since the beginning; `slip` is what viscous drag has taken, ∫Σ ηẊ_j² dt, in slips or not.
@@ -297,9 +317,25 @@ impl InterfaceInTime {
             self.pace = if duration < left { factor * duration } else { self.pace.max(factor * duration) };
             self.drive = if duration < left { pulled.after(duration) } else { drive };
             self.time += duration;
+            self.go_beside(&tried, duration)?;
             self.accept(tried, velocity);
             return Ok(());
         }
+    }
+
+    /// Moves what is followed beside in the same step.
+    fn go_beside(&mut self, tried: &Tried, duration: f64) -> Result<()> {
+        let (cells, time) = (&self.cells, MEET * duration);
+        let Some(beside) = &mut self.beside else { return Ok(()) };
+        let follow = |(j, beside): (usize, &mut Beside)| {
+            let ((middle, force), end) = (tried.middle[j], &tried.end[j]);
+            let first = beside.go(middle - cells[j].position, time, force)?;
+            Ok(first.max(beside.go(end.position - middle, duration - time, end.force)?))
+        };
+        let apart = beside.par_iter_mut().enumerate().map(follow);
+        let apart = apart.try_reduce(|| 0.0, |a: f64, b| Ok(a.max(b)))?;
+        self.error = self.error.max(apart);
+        Ok(())
     }
 
     fn accept(&mut self, tried: Tried, velocity: f64) {

@@ -58,6 +58,11 @@ impl Clocked for Scaled {
         self.contacts.step(by / self.scale, during)
     }
 
+    fn rough(&self) -> Option<Box<dyn Clocked>> {
+        let scaled = |contacts| Box::new(Self { contacts, scale: self.scale }) as Box<dyn Clocked>;
+        self.contacts.rough().map(scaled)
+    }
+
     fn copy(&self) -> Box<dyn Clocked> {
         Box::new(Self { contacts: self.contacts.copy(), scale: self.scale })
     }

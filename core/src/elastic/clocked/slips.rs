@@ -40,9 +40,9 @@ pub(super) struct Slips {
     /// The share of the contacts of a cell that breaks in the smallest event.
     #[serde(skip)]
     fraction: f64,
-    /// Area of a cell.
+    /// Area of a cell, if it has one.
     #[serde(skip)]
-    area: f64,
+    pub area: Option<f64>,
     /// Whether a cell slips.
     slipping: Vec<bool>,
     /// The number of the event that a cell belongs to.
@@ -124,7 +124,7 @@ impl Open {
 }
 
 impl Slips {
-    pub fn new(cells: usize, fraction: f64, area: f64) -> Self {
+    pub fn new(cells: usize, fraction: f64, area: Option<f64>) -> Self {
         let (slipping, member) = (vec![false; cells], vec![None; cells]);
         Self { fraction, area, slipping, member, events: Vec::new(), next: 0 }
     }
@@ -209,13 +209,14 @@ impl Slips {
             started.iter().map(|s| Slipped { cell: s.cell, start: s.time - time, slip: slip(s) }).collect();
         let mean = |of: &dyn Fn(&Started) -> f64| started.iter().map(of).sum::<f64>() / number as f64;
         let [front_speed_left, front_speed_right] = fronts(&slipped, coupling.shape());
+        let area = self.area.unwrap_or(1.0);
         let told = Event {
             drive,
             time,
             epicentre: started[0].cell,
             cells: number,
-            area: self.area * number as f64,
-            moment: self.area * all(|seen| seen.position),
+            area: area * number as f64,
+            moment: area * all(|seen| seen.position),
             duration: end.time - time,
             front_speed_left,
             front_speed_right,
@@ -272,7 +273,7 @@ mod tests {
 
     fn told(velocities: &[[f64; 9]], fraction: f64) -> Vec<(Event, Vec<Slipped>)> {
         let coupling = neighbours(Shape::Chain(9), Edges::Open, 1.0).unwrap();
-        let mut slips = Slips::new(9, fraction, 1.0);
+        let mut slips = Slips::new(9, fraction, None);
         let mut all = Vec::new();
         for pair in looks(velocities).windows(2) {
             slips.pass(&pair[0], &pair[1], 1.0, coupling.as_ref());

@@ -49,6 +49,8 @@ pub(super) struct State {
 /// A step, tried.
 pub(super) struct Tried {
     pub end: Vec<State>,
+    /// Where cells are between the stages, and their forces there.
+    pub middle: Vec<(f64, f64)>,
     /// The estimate of its error, the largest of a cell, as a length.
     pub error: f64,
     /// Work of the drive.
@@ -175,7 +177,8 @@ impl Dynamics {
         let error = (0..from.len()).map(error).fold(0.0, f64::max);
         end.iter_mut().for_each(|cell| cell.velocity = cell.velocity.max(0.0));
         let (work, viscous) = self.taken([from, &middle, &end], pulled, duration);
-        Ok(Some(Tried { end, error, work, viscous }))
+        let middle = middle.iter().map(|cell| (cell.position, cell.force)).collect();
+        Ok(Some(Tried { end, middle, error, work, viscous }))
     }
 
     /// Work of the drive in a step through these states, and what each cell loses by viscous drag.

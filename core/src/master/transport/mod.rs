@@ -440,6 +440,10 @@ impl Clocked for Transport {
         Self::step(self, by, during)
     }
 
+    fn rough(&self) -> Option<Box<dyn Clocked>> {
+        self.rough.as_ref().map(|rough| rough.copy())
+    }
+
     /// Without the rough follower, by which [`Transport::follow`] tells its error and steps tell nothing.
     fn copy(&self) -> Box<dyn Clocked> {
         let Self { model, seeds, cohorts, broken, pace, kinks, .. } = self;

@@ -63,7 +63,7 @@ impl Transport {
             };
             let (first, second) = (both(Part::First)?, both(Part::Second)?);
             let lost = (first + second).max(most / bend * duration * (first - second).abs());
-            if lost > most && duration * velocity > SHORTEST {
+            if lost > most && duration * velocity > SHORTEST * contacts.thresholds.mean() {
                 duration *= 0.5;
                 continue;
             }
@@ -99,5 +99,5 @@ pub(super) fn relaxed() -> Initial {
     Initial { law: Arc::new(law), start: Start::Conditional }
 }
 
-/// Panels no shorter than that are halved no further: where many break together, they do so in the shortest.
+/// Panels no shorter than that, in mean thresholds, are halved no further: where many break together, they do so in the shortest.
 const SHORTEST: f64 = 1e-6;

@@ -2,7 +2,8 @@
 
 use crate::numerics::piecewise::{Piecewise, Resolution};
 
-/// Below this a density is continued instead: U is kept quadratic, as that of a Gaussian is.
+/// Below this a density, in units of the inverse of the interval, is continued instead: U is kept quadratic, as that of a
+/// Gaussian is.
 const FAINTEST: f64 = 1e-280;
 
 /// A potential U on an interval, cubic between points at equal distances.
@@ -21,7 +22,8 @@ impl Potential {
     pub fn of(density: impl Fn(f64) -> f64, (low, high): (f64, f64), points: usize) -> Self {
         let spacing = (high - low) / points as f64;
         let first = low + 0.5 * spacing;
-        let densities = (0..points).map(|i| density(first + i as f64 * spacing)).collect();
+        let share = |h: f64| (high - low) * density(h);
+        let densities = (0..points).map(|i| share(first + i as f64 * spacing)).collect();
         Self {
             first,
             per_length: spacing.recip(),
@@ -56,6 +58,7 @@ pub struct Slope {
 impl Slope {
     /// U' of U = −ln of a `density` on [low, high] that is smooth between the `edges`, and has its bulk at `bulk`.
     pub fn of(density: impl Fn(f64) -> f64, (low, high): (f64, f64), edges: &[f64], bulk: f64) -> Self {
+        let density = |h: f64| (high - low) * density(h);
         let faint = |end: f64| {
             let (mut inside, mut outside) = (bulk, end);
             while density(outside) <= FAINTEST && (outside - inside).abs() > 1e-9 * (high - low) {

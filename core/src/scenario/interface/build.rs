@@ -212,8 +212,8 @@ impl Interface {
             viscosity: self.viscosity,
             drive_tolerance: self.drive_tolerance * length,
             area: match self.coupling {
-                Coupling::Neighbours { .. } => 1.0,
-                Coupling::HalfSpace { cell, .. } => cell * cell,
+                Coupling::Neighbours { .. } => None,
+                Coupling::HalfSpace { cell, .. } => Some(cell * cell),
             },
         }
     }

@@ -1,14 +1,14 @@
 //! What is quoted of a catalogue of events: how large they are, and how long one waits for them.
 
 use asperity::numerics::cutoff::{CutOff, fit_real, fit_whole};
-use asperity::record::Record;
-use asperity::scenario::Interface;
+use asperity::record::{Quantity, Record};
+use asperity::scenario::{Interface, Units};
 
 use super::model::Model;
 use crate::summary::{Catalogue, Extended, Fitted, Largest, PowerLaw};
 
 /// Reads what `events` tell.
-pub fn read<M: Model>(interface: &Interface, events: &Record) -> Catalogue {
+pub fn read<M: Model>(interface: &Interface, units: &Units, events: &Record) -> Catalogue {
     let column = |name: &str| events.values(name).unwrap_or_default();
     let (drives, magnitudes) = (column("drive"), column(M::MAGNITUDE));
     let fit = if M::WHOLE { fit_whole(magnitudes) } else { fit_real(magnitudes) };
@@ -24,6 +24,8 @@ pub fn read<M: Model>(interface: &Interface, events: &Record) -> Catalogue {
         events: drives.len(),
         from: interface.catalogue_from,
         magnitude: M::MAGNITUDE.to_owned(),
+        magnitude_unit: units
+            .label(events.get(M::MAGNITUDE).map_or(Quantity::Number, |column| column.quantity)),
         law: fit.map(law),
         mean_waiting: mean,
         waiting_variation: mean.map(|mean| spread(&waiting, mean) / mean),

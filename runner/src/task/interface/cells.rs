@@ -16,6 +16,8 @@ pub struct Cells {
     pub interface: elastic::Interface,
     /// Whether slides take time.
     pub timed: bool,
+    /// Whether contacts follow the master equation.
+    pub solved: bool,
 }
 
 impl Model for Cells {
@@ -49,13 +51,17 @@ impl Model for Cells {
 
     fn columns(&self, events: &[Self::Event]) -> Record {
         let events: Vec<_> = events.iter().map(|event| event.0).collect();
-        let mut record = elastic::record(&events);
+        let mut record = self.interface.record(&events);
         record.variables.retain(|variable| self.timed || !IN_TIME.contains(&variable.name.as_str()));
         record
     }
 
     fn slipped(&self, events: &[Self::Event], first: usize) -> Record {
         slipped(events, first, self.timed)
+    }
+
+    fn error(&self) -> Option<f64> {
+        self.solved.then(|| self.interface.error())
     }
 
     fn trace(&mut self) -> Result<Vec<f64>> {

@@ -77,6 +77,10 @@ impl Model for Contacts {
         record
     }
 
+    fn error(&self) -> Option<f64> {
+        None
+    }
+
     fn trace(&mut self) -> Result<Vec<f64>> {
         Ok(vec![self.lattice.force()])
     }

@@ -50,6 +50,8 @@ pub struct Found {
     pub trace: Vec<Vec<f64>>,
     /// What was known of every cell, look by look.
     pub maps: Vec<Vec<f64>>,
+    /// Estimated error of the force of a cell, where there is one.
+    pub error: Option<f64>,
 }
 
 /// What a checkpoint holds beside the columns.
@@ -67,6 +69,7 @@ impl Found {
             slipped: model.slipped(&[], 0),
             trace: vec![Vec::new(); M::TRACE.len()],
             maps: vec![Vec::new(); M::MAPS.len()],
+            error: None,
         }
     }
 
@@ -117,7 +120,7 @@ impl<'a, M: Model> Course<'a, M> {
             }
             self.look(stop)?;
         }
-        Ok(self.found)
+        Ok(Found { error: self.model.error(), ..self.found })
     }
 
     fn look(&mut self, stop: &Stop) -> Result<()> {

@@ -1,7 +1,7 @@
 //! Cells whose contacts know time as an interface that is driven at a velocity.
 
 use asperity::contacts::{Contacts, Initial};
-use asperity::elastic::{self, Event, InterfaceInTime, Slipped, StateInTime};
+use asperity::elastic::{Event, InterfaceInTime, Slipped, StateInTime};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::scenario::{self, Scenario};
@@ -16,6 +16,8 @@ pub struct CellsInTime {
     interface: InterfaceInTime,
     /// Of the drive.
     velocity: f64,
+    /// Whether contacts are followed by transport.
+    solved: bool,
 }
 
 impl CellsInTime {
@@ -33,7 +35,9 @@ impl CellsInTime {
         let Some(velocity) = task.velocity else {
             return Err(Error::invalid("drive.velocity", "a velocity above 0", "none"));
         };
-        Ok(Self { interface: cells_in_time(scenario, interface, contacts, initial, monitor)?, velocity })
+        let solved = scenario.ensemble.is_none();
+        let interface = cells_in_time(scenario, interface, contacts, initial, monitor)?;
+        Ok(Self { interface, velocity, solved })
     }
 }
 
@@ -88,11 +92,15 @@ impl Model for CellsInTime {
     }
 
     fn columns(&self, events: &[Self::Event]) -> Record {
-        elastic::record(&events.iter().map(|event| event.0).collect::<Vec<_>>())
+        self.interface.record(&events.iter().map(|event| event.0).collect::<Vec<_>>())
     }
 
     fn slipped(&self, events: &[Self::Event], first: usize) -> Record {
         slipped(events, first, true)
+    }
+
+    fn error(&self) -> Option<f64> {
+        self.solved.then(|| self.interface.error())
     }
 
     fn trace(&mut self) -> Result<Vec<f64>> {

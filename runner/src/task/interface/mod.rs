@@ -14,6 +14,7 @@ use asperity::scenario::{self, PerCell, Scenario};
 use asperity::{Error, Result};
 
 use super::Setting;
+use super::accuracy::Accuracy;
 use super::part::Part;
 use crate::checkpoint::Checkpoints;
 use crate::output::LARGEST;
@@ -53,7 +54,8 @@ pub fn run(
             let tolerance = scenario.master_equation.tolerance();
             let ensemble = scenario.ensemble.as_ref();
             let built = interface.deformable(contacts.clone(), initial, tolerance, ensemble, monitor)?;
-            let model = Cells { interface: built, timed: interface.viscosity.is_some() };
+            let (timed, solved) = (interface.viscosity.is_some(), ensemble.is_none());
+            let model = Cells { interface: built, timed, solved };
             drive(setting, task, interface, model, checkpoints, monitor)
         }
     }
@@ -74,10 +76,23 @@ fn drive<M: Model>(
     let summary = Summary {
         seed: seed(setting.scenario, interface),
         sample: None,
-        catalogue: Some(catalogue::read::<M>(interface, &found.events)),
+        catalogue: Some(catalogue::read::<M>(interface, &setting.scenario.units, &found.events)),
         ..setting.heading()
     };
+    let summary = match found.error {
+        Some(force) => accuracy(setting, force).told(setting, "the force of a cell", summary)?,
+        None => summary,
+    };
     Ok((summary, record::<M>(interface, &stops, found)))
+}
+
+/// How accurate the forces of cells are, `force` being the estimated error of one.
+fn accuracy(setting: &Setting<'_>, force: f64) -> Accuracy {
+    let in_time = Accuracy::in_time(setting, force);
+    if setting.contacts.rules.know_time() {
+        return in_time;
+    }
+    Accuracy::new(setting, in_time.error, in_time.life)
 }
 
 /// The seed of what is drawn at random, if anything is.

@@ -43,6 +43,9 @@ pub trait Model {
     /// The cells that took part in events of a chain, event after event, the first one being number `first`.
     fn slipped(&self, events: &[Self::Event], first: usize) -> Record;
 
+    /// Estimated error of the force of a cell, the largest so far; `None` where contacts are followed one by one.
+    fn error(&self) -> Option<f64>;
+
     /// What is known of the whole now, in the order of [`Model::TRACE`].
     ///
     /// # Errors
