@@ -12,6 +12,8 @@ use super::settling::Steady;
 use super::{Setting, chance};
 use crate::summary::{HoldCurve, Peak, Summary};
 
+/// The part of the work that steady sliding takes.
+const LIVES: f64 = 0.1;
 /// Mean thresholds, of newborn or mature contacts, within which the force peaks after a hold.
 const REACH: f64 = 2.0;
 /// Points between which the peak is looked for first, …
@@ -29,13 +31,14 @@ pub fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let Setting { scenario, contacts, initial } = setting;
-    let aside = &mut Part::new(monitor, 0.0, 0.0);
-    let steady = Steady::at(contacts, initial, task.velocity, aside)?;
+    let steady = Steady::at(contacts, initial, task.velocity, &mut Part::new(monitor, 0.0, LIVES))?;
     let mature =
         contacts.rules.ageing.as_ref().and_then(|ageing| ageing.mature()).map_or(0.0, |law| law.mean());
     let reach = REACH * contacts.thresholds.mean().max(mature).max(steady.life);
     let holds = task.holds();
     let tolerance = scenario.master_equation.tolerance_in_time(&contacts.rules);
+    let monitor = &mut Part::new(monitor, LIVES, 1.0 - LIVES);
+    let aside = &mut Part::new(monitor, 0.0, 0.0);
     let mut held = Transport::steady(contacts, task.velocity, tolerance, aside)?;
     let slide = moving(task.velocity, steady.way);
     let mut columns = Columns::default();

@@ -16,7 +16,7 @@ pub use state::StateInTime;
 
 use super::{Coupling, Energy, Event, Loading, Slipped};
 use crate::clocked::{Books, Clocked, Portion};
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Aside, Monitor, report};
 use crate::numerics::two_stages::{CHANGE, change};
 use crate::{Error, Float, Result};
 use slips::{Look, Seen, Slips};
@@ -255,8 +255,8 @@ impl InterfaceInTime {
             self.path = (self.drive, drive);
         }
         while self.drive < drive {
-            self.tell(monitor)?;
-            self.go(drive, velocity)?;
+            let fraction = self.fraction();
+            self.go(drive, velocity, &mut Aside { fraction, monitor })?;
             let events = self.slips.told();
             if !events.is_empty() {
                 return Ok(events);
@@ -266,14 +266,14 @@ impl InterfaceInTime {
         Ok(Vec::new())
     }
 
-    /// Tells the monitor how far the drive is on its way.
-    fn tell(&self, monitor: &mut dyn Monitor) -> Result<()> {
+    /// How far the drive is on its way.
+    fn fraction(&self) -> f64 {
         let (from, to) = self.path;
-        report(monitor, ((self.drive - from) / (to - from)).clamp(0.0, 1.0))
+        ((self.drive - from) / (to - from)).clamp(0.0, 1.0)
     }
 
     /// Moves on in one step, at most up to a drive.
-    fn go(&mut self, drive: f64, velocity: f64) -> Result<()> {
+    fn go(&mut self, drive: f64, velocity: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let left = (drive - self.drive) / velocity;
         let mut duration = if self.pace.is_finite() { self.pace } else { FIRST * left };
         duration = if duration >= left { left } else { duration.min(0.5 * left) };
@@ -284,7 +284,7 @@ impl InterfaceInTime {
                 let wanted = Float(self.dynamics.tolerance);
                 return Err(Error::Accuracy { key: String::new(), what, reached: Float(f64::NAN), wanted });
             }
-            let Some(tried) = self.dynamics.attempt(&self.cells, pulled, duration)? else {
+            let Some(tried) = self.dynamics.attempt(&self.cells, pulled, duration, monitor)? else {
                 duration *= CHANGE.1;
                 continue;
             };
