@@ -72,7 +72,11 @@ impl Pull {
     ///
     /// # Errors
     /// Stopped by the monitor.
-    pub fn force_std(&self, size: f64, monitor: &mut dyn Monitor) -> Result<impl Fn(f64) -> f64 + Sync + '_> {
+    pub fn force_std<'a>(
+        &'a self,
+        size: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<impl Fn(f64) -> f64 + Send + Sync + use<'a>> {
         if self.square.get().is_none() {
             let square = self.leg.sum(Life::square, monitor)?;
             self.square.get_or_init(|| square);
