@@ -85,9 +85,14 @@ fn line(elapsed: Duration, fraction: f64, left: &str, counted: &str) -> String {
 }
 
 /// The time that is left if the rest takes as long as what was done since `first`, a time and a fraction; nothing where
-/// this cannot be told.
+/// this cannot be told, or too little is done to tell it from.
 fn left(first: (Duration, f64), elapsed: Duration, fraction: f64) -> String {
+    /// A thousandth of the run.
+    const LEAST: f64 = 1e-3;
     let (time, done) = ((elapsed - first.0).as_secs_f64(), fraction - first.1);
+    if done < LEAST {
+        return String::new();
+    }
     let left = Duration::try_from_secs_f64(time * (1.0 - fraction) / done);
     let whole = |left: Duration| Duration::from_secs(left.as_secs_f64().round() as u64);
     left.map_or(String::new(), |left| format!(", about {} left", duration::words(whole(left))))
@@ -141,5 +146,11 @@ mod tests {
         assert_eq!(shown((seconds(0), 0.0), seconds(60), 0.5), "50.0 % after 1 min, about 1 min left\n");
         assert_eq!(shown((seconds(0), 0.4), seconds(60), 0.5), "50.0 % after 1 min, about 5 min left\n");
         assert_eq!(shown((seconds(60), 0.5), seconds(60), 0.5), "50.0 % after 1 min\n");
+        // A millionth in a minute would leave two years.
+        assert_eq!(shown((seconds(0), 0.0), seconds(60), 1e-6), "0.0 % after 1 min\n");
+        assert_eq!(
+            shown((seconds(0), 0.0), seconds(60), 0.002),
+            "0.2 % after 1 min, about 8 h 19 min left\n"
+        );
     }
 }

@@ -27,7 +27,7 @@ fn steps(criterion: &mut Criterion) {
     for count in [256, 4096] {
         let cells = Followed::new(count, 0.05);
         let middles: Vec<f64> = cells.middles(0.2, ceiling).collect();
-        let newborn = maturing.newborn(&middles, 0.2);
+        let newborn = maturing.newborn(&middles, 0.2, &mut ()).unwrap();
         let rise = Rise { floor: (0.2, 0.203), ceiling, duration: 0.01, absorbing: true };
         let mut room = Room::default();
         group.throughput(Throughput::Elements(count as u64));

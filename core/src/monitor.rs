@@ -1,8 +1,8 @@
 //! The watcher of a long computation: it hears how far the work is and may stop it.
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::ThreadId;
 
 use crate::{Error, Result};
@@ -50,6 +50,29 @@ impl Monitor for Aside<'_> {
     }
 }
 
+/// Tells another monitor of work that may have to be done once more: no less than it was told before.
+pub(crate) struct Rising<'a> {
+    most: f64,
+    monitor: &'a mut dyn Monitor,
+}
+
+impl<'a> Rising<'a> {
+    pub(crate) fn new(monitor: &'a mut dyn Monitor) -> Self {
+        Self { most: 0.0, monitor }
+    }
+}
+
+impl Monitor for Rising<'_> {
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        self.most = self.most.max(fraction);
+        self.monitor.progress(self.most)
+    }
+
+    fn memory(&self) -> u64 {
+        self.monitor.memory()
+    }
+}
+
 /// Tells another monitor of a part of its work as a part of the whole.
 pub struct Part<'a> {
     whole: &'a mut dyn Monitor,
@@ -83,23 +106,36 @@ pub(crate) struct Watch<'a> {
     /// The thread that asks. Python hears Ctrl-C on its main thread alone: others look at what that one was told.
     asking: ThreadId,
     stopped: AtomicBool,
+    /// The bits of the fraction done, as far as it is known. Positive numbers are in the order of their bits.
+    done: AtomicU64,
 }
 
 impl<'a> Watch<'a> {
     /// Asks `monitor`, on this thread.
     pub(crate) fn new(monitor: &'a mut dyn Monitor) -> Self {
         let asking = std::thread::current().id();
-        Self { monitor: Mutex::new(monitor), asking, stopped: AtomicBool::new(false) }
+        Self {
+            monitor: Mutex::new(monitor),
+            asking,
+            stopped: AtomicBool::new(false),
+            done: AtomicU64::new(0),
+        }
     }
 
-    /// Asks whether to stop. The fraction that is told is 0: how many evaluations there will be is not known.
+    /// From now on the fraction that is told is this one, unless it was larger before; 0 where nobody says how many
+    /// evaluations there will be.
+    pub(crate) fn done(&self, fraction: f64) {
+        self.done.fetch_max(fraction.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
+    }
+
+    /// Asks whether to stop.
     pub(crate) fn stops(&self) -> bool {
         let told = self.stopped.load(Ordering::Relaxed);
         if told || std::thread::current().id() != self.asking {
             return told;
         }
         let mut monitor = self.monitor.lock().unwrap_or_else(PoisonError::into_inner);
-        let stops = monitor.progress(0.0).is_break();
+        let stops = monitor.progress(f64::from_bits(self.done.load(Ordering::Relaxed))).is_break();
         self.stopped.store(stops, Ordering::Relaxed);
         stops
     }
@@ -114,17 +150,25 @@ impl<'a> Watch<'a> {
         if self.stops() { Err(Error::Stopped) } else { Ok(()) }
     }
 
-    /// Calls `each` with the numbers below `count`, on all threads, as long as the monitor does not ask to stop. This thread
-    /// works, too, since it asks only between pieces of its own work.
-    pub(crate) fn share(&self, count: usize, each: impl Fn(usize) + Sync) {
+    /// What `each` makes of the numbers below `count`, in their order, found on all threads, each with `tools` of its own.
+    /// This thread works, too, since it asks only between pieces of its own work.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub(crate) fn share<R, T: Send + Sync>(
+        &self,
+        count: usize,
+        tools: impl Fn() -> R + Sync,
+        each: impl Fn(&mut R, usize) -> T + Sync,
+    ) -> Result<Vec<T>> {
         let next = AtomicUsize::new(0);
+        let made: Vec<OnceLock<T>> = (0..count).map(|_| OnceLock::new()).collect();
         let work = || {
+            let mut tools = tools();
             while !self.stops() {
                 let number = next.fetch_add(1, Ordering::Relaxed);
-                if number >= count {
-                    return;
-                }
-                each(number);
+                let Some(place) = made.get(number) else { return };
+                place.get_or_init(|| each(&mut tools, number));
             }
         };
         rayon::in_place_scope(|scope| {
@@ -133,6 +177,18 @@ impl<'a> Watch<'a> {
             }
             work();
         });
+        made.into_iter().map(OnceLock::into_inner).collect::<Option<_>>().ok_or(Error::Stopped)
+    }
+}
+
+/// What is asked on the way is asked of the monitor that is watched for; the fraction told is that of the whole.
+impl Monitor for &Watch<'_> {
+    fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
+        if self.stops() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn memory(&self) -> u64 {
+        self.monitor.lock().unwrap_or_else(PoisonError::into_inner).memory()
     }
 }
 

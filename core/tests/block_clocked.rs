@@ -112,7 +112,7 @@ fn steady_sliding_is_unstable_below_the_critical_stiffness_of_its_response() {
     let newborn = ageing((0.5, 0.1), Ageing::FrozenRank { mature: gaussian(1.0, 0.2), time: 1.0 });
     for (contacts, velocity) in [(logarithmic(), 1e-3), (newborn, 0.7)] {
         let response = Transport::step_response(&contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
-        let critical = response.critical_stiffness(0.0, 0.0).unwrap().0;
+        let critical = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap().0;
         let regime = |stiffness: f64| {
             let sliding = Transport::steady(&contacts, velocity, 1e-4, &mut ()).unwrap();
             // A viscous force of a thousandth shifts K_c by next to nothing.

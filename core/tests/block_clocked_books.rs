@@ -93,7 +93,7 @@ fn steady_sliding_loses_what_the_renewal_equation_says() {
             MasterEquation::at(contacts.clone(), &initial(&point(0.0)), velocity, &mut ()).unwrap();
         let (steady, life) = (equation.steady_state(), equation.life());
         let mut sliding = Transport::steady(&contacts, velocity, 1e-4, &mut ()).unwrap();
-        sliding.step(3.0, 3.0 / velocity).unwrap();
+        sliding.step(3.0, 3.0 / velocity, &mut ()).unwrap();
         let books = sliding.books();
         let lost = 3.0 * steady.breaking_rate() * life.breaking_energy().curve().value(0.0);
         near(books.lost, lost, accuracy);

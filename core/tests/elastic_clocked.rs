@@ -13,6 +13,7 @@ use asperity::elastic::{
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::master::Transport;
+use asperity::monitor::Monitor;
 use asperity::shape::{Edges, Shape};
 use asperity::{Error, Result};
 use common::pulled::near;
@@ -141,8 +142,8 @@ impl Clocked for Together {
         self.0.iter().flat_map(|contacts| contacts.stretches()).map(part).collect()
     }
 
-    fn step(&mut self, by: f64, during: f64) -> Result<()> {
-        self.0.iter_mut().try_for_each(|contacts| contacts.step(by, during))
+    fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        self.0.iter_mut().try_for_each(|contacts| contacts.step(by, during, monitor))
     }
 
     fn copy(&self) -> Box<dyn Clocked> {
@@ -292,7 +293,7 @@ fn cells_of_single_contacts_slip_alike() {
         let cell = |j: usize| -> Box<dyn Clocked> {
             let model =
                 Ensemble::new(logarithmic(), relaxed.clone(), size, seed, Disorder::Annealed).unwrap();
-            let model = model.numbered_from((j * size) as u64).in_time().unwrap();
+            let model = model.numbered_from((j * size) as u64).in_time(&mut ()).unwrap();
             Box::new(Scaled::new(Box::new(model), WEAK[1 + j]).unwrap())
         };
         let few = SettingInTime { slip_fraction: 0.05, ..setting(0.2, 0.1, tolerance) };

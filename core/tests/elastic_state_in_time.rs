@@ -64,7 +64,7 @@ fn transport(contacts: &Contacts) -> Box<dyn Clocked> {
 }
 
 fn few(contacts: &Contacts, disorder: Disorder) -> Box<dyn Clocked> {
-    Box::new(Ensemble::new(contacts.clone(), start(), 300, 7, disorder).unwrap().in_time().unwrap())
+    Box::new(Ensemble::new(contacts.clone(), start(), 300, 7, disorder).unwrap().in_time(&mut ()).unwrap())
 }
 
 /// A chain of such cells at rest.
@@ -166,7 +166,7 @@ fn a_state_of_something_else_is_refused() {
         refused(few(&of(to), Disorder::Annealed).restore(&transport(&of(to)).state()));
     }
     let more = Ensemble::new(of("logarithmic"), start(), 301, 7, Disorder::Annealed).unwrap();
-    refused(few(&of("logarithmic"), Disorder::Annealed).restore(&more.in_time().unwrap().state()));
+    refused(few(&of("logarithmic"), Disorder::Annealed).restore(&more.in_time(&mut ()).unwrap().state()));
     let cell = || transport(&of("logarithmic"));
     let setting = SettingInTime {
         connection: 0.2,

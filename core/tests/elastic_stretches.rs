@@ -119,7 +119,7 @@ fn stretches_of_a_cell_in_time_are_those_of_a_rigid_slider() {
 fn contacts_of_a_cell_followed_one_by_one_stand_where_those_of_a_pull_do() {
     let size = 2000;
     let model = Ensemble::new(ageing(), initial(&point(0.0)), size, 5, Disorder::Annealed).unwrap();
-    let cell = rigid(Box::new(model.in_time().unwrap()), 1.0);
+    let cell = rigid(Box::new(model.in_time(&mut ()).unwrap()), 1.0);
     let portions = cell.stretches(0).unwrap();
     let snapshots = Snapshots { positions: vec![WAY], edges: edges() };
     let pull = model.pull_at(VELOCITY, &[WAY], &snapshots, &mut ()).unwrap();

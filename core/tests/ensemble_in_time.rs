@@ -35,7 +35,7 @@ fn go<T>(
     for piece in way.pieces() {
         let during = piece.duration / f64::from(steps);
         for _ in 0..steps {
-            contacts.step(piece.velocity * during, during).unwrap();
+            contacts.step(piece.velocity * during, during, &mut ()).unwrap();
             seen.push(see(contacts));
         }
     }
@@ -47,7 +47,8 @@ fn they_live_the_lives_of_those_followed_one_by_one() {
     for kind in kinds().iter().filter(|kind| kind.name != "smoluchowski") {
         for (name, way) in kind.ways() {
             let ensemble = ensemble(&kind.contacts, 500, 3);
-            let seen = go(&mut ensemble.in_time().unwrap(), &way, 7, |c| (c.time(), c.force(), c.free()));
+            let seen =
+                go(&mut ensemble.in_time(&mut ()).unwrap(), &way, 7, |c| (c.time(), c.force(), c.free()));
             let mut times: Vec<f64> = seen.iter().map(|seen| seen.0.min(way.duration())).collect();
             *times.last_mut().unwrap() = way.duration();
             let followed = ensemble.follow(&way, &times, &mut ()).unwrap();
@@ -66,7 +67,7 @@ fn contacts_of_other_numbers_are_the_others_of_a_larger_ensemble() {
     let contacts = Contacts { rules: warm(), ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
     let way = steady(1e-2, 2.5);
     let force = |ensemble: Ensemble| {
-        let together = go(&mut ensemble.in_time().unwrap(), &way, 1, |c| c.force())[0];
+        let together = go(&mut ensemble.in_time(&mut ()).unwrap(), &way, 1, |c| c.force())[0];
         near(ensemble.follow(&way, &[way.duration()], &mut ()).unwrap().force[0], together, 1e-12);
         together
     };
@@ -100,7 +101,7 @@ fn diffusing() -> Ageing {
 fn the_work_is_found_again() {
     for ageing in [strengthening(), diffusing()] {
         let (velocity, distance, steps) = (0.1, 3.0, 20_000);
-        let mut contacts = ensemble(&involved(ageing), 50, 2).in_time().unwrap();
+        let mut contacts = ensemble(&involved(ageing), 50, 2).in_time(&mut ()).unwrap();
         let forces = go(&mut contacts, &steady(velocity, distance), steps, |c| c.force());
         let by = distance / f64::from(steps);
         let work = by * (forces.iter().sum::<f64>() - 0.5 * forces[forces.len() - 1]);
@@ -137,7 +138,7 @@ fn energies_are_those_of_transport() {
         let drawn: Vec<Books> = (0..25)
             .map(|batch| {
                 let ensemble = ensemble(&contacts, 400, 1).numbered_from(400 * batch);
-                let mut ensemble = ensemble.in_time().unwrap();
+                let mut ensemble = ensemble.in_time(&mut ()).unwrap();
                 go(&mut ensemble, &way, 1, |_| ());
                 ensemble.books()
             })
@@ -169,7 +170,7 @@ fn slow_and_little_damped_it_is_the_block_without_time_over_the_same_contacts() 
     let drive = Drive { turning_points: vec![3.0], points: 2 };
     let athermal = block.pull(&mut ensemble.population(&mut ()).unwrap(), &drive, &mut ()).unwrap();
     let damped = Slip::Damped { damping: 1e-3 };
-    let run = slide(&ensemble.in_time().unwrap(), (1.0, damped), &steady(1e-5, 3.0), 1e-4);
+    let run = slide(&ensemble.in_time(&mut ()).unwrap(), (1.0, damped), &steady(1e-5, 3.0), 1e-4);
     assert_eq!((run.slips.len(), athermal.events.len()), (2, 2));
     // The slider lingers where balance is lost for some (γv)^{2/3}.
     let lingering = 1e-8_f64.powf(2.0 / 3.0);
@@ -196,7 +197,7 @@ fn a_block_slips_as_over_transport() {
     let slips: Vec<_> = (0..8)
         .map(|batch| {
             let ensemble = ensemble(&contacts, size, 4).numbered_from(batch * size as u64);
-            slide(&ensemble.in_time().unwrap(), block, &drive, 1e-3).slips[0]
+            slide(&ensemble.in_time(&mut ()).unwrap(), block, &drive, 1e-3).slips[0]
         })
         .collect();
     let drives = mean(&slips.iter().map(|slip| slip.before.drive).collect::<Vec<_>>());
@@ -209,6 +210,6 @@ fn a_block_slips_as_over_transport() {
 
 #[test]
 fn ways_that_are_none_are_refused() {
-    let mut contacts = ensemble(&involved(strengthening()), 10, 1).in_time().unwrap();
-    assert!(contacts.step(-0.1, 1.0).is_err() && contacts.step(0.1, 0.0).is_err());
+    let mut contacts = ensemble(&involved(strengthening()), 10, 1).in_time(&mut ()).unwrap();
+    assert!(contacts.step(-0.1, 1.0, &mut ()).is_err() && contacts.step(0.1, 0.0, &mut ()).is_err());
 }

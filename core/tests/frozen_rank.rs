@@ -55,7 +55,7 @@ fn by_finite_volumes(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64, cel
     let maturing = Maturing::new(newborn.clone(), mature.clone(), mature.std().powi(2));
     let operator = Arc::new(maturing.operator(cells));
     let (width, none) = (operator.width(), (f64::NEG_INFINITY, f64::NEG_INFINITY));
-    let mut masses = maturing.newborn(&operator.middles(), -1.0);
+    let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();
     let (mut work, step) = (Work::default(), Step::new(&operator, width / velocity));
     let (mut met, mut sums) = (0.0_f64, [0.5 * width, 0.0]);
     for cell in 1..cells {

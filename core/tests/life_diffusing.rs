@@ -37,7 +37,7 @@ fn survival_at_rest(contacts: &Contacts, velocity: f64, cells: usize) -> Vec<(f6
     let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing else { panic!() };
     let maturing = Maturing::new(contacts.thresholds.clone(), mature.clone(), *diffusion);
     let operator = Arc::new(maturing.operator(cells));
-    let mut masses = maturing.newborn(&operator.middles(), 0.0);
+    let mut masses = maturing.newborn(&operator.middles(), 0.0, &mut ()).unwrap();
     let mut work = Work::default();
     let before = Step::new(&operator, operator.edge(0) / velocity / cells as f64);
     for _ in 0..if operator.edge(0) > 0.0 { cells } else { 0 } {

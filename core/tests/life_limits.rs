@@ -236,7 +236,11 @@ fn pulls_keep_all_contacts_and_come_to_the_steady_state() {
         }
         // Relaxation lengths are below 2.
         near(pull.force(40.0), equation.steady_state().kinetic_friction(), (-20.0_f64).exp());
-        near(pull.force_std(40.0, 10.0), equation.steady_state().force_std(10.0), (-20.0_f64).exp());
+        near(
+            pull.force_std(10.0, &mut ()).unwrap()(40.0),
+            equation.steady_state().force_std(10.0),
+            (-20.0_f64).exp(),
+        );
     }
 }
 

@@ -168,7 +168,7 @@ fn every_distribution_adds_up() {
             let error = (first - pull.force(position)).abs();
             assert!(error < 3.0 * close, "{name}: ∫xQ off F by {error:e} at X = {position}");
             let variance = (second - first * first).max(0.0);
-            let error = (variance - pull.force_std(position, 1.0).powi(2)).abs();
+            let error = (variance - pull.force_std(1.0, &mut ()).unwrap()(position).powi(2)).abs();
             assert!(error < 10.0 * close, "{name}: variance off by {error:e} at X = {position}");
         }
     }
@@ -286,7 +286,7 @@ fn noise_in_closed_form() {
         let closed = exact::Gaussian::new(1.0, std).starting_from(mean, spread);
         for k in 0..200 {
             let x = 0.1 * f64::from(k);
-            let error = (pull.force_std(x, 1.0).powi(2) - closed.variance(x)).abs();
+            let error = (pull.force_std(1.0, &mut ()).unwrap()(x).powi(2) - closed.variance(x)).abs();
             // Of Q_ini 1e-16 is below 0, and 3e-13 of the pairs of stretch and threshold are ruled out.
             assert!(error < 1e-11, "σ = {std}: {error:e} at {x}");
         }
@@ -315,7 +315,10 @@ fn lengths_and_forces_have_no_unit_of_their_own() {
             let x = 0.2 * f64::from(k) - 0.07;
             let error = (scaled.force(x * unit) / whole - plain.force(x)).abs();
             assert!(error < 1e-11, "F off by {error:e} at {x} in units of {unit:e}");
-            let (noise, expected) = (scaled.force_std(x * unit, 1.0) / whole, plain.force_std(x, 1.0));
+            let (noise, expected) = (
+                scaled.force_std(1.0, &mut ()).unwrap()(x * unit) / whole,
+                plain.force_std(1.0, &mut ()).unwrap()(x),
+            );
             assert!((noise - expected).abs() < 1e-10, "noise {noise}, not {expected} in units of {unit:e}");
         }
         let error = (scaled.critical_stiffness() / (count * stiffness) - plain.critical_stiffness()).abs();

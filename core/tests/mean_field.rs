@@ -55,7 +55,7 @@ fn other_laws_fulfil_the_equation_integrated_over_thresholds() {
         let diffusion = 0.5 * mature.std().powi(2);
         for velocity in [0.03, 1.0] {
             let maturing = Maturing::new(newborn.clone(), mature.clone(), diffusion);
-            let law = Closure { maturing: &maturing, velocity }.law().unwrap();
+            let law = Closure { maturing: &maturing, velocity }.law(&mut ()).unwrap();
             assert!((law.survival(-1.0) - 1.0).abs() < 1e-14);
             let spread = law.mean() / velocity * diffusion;
             for k in 1..30 {

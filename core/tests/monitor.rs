@@ -6,9 +6,12 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use asperity::Error;
+use asperity::block::{Block, Loading, Slip};
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
+use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::history::{History, Piece};
 use asperity::law::SharedLaw;
-use asperity::master::{Limits, MasterEquation, Transport};
+use asperity::master::{Limits, MasterEquation, Slider, StepResponse, Transport};
 use asperity::monitor::Monitor;
 use common::sliders::Impatient;
 use common::{contacts, exponential, gamma, gaussian, initial, point, rectangular, weibull};
@@ -91,8 +94,34 @@ fn slow() -> Vec<(&'static str, Contacts)> {
         ("frozen, warm", with(ageing(frozen, warm(0.02)), of(&newborn, &unstretched))),
         ("logarithmic, warm", with(ageing(logarithmic, warm(0.02)), of(&exponential(1.0), &spread))),
         ("warm, spread", with(ageing(None, warm(0.02)), of(&gamma(1.0, 1.5), &spread))),
+        ("ranks of a pole", with(ageing(ranks(), None), of(&gamma(1.0, 2.0), &unstretched))),
         ("a pole", of(&weibull(0.3, 1.0), &exponential(0.2))),
     ]
+}
+
+/// Thresholds that keep their rank between laws of which none is Gaussian: ranks have to be found at many ages.
+fn ranks() -> Option<Ageing> {
+    Some(Ageing::FrozenRank { mature: gamma(1.5, 0.3), time: 1.0 })
+}
+
+/// Contacts that take long to be followed in time, each for another reason.
+fn slow_in_time() -> Vec<(&'static str, Contacts, f64)> {
+    let (newborn, unstretched, spread) = (gaussian(0.5, 0.1), point(0.0), gaussian(0.2, 0.05));
+    let with = |ageing_rule, temperature, thresholds, reforming| {
+        with(ageing(ageing_rule, temperature), contacts(thresholds, reforming))
+    };
+    vec![
+        ("many seeds", with(diffusing(0.0025), None, &newborn, &spread), 1e-6),
+        ("many warm seeds", with(diffusing(0.0025), warm(1.0), &newborn, &spread), 1e-6),
+        ("many cells", with(diffusing(0.0025), None, &gamma(1.0, 2.0), &unstretched), 1e-4),
+        ("ranks of a pole", with(ranks(), warm(0.05), &gamma(1.0, 2.0), &unstretched), 1e-4),
+    ]
+}
+
+/// A hold and a slide.
+fn slide_after_hold() -> History {
+    let piece = |velocity, duration| Piece { velocity, duration };
+    History::new(vec![piece(0.1, 2.0), piece(0.0, 1e3), piece(0.1, 20.0)]).unwrap()
 }
 
 /// Lets one computation go on for as long as it may; whether it was done then.
@@ -143,6 +172,87 @@ fn what_takes_long_asks_often_and_stops_at_once() {
             });
         }
     });
+}
+
+#[test]
+fn what_is_followed_in_time_asks_often_and_stops_at_once() {
+    alone(|| {
+        let history = slide_after_hold();
+        for (name, contacts, tolerance) in slow_in_time() {
+            let start = initial(&gaussian(0.2, 0.05));
+            let mut begun = None;
+            patient(&format!("{name}: new"), |monitor| {
+                begun = Some(Transport::new(contacts.clone(), &start, tolerance, monitor)?);
+                Ok(())
+            });
+            let Some(begun) = begun else { continue };
+            patient(&format!("{name}: follow"), |monitor| {
+                begun.clone().follow(&history, &[], monitor).map(drop)
+            });
+            let slip = Slip::Inertial { mass: 1.0, damping: 0.1 };
+            let block = Block::new(Loading::Spring(0.3), slip, None).unwrap();
+            patient(&format!("{name}: block"), |monitor| {
+                block.follow(&begun, &history, &[], 1e-6, monitor).map(drop)
+            });
+        }
+    });
+}
+
+#[test]
+fn single_contacts_in_time_ask_often_and_stop_at_once() {
+    alone(|| {
+        let history = slide_after_hold();
+        let rules = ageing(diffusing(0.0025), None);
+        let contacts = with(rules, contacts(&gaussian(0.5, 0.1), &point(0.0)));
+        let ensemble =
+            Ensemble::new(contacts, initial(&point(0.0)), 1_000_000, 1, Disorder::Annealed).unwrap();
+        patient("follow", |monitor| ensemble.follow(&history, &[20.0], monitor).map(drop));
+        patient("pull", |monitor| ensemble.pull_at(0.1, &[2.0], &Snapshots::default(), monitor).map(drop));
+        patient("in time", |monitor| ensemble.in_time(monitor).map(drop));
+    });
+}
+
+/// The equations of steady sliding at many frequencies, each a sum over a thousand times.
+#[test]
+fn stability_asks_often_and_stops_at_once() {
+    alone(|| {
+        let time: Vec<f64> = (0..20_000).map(|k| 1e-3 * f64::from(k)).collect();
+        // Strengthening at once, weakening later: unstable behind soft springs.
+        let response = time.iter().map(|t| 2.0 * (-t / 0.1).exp() - (-t).exp()).collect();
+        let response = StepResponse { velocity: 1.0, time, response };
+        let slider = Slider { stiffness: 1e-3, mass: 0.01, damping: 0.01 };
+        patient("critical stiffness", |monitor| response.critical_stiffness(0.01, 0.01, monitor).map(drop));
+        patient("roots", |monitor| response.unstable_roots(&slider, monitor).map(drop));
+        patient("growth", |monitor| response.growth(&slider, monitor).map(drop));
+    });
+}
+
+/// Lives at a velocity tell how far they are, and never less than before.
+#[test]
+fn lives_at_a_velocity_tell_how_far_they_are() {
+    struct Told(Vec<f64>);
+    impl Monitor for Told {
+        fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+            self.0.push(fraction);
+            ControlFlow::Continue(())
+        }
+    }
+    let start = initial(&point(0.0));
+    let warm = with(ageing(None, warm(0.05)), contacts(&gaussian(1.0, 0.1), &gaussian(0.2, 0.05)));
+    let diffusing =
+        with(ageing(diffusing(0.0025), None), contacts(&gaussian(0.5, 0.1), &gaussian(0.2, 0.05)));
+    for contacts in [warm, diffusing] {
+        let mut told = Told(Vec::new());
+        MasterEquation::at(contacts, &start, 0.1, &mut told).unwrap();
+        let Told(told) = told;
+        assert!(
+            told.windows(2).all(|pair| pair[0] <= pair[1]) && told.iter().all(|f| (0.0..=1.0).contains(f))
+        );
+        // Not all of them: where contacts start together, little is known before they have been followed.
+        let tenths = (0..10).filter(|tenth| told.iter().any(|f| (10.0 * f) as usize == *tenth));
+        assert!(tenths.count() >= 6, "{told:?}");
+        assert!(told.last().is_some_and(|last| *last > 0.9), "{told:?}");
+    }
 }
 
 /// The first question is answered by the wish to stop.

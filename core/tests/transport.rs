@@ -333,7 +333,7 @@ fn the_response_to_a_small_step_integrates_to_the_slope_of_kinetic_friction() {
     let slope = (kinetic(1.01 * velocity) - kinetic(0.99 * velocity)) / (0.02 * velocity);
     // The step is a hundredth of the width of thresholds: its second order is that share of the response.
     assert!((response.integral() / slope - 1.0).abs() < 0.02, "{} {slope}", response.integral());
-    let (stiffness, frequency) = response.critical_stiffness(0.0, 0.0).unwrap();
+    let (stiffness, frequency) = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap();
     assert!(stiffness > 0.0 && frequency > 0.0);
     // Where an oscillation sets in, the response is real.
     assert!(
@@ -355,5 +355,5 @@ fn bad_input_is_refused() {
     let mut transport = Transport::new(athermal, &initial, 1e-4, &mut ()).unwrap();
     assert!(transport.follow(&moving(&[(1.0, 1.0)]), &[0.5, 0.4], &mut ()).is_err());
     assert!(transport.follow(&moving(&[(1.0, 1.0)]), &[1.5], &mut ()).is_err());
-    assert!(transport.step(1.0, 0.0).is_err());
+    assert!(transport.step(1.0, 0.0, &mut ()).is_err());
 }

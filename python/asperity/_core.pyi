@@ -1,6 +1,7 @@
 """The compiled part of asperity."""
 
 from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, Sequence
+from datetime import timedelta
 from os import PathLike
 from typing import Any, Literal, Self, SupportsFloat, SupportsIndex, TypeAlias, final, overload
 
@@ -1189,7 +1190,7 @@ def run(
     *,
     progress: _Progress = None,
     folder: str | PathLike[str] | None = None,
-    checkpoint: SupportsIndex | None = None,
+    checkpoint: SupportsIndex | timedelta | str | None = None,
     resume: bool = False,
 ) -> Result:
     """Computes a scenario.
@@ -1199,8 +1200,8 @@ def run(
     overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a law replaces the law that is
     there. progress: as for MasterEquation.pull.
     folder: where to write the results, as Result.save does. Beside it the drive of an interface can keep what it has come
-    to: checkpoint: every so many events. resume: whether to go on from the last checkpoint, or to begin where there is
-    none.
+    to: checkpoint: every so many events, or every so often, a datetime.timedelta or a time such as "10min". resume: whether
+    to go on from the last checkpoint, or to begin where there is none.
     The checkpoints are removed once the results are written.
 
     Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came, and for a

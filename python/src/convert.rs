@@ -1,9 +1,12 @@
 //! Between Python's values and those of the core: numbers and arrays, seeds, words, scenarios.
 
+use std::num::NonZeroU64;
+
 use asperity::monitor::Monitor;
 use asperity::scenario::{Disorder, Start};
-use asperity_runner::input;
+use asperity_runner::checkpoint::Every;
 use asperity_runner::summary::Kind;
+use asperity_runner::{duration, input};
 use numpy::ndarray::{ArrayD, ArrayViewD, IxDyn};
 use numpy::{
     Element, IntoPyArray, PyArrayDescrMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods,
@@ -12,7 +15,7 @@ use pyo3::IntoPyObjectExt as _;
 use pyo3::exceptions::{PyOverflowError, PyRuntimeError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use pyo3::types::{PyBool, PyDelta, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use serde::de::DeserializeOwned;
 use toml::Value;
 
@@ -65,6 +68,22 @@ impl Domain {
         let range = if low.is_finite() { format!(" from {low} to {high}") } else { String::new() };
         invalid(key, format!("{what}{range}"), value)
     }
+}
+
+/// How often checkpoints come: a number of events, a timedelta, or text as the command reads it.
+pub fn every(value: &Bound<'_, PyAny>) -> PyResult<Every> {
+    const KEY: &str = "checkpoint";
+    let every = if let Ok(text) = value.cast::<PyString>() {
+        text.to_str()?.parse().ok()
+    } else if value.is_instance_of::<PyDelta>() {
+        let seconds: f64 = value.call_method0("total_seconds")?.extract()?;
+        duration::within(seconds).map(Every::Time)
+    } else {
+        let expected = "a number of events, a timedelta or text";
+        let events = value.call_method0("__index__").map_err(|_| wrong_type(KEY, expected, value))?;
+        events.extract().ok().and_then(NonZeroU64::new).map(Every::Events)
+    };
+    every.map_or_else(|| Err(invalid(KEY, Every::expected(), value.str()?)), Ok)
 }
 
 /// A number, or an array of them.

@@ -115,14 +115,14 @@ impl<'a> Solver<'a> {
 
 impl Solver<'_> {
     /// The contacts at t = 0, to be moved together in time, and what a step of a block over them may be off, a length.
-    pub fn in_time(self, memory: u64) -> Result<(Box<dyn Clocked>, f64)> {
+    pub fn in_time(self, monitor: &mut dyn Monitor) -> Result<(Box<dyn Clocked>, f64)> {
         let mean = self.contacts().thresholds.mean();
         match self {
             Self::Transport(transport, tolerance) => Ok((transport.transport.copy(), tolerance * mean)),
             Self::Ensemble(ensemble) => {
                 let least = scenario::MasterEquation::default().tolerance_of_a_block();
                 let tolerance = task::tolerance_over(ensemble.size()).max(least);
-                Ok((Box::new(ensemble.in_time_within(memory)?), tolerance * mean))
+                Ok((Box::new(ensemble.in_time(&mut Aside { fraction: 0.0, monitor })?), tolerance * mean))
             }
             Self::MasterEquation(..) => {
                 let expected = "a Transport or an Ensemble where time passes";

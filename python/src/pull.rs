@@ -144,7 +144,8 @@ impl Pull {
         let size = convert::contacts("size", size)?;
         let at = at.cloned().map_or_else(|| slf.get_item("position"), Ok)?;
         let Self { pull, .. } = slf.get();
-        evaluate("at", &at, &slf.get().positions(), |x| pull.force_std(x, size))
+        let std = watched(None, slf.py(), |monitor| pull.force_std(size, monitor))?;
+        evaluate("at", &at, &slf.get().positions(), std)
     }
 
     /// The density Q(x; X) of stretches x, per length, at positions X from 0 to the distance.

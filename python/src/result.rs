@@ -1,6 +1,5 @@
 //! Scenarios computed, and results read back.
 
-use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 
 use asperity::scenario::Scenario;
@@ -119,8 +118,8 @@ impl Result {
 /// overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a law replaces the law that is
 /// there. progress: as for MasterEquation.pull.
 /// folder: where to write the results, as Result.save does. Beside it the drive of an interface can keep what it has come
-/// to: checkpoint: every so many events. resume: whether to go on from the last checkpoint, or to begin where there is
-/// none.
+/// to: checkpoint: every so many events, or every so often, a datetime.timedelta or a time such as "10min". resume: whether
+/// to go on from the last checkpoint, or to begin where there is none.
 /// The checkpoints are removed once the results are written.
 ///
 /// Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came, and for a
@@ -133,11 +132,12 @@ pub fn run(
     overrides: Option<&Bound<'_, PyDict>>,
     progress: Option<Bound<'_, PyAny>>,
     folder: Option<PathBuf>,
-    checkpoint: Option<NonZeroU64>,
+    checkpoint: Option<&Bound<'_, PyAny>>,
     resume: bool,
 ) -> PyResult<Py<Result>> {
     let py = scenario.py();
     let overrides = overrides.map(assignments).transpose()?.unwrap_or_default();
+    let checkpoint = checkpoint.map(convert::every).transpose()?;
     let Text { text, name, folder: relative } = Text::of(scenario)?;
     let input = input::parse(&text, &name, &relative, &overrides).map_err(|e| error::scenario(&e))?;
     let Some(folder) = folder else {
@@ -161,7 +161,7 @@ pub fn run(
 fn checkpoints(
     scenario: &Scenario,
     folder: &Path,
-    every: Option<NonZeroU64>,
+    every: Option<Every>,
     resume: bool,
 ) -> PyResult<Option<Checkpoints>> {
     if every.is_none() && !resume {
@@ -169,7 +169,7 @@ fn checkpoints(
     }
     scenario.keeps_checkpoints("checkpoint").map_err(error::core)?;
     let begin = if resume { Checkpoints::resume } else { Checkpoints::begin };
-    begin(folder, scenario, every.map(Every::Events)).map(Some).map_err(error::checkpoint)
+    begin(folder, scenario, every).map(Some).map_err(error::checkpoint)
 }
 
 /// Reads what `asperity run` or Result.save wrote.

@@ -68,7 +68,7 @@ impl StickSlip {
         };
         let run = watched(progress, py, |monitor| {
             let slider = table.in_time(solver.size().is_some())?;
-            let (contacts, tolerance) = solver.in_time(monitor.memory())?;
+            let (contacts, tolerance) = solver.in_time(monitor)?;
             slider.follow(contacts.as_ref(), &protocol.build()?, &protocol.times(), tolerance, monitor)
         })?;
         let found = Self { block: block.unbind(), sliding: Sliding::in_time(&run), energy: run.energy };

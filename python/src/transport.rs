@@ -225,8 +225,8 @@ pub fn velocity_curve<'py>(
         let mut friction = Vec::with_capacity(values.len());
         for (i, &velocity) in values.iter().enumerate() {
             let done = i as f64 / values.len() as f64;
-            let aside = &mut Part::new(monitor, done, 0.0);
-            let at = master::MasterEquation::at(contacts.clone(), &initial, velocity, aside);
+            let part = &mut Part::new(monitor, done, 1.0 / values.len() as f64);
+            let at = master::MasterEquation::at(contacts.clone(), &initial, velocity, part);
             let equation = at.map_err(|e| e.under(&format!("velocities.{i}")))?;
             friction.push(equation.steady_state().kinetic_friction());
             if monitor.progress((i + 1) as f64 / values.len() as f64).is_break() {

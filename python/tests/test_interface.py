@@ -1,6 +1,7 @@
 """Interfaces that deform: what they are made of, their catalogues, and runs that are stopped and go on."""
 
 import pickle
+from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
@@ -211,6 +212,34 @@ def test_what_makes_no_interface_is_refused(arguments: dict[str, Any], message: 
     good: dict[str, Any] = {"cells": [2], "neighbours": 1.0, "connection": 1.0}
     with pytest.raises(ValueError, match=message):
         asp.Interface(CONTACTS, **(good | arguments))
+
+
+@pytest.mark.parametrize("every", ["0.01s", timedelta(milliseconds=10)])
+def test_checkpoints_come_by_time_too(tmp_path: Path, every: str | timedelta) -> None:
+    seen = False
+
+    def look(fraction: float) -> None:
+        nonlocal seen
+        seen = seen or (tmp_path / "ofc.checkpoint.0").exists()
+
+    # Longer than many times the time between checkpoints, and than that between two calls of look.
+    asp.run(OFC, folder=tmp_path / "ofc", checkpoint=every, progress=look)
+    assert seen
+    assert [path.name for path in tmp_path.iterdir()] == ["ofc"]
+
+
+@pytest.mark.parametrize(
+    "every", [0, -1, 2**64, "0", "10m", "", timedelta(0), timedelta(seconds=-1), timedelta.max]
+)
+def test_what_is_no_interval_of_checkpoints_is_refused(tmp_path: Path, every: int | str | timedelta) -> None:
+    with pytest.raises(
+        ValueError, match="checkpoint: expected a number of events above 0, or a time such as 90s, 10min"
+    ):
+        asp.run(OFC, folder=tmp_path / "ofc", checkpoint=every)
+    with pytest.raises(
+        TypeError, match="checkpoint: expected a number of events, a timedelta or text, got float"
+    ):
+        asp.run(OFC, folder=tmp_path / "ofc", checkpoint=2.5)  # type: ignore[arg-type]
 
 
 def test_a_run_that_was_stopped_goes_on(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ GAUSSIAN = asp.Contacts(asp.Gaussian(1.0, 0.05))
 EVEN = asp.Contacts(asp.Exponential(1.0))
 SAMPLES = asp.Tabulated(samples=asp.Gaussian(1.0, 0.05).rvs(40, seed=1))
 AGEING = asp.Contacts(asp.Gaussian(0.5, 0.1), ageing=asp.Smoluchowski(asp.Gaussian(1.0, 0.05), 0.0025))
+RANKS = asp.Contacts(asp.Gamma(1.0, 2.0), ageing=asp.FrozenRank(asp.Gamma(1.5, 0.3), 1.0))
 ROUGH = asp.Contacts(asp.Gaussian(1.0, 0.1))
 INTERFACE = asp.Interface(
     ROUGH, [64, 64], connection=0.5, half_space=(1.0, 1.0), disorder=0.2, slip="overdamped", edges="periodic"
@@ -41,6 +42,10 @@ LONG: dict[str, Callable[[], object]] = {
     "resets": lambda: asp.Block(asp.Ensemble(GAUSSIAN, size=2 * 10**6), 0.1).drive(1e7),
     "imposed force": lambda: asp.Block(asp.Ensemble(EVEN, size=10**6), None).drive(force_to=0.999),
     "diffusion": lambda: asp.Transport(AGEING, tolerance=1e-7).follow([asp.Step(1.0, distance=100.0)]),
+    "ranks": lambda: asp.Transport(RANKS),
+    "single contacts in time": lambda: asp.Ensemble(AGEING, size=10**8).follow(
+        [asp.Step(0.1, distance=10.0)]
+    ),
     "interface": lambda: INTERFACE.drive(1e7),
     "slides": lambda: REBOUND.drive(1e7),
     "lattice": lambda: LATTICE.drive(1e7, catalogue_from=1e6),

@@ -15,10 +15,12 @@ const LONGEST: f64 = 3.2e9;
 /// No time above 0, in words.
 pub fn parse(text: &str) -> Result<Duration, String> {
     let seconds = if text.contains(':') { clock(text) } else { sum(text) };
-    seconds
-        .filter(|seconds| *seconds > 0.0 && *seconds <= LONGEST)
-        .map(Duration::from_secs_f64)
-        .ok_or_else(|| format!("expected {EXPECTED}"))
+    seconds.and_then(within).ok_or_else(|| format!("expected {EXPECTED}"))
+}
+
+/// So many seconds, if they are a time to wait for.
+pub fn within(seconds: f64) -> Option<Duration> {
+    (seconds > 0.0 && seconds <= LONGEST).then(|| Duration::from_secs_f64(seconds))
 }
 
 /// Numbers with their units, one after the other: `1h30min`.

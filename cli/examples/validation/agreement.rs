@@ -89,7 +89,7 @@ impl Case {
         let deviation = |seed: u64| {
             let position = POSITIONS[seed as usize % POSITIONS.len()];
             (self.drawn(SIZE, seed, position) - exact.force(position))
-                / exact.force_std(position, SIZE as f64)
+                / exact.force_std(SIZE as f64, &mut ()).unwrap()(position)
         };
         (0..SEEDS).map(deviation).collect()
     }
@@ -187,7 +187,7 @@ scatter itself is known to ± {:.0} % (one standard error).
         let forces: Vec<f64> = (0..MEMBERS).map(|seed| case.drawn(size, 1000 + seed, POSITION)).collect();
         let mean = forces.iter().sum::<f64>() / forces.len() as f64;
         let variance = forces.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / (forces.len() - 1) as f64;
-        let (scatter, expected) = (variance.sqrt(), exact.force_std(POSITION, size as f64));
+        let (scatter, expected) = (variance.sqrt(), exact.force_std(size as f64, &mut ()).unwrap()(POSITION));
         page.row(&[size.to_string(), small(scatter), small(expected), format!("{:.2}", scatter / expected)]);
         points.push((size as f64, scatter));
         band.push((size as f64, expected));

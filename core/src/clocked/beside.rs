@@ -2,6 +2,7 @@
 
 use super::{Clocked, State};
 use crate::Result;
+use crate::monitor::Monitor;
 
 /// How much larger an error is than what half the step changes: of first order by 2, of fourth by 16/15.
 const HALVED: f64 = 2.0;
@@ -23,10 +24,10 @@ impl Beside {
     ///
     /// # Errors
     /// Those of [`Clocked::step`].
-    pub fn go(&mut self, by: f64, during: f64, force: f64) -> Result<f64> {
-        self.rough.step(by, during)?;
+    pub fn go(&mut self, by: f64, during: f64, force: f64, monitor: &mut dyn Monitor) -> Result<f64> {
+        self.rough.step(by, during, monitor)?;
         for _ in 0..2 {
-            self.halved.step(0.5 * by, 0.5 * during)?;
+            self.halved.step(0.5 * by, 0.5 * during, monitor)?;
         }
         Ok((self.rough.force() - force).abs() + HALVED * (self.halved.force() - force).abs())
     }

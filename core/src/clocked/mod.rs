@@ -12,6 +12,7 @@ pub use portion::{Portion, binned};
 pub use state::State;
 
 use crate::Result;
+use crate::monitor::Monitor;
 
 /// What contacts that know time store, and what came and went otherwise than by work, each summed on its own.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -55,8 +56,8 @@ pub trait Clocked: Send + Sync {
     /// Moves by `by`, 0 or above, at one velocity in the time `during`, above 0.
     ///
     /// # Errors
-    /// Accuracy not reached.
-    fn step(&mut self, by: f64, during: f64) -> Result<()>;
+    /// Accuracy not reached; stopped by the monitor, somewhere on the way.
+    fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()>;
 
     /// The same contacts here and now, followed less accurately: moved the same way they tell the error of the force. None of
     /// contacts that are followed one by one.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::Maturing;
 use crate::Result;
 use crate::law::{Break, Series, SharedLaw};
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::diffusion::Diffusion;
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::roots::brent_root;
@@ -32,14 +33,16 @@ impl Closure<'_> {
     /// P_c.
     ///
     /// # Errors
-    /// A density that could not be solved for.
-    pub fn law(&self) -> Result<SharedLaw> {
+    /// A density that could not be solved for; stopped by the monitor.
+    pub fn law(&self, monitor: &mut dyn Monitor) -> Result<SharedLaw> {
         let newborn = self.maturing.newborn_law();
         let spread = newborn.mean() * self.maturing.diffusion / self.velocity;
         if spread < NOTHING * self.maturing.resolution().powi(2) {
             return Ok(newborn.clone());
         }
-        let levels = [1, 2, 4].map(|fine| self.solved(COARSEST * fine));
+        let watch = Watch::new(monitor);
+        let levels = [1, 2, 4].map(|fine| watch.value(|| self.solved(COARSEST * fine, &watch)));
+        watch.check()?;
         let masses: Vec<f64> =
             (0..COARSEST).map(|i| extrapolated(levels.each_ref().map(|l| l.1[i]))).collect();
         let mean = extrapolated(levels.each_ref().map(|level| level.0));
@@ -47,10 +50,10 @@ impl Closure<'_> {
     }
 
     /// C and the masses, summed over what are [`COARSEST`] cells.
-    fn solved(&self, cells: usize) -> (f64, Vec<f64>) {
+    fn solved(&self, cells: usize, mut watch: &Watch<'_>) -> (f64, Vec<f64>) {
         let operator = self.maturing.operator(cells);
         let middles = operator.middles();
-        let newborn = self.maturing.newborn(&middles, -1.0);
+        let newborn = self.maturing.newborn(&middles, -1.0, &mut watch).unwrap_or_default();
         let solve = |mean: f64| resolved(&operator, mean / self.velocity, &newborn);
         let excess = |mean: f64| {
             let masses = solve(mean);

@@ -1,7 +1,9 @@
 //! Thresholds that diffuse from the law of newborn contacts towards that of mature ones.
 
 use super::{Ageing, Contacts};
+use crate::Result;
 use crate::law::{Atom, Break, Law, SharedLaw};
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::diffusion::{Diffusion, Elements, Potential, Slope, continued, shared};
 use crate::numerics::legendre::{NODES, RULE};
 
@@ -214,12 +216,21 @@ impl Maturing {
 
     /// Masses of the newborn thresholds above a stretch, in cells with these middles between a floor and the upper end;
     /// S(stretch) in all.
-    pub fn newborn(&self, middles: &[f64], stretch: f64) -> Vec<f64> {
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn newborn(&self, middles: &[f64], stretch: f64, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
+        /// Points after which it is asked.
+        const MANY: usize = 1 << 16;
+        let watch = Watch::new(monitor);
         let (low, high) = self.support;
         let law = self.newborn.as_ref();
         let atoms = law.atoms().into_iter().filter(|atom| atom.position > stretch);
         let spread = points(law, middles, (low.max(stretch), high));
-        shared(middles, atoms.map(|atom| (atom.position, atom.weight)).chain(spread))
+        let points = atoms.map(|atom| (atom.position, atom.weight)).chain(spread).enumerate();
+        let points = points.take_while(|(number, _)| !(number.is_multiple_of(MANY) && watch.stops()));
+        let masses = shared(middles, points.map(|(_, point)| point));
+        watch.check().map(|()| masses)
     }
 }
 

@@ -3,7 +3,9 @@
 use std::cell::Cell;
 
 use super::Maturing;
+use crate::Result;
 use crate::law::{Break, SharedLaw};
+use crate::monitor::{Monitor, report};
 use crate::numerics::diffusion::{Elements, Evolution, Field};
 use crate::numerics::legendre::{primitive, series};
 use crate::numerics::roots::brent_root;
@@ -89,7 +91,15 @@ impl std::fmt::Debug for Ranks {
 
 impl Ranks {
     /// The thresholds of contacts of the law `newborn`, which matures in the time τ.
-    pub(super) fn new(newborn: &SharedLaw, maturing: &Maturing, time: f64) -> Self {
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub(super) fn new(
+        newborn: &SharedLaw,
+        maturing: &Maturing,
+        time: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         let mean = newborn.mean();
         let jumps = |b: &Break| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
         let edged = newborn.breaks().iter().any(jumps);
@@ -103,10 +113,10 @@ impl Ranks {
         let age = |row: usize| scale * (SPACING * row as f64).exp_m1();
         let born = (0..RANKS).map(|rank| quantile(newborn, psi(rank))).collect();
         let ages: Vec<f64> = (1..count).map(age).collect();
-        let rows = std::iter::once(born).chain(evolved(maturing, &ages)).collect();
+        let rows = std::iter::once(born).chain(evolved(maturing, &ages, monitor)?).collect();
         let mut ranks = Self { newborn: newborn.clone(), time: scale, rows, error: 0.0 };
         ranks.error = ranks.missed();
-        ranks
+        Ok(ranks)
     }
 
     /// Estimated error of the distribution function at any age.
@@ -254,7 +264,7 @@ fn quantile(law: &SharedLaw, psi: f64) -> f64 {
 }
 
 /// The thresholds of all ranks at all these ages, which rise.
-fn evolved(maturing: &Maturing, ages: &[f64]) -> Vec<Vec<f64>> {
+fn evolved(maturing: &Maturing, ages: &[f64], monitor: &mut dyn Monitor) -> Result<Vec<Vec<f64>>> {
     /// The narrowest element at an edge, as part of the width of P_cf.
     const FINEST: f64 = 1e-5;
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
@@ -273,9 +283,10 @@ fn evolved(maturing: &Maturing, ages: &[f64]) -> Vec<Vec<f64>> {
     };
     let mut at = |age: &f64| {
         while evolution.time < *age {
+            report(monitor, 0.0)?;
             evolution.advance(*age);
         }
-        inverted(&evolution.density)
+        Ok(inverted(&evolution.density))
     };
     ages.iter().map(&mut at).collect()
 }
@@ -324,7 +335,7 @@ mod tests {
             [(0.8, 0.1), (1.0, 0.05)].map(|(m, s)| Arc::new(Gaussian::new(m, s).unwrap()) as SharedLaw);
         let time = 2.0;
         let maturing = Maturing::new(newborn.clone(), mature, 0.05_f64.powi(2) / time);
-        let ranks = Ranks::new(&newborn, &maturing, time);
+        let ranks = Ranks::new(&newborn, &maturing, time, &mut ()).unwrap();
         for age in [0.0, 0.003, 0.1, 1.0, 5.0, 30.0, 1e4] {
             let (aged, left) = (ranks.at(age), (-age / time).exp());
             let (mean, std) = (1.0 - 0.2 * left, (0.0025 + 0.0075 * left * left).sqrt());

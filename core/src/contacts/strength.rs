@@ -6,6 +6,7 @@ pub(crate) use super::ranks::Rank;
 use super::ranks::{Ranked, Ranks};
 use super::{Ageing, Contacts, Maturing, ranks};
 use crate::law::{Law, SharedLaw};
+use crate::monitor::Monitor;
 use crate::{Error, Result};
 
 /// The present threshold h of a contact as a function of its newborn threshold h_0 and its age t, rising with h_0.
@@ -78,12 +79,14 @@ impl Strength {
     ///
     /// # Errors
     /// Ageing in which the threshold is no function of age (`smoluchowski`, `mean_field`); `frozen_rank` of newborn
-    /// thresholds that many share, so that they have no ranks.
-    pub fn of(contacts: &Contacts) -> Result<Self> {
+    /// thresholds that many share, so that they have no ranks; stopped by the monitor.
+    pub fn of(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Self> {
         let Some(ageing) = &contacts.rules.ageing else { return Ok(Self { kind: Kind::Constant }) };
         let kind = match ageing {
             &Ageing::Logarithmic { growth, time } => Kind::Logarithmic { growth, time },
-            Ageing::FrozenRank { mature, time } => Kind::ranked(&contacts.thresholds, mature, *time)?,
+            Ageing::FrozenRank { mature, time } => {
+                Kind::ranked(&contacts.thresholds, mature, *time, monitor)?
+            }
             Ageing::Smoluchowski { .. } | Ageing::MeanField { .. } => {
                 let key = format!("contacts.ageing.{}", ageing.name());
                 let expected = "thresholds that follow from the age of the contact";
@@ -162,7 +165,7 @@ impl Strength {
 
 impl Kind {
     /// Closed between Gaussians, else solved for.
-    fn ranked(newborn: &SharedLaw, mature: &SharedLaw, time: f64) -> Result<Self> {
+    fn ranked(newborn: &SharedLaw, mature: &SharedLaw, time: f64, monitor: &mut dyn Monitor) -> Result<Self> {
         if let (Some(newborn), Some(mature)) = (Normal::of(newborn.as_ref()), Normal::of(mature.as_ref())) {
             return Ok(Self::Gaussian { newborn, mature, time });
         }
@@ -176,7 +179,7 @@ impl Kind {
         }
         let diffusion = mature.std().powi(2) / time;
         let maturing = Maturing::new(newborn.clone(), mature.clone(), diffusion);
-        Ok(Self::Ranked(Arc::new(Ranks::new(newborn, &maturing, time))))
+        Ok(Self::Ranked(Arc::new(Ranks::new(newborn, &maturing, time, monitor)?)))
     }
 }
 
@@ -266,7 +269,7 @@ mod tests {
     #[test]
     fn thresholds_and_newborn_ones_are_inverse_and_their_rates_are_derivatives() {
         for ageing in [None, Some(Ageing::Logarithmic { growth: 0.02, time: 3.0 }), Some(frozen_rank())] {
-            let strength = Strength::of(&contacts(ageing)).unwrap();
+            let strength = Strength::of(&contacts(ageing), &mut ()).unwrap();
             for (newborn, age) in [(0.3, 0.0), (0.5, 1e-3), (0.7, 1.7), (0.45, 40.0)] {
                 let aged = strength.at(age);
                 let threshold = strength.threshold(newborn, age);
@@ -284,7 +287,7 @@ mod tests {
 
     #[test]
     fn a_newborn_law_becomes_the_mature_one_rank_by_rank() {
-        let strength = Strength::of(&contacts(Some(frozen_rank()))).unwrap();
+        let strength = Strength::of(&contacts(Some(frozen_rank())), &mut ()).unwrap();
         for z in [-3.0, 0.0, 1.5] {
             let newborn = 0.5 + 0.1 * z;
             assert!((strength.threshold(newborn, 0.0) - newborn).abs() < 1e-15);
@@ -296,11 +299,11 @@ mod tests {
     fn what_is_no_function_of_age_is_refused() {
         let mature = Arc::new(Gaussian::new(1.0, 0.05).unwrap());
         let diffusing = Ageing::Smoluchowski { mature, diffusion: 1.0 };
-        assert!(Strength::of(&contacts(Some(diffusing))).is_err());
+        assert!(Strength::of(&contacts(Some(diffusing)), &mut ()).is_err());
         let mature = Arc::new(Rectangular::new(0.1, 2.0).unwrap());
         let mut shared = contacts(Some(Ageing::FrozenRank { mature, time: 1.0 }));
         shared.thresholds = Arc::new(Point::new(0.5).unwrap());
-        let error = Strength::of(&shared).unwrap_err();
+        let error = Strength::of(&shared, &mut ()).unwrap_err();
         assert!(error.to_string().starts_with("contacts.thresholds: expected a law with a density"));
     }
 }

@@ -1,8 +1,7 @@
 //! The contacts of an ensemble that move together in time, a way in a time after the other.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::Ensemble;
@@ -11,7 +10,7 @@ use super::lives::{Drawn, Life, Lives};
 use super::passage::{Held, Leg, Passage, stiffness};
 use crate::clocked::{Books, Clocked, Portion, State};
 use crate::contacts::Stiffness;
-use crate::monitor::{MEMORY, fits};
+use crate::monitor::{Monitor, Watch, fits, report};
 use crate::random::{Purpose, Stream};
 use crate::{Error, Result};
 
@@ -45,24 +44,17 @@ impl Ensemble {
     /// The contacts at t = 0 and X = 0, to be moved in time. What stands at its threshold in a relaxed start has broken.
     ///
     /// # Errors
-    /// Ageing by a rule that single contacts cannot follow; more contacts than can be numbered, or fit in 16 GiB.
-    pub fn in_time(&self) -> Result<EnsembleInTime> {
-        self.in_time_within(MEMORY)
-    }
-
-    /// The same in so many bytes, with what a step of a block over them takes meanwhile.
-    ///
-    /// # Errors
-    /// As [`Ensemble::in_time`].
-    pub fn in_time_within(&self, memory: u64) -> Result<EnsembleInTime> {
+    /// Ageing by a rule that single contacts cannot follow; more contacts than can be numbered, or fit in memory with what a
+    /// step of a block over them takes meanwhile; stopped by the monitor.
+    pub fn in_time(&self, monitor: &mut dyn Monitor) -> Result<EnsembleInTime> {
         let what = format!("{} contacts in time", self.size);
-        fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), memory)?;
+        fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), monitor.memory())?;
         let Ok(size) = u32::try_from(self.size) else {
             return Err(Error::invalid("size", format!("up to {} contacts in time", u32::MAX), self.size));
         };
         let mut ensemble = EnsembleInTime {
             lives: Arc::new(Lives::in_any_order(self)),
-            passage: Arc::new(Passage::of(self)?),
+            passage: Arc::new(Passage::of(self, monitor)?),
             stiffness: self.contacts.stiffness,
             delay: self.contacts.rules.delay,
             contacts: Vec::new(),
@@ -73,8 +65,14 @@ impl Ensemble {
             scale: self.contacts.count / self.size as f64,
         };
         let mut hand = ensemble.hand();
-        ensemble.contacts = (0..size).map(|index| ensemble.drawn(index, &mut hand)).collect();
-        ensemble.go(&Leg { start: 0.0, end: 0.0, position: 0.0, velocity: 0.0 });
+        ensemble.contacts.reserve_exact(size as usize);
+        for index in 0..size {
+            if (index as usize).is_multiple_of(CHUNK) {
+                report(monitor, 0.0)?;
+            }
+            ensemble.contacts.push(ensemble.drawn(index, &mut hand));
+        }
+        ensemble.go(&Leg { start: 0.0, end: 0.0, position: 0.0, velocity: 0.0 }, monitor)?;
         // Nothing has been lost before the beginning.
         ensemble.past = Toll { lost: 0.0, ..ensemble.past };
         Ok(ensemble)
@@ -190,19 +188,22 @@ impl EnsembleInTime {
         contact
     }
 
-    /// All contacts go a leg.
-    fn go(&mut self, leg: &Leg) {
+    /// All contacts go a leg, unless the monitor asks to stop: then some have gone it, and no sums are made of them.
+    fn go(&mut self, leg: &Leg, monitor: &mut dyn Monitor) -> Result<()> {
         let mut contacts = std::mem::take(&mut self.contacts);
-        let chunk = |hand: &mut Hand, contacts: &mut [Contact]| {
+        let chunks: Vec<Mutex<&mut [Contact]>> = contacts.chunks_mut(CHUNK).map(Mutex::new).collect();
+        let chunk = |hand: &mut Hand, number: usize| {
+            let mut contacts = chunks[number].lock().unwrap_or_else(PoisonError::into_inner);
             contacts.iter_mut().fold((Toll::default(), Sums::default()), |(toll, sums), contact| {
                 (toll.plus(self.live(contact, *leg, hand)), sums.plus(self.look(contact, leg)))
             })
         };
-        let chunks = contacts.par_chunks_mut(CHUNK).map_init(|| self.hand(), chunk);
-        let chunks: Vec<(Toll, Sums)> = chunks.collect();
+        let gone = Watch::new(monitor).share(chunks.len(), || self.hand(), chunk);
         self.contacts = contacts;
-        self.now = chunks.iter().fold(Sums::default(), |sum, chunk| sum.plus(chunk.1));
-        self.past = chunks.iter().fold(self.past, |sum, chunk| sum.plus(chunk.0));
+        let gone = gone?;
+        self.now = gone.iter().fold(Sums::default(), |sum, chunk| sum.plus(chunk.1));
+        self.past = gone.iter().fold(self.past, |sum, chunk| sum.plus(chunk.0));
+        Ok(())
     }
 
     /// A contact goes a leg, in as many lives as it takes.
@@ -341,7 +342,7 @@ impl Clocked for EnsembleInTime {
         self.contacts.iter().filter(|contact| contact.holds).map(portion).collect()
     }
 
-    fn step(&mut self, by: f64, during: f64) -> Result<()> {
+    fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
         if !(during > 0.0 && during.is_finite()) {
             return Err(Error::invalid("during", "a finite number above 0", during));
         }
@@ -349,7 +350,8 @@ impl Clocked for EnsembleInTime {
             return Err(Error::invalid("by", "a finite length, 0 or above", by));
         }
         let end = self.time + during;
-        self.go(&Leg { start: self.time, end, position: self.position, velocity: by / during });
+        let leg = Leg { start: self.time, end, position: self.position, velocity: by / during };
+        self.go(&leg, monitor)?;
         (self.time, self.position) = (end, self.position + by);
         Ok(())
     }

@@ -10,6 +10,7 @@ use super::sweep::TOGETHER;
 use crate::Result;
 use crate::contacts::{Ageing, Stiffness, Strength, Temperature};
 use crate::history::History;
+use crate::monitor::Monitor;
 use crate::numerics::accumulation::used_up;
 use crate::numerics::legendre::RULE;
 use crate::numerics::roots::brent_root;
@@ -91,14 +92,14 @@ impl Passage {
     }
 
     /// # Errors
-    /// Ageing by a rule that single contacts cannot follow.
-    pub(super) fn of(ensemble: &Ensemble) -> Result<Self> {
+    /// Ageing by a rule that single contacts cannot follow; stopped by the monitor.
+    pub(super) fn of(ensemble: &Ensemble, monitor: &mut dyn Monitor) -> Result<Self> {
         let contacts = &ensemble.contacts;
         if let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing {
             return Ok(Self::Diffusing(Diffusion::new(contacts, mature.as_ref(), *diffusion)));
         }
         Ok(Self::Known(Known {
-            strength: Strength::of(contacts)?,
+            strength: Strength::of(contacts, monitor)?,
             temperature: contacts.rules.temperature,
             stiffness: contacts.stiffness,
             turns: turns(contacts.rules.ageing.as_ref()),

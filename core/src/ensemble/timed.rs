@@ -2,8 +2,6 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::lives::{Life, Lives};
 use super::passage::{Held, Passage};
 use super::pull::rising;
@@ -11,13 +9,16 @@ use super::sweep::TOGETHER;
 use super::{Ensemble, EnsemblePull, Snapshots};
 use crate::contacts::{Contacts, Stiffness};
 use crate::history::{History, Piece};
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Aside, Monitor, Watch, report};
 use crate::random::{Purpose, Stream};
 use crate::{Error, Result};
 
 /// Chunks into which a large ensemble is cut, and the fewest contacts in one: nothing of it depends on the machine.
 const CHUNKS: usize = 256;
 const FEWEST: usize = 16;
+
+/// Contacts after which it is asked whether to go on, and breaks.
+const ASKED: usize = 16;
 
 /// Draws made ahead for a contact.
 const AHEAD: usize = 8;
@@ -62,7 +63,7 @@ impl Ensemble {
             return Err(Error::invalid("times", expected, last));
         }
         let nothing = Snapshots::default();
-        let follow = Follow::new(self, history, times, (&nothing, &[]))?;
+        let follow = Follow::new(self, history, times, (&nothing, &[]), monitor)?;
         let total = follow.run(monitor)?;
         let (force, error) = follow.forces(&total);
         let free = total.sums.iter().map(|sums| sums.free / self.size as f64).collect();
@@ -90,7 +91,7 @@ impl Ensemble {
         let history = History::new(vec![Piece { velocity, duration }])?;
         let times = |positions: &[f64]| positions.iter().map(|x| x / velocity).collect::<Vec<_>>();
         let shots = times(&snapshots.positions);
-        let follow = Follow::new(self, &history, &times(positions), (snapshots, &shots))?;
+        let follow = Follow::new(self, &history, &times(positions), (snapshots, &shots), monitor)?;
         let total = follow.run(monitor)?;
         let (force, error) = follow.forces(&total);
         let Chunk { histograms, breaks, .. } = total;
@@ -165,6 +166,7 @@ impl<'a> Follow<'a> {
         history: &'a History,
         times: &[f64],
         (snapshots, shots): (&'a Snapshots, &[f64]),
+        monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         let mark = |time, look| Mark { time, position: history.position(time), look };
         let forces = times.iter().enumerate().map(|(i, &time)| mark(time, Look::Force(i)));
@@ -172,7 +174,7 @@ impl<'a> Follow<'a> {
         let mut marks: Vec<Mark> = forces.chain(stretches).collect();
         marks.sort_by(|a, b| a.time.total_cmp(&b.time));
         let times = marks.iter().map(|mark| mark.time).collect();
-        Ok(Self { ensemble, passage: Passage::of(ensemble)?, history, snapshots, marks, times })
+        Ok(Self { ensemble, passage: Passage::of(ensemble, monitor)?, history, snapshots, marks, times })
     }
 
     fn run(&self, monitor: &mut dyn Monitor) -> Result<Chunk> {
@@ -181,9 +183,15 @@ impl<'a> Follow<'a> {
         let size = all.div_ceil(CHUNKS).max(FEWEST);
         let starts: Vec<usize> = (0..all).step_by(size).collect();
         for round in starts.chunks(rayon::current_num_threads()) {
-            let chunk = |&start: &usize| self.chunk(start..all.min(start + size));
+            let mut aside = Aside { fraction: round[0] as f64 / all as f64, monitor };
+            let watch = Watch::new(&mut aside);
+            let chunk = |(): &mut (), number: usize| {
+                let start = round[number];
+                self.chunk(start..all.min(start + size), &watch)
+            };
             // Summed in the order of contacts, whichever thread was first.
-            let chunks: Vec<Chunk> = round.par_iter().map(chunk).collect();
+            let chunks = watch.share(round.len(), || (), chunk)?;
+            watch.check()?;
             chunks.iter().for_each(|chunk| total.merge(chunk));
             report(monitor, all.min(round[round.len() - 1] + size) as f64 / all as f64)?;
         }
@@ -195,17 +203,21 @@ impl<'a> Follow<'a> {
         Chunk { sums: vec![Sums::default(); forces], histograms: self.snapshots.histograms(), breaks: 0 }
     }
 
-    fn chunk(&self, contacts: Range<usize>) -> Chunk {
+    /// Some contacts, or fewer once the monitor has asked to stop.
+    fn chunk(&self, contacts: Range<usize>, watch: &Watch<'_>) -> Chunk {
         let mut chunk = self.nothing();
         let mut lives = Lives::new(self.ensemble, AHEAD);
         for index in contacts {
-            self.contact(index as u64, &mut lives, &mut chunk);
+            if index.is_multiple_of(ASKED) && watch.stops() {
+                break;
+            }
+            self.contact(index as u64, &mut lives, &mut chunk, watch);
         }
         chunk
     }
 
-    /// One contact from t = 0 to the last mark.
-    fn contact(&self, index: u64, lives: &mut Lives, chunk: &mut Chunk) {
+    /// One contact from t = 0 to the last mark, unless the monitor asks to stop.
+    fn contact(&self, index: u64, lives: &mut Lives, chunk: &mut Chunk, watch: &Watch<'_>) {
         let draws = |purpose| Stream::new(self.ensemble.seed, purpose, lives.number(index));
         let mut draws = Draws { breaking: draws(Purpose::Breaking), diffusion: draws(Purpose::Diffusion) };
         let (mut life, mut birth, mut next) = (lives.first(index), 0.0, 0);
@@ -217,7 +229,8 @@ impl<'a> Follow<'a> {
         while next < self.marks.len() {
             let end;
             (end, next) = self.hold(birth, life, next, &mut draws, chunk);
-            if next == self.marks.len() {
+            let asks = chunk.breaks.is_multiple_of(ASKED as u64);
+            if next == self.marks.len() || asks && watch.stops() {
                 return;
             }
             (birth, next) = self.wait(end, next, chunk);

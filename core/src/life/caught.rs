@@ -400,6 +400,11 @@ impl Fate for Diffusing {
         Arc::new(formed)
     }
 
+    /// They are solved for; tolls are curves.
+    fn making(&self) -> f64 {
+        0.9
+    }
+
     fn resolution(&self) -> f64 {
         self.resolution
     }

@@ -1,7 +1,8 @@
 //! A life put together from cohorts: sums over where contacts start.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Life;
 use super::Starts;
@@ -16,6 +17,9 @@ use crate::law::{Atom, Break, Law};
 use crate::monitor::Watch;
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::volterra::Kernel;
+
+/// The part of the work after that of making cohorts which it takes to find where cells begin.
+const OUTLINED: f64 = 0.1;
 
 /// Contacts of some fate, by where they start.
 #[derive(Debug, Clone)]
@@ -53,7 +57,7 @@ pub(super) fn of_cohorts(
     conditional: bool,
     watch: &Watch<'_>,
 ) -> Result<Life> {
-    let cohorts = Cohorts::new(contacts, fate, starts, conditional, watch);
+    let cohorts = Cohorts::new(contacts, fate, starts, conditional, watch)?;
     let per_threshold = matches!(contacts.stiffness, Stiffness::PerThreshold(_));
     let panels = Panels::new(&cohorts.starts.density, cohorts.widest(), NEGLIGIBLE);
     let at = |u: f64| watch.value(|| cohorts.sums(&panels, u, per_threshold, watch));
@@ -66,10 +70,22 @@ pub(super) fn of_cohorts(
     watch.check()?;
     let edges = &outline.edges;
     let end = edges[edges.len() - 1];
-    let finer = per_threshold.then(|| stiffening(&at, edges, contacts.thresholds.mean()));
+    let made = cohorts.fate.making() + OUTLINED * (1.0 - cohorts.fate.making());
+    // The curves are resolved from u = 0 on, twice where the stiffness has one of its own.
+    let begun = if per_threshold { 0.5 * (1.0 + made) } else { made };
+    let tell = |from: f64, to: f64, u: f64| {
+        let passed = outline.edges.partition_point(|edge| *edge <= u) as f64 / outline.edges.len() as f64;
+        watch.done(from + (to - from) * passed);
+    };
+    let told = |u: f64| {
+        tell(made, begun, u);
+        at(u)
+    };
+    let finer = per_threshold.then(|| stiffening(&told, edges, contacts.thresholds.mean()));
     let edges = finer.as_ref().unwrap_or(edges);
     let curves = Piecewise::resolve_all(
         |u| {
+            tell(begun, 1.0, u);
             let Sums { breaking, survival, force, square, energy, lost, .. } = at(u);
             [outline.weight(u) * breaking, breaking, survival, force, square, energy, lost]
         },
@@ -195,23 +211,25 @@ impl Cohorts {
         starts: &dyn Law,
         conditional: bool,
         watch: &Watch<'_>,
-    ) -> Self {
+    ) -> Result<Self> {
         let starts = Layer::placed(contacts, starts, conditional, BULK);
         let together = starts.lumps.iter().map(|lump| fate.cohort(lump.position, watch)).collect();
         let mut cohorts = Self { fate, starts, together, spread: HashMap::new() };
         let everywhere =
             Domain { low: f64::NEG_INFINITY, high: f64::INFINITY, cuts: Vec::new(), steep: Vec::new() };
-        let mut points = Vec::new();
+        let mut points: Vec<f64> = Vec::new();
         Panels::new(&cohorts.starts.density, cohorts.widest(), NEGLIGIBLE)
             .each(everywhere, |r, _| points.push(r));
-        let spread = Mutex::new(HashMap::with_capacity(points.len()));
-        watch.share(points.len(), |number| {
-            let start: f64 = points[number];
-            let cohort = cohorts.fate.cohort(start, watch);
-            spread.lock().unwrap_or_else(PoisonError::into_inner).insert(start.to_bits(), cohort);
-        });
-        cohorts.spread = spread.into_inner().unwrap_or_else(PoisonError::into_inner);
-        cohorts
+        let (count, finished) = (points.len() as f64, AtomicUsize::new(0));
+        let make = |(): &mut (), number: usize| {
+            let cohort = cohorts.fate.cohort(points[number], watch);
+            let finished = finished.fetch_add(1, Ordering::Relaxed) + 1;
+            watch.done(cohorts.fate.making() * finished as f64 / count);
+            cohort
+        };
+        let found = watch.share(points.len(), || (), make)?;
+        cohorts.spread = points.iter().map(|start| start.to_bits()).zip(found).collect();
+        Ok(cohorts)
     }
 
     /// The widest panels that resolve how tolls vary with the start.

@@ -13,6 +13,9 @@ pub(crate) trait Fate: Debug + Send + Sync {
     /// all, so that what a [`Toll`] tells is not divided by S(r). Where the monitor asks to stop, they are of no use.
     fn cohort(&self, start: f64, watch: &Watch<'_>) -> Arc<dyn Cohort>;
 
+    /// About which part of a life's work it is to make cohorts; the rest is to ask them for their tolls.
+    fn making(&self) -> f64;
+
     /// Estimated error of the fractions that tolls tell, of those asked for so far.
     fn error(&self) -> f64 {
         ROUNDING

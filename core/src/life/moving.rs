@@ -39,12 +39,12 @@ pub fn moving(
             of_cohorts(contacts, diffusing, starts.as_ref(), conditional, &watch)?
         }
         (Some(Ageing::MeanField { .. }), Some(maturing)) => {
-            let thresholds = Closure { maturing: &maturing, velocity }.law()?;
+            let thresholds = Closure { maturing: &maturing, velocity }.law(&mut &watch)?;
             athermal_within(&Contacts { thresholds, ..contacts.clone() }, starts, conditional, &watch)
         }
         (None, _) if !thermal => athermal_within(contacts, starts, conditional, &watch),
         _ => {
-            let timed = Arc::new(Timed::new(contacts, velocity, thermal)?);
+            let timed = Arc::new(Timed::new(contacts, velocity, thermal, &watch)?);
             of_cohorts(contacts, timed, starts.as_ref(), conditional, &watch)?
         }
     };

@@ -56,9 +56,14 @@ impl Timed {
     ///
     /// # Errors
     /// Those of [`Strength::of`].
-    pub(super) fn new(contacts: &Contacts, velocity: f64, thermal: bool) -> Result<Self> {
+    pub(super) fn new(
+        contacts: &Contacts,
+        velocity: f64,
+        thermal: bool,
+        mut watch: &Watch<'_>,
+    ) -> Result<Self> {
         let law = &contacts.thresholds;
-        let strength = Strength::of(contacts)?;
+        let strength = Strength::of(contacts, &mut watch)?;
         let exposure = contacts
             .rules
             .temperature
@@ -136,6 +141,10 @@ impl Fate for Timed {
         let record = Record::new(&self.strength, self.velocity, start, self.highest);
         let (histories, asked) = (OnceLock::new(), AtomicBool::new(false));
         Arc::new(Formed { of: self.clone(), start, record, histories, asked })
+    }
+
+    fn making(&self) -> f64 {
+        0.0
     }
 
     fn error(&self) -> f64 {

@@ -190,8 +190,8 @@ impl Course {
             Motion::Renewed(leg) => {
                 let atoms = leg.solution.atoms.iter().map(|a| (a.position, a.weight));
                 Ledger {
-                    energy: leg.sum(Life::energy),
-                    breaking_energy: leg.sum(Life::breaking_energy),
+                    energy: leg.sum(Life::energy, &mut ()).unwrap_or_default(),
+                    breaking_energy: leg.sum(Life::breaking_energy, &mut ()).unwrap_or_default(),
                     yet_to_break: leg.solution.density.integrated_from_end(0.0, &atoms.collect::<Vec<_>>()),
                 }
             }

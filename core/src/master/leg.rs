@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Tolerance;
 use crate::life::{Births, Layer, Life, ORDERS};
-use crate::monitor::{Aside, Monitor};
+use crate::monitor::{Aside, Monitor, Rising};
 use crate::numerics::breaks::{Atom, Break};
 use crate::numerics::legendre::NODES;
 use crate::numerics::piecewise::Piecewise;
@@ -39,6 +39,8 @@ impl Leg {
         tolerance: Tolerance,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
+        let mut rising = Rising::new(monitor);
+        let monitor: &mut dyn Monitor = &mut rising;
         let leg = match (Self::refined(first, reborn, end, tolerance.value(), monitor), tolerance.coarser()) {
             (Err(Error::Accuracy { .. }), Some(coarser)) => {
                 return Self::solve(first, reborn, end, coarser, monitor);
@@ -117,9 +119,12 @@ impl Leg {
     }
 
     /// What all contacts together have of a curve of their lives.
-    pub(super) fn sum(&self, curve: fn(&Life) -> &Kernel) -> Piecewise {
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub(super) fn sum(&self, curve: fn(&Life) -> &Kernel, monitor: &mut dyn Monitor) -> Result<Piecewise> {
         let first = curve(&self.first).curve();
-        self.solution.convolve(first, curve(&self.reborn), &mut ()).unwrap_or_default()
+        self.solution.convolve(first, curve(&self.reborn), monitor)
     }
 
     /// The same at one advance, by a quadrature that shares nothing with the solution but Γ; after the break where

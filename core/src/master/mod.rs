@@ -31,7 +31,7 @@ use crate::clocked::Portion;
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
 use crate::law::{Atom, SharedLaw};
 use crate::life::{Life, athermal, cells_of, moving};
-use crate::monitor::{Monitor, Watch, fits};
+use crate::monitor::{Monitor, Part, Watch, fits};
 use crate::{Error, Result};
 use leg::Leg;
 
@@ -132,12 +132,15 @@ impl MasterEquation {
             return Self::new(contacts, initial, monitor);
         }
         contacts.check(initial)?;
-        let reborn = Arc::new(moving(&contacts, &contacts.reforming, true, velocity, true, monitor)?);
         let conditional = initial.start == Start::Conditional;
-        let first = if conditional && contacts.rules.delay == 0.0 && same(&initial.law, &contacts.reforming) {
+        let alike = conditional && contacts.rules.delay == 0.0 && same(&initial.law, &contacts.reforming);
+        let part = &mut Part::new(monitor, 0.0, if alike { 1.0 } else { 0.5 });
+        let reborn = Arc::new(moving(&contacts, &contacts.reforming, true, velocity, true, part)?);
+        let first = if alike {
             reborn.clone()
         } else {
-            Arc::new(moving(&contacts, &initial.law, conditional, velocity, false, monitor)?)
+            let part = &mut Part::new(monitor, 0.5, 0.5);
+            Arc::new(moving(&contacts, &initial.law, conditional, velocity, false, part)?)
         };
         Ok(Self { contacts, start: initial.start, first, reborn })
     }

@@ -66,16 +66,26 @@ impl Pull {
         &self.leg.solution.atoms[..within]
     }
 
-    /// Standard deviation of the force where it is carried by `size` contacts drawn at random and scaled to N_c:
-    /// contacts are independent under a rigid drive, so that it is N_c⟨k⟩ √([∫x²Q − (∫xQ)²]/size), exactly.
-    pub fn force_std(&self, position: f64, size: f64) -> f64 {
-        let mean = at(&self.leg.force, position);
-        let variance = at(self.square(), position) - mean * mean;
-        self.stiffness * (variance.max(0.0) / size).sqrt()
-    }
-
-    fn square(&self) -> &Piecewise {
-        self.square.get_or_init(|| self.leg.sum(Life::square))
+    /// Standard deviation of the force, as a function of the position X, where it is carried by `size` contacts drawn at random
+    /// and scaled to N_c: contacts are independent under a rigid drive, so that it is N_c⟨k⟩ √([∫x²Q − (∫xQ)²]/size), exactly.
+    /// What it takes is found once.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn force_std<'a>(
+        &'a self,
+        size: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<impl Fn(f64) -> f64 + Send + Sync + use<'a>> {
+        if self.square.get().is_none() {
+            let square = self.leg.sum(Life::square, monitor)?;
+            self.square.get_or_init(|| square);
+        }
+        Ok(move |position: f64| {
+            let mean = at(&self.leg.force, position);
+            let square = self.square.get().map_or(f64::NAN, |square| at(square, position));
+            self.stiffness * ((square - mean * mean).max(0.0) / size).sqrt()
+        })
     }
 
     /// ∫Q(x; X) dx, after the break where contacts break together at X, by a quadrature that shares nothing with the

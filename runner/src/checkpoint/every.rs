@@ -15,14 +15,21 @@ pub enum Every {
     Time(Duration),
 }
 
+impl Every {
+    /// What is expected where something else came.
+    pub fn expected() -> String {
+        format!("a number of events above 0, or {}", duration::EXPECTED)
+    }
+}
+
 impl FromStr for Every {
     type Err = String;
 
     /// A number of events, or a time with its unit.
     fn from_str(text: &str) -> Result<Self, String> {
-        let expected = || format!("expected a number of events above 0, or {}", duration::EXPECTED);
         let number = text.trim().parse().map(Self::Events);
-        number.or_else(|_| duration::parse(text).map(Self::Time)).map_err(|_| expected())
+        let every = number.or_else(|_| duration::parse(text).map(Self::Time));
+        every.map_err(|_| format!("expected {}", Self::expected()))
     }
 }
 

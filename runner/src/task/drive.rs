@@ -91,9 +91,9 @@ fn at_a_velocity(
     in_time::fits(protocol, setting)?;
     let velocity = protocol.0[0].velocities().0;
     let equation =
-        MasterEquation::at(contacts.clone(), initial, velocity, &mut Part::new(monitor, 0.0, 0.0))?;
+        MasterEquation::at(contacts.clone(), initial, velocity, &mut Part::new(monitor, 0.0, 0.5 * PULL))?;
     let tolerance = scenario.master_equation.tolerance();
-    let part = &mut Part::new(monitor, 0.0, PULL);
+    let part = &mut Part::new(monitor, 0.5 * PULL, 0.5 * PULL);
     let pull = equation.pull(first_loading(contacts), tolerance, part)?;
     let part = &mut Part::new(monitor, PULL, 1.0 - PULL);
     let (sliding, record, moved) = match &scenario.block {

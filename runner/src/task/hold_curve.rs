@@ -14,6 +14,8 @@ use super::settling::Steady;
 use super::{Setting, chance};
 use crate::summary::{HoldCurve, Peak, Summary};
 
+/// The part of the work that steady sliding takes.
+const LIVES: f64 = 0.1;
 /// Mean thresholds, of newborn or mature contacts, within which the force peaks after a hold.
 const REACH: f64 = 2.0;
 /// Points between which the peak is looked for first, …
@@ -36,12 +38,12 @@ pub fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let Setting { scenario, contacts, initial } = setting;
-    let aside = &mut Part::new(monitor, 0.0, 0.0);
-    let steady = Steady::at(contacts, initial, task.velocity, aside)?;
+    let steady = Steady::at(contacts, initial, task.velocity, &mut Part::new(monitor, 0.0, LIVES))?;
     let mature =
         contacts.rules.ageing.as_ref().and_then(|ageing| ageing.mature()).map_or(0.0, |law| law.mean());
     let reach = REACH * contacts.thresholds.mean().max(mature).max(steady.life);
     let holds = task.holds();
+    let monitor = &mut Part::new(monitor, LIVES, 1.0 - LIVES);
     let master = if scenario.ensemble.is_some() { MASTER } else { 1.0 };
     let on = moving(task.velocity, reach);
     let (mut columns, accuracy) = followed(setting, task, on, &mut Part::new(monitor, 0.0, master))?;
@@ -80,9 +82,11 @@ fn followed(
     /// … and the smallest tolerance that there is.
     const FINEST: f64 = 1e-12;
     let mut tolerance = setting.scenario.master_equation.tolerance_in_time(&setting.contacts.rules);
+    let share =
+        if setting.scenario.master_equation.tolerance.is_some() { 1.0 / f64::from(ATTEMPTS) } else { 1.0 };
     let mut attempt = 1;
     loop {
-        let part = &mut Part::new(monitor, 0.0, 1.0);
+        let part = &mut Part::new(monitor, f64::from(attempt - 1) * share, share);
         let (columns, force) = held_and_slid(&setting.contacts, task, (on, tolerance), part)?;
         let accuracy = Accuracy::in_time(setting, force);
         let missing = accuracy.missing(setting);

@@ -108,7 +108,8 @@ pub fn behind(
     sliding::adopt(known(sliding::motion_in_time(&run), contacts), "", &mut record);
     let mut told = Sliding::in_time(&run);
     if let Some(ensemble) = &scenario.ensemble {
-        let model = ensemble.build(contacts.clone(), initial.clone())?.in_time_within(monitor.memory())?;
+        let aside = &mut Part::new(monitor, master, 0.0);
+        let model = ensemble.build(contacts.clone(), initial.clone())?.in_time(aside)?;
         let length = mean * tolerance_over(ensemble.size()).max(tolerance);
         let part = &mut Part::new(monitor, master, 1.0 - master);
         let run = block.in_time(true)?.follow(&model, &history, &times, length, part)?;

@@ -18,6 +18,9 @@ const ROUND: usize = 1024;
 /// Variables along the positions, at most.
 const COLUMNS: usize = 6;
 
+/// The part of the work that the lives of contacts at a velocity take.
+const LIVES: f64 = 0.5;
+
 /// Pulls the slider as `task` says.
 ///
 /// # Errors
@@ -29,11 +32,13 @@ pub fn run(
 ) -> Result<(Summary, Record)> {
     let Setting { scenario, contacts, initial, .. } = setting;
     fits(scenario, task, None)?;
-    let aside = &mut Part::new(monitor, 0.0, 0.0);
+    let solved = if contacts.rules.know_time() { LIVES } else { 0.0 };
+    let part = &mut Part::new(monitor, 0.0, solved);
     let equation = match task.velocity {
-        Some(velocity) => MasterEquation::at(contacts.clone(), initial, velocity, aside)?,
-        None => MasterEquation::new(contacts.clone(), initial, aside)?,
+        Some(velocity) => MasterEquation::at(contacts.clone(), initial, velocity, part)?,
+        None => MasterEquation::new(contacts.clone(), initial, part)?,
     };
+    let monitor = &mut Part::new(monitor, solved, 1.0 - solved);
     let grid = Grid::new(&equation, initial, &task.snapshots);
     fits(scenario, task, Some(&grid))?;
     let master = if scenario.ensemble.is_some() { 0.5 } else { 1.0 };
@@ -87,6 +92,8 @@ pub fn along_the_pull(
     record: &mut Record,
     monitor: &mut dyn Monitor,
 ) -> Result<()> {
+    let aside = &mut Part::new(monitor, 0.0, 0.0);
+    let std = sample.map(|size| pull.force_std(size, aside)).transpose()?;
     let mut evaluate = |done: f64, function: &dyn Fn(f64) -> f64| -> Result<Vec<f64>> {
         let mut values = Vec::with_capacity(positions.len());
         for round in positions.chunks(ROUND) {
@@ -97,7 +104,7 @@ pub fn along_the_pull(
     };
     let force = evaluate(0.0, &|x| pull.force(x))?;
     let rate = evaluate(1.0, &|x| pull.breaking_rate(x))?;
-    let std = sample.map(|size| evaluate(2.0, &|x| pull.force_std(x, size))).transpose()?;
+    let std = std.map(|std| evaluate(2.0, &std)).transpose()?;
     let along = &["position"];
     record.push("position", "position X of the slider's bottom", Quantity::Length, along, positions);
     record.push("force", "friction force", Quantity::Force, along, force);

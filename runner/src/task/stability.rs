@@ -5,6 +5,8 @@ use asperity::master::{Slider, Transport};
 use asperity::monitor::Monitor;
 use asperity::{Result, block, scenario};
 
+use super::part::Part;
+
 /// Mean lives of a contact for which the response of steady sliding is followed.
 const LIVES: f64 = 30.0;
 /// Tolerance of that response, with which K_c is right to some 1e-3 of the stiffness of the contacts.
@@ -36,8 +38,10 @@ pub fn stability(
     let slider = block.map(slider).transpose()?;
     let response = Transport::step_response(contacts, velocity, LIVES, RESPONSE, monitor)?;
     let (mass, damping) = slider.map_or((0.0, 0.0), |slider| (slider.mass, slider.damping));
-    let (critical_stiffness, frequency) = response.critical_stiffness(mass, damping).unwrap_or((0.0, 0.0));
-    let growth = slider.map_or(Ok(None), |slider| response.growth(&slider))?;
+    let aside = &mut Part::new(monitor, 1.0, 0.0);
+    let critical = response.critical_stiffness(mass, damping, aside)?;
+    let (critical_stiffness, frequency) = critical.unwrap_or((0.0, 0.0));
+    let growth = slider.map_or(Ok(None), |slider| response.growth(&slider, aside))?;
     let (growth_rate, growth_frequency) = growth.map_or((0.0, 0.0), |s| (s.re, s.im));
     Ok(LinearStability { critical_stiffness, frequency, growth_rate, growth_frequency })
 }

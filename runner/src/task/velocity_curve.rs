@@ -14,9 +14,6 @@ use super::settling::Steady;
 use super::stability::stability;
 use crate::summary::{CurveLimits, Extended, Stability, Summary};
 
-/// Share of the work that the master equation is, beside an ensemble.
-const MASTER: f64 = 0.2;
-
 /// Computes the curve that `task` asks for.
 ///
 /// # Errors
@@ -33,25 +30,29 @@ pub fn run(
     let mut critical = Critical::default();
     let mut accuracy = Accuracy::new(setting, 0.0, setting.contacts.thresholds.mean());
     let points = (curves.len() * velocities.len()) as f64;
+    // By the master equation, by the ensemble, and whether sliding is stable.
+    let jobs = 1.0 + f64::from(u8::from(setting.scenario.ensemble.is_some()) + u8::from(task.stability));
     for (temperature, contacts) in &curves {
         let limit = Limits::of(contacts, &mut Part::new(monitor, friction.len() as f64 / points, 0.0))?;
         limits.push(CurveLimits::new(*temperature, &limit));
         for &velocity in &velocities {
-            let aside = &mut Part::new(monitor, friction.len() as f64 / points, 0.0);
-            let steady = Steady::at(contacts, &setting.initial, velocity, aside)?;
+            let begun = friction.len() as f64;
+            let start = |job: f64| (begun + job / jobs) / points;
+            let share = 1.0 / (jobs * points);
+            let steady =
+                Steady::at(contacts, &setting.initial, velocity, &mut Part::new(monitor, start(0.0), share))?;
             friction.push(steady.friction);
             accuracy = accuracy.worse(Accuracy::new(setting, steady.error, steady.life));
             slow.push(contacts, velocity, limit.viscosity);
             if let Some(ensemble) = &setting.scenario.ensemble {
-                let done = (friction.len() as f64 - 1.0 + MASTER) / points;
-                let part = &mut Part::new(monitor, done, 0.0);
                 let first = (force.len() * ensemble.size()) as u64;
+                let part = &mut Part::new(monitor, start(1.0), share);
                 let slid = slide(setting, contacts, (ensemble, first), velocity, steady.way, part)?;
                 force.push(slid.0);
                 error.push(slid.1);
             }
             if task.stability {
-                let part = &mut Part::new(monitor, (friction.len() as f64 - 1.0) / points, 1.0 / points);
+                let part = &mut Part::new(monitor, start(jobs - 1.0), share);
                 let pulled = critical.push(contacts, setting, velocity, part)?;
                 accuracy = accuracy.worse(Accuracy::new(setting, pulled, steady.life));
             }
@@ -133,11 +134,11 @@ impl Critical {
             self.sliding.push(sliding);
             return Ok(0.0);
         }
-        let aside = &mut Part::new(monitor, 0.0, 0.0);
-        let equation = MasterEquation::at(contacts.clone(), &setting.initial, velocity, aside)?;
+        let part = &mut Part::new(monitor, 0.0, 0.05);
+        let equation = MasterEquation::at(contacts.clone(), &setting.initial, velocity, part)?;
         let tolerance = setting.scenario.master_equation.tolerance();
         let pull =
-            equation.pull(super::first_loading(contacts), tolerance, &mut Part::new(monitor, 0.0, 0.1))?;
+            equation.pull(super::first_loading(contacts), tolerance, &mut Part::new(monitor, 0.05, 0.05))?;
         self.pulled.push(pull.critical_stiffness());
         let found = stability(contacts, velocity, block, &mut Part::new(monitor, 0.1, 0.9))?;
         self.sliding.push(found.critical_stiffness);

@@ -11,7 +11,7 @@ mod stage;
 use super::{Block, Energy, Loading, Slip};
 use crate::clocked::{Beside, Clocked};
 use crate::history::History;
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Aside, Monitor, report};
 use crate::numerics::two_stages::{CHANGE, MEET, WEIGHTS, change};
 use crate::{Error, Float, Result};
 use log::Log;
@@ -26,9 +26,6 @@ const SHORTEST: f64 = 1e-15;
 
 /// Share of the tolerance by which the pull may be short of the friction without a move back.
 const SLACK: f64 = 1e-3;
-
-/// Steps between two reports.
-const REPORT: u32 = 16;
 
 impl Block {
     /// Moves the slider's top along `drive`, from where it is in balance over `contacts`, and sees what its bottom does, at
@@ -120,7 +117,6 @@ struct Rider {
     time: f64,
     /// How long the next step may be.
     pace: f64,
-    steps: u32,
     /// What came and went that the contacts do not count.
     spent: Energy,
     log: Log,
@@ -139,18 +135,7 @@ impl Rider {
         let start = Moment::of(&dynamics, &state, at, 0.0, spent);
         let log = Log::new(start, pulled, state.contacts.as_ref(), fraction, dynamics.tolerance);
         let beside = Beside::of(contacts);
-        Self {
-            dynamics,
-            state,
-            pulled: at,
-            time: 0.0,
-            pace: f64::INFINITY,
-            steps: 0,
-            spent,
-            log,
-            beside,
-            error: 0.0,
-        }
+        Self { dynamics, state, pulled: at, time: 0.0, pace: f64::INFINITY, spent, log, beside, error: 0.0 }
     }
 
     /// From now on the drive has another velocity.
@@ -168,14 +153,11 @@ impl Rider {
         let begin = (self.time, self.pulled.drive);
         while self.time < end {
             let left = end - self.time;
-            let duration = if self.is_held() { self.rest(left)? } else { self.go(left)? };
+            let aside = &mut Aside { fraction: self.time / whole, monitor };
+            let duration = if self.is_held() { self.rest(left, aside)? } else { self.go(left, aside)? };
             self.time = if duration < left { self.time + duration } else { end };
             self.pulled.drive = begin.1 + self.pulled.velocity * (self.time - begin.0);
             self.log.pass(self.moment(), self.is_stopping(), self.state.contacts.as_ref());
-            self.steps += 1;
-            if self.steps.is_multiple_of(REPORT) {
-                report(monitor, self.time / whole)?;
-            }
         }
         Ok(())
     }
@@ -196,7 +178,7 @@ impl Rider {
     }
 
     /// Rests until the spring pulls, at most for a time; how long.
-    fn rest(&mut self, left: f64) -> Result<f64> {
+    fn rest(&mut self, left: f64, monitor: &mut dyn Monitor) -> Result<f64> {
         let Self { dynamics, state, pulled, .. } = self;
         let short = -dynamics.excess(state, pulled.drive);
         let behind = short / dynamics.resistance(state);
@@ -206,7 +188,7 @@ impl Rider {
             (short.min(most * dynamics.resistance(state)) / (dynamics.stiffness * pulled.velocity)).min(left);
         loop {
             let mut contacts = state.contacts.copy();
-            contacts.step(0.0, duration)?;
+            contacts.step(0.0, duration, monitor)?;
             let rested = State { force: contacts.force(), contacts, ..*state };
             let excess = dynamics.excess(&rested, pulled.after(duration));
             if excess > dynamics.tolerance * dynamics.resistance(&rested) && duration > SHORTEST * left {
@@ -220,7 +202,7 @@ impl Rider {
             }
             self.spent += dynamics.at_rest([state, &rested], *pulled, duration);
             if let Some(beside) = &mut self.beside {
-                self.error = self.error.max(beside.go(0.0, duration, rested.force)?);
+                self.error = self.error.max(beside.go(0.0, duration, rested.force, monitor)?);
             }
             self.state = rested;
             return Ok(duration);
@@ -228,7 +210,7 @@ impl Rider {
     }
 
     /// Moves on in one step, at most for a time; for how long.
-    fn go(&mut self, left: f64) -> Result<f64> {
+    fn go(&mut self, left: f64, monitor: &mut dyn Monitor) -> Result<f64> {
         let mut duration = self.pace;
         if duration.is_infinite() {
             duration = FIRST * left;
@@ -240,7 +222,7 @@ impl Rider {
                 let wanted = Float(self.dynamics.tolerance);
                 return Err(Error::Accuracy { key: String::new(), what, reached: Float(f64::NAN), wanted });
             }
-            let Some(tried) = self.dynamics.attempt(&self.state, self.pulled, duration)? else {
+            let Some(tried) = self.dynamics.attempt(&self.state, self.pulled, duration, monitor)? else {
                 duration *= CHANGE.1;
                 continue;
             };
@@ -255,18 +237,18 @@ impl Rider {
             } else {
                 self.pace =
                     if duration < left { factor * duration } else { self.pace.max(factor * duration) };
-                self.accept(tried, duration)?;
+                self.accept(tried, duration, monitor)?;
                 return Ok(duration);
             }
         }
     }
 
-    fn accept(&mut self, tried: stage::Tried, duration: f64) -> Result<()> {
+    fn accept(&mut self, tried: stage::Tried, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let states = [&self.state, &tried.middle, &tried.end];
         if let Some(beside) = &mut self.beside {
             for (pair, share) in states.windows(2).zip([MEET, 1.0 - MEET]) {
                 let by = pair[1].position() - pair[0].position();
-                self.error = self.error.max(beside.go(by, share * duration, pair[1].force)?);
+                self.error = self.error.max(beside.go(by, share * duration, pair[1].force, monitor)?);
             }
         }
         self.spent += self.dynamics.on_the_way(states, self.pulled, duration);

@@ -3,6 +3,7 @@
 
 use crate::Result;
 use crate::clocked::Clocked;
+use crate::monitor::Monitor;
 use crate::numerics::two_stages::{self, CARRIED, MEET};
 
 /// Equations of stages are solved to this share of the tolerance.
@@ -112,12 +113,20 @@ impl Dynamics {
     }
 
     /// A step of a duration; `None` where its equations find no solution, or one that goes back.
-    pub fn attempt(&self, from: &State, pulled: Pulled, duration: f64) -> Result<Option<Tried>> {
+    pub fn attempt(
+        &self,
+        from: &State,
+        pulled: Pulled,
+        duration: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<Tried>> {
         let alpha = two_stages::alpha(duration);
         let (v0, a0) = (from.velocity, self.acceleration(from, pulled.drive));
         let rule = Rule { alpha, velocity: -v0, acceleration: -alpha * v0 - a0 };
         let time = MEET * duration;
-        let Some(middle) = self.stage(from, pulled.after(time), time, &rule)? else { return Ok(None) };
+        let Some(middle) = self.stage(from, pulled.after(time), time, &rule, monitor)? else {
+            return Ok(None);
+        };
         let (advance, v1) = (middle.position() - from.position(), middle.velocity);
         let a1 = rule.acceleration(v1);
         let rule = Rule {
@@ -126,7 +135,9 @@ impl Dynamics {
             acceleration: -alpha * (v1 + CARRIED * (v1 - v0)),
         };
         let time = duration - time;
-        let Some(end) = self.stage(&middle, pulled.after(duration), time, &rule)? else { return Ok(None) };
+        let Some(end) = self.stage(&middle, pulled.after(duration), time, &rule, monitor)? else {
+            return Ok(None);
+        };
         let a2 = rule.acceleration(end.velocity);
         let error = |rates| two_stages::error(duration, rates);
         let of_velocity = if self.mass > 0.0 { error([a0, a1, a2]) } else { 0.0 };
@@ -145,7 +156,14 @@ impl Dynamics {
 
     /// The advance at whose end M Ẍ + γẊ + F = K(X_T − X) by the secant rule. An advance that would be below 0 is none,
     /// and comes to rest.
-    fn stage(&self, from: &State, drive: f64, during: f64, rule: &Rule) -> Result<Option<State>> {
+    fn stage(
+        &self,
+        from: &State,
+        drive: f64,
+        during: f64,
+        rule: &Rule,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<State>> {
         let pull = self.stiffness * (drive - from.position());
         let residual = |advance: f64, force: f64| {
             let velocity = rule.velocity(advance);
@@ -159,7 +177,7 @@ impl Dynamics {
         let mut last: Option<(f64, f64)> = None;
         for _ in 0..ROUNDS {
             let mut contacts = from.contacts.copy();
-            contacts.step(advance, during)?;
+            contacts.step(advance, during, monitor)?;
             let force = contacts.force();
             let off = residual(advance, force);
             if let Some((before, then)) = last {

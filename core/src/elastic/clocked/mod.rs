@@ -14,11 +14,11 @@ mod state;
 pub use scaled::Scaled;
 pub use state::StateInTime;
 
-use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 use super::{Coupling, Energy, Event, Loading, Slipped, event};
 use crate::clocked::{Beside, Books, Clocked, Portion};
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Aside, Monitor, Watch, report};
 use crate::numerics::two_stages::{CHANGE, MEET, change};
 use crate::record::Record;
 use crate::{Error, Float, Result};
@@ -275,8 +275,8 @@ impl InterfaceInTime {
             self.path = (self.drive, drive);
         }
         while self.drive < drive {
-            self.tell(monitor)?;
-            self.go(drive, velocity)?;
+            let fraction = self.fraction();
+            self.go(drive, velocity, &mut Aside { fraction, monitor })?;
             let events = self.slips.told();
             if !events.is_empty() {
                 return Ok(events);
@@ -286,14 +286,14 @@ impl InterfaceInTime {
         Ok(Vec::new())
     }
 
-    /// Tells the monitor how far the drive is on its way.
-    fn tell(&self, monitor: &mut dyn Monitor) -> Result<()> {
+    /// How far the drive is on its way.
+    fn fraction(&self) -> f64 {
         let (from, to) = self.path;
-        report(monitor, ((self.drive - from) / (to - from)).clamp(0.0, 1.0))
+        ((self.drive - from) / (to - from)).clamp(0.0, 1.0)
     }
 
     /// Moves on in one step, at most up to a drive.
-    fn go(&mut self, drive: f64, velocity: f64) -> Result<()> {
+    fn go(&mut self, drive: f64, velocity: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let left = (drive - self.drive) / velocity;
         let mut duration = if self.pace.is_finite() { self.pace } else { FIRST * left };
         duration = if duration >= left { left } else { duration.min(0.5 * left) };
@@ -304,7 +304,7 @@ impl InterfaceInTime {
                 let wanted = Float(self.dynamics.tolerance);
                 return Err(Error::Accuracy { key: String::new(), what, reached: Float(f64::NAN), wanted });
             }
-            let Some(tried) = self.dynamics.attempt(&self.cells, pulled, duration)? else {
+            let Some(tried) = self.dynamics.attempt(&self.cells, pulled, duration, monitor)? else {
                 duration *= CHANGE.1;
                 continue;
             };
@@ -314,27 +314,31 @@ impl InterfaceInTime {
                 duration *= factor.min(0.9);
                 continue;
             }
+            self.go_beside(&tried, duration, monitor)?;
             self.pace = if duration < left { factor * duration } else { self.pace.max(factor * duration) };
             self.drive = if duration < left { pulled.after(duration) } else { drive };
             self.time += duration;
-            self.go_beside(&tried, duration)?;
             self.accept(tried, velocity);
             return Ok(());
         }
     }
 
     /// Moves what is followed beside in the same step.
-    fn go_beside(&mut self, tried: &Tried, duration: f64) -> Result<()> {
+    fn go_beside(&mut self, tried: &Tried, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let (cells, time) = (&self.cells, MEET * duration);
         let Some(beside) = &mut self.beside else { return Ok(()) };
-        let follow = |(j, beside): (usize, &mut Beside)| {
+        let (beside, watch): (Vec<_>, _) =
+            (beside.iter_mut().map(Mutex::new).collect(), &Watch::new(monitor));
+        let follow = |(): &mut (), j: usize| {
+            let (mut beside, mut watch) = (beside[j].lock().unwrap_or_else(PoisonError::into_inner), watch);
             let ((middle, force), end) = (tried.middle[j], &tried.end[j]);
-            let first = beside.go(middle - cells[j].position, time, force)?;
-            Ok(first.max(beside.go(end.position - middle, duration - time, end.force)?))
+            let first = beside.go(middle - cells[j].position, time, force, &mut watch)?;
+            let second = beside.go(end.position - middle, duration - time, end.force, &mut watch)?;
+            Ok(first.max(second))
         };
-        let apart = beside.par_iter_mut().enumerate().map(follow);
-        let apart = apart.try_reduce(|| 0.0, |a: f64, b| Ok(a.max(b)))?;
-        self.error = self.error.max(apart);
+        for apart in watch.share(cells.len(), || (), follow)? {
+            self.error = self.error.max(apart?);
+        }
         Ok(())
     }
 

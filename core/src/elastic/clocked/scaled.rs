@@ -1,6 +1,7 @@
 //! Contacts whose lengths are larger than those of others.
 
 use crate::clocked::{Books, Clocked, Portion, State};
+use crate::monitor::Monitor;
 use crate::{Error, Result};
 
 /// Contacts all of whose lengths, and with them forces, are s times those of others: F(X, t) = s F̂(X/s, t).
@@ -54,8 +55,8 @@ impl Clocked for Scaled {
         self.contacts.stretches().into_iter().map(|portion| portion.scaled(self.scale)).collect()
     }
 
-    fn step(&mut self, by: f64, during: f64) -> Result<()> {
-        self.contacts.step(by / self.scale, during)
+    fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        self.contacts.step(by / self.scale, during, monitor)
     }
 
     fn rough(&self) -> Option<Box<dyn Clocked>> {

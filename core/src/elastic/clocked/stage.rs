@@ -1,11 +1,10 @@
 //! One step of all cells in time, of two stages ([`two_stages`]). Between their ends contacts move at constant velocities.
 
-use rayon::prelude::*;
-
 use crate::Result;
 use crate::clocked::Clocked;
 use crate::elastic::Coupling;
 use crate::elastic::batch::{largest, sum};
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::two_stages::{self, CARRIED, MEET, WEIGHTS};
 
 /// Equations of stages are solved to this share of the tolerance.
@@ -103,9 +102,9 @@ impl State {
     }
 
     /// The contacts after an advance in a time.
-    fn ahead(&self, advance: f64, during: f64) -> Result<Box<dyn Clocked>> {
+    fn ahead(&self, advance: f64, during: f64, mut watch: &Watch<'_>) -> Result<Box<dyn Clocked>> {
         let mut contacts = self.contacts.copy();
-        contacts.step(advance, during)?;
+        contacts.step(advance, during, &mut watch)?;
         Ok(contacts)
     }
 
@@ -159,15 +158,22 @@ impl Dynamics {
     }
 
     /// A step of a duration; `None` where its equations find no solution.
-    pub fn attempt(&mut self, from: &[State], pulled: Pulled, duration: f64) -> Result<Option<Tried>> {
+    pub fn attempt(
+        &mut self,
+        from: &[State],
+        pulled: Pulled,
+        duration: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<Tried>> {
+        let watch = &Watch::new(monitor);
         let (alpha, time) = (two_stages::alpha(duration), MEET * duration);
         let carried: Vec<f64> = from.iter().map(|cell| -cell.velocity).collect();
         let rule = Rule { alpha, carried: &carried };
-        let Some(middle) = self.stage(from, pulled.after(time), time, &rule)? else { return Ok(None) };
+        let Some(middle) = self.stage(from, pulled.after(time), time, &rule, watch)? else { return Ok(None) };
         let way = |j: usize| middle[j].position - from[j].position;
         let carried: Vec<f64> = (0..from.len()).map(|j| -alpha * CARRIED * way(j)).collect();
         let (rule, rest) = (Rule { alpha, carried: &carried }, duration - time);
-        let Some(mut end) = self.stage(&middle, pulled.after(duration), rest, &rule)? else {
+        let Some(mut end) = self.stage(&middle, pulled.after(duration), rest, &rule, watch)? else {
             return Ok(None);
         };
         let error = |j: usize| {
@@ -203,12 +209,14 @@ impl Dynamics {
         drive: f64,
         during: f64,
         rule: &Rule<'_>,
+        watch: &Watch<'_>,
     ) -> Result<Option<Vec<State>>> {
         let near = NEAR * self.tolerance;
         let mut guesses: Vec<Guess> = from.iter().map(Guess::none).collect();
         let Correction { by, .. } = self.correct(from, &guesses, drive, rule);
-        let mut contacts = first(from, &mut guesses, &by, during)?;
+        let mut contacts = first(from, &mut guesses, &by, during, watch)?;
         for _ in 0..ROUNDS {
+            watch.check()?;
             let Correction { by, stands } = self.correct(from, &guesses, drive, rule);
             if by.iter().all(|by| by.abs() <= near) {
                 let end = |(j, contacts): (usize, Box<dyn Clocked>)| {
@@ -217,7 +225,7 @@ impl Dynamics {
                 };
                 return Ok(Some(contacts.into_iter().enumerate().map(end).collect()));
             }
-            again(from, &mut guesses, &mut contacts, &by, near, during)?;
+            again(from, &mut guesses, &mut contacts, &by, near, during, watch)?;
         }
         Ok(None)
     }
@@ -259,9 +267,15 @@ impl Dynamics {
 }
 
 /// The contacts of all cells after the advances that are guessed first.
-fn first(from: &[State], guesses: &mut [Guess], by: &[f64], during: f64) -> Result<Vec<Box<dyn Clocked>>> {
-    let ahead = from.par_iter().zip(by).map(|(from, &by)| from.ahead(by, during));
-    let contacts: Vec<_> = ahead.collect::<Result<_>>()?;
+fn first(
+    from: &[State],
+    guesses: &mut [Guess],
+    by: &[f64],
+    during: f64,
+    watch: &Watch<'_>,
+) -> Result<Vec<Box<dyn Clocked>>> {
+    let ahead = watch.share(from.len(), || (), |(), j| from[j].ahead(by[j], during, watch))?;
+    let contacts: Vec<_> = ahead.into_iter().collect::<Result<_>>()?;
     for ((guess, &advance), contacts) in guesses.iter_mut().zip(by).zip(&contacts) {
         (guess.advance, guess.force) = (advance, contacts.force());
     }
@@ -276,13 +290,18 @@ fn again(
     by: &[f64],
     near: f64,
     during: f64,
+    watch: &Watch<'_>,
 ) -> Result<()> {
-    let all = guesses.par_iter_mut().zip(contacts).zip(from).zip(by);
-    all.filter(|(_, by)| by.abs() > near).try_for_each(|(((guess, contacts), from), by)| {
-        let advance = guess.advance + by;
-        *contacts = from.ahead(advance, during)?;
-        let force = contacts.force();
-        *guess = Guess { advance, force, slope: (force - guess.force) / by };
-        Ok(())
-    })
+    let going: Vec<usize> = (0..by.len()).filter(|&j| by[j].abs() > near).collect();
+    let ahead = |(): &mut (), number: usize| {
+        let j = going[number];
+        from[j].ahead(guesses[j].advance + by[j], during, watch)
+    };
+    let ahead = watch.share(going.len(), || (), ahead)?;
+    for (&j, ahead) in going.iter().zip(ahead) {
+        contacts[j] = ahead?;
+        let (advance, force) = (guesses[j].advance + by[j], contacts[j].force());
+        guesses[j] = Guess { advance, force, slope: (force - guesses[j].force) / by[j] };
+    }
+    Ok(())
 }

@@ -3,11 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::broken::Share;
-use super::model::{Model, State};
+use super::model::{Model, State, Tools};
 use super::path::{Part, Path};
 use super::seeds::Seed;
 use crate::clocked::Portion;
-use crate::numerics::diffusion::Room;
+use crate::monitor::Watch;
 
 /// Where the contacts of a cohort are: at one stretch, or spread evenly over a cell around it.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -71,10 +71,10 @@ impl Place {
 
 impl Cohort {
     /// Contacts of age 0.
-    pub(super) fn born(model: &Model, seed: &Seed, mass: f64) -> Self {
+    pub(super) fn born(model: &Model, seed: &Seed, mass: f64, watch: &Watch<'_>) -> Self {
         let &Seed { stretch, below, above, .. } = seed;
         let place = Place { stretch, below, above, age: 0.0 };
-        let mut cohort = Self { mass, place, state: model.newborn(seed), left: 1.0, stiffness: 0.0 };
+        let mut cohort = Self { mass, place, state: model.newborn(seed, watch), left: 1.0, stiffness: 0.0 };
         cohort.count(model);
         cohort
     }
@@ -85,28 +85,40 @@ impl Cohort {
     }
 
     /// Goes a whole step: what breaks, and energies, with the stiffness as a parabola in time.
-    pub(super) fn cross(&mut self, model: &Model, path: &Path, room: &mut Room) -> (Share, Spent) {
+    pub(super) fn cross(&mut self, model: &Model, path: &Path, tools: &mut Tools<'_, '_>) -> (Share, Spent) {
         let (from, stiffness) = (self.place.stretch, self.tangent());
-        let (middle, first) = self.advance(model, path, Part::First, room);
+        let (middle, first) = self.advance(model, path, Part::First, tools);
         let between = self.tangent();
-        let (end, second) = self.advance(model, path, Part::Second, room);
+        let (end, second) = self.advance(model, path, Part::Second, tools);
         let changes = [between - stiffness, self.tangent() - between];
         let spent = Spent::on(from, self.place.stretch, changes, [first, second]);
         (Share { middle, end: middle + end }, spent)
     }
 
     /// Goes from where it is born in a step to its end: the fraction of all contacts that breaks, and energies.
-    pub(super) fn arrive(&mut self, model: &Model, path: &Path, part: Part, room: &mut Room) -> (f64, Spent) {
+    pub(super) fn arrive(
+        &mut self,
+        model: &Model,
+        path: &Path,
+        part: Part,
+        tools: &mut Tools<'_, '_>,
+    ) -> (f64, Spent) {
         let (from, stiffness) = (self.place.stretch, self.tangent());
-        let (broken, aged) = self.advance(model, path, part, room);
+        let (broken, aged) = self.advance(model, path, part, tools);
         let change = self.tangent() - stiffness;
         (broken, Spent::on(from, self.place.stretch, [0.5 * change; 2], [0.5 * aged; 2]))
     }
 
     /// Goes a part of a step: the fraction of all contacts that breaks, and by how much ageing makes the others stiffer.
-    pub(super) fn advance(&mut self, model: &Model, path: &Path, part: Part, room: &mut Room) -> (f64, f64) {
+    pub(super) fn advance(
+        &mut self,
+        model: &Model,
+        path: &Path,
+        part: Part,
+        tools: &mut Tools<'_, '_>,
+    ) -> (f64, f64) {
         let before = self.left;
-        let aged = model.advance(&mut self.state, self.place, path, part, room);
+        let aged = model.advance(&mut self.state, self.place, path, part, tools);
         let (from, to) = part.ends();
         self.place.stretch += path.advance(from, to);
         self.place.age += path.time(part);

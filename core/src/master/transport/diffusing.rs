@@ -6,9 +6,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::cohort::Place;
+use super::model::Tools;
 use super::path::{Part, Path};
 use super::seeds::Seed;
+use crate::Result;
 use crate::contacts::{Contacts, Maturing, Stiffness, Temperature};
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::diffusion::{Followed, Medium, Potential, Rise, Room, Sink};
 
 /// Thresholds that diffuse.
@@ -94,14 +97,26 @@ const FINEST: f64 = 0.05;
 const SHARE: f64 = 2.0;
 const REACH: f64 = 4.0;
 
+/// Cells that a step goes through without asking whether to go on, at most.
+const MANY: usize = 1 << 16;
+
 /// Cells below which no law is resolved at all.
 const FEWEST: f64 = 16.0;
 
 impl Diffusing {
     /// Thresholds of these contacts, which re-form at the `seeds`; `scale` is the width of the narrowest law of theirs.
     /// `None` where they do not diffuse.
-    pub(super) fn new(contacts: &Contacts, seeds: &[Seed], scale: f64, tolerance: f64) -> Option<Self> {
-        let maturing = Maturing::of(contacts)?;
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub(super) fn new(
+        contacts: &Contacts,
+        seeds: &[Seed],
+        scale: f64,
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<Self>> {
+        let Some(maturing) = Maturing::of(contacts) else { return Ok(None) };
         let (low, high) = maturing.support;
         let coarser = tolerance.powf(0.25);
         let cells = (CELLS * (high - low) / (scale * coarser)).ceil().max(FEWEST) as usize;
@@ -116,9 +131,11 @@ impl Diffusing {
             newborn: Vec::new(),
             maturing,
         };
-        diffusing.newborn = seeds.iter().map(|seed| diffusing.above(seed.stretch)).collect();
+        let watch = Watch::new(monitor);
+        diffusing.newborn = seeds.iter().map(|seed| diffusing.above(seed.stretch, &watch)).collect();
+        watch.check()?;
         diffusing.newborn.sort_by(|a, b| a.stretch.total_cmp(&b.stretch));
-        Some(diffusing)
+        Ok(Some(diffusing))
     }
 
     /// How many numbers a step of a cohort goes through at least, in its two halves.
@@ -133,17 +150,20 @@ impl Diffusing {
     }
 
     /// P_ci above the stretch of a seed.
-    pub(super) fn newborn(&self, seed: &Seed) -> Masses {
+    pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> Masses {
         let found = self.newborn.binary_search_by(|masses| masses.stretch.total_cmp(&seed.stretch));
-        found.map_or_else(|_| self.above(seed.stretch), |place| self.newborn[place].clone())
+        found.map_or_else(|_| self.above(seed.stretch, watch), |place| self.newborn[place].clone())
     }
 
     /// P_ci above a stretch.
-    fn above(&self, stretch: f64) -> Masses {
+    fn above(&self, stretch: f64, watch: &Watch<'_>) -> Masses {
         let (floor, ceiling) = (self.floor(stretch), self.maturing.support.1);
         let share = |level: &Followed| {
             let middles: Vec<f64> = level.middles(floor, ceiling).collect();
-            let mut masses = self.maturing.newborn(&middles, stretch.abs());
+            let mut masses = self
+                .maturing
+                .newborn(&middles, stretch.abs(), &mut &*watch)
+                .unwrap_or_else(|_| vec![0.0; middles.len()]);
             let whole: f64 = masses.iter().sum();
             masses.iter_mut().for_each(|mass| *mass /= whole);
             masses
@@ -162,7 +182,7 @@ impl Diffusing {
         masses: &mut Masses,
         path: &Path,
         part: Part,
-        room: &mut Room,
+        tools: &mut Tools<'_, '_>,
     ) -> f64 {
         let stiffness = self.measure(masses).1;
         let mut broken = [0.0; LEVELS];
@@ -173,8 +193,18 @@ impl Diffusing {
                 let (step, rest) = leg.split(self.steps(&leg, age));
                 for (level, broken) in broken.iter_mut().enumerate() {
                     let parts = 1 << level;
-                    *broken +=
-                        (0..parts).map(|k| self.step(&step.part(k, parts), level, masses, room)).sum::<f64>();
+                    let part = |k| {
+                        let stops = self.levels[level].cells() > MANY && tools.watch.stops();
+                        if stops {
+                            0.0
+                        } else {
+                            self.step(&step.part(k, parts), level, masses, &mut tools.room)
+                        }
+                    };
+                    *broken += (0..parts).map(part).sum::<f64>();
+                }
+                if tools.watch.stops() {
+                    return 0.0;
                 }
                 age += step.duration;
                 left = rest;

@@ -33,7 +33,7 @@ use super::{Stretches, Tolerance};
 use crate::clocked::{Books, Clocked, Portion, State};
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness, Strength};
 use crate::history::History;
-use crate::monitor::{Monitor, report};
+use crate::monitor::{Aside, Monitor, Part, Watch, report};
 use crate::{Error, Result};
 use broken::Broken;
 use cohort::{Cohort, Spent};
@@ -115,7 +115,7 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         contacts.check(initial)?;
-        let strength = strength(&contacts)?;
+        let strength = strength(&contacts, monitor)?;
         let mut starting =
             |tolerance| Self::starting(&contacts, strength.clone(), initial, tolerance, monitor);
         Ok(starting(tolerance)?.beside(starting(rough(tolerance))?))
@@ -128,8 +128,7 @@ impl Transport {
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        report(monitor, 0.0)?;
-        let mut transport = Self::empty(contacts, strength, tolerance)?;
+        let mut transport = Self::empty(contacts, strength, tolerance, monitor)?;
         let law = contacts.thresholds.as_ref();
         let held = |x: f64| match initial.start {
             Start::Conditional => 1.0,
@@ -137,11 +136,12 @@ impl Transport {
         };
         let first = seeds(initial.law.as_ref(), contacts.highest_start(), widest(contacts), held);
         let held: f64 = first.iter().map(|seed| seed.weight).sum();
-        let born = |seed: &Seed| Cohort::born(&transport.model, seed, seed.weight);
-        transport.cohorts = first.iter().map(born).collect();
+        transport.cohorts = transport.formed(&first, monitor)?;
         if initial.start == Start::Relaxed {
             transport.broken.strike(0.0, 1.0 - held);
-            transport.deliver();
+            let watch = Watch::new(monitor);
+            transport.deliver(&watch);
+            watch.check()?;
             transport.spent = Spent::default();
         }
         Ok(transport)
@@ -152,13 +152,18 @@ impl Transport {
         self
     }
 
-    fn empty(contacts: &Contacts, strength: Option<Strength>, tolerance: f64) -> Result<Self> {
+    fn empty(
+        contacts: &Contacts,
+        strength: Option<Strength>,
+        tolerance: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         Tolerance::from(tolerance).check()?;
         let seeds = seeds(contacts.reforming.as_ref(), contacts.highest_start(), widest(contacts), |_| 1.0);
         let (Stiffness::Equal(stiffness) | Stiffness::PerThreshold(stiffness)) = contacts.stiffness;
         let mean = contacts.thresholds.mean();
         Ok(Self {
-            model: Arc::new(model(contacts, strength, &seeds, tolerance)),
+            model: Arc::new(model(contacts, strength, &seeds, tolerance, monitor)?),
             seeds: seeds.into(),
             stiffness: contacts.count * stiffness,
             unit: contacts.count * contacts.stiffness.of(mean) * mean,
@@ -175,6 +180,16 @@ impl Transport {
             kinks: Vec::new(),
             rough: None,
         })
+    }
+
+    /// The cohorts of contacts that form at seeds.
+    fn formed(&self, seeds: &[Seed], monitor: &mut dyn Monitor) -> Result<Vec<Cohort>> {
+        let watch = Watch::new(monitor);
+        let born = |seed: &Seed| {
+            let cohort = Cohort::born(&self.model, seed, seed.weight, &watch);
+            watch.check().map(|()| cohort)
+        };
+        seeds.iter().map(born).collect()
     }
 
     /// N_c⟨k⟩ times the mean threshold, the force that tolerances are counted in.
@@ -240,11 +255,10 @@ impl Transport {
         const ASIDE: f64 = 0.2;
         rising(times, history.duration())?;
         let mut rough = self.rough.take();
-        let aside =
-            rough.as_mut().map(|rough| rough.go(history, times, &mut |part| report(monitor, ASIDE * part)));
+        let aside = rough.as_mut().map(|rough| rough.go(history, times, &mut Part::new(monitor, 0.0, ASIDE)));
         self.rough = rough;
         let aside = aside.transpose()?;
-        let mut trace = self.go(history, times, &mut |part| report(monitor, ASIDE + (1.0 - ASIDE) * part))?;
+        let mut trace = self.go(history, times, &mut Part::new(monitor, ASIDE, 1.0 - ASIDE))?;
         if let Some(aside) = aside {
             let off = trace.force.iter().zip(&aside.force).map(|(fine, rough)| (fine - rough).abs());
             trace.error = off.fold(0.0, f64::max);
@@ -253,12 +267,7 @@ impl Transport {
     }
 
     /// Follows a history, telling which part of it is done.
-    fn go(
-        &mut self,
-        history: &History,
-        times: &[f64],
-        tell: &mut dyn FnMut(f64) -> Result<()>,
-    ) -> Result<Trace> {
+    fn go(&mut self, history: &History, times: &[f64], monitor: &mut dyn Monitor) -> Result<Trace> {
         let (begun, origin) = (self.time, self.position);
         let mut trace = Trace::default();
         let mut stops: Vec<f64> = times.iter().copied().chain(history.knots().iter().map(|k| k.0)).collect();
@@ -271,10 +280,11 @@ impl Transport {
                 self.turn();
             }
             if stop > now {
-                let part = |time: f64| ((time - begun) / history.duration()).clamp(0.0, 1.0);
+                // Times summed step by step are off by rounding.
+                let part = |time: f64| (time - begun).clamp(now, stop) / history.duration();
                 // The distance is known better than a short time late in a long history.
                 let velocity = (history.position(stop) - history.position(now)) / (stop - now);
-                self.glide(velocity, stop - now, &mut |time| tell(part(time)))?;
+                self.glide(velocity, stop - now, &part, monitor)?;
                 now = stop;
                 (self.time, self.position) = (begun + now, origin + history.position(now));
             }
@@ -288,22 +298,17 @@ impl Transport {
     /// Moves the slider by `by` in the time `during`, at one velocity.
     ///
     /// # Errors
-    /// A time that is not above 0; steps that would have to be too short.
-    pub fn step(&mut self, by: f64, during: f64) -> Result<()> {
-        self.step_watched(by, during, &mut ())
-    }
-
-    /// The same step, which the monitor may stop.
-    fn step_watched(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    /// A time that is not above 0; steps that would have to be too short; stopped by the monitor.
+    pub fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
         positive("during", during)?;
         if !by.is_finite() {
             return Err(Error::invalid("by", "a finite length", by));
         }
         if let Some(rough) = &mut self.rough {
-            rough.step_watched(by, during, monitor)?;
+            rough.step(by, during, &mut Aside { fraction: 0.0, monitor })?;
         }
         self.turn();
-        self.glide(by / during, during, &mut |_| report(monitor, 0.0))
+        self.glide(by / during, during, &|_| 0.0, monitor)
     }
 
     /// The breaking rate may have a kink here, and again where what breaks now is born.
@@ -314,28 +319,35 @@ impl Transport {
         }
     }
 
-    /// Moves at one velocity for a time.
-    fn glide(&mut self, velocity: f64, during: f64, tell: &mut dyn FnMut(f64) -> Result<()>) -> Result<()> {
+    /// Moves at one velocity for a time; `part` tells which part of the whole is done at a time.
+    fn glide(
+        &mut self,
+        velocity: f64,
+        during: f64,
+        part: &dyn Fn(f64) -> f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
         // Kept apart from the time, which after a long hold no longer tells short durations apart.
         let mut left = during;
         loop {
-            self.happen();
+            let aside = &mut Aside { fraction: part(self.time), monitor };
+            self.happen(aside)?;
             if left <= SAME * during {
                 return Ok(());
             }
             let duration = self.pace.propose(velocity, self.until_event(velocity, left));
-            if self.advance(&Path::steady(velocity, duration))? {
+            if self.advance(&Path::steady(velocity, duration), aside)? {
                 left -= duration;
             }
-            tell(self.time)?;
+            report(monitor, part(self.time))?;
         }
     }
 
     /// Tries a step, and takes it if it is good enough; whether it did.
-    fn advance(&mut self, path: &Path) -> Result<bool> {
+    fn advance(&mut self, path: &Path, monitor: &mut dyn Monitor) -> Result<bool> {
         let Self { model, seeds, broken, time, dropped, .. } = self;
         let stage = Stage { model, seeds, broken, time: *time, dropped: *dropped };
-        let trial = stage.attempt(&self.cohorts, path);
+        let trial = stage.attempt(&self.cohorts, path, monitor)?;
         let before = self.pace.last();
         if !self.pace.judge(path.duration, trial.share, trial.deaths) {
             self.pace.check(path.duration, self.tolerance)?;
@@ -376,7 +388,7 @@ impl Transport {
     }
 
     /// What happens at once, here: contacts break where many have their thresholds, and lumps are born.
-    fn happen(&mut self) {
+    fn happen(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let mut struck = 0.0;
         for cohort in &mut self.cohorts {
             let (broken, lost) = cohort.strike(&self.model);
@@ -387,19 +399,22 @@ impl Transport {
             self.broken.strike(self.time, struck);
             self.turn();
         }
-        self.deliver();
+        let watch = Watch::new(monitor);
+        self.deliver(&watch);
+        watch.check()?;
         let now = self.time * (1.0 + SAME);
         if self.kinks.iter().any(|&kink| kink <= now) {
             self.kinks.retain(|&kink| kink > now);
             self.pace.turn();
         }
+        Ok(())
     }
 
     /// Lumps are born that are due.
-    fn deliver(&mut self) {
+    fn deliver(&mut self, watch: &Watch<'_>) {
         while let Some(lump) = self.broken.due(self.time * (1.0 + SAME)) {
             for seed in self.seeds.iter() {
-                let born = Cohort::born(&self.model, seed, lump.mass * seed.weight);
+                let born = Cohort::born(&self.model, seed, lump.mass * seed.weight, watch);
                 self.spent.lost -= born.energy();
                 self.cohorts.push(born);
             }
@@ -436,8 +451,8 @@ impl Clocked for Transport {
         self.cohorts.iter().map(Cohort::portion).collect()
     }
 
-    fn step(&mut self, by: f64, during: f64) -> Result<()> {
-        Self::step(self, by, during)
+    fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        Self::step(self, by, during, monitor)
     }
 
     fn rough(&self) -> Option<Box<dyn Clocked>> {
@@ -502,24 +517,31 @@ fn rough(tolerance: f64) -> f64 {
 }
 
 /// How strong contacts are by their age, unless their thresholds diffuse.
-fn strength(contacts: &Contacts) -> Result<Option<Strength>> {
+fn strength(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Option<Strength>> {
     match &contacts.rules.ageing {
         Some(Ageing::MeanField { .. }) => {
             let expected = "a rule for one contact: mean_field is the closure of steady sliding";
             Err(Error::invalid("contacts.ageing.mean_field", expected, "a velocity that varies"))
         }
         Some(Ageing::Smoluchowski { .. }) => Ok(None),
-        _ => Strength::of(contacts).map(Some),
+        _ => Strength::of(contacts, monitor).map(Some),
     }
 }
 
 /// The rules of the thresholds of these contacts, which re-form at the seeds and have the [`strength`].
-fn model(contacts: &Contacts, strength: Option<Strength>, seeds: &[Seed], tolerance: f64) -> Model {
+fn model(
+    contacts: &Contacts,
+    strength: Option<Strength>,
+    seeds: &[Seed],
+    tolerance: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<Model> {
+    report(monitor, 0.0)?;
     if let Some(strength) = strength {
-        return Model::Ranked(Box::new(Ranks::new(contacts, strength, tolerance)));
+        return Ok(Model::Ranked(Box::new(Ranks::new(contacts, strength, tolerance))));
     }
-    let diffusing = Diffusing::new(contacts, seeds, pace::scale(contacts), tolerance);
-    Model::Diffusing(Box::new(diffusing.expect("thresholds that diffuse have a mature law")))
+    let diffusing = Diffusing::new(contacts, seeds, pace::scale(contacts), tolerance, monitor)?;
+    Ok(Model::Diffusing(Box::new(diffusing.expect("thresholds that diffuse have a mature law"))))
 }
 
 /// The widest cell of a law of stretches: no wider than the thresholds can see.

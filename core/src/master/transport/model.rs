@@ -7,6 +7,7 @@ use super::diffusing::{Diffusing, Masses};
 use super::path::{Part, Path};
 use super::ranked::{Left, Ranks};
 use super::seeds::Seed;
+use crate::monitor::Watch;
 use crate::numerics::diffusion::Room;
 
 /// The rules of the thresholds.
@@ -18,6 +19,18 @@ pub(super) enum Model {
     Diffusing(Box<Diffusing>),
 }
 
+/// What steps of cohorts take: memory to work in, and who may stop them, after which they are of no use.
+pub(super) struct Tools<'a, 'm> {
+    pub(super) room: Room,
+    pub(super) watch: &'a Watch<'m>,
+}
+
+impl<'a, 'm> Tools<'a, 'm> {
+    pub(super) fn new(watch: &'a Watch<'m>) -> Self {
+        Self { room: Room::default(), watch }
+    }
+}
+
 /// The thresholds of a cohort.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) enum State {
@@ -27,10 +40,10 @@ pub(super) enum State {
 
 impl Model {
     /// The thresholds of contacts born at a seed.
-    pub(super) fn newborn(&self, seed: &Seed) -> State {
+    pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> State {
         match self {
             Self::Ranked(ranks) => State::Ranked(ranks.newborn(seed)),
-            Self::Diffusing(diffusing) => State::Diffusing(diffusing.newborn(seed)),
+            Self::Diffusing(diffusing) => State::Diffusing(diffusing.newborn(seed, watch)),
         }
     }
 
@@ -51,12 +64,12 @@ impl Model {
         place: Place,
         path: &Path,
         part: Part,
-        room: &mut Room,
+        tools: &mut Tools<'_, '_>,
     ) -> f64 {
         match (self, state) {
             (Self::Ranked(ranks), State::Ranked(left)) => ranks.advance(place, left, path, part.ends()),
             (Self::Diffusing(diffusing), State::Diffusing(masses)) => {
-                diffusing.advance(place, masses, path, part, room)
+                diffusing.advance(place, masses, path, part, tools)
             }
             _ => unreachable!("cohorts are made by the model that moves them"),
         }

@@ -66,7 +66,7 @@ impl Transport {
         let time: Vec<f64> = (0..=count as u32).map(|k| f64::from(k) / count * duration).collect();
         let history = History::new(vec![Piece { velocity, duration }])?;
         let mut displaced = steady.clone();
-        displaced.step_watched(by, during, &mut Aside { fraction: 0.0, monitor })?;
+        displaced.step(by, during, &mut Aside { fraction: 0.0, monitor })?;
         let after = displaced.follow(&history, &time, &mut Part::new(monitor, 0.0, 0.5))?;
         let before = steady.follow(&history, &time, &mut Part::new(monitor, 0.5, 0.5))?;
         let response = after.force.iter().zip(&before.force).map(|(after, before)| (after - before) / by);

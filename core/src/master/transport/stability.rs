@@ -14,6 +14,7 @@
 use num_complex::Complex64;
 
 use super::StepResponse;
+use crate::monitor::{Monitor, Watch};
 use crate::numerics::roots::brent_root;
 use crate::{Error, Float, Result};
 
@@ -47,38 +48,57 @@ impl StepResponse {
     ///
     /// Without mass and damping the limit −r(0) at ω → ∞ counts as well: there a step lowers the force by more than it relaxes
     /// the spring.
-    pub fn critical_stiffness(&self, mass: f64, damping: f64) -> Option<(f64, f64)> {
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn critical_stiffness(
+        &self,
+        mass: f64,
+        damping: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<(f64, f64)>> {
         let slider = Slider { stiffness: 0.0, mass, damping };
-        let crossings = self.crossings(&slider, 0.0).into_iter().map(|c| (c.stiffness, c.frequency));
-        crossings.filter(|crossing| crossing.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
+        let watch = Watch::new(monitor);
+        let crossings = self.crossings(&slider, 0.0, &watch).into_iter().map(|c| (c.stiffness, c.frequency));
+        let critical = crossings.filter(|crossing| crossing.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0));
+        watch.check().map(|()| critical)
     }
 
     /// How many roots of the characteristic equation have Re s > 0: 0 where steady sliding is stable.
-    pub fn unstable_roots(&self, slider: &Slider) -> usize {
-        self.right_of(slider, 0.0).max(0) as usize
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub fn unstable_roots(&self, slider: &Slider, monitor: &mut dyn Monitor) -> Result<usize> {
+        let watch = Watch::new(monitor);
+        let roots = self.right_of(slider, 0.0, &watch).max(0) as usize;
+        watch.check().map(|()| roots)
     }
 
     /// The root s = a + iω, ω ≥ 0, of the fastest growing deviation from steady sliding, which grows as e^{at}; `None` where
     /// steady sliding is stable.
     ///
     /// # Errors
-    /// A slider without mass and damping, whose deviations may grow at any rate; the root is not found.
-    pub fn growth(&self, slider: &Slider) -> Result<Option<Complex64>> {
+    /// A slider without mass and damping, whose deviations may grow at any rate; the root is not found; stopped by
+    /// the monitor.
+    pub fn growth(&self, slider: &Slider, monitor: &mut dyn Monitor) -> Result<Option<Complex64>> {
         /// Halvings of the interval of rates before Newton's method.
         const HALVINGS: usize = 20;
         if !(slider.mass > 0.0 || slider.damping > 0.0) {
             return Err(Error::invalid("mass", "a mass or a damping above 0", slider.mass));
         }
-        if self.unstable_roots(slider) == 0 {
+        if self.unstable_roots(slider, monitor)? == 0 {
             return Ok(None);
         }
+        let watch = Watch::new(monitor);
         let (mut low, mut high) = (0.0, self.bound(slider));
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            *(if self.right_of(slider, middle) > 0 { &mut low } else { &mut high }) = middle;
+            *(if self.right_of(slider, middle, &watch) > 0 { &mut low } else { &mut high }) = middle;
         }
         let off = |crossing: &Crossing| (crossing.stiffness - slider.stiffness).abs();
-        let nearest = self.crossings(slider, low).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        let nearest =
+            self.crossings(slider, low, &watch).into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        watch.check()?;
         let guess = nearest.map(|crossing| Complex64::new(low, crossing.frequency));
         guess.and_then(|guess| self.polish(slider, guess)).map(Some).ok_or_else(|| {
             let what = "the rate at which deviations from steady sliding grow".to_owned();
@@ -100,8 +120,8 @@ impl StepResponse {
     }
 
     /// The number of roots with Re s > a.
-    fn right_of(&self, slider: &Slider, rate: f64) -> i32 {
-        let crossings = self.crossings(slider, rate).into_iter();
+    fn right_of(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> i32 {
+        let crossings = self.crossings(slider, rate, watch).into_iter();
         crossings
             .filter(|crossing| crossing.stiffness > slider.stiffness)
             .map(|crossing| crossing.roots)
@@ -109,9 +129,9 @@ impl StepResponse {
     }
 
     /// The crossings of the line Re s = a ≥ 0.
-    fn crossings(&self, slider: &Slider, rate: f64) -> Vec<Crossing> {
+    fn crossings(&self, slider: &Slider, rate: f64, watch: &Watch<'_>) -> Vec<Crossing> {
         let at = |frequency: f64| self.rest(slider, Complex64::new(rate, frequency));
-        let imaginary = |frequency: f64| at(frequency).im;
+        let imaginary = |frequency: f64| watch.value(|| at(frequency).im);
         let (low, high) = (1.0 / self.known(), self.resolved());
         let count = ((high / low).ln() * PER_FOLD).ceil().max(1.0);
         let grid = (0..=count as u32).map(|k| low * (high / low).powf(f64::from(k) / count));

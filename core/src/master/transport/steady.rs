@@ -3,14 +3,14 @@
 use super::Transport;
 use super::broken::Broken;
 use super::cohort::Cohort;
+use super::model::Tools;
 use super::path::{Part, Path};
 use std::sync::Arc;
 
 use crate::Result;
 use crate::contacts::{Contacts, Initial, Start, Strength};
 use crate::law::Point;
-use crate::monitor::{Monitor, report};
-use crate::numerics::diffusion::Room;
+use crate::monitor::{Monitor, Watch};
 
 /// The share of contacts that breaks in a panel of ages, in units of the fourth root of the tolerance.
 const DEATHS: f64 = 3.0;
@@ -32,7 +32,7 @@ impl Transport {
     ) -> Result<Self> {
         super::positive("velocity", velocity)?;
         contacts.check(&relaxed())?;
-        let strength = super::strength(contacts)?;
+        let strength = super::strength(contacts, monitor)?;
         let mut sliding = |tolerance| Self::sliding(contacts, strength.clone(), velocity, tolerance, monitor);
         Ok(sliding(tolerance)?.beside(sliding(super::rough(tolerance))?))
     }
@@ -44,21 +44,21 @@ impl Transport {
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let mut transport = Self::empty(contacts, strength, tolerance)?;
+        let mut transport = Self::empty(contacts, strength, tolerance, monitor)?;
         let most = (DEATHS * tolerance.powf(0.25)).min(0.5);
         let bend = BEND * tolerance * contacts.thresholds.mean() / velocity;
-        let mut walkers: Vec<Cohort> =
-            transport.seeds.iter().map(|seed| Cohort::born(&transport.model, seed, seed.weight)).collect();
-        let mut room = Room::default();
+        let mut walkers = transport.formed(&transport.seeds, monitor)?;
+        let watch = Watch::new(monitor);
+        let mut tools = Tools::new(&watch);
         let mut duration = transport.pace.longest(velocity);
         let held = |cohorts: &[Cohort]| cohorts.iter().map(Cohort::attached).sum::<f64>();
         while held(&walkers) > super::LEAST * tolerance {
             let path = Path::steady(velocity, duration);
             let mut after = walkers.clone();
             let mut go =
-                |cohort: &mut Cohort, part| cohort.advance(&transport.model, &path, part, &mut room).0;
+                |cohort: &mut Cohort, part| cohort.advance(&transport.model, &path, part, &mut tools).0;
             let mut both = |part| {
-                let one = |cohort: &mut Cohort| report(monitor, 0.0).map(|()| go(cohort, part));
+                let one = |cohort: &mut Cohort| watch.check().map(|()| go(cohort, part));
                 after.iter_mut().map(one).sum::<Result<f64>>()
             };
             let (first, second) = (both(Part::First)?, both(Part::Second)?);
@@ -68,7 +68,7 @@ impl Transport {
                 continue;
             }
             for walker in &walkers {
-                report(monitor, 0.0)?;
+                watch.check()?;
                 for (part, ends) in [(Part::Late, [0.0, 0.5]), (Part::Early, [0.5, 1.0])] {
                     let mut cohort = walker.clone();
                     go(&mut cohort, part);
@@ -80,6 +80,7 @@ impl Transport {
                     transport.cohorts.push(cohort);
                 }
             }
+            watch.check()?;
             walkers = after;
             if lost < 0.5 * most {
                 duration = (2.0 * duration).min(transport.pace.longest(velocity));

@@ -4,14 +4,13 @@
 //! from each other. Births have their mass and their mean time; they are put at the two points of Gauss's rule, which
 //! keeps both, so that integrals over them are right to fourth order.
 
-use rayon::prelude::*;
-
 use super::broken::{Born, Broken, Share};
 use super::cohort::{Cohort, Spent};
-use super::model::Model;
+use super::model::{Model, Tools};
 use super::path::{Part, Path};
 use super::seeds::Seed;
-use crate::numerics::diffusion::Room;
+use crate::Result;
+use crate::monitor::{Monitor, Watch};
 
 /// A step, tried.
 pub(super) struct Trial {
@@ -47,7 +46,7 @@ impl Deaths {
 /// Points of the two-point Gauss rule on [0, 1].
 pub(super) const GAUSS: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_812_9];
 
-/// Numbers that a thread goes through at least before another is asked.
+/// Numbers that a thread goes through before it asks whether to go on.
 const LEAST: usize = 4096;
 
 /// What becomes of all of these cohorts.
@@ -69,25 +68,39 @@ pub(super) struct Stage<'a> {
 
 impl Stage<'_> {
     /// The step along a path.
-    pub(super) fn attempt(&self, cohorts: &[Cohort], path: &Path) -> Trial {
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub(super) fn attempt(
+        &self,
+        cohorts: &[Cohort],
+        path: &Path,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Trial> {
         let (old, seeds) = (cohorts.len(), self.seeds.len());
         let chunk = (LEAST / self.model.cells()).max(1);
         // Copies and births take as much of memory as steps do.
-        let step = |room: &mut Room, i: usize| {
+        let step = |tools: &mut Tools<'_, '_>, i: usize| {
             if let Some(cohort) = cohorts.get(i) {
                 let mut cohort = cohort.clone();
-                let passed = cohort.cross(self.model, path, room);
+                let passed = cohort.cross(self.model, path, tools);
                 return (cohort, passed);
             }
             let (born, part) = ((i - old) / seeds, [Part::Early, Part::Late]);
-            let mut cohort = self.newborn(&self.seeds[(i - old) % seeds], path, GAUSS[born]);
+            let mut cohort = self.newborn(&self.seeds[(i - old) % seeds], path, GAUSS[born], tools.watch);
             let stored = cohort.energy();
-            let (end, spent) = cohort.arrive(self.model, path, part[born], room);
+            let (end, spent) = cohort.arrive(self.model, path, part[born], tools);
             (cohort, (Share { middle: 0.0, end }, Spent { lost: spent.lost - stored, ..spent }))
         };
-        let all = (0..old + GAUSS.len() * seeds).into_par_iter().with_min_len(chunk);
-        let (mut cohorts, passed): (Vec<Cohort>, Vec<(Share, Spent)>) =
-            all.map_init(Room::default, step).unzip();
+        let count = old + GAUSS.len() * seeds;
+        let piece = |tools: &mut Tools<'_, '_>, number: usize| -> Vec<(Cohort, (Share, Spent))> {
+            let from = number * chunk;
+            (from..count.min(from + chunk)).map(|i| step(tools, i)).collect()
+        };
+        let watch = Watch::new(monitor);
+        let pieces = watch.share(count.div_ceil(chunk), || Tools::new(&watch), piece)?;
+        watch.check()?;
+        let (mut cohorts, passed): (Vec<Cohort>, Vec<(Share, Spent)>) = pieces.into_iter().flatten().unzip();
         let dropped = Share { middle: 0.5 * self.dropped, end: self.dropped };
         let (before, spent) = total(&passed[..old]);
         let [early, late] = [old, old + seeds].map(|from| total(&passed[from..][..seeds]));
@@ -97,18 +110,18 @@ impl Stage<'_> {
             cohort.mass *= masses[i / seeds];
         }
         let spent = spent.plus(masses[0], early.1).plus(masses[1], late.1);
-        Trial { cohorts, share, born: masses[0] + masses[1], deaths, spent }
+        Ok(Trial { cohorts, share, born: masses[0] + masses[1], deaths, spent })
     }
 
     /// Contacts born at the fraction s of a step, with a mass of 1 for all seeds.
-    fn newborn(&self, seed: &Seed, path: &Path, s: f64) -> Cohort {
+    fn newborn(&self, seed: &Seed, path: &Path, s: f64, watch: &Watch<'_>) -> Cohort {
         let cell = if s < 0.5 { (0.0, 0.5) } else { (0.5, 1.0) };
         let spread = Seed {
             above: seed.above + path.advance(cell.0, s).abs(),
             below: seed.below + path.advance(s, cell.1).abs(),
             ..*seed
         };
-        Cohort::born(self.model, &spread, seed.weight)
+        Cohort::born(self.model, &spread, seed.weight, watch)
     }
 
     /// What breaks and what is born, `before` coming from old cohorts.

@@ -94,7 +94,9 @@ impl Interface {
             let cell: Box<dyn Clocked> = match ensemble {
                 Some(ensemble) => {
                     let first = (cell * ensemble.size()) as u64;
-                    Box::new(ensemble.build(contacts, initial.clone())?.numbered_from(first).in_time()?)
+                    Box::new(
+                        ensemble.build(contacts, initial.clone())?.numbered_from(first).in_time(monitor)?,
+                    )
                 }
                 None => Box::new(match alike.entry(energy) {
                     Entry::Occupied(known) => known.get().clone(),
