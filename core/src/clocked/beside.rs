@@ -32,6 +32,11 @@ impl Beside {
         Ok((self.rough.force() - force).abs() + HALVED * (self.halved.force() - force).abs())
     }
 
+    /// A copy in the present state.
+    pub fn copy(&self) -> Self {
+        Self { rough: self.rough.copy(), halved: self.halved.copy() }
+    }
+
     /// What both have come to.
     pub fn state(&self) -> [State; 2] {
         [self.rough.state(), self.halved.state()]

@@ -2,8 +2,10 @@
 
 use asperity::Result;
 use asperity::contacts::Contacts;
+use asperity::monitor::Monitor;
 
 use super::Setting;
+use super::part::Part;
 use crate::summary::Summary;
 
 /// How accurate the forces of a task are.
@@ -54,6 +56,35 @@ impl Accuracy {
             ));
         }
         Ok(Summary { accuracy: Some(self.error), ..summary })
+    }
+}
+
+/// What `solve` makes of contacts that are followed with a tolerance; where that is less accurate than what the scenario
+/// requires, with a smaller one.
+///
+/// # Errors
+/// Those of `solve`.
+pub fn as_required<T>(
+    setting: &Setting<'_>,
+    mut tolerance: f64,
+    monitor: &mut dyn Monitor,
+    mut solve: impl FnMut(f64, &mut Part<'_>) -> Result<(T, Accuracy)>,
+) -> Result<(T, Accuracy)> {
+    /// How often that is tried, …
+    const ATTEMPTS: u32 = 2;
+    /// … and the smallest tolerance that there is.
+    const FINEST: f64 = 1e-12;
+    let required = setting.scenario.master_equation.tolerance.is_some();
+    let share = if required { 1.0 / f64::from(ATTEMPTS) } else { 1.0 };
+    let mut attempt = 1;
+    loop {
+        let (found, accuracy) =
+            solve(tolerance, &mut Part::new(monitor, f64::from(attempt - 1) * share, share))?;
+        let missing = accuracy.missing(setting);
+        if missing <= 1.0 || attempt == ATTEMPTS || tolerance == FINEST {
+            return Ok((found, accuracy));
+        }
+        (tolerance, attempt) = ((0.5 * tolerance / missing).max(FINEST), attempt + 1);
     }
 }
 

@@ -101,13 +101,14 @@ fn at_a_velocity(
             .map(|(sliding, record, moved)| (Some(sliding), record, moved))?,
         None => {
             let (trace, record) = in_time::rigid(setting, protocol, part)?;
-            (None, record, Accuracy::in_time(setting, trace.error))
+            (None, record, Some(Accuracy::in_time(setting, trace.error)))
         }
     };
     let relaxation = equation.relaxation(&mut Part::new(monitor, 1.0, 0.0))?;
     let steady = equation.steady_state();
     let summary = Summary { sliding, ..setting.summary(&steady, &relaxation, &pull) };
-    let accuracy = Accuracy::new(setting, pull.error_estimate(), steady.mean_life()).worse(moved);
+    let accuracy = Accuracy::new(setting, pull.error_estimate(), steady.mean_life());
+    let accuracy = moved.into_iter().fold(accuracy, Accuracy::worse);
     Ok((accuracy.told(setting, "the force on a slider that is driven", summary)?, record))
 }
 

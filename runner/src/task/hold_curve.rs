@@ -8,7 +8,7 @@ use asperity::rate_state::Healing;
 use asperity::record::{Quantity, Record};
 use asperity::{Result, scenario};
 
-use super::accuracy::Accuracy;
+use super::accuracy::{Accuracy, as_required};
 use super::part::{self, Part};
 use super::settling::Steady;
 use super::{Setting, chance};
@@ -46,7 +46,12 @@ pub fn run(
     let monitor = &mut Part::new(monitor, LIVES, 1.0 - LIVES);
     let master = if scenario.ensemble.is_some() { MASTER } else { 1.0 };
     let on = moving(task.velocity, reach);
-    let (mut columns, accuracy) = followed(setting, task, on, &mut Part::new(monitor, 0.0, master))?;
+    let tolerance = scenario.master_equation.tolerance_in_time(&contacts.rules);
+    let part = &mut Part::new(monitor, 0.0, master);
+    let (mut columns, accuracy) = as_required(setting, tolerance, part, |tolerance, part| {
+        let (columns, force) = held_and_slid(contacts, task, (on, tolerance), part)?;
+        Ok((columns, Accuracy::in_time(setting, force)))
+    })?;
     if let Some(ensemble) = &scenario.ensemble {
         let slide = moving(task.velocity, steady.way);
         for (done, &hold) in holds.iter().enumerate() {
@@ -67,37 +72,8 @@ pub fn run(
     Ok((accuracy.told(setting, "the force after a hold", summary)?, columns.record(holds)))
 }
 
-/// Holds and what comes after them by the master equation, which slides `on`: columns without an ensemble, and how accurate they
-/// are.
-///
-/// Where that is less than what is asked for, contacts are followed with a smaller tolerance.
-fn followed(
-    setting: &Setting<'_>,
-    task: &scenario::HoldCurve,
-    on: Piece,
-    monitor: &mut dyn Monitor,
-) -> Result<(Columns, Accuracy)> {
-    /// How often that is tried, …
-    const ATTEMPTS: u32 = 2;
-    /// … and the smallest tolerance that there is.
-    const FINEST: f64 = 1e-12;
-    let mut tolerance = setting.scenario.master_equation.tolerance_in_time(&setting.contacts.rules);
-    let share =
-        if setting.scenario.master_equation.tolerance.is_some() { 1.0 / f64::from(ATTEMPTS) } else { 1.0 };
-    let mut attempt = 1;
-    loop {
-        let part = &mut Part::new(monitor, f64::from(attempt - 1) * share, share);
-        let (columns, force) = held_and_slid(&setting.contacts, task, (on, tolerance), part)?;
-        let accuracy = Accuracy::in_time(setting, force);
-        let missing = accuracy.missing(setting);
-        if missing <= 1.0 || attempt == ATTEMPTS || tolerance == FINEST {
-            return Ok((columns, accuracy));
-        }
-        (tolerance, attempt) = ((0.5 * tolerance / missing).max(FINEST), attempt + 1);
-    }
-}
-
-/// The same at a tolerance, with the estimated error of the forces.
+/// Holds and what comes after them by the master equation, which slides `on`: columns without an ensemble, and the estimated
+/// error of the forces.
 fn held_and_slid(
     contacts: &Contacts,
     task: &scenario::HoldCurve,

@@ -1,12 +1,14 @@
 //! A slider moved in time: rigid, or behind its block.
 
+use asperity::block::{Block, Slide};
 use asperity::contacts::{Contacts, Rules, Stiffness};
+use asperity::history::History;
 use asperity::master::{Trace, Transport};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::{Error, Result, scenario};
 
-use super::accuracy::Accuracy;
+use super::accuracy::{Accuracy, as_required};
 use super::part::Part;
 use super::{Setting, chance, sliding};
 use crate::output::LARGEST;
@@ -84,7 +86,8 @@ fn traced(trace: &Trace, free: bool) -> Record {
     record
 }
 
-/// Moves the top of a block, and its bottom follows: over the master equation, and over the ensemble.
+/// Moves the top of a block, and its bottom follows: over the master equation, with its accuracy where that is required, and over
+/// the ensemble.
 ///
 /// # Errors
 /// What the solvers run into, or the monitor's wish to stop.
@@ -93,17 +96,14 @@ pub fn behind(
     protocol: &scenario::Protocol,
     block: &scenario::Block,
     monitor: &mut dyn Monitor,
-) -> Result<(Sliding, Record, Accuracy)> {
+) -> Result<(Sliding, Record, Option<Accuracy>)> {
     let Setting { scenario, contacts, initial } = setting;
     let (history, times) = (protocol.build()?, protocol.times());
     let tolerance = scenario.master_equation.tolerance_of_a_block();
     let mean = contacts.thresholds.mean();
     let master = if scenario.ensemble.is_some() { MASTER } else { 1.0 };
-    let aside = &mut Part::new(monitor, 0.0, 0.0);
-    let transport = Transport::new(contacts.clone(), initial, tolerance, aside)?;
     let part = &mut Part::new(monitor, 0.0, master);
-    let run = block.in_time(false)?.follow(&transport, &history, &times, tolerance * mean, part)?;
-    let accuracy = Accuracy::in_time(setting, run.error);
+    let (run, accuracy) = moved(setting, &block.in_time(false)?, (&history, &times), part)?;
     let mut record = Record::default();
     sliding::adopt(known(sliding::motion_in_time(&run), contacts), "", &mut record);
     let mut told = Sliding::in_time(&run);
@@ -117,6 +117,32 @@ pub fn behind(
         told.ensemble = Some(Box::new(Sliding::in_time(&run)));
     }
     Ok((told, record, accuracy))
+}
+
+/// The motion of a block over the master equation. What its accuracy takes is for those who require one.
+fn moved(
+    setting: &Setting<'_>,
+    block: &Block,
+    (drive, times): (&History, &[f64]),
+    monitor: &mut dyn Monitor,
+) -> Result<(Slide, Option<Accuracy>)> {
+    let Setting { scenario, contacts, initial } = setting;
+    let (tolerance, mean) = (scenario.master_equation.tolerance_of_a_block(), contacts.thresholds.mean());
+    let transport = |tolerance: f64, part: &mut Part<'_>| {
+        Transport::new(contacts.clone(), initial, tolerance, &mut Part::new(part, 0.0, 0.0))
+    };
+    if scenario.master_equation.tolerance.is_none() {
+        let part = &mut Part::new(monitor, 0.0, 1.0);
+        let contacts = transport(tolerance, part)?;
+        return Ok((block.follow(&contacts, drive, times, tolerance * mean, part)?, None));
+    }
+    let (run, accuracy) = as_required(setting, tolerance, monitor, |tolerance, part| {
+        let contacts = transport(tolerance, part)?;
+        let run = block.follow_with_error(&contacts, drive, times, tolerance * mean, part)?;
+        let accuracy = Accuracy::in_time(setting, run.error.unwrap_or(0.0));
+        Ok((run, accuracy))
+    })?;
+    Ok((run, Some(accuracy)))
 }
 
 /// What a step of a block may be off over so many contacts followed one by one, per mean threshold.

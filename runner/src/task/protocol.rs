@@ -29,7 +29,11 @@ pub fn run(
     if let Some(block) = &setting.scenario.block {
         let (sliding, record, accuracy) = in_time::behind(setting, task, block, monitor)?;
         let summary = Summary { sliding: Some(sliding), ..setting.heading() };
-        return Ok((accuracy.told(setting, "the force on a block in time", summary)?, record));
+        let summary = match accuracy {
+            Some(accuracy) => accuracy.told(setting, "the force on a block in time", summary)?,
+            None => summary,
+        };
+        return Ok((summary, record));
     }
     let (trace, mut record) = in_time::rigid(setting, task, monitor)?;
     let steps = told(setting, task, &trace, &mut Part::new(monitor, 1.0, 0.0))?;

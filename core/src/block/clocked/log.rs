@@ -61,9 +61,9 @@ pub struct Slide {
     pub energy: Energy,
     /// What kind of sliding it was.
     pub regime: Regime,
-    /// An estimate of the largest error of F on the way gone, on the safe side: how far it is from F at a larger tolerance of
-    /// the contacts. 0 of contacts that are followed one by one.
-    pub error: f64,
+    /// An estimate of the largest error of F on the way gone, on the safe side, if that was asked for: how far it is from F at a
+    /// larger tolerance of the contacts, and twice what steps half as long change. None of contacts that are followed one by one.
+    pub error: Option<f64>,
 }
 
 /// What is being kept.
@@ -262,7 +262,7 @@ impl Log {
         });
     }
 
-    pub fn close(self, error: f64) -> Slide {
+    pub fn close(self, error: Option<f64>) -> Slide {
         /// Tolerances that a oscillation must go beyond to be seen.
         const SEEN: f64 = 10.0;
         let Self { trace, slips, start, last, most, fraction, oscillations, tolerance, .. } = self;

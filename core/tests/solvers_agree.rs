@@ -1,0 +1,152 @@
+//! Every rule with every family of thresholds at one velocity: the renewal equation, contacts followed through time and single
+//! contacts, three answers that share the description of the contacts alone.
+
+mod common;
+
+use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
+use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::history::{History, Piece};
+use asperity::law::{Renormalised, SharedLaw, Tabulated};
+use asperity::master::{MasterEquation, Tolerance, Transport};
+use common::{
+    contacts, exponential, gamma, gaussian, initial, lognormal, mixture, point, rectangular, weibull,
+};
+
+const VELOCITY: f64 = 0.5;
+const DISTANCE: f64 = 2.2;
+/// Places that are compared, no breaks of a force among them.
+const PLACES: usize = 7;
+
+fn laws() -> Vec<(&'static str, SharedLaw)> {
+    let renormalised = Renormalised::new(gaussian(1.0, 0.3), 0.1).unwrap();
+    let samples = Tabulated::from_samples(&[0.5, 0.8, 0.9, 1.1, 1.5]).unwrap();
+    vec![
+        ("gaussian", gaussian(1.0, 0.1)),
+        ("gamma", gamma(1.0, 0.3)),
+        ("gamma with a pole", gamma(1.0, 1.2)),
+        ("lognormal", lognormal(1.0, 0.5)),
+        ("weibull", weibull(1.5, 1.0)),
+        ("rectangular", rectangular(0.9, 1.1)),
+        ("exponential", exponential(1.0)),
+        ("point", point(1.0)),
+        ("samples", std::sync::Arc::new(samples)),
+        ("mixture", mixture(&[(0.4, point(0.7)), (0.6, gamma(1.1, 0.22))])),
+        ("renormalised", std::sync::Arc::new(renormalised)),
+    ]
+}
+
+fn rules() -> Vec<(&'static str, Rules)> {
+    let warm = |barrier, energy| Rules {
+        temperature: Some(Temperature { energy, attempt_rate: 1.0, barrier }),
+        ..Rules::default()
+    };
+    let ageing = |rule| Rules { ageing: Some(rule), ..Rules::default() };
+    let logarithmic = ageing(Ageing::Logarithmic { growth: 0.1, time: 1.0 });
+    let frozen = ageing(Ageing::FrozenRank { mature: gaussian(1.5, 0.1), time: 1.0 });
+    let elastic = warm(Barrier::Elastic, 0.05);
+    vec![
+        ("none", Rules::default()),
+        ("delay", Rules { delay: 0.7, ..Rules::default() }),
+        ("elastic", elastic.clone()),
+        ("bell", warm(Barrier::Bell, 0.05)),
+        ("catastrophe", warm(Barrier::Catastrophe, 0.05)),
+        ("logarithmic", logarithmic.clone()),
+        ("frozen_rank", frozen.clone()),
+        ("smoluchowski", ageing(Ageing::Smoluchowski { mature: gaussian(1.5, 0.2), diffusion: 0.01 })),
+        (
+            "logarithmic, elastic, delay",
+            Rules { delay: 0.3, temperature: elastic.temperature, ..logarithmic },
+        ),
+        ("frozen_rank, elastic", Rules { temperature: elastic.temperature, ..frozen }),
+    ]
+}
+
+fn all() -> Vec<(String, Contacts)> {
+    let of = |(rule, rules): &(&str, Rules)| {
+        let with = |(name, law): (&str, SharedLaw)| {
+            (format!("{rule}, {name}"), Contacts { rules: rules.clone(), ..contacts(&law, &point(0.0)) })
+        };
+        // Contacts that share a threshold have no rank of their own.
+        let ranked = matches!(rules.ageing, Some(Ageing::FrozenRank { .. }));
+        let known = |(_, law): &(&str, SharedLaw)| !ranked || law.atoms().is_empty();
+        laws().into_iter().filter(known).map(with).collect::<Vec<_>>()
+    };
+    rules().iter().flat_map(of).collect()
+}
+
+fn places() -> Vec<f64> {
+    (0..PLACES).map(|k| DISTANCE * (k as f64 + 0.618) / PLACES as f64).collect()
+}
+
+/// F by the renewal equation, and what it is off by.
+fn renewed(contacts: &Contacts) -> (Vec<f64>, f64) {
+    let start = initial(&point(0.0));
+    let equation = MasterEquation::at(contacts.clone(), &start, VELOCITY, &mut ()).unwrap();
+    let pull = equation.pull(DISTANCE, Tolerance::default(), &mut ()).unwrap();
+    (places().into_iter().map(|x| pull.force(x)).collect(), pull.error_estimate())
+}
+
+/// F by contacts that are followed through time, and what it is off by.
+fn followed(contacts: &Contacts, tolerance: f64) -> (Vec<f64>, f64) {
+    let start = initial(&point(0.0));
+    let times: Vec<f64> = places().into_iter().map(|x| x / VELOCITY).collect();
+    let history = History::new(vec![Piece { velocity: VELOCITY, duration: DISTANCE / VELOCITY }]).unwrap();
+    let mut transport = Transport::new(contacts.clone(), &start, tolerance, &mut ()).unwrap();
+    let trace = transport.follow(&history, &times, &mut ()).unwrap();
+    (trace.force, trace.error)
+}
+
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+fn compare(tolerance: f64) {
+    let mut wrong = Vec::new();
+    for (name, contacts) in all() {
+        let ((exact, of_exact), (force, error)) = (renewed(&contacts), followed(&contacts, tolerance));
+        let apart = apart(&exact, &force);
+        let told = format!("{name}: {apart:.1e} apart, {error:.1e} and {of_exact:.1e} told");
+        println!("{told}");
+        if apart > error + of_exact {
+            wrong.push(told);
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Each answer is off by no more than it tells.
+#[test]
+fn the_renewal_equation_and_contacts_followed_through_time_agree() {
+    compare(1e-4);
+}
+
+#[test]
+#[ignore = "takes an hour"]
+fn they_agree_more_closely() {
+    compare(1e-8);
+}
+
+/// Within 4.5 standard errors, of which a right program with fresh seeds fails once in 200 by some 750 comparisons. Seeds are fixed.
+/// Where few of the contacts have broken yet, they scatter by one contact, or none.
+#[test]
+fn the_renewal_equation_and_single_contacts_agree() {
+    const SIZE: usize = 20_000;
+    let mut wrong = Vec::new();
+    for (seed, (name, contacts)) in all().into_iter().enumerate() {
+        let ensemble =
+            Ensemble::new(contacts.clone(), initial(&point(0.0)), SIZE, seed as u64, Disorder::Annealed)
+                .unwrap();
+        let drawn = ensemble.pull_at(VELOCITY, &places(), &Snapshots::default(), &mut ()).unwrap();
+        let (exact, off) = renewed(&contacts);
+        let most = (0..PLACES)
+            .map(|i| {
+                ((drawn.force[i] - exact[i]).abs() - off).max(0.0) / drawn.error[i].max(1.0 / SIZE as f64)
+            })
+            .fold(0.0, f64::max);
+        println!("{name}: {most:.2} standard errors");
+        if most > 4.5 {
+            wrong.push(format!("{name}: {most:.2}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
