@@ -100,9 +100,9 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-fn compare(tolerance: f64) {
+fn compare(tolerance: f64, which: impl Fn(&str) -> bool) {
     let mut wrong = Vec::new();
-    for (name, contacts) in all() {
+    for (name, contacts) in all().into_iter().filter(|(name, _)| which(name)) {
         let ((exact, of_exact), (force, error)) = (renewed(&contacts), followed(&contacts, tolerance));
         let apart = apart(&exact, &force);
         let told = format!("{name}: {apart:.1e} apart, {error:.1e} and {of_exact:.1e} told");
@@ -114,16 +114,26 @@ fn compare(tolerance: f64) {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// Whether contacts are followed in a few seconds: without temperature or diffusion, or with smooth thresholds.
+fn is_quick(name: &str) -> bool {
+    let quick = ["none, ", "delay, ", "logarithmic, "].iter().any(|rule| name.starts_with(rule));
+    let ranks = name.starts_with("frozen_rank, elastic");
+    let smooth = name.ends_with(", gaussian") || name.ends_with(", lognormal") && !ranks;
+    smooth || quick && !name.contains("elastic")
+}
+
 /// Each answer is off by no more than it tells.
 #[test]
 fn the_renewal_equation_and_contacts_followed_through_time_agree() {
-    compare(1e-4);
+    let diffuses = |name: &str| name.starts_with("smoluchowski");
+    compare(1e-6, |name| is_quick(name) && !diffuses(name));
+    compare(1e-4, |name| is_quick(name) && diffuses(name));
 }
 
 #[test]
-#[ignore = "takes an hour"]
-fn they_agree_more_closely() {
-    compare(1e-8);
+#[ignore = "takes half an hour"]
+fn they_agree_for_all_rules_and_laws() {
+    compare(1e-6, |_| true);
 }
 
 /// Within 4.5 standard errors, of which a right program with fresh seeds fails once in 200 by some 750 comparisons. Seeds are fixed.
@@ -132,7 +142,7 @@ fn they_agree_more_closely() {
 fn the_renewal_equation_and_single_contacts_agree() {
     const SIZE: usize = 20_000;
     let mut wrong = Vec::new();
-    for (seed, (name, contacts)) in all().into_iter().enumerate() {
+    for (seed, (name, contacts)) in all().into_iter().enumerate().filter(|(_, (name, _))| is_quick(name)) {
         let ensemble =
             Ensemble::new(contacts.clone(), initial(&point(0.0)), SIZE, seed as u64, Disorder::Annealed)
                 .unwrap();

@@ -410,8 +410,10 @@ impl Fate for Diffusing {
     }
 
     fn rounding(&self) -> f64 {
-        // Rounding of the masses of some tens of elements, over a step.
-        2e-12
+        /// Rounding of the masses of some tens of elements, over a step.
+        const OF_A_STEP: f64 = 2e-12;
+        // Far less than what all steps together are off by.
+        OF_A_STEP.max(1e-3 * self.error())
     }
 
     fn error(&self) -> f64 {
