@@ -24,6 +24,9 @@ pub fn run(case: &Case) -> Limits {
     } else {
         0.2
     };
-    let seconds = 10.0 + each * case.solutions() as f64;
+    // A block or an interface in time of which the error is asked for is followed thrice.
+    let moved = case.given("block") || case.given("interface");
+    let thrice = if moved && case.given("master_equation.tolerance") { 3.0 } else { 1.0 };
+    let seconds = thrice * (10.0 + each * case.solutions() as f64);
     Limits { seconds: seconds.min(60.0) as u64, bytes: 1024 * MEBIBYTE }
 }
