@@ -43,6 +43,20 @@ fn spawn(command: &mut Command) -> Child {
     command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
+/// The same command, which hears SIGHUP where the tests themselves were told to outlive the terminal, too.
+fn hearing(command: &Command) -> Command {
+    let mut heard = Command::new("env");
+    heard.arg("--default-signal=HUP").arg(command.get_program()).args(command.get_args());
+    command.get_current_dir().map(|folder| heard.current_dir(folder));
+    for (name, value) in command.get_envs() {
+        match value {
+            Some(value) => heard.env(name, value),
+            None => heard.env_remove(name),
+        };
+    }
+    heard
+}
+
 /// Sends signals without a pause between them.
 fn send(child: &Child, signals: &[&str]) {
     let kill: Vec<_> = signals.iter().map(|signal| format!("kill -{signal} {};", child.id())).collect();
@@ -98,7 +112,7 @@ fn left(folder: &Path) -> Vec<String> {
 fn every_signal_ends_a_run_as_ctrl_c_does() {
     let folder = folder();
     for signal in ["INT", "TERM", "HUP"] {
-        let child = spawn(&mut folder.asperity(&["run", "long.toml"]));
+        let child = spawn(&mut hearing(&folder.asperity(&["run", "long.toml"])));
         at_work(&child, 0.05);
         let output = ended_by(child, &[signal]);
         assert_eq!(output.status.code(), Some(130), "{signal}");
