@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use asperity::contacts::{Ageing, Contacts, Initial, Maturing, Start};
-use asperity::law::{Gamma, Gaussian, Mixture, Point, Rectangular, SharedLaw};
+use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::law::{Exponential, Gamma, Gaussian, Mixture, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
 use asperity::master::MasterEquation;
 use asperity::numerics::diffusion::{Step, Work};
@@ -101,4 +102,36 @@ fn a_pull_reaches_an_accuracy_that_is_asked_for() {
     for position in [0.2, 0.7, 1.0, 1.37] {
         assert!((pull.total_probability(position) - 1.0).abs() < 1e-9, "{position}");
     }
+}
+
+/// Thresholds of exponential law mature away from the stretch, which meets those near 0 as soon as contacts form, and no others
+/// until much later: 1e-3 of all, by finite volumes.
+#[test]
+fn single_contacts_break_beside_an_edge_as_soon_as_they_form() {
+    const SIZE: usize = 200_000;
+    let (velocity, cells, to) = (0.5, 200_000, 0.03);
+    let (newborn, mature): (SharedLaw, _) = (Arc::new(Exponential::new(1.0).unwrap()), gaussian(1.5, 0.1));
+    let maturing = Maturing::new(newborn.clone(), mature.clone(), mature.std().powi(2));
+    let operator = Arc::new(maturing.operator(cells));
+    let (width, none) = (operator.width(), (f64::NEG_INFINITY, f64::NEG_INFINITY));
+    let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();
+    let (mut work, step) = (Work::default(), Step::new(&operator, width / velocity));
+    // The largest share below the stretch so far has been met; what carried x there carries x less from then on.
+    let (mut met, mut lost) = (0.0, 0.0);
+    for cell in 1..(to / width) as usize {
+        step.advance(&mut masses, none, None, &mut work);
+        let below: f64 = masses[..cell].iter().sum();
+        lost += (below - met).max(0.0) * (cell as f64 - 0.5) * width;
+        met = below.max(met);
+    }
+    let start = Arc::new(Point::new(0.0).unwrap());
+    let mut contacts = Contacts::new(newborn, start.clone());
+    contacts.rules.ageing = Some(Ageing::FrozenRank { mature, time: 1.0 });
+    let initial = Initial { law: start, start: Start::Conditional };
+    let ensemble = Ensemble::new(contacts, initial, SIZE, 1, Disorder::Annealed).unwrap();
+    let position = 0.5;
+    let pull = ensemble.pull_at(velocity, &[position], &Snapshots::default(), &mut ()).unwrap();
+    // Those that break twice are a thousandth of them.
+    let off = (position - pull.force[0] - lost) / pull.error[0];
+    assert!(off.abs() < 4.0, "{off} standard errors, of {:e}", pull.error[0]);
 }

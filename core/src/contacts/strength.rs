@@ -101,6 +101,11 @@ impl Strength {
         matches!(self.kind, Kind::Constant)
     }
 
+    /// Whether it is a closed form, not solved for.
+    pub(crate) fn is_closed(&self) -> bool {
+        !matches!(self.kind, Kind::Ranked(_))
+    }
+
     /// Estimated error of the distribution function of present thresholds at any age.
     pub fn error(&self) -> f64 {
         match &self.kind {

@@ -18,6 +18,9 @@ use crate::numerics::roots::brent_root;
 /// Parts into which e^{−t/τ} is cut where the thresholds of `frozen_rank` may fall and rise again.
 const PARTS: u32 = 32;
 
+/// How often the first of them is halved towards age 0.
+const HALVINGS: i32 = 16;
+
 /// A contact that holds: its stretch is X − `origin`.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Held {
@@ -98,19 +101,23 @@ impl Passage {
         if let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing {
             return Ok(Self::Diffusing(Diffusion::new(contacts, mature.as_ref(), *diffusion)));
         }
+        let strength = Strength::of(contacts, monitor)?;
         Ok(Self::Known(Known {
-            strength: Strength::of(contacts, monitor)?,
+            turns: turns(contacts.rules.ageing.as_ref(), &strength),
+            strength,
             temperature: contacts.rules.temperature,
             stiffness: contacts.stiffness,
-            turns: turns(contacts.rules.ageing.as_ref()),
         }))
     }
 }
 
-/// Ages between which the rate at which a threshold changes does so once at most.
-fn turns(ageing: Option<&Ageing>) -> Vec<f64> {
+/// Ages between which the rate at which a threshold changes does so once at most, rising.
+fn turns(ageing: Option<&Ageing>, strength: &Strength) -> Vec<f64> {
     let Some(&Ageing::FrozenRank { time, .. }) = ageing else { return Vec::new() };
-    (1..PARTS).map(|part| -time * (-f64::from(part) / f64::from(PARTS)).ln_1p()).collect()
+    let parts = (1..PARTS).map(|part| -time * (-f64::from(part) / f64::from(PARTS)).ln_1p());
+    // Between Gaussians thresholds follow from e^{−t/τ} alone; beside an edge of other laws they turn soon after contacts form.
+    let soon = if strength.is_closed() { 0 } else { HALVINGS };
+    (1..=soon).rev().map(|halving| time / f64::from(PARTS) * 0.5_f64.powi(halving)).chain(parts).collect()
 }
 
 /// The end of lives whose thresholds follow from their ages.
