@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid accuracy
+.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement accuracy
 
 export PYTHON ?= python3
 venv := .venv
@@ -156,6 +156,11 @@ validation:
 # The page docs/validation/accuracy, anew. It fails where a distribution or a rule has no entry.
 accuracy:
 	cargo run --release --locked --package asperity-cli --example accuracy
+
+# The renewal equation and contacts followed through time, for every rule with every family of thresholds: half an hour.
+# `make rust` compares those that are quick.
+agreement:
+	cargo test --release --locked --package asperity --test solvers_agree -- --ignored --nocapture
 
 # Scenarios drawn from the schema, one after the other, for an hour; those that fail are left in target/fuzz, each with the
 # reason, and the command that repeats it is printed. CASE=1234 checks and runs that one, SECONDS=600 takes ten minutes,

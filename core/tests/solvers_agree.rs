@@ -3,6 +3,9 @@
 
 mod common;
 
+use std::fmt;
+use std::sync::Arc;
+
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::history::{History, Piece};
@@ -14,6 +17,8 @@ use common::{
 
 const VELOCITY: f64 = 0.5;
 const DISTANCE: f64 = 2.2;
+/// What rounding of thousands of steps in time adds up to, which is not told.
+const ROUNDING: f64 = 1e-12;
 /// Places that are compared, no breaks of a force among them.
 const PLACES: usize = 7;
 
@@ -29,9 +34,9 @@ fn laws() -> Vec<(&'static str, SharedLaw)> {
         ("rectangular", rectangular(0.9, 1.1)),
         ("exponential", exponential(1.0)),
         ("point", point(1.0)),
-        ("samples", std::sync::Arc::new(samples)),
+        ("samples", Arc::new(samples)),
         ("mixture", mixture(&[(0.4, point(0.7)), (0.6, gamma(1.1, 0.22))])),
-        ("renormalised", std::sync::Arc::new(renormalised)),
+        ("renormalised", Arc::new(renormalised)),
     ]
 }
 
@@ -61,17 +66,55 @@ fn rules() -> Vec<(&'static str, Rules)> {
     ]
 }
 
-fn all() -> Vec<(String, Contacts)> {
-    let of = |(rule, rules): &(&str, Rules)| {
-        let with = |(name, law): (&str, SharedLaw)| {
-            (format!("{rule}, {name}"), Contacts { rules: rules.clone(), ..contacts(&law, &point(0.0)) })
-        };
+/// A rule with a family of thresholds.
+struct Case {
+    rule: &'static str,
+    law: &'static str,
+    contacts: Contacts,
+}
+
+impl Case {
+    /// Whether contacts are followed in a few seconds: without temperature or diffusion, or with smooth thresholds.
+    fn is_quick(&self) -> bool {
+        match self.rule {
+            "none" | "delay" | "logarithmic" => true,
+            "frozen_rank, elastic" => self.law == "gaussian",
+            _ => matches!(self.law, "gaussian" | "lognormal"),
+        }
+    }
+
+    /// Whether contacts are followed to 1e-9 in a second: their thresholds neither diffuse nor have edges or a pole that
+    /// cells in time would have to resolve, and no temperature breaks them.
+    fn is_accurate(&self) -> bool {
+        let sharp = matches!(self.law, "gamma with a pole" | "rectangular" | "samples" | "mixture");
+        match self.rule {
+            "none" | "delay" | "logarithmic" => !sharp,
+            "frozen_rank" => matches!(self.law, "gaussian" | "lognormal"),
+            _ => false,
+        }
+    }
+
+    fn diffuses(&self) -> bool {
+        self.rule == "smoluchowski"
+    }
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, {}", self.rule, self.law)
+    }
+}
+
+fn all() -> impl Iterator<Item = Case> {
+    rules().into_iter().flat_map(|(rule, rules)| {
         // Contacts that share a threshold have no rank of their own.
         let ranked = matches!(rules.ageing, Some(Ageing::FrozenRank { .. }));
-        let known = |(_, law): &(&str, SharedLaw)| !ranked || law.atoms().is_empty();
-        laws().into_iter().filter(known).map(with).collect::<Vec<_>>()
-    };
-    rules().iter().flat_map(of).collect()
+        let known = move |(_, law): &(&str, SharedLaw)| !ranked || law.atoms().is_empty();
+        laws().into_iter().filter(known).map(move |(law, thresholds)| {
+            let contacts = Contacts { rules: rules.clone(), ..contacts(&thresholds, &point(0.0)) };
+            Case { rule, law, contacts }
+        })
+    })
 }
 
 fn places() -> Vec<f64> {
@@ -100,34 +143,30 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-fn compare(tolerance: f64, which: impl Fn(&str) -> bool) {
-    let mut wrong = Vec::new();
-    for (name, contacts) in all().into_iter().filter(|(name, _)| which(name)) {
-        let ((exact, of_exact), (force, error)) = (renewed(&contacts), followed(&contacts, tolerance));
+/// How far both are apart, at most. Neither may be off by more than it tells.
+fn compare(tolerance: f64, which: impl Fn(&Case) -> bool) -> f64 {
+    let (mut wrong, mut most) = (Vec::new(), 0.0_f64);
+    for case in all().filter(which) {
+        let (exact, of_exact) = renewed(&case.contacts);
+        let (force, error) = followed(&case.contacts, tolerance);
         let apart = apart(&exact, &force);
-        let told = format!("{name}: {apart:.1e} apart, {error:.1e} and {of_exact:.1e} told");
+        let told = format!("{case}: {apart:.1e} apart, {error:.1e} and {of_exact:.1e} told");
         println!("{told}");
-        if apart > error + of_exact {
+        if apart > error + of_exact + ROUNDING {
             wrong.push(told);
         }
+        most = most.max(apart);
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    most
 }
 
-/// Whether contacts are followed in a few seconds: without temperature or diffusion, or with smooth thresholds.
-fn is_quick(name: &str) -> bool {
-    let quick = ["none, ", "delay, ", "logarithmic, "].iter().any(|rule| name.starts_with(rule));
-    let ranks = name.starts_with("frozen_rank, elastic");
-    let smooth = name.ends_with(", gaussian") || name.ends_with(", lognormal") && !ranks;
-    smooth || quick && !name.contains("elastic")
-}
-
-/// Each answer is off by no more than it tells.
 #[test]
 fn the_renewal_equation_and_contacts_followed_through_time_agree() {
-    let diffuses = |name: &str| name.starts_with("smoluchowski");
-    compare(1e-6, |name| is_quick(name) && !diffuses(name));
-    compare(1e-4, |name| is_quick(name) && diffuses(name));
+    // Transport aims at its tolerance times the mean threshold, which is 1.
+    assert!(compare(1e-9, Case::is_accurate) < 1e-9);
+    compare(1e-6, |case| case.is_quick() && !case.diffuses());
+    compare(1e-4, |case| case.is_quick() && case.diffuses());
 }
 
 #[test]
@@ -136,26 +175,25 @@ fn they_agree_for_all_rules_and_laws() {
     compare(1e-6, |_| true);
 }
 
-/// Within 4.5 standard errors, of which a right program with fresh seeds fails once in 200 by some 750 comparisons. Seeds are fixed.
+/// Within 4.5 standard errors. With fresh seeds a right program fails once in 450 runs of these 322 comparisons; seeds are fixed.
 /// Where few of the contacts have broken yet, they scatter by one contact, or none.
 #[test]
 fn the_renewal_equation_and_single_contacts_agree() {
     const SIZE: usize = 20_000;
     let mut wrong = Vec::new();
-    for (seed, (name, contacts)) in all().into_iter().enumerate().filter(|(_, (name, _))| is_quick(name)) {
-        let ensemble =
-            Ensemble::new(contacts.clone(), initial(&point(0.0)), SIZE, seed as u64, Disorder::Annealed)
-                .unwrap();
+    for (seed, case) in (0..).zip(all()).filter(|(_, case)| case.is_quick()) {
+        let (contacts, initial) = (case.contacts.clone(), initial(&point(0.0)));
+        let ensemble = Ensemble::new(contacts, initial, SIZE, seed, Disorder::Annealed).unwrap();
         let drawn = ensemble.pull_at(VELOCITY, &places(), &Snapshots::default(), &mut ()).unwrap();
-        let (exact, off) = renewed(&contacts);
+        let (exact, off) = renewed(&case.contacts);
         let most = (0..PLACES)
             .map(|i| {
                 ((drawn.force[i] - exact[i]).abs() - off).max(0.0) / drawn.error[i].max(1.0 / SIZE as f64)
             })
             .fold(0.0, f64::max);
-        println!("{name}: {most:.2} standard errors");
+        println!("{case}: {most:.2} standard errors");
         if most > 4.5 {
-            wrong.push(format!("{name}: {most:.2}"));
+            wrong.push(format!("{case}: {most:.2}"));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
