@@ -44,7 +44,7 @@ fn spawn(command: &mut Command) -> Child {
 }
 
 /// The same command, which hears SIGHUP where the tests themselves were told to outlive the terminal, too.
-fn hearing(command: &Command) -> Command {
+fn heeding_sighup(command: &Command) -> Command {
     let mut heard = Command::new("env");
     heard.arg("--default-signal=HUP").arg(command.get_program()).args(command.get_args());
     command.get_current_dir().map(|folder| heard.current_dir(folder));
@@ -112,7 +112,7 @@ fn left(folder: &Path) -> Vec<String> {
 fn every_signal_ends_a_run_as_ctrl_c_does() {
     let folder = folder();
     for signal in ["INT", "TERM", "HUP"] {
-        let child = spawn(&mut hearing(&folder.asperity(&["run", "long.toml"])));
+        let child = spawn(&mut heeding_sighup(&folder.asperity(&["run", "long.toml"])));
         at_work(&child, 0.05);
         let output = ended_by(child, &[signal]);
         assert_eq!(output.status.code(), Some(130), "{signal}");

@@ -3,11 +3,11 @@
 //! Where a [`crate::population::Population`] has no time of its own, here every move takes its time, and time passes at
 //! rest, too.
 
-mod beside;
+mod error;
 mod portion;
 mod state;
 
-pub use beside::Beside;
+pub use error::ErrorEstimator;
 pub use portion::{Portion, binned};
 pub use state::State;
 

@@ -81,7 +81,7 @@ impl Leg {
             density: 0.3 * tolerance / reborn.mean(),
             mass: 3e-3 * tolerance,
             kept: tolerance,
-            carried: 0.3 * tolerance * unit(reborn),
+            carried: 0.3 * tolerance * unit_force(reborn),
             widening: (tolerance / 1e-13).powf(1.0 / 16.0),
             light,
         };
@@ -110,7 +110,7 @@ impl Leg {
             lost = lost.max((self.sum_at(Life::survival, x) - 1.0).abs());
             apart = apart.max((self.sum_at(Life::force, x) - self.force.value_in(cell, x)).abs());
         }
-        self.of_lives() + lost.max(apart / unit(&self.reborn))
+        self.of_lives() + lost.max(apart / unit_force(&self.reborn))
     }
 
     /// What the lives themselves are off by.
@@ -174,7 +174,7 @@ impl Leg {
 const CHORD: f64 = 1e-6;
 
 /// The force of contacts stretched by their mean life, per unit stiffness.
-pub(super) fn unit(life: &Life) -> f64 {
+pub(super) fn unit_force(life: &Life) -> f64 {
     life.mean() * life.stiffness()
 }
 
@@ -185,7 +185,7 @@ pub(super) fn unit(life: &Life) -> f64 {
 /// the slope of their chord.
 pub(super) fn slope(force: &Piecewise, life: &Life) -> Piecewise {
     let (edges, count, beside) = (&force.boundaries, force.coefficients.len(), CHORD * life.mean());
-    let least = 1e-12 * unit(life);
+    let least = 1e-12 * unit_force(life);
     let jumps = |cell: usize| {
         let [before, after] = [cell - 1, cell].map(|cell_of| force.value_in(cell_of, edges[cell]));
         (after - before).abs() > least

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::leg::{Leg, unit};
+use super::leg::{Leg, unit_force};
 use super::{Extremum, Stretches};
 use crate::Result;
 use crate::law::Atom;
@@ -149,7 +149,7 @@ impl Pull {
     /// F_s and X_s: the maximum of F on (0, distance) and its place, at a jump the left limit; the first of equals.
     /// `None` where F, to within the tolerance, does not fall from there, or ends higher.
     pub fn static_friction(&self) -> Option<Extremum> {
-        let slack = self.slack() * unit(&self.leg.reborn);
+        let slack = self.slack() * unit_force(&self.leg.reborn);
         let cells = 0..=self.last_cell();
         let mut best = (0.0, f64::NEG_INFINITY, 0);
         for cell in cells.clone() {
@@ -197,7 +197,7 @@ impl Pull {
         let falls = |a: &Atom| {
             let after = self.leg.force.nearest(a.position);
             let before = self.leg.force.value_in(after.saturating_sub(1), a.position);
-            before - self.leg.force.value_in(after, a.position) > 1e-12 * unit(&self.leg.reborn)
+            before - self.leg.force.value_in(after, a.position) > 1e-12 * unit_force(&self.leg.reborn)
         };
         if jumps.into_iter().any(falls) {
             return f64::INFINITY;

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_4;
 
 use num_complex::Complex64;
 
-use super::leg::unit;
+use super::leg::unit_force;
 use crate::Result;
 use crate::contacts::{Ageing, Contacts};
 use crate::life::{Continuation, Life};
@@ -142,7 +142,7 @@ fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, rebo
         return f64::INFINITY;
     }
     // Roots beyond those known have amplitudes and rates like the last; the margin is for their sum.
-    let size = terms.iter().map(|t| t.amplitude.norm() / unit(reborn)).fold(1.0, f64::max);
+    let size = terms.iter().map(|t| t.amplitude.norm() / unit_force(reborn)).fold(1.0, f64::max);
     let next = roots.get(terms.len()).or(roots.last()).map_or(rate, |s| -s.re);
     let fade = (1e5 * size / LEFT_OUT).ln().max(0.0) / next;
     let tail = -LEFT_OUT.ln() / rate;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::back::Back;
 use super::course::{Account, Course};
 use super::interface::Interface;
-use super::leg::unit;
+use super::leg::unit_force;
 use super::{MasterEquation, Tolerance};
 use crate::Result;
 use crate::life::{Layer, Sums};
@@ -388,7 +388,7 @@ impl Population for Stock {
     /// That of the course, and of all since contacts last re-formed together whose stretches it began with.
     fn error(&self) -> f64 {
         let error = self.worst.max(self.inherited + self.course.error());
-        self.interface.stiffness * unit(&self.interface.reborn) * error
+        self.interface.stiffness * unit_force(&self.interface.reborn) * error
     }
 
     fn mark(&mut self) {

@@ -9,7 +9,7 @@ mod log;
 mod stage;
 
 use super::{Block, Energy, Loading, Slip};
-use crate::clocked::{Beside, Clocked};
+use crate::clocked::{Clocked, ErrorEstimator};
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, report};
 use crate::numerics::two_stages::{CHANGE, MEET, WEIGHTS, change};
@@ -45,7 +45,7 @@ impl Block {
         self.followed(contacts, None, drive, times, tolerance, monitor)
     }
 
-    /// The same with [`Slide::error`], which takes some three times as long: contacts are followed twice more beside.
+    /// The same with [`Slide::error`], which takes some three times as long: contacts are followed twice more.
     ///
     /// # Errors
     /// Those of [`Block::follow`].
@@ -57,13 +57,13 @@ impl Block {
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Slide> {
-        self.followed(contacts, Beside::of(contacts), drive, times, tolerance, monitor)
+        self.followed(contacts, ErrorEstimator::of(contacts), drive, times, tolerance, monitor)
     }
 
     fn followed(
         &self,
         contacts: &dyn Clocked,
-        beside: Option<Beside>,
+        estimator: Option<ErrorEstimator>,
         drive: &History,
         times: &[f64],
         tolerance: f64,
@@ -73,8 +73,7 @@ impl Block {
         check(times, drive.duration())?;
         let moving = drive.pieces().iter().map(|piece| piece.velocity).find(|velocity| *velocity > 0.0);
         let fraction = self.slip_fraction.unwrap_or(0.0);
-        let mut rider = Rider::new(dynamics, contacts, moving.unwrap_or(f64::INFINITY), fraction);
-        rider.beside = beside;
+        let mut rider = Rider::new(dynamics, contacts, estimator, moving.unwrap_or(f64::INFINITY), fraction);
         if times.first() == Some(&0.0) {
             rider.log.see(rider.moment());
         }
@@ -91,7 +90,7 @@ impl Block {
             }
         }
         report(monitor, 1.0)?;
-        let error = rider.beside.map(|_| rider.error);
+        let error = rider.estimator.map(|_| rider.error);
         Ok(rider.log.close(error))
     }
 
@@ -150,13 +149,19 @@ struct Rider {
     spent: Energy,
     log: Log,
     /// What tells the error of the force, and the largest so far.
-    beside: Option<Beside>,
+    estimator: Option<ErrorEstimator>,
     error: f64,
 }
 
 impl Rider {
     /// `pulled` is the first velocity of the drive, `fraction` the share of contacts that breaks in the smallest slip.
-    fn new(dynamics: Dynamics, contacts: &dyn Clocked, pulled: f64, fraction: f64) -> Self {
+    fn new(
+        dynamics: Dynamics,
+        contacts: &dyn Clocked,
+        estimator: Option<ErrorEstimator>,
+        pulled: f64,
+        fraction: f64,
+    ) -> Self {
         let state = State::of(contacts.copy());
         let drive = state.position() + state.force / dynamics.stiffness;
         let at = Pulled { drive, velocity: 0.0 };
@@ -171,7 +176,7 @@ impl Rider {
             pace: f64::INFINITY,
             spent,
             log,
-            beside: None,
+            estimator,
             error: 0.0,
         }
     }
@@ -239,8 +244,8 @@ impl Rider {
                 continue;
             }
             self.spent += dynamics.at_rest([state, &rested], *pulled, duration);
-            if let Some(beside) = &mut self.beside {
-                self.error = self.error.max(beside.go(0.0, duration, rested.force, monitor)?);
+            if let Some(estimator) = &mut self.estimator {
+                self.error = self.error.max(estimator.step(0.0, duration, rested.force, monitor)?);
             }
             self.state = rested;
             return Ok(duration);
@@ -283,10 +288,10 @@ impl Rider {
 
     fn accept(&mut self, tried: stage::Tried, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let states = [&self.state, &tried.middle, &tried.end];
-        if let Some(beside) = &mut self.beside {
+        if let Some(estimator) = &mut self.estimator {
             for (pair, share) in states.windows(2).zip([MEET, 1.0 - MEET]) {
                 let by = pair[1].position() - pair[0].position();
-                self.error = self.error.max(beside.go(by, share * duration, pair[1].force, monitor)?);
+                self.error = self.error.max(estimator.step(by, share * duration, pair[1].force, monitor)?);
             }
         }
         self.spent += self.dynamics.on_the_way(states, self.pulled, duration);

@@ -15,7 +15,7 @@ pub use scaled::Scaled;
 pub use state::StateInTime;
 
 use super::{Coupling, Energy, Event, Loading, Slipped, event};
-use crate::clocked::{Beside, Books, Clocked, Portion};
+use crate::clocked::{Books, Clocked, ErrorEstimator, Portion};
 use crate::monitor::{Aside, Monitor, Watch, report};
 use crate::numerics::two_stages::{CHANGE, MEET, change};
 use crate::record::Record;
@@ -83,7 +83,7 @@ pub struct InterfaceInTime {
     look: Look,
     slips: Slips,
     /// What tells the errors of the forces of cells, if that is asked for, and the largest so far.
-    beside: Option<Vec<Beside>>,
+    estimators: Option<Vec<ErrorEstimator>>,
     error: f64,
     /// Where the present run began, and its end.
     path: (f64, f64),
@@ -140,7 +140,7 @@ impl InterfaceInTime {
             begun: Stored { connection: 0.0, coupling: 0.0, contacts: Books::default() },
             look: Look { time: 0.0, drive, cells: Vec::new() },
             slips: Slips::new(number, slip_fraction, area),
-            beside: None,
+            estimators: None,
             error: 0.0,
             path: (drive, drive),
         };
@@ -210,10 +210,10 @@ impl InterfaceInTime {
         self.cells.iter().map(|cell| cell.contacts.books().broken).sum::<f64>() / self.len() as f64
     }
 
-    /// From now on with [`InterfaceInTime::error`], which takes some three times as long: contacts are followed twice more beside.
+    /// From now on with [`InterfaceInTime::error`], which takes some three times as long: contacts are followed twice more.
     #[must_use]
     pub fn with_error(mut self) -> Self {
-        self.beside = self.cells.iter().map(|cell| Beside::of(cell.contacts.as_ref())).collect();
+        self.estimators = self.cells.iter().map(|cell| ErrorEstimator::of(cell.contacts.as_ref())).collect();
         self
     }
 
@@ -221,7 +221,7 @@ impl InterfaceInTime {
     /// it is from that at a larger tolerance of the contacts, and twice what steps half as long change. None of contacts that
     /// are followed one by one.
     pub fn error(&self) -> Option<f64> {
-        self.beside.as_ref().map(|_| self.error)
+        self.estimators.as_ref().map(|_| self.error)
     }
 
     /// A catalogue as columns, those of `events.csv`.
@@ -319,7 +319,7 @@ impl InterfaceInTime {
                 duration *= factor.min(0.9);
                 continue;
             }
-            self.go_beside(&tried, duration, monitor)?;
+            self.estimate_error(&tried, duration, monitor)?;
             self.pace = if duration < left { factor * duration } else { self.pace.max(factor * duration) };
             self.drive = if duration < left { pulled.after(duration) } else { drive };
             self.time += duration;
@@ -328,22 +328,22 @@ impl InterfaceInTime {
         }
     }
 
-    /// Moves what is followed beside in the same step; if the monitor stops that, nothing has moved.
-    fn go_beside(&mut self, tried: &Tried, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    /// Moves the error estimators in the same step; if the monitor stops that, nothing has moved.
+    fn estimate_error(&mut self, tried: &Tried, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let (cells, time) = (&self.cells, MEET * duration);
-        let Some(beside) = &mut self.beside else { return Ok(()) };
+        let Some(estimators) = &mut self.estimators else { return Ok(()) };
         let watch = &Watch::new(monitor);
         let follow = |(): &mut (), j: usize| {
-            let (mut beside, mut watch) = (beside[j].copy(), watch);
+            let (mut estimator, mut watch) = (estimators[j].copy(), watch);
             let ((middle, force), end) = (tried.middle[j], &tried.end[j]);
-            let first = beside.go(middle - cells[j].position, time, force, &mut watch)?;
-            let second = beside.go(end.position - middle, duration - time, end.force, &mut watch)?;
-            Ok((beside, first.max(second)))
+            let first = estimator.step(middle - cells[j].position, time, force, &mut watch)?;
+            let second = estimator.step(end.position - middle, duration - time, end.force, &mut watch)?;
+            Ok((estimator, first.max(second)))
         };
         let followed = watch.share(cells.len(), || (), follow)?;
         let (followed, apart): (Vec<_>, Vec<f64>) =
             followed.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
-        *beside = followed;
+        *estimators = followed;
         self.error = apart.into_iter().fold(self.error, f64::max);
         Ok(())
     }

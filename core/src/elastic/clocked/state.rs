@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::InterfaceInTime;
 use super::slips::Slips;
-use crate::clocked::{self, Beside};
+use crate::clocked::{self, ErrorEstimator};
 use crate::{Error, Result};
 
 /// What an interface in time has come to. One of the same description goes on from it as if it had never stopped, bit for
@@ -17,7 +17,7 @@ pub struct StateInTime {
     work: f64,
     cells: Vec<Cell>,
     slips: Slips,
-    beside: Option<Vec<[clocked::State; 2]>>,
+    estimators: Option<Vec<[clocked::State; 2]>>,
     error: f64,
 }
 
@@ -41,7 +41,7 @@ impl InterfaceInTime {
             viscous,
             contacts: cell.contacts.state(),
         });
-        let beside = self.beside.as_ref().map(|beside| beside.iter().map(Beside::state));
+        let estimators = self.estimators.as_ref().map(|all| all.iter().map(ErrorEstimator::state));
         StateInTime {
             time: self.time,
             drive: self.drive,
@@ -49,7 +49,7 @@ impl InterfaceInTime {
             work: self.work,
             cells: cells.collect(),
             slips: self.slips.clone(),
-            beside: beside.map(|contacts| contacts.collect()),
+            estimators: estimators.map(|states| states.collect()),
             error: self.error,
         }
     }
@@ -59,7 +59,7 @@ impl InterfaceInTime {
     /// # Errors
     /// A state of another number of cells, or of other contacts: the interface is of no use any more then.
     pub fn restore(&mut self, state: StateInTime) -> Result<()> {
-        let StateInTime { time, drive, pace, work, cells, slips, beside, error } = state;
+        let StateInTime { time, drive, pace, work, cells, slips, estimators, error } = state;
         if cells.len() != self.len() {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));
@@ -70,8 +70,8 @@ impl InterfaceInTime {
             (cell.position, cell.velocity, cell.slope) = (kept.position, kept.velocity, kept.slope);
             *lost = kept.viscous;
         }
-        for (contacts, kept) in self.beside.iter_mut().flatten().zip(beside.iter().flatten()) {
-            contacts.restore(kept)?;
+        for (estimator, kept) in self.estimators.iter_mut().flatten().zip(estimators.iter().flatten()) {
+            estimator.restore(kept)?;
         }
         self.error = error;
         (self.time, self.drive, self.pace, self.work) = (time, drive, pace, work);

@@ -338,17 +338,14 @@ impl March<'_> {
 
     /// The values on a cell times the factor by which source + kernel ∗ g of what is kept is 1 at its end: what the shape of a
     /// pole in the first cell is off by moves no mass farther on.
-    fn conserving(&mut self, cell: usize, values: &Nodal) -> Nodal {
+    fn conserving(&self, cell: usize, values: &Nodal) -> Nodal {
         let (source, kernel) = self.kept;
         let end = self.mesh.boundaries[cell + 1];
+        let part = |(cell, density): (usize, &Nodal)| self.mesh.convolve_cell(cell, density, kernel, end);
         let before = source.value(end)
             + struck(kernel.curve(), &self.atoms, (end, 0.0))
-            + (0..cell).map(|cell| self.mesh.convolve_cell(cell, &self.density, kernel, end)).sum::<f64>();
-        self.density.boundaries.push(end);
-        self.density.coefficients.push(RULE.coefficients(values));
-        let held = self.mesh.convolve_cell(cell, &self.density, kernel, end);
-        self.density.boundaries.pop();
-        self.density.coefficients.pop();
+            + self.density.coefficients.iter().enumerate().map(part).sum::<f64>();
+        let held = part((cell, &RULE.coefficients(values)));
         values.map(|value| value * (1.0 - before) / held)
     }
 

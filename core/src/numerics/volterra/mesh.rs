@@ -43,10 +43,11 @@ impl Mesh {
         let low = x - kernel.curve().end();
         let first = self.boundaries.partition_point(|&b| b <= low).saturating_sub(1);
         let cells = (first..self.cells()).take_while(|&cell| self.boundaries[cell] < x);
-        cells.map(|cell| self.convolve_cell(cell, density, kernel, x)).sum()
+        cells.map(|cell| self.convolve_cell(cell, &density.coefficients[cell], kernel, x)).sum()
     }
 
-    pub(super) fn convolve_cell(&self, cell: usize, density: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
+    /// The part of that from a cell on which the density has the Legendre coefficients `density`.
+    pub(super) fn convolve_cell(&self, cell: usize, density: &Nodal, kernel: &Kernel, x: f64) -> f64 {
         let (middle, half) = self.cell(cell);
         let (low, high) = ((x - middle - half).max(0.0), x - middle + half);
         let mut cuts = vec![low];
@@ -54,11 +55,10 @@ impl Mesh {
         cuts.push(high);
         if cuts.len() == 2 && low > 0.0 {
             // Far from a tiny cell, x − u would lose the place in it.
-            let part =
-                |t: f64| series(&density.coefficients[cell], t) * kernel.curve().value(x - middle - half * t);
+            let part = |t: f64| series(density, t) * kernel.curve().value(x - middle - half * t);
             return half * (0..NODES).map(|i| RULE.weights[i] * part(RULE.nodes[i])).sum::<f64>();
         }
-        let integrand = |u: f64| density.value_in(cell, x - u) * kernel.curve().value(u);
+        let integrand = |u: f64| series(density, (x - u - middle) / half) * kernel.curve().value(u);
         cuts.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum()
     }
 }

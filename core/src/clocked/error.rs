@@ -1,4 +1,4 @@
-//! The error of contacts that are moved step by step, told by others that are moved the same way.
+//! The error of contacts that are moved step by step, estimated from copies that are moved the same way.
 
 use super::{Clocked, State};
 use crate::Result;
@@ -7,24 +7,25 @@ use crate::monitor::Monitor;
 /// How much larger an error is than what half the step changes: of first order by 2, of fourth by 16/15.
 const HALVED: f64 = 2.0;
 
-/// The same contacts followed twice beside: less accurately, as they tell what their own steps are off by where these are
-/// shorter than those they are moved in, and in steps half as long, which tell what those are off by.
-pub struct Beside {
+/// Two copies of contacts. One is followed with a larger tolerance: its difference is the error of the steps of contacts
+/// where these are shorter than those of the slider. The other one is followed in steps half as long: its difference is the
+/// error of the steps of the slider.
+pub struct ErrorEstimator {
     rough: Box<dyn Clocked>,
     halved: Box<dyn Clocked>,
 }
 
-impl Beside {
-    /// Beside `contacts`, where they have an error at all.
+impl ErrorEstimator {
+    /// That of `contacts` from here on, where they have an error at all.
     pub fn of(contacts: &dyn Clocked) -> Option<Self> {
         contacts.rough().map(|rough| Self { rough, halved: contacts.copy() })
     }
 
-    /// Moves as the contacts have moved, which now carry a `force`: an estimate of its error, on the safe side.
+    /// Moves as the contacts have moved, which now carry a `force`. Returns an estimate of its error, on the safe side.
     ///
     /// # Errors
     /// Those of [`Clocked::step`].
-    pub fn go(&mut self, by: f64, during: f64, force: f64, monitor: &mut dyn Monitor) -> Result<f64> {
+    pub fn step(&mut self, by: f64, during: f64, force: f64, monitor: &mut dyn Monitor) -> Result<f64> {
         self.rough.step(by, during, monitor)?;
         for _ in 0..2 {
             self.halved.step(0.5 * by, 0.5 * during, monitor)?;
