@@ -169,6 +169,32 @@ fn the_renewal_equation_and_contacts_followed_through_time_agree() {
     compare(1e-4, |case| case.is_quick() && case.diffuses());
 }
 
+/// Thresholds beside the edge of the newborn law fall at once, and rise again: the stretch meets them inside of the first step.
+#[test]
+fn a_tolerance_is_kept_where_contacts_break_as_soon_as_they_form() {
+    let rule = |case: &Case| case.rule == "frozen_rank" && case.law == "exponential";
+    let contacts = all().find(rule).unwrap().contacts;
+    let off = apart(&renewed(&contacts).0, &followed(&contacts, 1e-4).0);
+    // 6e-4 without them.
+    assert!(off < 1e-4, "{off:e}");
+}
+
+/// Weak contacts break as the exponent of the catastrophe barrier has a singularity where they meet their thresholds.
+#[test]
+fn a_tolerance_is_kept_where_weak_contacts_meet_their_thresholds() {
+    let rule = |case: &Case| case.rule == "catastrophe" && case.law == "exponential";
+    let contacts = all().find(rule).unwrap().contacts;
+    let (position, start) = (0.194, initial(&point(0.0)));
+    let history = History::new(vec![Piece { velocity: VELOCITY, duration: position / VELOCITY }]).unwrap();
+    let mut transport = Transport::new(contacts.clone(), &start, 1e-9, &mut ()).unwrap();
+    let force = transport.follow(&history, &[position / VELOCITY], &mut ()).unwrap().force[0];
+    let equation = MasterEquation::at(contacts, &start, VELOCITY, &mut ()).unwrap();
+    let pull = equation.pull(position, Tolerance::default(), &mut ()).unwrap();
+    let off = force - pull.force(position);
+    // A tenth of the tolerance; panels of one octave, whatever the tolerance, are off by 1.1e-9.
+    assert!(off.abs() < 1e-10, "{off:e}");
+}
+
 #[test]
 #[ignore = "takes half an hour"]
 fn they_agree_for_all_rules_and_laws() {

@@ -90,6 +90,13 @@ impl std::fmt::Debug for Ranks {
 }
 
 impl Ranks {
+    /// Ages from s to τ, each twice the one before.
+    pub(super) fn octaves(&self) -> Vec<f64> {
+        let oldest = self.time * (SPACING * (self.rows.len() - 1) as f64).exp_m1();
+        let doubled = |age: &f64| Some(2.0 * age);
+        std::iter::successors(Some(self.time), doubled).take_while(|age| *age < oldest / OLDEST).collect()
+    }
+
     /// The thresholds of contacts of the law `newborn`, which matures in the time τ.
     ///
     /// # Errors

@@ -101,9 +101,10 @@ impl Strength {
         matches!(self.kind, Kind::Constant)
     }
 
-    /// Whether it is a closed form, not solved for.
-    pub(crate) fn is_closed(&self) -> bool {
-        !matches!(self.kind, Kind::Ranked(_))
+    /// Ages between which a threshold turns once at most, each twice the one before, from where the newborn law has hardly changed
+    /// to τ. None where thresholds are closed forms, which do not.
+    pub(crate) fn octaves(&self) -> Vec<f64> {
+        if let Kind::Ranked(ranks) = &self.kind { ranks.octaves() } else { Vec::new() }
     }
 
     /// Estimated error of the distribution function of present thresholds at any age.

@@ -18,9 +18,6 @@ use crate::numerics::roots::brent_root;
 /// Parts into which e^{−t/τ} is cut where the thresholds of `frozen_rank` may fall and rise again.
 const PARTS: u32 = 32;
 
-/// How often the first of them is halved towards age 0.
-const HALVINGS: i32 = 16;
-
 /// A contact that holds: its stretch is X − `origin`.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Held {
@@ -115,9 +112,9 @@ impl Passage {
 fn turns(ageing: Option<&Ageing>, strength: &Strength) -> Vec<f64> {
     let Some(&Ageing::FrozenRank { time, .. }) = ageing else { return Vec::new() };
     let parts = (1..PARTS).map(|part| -time * (-f64::from(part) / f64::from(PARTS)).ln_1p());
-    // Between Gaussians thresholds follow from e^{−t/τ} alone; beside an edge of other laws they turn soon after contacts form.
-    let soon = if strength.is_closed() { 0 } else { HALVINGS };
-    (1..=soon).rev().map(|halving| time / f64::from(PARTS) * 0.5_f64.powi(halving)).chain(parts).collect()
+    // Beside an edge of the newborn law they turn soon after contacts form.
+    let soon = strength.octaves().into_iter().take_while(|age| *age < time / f64::from(PARTS));
+    soon.chain(parts).collect()
 }
 
 /// The end of lives whose thresholds follow from their ages.

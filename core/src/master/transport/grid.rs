@@ -20,8 +20,9 @@ struct Folds {
     power: f64,
     /// L.
     deepest: f64,
-    /// The e-folds on a panel.
+    /// The e-folds on a panel, and the octaves of the threshold, at most.
     most: f64,
+    octaves: f64,
 }
 
 /// The panels of a law at a temperature.
@@ -44,20 +45,25 @@ struct Piece {
 }
 
 impl Folds {
-    fn new(contacts: &Contacts, temperature: &Temperature) -> Self {
+    fn new(contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> Self {
         /// A barrier eight times as high, in T, lasts 10³⁵ of 1/ω.
         const DEEPEST: f64 = 10.0;
-        let (most, deepest) = match temperature.barrier {
+        /// Ten times what panels of one e-fold and one octave miss of the force over the catastrophe barrier.
+        const CATASTROPHE: f64 = 1e-8;
+        let (most, octaves, deepest) = match temperature.barrier {
             // Sixteen points integrate exp(−e^{−t}) over three to 1e-12.
-            Barrier::Elastic | Barrier::Bell => (3.0, f64::INFINITY),
-            // Its rate has a weak singularity where the threshold is met; there are no more than two where it breaks contacts.
-            Barrier::Catastrophe => (1.0, DEEPEST),
+            Barrier::Elastic | Barrier::Bell => (3.0, 1.0, f64::INFINITY),
+            // A has a singularity |h − x|^{5/2} where the threshold is met, of which a panel misses the power 7/2 of its width.
+            Barrier::Catastrophe => {
+                let share = (tolerance / CATASTROPHE).powf(2.0 / 7.0).min(1.0);
+                (share, share, DEEPEST)
+            }
         };
         let power = match contacts.stiffness {
             Stiffness::Equal(_) => 2.0,
             Stiffness::PerThreshold(_) => 3.0,
         };
-        Self { unit: 0.5 * contacts.stiffness.of(1.0) / temperature.energy, power, deepest, most }
+        Self { unit: 0.5 * contacts.stiffness.of(1.0) / temperature.energy, power, deepest, most, octaves }
     }
 
     /// u(h).
@@ -83,10 +89,10 @@ impl Folds {
 }
 
 impl Grid {
-    pub(super) fn new(law: &dyn Law, contacts: &Contacts, temperature: &Temperature) -> Self {
+    pub(super) fn new(law: &dyn Law, contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> Self {
         /// So many parts of a panel are more than its ends have digits for.
         const FINEST: f64 = 1e15;
-        let folds = Folds::new(contacts, temperature);
+        let folds = Folds::new(contacts, temperature, tolerance);
         let mut first = 0;
         let piece = |whole: Panel| {
             let (low, high) = (folds.at(whole.low), folds.at(whole.high));
@@ -95,7 +101,8 @@ impl Grid {
             first += piece.count;
             piece
         };
-        Self { pieces: panels(law, f64::INFINITY).into_iter().map(piece).collect(), folds }
+        let wholes = panels(law, f64::INFINITY).into_iter().flat_map(|whole| whole.graded(folds.octaves));
+        Self { pieces: wholes.map(piece).collect(), folds }
     }
 
     /// How many panels there are.
@@ -160,7 +167,7 @@ mod tests {
                 let contacts =
                     Contacts { stiffness, ..Contacts::new(law.clone(), Arc::new(Point::new(0.0).unwrap())) };
                 let temperature = Temperature { energy: 1e-6, attempt_rate: 1.0, barrier };
-                let grid = Grid::new(law.as_ref(), &contacts, &temperature);
+                let grid = Grid::new(law.as_ref(), &contacts, &temperature, 1e-6);
                 let ln_rate = |x: f64, h: f64| -temperature.exponent(x, h, stiffness.of(h));
                 for label in [1e-3, 0.01, 0.3, 1.2] {
                     let number = grid.above(label);

@@ -20,11 +20,11 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// The panel, cut so that no part ends at more than twice where it begins: Gauss points follow any power of the stretch then.
-    fn graded(self) -> impl Iterator<Item = Self> {
-        let folds = if self.low > 0.0 { (self.high / self.low).log2() } else { 1.0 };
-        let count = folds.ceil().max(1.0);
-        let edge = move |k: f64| if k == count { self.high } else { self.low * (folds * k / count).exp2() };
+    /// The panel, cut so that no part spans more than so many octaves: Gauss points follow any power of the stretch on one.
+    pub(super) fn graded(self, octaves: f64) -> impl Iterator<Item = Self> {
+        let all = if self.low > 0.0 { (self.high / self.low).log2() } else { octaves };
+        let count = (all / octaves).ceil().max(1.0);
+        let edge = move |k: f64| if k == count { self.high } else { self.low * (all * k / count).exp2() };
         (0..count as u32).map(move |k| Self { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) })
     }
 
@@ -82,7 +82,7 @@ pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<Panel> {
         };
         let parts =
             (0..count as u32).map(|k| Panel { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) });
-        let graded = parts.flat_map(Panel::graded);
+        let graded = parts.flat_map(|part| part.graded(1.0));
         panels.extend(graded.filter(|panel| panel.points().any(|(x, _)| law.density(x) > 0.0)));
     }
     panels

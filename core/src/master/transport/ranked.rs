@@ -21,7 +21,7 @@ use super::thermal::{Moment, Passage, Thermal};
 use crate::contacts::{Barrier, Contacts, Label, Rank, Stiffness, Strength, Temperature};
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
-use crate::numerics::roots::brent_root;
+use crate::numerics::roots::{brent_minimum, brent_root};
 
 /// Thresholds that follow from age.
 #[derive(Debug)]
@@ -38,6 +38,8 @@ pub(super) struct Ranks {
     ranks: RwLock<HashMap<u64, Arc<PanelRanks>>>,
     /// The strongest contacts.
     strongest: (f64, Option<Rank>),
+    /// Ages between which thresholds turn once at most, where a step may go over some of them.
+    octaves: Vec<f64>,
 }
 
 /// Ranks at the Gauss points of a panel, and at its upper end.
@@ -118,7 +120,7 @@ impl Ranks {
         let felt = contacts.rules.temperature.filter(|t| is_felt(contacts, t, tolerance));
         let thermal = felt.map(|t| {
             let thermal = Thermal::new(contacts, t, moved(contacts, &t, 1.0), tolerance);
-            (thermal, Grid::new(law.as_ref(), contacts, &t))
+            (thermal, Grid::new(law.as_ref(), contacts, &t, tolerance))
         });
         let (atoms, panels) = (law.atoms(), panels(law.as_ref(), f64::INFINITY));
         let highest = panels.last().map(|panel| panel.high);
@@ -126,6 +128,7 @@ impl Ranks {
         Self {
             law,
             strongest: (highest, strength.rank(highest)),
+            octaves: strength.octaves(),
             strength,
             stiffness: contacts.stiffness,
             thermal,
@@ -184,7 +187,7 @@ impl Ranks {
         let passage =
             Passage { strength: &self.strength, stretch: place.stretch, age: place.age, path, ends };
         let (stretch, aged) = passage.at(ends.1);
-        left.met = left.met.max(aged.newborn(stretch));
+        left.met = left.met.max(aged.newborn(stretch)).max(self.met_between(&passage));
         let (below, above) = (place.below, place.above);
         for ((share, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
             *share = share.min(uncovered(aged.threshold(atom.position), stretch, below, above));
@@ -192,6 +195,28 @@ impl Ranks {
         if let Some((thermal, grid)) = &self.thermal {
             self.accumulate(thermal, grid, &passage, left);
         }
+    }
+
+    /// The largest newborn threshold that the stretch meets at a time inside of a step: those beside an edge of the law may fall,
+    /// and rise again, long before the step is over. Below 0 where it meets none.
+    fn met_between(&self, passage: &Passage<'_>) -> f64 {
+        /// The share of the time of meeting that does not matter: the threshold is a maximum.
+        const PRECISE: f64 = 1e-6;
+        let &Passage { age, path, ends: (from, to), .. } = passage;
+        let older = age + path.duration * (to - from);
+        let between = self.octaves.iter().copied().filter(|&octave| octave > age && octave < older);
+        let ages: Vec<f64> = std::iter::once(age).chain(between).chain([older]).collect();
+        let below = |age_then: f64| {
+            let (stretch, aged) = passage.at(from + (age_then - age) / path.duration);
+            -aged.newborn(stretch)
+        };
+        if ages.len() < 3 {
+            return f64::NEG_INFINITY;
+        }
+        let found: Vec<f64> = ages.iter().map(|&age| below(age)).collect();
+        let turns = (1..ages.len() - 1).filter(|&i| found[i] < found[i - 1] && found[i] <= found[i + 1]);
+        let lowest = |i: usize| brent_minimum(below, ages[i - 1], ages[i + 1], PRECISE * ages[i]).1;
+        -turns.map(lowest).fold(f64::INFINITY, f64::min)
     }
 
     /// Adds ∫w dt to the exponents.
