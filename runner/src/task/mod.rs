@@ -56,7 +56,8 @@ pub fn run_with(
 ) -> Result<Outcome> {
     let (contacts, initial) = scenario.build()?;
     if let Some(interface) = &scenario.interface {
-        interface.fits(&contacts, scenario.ensemble.as_ref(), monitor.memory())?;
+        let with_error = scenario.master_equation.tolerance.is_some();
+        interface.fits(&contacts, scenario.ensemble.as_ref(), with_error, monitor.memory())?;
     }
     let setting = Setting { scenario, contacts, initial };
     let (summary, record) = match scenario.task()? {

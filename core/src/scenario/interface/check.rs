@@ -15,6 +15,8 @@ const BYTES_PER_CELL: f64 = 192.0;
 const BYTES_PER_CELL_OF_A_CHAIN: f64 = 336.0;
 /// Bytes that a cell takes that follows the master equation in time, with what of it is tried in a step.
 const BYTES_PER_CELL_IN_TIME: f64 = 2e6;
+/// How much more it takes where its error is asked for: it is followed in steps half as long and to a larger tolerance, too.
+const WITH_ERROR: f64 = 3.0;
 /// Bytes that a cell of few contacts takes, and each of them.
 const BYTES_PER_ENSEMBLE: [f64; 2] = [16e3, 256.0];
 /// The same in time, with what of it is tried in a step.
@@ -50,19 +52,25 @@ impl Interface {
         }
     }
 
-    /// Refuses an interface that takes more than so much `memory`.
+    /// Refuses an interface that takes more than so much `memory`, with an error or without one.
     ///
     /// # Errors
     /// [`Error::TooLarge`], naming the cells.
-    pub fn fits(&self, contacts: &Contacts, ensemble: Option<&Ensemble>, memory: u64) -> Result<()> {
+    pub fn fits(
+        &self,
+        contacts: &Contacts,
+        ensemble: Option<&Ensemble>,
+        with_error: bool,
+        memory: u64,
+    ) -> Result<()> {
         let cells = self.size();
         let what = format!("an interface of {cells} cells");
-        let bytes = cells as f64 * self.bytes_per_cell(contacts, ensemble);
+        let bytes = cells as f64 * self.bytes_per_cell(contacts, ensemble, with_error);
         fits("interface.cells", what, bytes as u64, memory)
     }
 
     /// Bytes that a cell takes at most, with what couples it.
-    fn bytes_per_cell(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> f64 {
+    fn bytes_per_cell(&self, contacts: &Contacts, ensemble: Option<&Ensemble>, with_error: bool) -> f64 {
         let few = |[cell, contact]: [f64; 2], ensemble: &Ensemble| cell + contact * ensemble.size() as f64;
         match (self.contacts, contacts.rules.know_time(), ensemble) {
             (PerCell::One, ..) => BYTES_PER_CONTACT,
@@ -70,7 +78,7 @@ impl Interface {
                 (Coupling::HalfSpace { .. }, [_]) => BYTES_PER_CELL_OF_A_CHAIN,
                 _ => BYTES_PER_CELL,
             },
-            (PerCell::Many, true, None) => BYTES_PER_CELL_IN_TIME,
+            (PerCell::Many, true, None) => BYTES_PER_CELL_IN_TIME * if with_error { WITH_ERROR } else { 1.0 },
             (PerCell::Many, false, Some(ensemble)) => few(BYTES_PER_ENSEMBLE, ensemble),
             (PerCell::Many, true, Some(ensemble)) => few(BYTES_PER_ENSEMBLE_IN_TIME, ensemble),
         }
