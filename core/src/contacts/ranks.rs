@@ -236,7 +236,7 @@ impl Ranked<'_> {
         let psi = self.ranks.psi(newborn);
         let stencil = stencil(psi.clamp(-FAR, FAR));
         let mean = |n: usize| self.ages.value(|age| stencil.value(|rank| means[age][rank][n]));
-        let Some(end) = end(psi) else { return [0, 1].map(|n| law.survival(newborn) * mean(n)) };
+        let Some(end) = end(psi) else { return [0, 1].map(|n| mean(n) / (1.0 + psi.exp())) };
         let born = rows[0][end];
         let beyond = |from: f64| shifted(law.as_ref(), from, self.ages.value(|age| rows[age][end]) - born);
         let here = beyond(newborn);
