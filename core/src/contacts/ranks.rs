@@ -3,11 +3,12 @@
 use std::cell::Cell;
 
 use super::Maturing;
+use super::strength::Met;
 use crate::Result;
-use crate::law::{Break, SharedLaw};
+use crate::law::{Break, Law, SharedLaw};
 use crate::monitor::{Monitor, report};
 use crate::numerics::diffusion::{Elements, Evolution, Field};
-use crate::numerics::legendre::{primitive, series};
+use crate::numerics::legendre::{RULE, primitive, series};
 use crate::numerics::roots::brent_root;
 use crate::numerics::stencil::{POINTS, Stencil};
 
@@ -26,6 +27,9 @@ const OLDEST: f64 = 200.0;
 const SOON: f64 = 0.2;
 const AT_ONCE: f64 = 1e-6;
 
+/// An error of the distribution function above which that time may have been too long.
+const ENOUGH: f64 = 1e-9;
+
 /// What the law at an age leaves out.
 const LEFT_OUT: f64 = 1e-13;
 
@@ -37,6 +41,8 @@ pub(super) struct Ranks {
     time: f64,
     /// h at even ψ, for each age.
     rows: Vec<Vec<f64>>,
+    /// The means of h and of h² over the contacts above each of these ranks.
+    means: Vec<Vec<[f64; 2]>>,
     error: f64,
 }
 
@@ -110,20 +116,40 @@ impl Ranks {
         let mean = newborn.mean();
         let jumps = |b: &Break| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
         let edged = newborn.breaks().iter().any(jumps);
-        let soon = if edged {
-            AT_ONCE
-        } else {
-            SOON * (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0)
-        };
+        let own = SOON * (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0);
+        let soon = if edged { AT_ONCE } else { own };
+        let ranks = Self::starting(newborn, maturing, time, soon, monitor)?;
+        if ranks.error <= ENOUGH || soon <= AT_ONCE {
+            return Ok(ranks);
+        }
+        // A mature law that is steep far from its bulk moves the ends of the newborn one at once.
+        let sooner = Self::starting(newborn, maturing, time, AT_ONCE, monitor)?;
+        Ok(if sooner.error < ranks.error { sooner } else { ranks })
+    }
+
+    /// The same, the first age told being about `soon` τ.
+    fn starting(
+        newborn: &SharedLaw,
+        maturing: &Maturing,
+        time: f64,
+        soon: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
         let scale = soon * time;
         let count = ((OLDEST * time / scale).ln_1p() / SPACING).ceil() as usize + 1;
         let age = |row: usize| scale * (SPACING * row as f64).exp_m1();
         let born = (0..RANKS).map(|rank| quantile(newborn, psi(rank))).collect();
         let ages: Vec<f64> = (1..count).map(age).collect();
-        let rows = std::iter::once(born).chain(evolved(maturing, &ages, monitor)?).collect();
-        let mut ranks = Self { newborn: newborn.clone(), time: scale, rows, error: 0.0 };
+        let rows: Vec<Vec<f64>> = std::iter::once(born).chain(evolved(maturing, &ages, monitor)?).collect();
+        let means = means_above(newborn.as_ref(), &rows);
+        let mut ranks = Self { newborn: newborn.clone(), time: scale, rows, means, error: 0.0 };
         ranks.error = ranks.missed();
         Ok(ranks)
+    }
+
+    /// A time in which thresholds change evenly, from birth on: that to the first age told.
+    pub(super) fn soon(&self) -> f64 {
+        self.time * SPACING.exp_m1()
     }
 
     /// Estimated error of the distribution function at any age.
@@ -145,9 +171,8 @@ impl Ranks {
         let (older, farther) = (ages * every, ranks * every);
         let mut most = 0.0_f64;
         for rank in 1..RANKS - 1 {
-            // 1 of ψ is q(1 − q) of the contacts.
-            let q = 1.0 / (1.0 + (-psi(rank)).exp());
-            let per_length = |row: &[f64]| q * (1.0 - q) * 2.0 * SPREAD / (row[rank + 1] - row[rank - 1]);
+            let contacts = contacts_at(psi(rank));
+            let per_length = |row: &[f64]| contacts * 2.0 * SPREAD / (row[rank + 1] - row[rank - 1]);
             for row in (every / 2..older).step_by(every) {
                 let stencil = Stencil::at(row as f64 / every as f64, ages + 1);
                 let told = stencil.value(|age| self.rows[age * every][rank]);
@@ -174,9 +199,8 @@ impl Ranks {
     /// The rank of a contact born with h_0. Beyond the ranks told its threshold goes on as h_0 does.
     pub(super) fn rank(&self, newborn: f64) -> Rank {
         let psi = self.psi(newborn);
-        let end = psi.clamp(-FAR, FAR);
-        let beyond = if end == psi { 0.0 } else { newborn - quantile(&self.newborn, end) };
-        Rank { ranks: stencil(end), beyond }
+        let beyond = end(psi).map_or(0.0, |end| newborn - self.rows[0][end]);
+        Rank { ranks: stencil(psi.clamp(-FAR, FAR)), beyond }
     }
 
     /// The contact born with h_0, to be asked for its thresholds at many ages.
@@ -191,7 +215,7 @@ impl Ranks {
         const NEAR: f64 = 1e-7;
         let told = stencil(psi).value(|rank| self.rows[0][rank]);
         let law = &self.newborn;
-        let slope = law.density(told) / (law.cumulative(told) * law.survival(told));
+        let slope = law.density(told) / contacts_at(psi);
         let step = (self.psi(told) - psi) / slope;
         if step.abs() < NEAR * law.std() { told - step } else { quantile(law, psi) }
     }
@@ -213,15 +237,46 @@ impl Ranked<'_> {
         self.ages.value(|age| rank.ranks.value(|rank| self.ranks.rows[age][rank])) + rank.beyond
     }
 
+    /// ∫ h dG_i and ∫ h² dG_i over the contacts born with thresholds above h_0.
+    pub(super) fn moments_above(&self, newborn: f64) -> [f64; 2] {
+        let Ranks { newborn: law, rows, means, .. } = self.ranks;
+        let psi = self.ranks.psi(newborn);
+        let stencil = stencil(psi.clamp(-FAR, FAR));
+        let mean = |n: usize| self.ages.value(|age| stencil.value(|rank| means[age][rank][n]));
+        let Some(end) = end(psi) else { return [0, 1].map(|n| mean(n) / (1.0 + psi.exp())) };
+        let born = rows[0][end];
+        let beyond = |from: f64| shifted(law.as_ref(), from, self.ages.value(|age| rows[age][end]) - born);
+        let here = beyond(newborn);
+        if psi > 0.0 {
+            return here;
+        }
+        let last = beyond(born);
+        std::array::from_fn(|n| law.survival(born) * mean(n) + (here[n] - last[n]))
+    }
+
     /// h_0 of a contact whose threshold is h.
     pub(super) fn newborn(&self, threshold: f64) -> f64 {
+        self.found(threshold).0
+    }
+
+    /// The contact whose threshold is h.
+    pub(super) fn met(&self, threshold: f64) -> Met {
+        let (newborn, psi) = self.found(threshold);
+        let ranks = stencil(psi);
+        let drift = self.pace * self.ages.slope(|age| ranks.value(|rank| self.ranks.rows[age][rank]));
+        let spread = if psi.abs() < FAR { self.spread_at(newborn, psi) } else { 1.0 };
+        Met { newborn, drift, spread }
+    }
+
+    /// h_0 of a contact whose threshold is h, and ψ, or the end of those told beyond which it lies.
+    fn found(&self, threshold: f64) -> (f64, f64) {
         let at = |rank: usize| self.ages.value(|age| self.ranks.rows[age][rank]);
         let (low, high) = (at(0), at(RANKS - 1));
         if threshold <= low {
-            return self.ranks.rows[0][0] + threshold - low;
+            return (self.ranks.rows[0][0] + threshold - low, -FAR);
         }
         if threshold >= high {
-            return self.ranks.rows[0][RANKS - 1] + threshold - high;
+            return (self.ranks.rows[0][RANKS - 1] + threshold - high, FAR);
         }
         // The rank told that is just below.
         let (mut below, mut above) = (0, RANKS - 1);
@@ -233,20 +288,20 @@ impl Ranked<'_> {
         let near: [f64; POINTS] = std::array::from_fn(|k| at(first + k));
         let excess = |place: f64| Stencil::from(first, place).value(|rank| near[rank - first]) - threshold;
         let place = brent_root(excess, below as f64, above as f64, 0.0).unwrap_or(below as f64);
-        self.ranks.born(place * SPREAD - FAR)
+        let psi = place * SPREAD - FAR;
+        (self.ranks.born(psi), psi)
     }
 
-    /// ∂h/∂h_0 = ∂h/∂ψ p_i/[G_i(1 − G_i)].
+    /// ∂h/∂h_0.
     pub(super) fn spread(&self, newborn: f64) -> f64 {
         let psi = self.ranks.psi(newborn);
-        if psi.abs() > FAR {
-            return 1.0;
-        }
-        let ranks = stencil(psi);
-        let slope = ranks.slope(|rank| self.ages.value(|age| self.ranks.rows[age][rank]));
-        let law = &self.ranks.newborn;
-        let per_rank = law.density(newborn) / (law.cumulative(newborn) * law.survival(newborn));
-        slope / SPREAD * per_rank
+        if psi.abs() > FAR { 1.0 } else { self.spread_at(newborn, psi) }
+    }
+
+    /// ∂h/∂h_0 = ∂h/∂ψ p_i/[q(1 − q)], of contacts of one rank.
+    fn spread_at(&self, newborn: f64, psi: f64) -> f64 {
+        let slope = stencil(psi).slope(|rank| self.ages.value(|age| self.ranks.rows[age][rank]));
+        slope / SPREAD * self.ranks.newborn.density(newborn) / contacts_at(psi)
     }
 
     /// ∂h/∂t.
@@ -262,6 +317,53 @@ fn stencil(psi: f64) -> Stencil {
 
 fn psi(rank: usize) -> f64 {
     SPREAD * rank as f64 - FAR
+}
+
+/// The contacts per ψ, q(1 − q).
+fn contacts_at(psi: f64) -> f64 {
+    1.0 / ((1.0 + psi.exp()) * (1.0 + (-psi).exp()))
+}
+
+/// The rank told beyond which ψ lies, if it lies beyond one.
+fn end(psi: f64) -> Option<usize> {
+    (psi.abs() > FAR).then_some(if psi < 0.0 { 0 } else { RANKS - 1 })
+}
+
+/// ∫ (h_0 + shift)ⁿ dP(h_0) for n = 1 and 2 above a threshold.
+fn shifted(law: &dyn Law, above: f64, shift: f64) -> [f64; 2] {
+    let [whole, first, second] = [0, 1, 2].map(|order| law.upper_moment(order, above));
+    [first + shift * whole, second + shift * (2.0 * first + shift * whole)]
+}
+
+/// The means of h and of h² over the contacts above each rank told, for each age; the first row is that of newborn contacts.
+///
+/// They are ∫_ψ^∞ hⁿ q(1 − q) dψ/(1 − q), which is as smooth in ψ as h. Beyond the ranks told h goes on as h_0 does.
+fn means_above(newborn: &dyn Law, rows: &[Vec<f64>]) -> Vec<Vec<[f64; 2]>> {
+    const TOP: usize = RANKS - 1;
+    let points: Vec<Vec<(Stencil, f64)>> = (0..TOP).map(between).collect();
+    let of = |row: &Vec<f64>| {
+        let mut sums = shifted(newborn, rows[0][TOP], row[TOP] - rows[0][TOP]);
+        let mut means = vec![[0.0; 2]; RANKS];
+        for rank in (0..RANKS).rev() {
+            for (stencil, weight) in points.get(rank).into_iter().flatten() {
+                let threshold = stencil.value(|rank| row[rank]);
+                (1..).zip(&mut sums).for_each(|(n, sum)| *sum += weight * threshold.powi(n));
+            }
+            means[rank] = sums.map(|sum| sum * (1.0 + psi(rank).exp()));
+        }
+        means
+    };
+    rows.iter().map(of).collect()
+}
+
+/// Gauss points between a rank told and the next one, weighted by the contacts that they stand for.
+fn between(rank: usize) -> Vec<(Stencil, f64)> {
+    let point = |(t, w): (&f64, &f64)| {
+        let place = rank as f64 + 0.5 * (1.0 + t);
+        let psi = SPREAD * place - FAR;
+        (Stencil::at(place, RANKS), 0.5 * SPREAD * w * contacts_at(psi))
+    };
+    RULE.nodes.iter().zip(&RULE.weights).map(point).collect()
 }
 
 /// The threshold of rank ψ in a law.

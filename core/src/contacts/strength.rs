@@ -49,6 +49,17 @@ enum At<'a> {
     Ranked(Ranked<'a>),
 }
 
+/// A contact whose threshold is known.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Met {
+    /// h_0; below 0 where every contact is stronger.
+    pub(crate) newborn: f64,
+    /// ∂h/∂t at constant h_0.
+    pub(crate) drift: f64,
+    /// ∂h/∂h_0 at constant age.
+    pub(crate) spread: f64,
+}
+
 /// What tells a contact from others of its age, for as long as it lasts: its newborn threshold, and its rank where it keeps that.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Label<'a> {
@@ -145,6 +156,17 @@ impl Strength {
         Aged(At::Affine(affine))
     }
 
+    /// A time in which thresholds change evenly, from birth on.
+    pub(crate) fn soon(&self) -> f64 {
+        /// As part of the time of the rule.
+        const PART: f64 = 1e-3;
+        match &self.kind {
+            Kind::Constant => 0.0,
+            Kind::Logarithmic { time, .. } | Kind::Gaussian { time, .. } => PART * time,
+            Kind::Ranked(ranks) => ranks.soon(),
+        }
+    }
+
     /// The rank of contacts born with h_0, where they keep it. Their thresholds at many ages are found sooner by it.
     pub(crate) fn rank(&self, newborn: f64) -> Option<Rank> {
         if let Kind::Ranked(ranks) = &self.kind { Some(ranks.rank(newborn)) } else { None }
@@ -163,9 +185,42 @@ impl Strength {
         self.at(age).threshold(newborn)
     }
 
+    /// ∫ hⁿ dP(h_0) for n = 0, 1 and 2 over the contacts born with thresholds above h_0, h their thresholds at an age and P the
+    /// law of newborn ones.
+    pub(crate) fn moments_above(&self, law: &dyn Law, newborn: f64, age: f64) -> [f64; 3] {
+        let whole = law.survival(newborn);
+        let [first, second] = match (&self.kind, &self.at(age).0) {
+            (Kind::Gaussian { newborn: born, .. }, At::Affine(aged)) => aged.moments_of(*born, law, newborn),
+            (_, At::Affine(aged)) => {
+                [1, 2].map(|order| aged.factor.powi(order as i32) * law.upper_moment(order, newborn))
+            }
+            (_, At::Ranked(aged)) => aged.moments_above(newborn),
+        };
+        [whole, first, second]
+    }
+
     /// h_0 of a contact whose threshold is h at an age; below 0 where every contact is stronger.
     pub fn newborn(&self, threshold: f64, age: f64) -> f64 {
         self.at(age).newborn(threshold)
+    }
+}
+
+impl Affine {
+    /// ∫ h dP(h_0) and ∫ h² dP(h_0) above h_0, of the Gaussian law P cut off at 0: h is Gaussian, too, and with its mean m
+    /// and std s they are S(m + sλ) and S[m² + s² + sλ(2m + sz)], λ being the hazard at h_0 = x̄ + zσ, per σ.
+    fn moments_of(&self, born: Normal, law: &dyn Law, newborn: f64) -> [f64; 2] {
+        // Weaker contacts have the threshold 0.
+        let from = newborn.max(-self.shift / self.factor).max(0.0);
+        let left = law.survival(from);
+        if left == 0.0 {
+            return [0.0; 2];
+        }
+        let [mean, std] = [self.shift + self.factor * born.mean, self.factor * born.std];
+        let (z, hazard) = ((from - born.mean) / born.std, born.std * law.hazard(from));
+        [
+            left * (mean + std * hazard),
+            left * (mean * mean + std * std + std * hazard * (2.0 * mean + std * z)),
+        ]
     }
 }
 
@@ -228,6 +283,17 @@ impl Aged<'_> {
         }
     }
 
+    /// The contact whose threshold is h.
+    pub(crate) fn met(&self, threshold: f64) -> Met {
+        match &self.0 {
+            At::Affine(aged) => {
+                let newborn = (threshold - aged.shift) / aged.factor;
+                Met { newborn, drift: aged.shift_rate + aged.factor_rate * newborn, spread: aged.factor }
+            }
+            At::Ranked(aged) => aged.met(threshold),
+        }
+    }
+
     /// ∂h/∂h_0 at constant age, for a contact born with h_0.
     #[inline]
     pub fn spread(&self, newborn: f64) -> f64 {
@@ -260,7 +326,8 @@ impl Normal {
 mod tests {
     use super::*;
     use crate::contacts::Rules;
-    use crate::law::{Gaussian, Point, Rectangular};
+    use crate::law::{Gaussian, Lognormal, Point, Rectangular};
+    use crate::numerics::legendre::RULE;
 
     fn contacts(ageing: Option<Ageing>) -> Contacts {
         let law = Arc::new(Gaussian::new(0.5, 0.1).unwrap());
@@ -298,6 +365,48 @@ mod tests {
             let newborn = 0.5 + 0.1 * z;
             assert!((strength.threshold(newborn, 0.0) - newborn).abs() < 1e-15);
             assert!((strength.threshold(newborn, 1e3) - (1.0 + 0.05 * z)).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn moments_of_those_above_are_sums_over_their_thresholds() {
+        let mature = Arc::new(Lognormal::new(1.0, 0.1).unwrap());
+        let general = Ageing::FrozenRank { mature, time: 2.0 };
+        for ageing in [frozen_rank(), Ageing::Logarithmic { growth: 0.02, time: 3.0 }, general] {
+            let contacts = contacts(Some(ageing));
+            let (law, strength) = (contacts.thresholds.as_ref(), Strength::of(&contacts, &mut ()).unwrap());
+            for age in [0.0, 1e-3, 0.7, 40.0] {
+                let aged = strength.at(age);
+                for newborn in [-1.0, 0.2, 0.45, 0.8, 1.2] {
+                    let found = strength.moments_above(law, newborn, age);
+                    // A tenth of a standard deviation each, up to 10 of them.
+                    let edge = |k: u32| newborn.max(0.0) + 0.01 * f64::from(k);
+                    for (n, found) in (0..).zip(found) {
+                        let density = |h: f64| aged.threshold(h).powi(n) * law.density(h);
+                        let sum: f64 = (0..150).map(|k| RULE.integrate(edge(k), edge(k + 1), density)).sum();
+                        // What interpolation between ranks and ages leaves out, of those above.
+                        let allowed = 1e-9 * law.survival(newborn);
+                        assert!((found - sum).abs() < allowed, "{age} {newborn} {n} {:e}", found - sum);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_contact_met_has_the_threshold_and_its_rates() {
+        let mature = Arc::new(Lognormal::new(1.0, 0.1).unwrap());
+        let general = Ageing::FrozenRank { mature, time: 2.0 };
+        for ageing in [frozen_rank(), Ageing::Logarithmic { growth: 0.02, time: 3.0 }, general] {
+            let strength = Strength::of(&contacts(Some(ageing)), &mut ()).unwrap();
+            for (newborn, age) in [(0.3, 0.01), (0.5, 0.7), (0.75, 5.0)] {
+                let aged = strength.at(age);
+                let met = aged.met(aged.threshold(newborn));
+                // Rounding of the rank of the newborn threshold.
+                assert!((met.newborn - newborn).abs() < 1e-13);
+                assert!((met.drift - aged.drift(newborn)).abs() < 1e-11);
+                assert!((met.spread - aged.spread(newborn)).abs() < 1e-11);
+            }
         }
     }
 

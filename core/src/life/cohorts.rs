@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::Life;
 use super::Starts;
 use super::athermal::begin;
-use super::cells::{BULK, CELL, NEGLIGIBLE};
+use super::cells::{BULK, CELL, NEGLIGIBLE, RESOLUTION};
 use super::fate::{BlurredEdge, Cohort, Fate, Toll};
 use super::layer::Layer;
 use super::panels::{Domain, Panels};
@@ -81,7 +81,8 @@ pub(super) fn of_cohorts(
         tell(made, begun, u);
         at(u)
     };
-    let finer = per_threshold.then(|| stiffening(&told, edges, contacts.thresholds.mean()));
+    let fate = &cohorts.fate;
+    let finer = per_threshold.then(|| stiffening(&told, edges, contacts.thresholds.mean(), fate.roughness()));
     let edges = finer.as_ref().unwrap_or(edges);
     let curves = Piecewise::resolve_all(
         |u| {
@@ -91,7 +92,7 @@ pub(super) fn of_cohorts(
         },
         edges,
         end,
-        BULK.resolution,
+        Resolution::Mean(RESOLUTION.max(fate.roughness())),
     );
     let [_, breaking, survival, force, square, energy, lost] = curves;
     begin(&mut breaks, &breaking, 0.0, 0.0);
@@ -186,8 +187,8 @@ impl Outline {
 }
 
 /// Cell boundaries that resolve the stiffness too, which ageing changes while nothing breaks.
-fn stiffening(at: &impl Fn(f64) -> Sums, edges: &[f64], mean: f64) -> Vec<f64> {
-    let resolution = Resolution::Relative { fraction: 1e-13, negligible: mean };
+fn stiffening(at: &impl Fn(f64) -> Sums, edges: &[f64], mean: f64, roughness: f64) -> Vec<f64> {
+    let resolution = Resolution::Relative { fraction: roughness.max(1e-13), negligible: mean };
     Piecewise::resolve(|u| at(u).stiffness, edges, edges[edges.len() - 1], resolution).boundaries
 }
 
@@ -258,12 +259,25 @@ impl Cohorts {
             steep: Vec::new(),
         };
         panels.each(domain, |r, weight| {
-            let known = self.spread.get(&r.to_bits());
-            let unknown = || self.fate.cohort(r, watch).toll(advance);
-            let toll = watch.value(|| known.map_or_else(unknown, |cohort| cohort.toll(advance)));
-            sums.add(toll, weight, r + advance, per_threshold);
+            sums.add(self.toll(r, advance, watch), weight, r + advance, per_threshold);
         });
         sums
+    }
+
+    /// What becomes of contacts formed at a stretch: of a point that resolves the starts it is known.
+    fn toll(&self, start: f64, advance: f64, watch: &Watch<'_>) -> Toll {
+        let known = self.spread.get(&start.to_bits());
+        let unknown = || self.fate.cohort(start, watch).toll(advance);
+        watch.value(|| known.map_or_else(unknown, |cohort| cohort.toll(advance)))
+    }
+
+    /// ∫ of the density of starts below x times a function that is smooth between `cuts`.
+    fn below(&self, x: f64, cuts: &[f64], of: impl Fn(f64) -> f64) -> f64 {
+        let panels = Panels::new(&self.starts.density, self.widest(), NEGLIGIBLE);
+        let domain = Domain { low: f64::NEG_INFINITY, high: x, cuts: cuts.to_vec(), steep: Vec::new() };
+        let mut sum = 0.0;
+        panels.each(domain, |start, weight| sum += weight * of(start));
+        sum
     }
 
     /// Where the breaking density is not smooth past u = 0, atoms among it.
@@ -309,7 +323,7 @@ impl Cohorts {
     pub(super) fn density(&self, x: f64, advance: f64, watch: &Watch<'_>) -> f64 {
         let start = x - advance;
         let density = self.starts.density_at(start);
-        if density == 0.0 { 0.0 } else { density * self.fate.cohort(start, watch).toll(advance).unbroken[0] }
+        if density == 0.0 { 0.0 } else { density * self.toll(start, advance, watch).unbroken[0] }
     }
 
     /// Stretches of those that formed u ago at point masses, with the fraction still there.
@@ -327,8 +341,8 @@ impl Cohorts {
             let advance = x - lump.position;
             lump.weight * cohort.toll(advance).unbroken[0] * rate(advance)
         };
-        let left = |r: f64| watch.value(|| self.fate.cohort(r, watch).toll(x - r).unbroken[0] * rate(x - r));
-        lumps.map(one).sum::<f64>() + self.starts.spread_below(x, left, cuts)
+        let left = |r: f64| self.toll(r, x - r, watch).unbroken[0] * rate(x - r);
+        lumps.map(one).sum::<f64>() + self.below(x, cuts, left)
     }
 }
 
@@ -339,8 +353,8 @@ impl Cohorts {
         let one = |(lump, cohort): (&super::Lump, &Arc<dyn Cohort>)| {
             lump.weight * cohort.toll(x - lump.position).breaking[0]
         };
-        let met = |r: f64| watch.value(|| self.fate.cohort(r, watch).toll(x - r).breaking[0]);
-        lumps.map(one).sum::<f64>() + self.starts.spread_below(x, met, &[])
+        let met = |r: f64| self.toll(r, x - r, watch).breaking[0];
+        lumps.map(one).sum::<f64>() + self.below(x, &[], met)
     }
 
     /// Stretches at which contacts break together that formed at point masses.

@@ -26,6 +26,11 @@ pub(crate) trait Fate: Debug + Send + Sync {
         0.0
     }
 
+    /// What tolls are rough by, as fractions of all: curves that follow them more closely follow that.
+    fn roughness(&self) -> f64 {
+        0.0
+    }
+
     /// A length over which the tolls at one advance vary little with the start, between the starts that
     /// [`Fate::passing`] tells.
     fn resolution(&self) -> f64;

@@ -120,25 +120,6 @@ impl Grid {
         kept
     }
 
-    /// Visits thresholds above the `least`, none of which has broken.
-    pub(super) fn above(&self, least: f64, mut visit: impl FnMut(Share)) {
-        let whole = |newborn: f64, weight: f64| Share { newborn, weight, broken: 0.0, rate: 0.0 };
-        let walls = self.walls.iter().filter(|wall| wall.position > least);
-        walls.for_each(|wall| visit(whole(wall.position, wall.weight)));
-        let first = self.parts.partition_point(|part| part.ends[1] <= least);
-        for part in &self.parts[first..] {
-            if part.ends[0] >= least {
-                part.points.iter().zip(part.weights).for_each(|(&h, weight)| visit(whole(h, weight)));
-                continue;
-            }
-            let half = 0.5 * (part.ends[1] - least);
-            for (t, w) in RULE.nodes.iter().zip(&RULE.weights) {
-                let newborn = least + half * (1.0 + t);
-                visit(whole(newborn, half * w * self.law.density(newborn)));
-            }
-        }
-    }
-
     /// The same as [`Grid::each`] of a part, between two thresholds: its upper end, and its lower one or what is least above.
     fn sum(
         &self,

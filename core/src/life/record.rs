@@ -42,9 +42,9 @@ impl Record {
         self.lull(advance).map_or_else(|| self.newborn(advance), |lull| lull.met)
     }
 
-    /// dy/du, 0 in a lull.
-    pub(super) fn pace(&self, advance: f64) -> f64 {
-        if self.lull(advance).is_some() { 0.0 } else { self.slope(advance) }
+    /// y and dy/du, which is 0 in a lull.
+    pub(super) fn reach(&self, advance: f64) -> (f64, f64) {
+        self.lull(advance).map_or_else(|| self.meeting_at(advance), |lull| (lull.met, 0.0))
     }
 
     /// The advance at which a newborn threshold above the start is met; `None` where that is beyond all measure.
@@ -78,23 +78,23 @@ impl Record {
         self.strength.newborn(self.start + advance, advance / self.velocity)
     }
 
-    /// Its slope, with u.
-    fn slope(&self, advance: f64) -> f64 {
-        let aged = self.strength.at(advance / self.velocity);
-        let newborn = aged.newborn(self.start + advance);
-        (1.0 - aged.drift(newborn) / self.velocity) / aged.spread(newborn)
+    /// h_0 and its slope, with u.
+    fn meeting_at(&self, advance: f64) -> (f64, f64) {
+        let met = self.strength.at(advance / self.velocity).met(self.start + advance);
+        (met.newborn, (1.0 - met.drift / self.velocity) / met.spread)
     }
 
     fn lulls(&self, highest: f64) -> Vec<Lull> {
         let mut found = Vec::new();
         let mut before = 0.0;
-        let mut open = (self.slope(0.0) < 0.0).then_some((0.0, self.start));
-        let mut at = 1e-12 * highest;
+        let slope = |advance: f64| self.meeting_at(advance).1;
+        let mut open = (slope(0.0) < 0.0).then_some((0.0, self.start));
+        let mut at = (self.velocity * self.strength.soon()).clamp(1e-12 * highest, highest);
         while at.is_finite() {
-            let here = self.newborn(at);
+            let (here, pace) = self.meeting_at(at);
             match open {
-                None if self.slope(at) < 0.0 => {
-                    let from = brent_root(|u| self.slope(u), before, at, 0.0).unwrap_or(before);
+                None if pace < 0.0 => {
+                    let from = brent_root(slope, before, at, 0.0).unwrap_or(before);
                     open = Some((from, self.newborn(from)));
                 }
                 Some((from, met)) if here > met => {

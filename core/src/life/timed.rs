@@ -9,7 +9,7 @@ use super::fate::{BlurredEdge, Cohort, Fate, Passing, Toll};
 use super::grid::{Grid, Share};
 use super::record::Record;
 use crate::Result;
-use crate::contacts::{Aged, Barrier, Contacts, Stiffness, Strength};
+use crate::contacts::{Barrier, Contacts, Stiffness, Strength};
 use crate::law::{Break, SharedLaw};
 use crate::monitor::Watch;
 use crate::numerics::legendre::NODES;
@@ -148,7 +148,13 @@ impl Fate for Timed {
     }
 
     fn error(&self) -> f64 {
-        self.strength.error().max(ROUNDING)
+        /// Some ten cells leave out what tolls are rough by, each.
+        const CELLS: f64 = 10.0;
+        (CELLS * self.roughness()).max(ROUNDING)
+    }
+
+    fn roughness(&self) -> f64 {
+        self.strength.error()
     }
 
     fn resolution(&self) -> f64 {
@@ -209,23 +215,18 @@ impl Formed {
             toll.breaking[1] += breaks * present;
         }
     }
-}
 
-impl Formed {
-    /// Adds all contacts with newborn thresholds above one.
-    fn add_kept(&self, toll: &mut Toll, above: f64, aged: &Aged<'_>) {
-        let Timed { law, grid, strength, per_threshold, .. } = &self.of;
+    /// Adds all contacts of an age with newborn thresholds above one.
+    fn add_kept(&self, toll: &mut Toll, above: f64, age: f64) {
+        let Timed { law, strength, per_threshold, .. } = &self.of;
         if above.is_infinite() {
             return;
         }
-        if *per_threshold && !strength.is_constant() {
-            return grid.above(above, |share| self.add(toll, share, aged.threshold(share.newborn)));
-        }
-        toll.unbroken[0] += law.survival(above);
         if *per_threshold {
-            (1..)
-                .zip(&mut toll.unbroken[1..])
-                .for_each(|(order, sum)| *sum += law.upper_moment(order, above));
+            let kept = strength.moments_above(law.as_ref(), above, age);
+            toll.unbroken.iter_mut().zip(kept).for_each(|(sum, moment)| *sum += moment);
+        } else {
+            toll.unbroken[0] += law.survival(above);
         }
     }
 }
@@ -233,20 +234,21 @@ impl Formed {
 impl Cohort for Formed {
     fn toll(&self, advance: f64) -> Toll {
         let Timed { law, strength, velocity, .. } = &self.of;
-        let (met, pace) = (self.record.met(advance), self.record.pace(advance));
-        let (aged, stretch) = (strength.at(advance / velocity), self.start + advance);
+        let (met, pace) = self.record.reach(advance);
+        let (age, stretch) = (advance / velocity, self.start + advance);
         let mut toll = Toll::default();
         let (mut reached, mut kept) = (law.density(met) * pace, met);
         if let Some(exposure) = &self.of.exposure {
             let exposed = exposure.at(self.start, advance);
             let least = (met, exposed.risk(met));
             let asked = self.asked.swap(true, Ordering::Relaxed);
+            let aged = strength.at(age);
             let add = |share: Share| self.add(&mut toll, share, aged.threshold(share.newborn));
             let known = |exposed: &Exposed<'_>, place: usize| self.risk(exposed, place, asked);
             kept = self.of.grid.each(least, &exposed, &known, add);
             reached *= (-least.1.0).exp();
         }
-        self.add_kept(&mut toll, kept, &aged);
+        self.add_kept(&mut toll, kept, age);
         toll.breaking[0] += reached;
         toll.breaking[1] += reached * stretch;
         toll
@@ -257,7 +259,7 @@ impl Cohort for Formed {
             let here = hazard.position == self.start;
             let advance = if here { 0.0 } else { self.record.meeting(hazard.position)? };
             let left = self.of.left(self.start, advance, hazard.position);
-            let pace = if hazard.is_atom() { 1.0 } else { self.record.pace(advance) };
+            let pace = if hazard.is_atom() { 1.0 } else { self.record.reach(advance).1 };
             let amplitude = hazard.amplitude * left * pace.powf(hazard.exponent + 1.0);
             Some(Break { position: advance, amplitude, ..*hazard })
         };

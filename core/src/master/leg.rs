@@ -41,7 +41,10 @@ impl Leg {
     ) -> Result<Self> {
         let mut rising = Rising::new(monitor);
         let monitor: &mut dyn Monitor = &mut rising;
-        let leg = match (Self::refined(first, reborn, end, tolerance.value(), monitor), tolerance.coarser()) {
+        // What lives are off by is not solved for.
+        let known = first.error().max(reborn.error());
+        let value = tolerance.value().max(known);
+        let leg = match (Self::refined(first, reborn, end, value, monitor), tolerance.coarser()) {
             (Err(Error::Accuracy { .. }), Some(coarser)) => {
                 return Self::solve(first, reborn, end, coarser, monitor);
             }

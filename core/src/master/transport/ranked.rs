@@ -14,13 +14,13 @@ use serde::{Deserialize, Serialize};
 
 use super::cohort::Place;
 use super::grid::Grid;
-use super::panels::{Panel, panels};
+use super::panels::panels;
 use super::path::Path;
 use super::seeds::Seed;
 use super::thermal::{Moment, Passage, Thermal};
 use crate::contacts::{Barrier, Contacts, Label, Rank, Stiffness, Strength, Temperature};
 use crate::law::{Atom, SharedLaw};
-use crate::numerics::legendre::{NODES, Nodal, RULE};
+use crate::numerics::legendre::{NODES, Nodal};
 use crate::numerics::roots::{brent_minimum, brent_root};
 
 /// Thresholds that follow from age.
@@ -32,8 +32,6 @@ pub(super) struct Ranks {
     /// Where temperature is felt.
     thermal: Option<(Thermal, Grid)>,
     atoms: Vec<Atom>,
-    /// The panels of the law.
-    panels: Vec<Panel>,
     /// Ranks on panels of the grid: they take long to find, and all cohorts have the same.
     ranks: RwLock<HashMap<u64, Arc<PanelRanks>>>,
     /// The strongest contacts.
@@ -122,8 +120,8 @@ impl Ranks {
             let thermal = Thermal::new(contacts, t, moved(contacts, &t, 1.0), tolerance);
             (thermal, Grid::new(law.as_ref(), contacts, &t, tolerance))
         });
-        let (atoms, panels) = (law.atoms(), panels(law.as_ref(), f64::INFINITY));
-        let highest = panels.last().map(|panel| panel.high);
+        let atoms = law.atoms();
+        let highest = panels(law.as_ref(), f64::INFINITY).last().map(|panel| panel.high);
         let highest = highest.into_iter().chain(atoms.last().map(|atom| atom.position)).fold(0.0, f64::max);
         Self {
             law,
@@ -133,7 +131,6 @@ impl Ranks {
             stiffness: contacts.stiffness,
             thermal,
             atoms,
-            panels,
             ranks: RwLock::default(),
         }
     }
@@ -301,8 +298,7 @@ impl Ranks {
             Stiffness::PerThreshold(_) => {
                 let aged = self.strength.at(age);
                 let threshold = |h: f64| aged.threshold(h);
-                let untouched = self.untouched(self.top(left), threshold);
-                (self.touched(left, threshold) + untouched) / left.newborn
+                (self.touched(left, threshold) + self.untouched(self.top(left), age)) / left.newborn
             }
         };
         (count, stiffness)
@@ -323,11 +319,11 @@ impl Ranks {
         }
     }
 
-    /// ∫ P_ci `weight`(h_0) dh_0 above a label, without atoms.
-    fn untouched(&self, from: f64, weight: impl Fn(f64) -> f64) -> f64 {
-        let integrand = |h: f64| self.law.density(h) * weight(h);
-        let over = self.panels.iter().filter(|panel| panel.high > from);
-        over.map(|panel| RULE.integrate(from.max(panel.low), panel.high, integrand)).sum()
+    /// ∫ P_ci h dh_0 above a label, without atoms.
+    fn untouched(&self, from: f64, age: f64) -> f64 {
+        let beyond = self.atoms.iter().filter(|atom| atom.position > from);
+        let atoms: f64 = beyond.map(|atom| atom.weight * self.strength.threshold(atom.position, age)).sum();
+        (self.strength.moments_above(self.law.as_ref(), from, age)[1] - atoms).max(0.0)
     }
 
     /// ∫ P_ci `weight`(h_0) e^{−A} dh_0 of the band above c, and that of the atoms.
