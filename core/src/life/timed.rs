@@ -131,9 +131,16 @@ fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
     let law = contacts.thresholds.as_ref();
     let (mean, widest) = (law.mean(), scale(law));
     let Some(temperature) = contacts.rules.temperature else { return widest };
-    let edged = hazards.iter().any(|b| b.is_atom() || b.weight(mean) * mean > BLURRED);
+    let edged = |b: &Break| b.is_atom() || b.weight(mean) * mean > BLURRED;
     let blur = blur(contacts, &temperature);
-    if edged { widest.min(blur.max(FINEST * mean)) } else { widest }
+    if hazards.iter().any(|b| b.position > 0.0 && edged(b)) {
+        widest.min(blur.max(FINEST * mean))
+    } else if hazards.iter().any(edged) {
+        // None meets a threshold of 0; near it contacts do not hold against temperature, where ½k h² is about T.
+        widest.min((blur * mean).sqrt().max(FINEST * mean))
+    } else {
+        widest
+    }
 }
 
 impl Fate for Timed {
@@ -153,6 +160,10 @@ impl Fate for Timed {
 
     fn resolution(&self) -> f64 {
         self.resolution
+    }
+
+    fn tells_of_edges(&self) -> bool {
+        true
     }
 
     fn passing(&self, advance: f64) -> Vec<Passing> {
