@@ -110,6 +110,13 @@ impl Timed {
         history
     }
 
+    /// Room for histories at all places of the grid.
+    fn room(&self) -> Vec<OnceLock<Piecewise>> {
+        let places = self.grid.fixed().len();
+        self.kept.fetch_add(places * size_of::<OnceLock<Piecewise>>() / size_of::<f64>(), Ordering::Relaxed);
+        vec![OnceLock::new(); places]
+    }
+
     /// What temperature leaves, at an advance, of contacts formed at `start` with the newborn threshold.
     fn left(&self, start: f64, advance: f64, newborn: f64) -> f64 {
         let risk = |exposure: &Exposure| exposure.at(start, advance).risk(newborn).0;
@@ -199,10 +206,11 @@ impl Formed {
         if !asked || newborn <= self.start || self.of.strength.is_constant() {
             return exposed.risk(newborn);
         }
-        let histories = self.histories.get_or_init(|| vec![OnceLock::new(); self.of.grid.fixed().len()]);
-        if histories[place].get().is_none() && !self.of.may_keep() {
+        let known = self.histories.get().is_some_and(|histories| histories[place].get().is_some());
+        if !known && !self.of.may_keep() {
             return exposed.risk(newborn);
         }
+        let histories = self.histories.get_or_init(|| self.of.room());
         let end = || self.record.meeting(newborn).unwrap_or(self.of.highest);
         let history = histories[place].get_or_init(|| self.of.keep(exposed.history(newborn, end())));
         exposed.known_risk(newborn, history)
