@@ -148,7 +148,7 @@ pub(super) fn of_cohorts(
         breaking_energy: kernel(breaking_energy),
         breaking: Kernel::new(breaking, breaks),
         error: cohorts.fate.error(),
-        starts: Starts::Cohorts(cohorts),
+        starts: Starts::Cohorts(Box::new(cohorts)),
         stiffness: contacts.stiffness.weight(contacts.thresholds.mean()),
         wait: 0.0,
     })
