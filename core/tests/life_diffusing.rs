@@ -315,3 +315,46 @@ fn a_slow_slider_meets_thresholds_at_the_rate_of_one_at_rest() {
     // Thresholds lag behind the stretch by a part of order v, 6e-6 of the friction at 1e-4; what has matured takes 1e-6 of a length.
     assert!((found - sums[1] / sums[0]).abs() < 5e-7, "{found} {}", sums[1] / sums[0]);
 }
+
+/// Starts spread over a bell are the mean of starts at its points, summed by the trapezoidal rule: of steps of 0.8 standard
+/// deviations it misses e^{−2π²/0.64} = 4e-14 (E. T. Goodwin, Proc. Camb. Phil. Soc. 45, 241 (1949)).
+fn starts_spread_over_a_bell_are_the_mean_of_its_points(contacts: &Contacts, velocity: f64, tolerance: f64) {
+    let (mean, std, step) = (0.1, 0.005, 0.8_f64);
+    let starting = |law: SharedLaw| moving(contacts, &law, true, velocity, false, &mut ()).unwrap();
+    let spread = starting(gaussian(mean, std));
+    let points: Vec<(f64, Life)> = (-9..=9)
+        .map(|k| {
+            let z = step * f64::from(k);
+            let weight = step * (-0.5 * z * z).exp() / (2.0 * std::f64::consts::PI).sqrt();
+            (weight, starting(Arc::new(Point::new(mean + std * z).unwrap())))
+        })
+        .collect();
+    let mut seen = 0.0_f64;
+    for u in (1..40).map(|k| 0.03 * f64::from(k)) {
+        let [left, force] = [Life::survival, Life::force].map(|of| {
+            let sum: f64 = points.iter().map(|(weight, life)| weight * of(life).curve().value(u)).sum();
+            let found = of(&spread).curve().value(u);
+            assert!((found - sum).abs() < tolerance, "{u}: {found} {sum}");
+            found
+        });
+        seen = seen.max(left * (1.0 - left)).max(force);
+    }
+    // Contacts broke on the way.
+    assert!(seen > 0.2);
+}
+
+#[test]
+fn few_starts_stand_for_narrow_ones_where_thresholds_diffuse() {
+    // Each life misses some 3e-12 of the density of thresholds at each of some hundred steps.
+    starts_spread_over_a_bell_are_the_mean_of_its_points(&reference(), 1.0, 1e-9);
+}
+
+#[test]
+fn few_starts_stand_for_narrow_ones_where_contacts_age_at_a_temperature() {
+    let mut contacts = Contacts::new(gaussian(1.0, 0.2), Arc::new(Point::new(0.0).unwrap()));
+    contacts.rules.ageing = Some(Ageing::Logarithmic { growth: 0.05, time: 1.0 });
+    contacts.rules.temperature =
+        Some(Temperature { energy: 0.05, attempt_rate: 10.0, barrier: Barrier::Elastic });
+    // What cells of a life leave out of it, 1e-13, and what lies beyond seven standard deviations, 1e-12.
+    starts_spread_over_a_bell_are_the_mean_of_its_points(&contacts, 0.1, 1e-11);
+}

@@ -1,19 +1,19 @@
 //! A life put together from cohorts: sums over where contacts start.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use super::Life;
 use super::Starts;
 use super::athermal::begin;
-use super::cells::{BULK, CELL, NEGLIGIBLE, RESOLUTION};
+use super::cells::{BULK, CELL, NEGLIGIBLE, RESOLUTION, with_atoms};
 use super::fate::{BlurredEdge, Cohort, Fate, Toll};
 use super::layer::Layer;
 use super::panels::{Domain, Panels};
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
-use crate::law::{Atom, Break, Law};
+use crate::law::{Atom, Break, Law, SharedLaw};
 use crate::monitor::Watch;
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::volterra::Kernel;
@@ -29,8 +29,45 @@ pub(super) struct Cohorts {
     starts: Layer,
     /// The cohorts of its atoms, in their order.
     together: Vec<Arc<dyn Cohort>>,
-    /// Those of the points that resolve its density.
-    spread: HashMap<u64, Arc<dyn Cohort>>,
+    /// Those of the points that resolve its density, as they are asked for.
+    spread: HashMap<u64, OnceLock<Arc<dyn Cohort>>>,
+    /// Those points if they are few, with their weights: what is not smooth about them shows as that of atoms does.
+    few: Vec<(f64, Arc<dyn Cohort>)>,
+    reach: Reach,
+}
+
+/// On which lengths tolls vary with the start.
+#[derive(Debug, Clone)]
+struct Reach {
+    thresholds: SharedLaw,
+    /// Where P_c is not smooth above 0, and whether a [`Fate`] tells from which starts they are met.
+    edges: Vec<f64>,
+    told: bool,
+    resolution: f64,
+}
+
+impl Reach {
+    fn new(contacts: &Contacts, fate: &dyn Fate) -> Self {
+        let thresholds = contacts.thresholds.clone();
+        let edges =
+            with_atoms(thresholds.as_ref()).iter().map(|b| b.position).filter(|&at| at > 0.0).collect();
+        Self { thresholds, edges, told: fate.tells_of_edges(), resolution: fate.resolution() }
+    }
+
+    /// A length L such that tolls of starts between two vary no faster than e^{−((r − r_0)/L)²}, between those that are told:
+    /// a part of that on which P_c varies, and of the way to where it is not smooth, 0 among those unless no threshold is as
+    /// low; 0 where that is not known.
+    fn length(&self, low: f64, high: f64) -> f64 {
+        /// P_c may vary so much faster than its resolution says, at its steeper side.
+        const STEEPER: f64 = 3.0;
+        let beside = |&edge: &f64| match edge {
+            _ if edge <= low => low - edge,
+            _ if edge >= high && self.told => edge - high,
+            _ => 0.0,
+        };
+        let lowest = if self.thresholds.cumulative(high) > NEGLIGIBLE { low } else { f64::INFINITY };
+        self.edges.iter().map(beside).fold(lowest.min(self.resolution), f64::min) / STEEPER
+    }
 }
 
 /// What a life is made of at one advance, sums over all cohorts.
@@ -59,7 +96,7 @@ pub(super) fn of_cohorts(
 ) -> Result<Life> {
     let cohorts = Cohorts::new(contacts, fate, starts, conditional, watch)?;
     let per_threshold = matches!(contacts.stiffness, Stiffness::PerThreshold(_));
-    let panels = Panels::new(&cohorts.starts.density, cohorts.widest(), NEGLIGIBLE);
+    let panels = cohorts.panels();
     let at = |u: f64| watch.value(|| cohorts.sums(&panels, u, per_threshold, watch));
     let unbroken = if conditional { 1.0 } else { at(0.0).survival };
     let mut breaks = cohorts.breaks(watch);
@@ -112,7 +149,7 @@ pub(super) fn of_cohorts(
         breaking_energy: kernel(breaking_energy),
         breaking: Kernel::new(breaking, breaks),
         error: cohorts.fate.error(),
-        starts: Starts::Cohorts(cohorts),
+        starts: Starts::Cohorts(Box::new(cohorts)),
         stiffness: contacts.stiffness.weight(contacts.thresholds.mean()),
         wait: 0.0,
     })
@@ -215,27 +252,41 @@ impl Cohorts {
     ) -> Result<Self> {
         let starts = Layer::placed(contacts, starts, conditional, BULK);
         let together = starts.lumps.iter().map(|lump| fate.cohort(lump.position, watch)).collect();
-        let mut cohorts = Self { fate, starts, together, spread: HashMap::new() };
+        let reach = Reach::new(contacts, fate.as_ref());
+        let mut cohorts = Self { fate, starts, together, spread: HashMap::new(), few: Vec::new(), reach };
+        /// By more, breaks of the single ones are too small to be seen, and too many.
+        const FEW: usize = 8;
         let everywhere =
             Domain { low: f64::NEG_INFINITY, high: f64::INFINITY, cuts: Vec::new(), steep: Vec::new() };
-        let mut points: Vec<f64> = Vec::new();
-        Panels::new(&cohorts.starts.density, cohorts.widest(), NEGLIGIBLE)
-            .each(everywhere, |r, _| points.push(r));
+        let (mut points, mut spread) = (Vec::new(), HashMap::new());
+        let panels = cohorts.panels();
+        panels.each(everywhere, |r, weight| points.push((r, weight)));
+        panels.all(|r| {
+            spread.insert(f64::to_bits(r), OnceLock::new());
+        });
         let (count, finished) = (points.len() as f64, AtomicUsize::new(0));
         let make = |(): &mut (), number: usize| {
-            let cohort = cohorts.fate.cohort(points[number], watch);
+            let cohort = cohorts.fate.cohort(points[number].0, watch);
             let finished = finished.fetch_add(1, Ordering::Relaxed) + 1;
             watch.done(cohorts.fate.making() * finished as f64 / count);
             cohort
         };
         let found = watch.share(points.len(), || (), make)?;
-        cohorts.spread = points.iter().map(|start| start.to_bits()).zip(found).collect();
+        if points.len() <= FEW && !cohorts.fate.tells_of_edges() {
+            cohorts.few = points.iter().map(|point| point.1).zip(found.iter().cloned()).collect();
+        }
+        spread
+            .extend(points.iter().map(|point| point.0.to_bits()).zip(found.into_iter().map(OnceLock::from)));
+        cohorts.spread = spread;
         Ok(cohorts)
     }
 
-    /// The widest panels that resolve how tolls vary with the start.
-    fn widest(&self) -> f64 {
-        2.0 * CELL * self.fate.resolution()
+    /// The density of starts in panels that resolve how tolls vary with the start.
+    fn panels(&self) -> Panels<'_> {
+        /// What a gathered panel may leave out: rounding.
+        const LEFT_OUT: f64 = 1e-16;
+        let panels = Panels::new(&self.starts.density, 2.0 * CELL * self.fate.resolution(), NEGLIGIBLE);
+        panels.gathered(|low, high| self.reach.length(low, high), LEFT_OUT)
     }
 
     /// The sums at an advance.
@@ -266,14 +317,16 @@ impl Cohorts {
 
     /// What becomes of contacts formed at a stretch: of a point that resolves the starts it is known.
     fn toll(&self, start: f64, advance: f64, watch: &Watch<'_>) -> Toll {
-        let known = self.spread.get(&start.to_bits());
-        let unknown = || self.fate.cohort(start, watch).toll(advance);
-        watch.value(|| known.map_or_else(unknown, |cohort| cohort.toll(advance)))
+        let make = || self.fate.cohort(start, watch);
+        watch.value(|| match self.spread.get(&start.to_bits()) {
+            Some(known) => known.get_or_init(make).toll(advance),
+            None => make().toll(advance),
+        })
     }
 
     /// ∫ of the density of starts below x times a function that is smooth between `cuts`.
     fn below(&self, x: f64, cuts: &[f64], of: impl Fn(f64) -> f64) -> f64 {
-        let panels = Panels::new(&self.starts.density, self.widest(), NEGLIGIBLE);
+        let panels = self.panels();
         let domain = Domain { low: f64::NEG_INFINITY, high: x, cuts: cuts.to_vec(), steep: Vec::new() };
         let mut sum = 0.0;
         panels.each(domain, |start, weight| sum += weight * of(start));
@@ -283,8 +336,9 @@ impl Cohorts {
     /// Where the breaking density is not smooth past u = 0, atoms among it.
     fn breaks(&self, watch: &Watch<'_>) -> Vec<Break> {
         let mut out = Vec::new();
-        for (lump, cohort) in self.starts.lumps.iter().zip(&self.together) {
-            let scaled = |b: Break| Break { amplitude: b.amplitude * lump.weight, ..b };
+        let lumps = self.starts.lumps.iter().map(|lump| lump.weight).zip(&self.together);
+        for (weight, cohort) in lumps.chain(self.few.iter().map(|(weight, cohort)| (*weight, cohort))) {
+            let scaled = |b: Break| Break { amplitude: b.amplitude * weight, ..b };
             out.extend(cohort.breaks().into_iter().map(scaled));
         }
         for start in &self.starts.breaks {

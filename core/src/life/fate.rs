@@ -35,6 +35,11 @@ pub(crate) trait Fate: Debug + Send + Sync {
     /// [`Fate::passing`] tells.
     fn resolution(&self) -> f64;
 
+    /// Whether [`Fate::passing`] tells of all edges of P_c that are met.
+    fn tells_of_edges(&self) -> bool {
+        false
+    }
+
     /// The starts from which, at the advance u, a threshold is met at which P_c is not smooth, or nothing breaks any more.
     fn passing(&self, _advance: f64) -> Vec<Passing> {
         Vec::new()

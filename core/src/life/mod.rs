@@ -81,7 +81,7 @@ enum Starts {
     /// Contacts that know no time, in layers with a past.
     Layers { layers: Vec<Layer>, thresholds: SharedLaw },
     /// Contacts at a velocity.
-    Cohorts(Cohorts),
+    Cohorts(Box<Cohorts>),
 }
 
 impl Life {

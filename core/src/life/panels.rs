@@ -1,5 +1,6 @@
 //! Gauss points of a density, between given bounds and cuts.
 
+use crate::numerics::gauss;
 use crate::numerics::legendre::RULE;
 use crate::numerics::piecewise::Piecewise;
 
@@ -14,6 +15,8 @@ struct Panel {
     low: f64,
     high: f64,
     points: Vec<(f64, f64)>,
+    /// What it was gathered from, if so.
+    parts: Vec<Panel>,
 }
 
 /// Where an integral is taken: between `low` and `high`, smooth between `cuts`, but for powers of the distance to those
@@ -44,19 +47,58 @@ impl<'a> Panels<'a> {
         domain.cuts.sort_by(f64::total_cmp);
         let first = self.panels.partition_point(|panel| panel.high <= low);
         for panel in self.panels[first..].iter().take_while(|panel| panel.low < high) {
-            let from = domain.cuts.partition_point(|&x| x <= panel.low);
-            let inside = &domain.cuts[from..domain.cuts.partition_point(|&x| x < panel.high).max(from)];
-            if inside.is_empty() && !near(&domain.steep, panel.low, panel.high) {
-                panel.points.iter().for_each(|&(x, weight)| visit(x, weight));
-                continue;
+            self.within(panel, &domain, &mut visit);
+        }
+    }
+
+    /// Visits all points of all panels, and of what they were gathered from.
+    pub(super) fn all(&self, mut visit: impl FnMut(f64)) {
+        let parts = self.panels.iter().flat_map(|panel| &panel.parts);
+        self.panels.iter().chain(parts).flat_map(|panel| &panel.points).for_each(|point| visit(point.0));
+    }
+
+    /// Gathers neighbouring panels, each of which then has the fewest points that integrate to `error` what varies little over
+    /// the `length` between two places: those of a Gauss rule for the density itself. Panels are taken apart again where they
+    /// are cut.
+    pub(super) fn gathered(self, length: impl Fn(f64, f64) -> f64, error: f64) -> Self {
+        /// Widths of gathered panels, in lengths.
+        const WIDEST: f64 = 3.0;
+        let mut panels = Vec::new();
+        let mut rest = self.panels.into_iter().peekable();
+        while let Some(first) = rest.next() {
+            let low = first.low;
+            let mut parts = vec![first];
+            let is_near = |next: &Panel| next.high - low <= WIDEST * length(low, next.high);
+            parts.extend(std::iter::from_fn(|| rest.next_if(is_near)));
+            let high = parts[parts.len() - 1].high;
+            let points: Vec<_> = parts.iter().flat_map(|part| part.points.iter().copied()).collect();
+            let rule = gauss::fewest(&points, length(low, high), error);
+            if rule.len() < points.len() {
+                panels.push(Panel { low, high, points: rule, parts });
+            } else {
+                panels.extend(parts);
             }
-            let (mut start, least) = (panel.low, 1e-16 * (panel.high - panel.low));
-            for &stop in inside.iter().chain([&panel.high]) {
-                if start >= low && stop <= high {
-                    self.part((start, stop), least, &domain.steep, &mut visit);
-                }
-                start = stop;
+        }
+        Self { panels, ..self }
+    }
+
+    /// Visits Gauss points of a panel in a domain.
+    fn within(&self, panel: &Panel, domain: &Domain, visit: &mut impl FnMut(f64, f64)) {
+        let from = domain.cuts.partition_point(|&x| x <= panel.low);
+        let inside = &domain.cuts[from..domain.cuts.partition_point(|&x| x < panel.high).max(from)];
+        if inside.is_empty() && !near(&domain.steep, panel.low, panel.high) {
+            return panel.points.iter().for_each(|&(x, weight)| visit(x, weight));
+        }
+        if !panel.parts.is_empty() {
+            let parts = panel.parts.iter().filter(|part| part.high > domain.low && part.low < domain.high);
+            return parts.for_each(|part| self.within(part, domain, visit));
+        }
+        let (mut start, least) = (panel.low, 1e-16 * (panel.high - panel.low));
+        for &stop in inside.iter().chain([&panel.high]) {
+            if start >= domain.low && stop <= domain.high {
+                self.part((start, stop), least, &domain.steep, visit);
             }
+            start = stop;
         }
     }
 
@@ -68,14 +110,15 @@ impl<'a> Panels<'a> {
             self.part((low, middle), least, steep, visit);
             return self.part((middle, high), least, steep, visit);
         }
-        gauss(low, high).for_each(|(x, weight)| visit(x, weight * self.density.value(x)));
+        even(low, high).for_each(|(x, weight)| visit(x, weight * self.density.value(x)));
     }
 }
 
 impl Panel {
     fn new(density: &Piecewise, (low, high): (f64, f64), negligible: f64) -> Self {
-        let points = gauss(low, high).map(|(x, weight)| (x, weight * density.value(x)));
-        Self { low, high, points: points.filter(|point| point.1.abs() > negligible).collect() }
+        let points = even(low, high).map(|(x, weight)| (x, weight * density.value(x)));
+        let points = points.filter(|point| point.1.abs() > negligible).collect();
+        Self { low, high, points, parts: Vec::new() }
     }
 }
 
@@ -85,7 +128,7 @@ fn near(places: &[f64], low: f64, high: f64) -> bool {
 }
 
 /// Gauss points and weights on [low, high].
-fn gauss(low: f64, high: f64) -> impl Iterator<Item = (f64, f64)> {
+fn even(low: f64, high: f64) -> impl Iterator<Item = (f64, f64)> {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     RULE.nodes.iter().zip(&RULE.weights).map(move |(t, w)| (middle + half * t, half * w))
 }

@@ -110,6 +110,13 @@ impl Timed {
         history
     }
 
+    /// Room for histories at all places of the grid.
+    fn room(&self) -> Vec<OnceLock<Piecewise>> {
+        let places = self.grid.fixed().len();
+        self.kept.fetch_add(places * size_of::<OnceLock<Piecewise>>() / size_of::<f64>(), Ordering::Relaxed);
+        vec![OnceLock::new(); places]
+    }
+
     /// What temperature leaves, at an advance, of contacts formed at `start` with the newborn threshold.
     fn left(&self, start: f64, advance: f64, newborn: f64) -> f64 {
         let risk = |exposure: &Exposure| exposure.at(start, advance).risk(newborn).0;
@@ -131,9 +138,16 @@ fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
     let law = contacts.thresholds.as_ref();
     let (mean, widest) = (law.mean(), scale(law));
     let Some(temperature) = contacts.rules.temperature else { return widest };
-    let edged = hazards.iter().any(|b| b.is_atom() || b.weight(mean) * mean > BLURRED);
+    let edged = |b: &Break| b.is_atom() || b.weight(mean) * mean > BLURRED;
     let blur = blur(contacts, &temperature);
-    if edged { widest.min(blur.max(FINEST * mean)) } else { widest }
+    if hazards.iter().any(|b| b.position > 0.0 && edged(b)) {
+        widest.min(blur.max(FINEST * mean))
+    } else if hazards.iter().any(edged) {
+        // None meets a threshold of 0; near it contacts do not hold against temperature, where ½k h² is about T.
+        widest.min((blur * mean).sqrt().max(FINEST * mean))
+    } else {
+        widest
+    }
 }
 
 impl Fate for Timed {
@@ -159,6 +173,10 @@ impl Fate for Timed {
 
     fn resolution(&self) -> f64 {
         self.resolution
+    }
+
+    fn tells_of_edges(&self) -> bool {
+        true
     }
 
     fn passing(&self, advance: f64) -> Vec<Passing> {
@@ -194,10 +212,11 @@ impl Formed {
         if !asked || newborn <= self.start || self.of.strength.is_constant() {
             return exposed.risk(newborn);
         }
-        let histories = self.histories.get_or_init(|| vec![OnceLock::new(); self.of.grid.fixed().len()]);
-        if histories[place].get().is_none() && !self.of.may_keep() {
+        let known = self.histories.get().is_some_and(|histories| histories[place].get().is_some());
+        if !known && !self.of.may_keep() {
             return exposed.risk(newborn);
         }
+        let histories = self.histories.get_or_init(|| self.of.room());
         let end = || self.record.meeting(newborn).unwrap_or(self.of.highest);
         let history = histories[place].get_or_init(|| self.of.keep(exposed.history(newborn, end())));
         exposed.known_risk(newborn, history)

@@ -7,6 +7,7 @@ pub mod cutoff;
 pub mod dawson;
 pub mod diffusion;
 pub mod fractional;
+pub mod gauss;
 pub mod legendre;
 pub mod line;
 pub mod linear;

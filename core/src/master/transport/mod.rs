@@ -159,7 +159,7 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         Tolerance::from(tolerance).check()?;
-        let seeds = seeds(contacts.reforming.as_ref(), contacts.highest_start(), widest(contacts), |_| 1.0);
+        let seeds = reforming(contacts, tolerance);
         let (Stiffness::Equal(stiffness) | Stiffness::PerThreshold(stiffness)) = contacts.stiffness;
         let mean = contacts.thresholds.mean();
         Ok(Self {
@@ -542,6 +542,16 @@ fn model(
     }
     let diffusing = Diffusing::new(contacts, seeds, pace::scale(contacts), tolerance, monitor)?;
     Ok(Model::Diffusing(Box::new(diffusing.expect("thresholds that diffuse have a mature law"))))
+}
+
+/// Where contacts re-form. What becomes of them varies with it as with the steps that they are born in: smoothly, and where
+/// densities jump as much as in half a step, which either of its two points of birth stands for.
+fn reforming(contacts: &Contacts, tolerance: f64) -> Vec<Seed> {
+    /// Of the tolerance.
+    const PART: f64 = 0.01;
+    let widest = widest(contacts).min(0.5 * pace::coarsest(contacts, tolerance));
+    let law = contacts.reforming.as_ref();
+    seeds::fewest(law, contacts.highest_start(), widest, pace::scale(contacts), PART * tolerance)
 }
 
 /// The widest cell of a law of stretches: no wider than the thresholds can see.

@@ -48,9 +48,8 @@ const GROWTH: f64 = 2.0;
 impl Pace {
     pub(super) fn new(contacts: &Contacts, tolerance: f64) -> Self {
         let smooth = (REACH * tolerance.powf(0.25)).min(1.0) * scale(contacts);
-        let reach = smooth.min(JUMP * tolerance.sqrt() * contacts.thresholds.mean() / jumps(contacts).sqrt());
         Self {
-            reach,
+            reach: smooth.min(coarsest(contacts, tolerance)),
             surprise: SURPRISE * tolerance.powf(0.75),
             bend: BEND * tolerance,
             next: f64::INFINITY,
@@ -155,6 +154,11 @@ pub(super) fn scale(contacts: &Contacts) -> f64 {
     let width = widths.fold(mean, f64::min);
     let thermal = contacts.rules.temperature.map_or(0.0, |t| t.energy / (contacts.stiffness.of(mean) * mean));
     if width == 0.0 { thermal.clamp(LEAST * mean, mean) } else { width.hypot(thermal).min(mean) }
+}
+
+/// The longest stretch on which sums go over where densities jump; infinite where they do not.
+pub(super) fn coarsest(contacts: &Contacts, tolerance: f64) -> f64 {
+    JUMP * tolerance.sqrt() * contacts.thresholds.mean() / jumps(contacts).sqrt()
 }
 
 /// By how much the density of thresholds jumps, in units of the inverse mean one; a point mass counts as its weight.

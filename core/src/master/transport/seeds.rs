@@ -2,6 +2,7 @@
 
 use super::panels::panels;
 use crate::law::{Atom, Law};
+use crate::numerics::gauss;
 
 /// Contacts that start together: a share at a stretch, spread evenly over a cell around it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +18,8 @@ pub(super) struct Seed {
 /// Shares below this are left to the others.
 const NEGLIGIBLE: f64 = 1e-14;
 
-/// The seeds of a law below `top`, in panels no wider than `widest`, each weighted by `held` at its stretch.
+/// The seeds of a law below `top`, in panels no wider than `widest`, each weighted by `held` at its stretch: so many that the
+/// density of the law can be seen in them.
 ///
 /// Cells of a panel end at the partial sums of the Gauss weights, between which the points lie (P. L. Chebyshev,
 /// A. A. Markov and T. J. Stieltjes).
@@ -37,4 +39,112 @@ pub(super) fn seeds(law: &dyn Law, top: f64, widest: f64, held: impl Fn(f64) -> 
     seeds.iter_mut().for_each(|seed| seed.weight *= held(seed.stretch) / whole);
     seeds.retain(|seed| seed.weight > 0.0);
     seeds
+}
+
+/// The fewest seeds of a law below `top` that tell sums of what varies over a length to an error, and none of which stands for
+/// more than a stretch that is `widest`.
+///
+/// They are the points of Gauss rules for the law itself, one on every such stretch. Their cells end where the law has the
+/// partial sums of the weights, between which the points lie, too; the outer ones as far beyond the points as they begin
+/// before them.
+pub(super) fn fewest(law: &dyn Law, top: f64, widest: f64, length: f64, error: f64) -> Vec<Seed> {
+    let fine = seeds(law, top, widest, |_| 1.0);
+    let (mut seeds, spread): (Vec<Seed>, Vec<Seed>) =
+        fine.into_iter().partition(|seed| seed.below + seed.above == 0.0);
+    let mut rest = &spread[..];
+    while let Some(first) = rest.first() {
+        let end = first.stretch - first.below + widest;
+        let count = rest.partition_point(|seed| seed.stretch + seed.above <= end).max(1);
+        seeds.extend(gathered(&rest[..count], length, error));
+        rest = &rest[count..];
+    }
+    seeds
+}
+
+/// Neighbouring seeds, gathered into the fewest that tell sums of what varies over a length to an error.
+fn gathered(fine: &[Seed], length: f64, error: f64) -> Vec<Seed> {
+    let points: Vec<_> = fine.iter().map(|seed| (seed.stretch, seed.weight)).collect();
+    let rule = gauss::fewest(&points, length, error);
+    if rule.len() == fine.len() {
+        return fine.to_vec();
+    }
+    let mut seeds = Vec::new();
+    let (mut low, mut sum, mut passed) = (fine[0].stretch - fine[0].below, 0.0, 0.0);
+    let mut fine = fine.iter().peekable();
+    for &(stretch, weight) in &rule {
+        sum += weight;
+        let mut high = low;
+        // The cell in which the partial sum is reached is cut in proportion.
+        while let Some(seed) = fine.next_if(|seed| passed + seed.weight <= sum) {
+            passed += seed.weight;
+            high = seed.stretch + seed.above;
+        }
+        if let Some(seed) = fine.peek() {
+            high = seed.stretch - seed.below + (seed.below + seed.above) * (sum - passed) / seed.weight;
+        }
+        seeds.push(Seed { stretch, weight, below: stretch - low, above: high - stretch });
+        low = high;
+    }
+    if let [seed] = &mut seeds[..] {
+        // As wide as they are spread.
+        let square: f64 = points.iter().map(|(x, weight)| weight * (x - seed.stretch).powi(2)).sum();
+        (seed.below, seed.above) = ((3.0 * square / seed.weight).sqrt(), (3.0 * square / seed.weight).sqrt());
+    } else if let [first, .., last] = &mut seeds[..] {
+        first.below = first.below.min(first.above);
+        last.above = last.above.min(last.below);
+    }
+    seeds
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::law::{Exponential, Gamma, Gaussian, Lognormal, Mixture, Point, Rectangular, SharedLaw};
+
+    fn laws() -> Vec<SharedLaw> {
+        let two: Vec<(f64, SharedLaw)> = vec![
+            (0.4, Arc::new(Point::new(0.1).unwrap())),
+            (0.6, Arc::new(Rectangular::new(0.2, 0.3).unwrap())),
+        ];
+        vec![
+            Arc::new(Gaussian::new(0.2, 0.002).unwrap()),
+            Arc::new(Gamma::new(0.01, 0.001).unwrap()),
+            Arc::new(Exponential::new(0.3).unwrap()),
+            Arc::new(Lognormal::new(0.2, 0.4).unwrap()),
+            Arc::new(Mixture::new(two).unwrap()),
+        ]
+    }
+
+    #[test]
+    fn few_seeds_tell_sums_to_the_error_and_lie_in_their_cells() {
+        for law in laws() {
+            for error in [1e-4, 1e-7, 1e-10] {
+                let (length, widest, top) = (1.0, 4.0, f64::INFINITY);
+                let few = fewest(law.as_ref(), top, widest, length, error);
+                let all = seeds(law.as_ref(), top, widest, |_| 1.0);
+                for centre in [0.0, 0.2, 0.5, 1.0, 2.0] {
+                    let sum = |seeds: &[Seed]| -> f64 {
+                        let term = |s: &Seed| s.weight * (-((s.stretch - centre) / length).powi(2)).exp();
+                        seeds.iter().map(term).sum()
+                    };
+                    let off = (sum(&few) - sum(&all)).abs();
+                    // On each of some tens of stretches.
+                    assert!(off <= 3.0 * error, "{} {error:e} {centre}: {off:e}", law.name());
+                }
+                assert!(few.iter().all(|seed| seed.below >= 0.0 && seed.above >= 0.0), "{few:?}");
+                assert!(few.len() < all.len().div_ceil(4), "{}: {} of {}", law.name(), few.len(), all.len());
+            }
+        }
+    }
+
+    #[test]
+    fn no_few_seed_stands_for_more_than_is_widest() {
+        let law = Gaussian::new(1.0, 0.2).unwrap();
+        let few = fewest(&law, 1.5, 0.05, 0.1, 1e-3);
+        assert!(few.iter().all(|seed| seed.below + seed.above <= 0.05 * (1.0 + 1e-12)), "{few:?}");
+        let whole: f64 = few.iter().map(|seed| seed.weight).sum();
+        assert!((whole - 1.0).abs() < 1e-14 && few.iter().all(|seed| seed.stretch < 1.5));
+    }
 }
