@@ -147,7 +147,7 @@ fn on_a_slider(
     shape: Shape,
     described: scenario::Coupling,
 ) {
-    let said = needed(table(shape, described).fits(&contacts(&point(1.0), &point(0.0)), None, 0));
+    let said = needed(table(shape, described).fits(&contacts(&point(1.0), &point(0.0)), None, false, 0));
     let curve = curve::gaussian(0.1);
     let taken = most(|| slide(&curve, make().unwrap(), shape.size()));
     holds(&format!("{shape:?} {described:?}"), taken, said);

@@ -86,7 +86,7 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
         drive_tolerance: 1e-3,
         catalogue_from: 0.0,
     };
-    table.fits(&contacts(&point(1.0), &point(0.0)), None, monitor.memory())?;
+    table.fits(&contacts(&point(1.0), &point(0.0)), None, false, monitor.memory())?;
     let setting = Setting { viscosity: None, ..setting(0.5, elastic::Slip::Overdamped, 1e-3) };
     let slider = half_space(shape, Edges::Periodic, stiffness, 1.0)?;
     let curve = curve::gaussian(0.1);

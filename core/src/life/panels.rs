@@ -110,13 +110,13 @@ impl<'a> Panels<'a> {
             self.part((low, middle), least, steep, visit);
             return self.part((middle, high), least, steep, visit);
         }
-        even(low, high).for_each(|(x, weight)| visit(x, weight * self.density.value(x)));
+        legendre(low, high).for_each(|(x, weight)| visit(x, weight * self.density.value(x)));
     }
 }
 
 impl Panel {
     fn new(density: &Piecewise, (low, high): (f64, f64), negligible: f64) -> Self {
-        let points = even(low, high).map(|(x, weight)| (x, weight * density.value(x)));
+        let points = legendre(low, high).map(|(x, weight)| (x, weight * density.value(x)));
         let points = points.filter(|point| point.1.abs() > negligible).collect();
         Self { low, high, points, parts: Vec::new() }
     }
@@ -128,7 +128,7 @@ fn near(places: &[f64], low: f64, high: f64) -> bool {
 }
 
 /// Gauss points and weights on [low, high].
-fn even(low: f64, high: f64) -> impl Iterator<Item = (f64, f64)> {
+fn legendre(low: f64, high: f64) -> impl Iterator<Item = (f64, f64)> {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     RULE.nodes.iter().zip(&RULE.weights).map(move |(t, w)| (middle + half * t, half * w))
 }
