@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement accuracy
+.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint accuracy
 
 export PYTHON ?= python3
 venv := .venv
@@ -54,8 +54,8 @@ python: $(venv)/installed $(venv)-oldest/installed
 	$(venv)-oldest/bin/python -P -m pytest -k "not command"
 	$(venv)/bin/mypy python
 	$(venv)/bin/python -P -m mypy.stubtest asperity --allowlist python/tests/stubtest.txt
-	$(venv)/bin/ruff format --check python docs
-	$(venv)/bin/ruff check python docs
+	$(venv)/bin/ruff format --check python docs .ci
+	$(venv)/bin/ruff check python docs .ci
 
 # A wheel, from the source distribution. It has a target folder of its own: Cargo takes the crates of another copy
 # of the workspace for the same ones.
@@ -161,6 +161,18 @@ accuracy:
 # `make rust` compares those that are quick.
 agreement:
 	cargo test --release --locked --package asperity --test solvers_agree -- --ignored --nocapture
+
+# What all shipped scenarios and the notebooks compute, compared bit by bit with what they do in the commit BASE: for changes of
+# the code that must not change a number, and before a release.
+fingerprint: tree := target/fingerprint/tree
+fingerprint: $(venv)/installed
+	@[ -n "$(BASE)" ] || { echo "fingerprint: BASE=COMMIT is what to compare with" >&2; exit 2; }
+	rm -rf $(tree); git worktree prune; git worktree add --detach $(tree) $(BASE)
+	env -u CARGO_TARGET_DIR $(MAKE) --directory $(tree) $(venv)/installed
+	env -u CARGO_TARGET_DIR $(tree)/$(venv)/bin/python -P .ci/fingerprint.py record $(tree) target/fingerprint/before.npz
+	$(venv)/bin/python -P .ci/fingerprint.py record . target/fingerprint/after.npz
+	git worktree remove --force $(tree)
+	$(venv)/bin/python -P .ci/fingerprint.py compare target/fingerprint/before.npz target/fingerprint/after.npz
 
 # Scenarios drawn from the schema, one after the other, for an hour; those that fail are left in target/fuzz, each with the
 # reason, and the command that repeats it is printed. CASE=1234 checks and runs that one, SECONDS=600 takes ten minutes,

@@ -1,8 +1,8 @@
-"""The crates that asperity is made of: their licences and sources by the rules of deny.toml, and their notices.
+"""The crates that asperity is made of: licences and sources by the rules of deny.toml, and their notices.
 
 `third_party.py check` is what `make test` runs, `third_party.py write` writes THIRD-PARTY.txt anew.
-The rules are those of cargo-deny (https://embarkstudios.github.io/cargo-deny), which needs minutes to be compiled and
-does more: where it is installed, `make advisories` lets it check everything.
+The rules are those of cargo-deny (https://embarkstudios.github.io/cargo-deny), which needs minutes to be
+compiled and does more: where it is installed, `make advisories` lets it check everything.
 """
 
 import json
@@ -15,7 +15,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 NOTICES = ROOT / "THIRD-PARTY.txt"
-# What the wheel and the command are made of where they are built; other systems add crates of the same licences.
+# What the wheel and the command are made of where they are built; other systems add crates of the same
+# licences.
 PLATFORM = "x86_64-unknown-linux-gnu"
 # Of the licences that a crate offers, the first of these is taken.
 PREFERRED = ["MIT", "Apache-2.0"]
@@ -30,7 +31,7 @@ def metadata() -> dict:
 
 
 def packages(found: dict, kinds: tuple) -> list:
-    """The packages that the workspace needs by dependencies of these kinds (None: normal), without its own."""
+    """The packages that the workspace needs by dependencies of these kinds (None: normal), not its own."""
     nodes = {node["id"]: node for node in found["resolve"]["nodes"]}
     own = set(found["workspace_members"])
     reached, ahead = set(own), list(own)
@@ -111,7 +112,9 @@ def texts(package: dict) -> list:
     told = [path.read_text(encoding="utf-8", errors="replace") for path in files]
     authors = ", ".join(package["authors"]) or f"the authors of {package['name']}"
     absent = f"{package['license']}; copyright {authors}; the crate comes without the text of its licence."
-    return [re.sub(r"[ \t]+$", "", text.strip("\n\r "), flags=re.MULTILINE).replace("\r\n", "\n") for text in told] or [absent]
+    return [
+        re.sub(r"[ \t]+$", "", text.strip("\n\r "), flags=re.MULTILINE).replace("\r\n", "\n") for text in told
+    ] or [absent]
 
 
 def notices(found: dict) -> str:
@@ -121,8 +124,8 @@ def notices(found: dict) -> str:
         for text in texts(package):
             crates[text].append(f"{package['name']} {package['version']} ({package['license']})")
     head = (
-        "asperity is made of the crates below, besides its own. Each stands under one of its licences, whose text\n"
-        "follows the names. Written by .ci/third_party.py; `asperity notices` prints it.\n"
+        "asperity is made of the crates below, besides its own. Each stands under one of its licences, "
+        "whose text\nfollows the names. Written by .ci/third_party.py; `asperity notices` prints it.\n"
     )
     parts = [f"{RULE}\n{chr(10).join(names)}\n\n{text}\n" for text, names in crates.items()]
     return "\n".join([head, *sorted(parts)])
