@@ -22,7 +22,7 @@ pub struct Arguments {
 pub enum Command {
     /// Compute a scenario, write the results to a folder and print a summary
     Run(Run),
-    /// Read a scenario and say whether it makes sense, without computing it
+    /// Read a scenario and say whether it is valid, without computing it
     Check(Scenario),
     /// Print the JSON Schema of scenarios: every key, its meaning and its default
     Schema,

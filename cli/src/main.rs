@@ -72,7 +72,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Run(run) => run::run(&run),
         Command::Check(scenario) => {
             run::warn(&input::read(&scenario.path, &scenario.overrides)?.scenario);
-            print(&format!("{} makes sense\n", scenario.path.display()))
+            print(&format!("{}: valid\n", scenario.path.display()))
         }
         Command::Schema => print(&format!("{}\n", input::schema())),
         Command::Example { name: None } => print(&examples::list()),

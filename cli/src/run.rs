@@ -50,7 +50,7 @@ fn tell(summary: &Summary, directory: &Path, arguments: &Run) -> Result<(), Fail
     print(&format!("{}{:<22} {}\n", summary::readable(summary), "results", directory.display()))
 }
 
-/// Says what makes sense but will surprise.
+/// Says what is valid but may surprise.
 pub fn warn(scenario: &Scenario) {
     for warning in scenario.warnings() {
         say(&format!("warning: {warning}"));

@@ -1,6 +1,6 @@
 //! What the documents show is run: every scenario, command, output, key, picture and link.
 //!
-//! Code blocks have a language. `toml` is a scenario that makes sense; one that begins with `# NAME` is kept under that
+//! Code blocks have a language. `toml` is a valid scenario; one that begins with `# NAME` is kept under that
 //! name for the commands after it. `console` is commands (`$ …`) and what they print, to the letter; with `fails` behind
 //! it, of the errors too, and the exit code is not 0. `sh` is a command whose `make` target exists. `rust` is run with the
 //! documentation of the core, `python` with its `output` and `pycon` by python/tests and docs/test_pages.py.

@@ -1,4 +1,4 @@
-//! Cost of the master equation in CPU time: Fig. 2 of the paper, laws that are harder, contacts moved forth and back.
+//! Cost of the master equation in CPU time: Fig. 2 of the paper, laws that are harder, contacts moved back and forth.
 
 #![allow(missing_docs)]
 

@@ -1,4 +1,4 @@
-//! Cost of kinetic friction against velocity, in CPU time: what a curve costs for each kind of contacts that know time.
+//! Cost of kinetic friction against velocity, in CPU time: what a curve costs for each kind of time-dependent contacts.
 
 #![allow(missing_docs)]
 

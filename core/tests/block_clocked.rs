@@ -1,4 +1,4 @@
-//! A slider block over contacts that know time: against the athermal block, linear stability and the ensemble.
+//! A slider block over time-dependent contacts: against the athermal block, linear stability and the ensemble.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! The books of a slider block over contacts that know time: every term counted on its own, and nothing left over.
+//! The books of a slider block over time-dependent contacts: every term counted on its own, and nothing left over.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! An interface whose contacts know time: against the block in time, the athermal interface and the ensemble.
+//! An interface whose contacts are time-dependent: against the block in time, the athermal interface and the ensemble.
 
 mod common;
 

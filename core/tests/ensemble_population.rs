@@ -80,7 +80,7 @@ fn asked(work: impl Fn(&mut Patience) -> Result<()>) -> u32 {
     times.unwrap() - 1
 }
 
-/// What is marked comes back: after breaks forth and back, while some contacts are free, and all of it goes on as if
+/// What is marked comes back: after breaks back and forth, while some contacts are free, and all of it goes on as if
 /// nothing had been.
 #[test]
 fn what_is_marked_comes_back() {

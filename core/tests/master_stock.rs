@@ -1,4 +1,4 @@
-//! The contacts of a master equation moved forth and back, against closed forms and quadratures of their own.
+//! The contacts of a master equation moved back and forth, against closed forms and quadratures of their own.
 
 mod common;
 #[path = "common/walk.rs"]

@@ -1,4 +1,4 @@
-//! The contacts of a master equation moved forth and back against contacts moved one by one.
+//! The contacts of a master equation moved back and forth against contacts moved one by one.
 //!
 //! Within 4 standard errors: a right program fails once in 16 000 comparisons for fresh seeds. There are some 500 here,
 //! with fixed seeds.

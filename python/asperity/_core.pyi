@@ -334,7 +334,7 @@ class Contacts(Description):
     normal_load: the weight carried, a force; with it, results of scenarios have friction coefficients.
     temperature: heat that breaks contacts below their thresholds. ageing: how thresholds change with the age of a contact,
     thresholds being the law of the newborn. delay: how long a broken contact is free before it re-forms, 0 by default.
-    Contacts with any of these know time: what is asked of them needs a velocity.
+    Contacts with any of these are time-dependent: what is asked of them needs a velocity.
 
     Laws may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
     """
@@ -411,7 +411,7 @@ class MasterEquation(Model):
     contacts: the contacts. initial: the law Q_ini of stretches at X = 0, all at 0 by default.
     start: "conditional" where contacts hold at X = 0, so that thresholds lie above stretches; "relaxed" where stretches
     and thresholds are independent, so that what is above its threshold breaks at once.
-    velocity: the velocity of the slider, above 0; needed only where contacts know time, which at X = 0 have age 0.
+    velocity: the velocity of the slider, above 0; needed only where contacts are time-dependent, which at X = 0 have age 0.
     tolerance: error allowed in the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger error raises
     RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` tells what is reached.
 
@@ -501,7 +501,7 @@ class Ensemble(Model):
         """Pulls the slider's bottom from X = 0 to distance, from break to break.
 
         distance, points, progress: as for MasterEquation.pull. velocity: the velocity of the slider, above 0; needed only
-        where contacts know time. snapshots: a list of m positions, rising, at which the
+        where contacts are time-dependent. snapshots: a list of m positions, rising, at which the
         stretches are counted. edges: a list of edges of the n bins to count them in, rising; by default even bins up to
         where hardly any contact holds. Ctrl-C stops it.
 
@@ -620,11 +620,11 @@ class Block(Description):
         """Moves the top of the slider from X_T = 0, or imposes a force, and follows its bottom.
 
         distance: how far it is moved, a length above 0; 20 if nothing else is said. turning_points: positions X_T to
-        which it is moved one after the other, forth and back, instead. force_to: the force, above 0, up to which a slider
+        which it is moved one after the other, back and forth, instead. force_to: the force, above 0, up to which a slider
         of infinite stiffness is pulled whatever its position, instead. points: the number of points of the trace, evenly
         spaced along the drive, both ends included; 2 or more; turning points, and points before and after every slip,
         come on top. velocity: the velocity of the top, above 0, with which the slider is moved in time as by follow; needed
-        over a Transport, and over contacts that know time. progress: as for MasterEquation.pull. Ctrl-C stops it.
+        over a Transport, and over time-dependent contacts. progress: as for MasterEquation.pull. Ctrl-C stops it.
 
         Raises ValueError for values that make no sense, MemoryError for results that do not fit or too many point masses,
         RuntimeError where the tolerance is not reached.
@@ -929,7 +929,7 @@ class Relaxation:
 
     @property
     def paper_estimate(self) -> float:
-        """The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. Of contacts that know time, x̄
+        """The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. Of time-dependent contacts, x̄
         and σ are those of the ways from birth to rebirth in steady sliding.
         """
 
@@ -1008,8 +1008,8 @@ class Deformable(Description):
         """Drives the interface from X_T = 0 to distance, from event to event.
 
         points: the number of points of the trace, both ends included. velocity: that of the drive, above 0; needed where
-        contacts know time. tolerance: the error allowed in the force of a cell per mean threshold and per stiffness, 1e-10 if
-        nothing else is said; where contacts know time also in a step of a cell, per mean threshold, 1e-4. maps: a list of drives, rising, at which every cell
+        contacts are time-dependent. tolerance: the error allowed in the force of a cell per mean threshold and per stiffness, 1e-10 if
+        nothing else is said; where contacts are time-dependent also in a step of a cell, per mean threshold, 1e-4. maps: a list of drives, rising, at which every cell
         is shown; of a chain it is at every point. catalogue_from: the drive from which on events are recorded. progress:
         as for MasterEquation.pull. Ctrl-C stops it.
 
@@ -1036,7 +1036,7 @@ class Interface(Deformable):
     neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a half-space
     and the side of a cell. edges: "open" or "periodic". loading: "uniform", or "edge" where the drive pulls the first cell
     or row alone. slip: "reset", where all contacts of an unstable cell break and re-form, or "overdamped". viscosity: the
-    drag of a moving cell, force per velocity; with it events take time. Contacts that know time need it, with
+    drag of a moving cell, force per velocity; with it events take time. Time-dependent contacts need it, with
     slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j, and a cell slips while it is ten times as fast as the
     drive. disorder: the standard deviation of the scales of
     cells, which multiply all lengths of their contacts, drawn from a Gaussian of mean 1 with the seed; or a list of them.
@@ -1083,7 +1083,7 @@ class Interface(Deformable):
         MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`, the stretches at which contacts
         are together.
 
-        Where contacts know time, velocity is that of the drive. There, and where cells have a size, there may be edges of n
+        Where contacts are time-dependent, velocity is that of the drive. There, and where cells have a size, there may be edges of n
         bins instead of stretches, n + 1 numbers that rise: the density is the mean in each bin then, and `stretch` its middle.
         Contacts that are free are not counted. Without bins each of the few contacts of a cell with a size is an atom.
 

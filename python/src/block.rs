@@ -233,11 +233,11 @@ impl Block {
     /// Moves the top of the slider from X_T = 0, or imposes a force, and follows its bottom.
     ///
     /// distance: how far it is moved, a length above 0; 20 if nothing else is said. turning_points: positions X_T to
-    /// which it is moved one after the other, forth and back, instead. force_to: the force, above 0, up to which a slider
+    /// which it is moved one after the other, back and forth, instead. force_to: the force, above 0, up to which a slider
     /// of infinite stiffness is pulled whatever its position, instead. points: the number of points of the trace, evenly
     /// spaced along the drive, both ends included; 2 or more; turning points, and points before and after every slip,
     /// come on top. velocity: the velocity of the top, above 0, with which the slider is moved in time as by follow; needed
-    /// over a Transport, and over contacts that know time. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    /// over a Transport, and over time-dependent contacts. progress: as for MasterEquation.pull. Ctrl-C stops it.
     ///
     /// Raises ValueError for values that make no sense, MemoryError for results that do not fit or too many point masses,
     /// RuntimeError where the tolerance is not reached.

@@ -72,7 +72,7 @@ pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyR
 /// normal_load: the weight carried, a force; with it, results of scenarios have friction coefficients.
 /// temperature: heat that breaks contacts below their thresholds. ageing: how thresholds change with the age of a contact,
 /// thresholds being the law of the newborn. delay: how long a broken contact is free before it re-forms, 0 by default.
-/// Contacts with any of these know time: what is asked of them needs a velocity.
+/// Contacts with any of these are time-dependent: what is asked of them needs a velocity.
 ///
 /// Laws may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
 #[pyclass(frozen, extends = Description, module = "asperity")]

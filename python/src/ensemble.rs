@@ -83,7 +83,7 @@ impl Ensemble {
     /// Pulls the slider's bottom from X = 0 to distance, from break to break.
     ///
     /// distance, points, progress: as for MasterEquation.pull. velocity: the velocity of the slider, above 0; needed only
-    /// where contacts know time. snapshots: a list of m positions, rising, at which the
+    /// where contacts are time-dependent. snapshots: a list of m positions, rising, at which the
     /// stretches are counted. edges: a list of edges of the n bins to count them in, rising; by default even bins up to
     /// where hardly any contact holds. Ctrl-C stops it.
     ///

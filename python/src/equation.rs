@@ -27,7 +27,7 @@ use crate::{error, values};
 /// contacts: the contacts. initial: the law Q_ini of stretches at X = 0, all at 0 by default.
 /// start: "conditional" where contacts hold at X = 0, so that thresholds lie above stretches; "relaxed" where stretches
 /// and thresholds are independent, so that what is above its threshold breaks at once.
-/// velocity: the velocity of the slider, above 0; needed only where contacts know time, which at X = 0 have age 0.
+/// velocity: the velocity of the slider, above 0; needed only where contacts are time-dependent, which at X = 0 have age 0.
 /// tolerance: error allowed in the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger error raises
 /// RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` tells what is reached.
 ///
@@ -215,7 +215,7 @@ impl Relaxation {
         self.relaxation.length()
     }
 
-    /// The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. Of contacts that know time, x̄
+    /// The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. Of time-dependent contacts, x̄
     /// and σ are those of the ways from birth to rebirth in steady sliding.
     #[getter]
     fn paper_estimate(&self) -> f64 {

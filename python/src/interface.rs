@@ -94,8 +94,8 @@ impl Deformable {
     /// Drives the interface from X_T = 0 to distance, from event to event.
     ///
     /// points: the number of points of the trace, both ends included. velocity: that of the drive, above 0; needed where
-    /// contacts know time. tolerance: the error allowed in the force of a cell per mean threshold and per stiffness, 1e-10 if
-    /// nothing else is said; where contacts know time also in a step of a cell, per mean threshold, 1e-4. maps: a list of drives, rising, at which every cell
+    /// contacts are time-dependent. tolerance: the error allowed in the force of a cell per mean threshold and per stiffness, 1e-10 if
+    /// nothing else is said; where contacts are time-dependent also in a step of a cell, per mean threshold, 1e-4. maps: a list of drives, rising, at which every cell
     /// is shown; of a chain it is at every point. catalogue_from: the drive from which on events are recorded. progress:
     /// as for MasterEquation.pull. Ctrl-C stops it.
     ///
@@ -172,7 +172,7 @@ impl Deformable {
 /// neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a half-space
 /// and the side of a cell. edges: "open" or "periodic". loading: "uniform", or "edge" where the drive pulls the first cell
 /// or row alone. slip: "reset", where all contacts of an unstable cell break and re-form, or "overdamped". viscosity: the
-/// drag of a moving cell, force per velocity; with it events take time. Contacts that know time need it, with
+/// drag of a moving cell, force per velocity; with it events take time. Time-dependent contacts need it, with
 /// slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j, and a cell slips while it is ten times as fast as the
 /// drive. disorder: the standard deviation of the scales of
 /// cells, which multiply all lengths of their contacts, drawn from a Gaussian of mean 1 with the seed; or a list of them.
@@ -247,7 +247,7 @@ impl Interface {
     /// MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`, the stretches at which contacts
     /// are together.
     ///
-    /// Where contacts know time, velocity is that of the drive. There, and where cells have a size, there may be edges of n
+    /// Where contacts are time-dependent, velocity is that of the drive. There, and where cells have a size, there may be edges of n
     /// bins instead of stretches, n + 1 numbers that rise: the density is the mean in each bin then, and `stretch` its middle.
     /// Contacts that are free are not counted. Without bins each of the few contacts of a cell with a size is an atom.
     ///
@@ -272,7 +272,7 @@ impl Interface {
         }
         let surface = Deformable::plain(slf.as_super());
         let scenario = surface.scenario(Drive { velocity, ..Drive::default() });
-        let velocity = velocity.filter(|_| surface.contacts.contacts.know_time());
+        let velocity = velocity.filter(|_| surface.contacts.contacts.are_time_dependent());
         let (stretches, found) = watched(progress, py, |monitor| {
             let built = scenario.build()?;
             match (looked, velocity) {

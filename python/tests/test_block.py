@@ -30,7 +30,7 @@ def test_the_period_of_the_paper(run: asp.StickSlip) -> None:
     assert first is not None
     assert first == pytest.approx((1.666198355430, 0.8925878043021, 0.7736105511280), abs=TOLERANCE)
     assert (run.runaway, run.sizes, run.slip_course) == (None, None, None)
-    assert run.reason == "persistent stick-slip: 18 slips, the last ones alike"
+    assert run.reason == "persistent stick-slip: 18 slips, steady period"
     assert run.block == SOFT
 
 

@@ -163,7 +163,7 @@ contacts.ageing.logarithmic = { growth = 0.02, time = 1.0 }
 master_equation.tolerance = 1e-4
 ";
 
-/// One cell whose contacts know time is the block in time, up to the accuracy of a step of both.
+/// One cell whose contacts are time-dependent is the block in time, up to the accuracy of a step of both.
 #[test]
 fn one_cell_in_time_is_a_block_in_time() {
     let cell = run(&format!(
@@ -218,7 +218,7 @@ master_equation.tolerance = 1e-4
     assert!((plain[10] - 1.25 * other[10]).abs() > 1e-2);
 }
 
-/// Cells of few contacts that know time differ by chance, each seed by its own.
+/// Cells of few time-dependent contacts differ by chance, each seed by its own.
 #[test]
 fn cells_of_few_contacts_in_time_are_drawn() {
     let events = |seed: u64| {

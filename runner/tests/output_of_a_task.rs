@@ -18,7 +18,7 @@ pull = { distance = 20.0, points = 2001, snapshots = [0.0, 1.09, 20.0] }
 ";
 
 fn scenario(text: &str) -> Scenario {
-    input::parse(text, "test", Path::new(""), &[]).expect("the scenario makes sense").scenario
+    input::parse(text, "test", Path::new(""), &[]).expect("the scenario is valid").scenario
 }
 
 fn run(text: &str) -> Outcome {

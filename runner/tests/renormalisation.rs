@@ -24,7 +24,7 @@ edges = 'periodic'
 ",
         1.0 - 4.0 * share
     );
-    input::parse(&text, "test", Path::new(""), &[]).expect("the scenario makes sense").scenario
+    input::parse(&text, "test", Path::new(""), &[]).expect("the scenario is valid").scenario
 }
 
 fn run(share: f64) -> Outcome {
@@ -48,8 +48,7 @@ disorder.std = {scatter}
 drive_tolerance = 1e-4
 "
     );
-    let scenario =
-        input::parse(&text, "test", Path::new(""), &[]).expect("the scenario makes sense").scenario;
+    let scenario = input::parse(&text, "test", Path::new(""), &[]).expect("the scenario is valid").scenario;
     task::run(&scenario, &mut ()).unwrap()
 }
 

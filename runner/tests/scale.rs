@@ -358,7 +358,7 @@ fn interfaces_have_no_scale() {
     ]);
 }
 
-/// The rules by which contacts know time.
+/// The rules that make contacts time-dependent.
 const RULES: [&str; 8] = [
     "temperature = { energy = 0.05_J, attempt_rate = 1_Hz, barrier = 'elastic' }",
     "temperature = { energy = 0.05_J, attempt_rate = 1_Hz, barrier = 'bell' }",

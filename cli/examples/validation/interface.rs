@@ -195,7 +195,7 @@ largest difference of energies per cell.
         "
 Tests hold what no table shows: one cell, and cells on a rigid slider, move as a block does; patches that weaken give way
 from the nucleation length on, to 2 %; catalogues are the same on any number of threads, and those of a run that was
-stopped and gone on with.
+stopped and resumed.
 ",
     );
     page

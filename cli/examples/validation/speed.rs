@@ -1,4 +1,4 @@
-//! What contacts that know time cost: kinetic friction, velocity steps, threads, and diffusion cell by cell.
+//! What time-dependent contacts cost: kinetic friction, velocity steps, threads, and diffusion cell by cell.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! Contacts that know time: kinetic friction against velocity beside the ensemble, and velocities that vary.
+//! Time-dependent contacts: kinetic friction against velocity beside the ensemble, and velocities that vary.
 
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Start};
 use asperity::ensemble::{Disorder, Ensemble};

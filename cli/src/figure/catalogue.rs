@@ -35,7 +35,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let mut legend = vec![style::marker(events, ORANGE, MarkerShape::Circle)];
     legend.extend(catalogue.law.map(|law| style::line(told(&law), BLUE, None)));
     if plots.len() > 2 {
-        legend.push(style::line("events that come by chance", GREY, Some(DASHES)));
+        legend.push(style::line("Poisson process", GREY, Some(DASHES)));
     }
     let figure = Figure::new(2, 2)
         .with_structure([vec![vec![0, 1]], lower].concat())

@@ -239,7 +239,7 @@ fn an_interface_has_a_catalogue_and_maps() {
             assert!(svg(&pictures, picture).contains(word), "{picture} lacks {word}");
         }
     }
-    assert!(svg(&pictures, "catalogue.svg").contains("by chance"));
+    assert!(svg(&pictures, "catalogue.svg").contains("Poisson process"));
     let mut none = lattice(40);
     if let Some(catalogue) = &mut none.summary.catalogue {
         catalogue.mean_waiting = None;
@@ -247,7 +247,7 @@ fn an_interface_has_a_catalogue_and_maps() {
     for alone in [none, lattice(5)] {
         let alone = draw(&alone).unwrap();
         assert!(svg(&alone, "catalogue.svg").contains("Breaks in an event"));
-        assert!(!svg(&alone, "catalogue.svg").contains("by chance"));
+        assert!(!svg(&alone, "catalogue.svg").contains("Poisson process"));
     }
 }
 
@@ -292,7 +292,10 @@ fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
     assert_eq!(names, ["protocol.svg", "velocity_step.svg"]);
     for (picture, words) in [
         ("protocol.svg", ["Time t (s)", "Velocity v (µm/s)", "Friction force F (MPa)"]),
-        ("velocity_step.svg", ["v = 1 µm/s → 2 µm/s", "Way since the step (µm)", "rate and state, fitted"]),
+        (
+            "velocity_step.svg",
+            ["v = 1 µm/s → 2 µm/s", "Displacement since the step (µm)", "rate and state, fitted"],
+        ),
     ] {
         for word in words {
             assert!(svg(&pictures, picture).contains(word), "{picture} lacks {word}");

@@ -24,7 +24,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let read = outcome.summary.steps.iter().filter_map(|step| Some((step, step.rate_state.as_ref()?)));
     let panels: Option<Vec<_>> = read.take(PANELS).map(|(step, read)| panel(outcome, step, read)).collect();
     let (plots, mut layouts): (Vec<_>, Vec<_>) = panels?.into_iter().unzip();
-    let way = style::axis(outcome, "Way since the step", outcome.record.get("position")?);
+    let way = style::axis(outcome, "Displacement since the step", outcome.record.get("position")?);
     let lowest = layouts.pop()?.with_x_label(way).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL);
     layouts.push(lowest);
     let rows = layouts.len();

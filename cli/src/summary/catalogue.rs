@@ -17,7 +17,7 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
     let mut lines = vec![("events", format!("{}{from}, over {} cells", catalogue.events, catalogue.cells))];
     if let Some(mean) = catalogue.mean_waiting {
         let variation = catalogue.waiting_variation.map_or(String::new(), |variation| {
-            format!(", coefficient of variation {} (1: by chance)", digits(variation))
+            format!(", coefficient of variation {} (1 for a Poisson process)", digits(variation))
         });
         lines.push(("mean waiting", format!("{} of drive{variation}", drive(mean))));
     }

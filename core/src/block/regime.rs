@@ -201,7 +201,7 @@ impl std::fmt::Display for Regime {
                 write!(f, "transient stick-slip: {}, then smooth sliding", counted(slips))
             }
             Self::Persistent { slips, .. } => {
-                write!(f, "persistent stick-slip: {}, the last ones alike", counted(slips))
+                write!(f, "persistent stick-slip: {}, steady period", counted(slips))
             }
             Self::Runaway => write!(f, "runaway: the force is more than the contacts can carry"),
             Self::Undecided { slips, missing } => {

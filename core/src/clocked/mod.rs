@@ -1,4 +1,4 @@
-//! Contacts that know time and move together, seen from outside: what a block needs to know of them.
+//! Time-dependent contacts that move together, seen from outside: what a block needs to know of them.
 //!
 //! Where a [`crate::population::Population`] has no time of its own, here every move takes its time, and time passes at
 //! rest, too.
@@ -14,7 +14,7 @@ pub use state::State;
 use crate::Result;
 use crate::monitor::Monitor;
 
-/// What contacts that know time store, and what came and went otherwise than by work, each summed on its own.
+/// What time-dependent contacts store, and what came and went otherwise than by work, each summed on its own.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Books {
     /// Elastic energy Σ ½k x² of the contacts, now.

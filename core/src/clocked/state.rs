@@ -1,4 +1,4 @@
-//! What contacts that know time have come to, to be kept and taken up again.
+//! What time-dependent contacts have come to, to be kept and taken up again.
 
 use ciborium::Value;
 use serde::de::{DeserializeOwned, Deserializer, Error as _};

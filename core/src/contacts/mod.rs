@@ -59,7 +59,7 @@ pub struct Contacts {
     pub rules: Rules,
 }
 
-/// The microscopic rules by which contacts know time. All may be combined but [`Ageing::MeanField`] with temperature.
+/// The microscopic rules that make contacts time-dependent. All may be combined but [`Ageing::MeanField`] with temperature.
 #[derive(Debug, Clone, Default)]
 pub struct Rules {
     /// Breaking below the threshold.
@@ -72,7 +72,7 @@ pub struct Rules {
 
 impl Rules {
     /// Whether it matters how fast the slider moves.
-    pub fn know_time(&self) -> bool {
+    pub fn are_time_dependent(&self) -> bool {
         self.temperature.is_some() || self.ageing.is_some() || self.delay > 0.0
     }
 

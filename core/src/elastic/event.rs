@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::record::{Quantity, Record};
 
-/// Cells, connected with each other, that slipped in one slide; where contacts know time, from when the first of them
+/// Cells, connected with each other, that slipped in one slide; where contacts are time-dependent, from when the first of them
 /// begins to slip until none does.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Event {
@@ -48,7 +48,7 @@ pub struct Event {
 pub struct Slipped {
     /// Its number.
     pub cell: usize,
-    /// When it began to, since the first cell of the slide, or of the event where contacts know time: a time, steps without
+    /// When it began to, since the first cell of the slide, or of the event where contacts are time-dependent: a time, steps without
     /// viscosity.
     pub start: f64,
     /// How far it slipped.

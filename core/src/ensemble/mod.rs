@@ -92,7 +92,7 @@ impl Ensemble {
         Self { first, ..self }
     }
 
-    /// The rule by which the contacts know time, if any, as a key of a scenario.
+    /// The rule that makes the contacts time-dependent, if any, as a key of a scenario.
     fn rule_of_time(&self) -> Option<String> {
         self.contacts.rules.first().map(|rule| format!("contacts.{rule}"))
     }

@@ -74,7 +74,7 @@ impl Ensemble {
     /// The contacts at X = 0, to be moved. What stands at its threshold in a relaxed start has broken.
     ///
     /// # Errors
-    /// Contacts that know time; more of them than fit in the memory that the monitor allows; stopped by it.
+    /// Time-dependent contacts; more of them than fit in the memory that the monitor allows; stopped by it.
     pub fn population(&self, monitor: &mut dyn Monitor) -> Result<EnsemblePopulation> {
         if let Some(rule) = self.rule_of_time() {
             let expected = "contacts that know no time, since a population is moved without one";

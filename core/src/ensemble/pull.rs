@@ -106,7 +106,7 @@ impl Ensemble {
     /// Pulls the slider through `positions` X ≥ 0, rising, and takes `snapshots` on the way.
     ///
     /// # Errors
-    /// Contacts that know time; positions or edges that do not rise, or are not finite; a job too big; stopped by `monitor`.
+    /// Time-dependent contacts; positions or edges that do not rise, or are not finite; a job too big; stopped by `monitor`.
     pub fn pull(
         &self,
         positions: &[f64],
@@ -114,7 +114,11 @@ impl Ensemble {
         monitor: &mut dyn Monitor,
     ) -> Result<EnsemblePull> {
         if let Some(rule) = self.rule_of_time() {
-            return Err(Error::invalid("velocity", format!("a velocity, since {rule} knows time"), "none"));
+            return Err(Error::invalid(
+                "velocity",
+                format!("a velocity, since {rule} makes contacts time-dependent"),
+                "none",
+            ));
         }
         snapshots.check(positions)?;
         match self.contacts.stiffness {

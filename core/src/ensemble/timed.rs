@@ -71,7 +71,7 @@ impl Ensemble {
         Ok(EnsembleTrace { time: times.to_vec(), position, force, error, free, breaks: total.breaks })
     }
 
-    /// The pull of [`Ensemble::pull`] at a velocity, for contacts that know time.
+    /// The pull of [`Ensemble::pull`] at a velocity, for time-dependent contacts.
     ///
     /// # Errors
     /// A velocity that is not a finite number above 0; positions or edges that do not rise, or are not finite; ageing by a

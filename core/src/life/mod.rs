@@ -53,7 +53,7 @@ use crate::numerics::volterra::Kernel;
 /// | elastic energy | ½∫ν(r) x² S(x) dr | ½∫ν(r) x² M₁(x) dr |
 /// | breaking energy | ½∫ν(r) M₂(x) dr | ½∫ν(r) M₃(x) dr |
 ///
-/// Of contacts that have moved forth and back, S and M are taken at the largest |x| known, which may exceed x. Of contacts
+/// Of contacts that have moved back and forth, S and M are taken at the largest |x| known, which may exceed x. Of contacts
 /// at a velocity, S(x) is what is left of those formed at r, M₁ and M₂ its sums of present thresholds, and the breaking
 /// energy is that of the stretches at which they will break. Contacts that are free before they form survive, too, but carry
 /// nothing.
@@ -115,7 +115,7 @@ impl Life {
         &self.breaking_energy
     }
 
-    /// The contacts at u = 0; none of those that know time, which cannot be followed back.
+    /// The contacts at u = 0; none of time-dependent ones, which cannot be followed back.
     pub(crate) fn layers(&self) -> &[Layer] {
         match &self.starts {
             Starts::Layers { layers, .. } => layers,

@@ -1,4 +1,4 @@
-//! The life of contacts that know time, on a way at constant velocity.
+//! The life of time-dependent contacts, on a way at constant velocity.
 
 use std::sync::Arc;
 

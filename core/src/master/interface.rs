@@ -98,7 +98,7 @@ impl Interface {
 
     /// Whether contacts move at a velocity.
     pub(super) fn knows_time(&self) -> bool {
-        self.contacts.rules.know_time()
+        self.contacts.rules.are_time_dependent()
     }
 
     /// Refuses what a life at a constant velocity cannot be followed on, since what contacts have been through is more
@@ -106,7 +106,7 @@ impl Interface {
     pub(super) fn forgets(&self, key: &str, found: &str) -> Result<()> {
         let Some(rule) = self.contacts.rules.first() else { return Ok(()) };
         let expected = format!(
-            "motion one way on which contacts re-form as they break, since contacts.{rule} knows time (a [[protocol]] \
+            "motion one way on which contacts re-form as they break, since contacts.{rule} makes contacts time-dependent (a [[protocol]] \
              follows contacts anywhere)"
         );
         Err(Error::invalid(key, expected, found))

@@ -96,11 +96,11 @@ impl MasterEquation {
     /// The master equation of contacts that start from `initial`.
     ///
     /// # Errors
-    /// Those of [`Contacts::check`]; contacts that know time; stopped by the monitor.
+    /// Those of [`Contacts::check`]; time-dependent contacts; stopped by the monitor.
     pub fn new(contacts: Contacts, initial: &Initial, monitor: &mut dyn Monitor) -> Result<Self> {
         contacts.check(initial)?;
         if let Some(rule) = contacts.rules.first() {
-            let expected = format!("a velocity above 0, since contacts.{rule} knows time");
+            let expected = format!("a velocity above 0, since contacts.{rule} makes contacts time-dependent");
             return Err(Error::invalid("velocity", expected, "none"));
         }
         affordable(&contacts, "contacts.reforming", &contacts.reforming)?;
@@ -128,7 +128,7 @@ impl MasterEquation {
         if !(velocity.is_finite() && velocity > 0.0) {
             return Err(Error::invalid("velocity", "a finite number above 0", velocity));
         }
-        if !contacts.rules.know_time() {
+        if !contacts.rules.are_time_dependent() {
             return Self::new(contacts, initial, monitor);
         }
         contacts.check(initial)?;

@@ -52,7 +52,7 @@ fn paper_estimate(contacts: &Contacts, reborn: &Life) -> f64 {
     /// σ²/x̄² of a law that is no wider than rounding.
     const IDENTICAL: f64 = 1e-12;
     let law = &contacts.thresholds;
-    if !contacts.rules.know_time() {
+    if !contacts.rules.are_time_dependent() {
         return law.mean() * law.mean() / law.std();
     }
     let square = reborn.mean() * reborn.mean();
@@ -76,7 +76,7 @@ impl Relaxation {
         let transform = Transform::new(contacts, reborn, &watch);
         let roots = transform.roots();
         let law = &contacts.thresholds;
-        let rate = if contacts.rules.know_time() { f64::INFINITY } else { law.decay_rate() };
+        let rate = if contacts.rules.are_time_dependent() { f64::INFINITY } else { law.decay_rate() };
         let slowest = roots.first().map(|s| if -s.re < UNDAMPED * s.norm() { 0.0 } else { -s.re });
         let slowest = match slowest {
             Some(root) if rate > 0.0 => root.min(rate),
@@ -171,7 +171,7 @@ impl<'a, 'm> Transform<'a, 'm> {
     fn new(contacts: &'a Contacts, reborn: &'a Life, watch: &'a Watch<'m>) -> Self {
         let law = &contacts.thresholds;
         let apart = 1.0 - law.survival(contacts.reforming.upper_quantile(1e-18)) < 1e-15;
-        let timed = contacts.rules.know_time();
+        let timed = contacts.rules.are_time_dependent();
         let continued = law.decay_rate() == 0.0 && !timed;
         // Of 1e-18 left out, e^8 times more is still 1e-14.
         let known = -8.0 / reborn.breaking().curve().end();

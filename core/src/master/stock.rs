@@ -1,4 +1,4 @@
-//! The contacts of a master equation, moved forth and back.
+//! The contacts of a master equation, moved back and forth.
 
 use std::sync::Arc;
 

@@ -107,7 +107,7 @@ impl Contacts {
     }
 
     /// Whether they have a rule that needs a time.
-    pub fn know_time(&self) -> bool {
+    pub fn are_time_dependent(&self) -> bool {
         self.temperature.is_some() || self.ageing.is_some() || self.delay.is_some()
     }
 

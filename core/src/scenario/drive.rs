@@ -22,7 +22,7 @@ pub struct Drive {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 20.0))]
     pub distance: Option<f64>,
-    /// Positions X_T to which it is moved one after the other, forth and back; instead of `distance`.
+    /// Positions X_T to which it is moved one after the other, back and forth; instead of `distance`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turning_points: Option<Vec<f64>>,
     /// Force up to which the slider is pulled, whatever its position; instead of `distance`, and without `[block]`.
@@ -36,7 +36,7 @@ pub struct Drive {
     pub maps: Vec<f64>,
     /// How the stretches at X = 0 and the thresholds go together.
     pub start: Start,
-    /// Velocity of the top, above 0; needed only where contacts know time, to whom the drive goes forward only.
+    /// Velocity of the top, above 0; needed only where contacts are time-dependent, to whom the drive goes forward only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<f64>,
 }
@@ -85,14 +85,14 @@ impl Drive {
     /// An imposed force, or a way that does not go forward.
     pub fn forward(&self) -> Result<Protocol> {
         if let Some(force) = self.force_to {
-            let expected = "no imposed force where contacts know time: they would creep without end";
+            let expected = "no imposed force where contacts are time-dependent: they would creep without end";
             return Err(Error::invalid("force_to", expected, force));
         }
         let mut end = 0.0;
         for (i, turn) in self.turns().into_iter().enumerate() {
             if turn <= end {
                 let expected = format!(
-                    "a position above {end}: where contacts know time the drive goes forward only, as what they do on a way back is not followed in time"
+                    "a position above {end}: where contacts are time-dependent the drive goes forward only, as what they do on a way back is not followed in time"
                 );
                 return Err(Error::invalid(format!("turning_points.{i}"), expected, turn));
             }
@@ -125,7 +125,7 @@ impl Drive {
         block::Block::new(loading, slip, ensemble.then_some(fraction)).map_err(|e| e.under("block"))
     }
 
-    /// Whether every value makes sense.
+    /// Whether every value is valid.
     ///
     /// # Errors
     /// The first that does not.

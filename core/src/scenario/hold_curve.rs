@@ -31,7 +31,7 @@ impl HoldCurve {
         logarithmic::spaced(self.from, self.to, self.points)
     }
 
-    /// Whether every value makes sense.
+    /// Whether every value is valid.
     ///
     /// # Errors
     /// The first that does not.

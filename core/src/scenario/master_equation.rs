@@ -45,7 +45,7 @@ impl MasterEquation {
         self.tolerance.unwrap_or(Self::TOLERANCE_OF_DEAR_STEPS)
     }
 
-    /// Whether every value makes sense.
+    /// Whether every value is valid.
     ///
     /// # Errors
     /// The first that does not.

@@ -135,7 +135,7 @@ impl Scenario {
 
     fn check_block(&self, task: Task<'_>, contacts: &crate::contacts::Contacts) -> Result<()> {
         match (task, &self.block) {
-            (Task::Drive(drive), Some(block)) if contacts.rules.know_time() => {
+            (Task::Drive(drive), Some(block)) if contacts.rules.are_time_dependent() => {
                 drive.slider(Some(block), true).and_then(|_| block.in_time(true)).map(drop)
             }
             (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),

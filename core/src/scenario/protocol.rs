@@ -95,7 +95,7 @@ impl Step {
         (0..count).map(|i| Piece { velocity: first + (last - first) * middle(i), duration }).collect()
     }
 
-    /// Whether every value makes sense.
+    /// Whether every value is valid.
     ///
     /// # Errors
     /// The first that does not.
@@ -200,7 +200,7 @@ impl Protocol {
         self.0.iter().fold(1, |sum: usize, step| sum.saturating_add(step.points.saturating_sub(1)))
     }
 
-    /// Whether every value makes sense.
+    /// Whether every value is valid.
     ///
     /// # Errors
     /// The first that does not.

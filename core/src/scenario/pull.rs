@@ -18,7 +18,7 @@ pub struct Pull {
     pub snapshots: Vec<f64>,
     /// How the stretches at X = 0 and the thresholds go together.
     pub start: Start,
-    /// Velocity of the slider, above 0; needed only where contacts know time.
+    /// Velocity of the slider, above 0; needed only where contacts are time-dependent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<f64>,
 }
@@ -42,7 +42,7 @@ impl Pull {
         (0..self.points).map(|i| self.distance * (i as f64 / last)).collect()
     }
 
-    /// Whether every value makes sense.
+    /// Whether every value is valid.
     ///
     /// # Errors
     /// The first that does not.

@@ -31,7 +31,7 @@ impl Default for Renormalisation {
 }
 
 impl Renormalisation {
-    /// Whether every value makes sense.
+    /// Whether every value is valid.
     ///
     /// # Errors
     /// The first that does not.

@@ -1,4 +1,4 @@
-//! `[contacts]`: `temperature`, `ageing` and `delay`, the rules by which contacts know time.
+//! `[contacts]`: `temperature`, `ageing` and `delay`, the rules that make contacts time-dependent.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

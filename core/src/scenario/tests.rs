@@ -197,7 +197,7 @@ fn warnings_say_what_will_surprise() {
     assert_eq!(scenario.warnings(), [""; 0]);
     scenario.pull = None;
     scenario.hold_curve = Some(HoldCurve { from: 1.0, to: 10.0, points: 3, velocity: 1.0 });
-    assert!(scenario.warnings()[0].starts_with("hold_curve: nothing in [contacts] knows time"));
+    assert!(scenario.warnings()[0].starts_with("hold_curve: nothing in [contacts] depends on time"));
     let mature = Law::Gaussian { mean: 0.5, std: 0.1 };
     scenario.contacts.ageing = Some(Ageing::FrozenRank { mature, time: 1.0 });
     assert!(scenario.warnings()[0].starts_with("contacts.ageing: the mature law is weaker"));

@@ -1,4 +1,4 @@
-//! What a task and contacts that know time need of each other.
+//! What a task and time-dependent contacts need of each other.
 
 use super::{Scenario, Task, VelocityCurve};
 use crate::contacts::{Ageing, Contacts};
@@ -24,7 +24,7 @@ impl Scenario {
         .map_err(|e| e.under(task.name()))
     }
 
-    /// Whether a run can be stopped and gone on with; `key` is what asks for that.
+    /// Whether a run can be stopped and resumed; `key` is what asks for that.
     ///
     /// # Errors
     /// No interface that is driven from event to event.
@@ -59,7 +59,7 @@ impl Scenario {
         }
     }
 
-    /// What makes sense but will surprise: sentences for people.
+    /// What is valid but may surprise: sentences for people.
     pub fn warnings(&self) -> Vec<String> {
         let Ok(contacts) = self.contacts.build() else { return Vec::new() };
         let rules = &contacts.rules;
@@ -73,10 +73,11 @@ impl Scenario {
         }
         if rules.first().is_none() {
             if self.hold_curve.is_some() {
-                warnings.push("hold_curve: nothing in [contacts] knows time: a hold changes nothing".into());
+                warnings
+                    .push("hold_curve: nothing in [contacts] depends on time: a hold changes nothing".into());
             }
             if self.velocity_curve.is_some() {
-                warnings.push("velocity_curve: nothing in [contacts] knows time: friction is the same at all velocities".into());
+                warnings.push("velocity_curve: nothing in [contacts] depends on time: friction is the same at all velocities".into());
             }
         }
         warnings
@@ -85,7 +86,11 @@ impl Scenario {
 
 fn velocity(given: Option<f64>, rule: &str) -> Result<()> {
     let missing = || {
-        Error::invalid("velocity", format!("a velocity above 0, since contacts.{rule} knows time"), "none")
+        Error::invalid(
+            "velocity",
+            format!("a velocity above 0, since contacts.{rule} makes contacts time-dependent"),
+            "none",
+        )
     };
     given.map(drop).ok_or_else(missing)
 }

@@ -37,7 +37,7 @@ impl VelocityCurve {
         logarithmic::spaced(self.from, self.to, self.points)
     }
 
-    /// Whether every value makes sense.
+    /// Whether every value is valid.
     ///
     /// # Errors
     /// The first that does not.

@@ -1,4 +1,4 @@
-//! Contacts that know time, of every kind that can be followed one by one, and ways of a slider over them in time.
+//! Time-dependent contacts, of every kind that can be followed one by one, and ways of a slider over them in time.
 
 use std::sync::Arc;
 

@@ -18,7 +18,7 @@ pub use diagnostic::{Diagnostic, Mark, Source};
 use deserialise::{Fault, Reader};
 use document::{Document, Node};
 
-/// A scenario that makes sense, and the text it came from.
+/// A valid scenario, and the text it came from.
 #[derive(Debug)]
 pub struct Input {
     /// The scenario, its tables inlined.

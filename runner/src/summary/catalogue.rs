@@ -23,7 +23,7 @@ pub struct Catalogue {
     /// Mean advance of the drive from event to event; absent for fewer than two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_waiting: Option<f64>,
-    /// Standard deviation of these advances over their mean: 1 of events that come by chance.
+    /// Standard deviation of these advances over their mean: 1 for a Poisson process.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub waiting_variation: Option<f64>,
     /// The largest event; absent where there is none.

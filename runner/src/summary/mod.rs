@@ -67,7 +67,7 @@ pub struct Summary {
     /// How far the compared curve is from F(X).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compare: Option<Comparison>,
-    /// What makes sense but will surprise.
+    /// What is valid but may surprise.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }

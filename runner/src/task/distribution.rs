@@ -44,7 +44,7 @@ pub fn evolving(
     Ok(())
 }
 
-/// Q_s with P_c and P; of contacts that know time, with the thresholds that they meet, and P from these.
+/// Q_s with P_c and P; of time-dependent contacts, with the thresholds that they meet, and P from these.
 ///
 /// # Errors
 /// The monitor's wish to stop.
@@ -57,7 +57,7 @@ pub fn steady(
 ) -> Result<()> {
     let stretches = steady.stretch_density(&grid.stretches, monitor)?;
     let law = contacts.thresholds.as_ref();
-    let (words, thresholds, hazard) = if contacts.rules.know_time() {
+    let (words, thresholds, hazard) = if contacts.rules.are_time_dependent() {
         let met = steady.thresholds_met(&grid.stretches, monitor)?;
         // Where no contact is seen to hold, both are rounding.
         let rate = |(met, &held): (&f64, &f64)| {

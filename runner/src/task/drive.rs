@@ -35,7 +35,7 @@ pub fn run(
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let Setting { scenario, contacts, initial } = setting;
-    if contacts.rules.know_time() {
+    if contacts.rules.are_time_dependent() {
         return at_a_velocity(setting, &task.forward()?, monitor);
     }
     fits(task, scenario.ensemble.is_some())?;
@@ -80,7 +80,7 @@ pub fn run(
     Ok((accuracy.told(setting, "the force on a slider that is driven", summary)?, record))
 }
 
-/// Drives the slider over contacts that know time; friction is that of a pull at the velocity of its top.
+/// Drives the slider over time-dependent contacts; friction is that of a pull at the velocity of its top.
 fn at_a_velocity(
     setting: &Setting<'_>,
     protocol: &scenario::Protocol,

@@ -35,7 +35,7 @@ impl Grid {
             laws.push(initial.law.as_ref());
         }
         let farthest = |law: &dyn Law| law.upper_quantile(BEYOND);
-        let reach = if contacts.rules.know_time() {
+        let reach = if contacts.rules.are_time_dependent() {
             let first = farthest(initial.law.as_ref()) + equation.first_life().longest(BEYOND);
             first.max(farthest(reforming) + equation.life().longest(BEYOND))
         } else {

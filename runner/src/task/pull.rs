@@ -32,7 +32,7 @@ pub fn run(
 ) -> Result<(Summary, Record)> {
     let Setting { scenario, contacts, initial, .. } = setting;
     fits(scenario, task, None)?;
-    let solved = if contacts.rules.know_time() { LIVES } else { 0.0 };
+    let solved = if contacts.rules.are_time_dependent() { LIVES } else { 0.0 };
     let part = &mut Part::new(monitor, 0.0, solved);
     let equation = match task.velocity {
         Some(velocity) => MasterEquation::at(contacts.clone(), initial, velocity, part)?,

@@ -127,7 +127,7 @@ impl Critical {
     ) -> Result<f64> {
         let block = setting.scenario.block.as_ref();
         if let (false, None, Some(&pulled), Some(&sliding)) =
-            (contacts.rules.know_time(), block, self.pulled.last(), self.sliding.last())
+            (contacts.rules.are_time_dependent(), block, self.pulled.last(), self.sliding.last())
         {
             // The same at all velocities.
             self.pulled.push(pulled);

@@ -1,4 +1,4 @@
-//! A slider block in time, over contacts that know time: they age while it sticks.
+//! A slider block in time, over time-dependent contacts: they age while it sticks.
 //!
 //! M Ẍ = K(X_T(t) − X) − F − γẊ, with the drive X_T(t) a [`History`] that begins in balance, X_T = X + F/K. Contacts do
 //! not turn back. A slider that would, after it has overshot, comes to rest at X_2 as without inertia on the straight line
@@ -114,7 +114,7 @@ impl Slip {
     /// None of them.
     pub fn limits(self) -> Result<(f64, f64)> {
         let refused = |name: &str| {
-            let expected = "damped or inertial where contacts know time: during a slip the velocity must be limited by a damping or a mass";
+            let expected = "damped or inertial where contacts are time-dependent: during a slip the velocity must be limited by a damping or a mass";
             Err(Error::invalid("slip", expected, name))
         };
         match self {

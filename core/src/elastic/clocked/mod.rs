@@ -1,4 +1,4 @@
-//! A deformable interface whose contacts know time: the drive moves at a velocity, and cells by
+//! A deformable interface whose contacts are time-dependent: the drive moves at a velocity, and cells by
 //!
 //! η Ẋ_j = K_0j(X_T − X_j) − (AX)_j − F_j[X_j(·), t].
 //!

@@ -1,6 +1,6 @@
 //! The master equation for a velocity that varies: contacts born together, followed through time.
 //!
-//! Where contacts know time, the state of a contact is its stretch x with its threshold h, or with its age. Contacts born
+//! Where contacts are time-dependent, the state of a contact is its stretch x with its threshold h, or with its age. Contacts born
 //! together at a stretch r share their stretch, x = r + X(t) − X(t_b), for ever: a *cohort* is exact in stretch, and only
 //! its thresholds have to be followed. With s(t, t_b) the share left of what was born at t_b, and N(t) the fraction broken
 //! until t,

@@ -50,7 +50,7 @@ impl Transport {
     ) -> Result<StepResponse> {
         super::positive("lives", lives)?;
         super::positive("velocity", velocity)?;
-        if !contacts.rules.know_time() {
+        if !contacts.rules.are_time_dependent() {
             // Then the force of steady sliding does not depend on how the slider moves on.
             contacts.check(&super::steady::relaxed())?;
             let time = vec![0.0, contacts.thresholds.mean() / velocity];

@@ -68,7 +68,7 @@ impl Interface {
         build().map_err(|e| e.under("interface"))
     }
 
-    /// Cells whose contacts know time: by transport to a `tolerance`, or those of an `ensemble`, of which each cell has
+    /// Cells whose contacts are time-dependent: by transport to a `tolerance`, or those of an `ensemble`, of which each cell has
     /// `size`, the first cell the first ones. A step of a cell is right to the length `step`.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! What of an interface makes sense, and with what it goes.
+//! Which values of an interface are valid, and what they go with.
 
 use super::super::{Drive, Ensemble, positive, size};
 use super::{CellSlip, Coupling, Interface, Loading, PerCell};
@@ -23,7 +23,7 @@ const BYTES_PER_ENSEMBLE: [f64; 2] = [16e3, 256.0];
 const BYTES_PER_ENSEMBLE_IN_TIME: [f64; 2] = [16e3, 640.0];
 
 impl Interface {
-    /// Whether every value makes sense, and goes with the contacts, the drive and the ensemble.
+    /// Whether every value is valid, and goes with the contacts, the drive and the ensemble.
     ///
     /// # Errors
     /// The first that does not, with its full path.
@@ -72,7 +72,7 @@ impl Interface {
     /// Bytes that a cell takes at most, with what couples it.
     fn bytes_per_cell(&self, contacts: &Contacts, ensemble: Option<&Ensemble>, with_error: bool) -> f64 {
         let few = |[cell, contact]: [f64; 2], ensemble: &Ensemble| cell + contact * ensemble.size() as f64;
-        match (self.contacts, contacts.rules.know_time(), ensemble) {
+        match (self.contacts, contacts.rules.are_time_dependent(), ensemble) {
             (PerCell::One, ..) => BYTES_PER_CONTACT,
             (PerCell::Many, false, None) => match (self.coupling, &self.cells[..]) {
                 (Coupling::HalfSpace { .. }, [_]) => BYTES_PER_CELL_OF_A_CHAIN,
@@ -112,9 +112,11 @@ impl Interface {
         ensemble.map_or(Ok(()), |ensemble| self.few(ensemble, bytes))
     }
 
-    /// What cells need whose contacts know time by a rule, be they few or not.
+    /// What cells need whose contacts a rule makes time-dependent, be they few or not.
     fn aged(&self, rule: &str, few: bool) -> Result<()> {
-        let reason = format!("since contacts.{rule} knows time: that alone limits how fast cells slip");
+        let reason = format!(
+            "since contacts.{rule} makes contacts time-dependent: that alone limits how fast cells slip"
+        );
         if self.viscosity.is_none() {
             return Err(Error::invalid("viscosity", format!("a viscosity above 0, {reason}"), "none"));
         }

@@ -35,7 +35,7 @@ pub struct Interface {
     #[schemars(extend("default" = "reset"))]
     pub slip: Option<CellSlip>,
     /// Viscous drag of a moving cell, force per velocity, above 0: events then take time, and fronts have speeds. Needed
-    /// where contacts know time.
+    /// where contacts are time-dependent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
     /// How cells of many contacts differ; without this table they do not.

@@ -1,4 +1,4 @@
-//! Cells whose contacts know time as an interface that is driven at a velocity.
+//! Cells whose contacts are time-dependent as an interface that is driven at a velocity.
 
 use asperity::contacts::{Contacts, Initial};
 use asperity::elastic::{Event, InterfaceInTime, Slipped, StateInTime};

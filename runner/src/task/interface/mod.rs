@@ -46,7 +46,7 @@ pub fn run(
             let model = Contacts { lattice, chain: chain(interface) };
             drive(setting, task, interface, model, checkpoints, monitor)
         }
-        PerCell::Many if contacts.rules.know_time() => {
+        PerCell::Many if contacts.rules.are_time_dependent() => {
             let model = CellsInTime::new(setting, task, interface, &mut Part::new(monitor, 0.0, 0.0))?;
             drive(setting, task, interface, model, checkpoints, monitor)
         }
@@ -89,7 +89,7 @@ fn drive<M: Model>(
 /// How accurate the forces of cells are, `force` being the estimated error of one.
 fn accuracy(setting: &Setting<'_>, force: f64) -> Accuracy {
     let in_time = Accuracy::in_time(setting, force);
-    if setting.contacts.rules.know_time() {
+    if setting.contacts.rules.are_time_dependent() {
         return in_time;
     }
     Accuracy::new(setting, in_time.error, in_time.life)
