@@ -5,10 +5,10 @@
 use std::hint::black_box;
 use std::sync::Arc;
 
-use asperity::contacts::{Ageing, Contacts, Maturing};
+use asperity::contacts::{Ageing, Contacts, ThresholdFokkerPlanck};
 use asperity::law::{Gaussian, Point, SharedLaw};
 use asperity::life::moving;
-use asperity::numerics::diffusion::{Followed, Medium, Rise, Room, Sink};
+use asperity::numerics::diffusion::{Coefficients, MovingBoundary, MovingGrid, Sink, Workspace};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 const DIFFUSION: f64 = 0.0025;
@@ -19,20 +19,20 @@ fn gaussian(mean: f64, std: f64) -> SharedLaw {
 
 /// A step of all cells above a floor that rises: throughput is in cells.
 fn steps(criterion: &mut Criterion) {
-    let maturing = Maturing::new(gaussian(0.5, 0.1), gaussian(1.0, 0.05), DIFFUSION);
+    let maturing = ThresholdFokkerPlanck::new(gaussian(0.5, 0.1), gaussian(1.0, 0.05), DIFFUSION);
     let potential = maturing.potential();
     let ceiling = maturing.support.1;
     let sink: Sink<'_> = &|h| 1e-3 * h;
     let mut group = criterion.benchmark_group("step");
     for count in [256, 4096] {
-        let cells = Followed::new(count, 0.05);
+        let cells = MovingGrid::new(count, 0.05);
         let middles: Vec<f64> = cells.middles(0.2, ceiling).collect();
         let newborn = maturing.newborn(&middles, 0.2, &mut ()).unwrap();
-        let rise = Rise { floor: (0.2, 0.203), ceiling, duration: 0.01, absorbing: true };
-        let mut room = Room::default();
+        let rise = MovingBoundary { floor: (0.2, 0.203), ceiling, duration: 0.01, absorbing: true };
+        let mut room = Workspace::default();
         group.throughput(Throughput::Elements(count as u64));
         for (name, sink) in [("", None), (", with a sink", Some(sink))] {
-            let medium = Medium { potential: &potential, diffusion: DIFFUSION, sink };
+            let medium = Coefficients { potential: &potential, diffusion: DIFFUSION, sink };
             group.bench_function(format!("{count} cells{name}"), |bencher| {
                 bencher.iter_batched_ref(
                     || newborn.clone(),

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use asperity::contacts::{Contacts, Initial, Start};
 use asperity::elastic::cells::Cells;
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{Coupling, Curves, Interface, Loading, Setting, Slip};
+use asperity::elastic::{Coupling, Curves, Interface, InterfaceParameters, Loading, Slip};
 use asperity::law::{Gaussian, Point};
-use asperity::master::{MasterEquation, Stock};
+use asperity::master::{MasterEquation, MasterPopulation};
 use asperity::random::{Purpose, Stream};
 use asperity::shape::{Edges, Shape};
 use cpu_time::{ProcessTime, ThreadTime};
@@ -28,7 +28,7 @@ fn main() {
     row("half-space", half_space(Shape::Square([1024; 2]), Edges::Periodic, 1.0, 1.0).unwrap());
 }
 
-fn population() -> Stock {
+fn population() -> MasterPopulation {
     let relaxed = Arc::new(Point::new(0.0).unwrap());
     let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1).unwrap()), relaxed.clone());
     let start = Initial { law: relaxed, start: Start::Conditional };
@@ -70,7 +70,7 @@ fn sweeps() {
 /// Events from a start on, until there have been some, or slides have taken long.
 fn row(name: &str, coupling: Box<dyn Coupling>) {
     let number = coupling.shape().size();
-    let setting = Setting {
+    let setting = InterfaceParameters {
         connection: 0.5,
         loading: Loading::Uniform,
         slip: Slip::Overdamped,

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial, Start};
 use asperity::law::{Gaussian, Lognormal, Point, Rectangular, SharedLaw};
-use asperity::master::{MasterEquation, Stock};
+use asperity::master::{MasterEquation, MasterPopulation};
 use asperity::population::{Direction, Population};
 use cpu_time::ThreadTime;
 use criterion::{Bencher, Criterion, criterion_group, criterion_main};
@@ -114,7 +114,7 @@ fn ways(criterion: &mut Criterion) {
     group.finish();
 }
 
-fn advance(stock: &mut Stock, mut by: f64) {
+fn advance(stock: &mut MasterPopulation, mut by: f64) {
     let direction = if by > 0.0 { Direction::Forward } else { Direction::Backward };
     while by != 0.0 {
         let step = direction.sign() * stock.way(direction, &mut ()).unwrap().length.min(by.abs());

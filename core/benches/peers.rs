@@ -17,7 +17,7 @@ use std::time::Instant;
 use asperity::contacts::{Contacts, Initial, Start};
 use asperity::elastic::cells::scales;
 use asperity::elastic::coupling::half_space;
-use asperity::elastic::{Curves, Interface, Loading, Setting, Slip, State};
+use asperity::elastic::{Curves, Interface, InterfaceParameters, Loading, Slip, State};
 use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
@@ -147,7 +147,7 @@ fn deformable(side: usize, drive: f64, drive_tolerance: f64) -> (Interface, Stat
         MasterEquation::new(contacts, &start, &mut ()).unwrap().population(1e-10, &mut ()).unwrap();
     let cells = Curves::new(&population, side * side, &mut ()).unwrap();
     let cells = cells.scaled(scales(side * side, 0.05, 1).unwrap()).unwrap();
-    let setting = Setting {
+    let setting = InterfaceParameters {
         connection: 0.5,
         loading: Loading::Uniform,
         slip: Slip::Overdamped,

@@ -9,7 +9,7 @@ use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
 use asperity::history::{History, Piece};
 use asperity::law::{Gaussian, Point, SharedLaw};
 use asperity::master::Transport;
-use asperity::numerics::diffusion::{Followed, Medium, Potential, Rise, Room};
+use asperity::numerics::diffusion::{Coefficients, MovingBoundary, MovingGrid, Potential, Workspace};
 use criterion::{Criterion, criterion_group, criterion_main};
 
 fn gaussian(mean: f64, std: f64) -> SharedLaw {
@@ -63,9 +63,9 @@ fn cells(_: &mut Criterion) {
     const CELLS: usize = 700;
     const ROUNDS: usize = 20_000;
     let potential = Potential::of(|h| (-0.5 * ((h - 1.0) / 0.05_f64).powi(2)).exp(), (0.0, 1.4), 8192);
-    let medium = Medium { potential: &potential, diffusion: 0.0025, sink: None };
-    let (cells, mut room) = (Followed::new(CELLS, 0.05), Room::default());
-    let rise = Rise { floor: (0.2, 0.203), ceiling: 1.4, duration: 0.01, absorbing: true };
+    let medium = Coefficients { potential: &potential, diffusion: 0.0025, sink: None };
+    let (cells, mut room) = (MovingGrid::new(CELLS, 0.05), Workspace::default());
+    let rise = MovingBoundary { floor: (0.2, 0.203), ceiling: 1.4, duration: 0.01, absorbing: true };
     let mut masses = vec![1.0 / CELLS as f64; CELLS];
     let begun = Instant::now();
     for _ in 0..ROUNDS {

@@ -7,7 +7,6 @@
 #![allow(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 pub mod block;
-pub mod clocked;
 pub mod contacts;
 pub mod elastic;
 pub mod ensemble;
@@ -22,6 +21,7 @@ pub mod monitor;
 pub mod numerics;
 pub mod population;
 pub mod random;
+pub mod rate_dependent;
 pub mod rate_state;
 pub mod record;
 pub mod scenario;

@@ -3,12 +3,12 @@
 mod common;
 
 use asperity::block::{Regime, Slip, StickSlip, critical_stiffness};
-use asperity::master::Stock;
+use asperity::master::MasterPopulation;
 use common::pulled::{UNDAMPED, near, pull};
 use common::{gaussian, master, point, rectangular};
 
 /// Relaxed contacts with Gaussian thresholds.
-fn relaxed(std: f64, tolerance: f64) -> Stock {
+fn relaxed(std: f64, tolerance: f64) -> MasterPopulation {
     let relaxed = point(0.0);
     master(&gaussian(1.0, std), &relaxed, &relaxed).population(tolerance, &mut ()).unwrap()
 }

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use asperity::numerics::diffusion::{Diffusion, Followed, Medium, Potential, Rise, Room, Step, Work};
+use asperity::numerics::diffusion::{
+    Coefficients, Diffusion, MovingBoundary, MovingGrid, Potential, Step, Work, Workspace,
+};
 
 /// The normal distribution function.
 fn phi(z: f64) -> f64 {
@@ -114,9 +116,9 @@ fn first_passage_of_a_rising_floor_is_that_of_bachelier_and_levy() {
 #[test]
 fn cells_that_follow_leave_the_stationary_law_alone_while_the_floor_rests() {
     let potential = Potential::of(|h| (-0.5 * ((h - 1.0) / 0.05_f64).powi(2)).exp(), (0.0, 2.0), 8192);
-    let medium = Medium { potential: &potential, diffusion: 0.0025, sink: None };
+    let medium = Coefficients { potential: &potential, diffusion: 0.0025, sink: None };
     for (count, finest) in [(16, 1.0), (200, 0.05), (3000, 1.0)] {
-        let cells = Followed::new(count, finest);
+        let cells = MovingGrid::new(count, finest);
         let mut face = 0.1;
         let mass = |middle: f64| {
             // Halfway between the faces, of which the lowest is the floor.
@@ -127,8 +129,8 @@ fn cells_that_follow_leave_the_stationary_law_alone_while_the_floor_rests() {
         let stationary: Vec<f64> = cells.middles(0.1, 2.0).map(mass).collect();
         let largest = stationary.iter().fold(0.0_f64, |a, &b| a.max(b));
         for duration in [1e-6, 0.1, 1e3] {
-            let (mut now, mut room) = (stationary.clone(), Room::default());
-            let rest = Rise { floor: (0.1, 0.1), ceiling: 2.0, duration, absorbing: false };
+            let (mut now, mut room) = (stationary.clone(), Workspace::default());
+            let rest = MovingBoundary { floor: (0.1, 0.1), ceiling: 2.0, duration, absorbing: false };
             (0..10).for_each(|_| cells.advance(&rest, &medium, &mut now, &mut room));
             let error = now.iter().zip(&stationary).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             // Rounding of widths told from middles, each of which counts in all above it.
@@ -140,10 +142,10 @@ fn cells_that_follow_leave_the_stationary_law_alone_while_the_floor_rests() {
 /// What is left above a floor as in [`left`], and the least mass of a cell, on cells that follow it.
 fn left_of_followed(count: usize, steps: usize, diffusion: f64) -> (f64, f64) {
     let potential = Potential::of(|_| 1.0, (0.0, 3.0), 8192);
-    let medium = Medium { potential: &potential, diffusion, sink: None };
+    let medium = Coefficients { potential: &potential, diffusion, sink: None };
     let (start, end, ceiling) = (0.02, 0.5, 3.0);
     let spread = (2.0 * diffusion * start).sqrt();
-    let cells = Followed::new(count, 0.2);
+    let cells = MovingGrid::new(count, 0.2);
     let mut face = 0.1 + start;
     let mass = |middle: f64| {
         let low = face;
@@ -151,10 +153,10 @@ fn left_of_followed(count: usize, steps: usize, diffusion: f64) -> (f64, f64) {
         phi((face - 0.6) / spread) - phi((low - 0.6) / spread)
     };
     let mut now: Vec<f64> = cells.middles(0.1 + start, ceiling).map(mass).collect();
-    let (duration, mut room) = ((end - start) / steps as f64, Room::default());
+    let (duration, mut room) = ((end - start) / steps as f64, Workspace::default());
     for k in 0..steps {
         let floor = |k: usize| 0.1 + start + duration * k as f64;
-        let rise = Rise { floor: (floor(k), floor(k + 1)), ceiling, duration, absorbing: true };
+        let rise = MovingBoundary { floor: (floor(k), floor(k + 1)), ceiling, duration, absorbing: true };
         cells.advance(&rise, &medium, &mut now, &mut room);
     }
     (now.iter().sum(), now.iter().fold(0.0, |least, &mass| least.min(mass)))
@@ -178,11 +180,11 @@ fn first_passage_is_of_fourth_order_where_cells_follow_the_floor_and_are_extrapo
 #[test]
 fn cells_that_follow_a_floor_that_reflects_lose_nothing() {
     let potential = Potential::of(|h| (-0.5 * ((h - 1.0) / 0.1_f64).powi(2)).exp(), (0.0, 2.0), 8192);
-    let medium = Medium { potential: &potential, diffusion: 0.01, sink: None };
-    let (cells, mut room) = (Followed::new(300, 0.05), Room::default());
+    let medium = Coefficients { potential: &potential, diffusion: 0.01, sink: None };
+    let (cells, mut room) = (MovingGrid::new(300, 0.05), Workspace::default());
     let mut now = vec![1.0 / 300.0; 300];
     for (from, to, duration) in [(0.0, 0.3, 1e-3), (0.3, 0.31, 30.0), (0.31, 0.1, 0.1), (0.1, 0.9, 2.0)] {
-        let rise = Rise { floor: (from, to), ceiling: 2.0, duration, absorbing: false };
+        let rise = MovingBoundary { floor: (from, to), ceiling: 2.0, duration, absorbing: false };
         cells.advance(&rise, &medium, &mut now, &mut room);
         let whole: f64 = now.iter().sum();
         // Rounding.

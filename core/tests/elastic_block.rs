@@ -4,7 +4,7 @@ mod common;
 
 use asperity::block::{self, StickSlip};
 use asperity::elastic::coupling::neighbours;
-use asperity::elastic::{Loading, Setting, Slip};
+use asperity::elastic::{InterfaceParameters, Loading, Slip};
 use asperity::shape::{Edges, Shape};
 use common::curve::{gaussian, identical};
 use common::pulled::{near, pull};
@@ -76,7 +76,7 @@ fn a_rigid_slider_may_be_pulled_at_its_edge() {
     for (slip, of_block) in RULES {
         let slips = pull(&mut gaussian(0.1), 0.5, of_block, &[8.0]);
         let coupling = neighbours(Shape::Chain(cells), Edges::Open, stiffness).unwrap();
-        let edge = Setting { loading: Loading::Edge, ..setting(2.0, slip, 1e-9) };
+        let edge = InterfaceParameters { loading: Loading::Edge, ..setting(2.0, slip, 1e-9) };
         let mut pulled = interface(&gaussian(0.1), None, coupling, edge);
         let found = events(&mut pulled, 8.0);
         assert_eq!(found.len(), slips.events.len());

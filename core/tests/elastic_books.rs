@@ -3,7 +3,7 @@
 mod common;
 
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{Coupling, Event, Interface, Loading, Setting, Slip};
+use asperity::elastic::{Coupling, Event, Interface, InterfaceParameters, Loading, Slip};
 use asperity::shape::{Edges, Shape};
 use common::curve::gaussian;
 use common::pulled::near;
@@ -20,7 +20,7 @@ fn couplings() -> Vec<Box<dyn Coupling>> {
     ]
 }
 
-fn disordered(coupling: Box<dyn Coupling>, setting: Setting) -> Interface {
+fn disordered(coupling: Box<dyn Coupling>, setting: InterfaceParameters) -> Interface {
     let scales = scales(coupling.shape().size(), 0.15);
     interface(&gaussian(0.1), Some(scales), coupling, setting)
 }
@@ -83,7 +83,7 @@ fn forces_and_energies_balance_after_every_event() {
                     Loading::Uniform => coupling.shape().size(),
                     Loading::Edge => coupling.shape().first_row(),
                 };
-                let setting = Setting { loading, ..setting(connection, slip, 1e-4) };
+                let setting = InterfaceParameters { loading, ..setting(connection, slip, 1e-4) };
                 let mut interface = disordered(same, setting);
                 let mut number = 0;
                 loop {
@@ -111,7 +111,8 @@ fn forces_and_energies_balance_after_every_event() {
 fn the_same_cells_slip_however_closely_drives_are_found() {
     let catalogue = |drive_tolerance: f64| {
         let slider = neighbours(Shape::Chain(30), Edges::Open, 4.0).unwrap();
-        let setting = Setting { loading: Loading::Edge, ..setting(0.5, Slip::Overdamped, drive_tolerance) };
+        let setting =
+            InterfaceParameters { loading: Loading::Edge, ..setting(0.5, Slip::Overdamped, drive_tolerance) };
         let mut chain = interface(&gaussian(0.1), Some(scales(30, 0.05)), slider, setting);
         events(&mut chain, 30.0)
     };

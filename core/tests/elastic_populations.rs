@@ -3,12 +3,12 @@
 mod common;
 
 use asperity::block::{self, StickSlip};
-use asperity::clocked::binned;
 use asperity::contacts::Contacts;
 use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::{Cells, Coupling, Event, Interface, Populations, Slip};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::population::Population;
+use asperity::rate_dependent::binned;
 use asperity::shape::{Edges, Shape};
 use common::pulled::{near, pull};
 use common::sliders::{Impatient, events, setting};

@@ -8,15 +8,15 @@ mod ways;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use asperity::clocked::{Clocked, State};
 use asperity::contacts::{Contacts, Initial, Rules, Start};
-use asperity::elastic::clocked::Scaled;
 use asperity::elastic::coupling::half_space;
-use asperity::elastic::{Event, InterfaceInTime, Loading, SettingInTime, Slipped, StateInTime};
+use asperity::elastic::rate_dependent::Scaled;
+use asperity::elastic::{Event, InterfaceInTime, InterfaceInTimeParameters, Loading, Slipped, StateInTime};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::Mixture;
 use asperity::master::Transport;
 use asperity::monitor::Monitor;
+use asperity::rate_dependent::{RateDependentContacts, State};
 use asperity::shape::{Edges, Shape};
 use asperity::{Error, Result};
 use common::{gaussian, point};
@@ -59,17 +59,17 @@ fn start() -> Initial {
     Initial { law: point(0.0), start: Start::Conditional }
 }
 
-fn transport(contacts: &Contacts) -> Box<dyn Clocked> {
+fn transport(contacts: &Contacts) -> Box<dyn RateDependentContacts> {
     Box::new(Transport::new(contacts.clone(), &start(), 1e-2, &mut ()).unwrap())
 }
 
-fn few(contacts: &Contacts, disorder: Disorder) -> Box<dyn Clocked> {
+fn few(contacts: &Contacts, disorder: Disorder) -> Box<dyn RateDependentContacts> {
     Box::new(Ensemble::new(contacts.clone(), start(), 300, 7, disorder).unwrap().in_time(&mut ()).unwrap())
 }
 
 /// A chain of such cells at rest.
-fn chain(cell: &dyn Fn() -> Box<dyn Clocked>) -> InterfaceInTime {
-    let setting = SettingInTime {
+fn chain(cell: &dyn Fn() -> Box<dyn RateDependentContacts>) -> InterfaceInTime {
+    let setting = InterfaceInTimeParameters {
         connection: 0.2,
         loading: Loading::Uniform,
         viscosity: 0.1,
@@ -77,8 +77,9 @@ fn chain(cell: &dyn Fn() -> Box<dyn Clocked>) -> InterfaceInTime {
         slip_fraction: 0.01,
         area: None,
     };
-    let cells =
-        SCALES.iter().map(|&scale| -> Box<dyn Clocked> { Box::new(Scaled::new(cell(), scale).unwrap()) });
+    let cells = SCALES
+        .iter()
+        .map(|&scale| -> Box<dyn RateDependentContacts> { Box::new(Scaled::new(cell(), scale).unwrap()) });
     let coupling = half_space(Shape::Chain(SCALES.len()), Edges::Open, 0.5, 1.0).unwrap();
     InterfaceInTime::new(cells.collect(), coupling, setting).unwrap()
 }
@@ -116,7 +117,7 @@ fn told(interface: &mut InterfaceInTime) -> (State, String) {
 }
 
 /// Interrupted after two steps, after four more, and so on, it comes to the same; in how many events.
-fn goes_on(sample: &Sample, cell: &dyn Fn(&Contacts) -> Box<dyn Clocked>) -> usize {
+fn goes_on(sample: &Sample, cell: &dyn Fn(&Contacts) -> Box<dyn RateDependentContacts>) -> usize {
     let &Sample { name, ref contacts, drive: way } = sample;
     let new = || chain(&|| cell(contacts));
     let (mut whole, mut expected) = (new(), Vec::new());
@@ -168,7 +169,7 @@ fn a_state_of_something_else_is_refused() {
     let more = Ensemble::new(of("logarithmic"), start(), 301, 7, Disorder::Annealed).unwrap();
     refused(few(&of("logarithmic"), Disorder::Annealed).restore(&more.in_time(&mut ()).unwrap().state()));
     let cell = || transport(&of("logarithmic"));
-    let setting = SettingInTime {
+    let setting = InterfaceInTimeParameters {
         connection: 0.2,
         loading: Loading::Uniform,
         viscosity: 0.1,

@@ -2,13 +2,13 @@
 
 mod common;
 
-use asperity::clocked::{Clocked, Portion, binned};
 use asperity::contacts::{Ageing, Contacts, Rules};
-use asperity::elastic::clocked::Scaled;
 use asperity::elastic::coupling::neighbours;
-use asperity::elastic::{Curves, Interface, InterfaceInTime, Loading, SettingInTime, Slip};
+use asperity::elastic::rate_dependent::Scaled;
+use asperity::elastic::{Curves, Interface, InterfaceInTime, InterfaceInTimeParameters, Loading, Slip};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::master::{MasterEquation, Transport};
+use asperity::rate_dependent::{RateDependentContacts, StretchInterval, binned};
 use asperity::scenario;
 use asperity::shape::{Edges, Shape};
 use common::pulled::near;
@@ -65,8 +65,8 @@ fn ageing() -> Contacts {
 }
 
 /// A cell of these contacts, their lengths `scale` times as large, that goes nearly the way of its drive.
-fn rigid(contacts: Box<dyn Clocked>, scale: f64) -> InterfaceInTime {
-    let setting = SettingInTime {
+fn rigid(contacts: Box<dyn RateDependentContacts>, scale: f64) -> InterfaceInTime {
+    let setting = InterfaceInTimeParameters {
         connection: 1e6,
         loading: Loading::Uniform,
         viscosity: 1.0,
@@ -104,7 +104,7 @@ fn stretches_of_a_cell_in_time_are_those_of_a_rigid_slider() {
         let density = binned(&portions, &edges).unwrap();
         let share: f64 = density.iter().map(|density| density * (edges[1] - edges[0])).sum();
         near(share + cell.free(), 1.0, 1e-12);
-        let middle = |portion: &Portion| 0.5 * (portion.low + portion.high) * portion.share;
+        let middle = |portion: &StretchInterval| 0.5 * (portion.low + portion.high) * portion.share;
         let force: f64 = portions.iter().map(middle).sum();
         // Cohorts stand at Gauss points of their cells, not in the middle.
         near(force, cell.force(), 1e-5 * scale);

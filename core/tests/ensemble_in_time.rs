@@ -7,11 +7,11 @@ mod common;
 mod ways;
 
 use asperity::block::{Block, Drive, Loading, Slide, Slip};
-use asperity::clocked::{Books, Clocked};
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Stiffness, Temperature};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::master::Transport;
+use asperity::rate_dependent::{Books, RateDependentContacts};
 use common::pulled::near;
 use common::{contacts, gaussian, initial, point};
 use ways::kinds;
@@ -26,10 +26,10 @@ fn steady(velocity: f64, distance: f64) -> History {
 
 /// Goes a way in so many steps to a piece, with what is seen after each.
 fn go<T>(
-    contacts: &mut dyn Clocked,
+    contacts: &mut dyn RateDependentContacts,
     way: &History,
     steps: u32,
-    mut see: impl FnMut(&dyn Clocked) -> T,
+    mut see: impl FnMut(&dyn RateDependentContacts) -> T,
 ) -> Vec<T> {
     let mut seen = Vec::new();
     for piece in way.pieces() {
@@ -157,7 +157,12 @@ fn energies_are_those_of_transport() {
     }
 }
 
-fn slide(contacts: &dyn Clocked, (stiffness, slip): (f64, Slip), drive: &History, tolerance: f64) -> Slide {
+fn slide(
+    contacts: &dyn RateDependentContacts,
+    (stiffness, slip): (f64, Slip),
+    drive: &History,
+    tolerance: f64,
+) -> Slide {
     let block = Block::new(Loading::Spring(stiffness), slip, Some(0.05)).unwrap();
     block.follow(contacts, drive, &[], tolerance, &mut ()).unwrap()
 }

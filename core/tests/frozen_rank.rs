@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity::contacts::{Ageing, Contacts, Initial, Maturing, Start};
+use asperity::contacts::{Ageing, Contacts, Initial, Start, ThresholdFokkerPlanck};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::{Exponential, Gamma, Gaussian, Mixture, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
@@ -53,7 +53,7 @@ fn friction_weakens_from_that_of_the_mature_law_to_that_of_the_newborn_one() {
 
 /// F_k where S(x) = 1 − max G(x'; x'/v), G by finite volumes on so many cells, of which the stretch passes one at each step.
 fn by_finite_volumes(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64, cells: usize) -> f64 {
-    let maturing = Maturing::new(newborn.clone(), mature.clone(), mature.std().powi(2));
+    let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), mature.std().powi(2));
     let operator = Arc::new(maturing.operator(cells));
     let (width, none) = (operator.width(), (f64::NEG_INFINITY, f64::NEG_INFINITY));
     let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();
@@ -111,7 +111,7 @@ fn single_contacts_break_beside_an_edge_as_soon_as_they_form() {
     const SIZE: usize = 200_000;
     let (velocity, cells, to) = (0.5, 200_000, 0.03);
     let (newborn, mature): (SharedLaw, _) = (Arc::new(Exponential::new(1.0).unwrap()), gaussian(1.5, 0.1));
-    let maturing = Maturing::new(newborn.clone(), mature.clone(), mature.std().powi(2));
+    let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), mature.std().powi(2));
     let operator = Arc::new(maturing.operator(cells));
     let (width, none) = (operator.width(), (f64::NEG_INFINITY, f64::NEG_INFINITY));
     let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();

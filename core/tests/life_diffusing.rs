@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity::contacts::{Ageing, Barrier, Contacts, Maturing, Stiffness, Temperature};
+use asperity::contacts::{Ageing, Barrier, Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use asperity::law::{Exponential, Gamma, Gaussian, Point, Rectangular, SharedLaw};
 use asperity::life::{Life, athermal, moving};
 use asperity::numerics::diffusion::{Step, Work};
@@ -35,7 +35,7 @@ fn kinetic_friction(life: &Life) -> f64 {
 /// The survival at the edges of even cells that rest, while the stretch passes one cell at each step.
 fn survival_at_rest(contacts: &Contacts, velocity: f64, cells: usize) -> Vec<(f64, f64)> {
     let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing else { panic!() };
-    let maturing = Maturing::new(contacts.thresholds.clone(), mature.clone(), *diffusion);
+    let maturing = ThresholdFokkerPlanck::new(contacts.thresholds.clone(), mature.clone(), *diffusion);
     let operator = Arc::new(maturing.operator(cells));
     let mut masses = maturing.newborn(&operator.middles(), 0.0, &mut ()).unwrap();
     let mut work = Work::default();
@@ -141,7 +141,7 @@ fn thin_layers_go_on_from_layers_that_are_resolved() {
     let newborn: [SharedLaw; 2] = [gaussian(0.5, 0.1), Arc::new(Gamma::new(0.6, 0.2).unwrap())];
     for newborn in newborn {
         let mature = gaussian(1.0, 0.05);
-        let limit = 2e-5 * Maturing::new(newborn.clone(), mature.clone(), 1.0).resolution();
+        let limit = 2e-5 * ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), 1.0).resolution();
         let [thin, first, second, third] = [0.95, 1.05, 1.15, 1.25]
             .map(|part| life(&contacts(newborn.clone(), mature.clone(), part * limit), 1.0));
         for x in (1..90).map(|k| 0.01 * f64::from(k)) {

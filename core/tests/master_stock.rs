@@ -6,7 +6,7 @@ mod walk;
 
 use asperity::contacts::{Initial, Start, Stiffness};
 use asperity::law::SharedLaw;
-use asperity::master::{MasterEquation, Pull, Stock};
+use asperity::master::{MasterEquation, MasterPopulation, Pull};
 use asperity::population::{Direction, Population};
 use common::{contacts, exponential, gamma, gaussian, initial, master, mixture, point, rectangular, weibull};
 use walk::{drive, force, integral};
@@ -18,7 +18,7 @@ fn rest() -> SharedLaw {
     point(0.0)
 }
 
-fn stock(thresholds: &SharedLaw, reforming: &SharedLaw, start: &SharedLaw) -> Stock {
+fn stock(thresholds: &SharedLaw, reforming: &SharedLaw, start: &SharedLaw) -> MasterPopulation {
     master(thresholds, reforming, start).population(PROMISED, &mut ()).unwrap()
 }
 
@@ -179,13 +179,13 @@ fn one_contact_goes_round_its_loop() {
 #[test]
 fn contacts_stand_before_they_break_together() {
     let mut stock = stock(&point(1.0), &rest(), &rest());
-    let stands = |stock: &mut Stock, sign: f64, broken: f64| {
+    let stands = |stock: &mut MasterPopulation, sign: f64, broken: f64| {
         assert!((stock.ahead(0.0).force - sign).abs() < 1e-14);
         assert!((stock.books().broken - broken).abs() < 1e-14);
         assert!((stock.books().elastic - 0.5).abs() < 1e-14);
         assert!((stock.total_probability() - 1.0).abs() < 1e-14);
     };
-    let to_the_end = |stock: &mut Stock, direction: Direction, length: f64| {
+    let to_the_end = |stock: &mut MasterPopulation, direction: Direction, length: f64| {
         let from = stock.position();
         loop {
             let way = stock.way(direction, &mut ()).unwrap();
@@ -282,7 +282,7 @@ fn a_reset_begins_anew() {
 }
 
 /// Forth, back, nested, held and released, reset.
-fn wander(stock: &mut Stock, mut check: impl FnMut(&mut Stock, f64)) {
+fn wander(stock: &mut MasterPopulation, mut check: impl FnMut(&mut MasterPopulation, f64)) {
     let mut work = 0.0;
     for to in [1.4, 0.9, -0.83, 0.31, 0.2, 1.93, -1.87] {
         work += drive(stock, to);

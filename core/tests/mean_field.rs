@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity::contacts::{Ageing, Closure, Contacts, Maturing};
+use asperity::contacts::{Ageing, Closure, Contacts, ThresholdFokkerPlanck};
 use asperity::law::{Gamma, Gaussian, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
 
@@ -54,7 +54,7 @@ fn other_laws_fulfil_the_equation_integrated_over_thresholds() {
     for (newborn, mature) in laws {
         let diffusion = 0.5 * mature.std().powi(2);
         for velocity in [0.03, 1.0] {
-            let maturing = Maturing::new(newborn.clone(), mature.clone(), diffusion);
+            let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), diffusion);
             let law = Closure { maturing: &maturing, velocity }.law(&mut ()).unwrap();
             assert!((law.survival(-1.0) - 1.0).abs() < 1e-14);
             let spread = law.mean() / velocity * diffusion;

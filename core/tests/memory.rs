@@ -8,7 +8,7 @@ use asperity::Error;
 use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::contacts::Contacts;
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{self, Setting};
+use asperity::elastic::{self, InterfaceParameters};
 use asperity::ensemble::lattice::{Coupling, Lattice, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::SharedLaw;
@@ -155,7 +155,7 @@ fn on_a_slider(
 
 /// A slide of all cells, and creep after it.
 fn slide(curve: &curve::ClosedCurve, slider: Box<dyn elastic::Coupling>, size: usize) {
-    let stiff = Setting { viscosity: None, ..setting(0.5, elastic::Slip::Overdamped, 1e-3) };
+    let stiff = InterfaceParameters { viscosity: None, ..setting(0.5, elastic::Slip::Overdamped, 1e-3) };
     let mut interface = interface(curve, Some(scales(size, 0.03)), slider, stiff);
     interface.put(3.2, &vec![0.0; size]).unwrap();
     let _ = interface.next(3.2, &mut ()).unwrap();

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use asperity::Error;
 use asperity::block::Slip;
 use asperity::elastic::coupling::neighbours;
-use asperity::elastic::{self, Cells, Curves, Interface, Loading, Populations, Setting};
+use asperity::elastic::{self, Cells, Curves, Interface, InterfaceParameters, Loading, Populations};
 use asperity::ensemble::Disorder;
 use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape};
 use asperity::first_breaks::FirstBreaks;
@@ -171,14 +171,14 @@ fn neighbours_make_nearly_the_renormalised_law() {
 }
 
 /// How cells are driven that gain a `share` of what their contacts lose.
-fn setting(share: f64, slip: elastic::Slip) -> Setting {
+fn setting(share: f64, slip: elastic::Slip) -> InterfaceParameters {
     let connection = 1.0 / share - 1.0;
     let (loading, viscosity) = (Loading::Uniform, None);
-    Setting { connection, loading, slip, viscosity, drive_tolerance: 1e-12, area: None }
+    InterfaceParameters { connection, loading, slip, viscosity, drive_tolerance: 1e-12, area: None }
 }
 
 /// A chain of cells on springs.
-fn chain(cells: Box<dyn Cells>, springs: f64, setting: Setting) -> Interface {
+fn chain(cells: Box<dyn Cells>, springs: f64, setting: InterfaceParameters) -> Interface {
     let springs = neighbours(Shape::Chain(cells.len()), Edges::Open, springs).unwrap();
     Interface::new(cells, springs, setting).unwrap()
 }
@@ -256,7 +256,7 @@ fn slides_are_upright() {
 #[test]
 fn first_breaks_of_cells_need_a_law_and_a_drive_that_pulls_all() {
     let refused = |loading: Loading, cells: Box<dyn Cells>| {
-        let setting = Setting { loading, ..setting(0.1, elastic::Slip::Overdamped) };
+        let setting = InterfaceParameters { loading, ..setting(0.1, elastic::Slip::Overdamped) };
         let law = gaussian(1.0, 0.05);
         chain(cells, 1.0, setting).first_breaks(law.as_ref(), 0.1, &mut ()).unwrap_err().to_string()
     };

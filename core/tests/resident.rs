@@ -12,7 +12,7 @@ use asperity::Error;
 use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::contacts::Contacts;
 use asperity::elastic::coupling::half_space;
-use asperity::elastic::{self, Setting};
+use asperity::elastic::{self, InterfaceParameters};
 use asperity::ensemble::lattice::{Coupling, Lattice, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::monitor::Monitor;
@@ -87,7 +87,7 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
         catalogue_from: 0.0,
     };
     table.fits(&contacts(&point(1.0), &point(0.0)), None, false, monitor.memory())?;
-    let setting = Setting { viscosity: None, ..setting(0.5, elastic::Slip::Overdamped, 1e-3) };
+    let setting = InterfaceParameters { viscosity: None, ..setting(0.5, elastic::Slip::Overdamped, 1e-3) };
     let slider = half_space(shape, Edges::Periodic, stiffness, 1.0)?;
     let curve = curve::gaussian(0.1);
     let mut interface = interface(&curve, Some(scales(shape.size(), 0.03)), slider, setting);

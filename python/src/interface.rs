@@ -1,8 +1,8 @@
 //! Interfaces that deform: cells on an elastic slider, and contacts coupled one by one.
 
-use asperity::clocked::{Portion, binned};
 use asperity::master::{MasterEquation, Stretches};
 use asperity::monitor::{Monitor, Part};
+use asperity::rate_dependent::{StretchInterval, binned};
 use asperity::scenario::{
     self, CellSlip, Coupling, Disorder, Drive, Edges, Loading, PerCell, Scales, Scenario, Units,
 };
@@ -310,7 +310,7 @@ impl Looked {
     }
 
     /// The stretches, or the middles of the bins, with what is found of contacts there.
-    fn at(self, portions: &[Portion]) -> asperity::Result<(Vec<f64>, Stretches)> {
+    fn at(self, portions: &[StretchInterval]) -> asperity::Result<(Vec<f64>, Stretches)> {
         match self {
             Self::Stretches(stretches) => {
                 let found = Stretches::of(portions, &stretches);

@@ -1,8 +1,8 @@
 //! What the models have in common: contacts, and how they start.
 
-use asperity::clocked::Clocked;
 use asperity::monitor::{Aside, Monitor};
 use asperity::population::Population;
+use asperity::rate_dependent::RateDependentContacts;
 use asperity::{Error, Result, ensemble, master, scenario};
 use asperity_runner::task;
 use pyo3::prelude::*;
@@ -115,7 +115,7 @@ impl<'a> Solver<'a> {
 
 impl Solver<'_> {
     /// The contacts at t = 0, to be moved together in time, and what a step of a block over them may be off, a length.
-    pub fn in_time(self, monitor: &mut dyn Monitor) -> Result<(Box<dyn Clocked>, f64)> {
+    pub fn in_time(self, monitor: &mut dyn Monitor) -> Result<(Box<dyn RateDependentContacts>, f64)> {
         let mean = self.contacts().thresholds.mean();
         match self {
             Self::Transport(transport, tolerance) => Ok((transport.transport.copy(), tolerance * mean)),

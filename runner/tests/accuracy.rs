@@ -4,12 +4,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use asperity::Error;
-use asperity::clocked::Clocked;
 use asperity::contacts::{Contacts, Initial, Start};
-use asperity::elastic::{InterfaceInTime, Loading, SettingInTime, coupling};
+use asperity::elastic::{InterfaceInTime, InterfaceInTimeParameters, Loading, coupling};
 use asperity::exact::{self, ClosedForm};
 use asperity::law::{Point, Rectangular};
 use asperity::master::Transport;
+use asperity::rate_dependent::RateDependentContacts;
 use asperity::shape::{Edges, Shape};
 use asperity_runner::output::Outcome;
 use asperity_runner::{input, task};
@@ -130,8 +130,8 @@ fn interfaces_in_time() {
     let contacts = Contacts::new(Arc::new(Rectangular::new(0.5, 1.5).unwrap()), at_rest.clone());
     let initial = Initial { law: at_rest, start: Start::Conditional };
     let transport = Transport::new(contacts, &initial, 1e-4, &mut ()).unwrap();
-    let cells = (0..2).map(|_| Box::new(transport.clone()) as Box<dyn Clocked>).collect();
-    let setting = SettingInTime {
+    let cells = (0..2).map(|_| Box::new(transport.clone()) as Box<dyn RateDependentContacts>).collect();
+    let setting = InterfaceInTimeParameters {
         connection: 0.5,
         loading: Loading::Edge,
         viscosity: 0.5,

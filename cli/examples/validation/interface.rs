@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use asperity::elastic::cells::scales;
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{Coupling, Curves, Interface, Loading, Setting, Slip, Slipped};
+use asperity::elastic::{Coupling, Curves, Interface, InterfaceParameters, Loading, Slip, Slipped};
 use asperity::exact::{ClosedForm, Gaussian};
 use asperity::law::critical_coupling;
 use asperity::numerics::legendre::RULE;
@@ -26,7 +26,7 @@ const FRONTS: [(f64, f64, f64); 7] = [
     (0.25, 0.08, 0.0),
 ];
 
-const OVERDAMPED: Setting = Setting {
+const OVERDAMPED: InterfaceParameters = InterfaceParameters {
     connection: 0.5,
     loading: Loading::Uniform,
     slip: Slip::Overdamped,
@@ -158,7 +158,7 @@ fn speed(stiffness: f64, above: f64) -> f64 {
     // So soft that the pull of the drive is a constant force.
     const SOFT: f64 = 1e-7;
     let (force, ahead, number) = (0.51 + above, 40, 160);
-    let setting = Setting { connection: SOFT, viscosity: Some(1.0), ..OVERDAMPED };
+    let setting = InterfaceParameters { connection: SOFT, viscosity: Some(1.0), ..OVERDAMPED };
     let coupling = neighbours(Shape::Chain(number), Edges::Open, stiffness).expect("a chain");
     let mut chain = Interface::new(Box::new(cells(number)), coupling, setting).expect("cells for each");
     let curve = Gaussian::new(1.0, 0.1);
@@ -204,7 +204,7 @@ stopped and resumed.
 /// Events, the largest force out of balance after one, and the largest difference of energies, per cell.
 fn balance(slip: Slip) -> (usize, f64, f64) {
     const NUMBER: usize = 24;
-    let setting = Setting { connection: 0.3, slip, ..OVERDAMPED };
+    let setting = InterfaceParameters { connection: 0.3, slip, ..OVERDAMPED };
     let coupling = || neighbours(Shape::Chain(NUMBER), Edges::Open, 4.0).expect("a chain");
     let scales = scales(NUMBER, 0.1, 1).expect("scales above 0");
     let cells = cells(NUMBER).scaled(scales).expect("a scale for each");

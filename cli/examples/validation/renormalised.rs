@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use asperity::elastic::cells::scales;
 use asperity::elastic::coupling::neighbours;
-use asperity::elastic::{Curves, Interface, Loading, Setting, Slip};
+use asperity::elastic::{Curves, Interface, InterfaceParameters, Loading, Slip};
 use asperity::ensemble::Disorder;
 use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape};
 use asperity::first_breaks::FirstBreaks;
@@ -187,7 +187,7 @@ fn breaks_of_cells(shape: Shape, springs: f64, seed: u64) -> FirstBreaks {
     let cells =
         Curves::new(&population, shape.size(), &mut ()).and_then(|c| c.scaled(spread(shape.size(), seed)));
     let springs = neighbours(shape, Edges::Periodic, springs).expect("springs");
-    let setting = Setting {
+    let setting = InterfaceParameters {
         connection: CONNECTION,
         loading: Loading::Uniform,
         slip: Slip::Overdamped,

@@ -6,7 +6,7 @@ use std::time::Instant;
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Start};
 use asperity::history::{History, Piece};
 use asperity::master::{MasterEquation, Transport};
-use asperity::numerics::diffusion::{Followed, Medium, Potential, Rise, Room};
+use asperity::numerics::diffusion::{Coefficients, MovingBoundary, MovingGrid, Potential, Workspace};
 use cpu_time::ThreadTime;
 
 use crate::page::{Page, small};
@@ -99,9 +99,9 @@ fn cells() -> f64 {
     const CELLS: usize = 700;
     const ROUNDS: usize = 20_000;
     let potential = Potential::of(|h| (-0.5 * ((h - 1.0) / 0.05_f64).powi(2)).exp(), (0.0, 1.4), 8192);
-    let medium = Medium { potential: &potential, diffusion: 0.0025, sink: None };
-    let (cells, mut room) = (Followed::new(CELLS, 0.05), Room::default());
-    let rise = Rise { floor: (0.2, 0.203), ceiling: 1.4, duration: 0.01, absorbing: true };
+    let medium = Coefficients { potential: &potential, diffusion: 0.0025, sink: None };
+    let (cells, mut room) = (MovingGrid::new(CELLS, 0.05), Workspace::default());
+    let rise = MovingBoundary { floor: (0.2, 0.203), ceiling: 1.4, duration: 0.01, absorbing: true };
     let mut masses = vec![1.0 / CELLS as f64; CELLS];
     let seconds = cpu(|| {
         for _ in 0..ROUNDS {

@@ -1,7 +1,7 @@
 //! Curves of a population under a slider: F(X), its equilibria X_T(X) and its potential V(X_T, X).
 
 use super::Loading;
-use super::look::Look;
+use super::equilibrium_path::EquilibriumPath;
 use crate::monitor::Monitor;
 use crate::numerics::legendre::{NODES, RULE};
 use crate::numerics::roots::brent_minimum;
@@ -103,7 +103,7 @@ struct State {
 
 impl State {
     /// At an advance `a` on the way ahead, `work` having been done before it.
-    fn at(look: &Look<'_>, a: f64, work: f64) -> Self {
+    fn at(look: &EquilibriumPath<'_>, a: f64, work: f64) -> Self {
         let Response { force, tangent } = look.response(a);
         let work = work + look.integral(a, |_, response| response.force);
         Self { position: look.position + a, force, tangent, work }
@@ -132,7 +132,7 @@ pub fn critical_stiffness(
 }
 
 /// The lowest tangent on the way ahead up to `length`.
-fn lowest_tangent(look: &Look<'_>, length: f64) -> f64 {
+fn lowest_tangent(look: &EquilibriumPath<'_>, length: f64) -> f64 {
     let ends = look.here.tangent.min(look.response(length).tangent);
     if look.way.straight {
         return ends;
@@ -154,13 +154,13 @@ fn along(
     population: &dyn Population,
     distance: f64,
     monitor: &mut dyn Monitor,
-    mut visit: impl FnMut(&Look<'_>, f64) -> bool,
+    mut visit: impl FnMut(&EquilibriumPath<'_>, f64) -> bool,
 ) -> Result<()> {
     if !(distance > 0.0 && distance.is_finite()) {
         return Err(Error::invalid("distance", "a finite length above 0", distance));
     }
     let mut copy = population.copy();
-    let mut look = Look::new(copy.as_mut(), Loading::Rigid, Direction::Forward, monitor)?;
+    let mut look = EquilibriumPath::new(copy.as_mut(), Loading::Rigid, Direction::Forward, monitor)?;
     let start = look.position;
     for ways in 0_u32.. {
         let left = distance - (look.position - start);

@@ -5,8 +5,8 @@
 //! the one that leaves X_1 with no energy but what it gains. It is followed from where the work done on it since
 //! X_1 is 1e-14 of the elastic energy: no speed that it may have there changes its energy by more.
 
+use super::quasistatic::QuasistaticRun;
 use super::trace::Point;
-use super::walk::Walk;
 use crate::numerics::motion::{Body, Step, uniform};
 use crate::numerics::roots::brent_root;
 use crate::population::Direction;
@@ -65,7 +65,7 @@ struct Swing {
     start: f64,
 }
 
-impl Walk<'_> {
+impl QuasistaticRun<'_> {
     /// Swings to the first arrest.
     pub(super) fn swing(
         &mut self,

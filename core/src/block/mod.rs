@@ -10,24 +10,24 @@
 //! bottom (K = ∞) and an imposed force (K → 0) are the same with another [`Loading`]; backward motion is the
 //! mirror image of forward motion.
 
-mod clocked;
 mod curves;
 mod energy;
+mod equilibrium_path;
 mod events;
 mod inertia;
 mod loading;
-mod look;
+mod quasistatic;
+mod rate_dependent;
 mod regime;
 mod run;
 mod slip;
 mod trace;
-mod walk;
 
-pub use clocked::{Moment, Slide, TimedSlip};
 pub use curves::{Curve, critical_stiffness};
 pub use energy::Energy;
 pub use events::{Event, Size, Sizes};
 pub use loading::Loading;
+pub use rate_dependent::{Moment, Slide, TimedSlip};
 pub use regime::{Missing, Regime};
 pub use run::{Drive, End, StickSlip};
 pub use trace::{Course, Point};

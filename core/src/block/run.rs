@@ -1,9 +1,9 @@
 //! A drive through its turning points, and what came of it.
 
 use super::events::{self, Event, Sizes};
+use super::quasistatic::QuasistaticRun;
 use super::regime::Jump;
 use super::trace::{self, Course, Point};
-use super::walk::Walk;
 use super::{Block, Energy, Loading, Regime, Slip, bearable, regime};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
@@ -71,7 +71,7 @@ impl StickSlip {
 }
 
 /// One way of the drive, without a turn.
-struct Leg {
+struct DriveSegment {
     direction: Direction,
     /// Values of the drive at which a point is asked for, its end the last.
     asked: Vec<f64>,
@@ -84,7 +84,7 @@ pub(super) fn pull(
     drive: &Drive,
     monitor: &mut dyn Monitor,
 ) -> Result<StickSlip> {
-    let mut walk = Walk::new(block, population, monitor)?;
+    let mut walk = QuasistaticRun::new(block, population, monitor)?;
     let (start, unloading) = (walk.drive(), walk.unloading()?);
     if let (Loading::Force, Slip::Inertial { mass, damping }) = (block.loading, block.slip) {
         bearable(unloading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
@@ -109,12 +109,12 @@ pub(super) fn pull(
     let jumps: Vec<Jump> =
         walk.events[first..].iter().map(|e| Jump { before: e.before, after: e.after }).collect();
     let regime = regime::tell(&jumps, walk.leg_start, walk.point(), stretch, end);
-    let Walk { trace, events, sizes, course, energy, .. } = walk;
+    let QuasistaticRun { trace, events, sizes, course, energy, .. } = walk;
     Ok(StickSlip { trace, events, sizes, course, energy, regime, end, loading: block.loading })
 }
 
 /// The legs of a drive that starts at `start`.
-fn legs(start: f64, drive: &Drive) -> Result<Vec<Leg>> {
+fn legs(start: f64, drive: &Drive) -> Result<Vec<DriveSegment>> {
     let Drive { turning_points, points } = drive;
     if *points < 2 {
         return Err(Error::invalid("points", "at least the 2 ends", points));
@@ -130,7 +130,7 @@ fn legs(start: f64, drive: &Drive) -> Result<Vec<Leg>> {
         let inside = inside.take_while(|a| *a < width * (1.0 - 1e-12)).map(|a| from + sign * a);
         let asked = inside.chain([to]).collect();
         let direction = if sign > 0.0 { Direction::Forward } else { Direction::Backward };
-        legs.push(Leg { direction, asked });
+        legs.push(DriveSegment { direction, asked });
         (done, from) = (done + width, to);
     }
     Ok(legs)

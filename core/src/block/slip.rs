@@ -2,7 +2,7 @@
 
 use super::events::Event;
 use super::inertia::Swung;
-use super::walk::Walk;
+use super::quasistatic::QuasistaticRun;
 use super::{Energy, Loading, Point, Slip};
 use crate::Result;
 use crate::population::Direction;
@@ -21,7 +21,7 @@ enum Slid {
     Away,
 }
 
-impl Walk<'_> {
+impl QuasistaticRun<'_> {
     /// All that happens here at a fixed drive, after a loss of balance or, if it `breaks`, with the contacts that
     /// break here. Whether the slider found a new balance.
     pub fn event(&mut self, breaks: bool) -> Result<bool> {

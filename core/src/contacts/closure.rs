@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Maturing;
+use super::ThresholdFokkerPlanck;
 use crate::Result;
 use crate::law::{Break, Series, SharedLaw};
 use crate::monitor::{Monitor, Watch};
@@ -19,12 +19,12 @@ const NOTHING: f64 = 1e-13;
 
 /// P_c = ∫₀^∞ e^{−τ} P_c^{Smol}(t = τC/v) dτ, with C the mean of P_c: ages are distributed exponentially.
 ///
-/// That is (1 − (C/v)L)P_c = P_ci with L of [`Maturing`]. It is solved on 512, 1024 and 2048 cells, and extrapolated; where
+/// That is (1 − (C/v)L)P_c = P_ci with L of [`ThresholdFokkerPlanck`]. It is solved on 512, 1024 and 2048 cells, and extrapolated; where
 /// P_ci is smooth, what is left is 1e-9 of a mean.
 #[derive(Debug, Clone, Copy)]
 pub struct Closure<'a> {
     /// How thresholds diffuse.
-    pub maturing: &'a Maturing,
+    pub maturing: &'a ThresholdFokkerPlanck,
     /// v.
     pub velocity: f64,
 }

@@ -2,17 +2,17 @@
 
 mod ageing;
 mod closure;
-mod maturing;
+mod fokker_planck;
 mod ranks;
-mod strength;
 mod temperature;
+mod threshold_evolution;
 
 pub use ageing::Ageing;
 pub use closure::Closure;
-pub use maturing::Maturing;
-pub use strength::{Aged, Strength};
-pub(crate) use strength::{Label, Rank};
+pub use fokker_planck::ThresholdFokkerPlanck;
 pub use temperature::{Barrier, Temperature};
+pub(crate) use threshold_evolution::{Label, Rank};
+pub use threshold_evolution::{ThresholdEvolution, ThresholdsAtAge};
 
 use crate::law::{Law, SharedLaw, Zone};
 use crate::{Error, Result};

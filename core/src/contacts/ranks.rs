@@ -2,8 +2,8 @@
 
 use std::cell::Cell;
 
-use super::Maturing;
-use super::strength::Met;
+use super::ThresholdFokkerPlanck;
+use super::threshold_evolution::Met;
 use crate::Result;
 use crate::law::{Break, Law, SharedLaw};
 use crate::monitor::{Monitor, report};
@@ -34,7 +34,7 @@ const ENOUGH: f64 = 1e-9;
 const LEFT_OUT: f64 = 1e-13;
 
 /// The threshold h(q, t) of rank q, G(h; t) = q, where G is the distribution function at the age t of the law that evolves
-/// as [`Maturing`] tells, carried on by [`Evolution`].
+/// as [`ThresholdFokkerPlanck`] tells, carried on by [`Evolution`].
 pub(super) struct Ranks {
     newborn: SharedLaw,
     /// s.
@@ -65,14 +65,14 @@ pub(crate) struct Rank {
 
 /// A contact that keeps its rank, at many ages: what the ranks around it tell at an age is kept.
 #[derive(Debug)]
-pub(crate) struct Followed<'a> {
+pub(crate) struct RankTrajectory<'a> {
     ranks: &'a Ranks,
     rank: Rank,
     /// Its threshold at the ages told; NaN where nobody has asked.
     thresholds: Vec<Cell<f64>>,
 }
 
-impl Followed<'_> {
+impl RankTrajectory<'_> {
     pub(super) fn threshold(&self, age: f64) -> f64 {
         let told = |age: usize| {
             let known = &self.thresholds[age];
@@ -109,7 +109,7 @@ impl Ranks {
     /// Stopped by the monitor.
     pub(super) fn new(
         newborn: &SharedLaw,
-        maturing: &Maturing,
+        maturing: &ThresholdFokkerPlanck,
         time: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
@@ -130,7 +130,7 @@ impl Ranks {
     /// The same, the first age told being about `soon` τ.
     fn starting(
         newborn: &SharedLaw,
-        maturing: &Maturing,
+        maturing: &ThresholdFokkerPlanck,
         time: f64,
         soon: f64,
         monitor: &mut dyn Monitor,
@@ -204,9 +204,9 @@ impl Ranks {
     }
 
     /// The contact born with h_0, to be asked for its thresholds at many ages.
-    pub(super) fn followed(&self, newborn: f64) -> Followed<'_> {
+    pub(super) fn followed(&self, newborn: f64) -> RankTrajectory<'_> {
         let thresholds = vec![Cell::new(f64::NAN); self.rows.len()];
-        Followed { ranks: self, rank: self.rank(newborn), thresholds }
+        RankTrajectory { ranks: self, rank: self.rank(newborn), thresholds }
     }
 
     /// The newborn threshold of rank ψ: from ranks told by one step of Newton, where that is as good as its quantile.
@@ -373,7 +373,11 @@ fn quantile(law: &SharedLaw, psi: f64) -> f64 {
 }
 
 /// The thresholds of all ranks at all these ages, which rise.
-fn evolved(maturing: &Maturing, ages: &[f64], monitor: &mut dyn Monitor) -> Result<Vec<Vec<f64>>> {
+fn evolved(
+    maturing: &ThresholdFokkerPlanck,
+    ages: &[f64],
+    monitor: &mut dyn Monitor,
+) -> Result<Vec<Vec<f64>>> {
     /// The narrowest element at an edge, as part of the width of P_cf.
     const FINEST: f64 = 1e-5;
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
@@ -443,7 +447,7 @@ mod tests {
         let [newborn, mature] =
             [(0.8, 0.1), (1.0, 0.05)].map(|(m, s)| Arc::new(Gaussian::new(m, s).unwrap()) as SharedLaw);
         let time = 2.0;
-        let maturing = Maturing::new(newborn.clone(), mature, 0.05_f64.powi(2) / time);
+        let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature, 0.05_f64.powi(2) / time);
         let ranks = Ranks::new(&newborn, &maturing, time, &mut ()).unwrap();
         for age in [0.0, 0.003, 0.1, 1.0, 5.0, 30.0, 1e4] {
             let (aged, left) = (ranks.at(age), (-age / time).exp());

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Interface;
 use super::batch::fill;
 use super::differences::Differences;
-use super::outlook::Outlook;
+use super::fold_prediction::FoldPrediction;
 use super::slide::STALLED;
 use crate::Result;
 
@@ -49,7 +49,7 @@ impl Pace {
     }
 
     /// The next stride from a drive.
-    fn next(&self, drive: f64, outlook: &Outlook) -> f64 {
+    fn next(&self, drive: f64, outlook: &FoldPrediction) -> f64 {
         let part = if outlook.doubt > DOUBTED { BOLD } else { 1.0 - (CAREFUL * outlook.doubt).max(LEAVE) };
         self.stride.min(part * outlook.fold).min(outlook.limit).max(self.least(drive))
     }
@@ -94,7 +94,7 @@ impl Interface {
     }
 
     /// Tries to go to a drive in balance, from what is ahead by Newton's method; whether there is one way to do so.
-    fn attempt(&mut self, to: f64, outlook: &Outlook) -> Result<bool> {
+    fn attempt(&mut self, to: f64, outlook: &FoldPrediction) -> Result<bool> {
         let distance = to - self.drive;
         let mut held = vec![0.0; self.len()];
         self.coupling.forces(Differences::now(self.differences.as_ref(), &self.positions), &mut held);

@@ -15,32 +15,32 @@ mod balance;
 mod batch;
 mod catalogue;
 pub mod cells;
-pub mod clocked;
 pub mod coupling;
 mod creep;
 mod differences;
 mod energy;
 mod event;
 mod first;
-mod outlook;
-mod plain;
+mod fold_prediction;
+pub mod rate_dependent;
 mod slide;
 mod solve;
 mod state;
+mod uniform_stiffness;
 
 pub use cells::{Cells, Curves, Populations, Standing};
-pub use clocked::{InterfaceInTime, SettingInTime, StateInTime};
 pub use coupling::Coupling;
 pub use energy::Energy;
 pub use event::{Event, Slipped};
+pub use rate_dependent::{InterfaceInTime, InterfaceInTimeParameters, StateInTime};
 pub use state::State;
 
 use self::batch::change;
 use self::creep::Pace;
 use self::differences::Differences;
 use self::energy::Stored;
-use crate::clocked::Portion;
 use crate::monitor::{Monitor, report};
+use crate::rate_dependent::StretchInterval;
 use crate::record::Record;
 use crate::{Error, Result};
 
@@ -57,7 +57,7 @@ pub enum Loading {
 /// What a cell does that loses its balance, at fixed X_T.
 ///
 /// A cell loses its balance where it moves down a slope F_j' < −ΣK_0i/n, which the connection of all n cells together would
-/// not hold, having moved farther than [`Setting::drive_tolerance`]; or where contacts break together. By `Reset`, and
+/// not hold, having moved farther than [`InterfaceParameters::drive_tolerance`]; or where contacts break together. By `Reset`, and
 /// where contacts broke together, it has slipped then. Else it has if it goes farther than creep may within the tolerance
 /// δ of the drive, near a fold some √(δℓ) with the length ℓ on which slopes change, and no less than a tenth as far as the
 /// cell that goes farthest: others have been pulled along.
@@ -72,7 +72,7 @@ pub enum Slip {
 
 /// How an interface is driven.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Setting {
+pub struct InterfaceParameters {
     /// K_0, stiffness of the spring from a cell to the drive, force per length.
     pub connection: f64,
     /// Which cells have one.
@@ -88,7 +88,7 @@ pub struct Setting {
     pub area: Option<f64>,
 }
 
-impl Setting {
+impl InterfaceParameters {
     /// Checks the numbers; keys are those of the table `[interface]`.
     fn check(&self) -> Result<()> {
         let viscosity = self.viscosity.unwrap_or(1.0);
@@ -115,7 +115,7 @@ impl Setting {
 pub struct Interface {
     cells: Box<dyn Cells>,
     coupling: Box<dyn Coupling>,
-    setting: Setting,
+    setting: InterfaceParameters,
     /// Cells that are connected to the drive: those of a number below this.
     connected: usize,
     drive: f64,
@@ -142,7 +142,11 @@ impl Interface {
     /// # Errors
     /// Numbers of the setting that are not finite and above 0; another number of cells than the coupling is for; those
     /// of the cells.
-    pub fn new(cells: Box<dyn Cells>, coupling: Box<dyn Coupling>, setting: Setting) -> Result<Self> {
+    pub fn new(
+        cells: Box<dyn Cells>,
+        coupling: Box<dyn Coupling>,
+        setting: InterfaceParameters,
+    ) -> Result<Self> {
         setting.check()?;
         let (number, shape) = (cells.len(), coupling.shape());
         if number != shape.size() {
@@ -224,12 +228,12 @@ impl Interface {
     ///
     /// # Errors
     /// A number of no cell. Those of the cells.
-    pub fn stretches(&self, cell: usize) -> Result<Option<Vec<Portion>>> {
+    pub fn stretches(&self, cell: usize) -> Result<Option<Vec<StretchInterval>>> {
         self.has(cell)?;
         let portions = |stretches: Vec<f64>| {
             let share = 1.0 / stretches.len() as f64;
             // Those just re-formed may lie below 0 by rounding.
-            let at = |stretch: f64| Portion { low: stretch.max(0.0), high: stretch.max(0.0), share };
+            let at = |stretch: f64| StretchInterval { low: stretch.max(0.0), high: stretch.max(0.0), share };
             stretches.into_iter().map(at).collect()
         };
         Ok(self.cells.stretches(cell)?.map(portions))

@@ -4,7 +4,7 @@ use super::balance::Step;
 use super::batch::{change, fill, find, sum};
 use super::catalogue::Slide;
 use super::cells::{Extremes, Fall};
-use super::plain::Plain;
+use super::uniform_stiffness::UniformStiffnessStep;
 use super::{Event, Interface, Slip, Slipped};
 use crate::monitor::Monitor;
 use crate::{Error, Float, Result};
@@ -81,7 +81,7 @@ impl Interface {
     /// Steps until there is balance.
     fn follow(&mut self, slide: &mut Slide, monitor: &mut dyn Monitor) -> Result<()> {
         let (mut time, mut most, mut before, mut settled) = (0.0, 0.0_f64, f64::INFINITY, false);
-        let (mut damping, mut plain, mut precision) = (0.0, Plain::new(), self.precision());
+        let (mut damping, mut plain, mut precision) = (0.0, UniformStiffnessStep::new(), self.precision());
         let quiet = REPORT.div_ceil(self.len() as u64);
         for steps in 0..MOST_STEPS {
             let excess = self.excess_after(&mut plain)?;
@@ -118,7 +118,7 @@ impl Interface {
 
     /// Makes a step that tells springs apart, at the damping η/dt that it needs where cells are not stable; without viscosity
     /// it is weighed against plain ones.
-    fn step_on(&mut self, excess: f64, damping: &mut f64, plain: &mut Plain) -> Result<Step> {
+    fn step_on(&mut self, excess: f64, damping: &mut f64, plain: &mut UniformStiffnessStep) -> Result<Step> {
         let (least, out, spring) =
             (self.rate(excess), sum(self.len(), |j| self.excess[j]), self.plain_spring());
         loop {

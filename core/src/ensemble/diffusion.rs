@@ -9,7 +9,7 @@
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
-use super::passage::{Held, Leg, legs, stiffness};
+use super::passage::{AttachedContact, Segment, legs, stiffness};
 use super::sweep::TOGETHER;
 use crate::contacts::{Contacts, Stiffness, Temperature};
 use crate::history::History;
@@ -55,14 +55,14 @@ pub(super) struct Diffusion {
 
 /// A threshold on its way.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub(super) struct Wandering {
+pub(super) struct DiffusingThreshold {
     time: f64,
     threshold: f64,
     /// The step last taken.
     step: f64,
 }
 
-impl Wandering {
+impl DiffusingThreshold {
     /// The threshold of a contact that has just formed.
     pub(super) fn newborn(threshold: f64) -> Self {
         Self { time: 0.0, threshold, step: f64::INFINITY }
@@ -113,17 +113,17 @@ impl Diffusion {
     /// not. Where stiffness follows the threshold, `thresholds` are those at the marks.
     pub(super) fn end(
         &self,
-        held: &Held,
+        held: &AttachedContact,
         history: &History,
         marks: &[f64],
-        mut endurance: f64,
+        mut remaining_hazard: f64,
         stream: &mut Stream,
         thresholds: &mut Vec<f64>,
     ) -> f64 {
         let until = marks[marks.len() - 1];
         // Else steps do not know of them, nor do the ways of thresholds.
         let marks = if let Stiffness::PerThreshold(_) = self.stiffness { marks } else { &[] };
-        let mut state = Wandering::newborn(held.newborn);
+        let mut state = DiffusingThreshold::newborn(held.newborn);
         for leg in legs(history, held.birth..until) {
             state.time = leg.start;
             while state.time < leg.end.min(until) {
@@ -132,7 +132,8 @@ impl Diffusion {
                 let mark = marks.get(thresholds.len()).copied().unwrap_or(f64::INFINITY);
                 let way = Way { stretch: leg.position(state.time) - held.origin, velocity: leg.velocity };
                 let begun = state.time;
-                if let Some(span) = self.go(&mut state, way, leg.end.min(mark), &mut endurance, stream) {
+                if let Some(span) = self.go(&mut state, way, leg.end.min(mark), &mut remaining_hazard, stream)
+                {
                     return begun + span;
                 }
             }
@@ -149,18 +150,18 @@ impl Diffusion {
     /// to `gained`, with thresholds on straight lines.
     pub(super) fn on(
         &self,
-        held: &Held,
-        state: &mut Wandering,
-        leg: &Leg,
-        endurance: &mut f64,
+        held: &AttachedContact,
+        state: &mut DiffusingThreshold,
+        leg: &Segment,
+        remaining_hazard: &mut f64,
         stream: &mut Stream,
         gained: &mut f64,
     ) -> Option<f64> {
         state.time = leg.start;
         while state.time < leg.end {
-            let Wandering { time, threshold, .. } = *state;
+            let DiffusingThreshold { time, threshold, .. } = *state;
             let way = Way { stretch: leg.position(time) - held.origin, velocity: leg.velocity };
-            let ends = self.go(state, way, leg.end, endurance, stream);
+            let ends = self.go(state, way, leg.end, remaining_hazard, stream);
             let last = way.after(ends.unwrap_or(state.time - time));
             let square = (way.stretch * (way.stretch + last) + last * last) / 3.0;
             let [before, after] = [threshold, state.threshold].map(|h| stiffness(self.stiffness, h));
@@ -175,13 +176,13 @@ impl Diffusion {
     /// One step, up to `stop` at most; after which time the contact breaks, if it does.
     fn go(
         &self,
-        state: &mut Wandering,
+        state: &mut DiffusingThreshold,
         way: Way,
         stop: f64,
-        endurance: &mut f64,
+        remaining_hazard: &mut f64,
         stream: &mut Stream,
     ) -> Option<f64> {
-        let Wandering { time, threshold, step } = *state;
+        let DiffusingThreshold { time, threshold, step } = *state;
         let step = self.step(threshold, way, step, stop - time);
         let normal: f64 = StandardNormal.sample(stream);
         let next = step.mean + step.std * normal;
@@ -191,13 +192,13 @@ impl Diffusion {
         let meets = passed || !step.free && touches(gaps, step.bridge, stream);
         let span = if meets { step.span * meeting(gaps, step.bridge, stream) } else { step.span };
         let after = if meets { way.after(span) } else { self.reflected(next) };
-        if let Some(fired) = self.fires(way, (threshold, after), span, endurance, stream) {
+        if let Some(fired) = self.fires(way, (threshold, after), span, remaining_hazard, stream) {
             state.threshold += (after - threshold) * fired / span;
             return Some(fired);
         }
         // Stops are met exactly, and steps below rounding go on.
         let time = if step.span < stop - time { (time + step.span).max(time.next_up()) } else { stop };
-        *state = Wandering { time, threshold: after, step: step.span };
+        *state = DiffusingThreshold { time, threshold: after, step: step.span };
         meets.then_some(span)
     }
 
@@ -208,7 +209,7 @@ impl Diffusion {
         way: Way,
         thresholds: (f64, f64),
         span: f64,
-        endurance: &mut f64,
+        remaining_hazard: &mut f64,
         stream: &mut Stream,
     ) -> Option<f64> {
         self.temperature?;
@@ -218,12 +219,12 @@ impl Diffusion {
         let between = self.heat(way.after(0.5 * span), self.reflected(middle));
         let last = self.heat(way.after(span), thresholds.1);
         let used = span / 6.0 * (first + 4.0 * between + last);
-        if used < *endurance {
-            *endurance -= used;
+        if used < *remaining_hazard {
+            *remaining_hazard -= used;
             return None;
         }
         let growth = (last / first).ln();
-        let share = *endurance / used;
+        let share = *remaining_hazard / used;
         let fraction = if growth == 0.0 { share } else { (share * growth.exp_m1()).ln_1p() / growth };
         Some(span * fraction.min(1.0))
     }

@@ -5,7 +5,7 @@
 //! [`Ensemble::pull`] or, in time, when they are to [`Ensemble::follow`] a history; together in an [`Ensemble::population`] or, in
 //! time, as [`Ensemble::in_time`] gives them.
 
-mod clocked;
+mod break_batch;
 mod diffusion;
 pub mod lattice;
 mod lives;
@@ -13,15 +13,15 @@ mod passage;
 mod population;
 mod pull;
 mod queue;
+mod rate_dependent;
 mod sums;
 mod sweep;
 mod tally;
 mod timed;
-mod volley;
 
-pub use clocked::EnsembleInTime;
 pub use population::EnsemblePopulation;
 pub use pull::{EnsemblePull, Snapshots};
+pub use rate_dependent::EnsembleInTime;
 pub use timed::EnsembleTrace;
 
 use crate::contacts::{Ageing, Contacts, Initial};

@@ -8,7 +8,7 @@ use super::Ensemble;
 use super::diffusion::Diffusion;
 use super::sweep::TOGETHER;
 use crate::Result;
-use crate::contacts::{Ageing, Stiffness, Strength, Temperature};
+use crate::contacts::{Ageing, Stiffness, Temperature, ThresholdEvolution};
 use crate::history::History;
 use crate::monitor::Monitor;
 use crate::numerics::accumulation::used_up;
@@ -20,7 +20,7 @@ const PARTS: u32 = 32;
 
 /// A contact that holds: its stretch is X − `origin`.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub(super) struct Held {
+pub(super) struct AttachedContact {
     /// When it formed.
     pub(super) birth: f64,
     pub(super) origin: f64,
@@ -30,7 +30,7 @@ pub(super) struct Held {
 
 /// A part of a history, at one velocity.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Leg {
+pub(super) struct Segment {
     pub(super) start: f64,
     pub(super) end: f64,
     /// X at the start.
@@ -38,14 +38,14 @@ pub(super) struct Leg {
     pub(super) velocity: f64,
 }
 
-impl Leg {
+impl Segment {
     #[inline]
     pub(super) fn position(&self, time: f64) -> f64 {
         self.position + self.velocity * (time - self.start)
     }
 }
 
-impl Leg {
+impl Segment {
     /// The rest of it from a time on.
     #[inline]
     pub(super) fn from(self, time: f64) -> Self {
@@ -54,12 +54,12 @@ impl Leg {
 }
 
 /// The legs of a history that overlap with a range of times, the first one from its start.
-pub(super) fn legs(history: &History, range: Range<f64>) -> impl Iterator<Item = Leg> {
+pub(super) fn legs(history: &History, range: Range<f64>) -> impl Iterator<Item = Segment> {
     let (pieces, knots) = (history.pieces(), history.knots());
     let leg = move |i: usize| {
         let ((begin, position), velocity) = (knots[i], pieces[i].velocity);
         let start = begin.max(range.start);
-        Leg { start, end: knots[i + 1].0, position: position + velocity * (start - begin), velocity }
+        Segment { start, end: knots[i + 1].0, position: position + velocity * (start - begin), velocity }
     };
     let last = history.piece_at(range.end);
     (history.piece_at(range.start)..=last).map(leg)
@@ -98,7 +98,7 @@ impl Passage {
         if let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing {
             return Ok(Self::Diffusing(Diffusion::new(contacts, mature.as_ref(), *diffusion)));
         }
-        let strength = Strength::of(contacts, monitor)?;
+        let strength = ThresholdEvolution::of(contacts, monitor)?;
         Ok(Self::Known(Known {
             turns: turns(contacts.rules.ageing.as_ref(), &strength),
             strength,
@@ -109,7 +109,7 @@ impl Passage {
 }
 
 /// Ages between which the rate at which a threshold changes does so once at most, rising.
-fn turns(ageing: Option<&Ageing>, strength: &Strength) -> Vec<f64> {
+fn turns(ageing: Option<&Ageing>, strength: &ThresholdEvolution) -> Vec<f64> {
     let Some(&Ageing::FrozenRank { time, .. }) = ageing else { return Vec::new() };
     let parts = (1..PARTS).map(|part| -time * (-f64::from(part) / f64::from(PARTS)).ln_1p());
     // Beside an edge of the newborn law they turn soon after contacts form.
@@ -120,7 +120,7 @@ fn turns(ageing: Option<&Ageing>, strength: &Strength) -> Vec<f64> {
 /// The end of lives whose thresholds follow from their ages.
 #[derive(Debug, Clone)]
 pub(super) struct Known {
-    strength: Strength,
+    strength: ThresholdEvolution,
     temperature: Option<Temperature>,
     stiffness: Stiffness,
     turns: Vec<f64>,
@@ -128,26 +128,37 @@ pub(super) struct Known {
 
 impl Known {
     /// The present threshold.
-    pub(super) fn threshold(&self, held: &Held, time: f64) -> f64 {
+    pub(super) fn threshold(&self, held: &AttachedContact, time: f64) -> f64 {
         self.strength.threshold(held.newborn, time - held.birth)
     }
 
     /// When a contact breaks that survives `endurance` = ∫w dt, if before the last of the `marks`, which rise; infinite if
     /// not.
-    pub(super) fn end(&self, held: &Held, history: &History, marks: &[f64], mut endurance: f64) -> f64 {
+    pub(super) fn end(
+        &self,
+        held: &AttachedContact,
+        history: &History,
+        marks: &[f64],
+        mut remaining_hazard: f64,
+    ) -> f64 {
         let mut legs = legs(history, held.birth..marks[marks.len() - 1]);
-        legs.find_map(|leg| self.on(held, &leg, &mut endurance)).unwrap_or(f64::INFINITY)
+        legs.find_map(|leg| self.on(held, &leg, &mut remaining_hazard)).unwrap_or(f64::INFINITY)
     }
 
     /// When it breaks on a leg, if it does.
-    pub(super) fn on(&self, held: &Held, leg: &Leg, endurance: &mut f64) -> Option<f64> {
+    pub(super) fn on(
+        &self,
+        held: &AttachedContact,
+        leg: &Segment,
+        remaining_hazard: &mut f64,
+    ) -> Option<f64> {
         let meeting = self.meeting(held, leg);
-        self.fires(held, leg, meeting, endurance).or((meeting <= leg.end).then_some(meeting))
+        self.fires(held, leg, meeting, remaining_hazard).or((meeting <= leg.end).then_some(meeting))
     }
 
     /// What ageing brings to a contact from the start of a leg to a time by making it stiffer, ∫½x² dk, which is
     /// ½[kx²] − ∫kx dX.
-    pub(super) fn gained(&self, held: &Held, leg: &Leg, end: f64) -> f64 {
+    pub(super) fn gained(&self, held: &AttachedContact, leg: &Segment, end: f64) -> f64 {
         if self.strength.is_constant() || matches!(self.stiffness, Stiffness::Equal(_)) {
             return 0.0;
         }
@@ -159,7 +170,7 @@ impl Known {
 
     /// When the stretch meets the threshold, if the leg goes on for so long; infinite, or for a constant threshold after
     /// the end of the leg, if not.
-    fn meeting(&self, held: &Held, leg: &Leg) -> f64 {
+    fn meeting(&self, held: &AttachedContact, leg: &Segment) -> f64 {
         let gap = |time| held.origin + self.threshold(held, time) - leg.position(time);
         let mut from = leg.start;
         if gap(from) <= 0.0 {
@@ -193,7 +204,13 @@ impl Known {
     /// When heat breaks the contact, if on this leg and before the meeting.
     ///
     /// Near the meeting barriers are powers of √(time left), which is why that is the variable of integration.
-    fn fires(&self, held: &Held, leg: &Leg, meeting: f64, endurance: &mut f64) -> Option<f64> {
+    fn fires(
+        &self,
+        held: &AttachedContact,
+        leg: &Segment,
+        meeting: f64,
+        remaining_hazard: &mut f64,
+    ) -> Option<f64> {
         let temperature = self.temperature?;
         let constant = self.strength.is_constant().then_some(held.newborn);
         let stretch = leg.position - held.origin;
@@ -204,12 +221,12 @@ impl Known {
         };
         let span = meeting.min(leg.end) - leg.start;
         if meeting.is_infinite() {
-            return used_up(rate, span, endurance).map(|elapsed| leg.start + elapsed);
+            return used_up(rate, span, remaining_hazard).map(|elapsed| leg.start + elapsed);
         }
         let root = (meeting - leg.start).sqrt();
         let length = span / (root + (meeting - leg.start - span).sqrt());
         let elapsed = |y: f64| y * (2.0 * root - y);
-        let end = used_up(|y| 2.0 * (root - y) * rate(elapsed(y)), length, endurance);
+        let end = used_up(|y| 2.0 * (root - y) * rate(elapsed(y)), length, remaining_hazard);
         end.map(|y| leg.start + elapsed(y))
     }
 }

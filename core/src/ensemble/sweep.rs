@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use super::break_batch::BreakBatch;
 use super::lives::{Life, Lives};
 use super::tally::{Cell, Grid, Ruler};
-use super::volley::Volley;
 use super::{Ensemble, Snapshots};
 
 /// Breaks closer to a position than this, relatively, are at it: contacts that break together do so
@@ -66,7 +66,7 @@ impl Sweep<'_> {
     /// Adds contacts to a chunk, each of which is expected to break so many times.
     pub(super) fn add<C: Cell>(&self, contacts: Range<usize>, expected: usize, chunk: &mut Chunk<C>) {
         let mut lives = Lives::new(self.ensemble, expected);
-        let mut volley = Volley::new();
+        let mut volley = BreakBatch::new();
         for index in contacts {
             let first = lives.first(index as u64);
             self.follow(first, &mut lives, &mut volley, chunk);
@@ -74,7 +74,13 @@ impl Sweep<'_> {
     }
 
     /// One contact from X = 0 to the last position.
-    fn follow<C: Cell>(&self, first: Life, lives: &mut Lives, volley: &mut Volley<C>, chunk: &mut Chunk<C>) {
+    fn follow<C: Cell>(
+        &self,
+        first: Life,
+        lives: &mut Lives,
+        volley: &mut BreakBatch<C>,
+        chunk: &mut Chunk<C>,
+    ) {
         let last = self.positions[self.positions.len() - 1];
         let mut life = first;
         // Only a relaxed start has contacts at or above their thresholds: they break where they are.
@@ -108,7 +114,7 @@ impl Sweep<'_> {
         contact: Contact,
         until: f64,
         lives: &mut Lives,
-        volley: &mut Volley<C>,
+        volley: &mut BreakBatch<C>,
         cells: &mut [C],
         breaks: &mut u64,
     ) -> Contact {
@@ -174,7 +180,7 @@ mod tests {
         let mut thresholds = [0.0; 128];
         law.fill(&mut Stream::new(1, Purpose::Sample, 0), &mut thresholds);
         let start = Contact { origin: -0.1, threshold: 0.93 };
-        let mut volley = Volley::new();
+        let mut volley = BreakBatch::new();
         // One by one; at once, compiled for any machine; at once on the widest registers of this one.
         let [one_by_one, anywhere, here] = [0, 1, 2].map(|way| {
             let mut cells = vec![C::ZERO; positions.len()];

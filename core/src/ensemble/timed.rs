@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::lives::{Life, Lives};
-use super::passage::{Held, Passage};
+use super::passage::{AttachedContact, Passage};
 use super::pull::rising;
 use super::sweep::TOGETHER;
 use super::{Ensemble, EnsemblePull, Snapshots};
@@ -267,19 +267,22 @@ impl<'a> Follow<'a> {
         chunk: &mut Chunk,
     ) -> (f64, usize) {
         let Contacts { stiffness, ref rules, .. } = self.ensemble.contacts;
-        let held =
-            Held { birth, origin: self.history.position(birth) - life.stretch, newborn: life.threshold };
-        let endurance = match rules.temperature {
+        let held = AttachedContact {
+            birth,
+            origin: self.history.position(birth) - life.stretch,
+            newborn: life.threshold,
+        };
+        let remaining_hazard = match rules.temperature {
             Some(_) => -draws.breaking.uniform().ln(),
             None => f64::INFINITY,
         };
         let marks = &self.times[next..];
         let mut thresholds = Vec::new();
         let end = match &self.passage {
-            Passage::Known(known) => known.end(&held, self.history, marks, endurance),
+            Passage::Known(known) => known.end(&held, self.history, marks, remaining_hazard),
             Passage::Diffusing(diffusion) => {
                 let stream = &mut draws.diffusion;
-                diffusion.end(&held, self.history, marks, endurance, stream, &mut thresholds)
+                diffusion.end(&held, self.history, marks, remaining_hazard, stream, &mut thresholds)
             }
         };
         let passed = self.before(end, next);

@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use super::Life;
 use super::Starts;
 use super::athermal::begin;
+use super::breaking_model::{BlurredEdge, BreakingModel, Cohort, SurvivalMoments};
 use super::cells::{BULK, CELL, NEGLIGIBLE, RESOLUTION, with_atoms};
-use super::fate::{BlurredEdge, Cohort, Fate, Toll};
 use super::layer::Layer;
 use super::panels::{Domain, Panels};
 use crate::Result;
@@ -24,7 +24,7 @@ const OUTLINED: f64 = 0.1;
 /// Contacts of some fate, by where they start.
 #[derive(Debug, Clone)]
 pub(super) struct Cohorts {
-    fate: Arc<dyn Fate>,
+    model: Arc<dyn BreakingModel>,
     /// ν.
     starts: Layer,
     /// The cohorts of its atoms, in their order.
@@ -40,18 +40,18 @@ pub(super) struct Cohorts {
 #[derive(Debug, Clone)]
 struct Reach {
     thresholds: SharedLaw,
-    /// Where P_c is not smooth above 0, and whether a [`Fate`] tells from which starts they are met.
+    /// Where P_c is not smooth above 0, and whether a [`BreakingModel`] tells from which starts they are met.
     edges: Vec<f64>,
     told: bool,
     resolution: f64,
 }
 
 impl Reach {
-    fn new(contacts: &Contacts, fate: &dyn Fate) -> Self {
+    fn new(contacts: &Contacts, model: &dyn BreakingModel) -> Self {
         let thresholds = contacts.thresholds.clone();
         let edges =
             with_atoms(thresholds.as_ref()).iter().map(|b| b.position).filter(|&at| at > 0.0).collect();
-        Self { thresholds, edges, told: fate.tells_of_edges(), resolution: fate.resolution() }
+        Self { thresholds, edges, told: model.tells_of_edges(), resolution: model.resolution() }
     }
 
     /// A length L such that tolls of starts between two vary no faster than e^{−((r − r_0)/L)²}, between those that are told:
@@ -89,12 +89,12 @@ struct Sums {
 /// Stopped by the monitor.
 pub(super) fn of_cohorts(
     contacts: &Contacts,
-    fate: Arc<dyn Fate>,
+    model: Arc<dyn BreakingModel>,
     starts: &dyn Law,
     conditional: bool,
     watch: &Watch<'_>,
 ) -> Result<Life> {
-    let cohorts = Cohorts::new(contacts, fate, starts, conditional, watch)?;
+    let cohorts = Cohorts::new(contacts, model, starts, conditional, watch)?;
     let per_threshold = matches!(contacts.stiffness, Stiffness::PerThreshold(_));
     let panels = cohorts.panels();
     let at = |u: f64| watch.value(|| cohorts.sums(&panels, u, per_threshold, watch));
@@ -102,12 +102,12 @@ pub(super) fn of_cohorts(
     let mut breaks = cohorts.breaks(watch);
     let stops = breaks.iter().map(|b| b.position).chain(cohorts.approaches(watch)).collect();
     let outline = Outline::new(&at, stops, contacts.thresholds.mean());
-    let rounding = cohorts.fate.rounding();
+    let rounding = cohorts.model.rounding();
     breaks.retain(|b| b.exponent != 0.0 || b.amplitude.abs() * outline.beside(b.position) >= rounding);
     watch.check()?;
     let edges = &outline.edges;
     let end = edges[edges.len() - 1];
-    let made = cohorts.fate.making() + OUTLINED * (1.0 - cohorts.fate.making());
+    let made = cohorts.model.making() + OUTLINED * (1.0 - cohorts.model.making());
     // The curves are resolved from u = 0 on, twice where the stiffness has one of its own.
     let begun = if per_threshold { 0.5 * (1.0 + made) } else { made };
     let tell = |from: f64, to: f64, u: f64| {
@@ -118,8 +118,9 @@ pub(super) fn of_cohorts(
         tell(made, begun, u);
         at(u)
     };
-    let fate = &cohorts.fate;
-    let finer = per_threshold.then(|| stiffening(&told, edges, contacts.thresholds.mean(), fate.roughness()));
+    let model = &cohorts.model;
+    let finer =
+        per_threshold.then(|| stiffening(&told, edges, contacts.thresholds.mean(), model.roughness()));
     let edges = finer.as_ref().unwrap_or(edges);
     let curves = Piecewise::resolve_all(
         |u| {
@@ -129,7 +130,7 @@ pub(super) fn of_cohorts(
         },
         edges,
         end,
-        Resolution::Mean(RESOLUTION.max(fate.roughness())),
+        Resolution::Mean(RESOLUTION.max(model.roughness())),
     );
     let [_, breaking, survival, force, square, energy, lost] = curves;
     begin(&mut breaks, &breaking, 0.0, 0.0);
@@ -148,7 +149,7 @@ pub(super) fn of_cohorts(
         energy: kernel(energy),
         breaking_energy: kernel(breaking_energy),
         breaking: Kernel::new(breaking, breaks),
-        error: cohorts.fate.error(),
+        error: cohorts.model.error(),
         starts: Starts::Cohorts(Box::new(cohorts)),
         stiffness: contacts.stiffness.weight(contacts.thresholds.mean()),
         wait: 0.0,
@@ -245,15 +246,15 @@ fn split(at: &impl Fn(f64) -> Sums, [low, high]: [(f64, f64); 2], whole: f64, ed
 impl Cohorts {
     fn new(
         contacts: &Contacts,
-        fate: Arc<dyn Fate>,
+        model: Arc<dyn BreakingModel>,
         starts: &dyn Law,
         conditional: bool,
         watch: &Watch<'_>,
     ) -> Result<Self> {
         let starts = Layer::placed(contacts, starts, conditional, BULK);
-        let together = starts.lumps.iter().map(|lump| fate.cohort(lump.position, watch)).collect();
-        let reach = Reach::new(contacts, fate.as_ref());
-        let mut cohorts = Self { fate, starts, together, spread: HashMap::new(), few: Vec::new(), reach };
+        let together = starts.lumps.iter().map(|lump| model.cohort(lump.position, watch)).collect();
+        let reach = Reach::new(contacts, model.as_ref());
+        let mut cohorts = Self { model, starts, together, spread: HashMap::new(), few: Vec::new(), reach };
         /// By more, breaks of the single ones are too small to be seen, and too many.
         const FEW: usize = 8;
         let everywhere =
@@ -266,13 +267,13 @@ impl Cohorts {
         });
         let (count, finished) = (points.len() as f64, AtomicUsize::new(0));
         let make = |(): &mut (), number: usize| {
-            let cohort = cohorts.fate.cohort(points[number].0, watch);
+            let cohort = cohorts.model.cohort(points[number].0, watch);
             let finished = finished.fetch_add(1, Ordering::Relaxed) + 1;
-            watch.done(cohorts.fate.making() * finished as f64 / count);
+            watch.done(cohorts.model.making() * finished as f64 / count);
             cohort
         };
         let found = watch.share(points.len(), || (), make)?;
-        if points.len() <= FEW && !cohorts.fate.tells_of_edges() {
+        if points.len() <= FEW && !cohorts.model.tells_of_edges() {
             cohorts.few = points.iter().map(|point| point.1).zip(found.iter().cloned()).collect();
         }
         spread
@@ -285,7 +286,7 @@ impl Cohorts {
     fn panels(&self) -> Panels<'_> {
         /// What a gathered panel may leave out: rounding.
         const LEFT_OUT: f64 = 1e-16;
-        let panels = Panels::new(&self.starts.density, 2.0 * CELL * self.fate.resolution(), NEGLIGIBLE);
+        let panels = Panels::new(&self.starts.density, 2.0 * CELL * self.model.resolution(), NEGLIGIBLE);
         panels.gathered(|low, high| self.reach.length(low, high), LEFT_OUT)
     }
 
@@ -298,7 +299,7 @@ impl Cohorts {
         if self.starts.is_pointed() {
             return sums;
         }
-        let passing = self.fate.passing(advance);
+        let passing = self.model.passing(advance);
         for pass in passing.iter().filter(|pass| pass.weight > 0.0) {
             let weight = self.starts.density_at(pass.start) * pass.weight * pass.pace;
             sums.strike(weight, pass.start + advance, per_threshold);
@@ -316,8 +317,8 @@ impl Cohorts {
     }
 
     /// What becomes of contacts formed at a stretch: of a point that resolves the starts it is known.
-    fn toll(&self, start: f64, advance: f64, watch: &Watch<'_>) -> Toll {
-        let make = || self.fate.cohort(start, watch);
+    fn toll(&self, start: f64, advance: f64, watch: &Watch<'_>) -> SurvivalMoments {
+        let make = || self.model.cohort(start, watch);
         watch.value(|| match self.spread.get(&start.to_bits()) {
             Some(known) => known.get_or_init(make).toll(advance),
             None => make().toll(advance),
@@ -342,7 +343,7 @@ impl Cohorts {
             out.extend(cohort.breaks().into_iter().map(scaled));
         }
         for start in &self.starts.breaks {
-            let met = self.fate.cohort(start.position, watch).breaks();
+            let met = self.model.cohort(start.position, watch).breaks();
             out.extend(
                 met.into_iter().map(|b| Break { position: b.position, ..b.convolve(start.mirrored()) }),
             );
@@ -354,7 +355,7 @@ impl Cohorts {
 
     /// Places before blurred edges, where the breaking density changes, which points of wide cells would miss.
     fn approaches(&self, watch: &Watch<'_>) -> impl Iterator<Item = f64> {
-        let edged = self.starts.breaks.iter().map(|start| self.fate.cohort(start.position, watch));
+        let edged = self.starts.breaks.iter().map(|start| self.model.cohort(start.position, watch));
         let all = self.together.iter().cloned().chain(edged);
         all.flat_map(|cohort| cohort.blurred_edges()).flat_map(BlurredEdge::approach)
     }
@@ -425,7 +426,7 @@ impl Cohorts {
 
 impl Sums {
     /// Adds what is left of a cohort at the stretch x, and what breaks of it.
-    fn add(&mut self, toll: Toll, weight: f64, x: f64, per_threshold: bool) {
+    fn add(&mut self, toll: SurvivalMoments, weight: f64, x: f64, per_threshold: bool) {
         let [unbroken, first, second] = toll.unbroken.map(|sum| weight * sum);
         let [breaking, breaking_first] = toll.breaking.map(|sum| weight * sum);
         let (stiffness, squared, lost) =

@@ -1,7 +1,7 @@
 //! What temperature does to contacts on a way at constant velocity: their breaking rate, summed along it.
 
 use super::constant::Constant;
-use crate::contacts::{Aged, Barrier, Contacts, Stiffness, Strength, Temperature};
+use crate::contacts::{Barrier, Contacts, Stiffness, Temperature, ThresholdEvolution, ThresholdsAtAge};
 use crate::law::Law;
 use crate::numerics::legendre::RULE;
 use crate::numerics::piecewise::{Piecewise, Resolution};
@@ -11,7 +11,7 @@ use crate::numerics::piecewise::{Piecewise, Resolution};
 pub(super) struct Exposure {
     temperature: Temperature,
     stiffness: Stiffness,
-    strength: Strength,
+    strength: ThresholdEvolution,
     velocity: f64,
 }
 
@@ -24,7 +24,7 @@ pub(super) struct Exposed<'a> {
     start: f64,
     advance: f64,
     stretch: f64,
-    aged: Aged<'a>,
+    aged: ThresholdsAtAge<'a>,
     /// ∫_r^x e^{k(ξ² − x²)/2T} dξ, where it is the same for all.
     common: Option<f64>,
 }
@@ -55,7 +55,7 @@ impl Exposure {
     pub(super) fn new(
         contacts: &Contacts,
         temperature: Temperature,
-        strength: Strength,
+        strength: ThresholdEvolution,
         velocity: f64,
     ) -> Self {
         Self { temperature, stiffness: contacts.stiffness, strength, velocity }

@@ -5,18 +5,18 @@
 mod athermal;
 mod births;
 mod breaking;
-mod caught;
+mod breaking_model;
 mod cells;
 mod cohorts;
 mod constant;
 mod continuation;
 mod exposure;
-mod fate;
 mod grid;
 mod layer;
 mod moving;
 mod panels;
-mod record;
+mod running_maximum;
+mod smoluchowski;
 mod stock;
 mod timed;
 

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use super::Life;
 use super::athermal::athermal_within;
-use super::caught::Diffusing;
 use super::cohorts::of_cohorts;
 use super::exposure::blur;
+use super::smoluchowski::FokkerPlanckLife;
 use super::timed::Timed;
 use crate::Result;
-use crate::contacts::{Ageing, Closure, Contacts, Maturing, Temperature};
+use crate::contacts::{Ageing, Closure, Contacts, Temperature, ThresholdFokkerPlanck};
 use crate::law::SharedLaw;
 use crate::monitor::{Monitor, Watch};
 
@@ -32,10 +32,10 @@ pub fn moving(
     let watch = Watch::new(monitor);
     let rules = &contacts.rules;
     let thermal = rules.temperature.is_some_and(|temperature| is_felt(&temperature, contacts, velocity));
-    let life = match (&rules.ageing, Maturing::of(contacts)) {
+    let life = match (&rules.ageing, ThresholdFokkerPlanck::of(contacts)) {
         (Some(Ageing::Smoluchowski { .. }), Some(maturing)) => {
             let temperature = rules.temperature.filter(|_| thermal);
-            let diffusing = Arc::new(Diffusing::new(contacts, maturing, temperature, velocity)?);
+            let diffusing = Arc::new(FokkerPlanckLife::new(contacts, maturing, temperature, velocity)?);
             of_cohorts(contacts, diffusing, starts.as_ref(), conditional, &watch)?
         }
         (Some(Ageing::MeanField { .. }), Some(maturing)) => {

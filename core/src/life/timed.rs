@@ -3,13 +3,13 @@
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
+use super::breaking_model::{BlurredEdge, BreakingModel, Cohort, Passing, SurvivalMoments};
 use super::cells::{NEGLIGIBLE, ROUNDING, scale, with_atoms};
 use super::exposure::{Exposed, Exposure, Risk, blur};
-use super::fate::{BlurredEdge, Cohort, Fate, Passing, Toll};
 use super::grid::{Grid, Share};
-use super::record::Record;
+use super::running_maximum::RunningMaximum;
 use crate::Result;
-use crate::contacts::{Barrier, Contacts, Stiffness, Strength};
+use crate::contacts::{Barrier, Contacts, Stiffness, ThresholdEvolution};
 use crate::law::{Break, SharedLaw};
 use crate::monitor::Watch;
 use crate::numerics::legendre::NODES;
@@ -27,7 +27,7 @@ pub(super) struct Timed {
     /// Breaks and atoms of P_c.
     hazards: Arc<[Break]>,
     highest: f64,
-    strength: Strength,
+    strength: ThresholdEvolution,
     velocity: f64,
     exposure: Option<Exposure>,
     /// The length on which temperature blurs where contacts break.
@@ -44,7 +44,7 @@ pub(super) struct Timed {
 struct Formed {
     of: Timed,
     start: f64,
-    record: Record,
+    record: RunningMaximum,
     /// A of contacts that age, at the fixed thresholds of the grid, once asked for, …
     histories: OnceLock<Vec<OnceLock<Piecewise>>>,
     /// … but not of contacts that are asked but once for their toll.
@@ -55,7 +55,7 @@ impl Timed {
     /// Contacts that move at `velocity`, broken by temperature if that is `thermal`.
     ///
     /// # Errors
-    /// Those of [`Strength::of`].
+    /// Those of [`ThresholdEvolution::of`].
     pub(super) fn new(
         contacts: &Contacts,
         velocity: f64,
@@ -63,7 +63,7 @@ impl Timed {
         mut watch: &Watch<'_>,
     ) -> Result<Self> {
         let law = &contacts.thresholds;
-        let strength = Strength::of(contacts, &mut watch)?;
+        let strength = ThresholdEvolution::of(contacts, &mut watch)?;
         let exposure = contacts
             .rules
             .temperature
@@ -150,9 +150,9 @@ fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
     }
 }
 
-impl Fate for Timed {
+impl BreakingModel for Timed {
     fn cohort(&self, start: f64, _watch: &Watch<'_>) -> Arc<dyn Cohort> {
-        let record = Record::new(&self.strength, self.velocity, start, self.highest);
+        let record = RunningMaximum::new(&self.strength, self.velocity, start, self.highest);
         let (histories, asked) = (OnceLock::new(), AtomicBool::new(false));
         Arc::new(Formed { of: self.clone(), start, record, histories, asked })
     }
@@ -186,7 +186,7 @@ impl Fate for Timed {
             if start < 0.0 || start >= hazard.position {
                 return None;
             }
-            let record = Record::new(&self.strength, self.velocity, start, self.highest);
+            let record = RunningMaximum::new(&self.strength, self.velocity, start, self.highest);
             // Met before.
             if record.met(advance) > hazard.position * (1.0 + 1e-12) {
                 return None;
@@ -223,7 +223,7 @@ impl Formed {
     }
 
     /// Adds contacts of one newborn threshold.
-    fn add(&self, toll: &mut Toll, share: Share, present: f64) {
+    fn add(&self, toll: &mut SurvivalMoments, share: Share, present: f64) {
         let left = share.weight * (-share.broken).exp();
         let breaks = left * share.rate;
         toll.unbroken[0] += left;
@@ -236,7 +236,7 @@ impl Formed {
     }
 
     /// Adds all contacts of an age with newborn thresholds above one.
-    fn add_kept(&self, toll: &mut Toll, above: f64, age: f64) {
+    fn add_kept(&self, toll: &mut SurvivalMoments, above: f64, age: f64) {
         let Timed { law, strength, per_threshold, .. } = &self.of;
         if above.is_infinite() {
             return;
@@ -251,11 +251,11 @@ impl Formed {
 }
 
 impl Cohort for Formed {
-    fn toll(&self, advance: f64) -> Toll {
+    fn toll(&self, advance: f64) -> SurvivalMoments {
         let Timed { law, strength, velocity, .. } = &self.of;
         let (met, pace) = self.record.reach(advance);
         let (age, stretch) = (advance / velocity, self.start + advance);
-        let mut toll = Toll::default();
+        let mut toll = SurvivalMoments::default();
         let (mut reached, mut kept) = (law.density(met) * pace, met);
         if let Some(exposure) = &self.of.exposure {
             let exposed = exposure.at(self.start, advance);

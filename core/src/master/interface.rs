@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::course::Course;
+use super::loading::LoadingBranch;
 use super::{MasterEquation, Tolerance};
 use crate::contacts::{Contacts, Start};
 use crate::life::{Layer, Life, Sums, life_of, tidied};
@@ -27,7 +27,7 @@ pub(super) struct Interface {
     pub(super) stiffness: f64,
     pub(super) tolerance: Tolerance,
     /// The course from where all contacts have just re-formed.
-    fresh: OnceLock<Arc<Course>>,
+    fresh: OnceLock<Arc<LoadingBranch>>,
 }
 
 impl Interface {
@@ -43,7 +43,11 @@ impl Interface {
     }
 
     /// The course from X = 0, after what breaks there at once.
-    pub(super) fn first(&self, equation: &MasterEquation, monitor: &mut dyn Monitor) -> Result<Course> {
+    pub(super) fn first(
+        &self,
+        equation: &MasterEquation,
+        monitor: &mut dyn Monitor,
+    ) -> Result<LoadingBranch> {
         if equation.start == Start::Conditional || self.knows_time() {
             return self.course(equation.first.clone(), monitor);
         }
@@ -54,14 +58,14 @@ impl Interface {
     }
 
     /// The course of contacts with this first life.
-    fn course(&self, first: Arc<Life>, monitor: &mut dyn Monitor) -> Result<Course> {
-        Course::renewed(first, &self.reborn, FIRST * self.reborn.mean(), self.tolerance, monitor)
+    fn course(&self, first: Arc<Life>, monitor: &mut dyn Monitor) -> Result<LoadingBranch> {
+        LoadingBranch::renewed(first, &self.reborn, FIRST * self.reborn.mean(), self.tolerance, monitor)
     }
 
     /// The course of contacts in these layers, whose breaking ones re-form.
     ///
     /// All of them should be there; what the tolerance of earlier courses leaves is made up for, lest it add up.
-    pub(super) fn renewed(&self, layers: Vec<Layer>, monitor: &mut dyn Monitor) -> Result<Course> {
+    pub(super) fn renewed(&self, layers: Vec<Layer>, monitor: &mut dyn Monitor) -> Result<LoadingBranch> {
         let layers = tidied(layers, self.contacts.thresholds.as_ref());
         let there = Sums::of(&layers, &self.contacts).unbroken;
         let what = || "the probability of all stretches where the slider turned".to_owned();
@@ -71,14 +75,14 @@ impl Interface {
     }
 
     /// The course of contacts in these layers, whose breaking ones stay free.
-    pub(super) fn held(&self, layers: Vec<Layer>) -> Course {
+    pub(super) fn held(&self, layers: Vec<Layer>) -> LoadingBranch {
         let layers = tidied(layers, self.contacts.thresholds.as_ref());
         let life = life_of(&self.contacts, layers, &mut ()).expect("nobody asks to stop");
-        Course::held(Arc::new(life))
+        LoadingBranch::held(Arc::new(life))
     }
 
     /// The course of contacts that have all just re-formed.
-    pub(super) fn fresh(&self) -> Result<Arc<Course>> {
+    pub(super) fn fresh(&self) -> Result<Arc<LoadingBranch>> {
         if let Some(course) = self.fresh.get() {
             return Ok(course.clone());
         }

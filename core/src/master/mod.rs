@@ -3,37 +3,37 @@
 //! ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ, with the hazard P = P_c/S
 //! (O. M. Braun and M. Peyrard, Phys. Rev. Lett. 100, 125501 (2008), Eq. 5), solved in renewal form: see [`Pull`].
 
-mod back;
-mod course;
 mod interface;
-mod leg;
 mod limits;
+mod loading;
+mod master_population;
 mod pull;
 mod relaxation;
+mod renewal;
 mod steady;
 mod stepping;
-mod stock;
 mod tolerance;
 mod transport;
+mod unloading;
 
 pub use limits::{Limits, creep};
+pub use master_population::MasterPopulation;
 pub use pull::Pull;
 pub use relaxation::Relaxation;
 pub use steady::SteadyState;
 pub use stepping::{Stepping, Variant};
-pub use stock::Stock;
 pub use tolerance::Tolerance;
 pub use transport::{Slider, StepResponse, Trace, Transport};
 
 use std::sync::Arc;
 
-use crate::clocked::Portion;
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness};
 use crate::law::{Atom, SharedLaw};
 use crate::life::{Life, athermal, cells_of, moving};
 use crate::monitor::{Monitor, Part, Watch, fits};
+use crate::rate_dependent::StretchInterval;
 use crate::{Error, Result};
-use leg::Leg;
+use renewal::RenewalSolution;
 
 /// The master equation of an interface and its start.
 #[derive(Debug, Clone)]
@@ -79,13 +79,13 @@ impl Stretches {
     }
 
     /// Those of contacts that are known portion by portion: on stretches asked for, and where portions are at one.
-    pub fn of(portions: &[Portion], stretches: &[f64]) -> Self {
+    pub fn of(portions: &[StretchInterval], stretches: &[f64]) -> Self {
         let (points, cells): (Vec<_>, Vec<_>) = portions.iter().partition(|portion| portion.is_point());
-        let at = |cell: &&Portion, x: f64| {
+        let at = |cell: &&StretchInterval, x: f64| {
             if x >= cell.low && x < cell.high { cell.share / (cell.high - cell.low) } else { 0.0 }
         };
         let density = stretches.iter().map(|&x| cells.iter().map(|cell| at(cell, x)).sum()).collect();
-        let atom = |point: &Portion| Atom { position: point.low, weight: point.share };
+        let atom = |point: &StretchInterval| Atom { position: point.low, weight: point.share };
         let mut atoms: Vec<Atom> = points.into_iter().map(atom).collect();
         atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
         Self { density, atoms }
@@ -214,7 +214,7 @@ impl MasterEquation {
         tolerance.check()?;
         self.has_transients()?;
         let end = distance.max(3.0 * self.reborn.mean());
-        let leg = Leg::solve(&self.first, &self.reborn, end, tolerance, monitor)?;
+        let leg = RenewalSolution::solve(&self.first, &self.reborn, end, tolerance, monitor)?;
         Ok(Pull::new(leg, self.stiffness(), distance, tolerance.value()))
     }
 }

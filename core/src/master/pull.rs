@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::leg::{Leg, unit_force};
+use super::renewal::{RenewalSolution, unit_force};
 use super::{Extremum, Stretches};
 use crate::Result;
 use crate::law::Atom;
@@ -22,7 +22,7 @@ const SLACK: f64 = 10.0;
 /// φ₀ and F₀ those of the initial ones. Forces are totals, N_c⟨k⟩ included.
 #[derive(Debug, Clone)]
 pub struct Pull {
-    leg: Leg,
+    leg: RenewalSolution,
     distance: f64,
     tolerance: f64,
     /// N_c⟨k⟩ or N_c κ.
@@ -31,7 +31,7 @@ pub struct Pull {
 }
 
 impl Pull {
-    pub(super) fn new(leg: Leg, stiffness: f64, distance: f64, tolerance: f64) -> Self {
+    pub(super) fn new(leg: RenewalSolution, stiffness: f64, distance: f64, tolerance: f64) -> Self {
         Self { leg, distance, tolerance, stiffness, square: OnceLock::new() }
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_4;
 
 use num_complex::Complex64;
 
-use super::leg::unit_force;
+use super::renewal::unit_force;
 use crate::Result;
 use crate::contacts::{Ageing, Contacts};
 use crate::life::{Continuation, Life};

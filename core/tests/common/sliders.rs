@@ -4,20 +4,27 @@
 use std::ops::ControlFlow;
 
 use asperity::elastic::coupling::neighbours;
-use asperity::elastic::{Coupling, Curves, Event, Interface, Loading, Setting, Slip};
+use asperity::elastic::{Coupling, Curves, Event, Interface, InterfaceParameters, Loading, Slip};
 use asperity::monitor::Monitor;
 use asperity::population::Population;
 use asperity::shape::{Edges, Shape};
 
-pub fn setting(connection: f64, slip: Slip, drive_tolerance: f64) -> Setting {
-    Setting { connection, loading: Loading::Uniform, slip, viscosity: None, drive_tolerance, area: None }
+pub fn setting(connection: f64, slip: Slip, drive_tolerance: f64) -> InterfaceParameters {
+    InterfaceParameters {
+        connection,
+        loading: Loading::Uniform,
+        slip,
+        viscosity: None,
+        drive_tolerance,
+        area: None,
+    }
 }
 
 pub fn interface(
     population: &dyn Population,
     scales: Option<Vec<f64>>,
     coupling: Box<dyn Coupling>,
-    setting: Setting,
+    setting: InterfaceParameters,
 ) -> Interface {
     let curves = Curves::new(population, coupling.shape().size(), &mut ()).unwrap();
     let curves = match scales {

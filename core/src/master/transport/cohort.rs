@@ -6,8 +6,8 @@ use super::broken::Share;
 use super::model::{Model, State, Tools};
 use super::path::{Part, Path};
 use super::seeds::Seed;
-use crate::clocked::Portion;
 use crate::monitor::Watch;
+use crate::rate_dependent::StretchInterval;
 
 /// Where the contacts of a cohort are: at one stretch, or spread evenly over a cell around it.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -154,9 +154,9 @@ impl Cohort {
     }
 
     /// The same by their stretches.
-    pub(super) fn portion(&self) -> Portion {
+    pub(super) fn portion(&self) -> StretchInterval {
         let Place { stretch, below, above, .. } = self.place;
-        Portion { low: stretch - below, high: stretch + above, share: self.attached() }
+        StretchInterval { low: stretch - below, high: stretch + above, share: self.attached() }
     }
 
     /// Force, per unit of the stiffness of all.

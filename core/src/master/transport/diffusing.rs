@@ -10,16 +10,16 @@ use super::model::Tools;
 use super::path::{Part, Path};
 use super::seeds::Seed;
 use crate::Result;
-use crate::contacts::{Contacts, Maturing, Stiffness, Temperature};
+use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::diffusion::{Followed, Medium, Potential, Rise, Room, Sink};
+use crate::numerics::diffusion::{Coefficients, MovingBoundary, MovingGrid, Potential, Sink, Workspace};
 
 /// Thresholds that diffuse.
 #[derive(Debug)]
 pub(super) struct Diffusing {
-    maturing: Maturing,
+    maturing: ThresholdFokkerPlanck,
     potential: Potential,
-    levels: [Followed; LEVELS],
+    levels: [MovingGrid; LEVELS],
     temperature: Option<Temperature>,
     stiffness: Stiffness,
     /// Newborn contacts where they re-form, in the order of their stretches.
@@ -60,14 +60,14 @@ impl Standing {
 
 /// A way that a cohort goes at one velocity, on one side of the lowest threshold.
 #[derive(Debug, Clone, Copy)]
-struct Leg {
+struct Segment {
     /// Stretches at both ends.
     from: f64,
     to: f64,
     duration: f64,
 }
 
-impl Leg {
+impl Segment {
     /// The k-th of so many equal parts.
     fn part(&self, k: u32, parts: u32) -> Self {
         let at = |k: u32| self.from + (self.to - self.from) * f64::from(k) / f64::from(parts);
@@ -116,13 +116,13 @@ impl Diffusing {
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Option<Self>> {
-        let Some(maturing) = Maturing::of(contacts) else { return Ok(None) };
+        let Some(maturing) = ThresholdFokkerPlanck::of(contacts) else { return Ok(None) };
         let (low, high) = maturing.support;
         let coarser = tolerance.powf(0.25);
         let cells = (CELLS * (high - low) / (scale * coarser)).ceil().max(FEWEST) as usize;
         let mut diffusing = Self {
             potential: maturing.potential(),
-            levels: [1, 2].map(|fine| Followed::new(cells * fine, FINEST)),
+            levels: [1, 2].map(|fine| MovingGrid::new(cells * fine, FINEST)),
             temperature: contacts.rules.temperature,
             stiffness: contacts.stiffness,
             time: scale * scale / maturing.diffusion,
@@ -140,7 +140,7 @@ impl Diffusing {
 
     /// How many numbers a step of a cohort goes through at least, in its two halves.
     pub(super) fn cells(&self) -> usize {
-        let numbers = |(level, cells): (usize, &Followed)| (cells.cells() << level) * 2;
+        let numbers = |(level, cells): (usize, &MovingGrid)| (cells.cells() << level) * 2;
         self.levels.iter().enumerate().map(numbers).sum()
     }
 
@@ -158,7 +158,7 @@ impl Diffusing {
     /// P_ci above a stretch.
     fn above(&self, stretch: f64, watch: &Watch<'_>) -> Masses {
         let (floor, ceiling) = (self.floor(stretch), self.maturing.support.1);
-        let share = |level: &Followed| {
+        let share = |level: &MovingGrid| {
             let middles: Vec<f64> = level.middles(floor, ceiling).collect();
             let mut masses = self
                 .maturing
@@ -216,7 +216,7 @@ impl Diffusing {
     }
 
     /// The ways of a part, between where the stretch meets the lowest threshold.
-    fn legs(&self, place: Place, path: &Path, part: Part) -> Vec<Leg> {
+    fn legs(&self, place: Place, path: &Path, part: Part) -> Vec<Segment> {
         let low = self.maturing.support.0;
         let (from, to) = part.ends();
         let (start, by, time) = (place.stretch, path.advance(from, to), path.time(part));
@@ -224,7 +224,7 @@ impl Diffusing {
         let mut ends: Vec<f64> = [-low, low].map(meets).into_iter().filter(|&s| s > 0.0 && s < 1.0).collect();
         ends.extend([0.0, 1.0]);
         ends.sort_by(f64::total_cmp);
-        let leg = |ends: &[f64]| Leg {
+        let leg = |ends: &[f64]| Segment {
             from: start + by * ends[0],
             to: start + by * ends[1],
             duration: time * (ends[1] - ends[0]),
@@ -233,13 +233,13 @@ impl Diffusing {
     }
 
     /// In how many coarse steps a way may be gone at an age.
-    fn steps(&self, leg: &Leg, age: f64) -> f64 {
+    fn steps(&self, leg: &Segment, age: f64) -> f64 {
         let longest = self.share * (self.time + age);
         (leg.duration / longest).max((leg.to - leg.from).abs() / self.reach)
     }
 
     /// A step of one level: the stiffness of what breaks.
-    fn step(&self, leg: &Leg, level: usize, masses: &mut Masses, room: &mut Room) -> f64 {
+    fn step(&self, leg: &Segment, level: usize, masses: &mut Masses, room: &mut Workspace) -> f64 {
         let (low, ceiling) = self.maturing.support;
         let (cells, masses) = (&self.levels[level], &mut masses.levels[level]);
         let [start, end] = [leg.from, leg.to].map(f64::abs);
@@ -247,12 +247,13 @@ impl Diffusing {
         let before = self.standing(start, cells, masses);
         if end < ceiling {
             let floor = (self.floor(start), self.floor(end));
-            let rise = Rise { floor, ceiling, duration: leg.duration, absorbing: middle >= low };
+            let rise = MovingBoundary { floor, ceiling, duration: leg.duration, absorbing: middle >= low };
             let heat =
                 |temperature: Temperature| move |h: f64| temperature.rate(middle, h, self.stiffness.of(h));
             let heat = self.temperature.map(heat);
             let sink = heat.as_ref().map(|heat| heat as Sink<'_>);
-            let medium = Medium { potential: &self.potential, diffusion: self.maturing.diffusion, sink };
+            let medium =
+                Coefficients { potential: &self.potential, diffusion: self.maturing.diffusion, sink };
             cells.advance(&rise, &medium, masses, room);
         } else {
             masses.fill(0.0);
@@ -265,7 +266,7 @@ impl Diffusing {
     }
 
     /// What stands, and what heat breaks of it; not counted where all are equally stiff, as nothing hangs on it.
-    fn standing(&self, stretch: f64, cells: &Followed, masses: &[f64]) -> Standing {
+    fn standing(&self, stretch: f64, cells: &MovingGrid, masses: &[f64]) -> Standing {
         if self.is_equal() {
             return Standing::default();
         }

@@ -30,10 +30,10 @@ mod trial;
 use std::sync::Arc;
 
 use super::{Stretches, Tolerance};
-use crate::clocked::{Books, Clocked, Portion, State};
-use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness, Strength};
+use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness, ThresholdEvolution};
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, Part, Watch, report};
+use crate::rate_dependent::{Books, RateDependentContacts, State, StretchInterval};
 use crate::{Error, Result};
 use broken::Broken;
 use cohort::{Cohort, Spent};
@@ -123,7 +123,7 @@ impl Transport {
 
     fn starting(
         contacts: &Contacts,
-        strength: Option<Strength>,
+        strength: Option<ThresholdEvolution>,
         initial: &Initial,
         tolerance: f64,
         monitor: &mut dyn Monitor,
@@ -154,7 +154,7 @@ impl Transport {
 
     fn empty(
         contacts: &Contacts,
-        strength: Option<Strength>,
+        strength: Option<ThresholdEvolution>,
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
@@ -422,7 +422,7 @@ impl Transport {
     }
 }
 
-impl Clocked for Transport {
+impl RateDependentContacts for Transport {
     fn position(&self) -> f64 {
         self.position
     }
@@ -447,7 +447,7 @@ impl Clocked for Transport {
         Self::free(self)
     }
 
-    fn stretches(&self) -> Vec<Portion> {
+    fn stretches(&self) -> Vec<StretchInterval> {
         self.cohorts.iter().map(Cohort::portion).collect()
     }
 
@@ -455,12 +455,12 @@ impl Clocked for Transport {
         Self::step(self, by, during, monitor)
     }
 
-    fn rough(&self) -> Option<Box<dyn Clocked>> {
+    fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {
         self.rough.as_ref().map(|rough| rough.copy())
     }
 
     /// Without the rough follower, by which [`Transport::follow`] tells its error and steps tell nothing.
-    fn copy(&self) -> Box<dyn Clocked> {
+    fn copy(&self) -> Box<dyn RateDependentContacts> {
         let Self { model, seeds, cohorts, broken, pace, kinks, .. } = self;
         Box::new(Self {
             model: model.clone(),
@@ -517,21 +517,21 @@ fn rough(tolerance: f64) -> f64 {
 }
 
 /// How strong contacts are by their age, unless their thresholds diffuse.
-fn strength(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Option<Strength>> {
+fn strength(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Option<ThresholdEvolution>> {
     match &contacts.rules.ageing {
         Some(Ageing::MeanField { .. }) => {
             let expected = "a rule for one contact: mean_field is the closure of steady sliding";
             Err(Error::invalid("contacts.ageing.mean_field", expected, "a velocity that varies"))
         }
         Some(Ageing::Smoluchowski { .. }) => Ok(None),
-        _ => Strength::of(contacts, monitor).map(Some),
+        _ => ThresholdEvolution::of(contacts, monitor).map(Some),
     }
 }
 
 /// The rules of the thresholds of these contacts, which re-form at the seeds and have the [`strength`].
 fn model(
     contacts: &Contacts,
-    strength: Option<Strength>,
+    strength: Option<ThresholdEvolution>,
     seeds: &[Seed],
     tolerance: f64,
     monitor: &mut dyn Monitor,

@@ -8,7 +8,7 @@ use super::path::{Part, Path};
 use super::ranked::{Left, Ranks};
 use super::seeds::Seed;
 use crate::monitor::Watch;
-use crate::numerics::diffusion::Room;
+use crate::numerics::diffusion::Workspace;
 
 /// The rules of the thresholds.
 #[derive(Debug)]
@@ -21,13 +21,13 @@ pub(super) enum Model {
 
 /// What steps of cohorts take: memory to work in, and who may stop them, after which they are of no use.
 pub(super) struct Tools<'a, 'm> {
-    pub(super) room: Room,
+    pub(super) room: Workspace,
     pub(super) watch: &'a Watch<'m>,
 }
 
 impl<'a, 'm> Tools<'a, 'm> {
     pub(super) fn new(watch: &'a Watch<'m>) -> Self {
-        Self { room: Room::default(), watch }
+        Self { room: Workspace::default(), watch }
     }
 }
 

@@ -18,7 +18,7 @@ use super::panels::panels;
 use super::path::Path;
 use super::seeds::Seed;
 use super::thermal::{Moment, Passage, Thermal};
-use crate::contacts::{Barrier, Contacts, Label, Rank, Stiffness, Strength, Temperature};
+use crate::contacts::{Barrier, Contacts, Label, Rank, Stiffness, Temperature, ThresholdEvolution};
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::legendre::{NODES, Nodal};
 use crate::numerics::roots::{brent_minimum, brent_root};
@@ -27,7 +27,7 @@ use crate::numerics::roots::{brent_minimum, brent_root};
 #[derive(Debug)]
 pub(super) struct Ranks {
     law: SharedLaw,
-    strength: Strength,
+    strength: ThresholdEvolution,
     stiffness: Stiffness,
     /// Where temperature is felt.
     thermal: Option<(Thermal, Grid)>,
@@ -112,8 +112,8 @@ impl Band {
 }
 
 impl Ranks {
-    /// Contacts of a [`Strength`].
-    pub(super) fn new(contacts: &Contacts, strength: Strength, tolerance: f64) -> Self {
+    /// Contacts of a [`ThresholdEvolution`].
+    pub(super) fn new(contacts: &Contacts, strength: ThresholdEvolution, tolerance: f64) -> Self {
         let law = contacts.thresholds.clone();
         let felt = contacts.rules.temperature.filter(|t| is_felt(contacts, t, tolerance));
         let thermal = felt.map(|t| {
@@ -418,7 +418,7 @@ mod tests {
         let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
         let rules = Rules { temperature, ..Rules::default() };
         let contacts = Contacts { rules, ..Contacts::new(law, Arc::new(Point::new(0.0).unwrap())) };
-        let ranks = Ranks::new(&contacts, Strength::of(&contacts, &mut ()).unwrap(), 1e-8);
+        let ranks = Ranks::new(&contacts, ThresholdEvolution::of(&contacts, &mut ()).unwrap(), 1e-8);
         let seed = Seed { stretch: 0.0, weight: 1.0, below: 0.0, above: 0.0 };
         let mut place = Place { stretch: 0.0, below: 0.0, above: 0.0, age: 0.0 };
         let mut left = ranks.newborn(&seed);

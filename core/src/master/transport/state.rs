@@ -7,7 +7,7 @@ use super::broken::Broken;
 use super::cohort::{Cohort, Spent};
 use super::pace::Pace;
 use crate::Result;
-use crate::clocked::State;
+use crate::rate_dependent::State;
 
 /// What contacts have come to, without the rough follower beside them.
 #[derive(Serialize, Deserialize)]

@@ -8,7 +8,7 @@ use super::path::{Part, Path};
 use std::sync::Arc;
 
 use crate::Result;
-use crate::contacts::{Contacts, Initial, Start, Strength};
+use crate::contacts::{Contacts, Initial, Start, ThresholdEvolution};
 use crate::law::Point;
 use crate::monitor::{Monitor, Watch};
 
@@ -39,7 +39,7 @@ impl Transport {
 
     fn sliding(
         contacts: &Contacts,
-        strength: Option<Strength>,
+        strength: Option<ThresholdEvolution>,
         velocity: f64,
         tolerance: f64,
         monitor: &mut dyn Monitor,

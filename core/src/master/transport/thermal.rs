@@ -6,7 +6,7 @@
 
 use super::fitted::fitted;
 use super::path::Path;
-use crate::contacts::{Aged, Contacts, Label, Stiffness, Strength, Temperature};
+use crate::contacts::{Contacts, Label, Stiffness, Temperature, ThresholdEvolution, ThresholdsAtAge};
 use crate::numerics::legendre::{NODES, Nodal};
 
 /// Breaking by temperature.
@@ -25,7 +25,7 @@ pub(super) struct Thermal {
 /// A part of a time step of contacts of one age.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Passage<'a> {
-    pub(super) strength: &'a Strength,
+    pub(super) strength: &'a ThresholdEvolution,
     pub(super) stretch: f64,
     pub(super) age: f64,
     pub(super) path: &'a Path,
@@ -36,7 +36,7 @@ pub(super) struct Passage<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Moment<'a> {
     stretch: f64,
-    aged: Aged<'a>,
+    aged: ThresholdsAtAge<'a>,
     /// The time that it stands for.
     time: f64,
 }
@@ -57,7 +57,7 @@ fn most_change(rule: &[(f64, f64)], tolerance: f64) -> f64 {
 
 impl<'a> Passage<'a> {
     /// Where contacts are, and how strong, at a fraction of the step.
-    pub(super) fn at(&self, s: f64) -> (f64, Aged<'a>) {
+    pub(super) fn at(&self, s: f64) -> (f64, ThresholdsAtAge<'a>) {
         let stretch = (self.stretch + self.path.advance(self.ends.0, s)).abs();
         (stretch, self.strength.at(self.age + self.path.duration * (s - self.ends.0)))
     }

@@ -6,16 +6,16 @@ use std::sync::Arc;
 
 use super::super::{Block, Ensemble};
 use super::{CellSlip, Coupling, Edges, Interface, Loading, PerCell, Scales};
-use crate::clocked::Clocked;
 use crate::contacts::{Contacts, Initial};
 use crate::elastic::cells::{Cells, Curves, Populations};
-use crate::elastic::clocked::Scaled;
-use crate::elastic::{self, InterfaceInTime, SettingInTime, coupling};
+use crate::elastic::rate_dependent::Scaled;
+use crate::elastic::{self, InterfaceInTime, InterfaceInTimeParameters, coupling};
 use crate::ensemble::lattice::{self, Lattice};
 use crate::law::{SharedLaw, scattered};
 use crate::master::{MasterEquation, Stretches, Tolerance, Transport};
 use crate::monitor::{Aside, Monitor, report};
 use crate::population::Population;
+use crate::rate_dependent::RateDependentContacts;
 use crate::shape;
 use crate::{Error, Result};
 
@@ -87,11 +87,11 @@ impl Interface {
         let scales = scales.map_err(|e| e.under("interface"))?;
         // By temperature: cells of one are alike, and what takes long to find is found once.
         let mut alike: HashMap<Option<u64>, Transport> = HashMap::new();
-        let mut cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn Clocked>> {
+        let mut cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn RateDependentContacts>> {
             report(monitor, 0.0)?;
             let contacts = cooler(contacts, scale);
             let energy = contacts.rules.temperature.map(|temperature| temperature.energy.to_bits());
-            let cell: Box<dyn Clocked> = match ensemble {
+            let cell: Box<dyn RateDependentContacts> = match ensemble {
                 Some(ensemble) => {
                     let first = (cell * ensemble.size()) as u64;
                     Box::new(
@@ -108,8 +108,8 @@ impl Interface {
             Ok(Box::new(Scaled::new(cell, scale)?))
         };
         let cells = scales.iter().enumerate().map(&mut cell).collect::<Result<_>>()?;
-        let elastic::Setting { connection, loading, area, .. } = self.setting(1.0);
-        let setting = SettingInTime {
+        let elastic::InterfaceParameters { connection, loading, area, .. } = self.setting(1.0);
+        let setting = InterfaceInTimeParameters {
             connection,
             loading,
             viscosity: self.viscosity.unwrap_or(f64::NAN),
@@ -200,8 +200,8 @@ impl Interface {
     }
 
     /// How cells are driven, the mean threshold being a `length`.
-    fn setting(&self, length: f64) -> elastic::Setting {
-        elastic::Setting {
+    fn setting(&self, length: f64) -> elastic::InterfaceParameters {
+        elastic::InterfaceParameters {
             connection: self.connection,
             loading: match self.loading {
                 Loading::Uniform => elastic::Loading::Uniform,

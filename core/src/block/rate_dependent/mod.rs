@@ -9,10 +9,10 @@ mod log;
 mod stage;
 
 use super::{Block, Energy, Loading, Slip};
-use crate::clocked::{Clocked, ErrorEstimator};
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, report};
 use crate::numerics::two_stages::{CHANGE, MEET, WEIGHTS, change};
+use crate::rate_dependent::{ErrorEstimator, RateDependentContacts};
 use crate::{Error, Float, Result};
 use log::Log;
 pub use log::{Moment, Slide, TimedSlip};
@@ -36,7 +36,7 @@ impl Block {
     /// the drive; a tolerance that is not above 0; those of the contacts; stopped by the monitor.
     pub fn follow(
         &self,
-        contacts: &dyn Clocked,
+        contacts: &dyn RateDependentContacts,
         drive: &History,
         times: &[f64],
         tolerance: f64,
@@ -51,7 +51,7 @@ impl Block {
     /// Those of [`Block::follow`].
     pub fn follow_with_error(
         &self,
-        contacts: &dyn Clocked,
+        contacts: &dyn RateDependentContacts,
         drive: &History,
         times: &[f64],
         tolerance: f64,
@@ -62,7 +62,7 @@ impl Block {
 
     fn followed(
         &self,
-        contacts: &dyn Clocked,
+        contacts: &dyn RateDependentContacts,
         estimator: Option<ErrorEstimator>,
         drive: &History,
         times: &[f64],
@@ -157,7 +157,7 @@ impl Rider {
     /// `pulled` is the first velocity of the drive, `fraction` the share of contacts that breaks in the smallest slip.
     fn new(
         dynamics: Dynamics,
-        contacts: &dyn Clocked,
+        contacts: &dyn RateDependentContacts,
         estimator: Option<ErrorEstimator>,
         pulled: f64,
         fraction: f64,

@@ -15,13 +15,13 @@ use crate::numerics::roots::brent_root;
 
 /// The cells, as fractions of the interval.
 #[derive(Debug, Clone)]
-pub struct Followed {
+pub struct MovingGrid {
     cells: Vec<Cell>,
 }
 
 /// Room for eliminations, used again and again.
 #[derive(Debug, Clone, Default)]
-pub struct Room {
+pub struct Workspace {
     rows: Vec<Row>,
     stage: Vec<f64>,
 }
@@ -48,7 +48,7 @@ struct Row {
 
 /// A step from one place of the floor to another.
 #[derive(Debug, Clone, Copy)]
-pub struct Rise {
+pub struct MovingBoundary {
     /// Where the floor is before and after.
     pub floor: (f64, f64),
     /// Where the axis ends, and reflects.
@@ -64,7 +64,7 @@ pub type Sink<'a> = &'a dyn Fn(f64) -> f64;
 
 /// What masses move in.
 #[derive(Clone, Copy)]
-pub struct Medium<'a> {
+pub struct Coefficients<'a> {
     /// U.
     pub potential: &'a Potential,
     /// D, above 0.
@@ -73,7 +73,7 @@ pub struct Medium<'a> {
     pub sink: Option<Sink<'a>>,
 }
 
-impl Followed {
+impl MovingGrid {
     /// So many cells, the lowest about `finest` times as wide as even ones. Half of them lie evenly, half crowd towards the
     /// floor: ξ = ½φ + ½ ln(1 + φ/δ)/ln(1 + 1/δ) for the fraction ξ of the cells below φ.
     pub fn new(cells: usize, finest: f64) -> Self {
@@ -101,8 +101,14 @@ impl Followed {
     }
 
     /// Moves masses on: the two stages of [`super::Step`], with the rates half way.
-    pub fn advance(&self, rise: &Rise, medium: &Medium<'_>, masses: &mut [f64], room: &mut Room) {
-        let Room { rows, stage } = room;
+    pub fn advance(
+        &self,
+        rise: &MovingBoundary,
+        medium: &Coefficients<'_>,
+        masses: &mut [f64],
+        room: &mut Workspace,
+    ) {
+        let Workspace { rows, stage } = room;
         rows.resize(masses.len(), Row::default());
         stage.resize(masses.len(), 0.0);
         self.eliminate(rise, medium, rows);
@@ -114,7 +120,7 @@ impl Followed {
     }
 
     /// The elimination of (1 − aL + aw), from the top down.
-    fn eliminate(&self, rise: &Rise, medium: &Medium<'_>, rows: &mut [Row]) {
+    fn eliminate(&self, rise: &MovingBoundary, medium: &Coefficients<'_>, rows: &mut [Row]) {
         let (start, end) = rise.floor;
         let (a, x) = (GAMMA * rise.duration, 0.5 * (start + end));
         self.rates(x, rise, (a * medium.diffusion, GAMMA * (end - start)), medium.potential, rows);
@@ -131,7 +137,7 @@ impl Followed {
     fn rates(
         &self,
         x: f64,
-        rise: &Rise,
+        rise: &MovingBoundary,
         (spread, travel): (f64, f64),
         potential: &Potential,
         rows: &mut [Row],

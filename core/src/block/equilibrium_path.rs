@@ -13,7 +13,7 @@ const MARGINAL: f64 = 1e-9;
 
 /// A population and what pulls it, with the way ahead; advances a ≥ 0 are counted in the direction of motion, and
 /// drives with its sign, so that backward motion is the mirror image of forward motion.
-pub(super) struct Look<'a> {
+pub(super) struct EquilibriumPath<'a> {
     population: &'a mut dyn Population,
     /// Who is asked where the population takes long.
     watch: Aside<'a>,
@@ -32,7 +32,7 @@ pub(super) struct Look<'a> {
     points: [Response; NODES],
 }
 
-impl<'a> Look<'a> {
+impl<'a> EquilibriumPath<'a> {
     pub fn new(
         population: &'a mut dyn Population,
         loading: Loading,

@@ -12,7 +12,7 @@ const NEGLIGIBLE: f64 = 1e-15;
 
 /// ∂_t p = D∂_h[U' + ∂_h]p, U = −ln P_cf, from P_ci, reflecting at the ends of the support of P_cf.
 #[derive(Debug, Clone)]
-pub struct Maturing {
+pub struct ThresholdFokkerPlanck {
     newborn: SharedLaw,
     mature: SharedLaw,
     /// D, stretch² per time.
@@ -21,7 +21,7 @@ pub struct Maturing {
     pub support: (f64, f64),
 }
 
-impl Maturing {
+impl ThresholdFokkerPlanck {
     /// How the thresholds of these contacts mature; `None` where ageing knows no mature law. For [`Ageing::FrozenRank`] it is
     /// the law that does, with D = σ_f²/`time`.
     pub fn of(contacts: &Contacts) -> Option<Self> {

@@ -3,17 +3,18 @@
 mod common;
 
 use asperity::block::{self, Block, Slide};
-use asperity::clocked::{Books, Clocked, Portion, State};
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Stiffness, Temperature};
-use asperity::elastic::clocked::Scaled;
 use asperity::elastic::coupling::{half_space, neighbours};
+use asperity::elastic::rate_dependent::Scaled;
 use asperity::elastic::{
-    Coupling, Curves, Event, Interface, InterfaceInTime, Loading, Setting, SettingInTime, Slip,
+    Coupling, Curves, Event, Interface, InterfaceInTime, InterfaceInTimeParameters, InterfaceParameters,
+    Loading, Slip,
 };
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::master::Transport;
 use asperity::monitor::Monitor;
+use asperity::rate_dependent::{Books, RateDependentContacts, State, StretchInterval};
 use asperity::shape::{Edges, Shape};
 use asperity::{Error, Result};
 use common::pulled::near;
@@ -35,13 +36,13 @@ fn logarithmic() -> Contacts {
     of(Rules { ageing: Some(ageing), ..Rules::default() }, 0.2)
 }
 
-fn transport(contacts: &Contacts, tolerance: f64) -> Box<dyn Clocked> {
+fn transport(contacts: &Contacts, tolerance: f64) -> Box<dyn RateDependentContacts> {
     Box::new(Transport::new(contacts.clone(), &initial(&point(0.0)), tolerance, &mut ()).unwrap())
 }
 
 /// Cells whose contacts are these, of such scales.
-fn cells(contacts: &Contacts, scales: &[f64], tolerance: f64) -> Vec<Box<dyn Clocked>> {
-    let cell = |&scale: &f64| -> Box<dyn Clocked> {
+fn cells(contacts: &Contacts, scales: &[f64], tolerance: f64) -> Vec<Box<dyn RateDependentContacts>> {
+    let cell = |&scale: &f64| -> Box<dyn RateDependentContacts> {
         Box::new(Scaled::new(transport(contacts, tolerance), scale).unwrap())
     };
     scales.iter().map(cell).collect()
@@ -51,9 +52,9 @@ fn chain(cells: usize, stiffness: f64) -> Box<dyn Coupling> {
     neighbours(Shape::Chain(cells), Edges::Open, stiffness).unwrap()
 }
 
-fn setting(connection: f64, viscosity: f64, tolerance: f64) -> SettingInTime {
+fn setting(connection: f64, viscosity: f64, tolerance: f64) -> InterfaceInTimeParameters {
     let loading = Loading::Uniform;
-    SettingInTime { connection, loading, viscosity, tolerance, slip_fraction: 0.0, area: None }
+    InterfaceInTimeParameters { connection, loading, viscosity, tolerance, slip_fraction: 0.0, area: None }
 }
 
 fn events(interface: &mut InterfaceInTime, drive: f64, velocity: f64) -> Vec<Event> {
@@ -63,7 +64,7 @@ fn events(interface: &mut InterfaceInTime, drive: f64, velocity: f64) -> Vec<Eve
 }
 
 /// A slider block over these contacts, driven so far.
-fn block(contacts: &dyn Clocked, stiffness: f64, damping: f64, way: (f64, f64)) -> Slide {
+fn block(contacts: &dyn RateDependentContacts, stiffness: f64, damping: f64, way: (f64, f64)) -> Slide {
     let slip = block::Slip::Damped { damping };
     let drive = History::new(vec![Piece { velocity: way.1, duration: way.0 / way.1 }]).unwrap();
     let block = Block::new(block::Loading::Spring(stiffness), slip, None).unwrap();
@@ -99,15 +100,15 @@ fn one_cell_is_the_block_in_time() {
 }
 
 /// Contacts of several cells under one slider.
-struct Together(Vec<Box<dyn Clocked>>);
+struct Together(Vec<Box<dyn RateDependentContacts>>);
 
 impl Together {
-    fn sum(&self, of: impl Fn(&dyn Clocked) -> f64) -> f64 {
+    fn sum(&self, of: impl Fn(&dyn RateDependentContacts) -> f64) -> f64 {
         self.0.iter().map(|contacts| of(contacts.as_ref())).sum()
     }
 }
 
-impl Clocked for Together {
+impl RateDependentContacts for Together {
     fn position(&self) -> f64 {
         self.0[0].position()
     }
@@ -137,8 +138,11 @@ impl Clocked for Together {
         self.sum(|contacts| contacts.free()) / self.0.len() as f64
     }
 
-    fn stretches(&self) -> Vec<Portion> {
-        let part = |portion: Portion| Portion { share: portion.share / self.0.len() as f64, ..portion };
+    fn stretches(&self) -> Vec<StretchInterval> {
+        let part = |portion: StretchInterval| StretchInterval {
+            share: portion.share / self.0.len() as f64,
+            ..portion
+        };
         self.0.iter().flat_map(|contacts| contacts.stretches()).map(part).collect()
     }
 
@@ -146,7 +150,7 @@ impl Clocked for Together {
         self.0.iter_mut().try_for_each(|contacts| contacts.step(by, during, monitor))
     }
 
-    fn copy(&self) -> Box<dyn Clocked> {
+    fn copy(&self) -> Box<dyn RateDependentContacts> {
         Box::new(Self(self.0.iter().map(|contacts| contacts.copy()).collect()))
     }
 
@@ -197,7 +201,7 @@ fn slow_and_without_rules_it_is_the_athermal_interface() {
     let relaxed = point(0.0);
     let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10, &mut ()).unwrap();
     let curves = Curves::new(&population, scales.len(), &mut ()).unwrap();
-    let athermal_setting = Setting {
+    let athermal_setting = InterfaceParameters {
         connection,
         loading: Loading::Uniform,
         slip: Slip::Overdamped,
@@ -280,7 +284,7 @@ fn cells_of_single_contacts_slip_alike() {
     let (size, samples) = (2000, 4);
     // By which drives at slips scatter, N^{−2/3}, a tenth.
     let tolerance = 0.1 * (size as f64).powf(-2.0 / 3.0);
-    let first = |contacts: Vec<Box<dyn Clocked>>, setting: SettingInTime| {
+    let first = |contacts: Vec<Box<dyn RateDependentContacts>>, setting: InterfaceInTimeParameters| {
         let mut interface = InterfaceInTime::new(contacts, chain(3, 0.5), setting).unwrap();
         let event = events(&mut interface, 4.6, 1e-2)[0];
         assert_eq!((event.epicentre, event.cells), (0, 3));
@@ -290,13 +294,13 @@ fn cells_of_single_contacts_slip_alike() {
     let expected = first(contacts, setting(0.2, 0.1, TOLERANCE));
     let relaxed = initial(&point(0.0));
     let sample = |seed: u64| {
-        let cell = |j: usize| -> Box<dyn Clocked> {
+        let cell = |j: usize| -> Box<dyn RateDependentContacts> {
             let model =
                 Ensemble::new(logarithmic(), relaxed.clone(), size, seed, Disorder::Annealed).unwrap();
             let model = model.numbered_from((j * size) as u64).in_time(&mut ()).unwrap();
             Box::new(Scaled::new(Box::new(model), WEAK[1 + j]).unwrap())
         };
-        let few = SettingInTime { slip_fraction: 0.05, ..setting(0.2, 0.1, tolerance) };
+        let few = InterfaceInTimeParameters { slip_fraction: 0.05, ..setting(0.2, 0.1, tolerance) };
         first((0..3).map(cell).collect(), few)
     };
     let drawn: Vec<_> = (1..=samples).map(sample).collect();
@@ -314,7 +318,7 @@ fn contacts_that_age_make_a_chain_slip_again_and_again() {
     let aged = of(Rules { ageing: Some(ageing), ..Rules::default() }, 0.1);
     let number = 8;
     let slips = |contacts: &Contacts| {
-        let setting = SettingInTime { loading: Loading::Edge, ..setting(2.0, 0.3, 1e-3) };
+        let setting = InterfaceInTimeParameters { loading: Loading::Edge, ..setting(2.0, 0.3, 1e-3) };
         let contacts = cells(contacts, &vec![1.0; number], 1e-3);
         let mut interface = InterfaceInTime::new(contacts, chain(number, 10.0), setting).unwrap();
         let events = events(&mut interface, 30.0, 1e-3);
@@ -348,7 +352,7 @@ fn threads_change_nothing() {
 
 #[test]
 fn what_makes_no_sense_is_refused() {
-    let make = |cells: usize, setting: SettingInTime| {
+    let make = |cells: usize, setting: InterfaceInTimeParameters| {
         let contacts = (0..cells).map(|_| transport(&athermal(), 1e-3)).collect();
         InterfaceInTime::new(contacts, chain(2, 1.0), setting)
     };
@@ -358,10 +362,10 @@ fn what_makes_no_sense_is_refused() {
     };
     let good = setting(1.0, 1.0, 1e-3);
     assert_eq!(key(make(3, good)), "cells");
-    assert_eq!(key(make(2, SettingInTime { viscosity: 0.0, ..good })), "viscosity");
-    assert_eq!(key(make(2, SettingInTime { connection: f64::NAN, ..good })), "connection");
-    assert_eq!(key(make(2, SettingInTime { tolerance: -1.0, ..good })), "tolerance");
-    assert_eq!(key(make(2, SettingInTime { slip_fraction: 1.5, ..good })), "slip_fraction");
+    assert_eq!(key(make(2, InterfaceInTimeParameters { viscosity: 0.0, ..good })), "viscosity");
+    assert_eq!(key(make(2, InterfaceInTimeParameters { connection: f64::NAN, ..good })), "connection");
+    assert_eq!(key(make(2, InterfaceInTimeParameters { tolerance: -1.0, ..good })), "tolerance");
+    assert_eq!(key(make(2, InterfaceInTimeParameters { slip_fraction: 1.5, ..good })), "slip_fraction");
     let mut interface = make(2, good).unwrap();
     assert!(interface.run(1.0, 0.0, &mut (), &mut |_, _| ()).is_err());
     assert!(Scaled::new(transport(&athermal(), 1e-3), 0.0).is_err());

@@ -8,9 +8,9 @@ use crate::law::Break;
 use crate::monitor::Watch;
 
 /// A kind of contacts, moved at a constant velocity.
-pub(crate) trait Fate: Debug + Send + Sync {
+pub(crate) trait BreakingModel: Debug + Send + Sync {
     /// The contacts formed at stretch r ≥ 0 whose newborn thresholds, drawn from P_c, are above r: the fraction S(r) of
-    /// all, so that what a [`Toll`] tells is not divided by S(r). Where the monitor asks to stop, they are of no use.
+    /// all, so that what a [`SurvivalMoments`] tells is not divided by S(r). Where the monitor asks to stop, they are of no use.
     fn cohort(&self, start: f64, watch: &Watch<'_>) -> Arc<dyn Cohort>;
 
     /// About which part of a life's work it is to make cohorts; the rest is to ask them for their tolls.
@@ -32,10 +32,10 @@ pub(crate) trait Fate: Debug + Send + Sync {
     }
 
     /// A length over which the tolls at one advance vary little with the start, between the starts that
-    /// [`Fate::passing`] tells.
+    /// [`BreakingModel::passing`] tells.
     fn resolution(&self) -> f64;
 
-    /// Whether [`Fate::passing`] tells of all edges of P_c that are met.
+    /// Whether [`BreakingModel::passing`] tells of all edges of P_c that are met.
     fn tells_of_edges(&self) -> bool {
         false
     }
@@ -49,7 +49,7 @@ pub(crate) trait Fate: Debug + Send + Sync {
 /// Contacts formed together at a stretch r.
 pub(crate) trait Cohort: Debug + Send + Sync {
     /// What is left, and what breaks, when they are at r + u; from the right at an atom.
-    fn toll(&self, advance: f64) -> Toll;
+    fn toll(&self, advance: f64) -> SurvivalMoments;
 
     /// Where the breaking density is not smooth past u = 0, atoms among it, as advances.
     fn breaks(&self) -> Vec<Break> {
@@ -83,7 +83,7 @@ impl BlurredEdge {
 
 /// What is left of a cohort and what breaks, with powers of the present threshold h where that matters (k = κ h).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Toll {
+pub(crate) struct SurvivalMoments {
     /// The fraction unbroken, and its sums of h and h².
     pub(crate) unbroken: [f64; 3],
     /// The fraction that breaks per unit advance, and its sum of h; atoms not counted.

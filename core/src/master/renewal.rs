@@ -16,7 +16,7 @@ use crate::{Error, Result};
 /// Γ(u) = φ₀(u) + ∫₀^u Γ(v) φ(u − v) dv, with φ₀ the breaking density of the contacts that are there at u = 0 and φ that
 /// of those that re-form. What contacts carry follows by the same convolution: F(u) = m₀(u) + ∫₀^u Γ(v) m(u − v) dv.
 #[derive(Debug, Clone)]
-pub(super) struct Leg {
+pub(super) struct RenewalSolution {
     pub(super) first: Arc<Life>,
     pub(super) reborn: Arc<Life>,
     pub(super) solution: Solution,
@@ -27,7 +27,7 @@ pub(super) struct Leg {
     pub(super) error: f64,
 }
 
-impl Leg {
+impl RenewalSolution {
     /// Solves on [0, end], F/(N_c⟨k⟩) to `tolerance` × the mean life.
     ///
     /// # Errors

@@ -4,7 +4,7 @@ use super::stage::{Dynamics, Pulled, State};
 use crate::block::regime::{self, Jump, Oscillation};
 use crate::block::run::End;
 use crate::block::{Energy, Point, Regime};
-use crate::clocked::Clocked;
+use crate::rate_dependent::RateDependentContacts;
 use crate::record::{Quantity, Record};
 
 /// A slider faster than the drive by this factor is in a slip.
@@ -180,7 +180,13 @@ impl TimedSlip {
 }
 
 impl Log {
-    pub fn new(start: Moment, pulled: f64, contacts: &dyn Clocked, fraction: f64, tolerance: f64) -> Self {
+    pub fn new(
+        start: Moment,
+        pulled: f64,
+        contacts: &dyn RateDependentContacts,
+        fraction: f64,
+        tolerance: f64,
+    ) -> Self {
         Self {
             trace: Vec::new(),
             slips: Vec::new(),
@@ -213,7 +219,7 @@ impl Log {
     }
 
     /// The end of a step; `stopping` where the slider is on its way to rest.
-    pub fn pass(&mut self, moment: Moment, stopping: bool, contacts: &dyn Clocked) {
+    pub fn pass(&mut self, moment: Moment, stopping: bool, contacts: &dyn RateDependentContacts) {
         let fast = FAST * self.pulled;
         self.most = (self.most.0.max(moment.force.abs()), self.most.1.max(contacts.tangent()));
         if self.open.is_none() && moment.velocity > fast {

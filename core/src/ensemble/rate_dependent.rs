@@ -5,13 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 
 use super::Ensemble;
-use super::diffusion::Wandering;
+use super::diffusion::DiffusingThreshold;
 use super::lives::{Drawn, Life, Lives};
-use super::passage::{Held, Leg, Passage, stiffness};
-use crate::clocked::{Books, Clocked, Portion, State};
+use super::passage::{AttachedContact, Passage, Segment, stiffness};
 use crate::contacts::Stiffness;
 use crate::monitor::{Monitor, Watch, fits, report};
 use crate::random::{Purpose, Stream};
+use crate::rate_dependent::{Books, RateDependentContacts, State, StretchInterval};
 use crate::{Error, Result};
 
 /// Bytes of a contact, and of the copies on which a step of a block is tried.
@@ -72,7 +72,7 @@ impl Ensemble {
             }
             ensemble.contacts.push(ensemble.drawn(index, &mut hand));
         }
-        ensemble.go(&Leg { start: 0.0, end: 0.0, position: 0.0, velocity: 0.0 }, monitor)?;
+        ensemble.go(&Segment { start: 0.0, end: 0.0, position: 0.0, velocity: 0.0 }, monitor)?;
         // Nothing has been lost before the beginning.
         ensemble.past = Toll { lost: 0.0, ..ensemble.past };
         Ok(ensemble)
@@ -90,10 +90,10 @@ struct Contact {
     holds: bool,
     /// The stretch at which it formed, or will.
     formed: f64,
-    held: Held,
+    held: AttachedContact,
     /// What is left of ∫w dt before heat breaks it.
-    endurance: f64,
-    wandering: Wandering,
+    remaining_hazard: f64,
+    wandering: DiffusingThreshold,
 }
 
 /// Sums over the contacts that hold.
@@ -140,8 +140,8 @@ impl Contact {
     fn live(&mut self, life: Life, birth: f64) {
         self.holds = false;
         self.formed = life.stretch;
-        self.held = Held { birth, origin: 0.0, newborn: life.threshold };
-        self.wandering = Wandering::newborn(life.threshold);
+        self.held = AttachedContact { birth, origin: 0.0, newborn: life.threshold };
+        self.wandering = DiffusingThreshold::newborn(life.threshold);
     }
 }
 
@@ -154,13 +154,13 @@ impl Hand {
     }
 
     /// The endurance of a life, or ∞ where nothing is hot.
-    fn endurance(&mut self, contact: &mut Contact, hot: bool) -> f64 {
+    fn remaining_hazard(&mut self, contact: &mut Contact, hot: bool) -> f64 {
         if !hot {
             return f64::INFINITY;
         }
-        let endurance = -self.breaking.uniform().ln();
+        let remaining_hazard = -self.breaking.uniform().ln();
         contact.words[0] = self.breaking.taken();
-        endurance
+        remaining_hazard
     }
 }
 
@@ -180,16 +180,16 @@ impl EnsembleInTime {
             words: [0; 2],
             holds: false,
             formed: 0.0,
-            held: Held { birth: 0.0, origin: 0.0, newborn: 0.0 },
-            endurance: 0.0,
-            wandering: Wandering::newborn(0.0),
+            held: AttachedContact { birth: 0.0, origin: 0.0, newborn: 0.0 },
+            remaining_hazard: 0.0,
+            wandering: DiffusingThreshold::newborn(0.0),
         };
         contact.live(life, 0.0);
         contact
     }
 
     /// All contacts go a leg, unless the monitor asks to stop: then some have gone it, and no sums are made of them.
-    fn go(&mut self, leg: &Leg, monitor: &mut dyn Monitor) -> Result<()> {
+    fn go(&mut self, leg: &Segment, monitor: &mut dyn Monitor) -> Result<()> {
         let mut contacts = std::mem::take(&mut self.contacts);
         let chunks: Vec<Mutex<&mut [Contact]>> = contacts.chunks_mut(CHUNK).map(Mutex::new).collect();
         let chunk = |hand: &mut Hand, number: usize| {
@@ -207,7 +207,7 @@ impl EnsembleInTime {
     }
 
     /// A contact goes a leg, in as many lives as it takes.
-    fn live(&self, contact: &mut Contact, mut leg: Leg, hand: &mut Hand) -> Toll {
+    fn live(&self, contact: &mut Contact, mut leg: Segment, hand: &mut Hand) -> Toll {
         let mut toll = Toll::default();
         hand.take(contact);
         loop {
@@ -233,26 +233,26 @@ impl EnsembleInTime {
 
     fn form(&self, contact: &mut Contact, position: f64, hand: &mut Hand) {
         contact.held.origin = position - contact.formed;
-        contact.endurance = hand.endurance(contact, self.passage.is_hot());
+        contact.remaining_hazard = hand.remaining_hazard(contact, self.passage.is_hot());
         contact.holds = true;
     }
 
     /// When a contact breaks on a leg, if it does; what ageing brings meanwhile is added to `gained`.
-    fn end(&self, contact: &mut Contact, leg: &Leg, hand: &mut Hand, gained: &mut f64) -> Option<f64> {
+    fn end(&self, contact: &mut Contact, leg: &Segment, hand: &mut Hand, gained: &mut f64) -> Option<f64> {
         // In a relaxed start some are beyond their thresholds.
         if contact.formed >= contact.held.newborn {
             return Some(leg.start);
         }
-        let Contact { held, endurance, wandering, .. } = contact;
+        let Contact { held, remaining_hazard, wandering, .. } = contact;
         match self.passage.as_ref() {
             Passage::Known(known) => {
-                let end = known.on(held, leg, endurance);
+                let end = known.on(held, leg, remaining_hazard);
                 *gained += known.gained(held, leg, end.unwrap_or(leg.end));
                 end
             }
             Passage::Diffusing(diffusion) => {
                 let stream = &mut hand.diffusion;
-                diffusion.on(held, wandering, leg, endurance, stream, gained)
+                diffusion.on(held, wandering, leg, remaining_hazard, stream, gained)
             }
         }
     }
@@ -268,13 +268,13 @@ impl EnsembleInTime {
     }
 
     /// ½k x² at a time of a leg.
-    fn energy(&self, contact: &Contact, leg: &Leg, time: f64) -> f64 {
+    fn energy(&self, contact: &Contact, leg: &Segment, time: f64) -> f64 {
         let stretch = contact.stretch(leg.position(time));
         0.5 * self.stiffness(contact, time) * stretch * stretch
     }
 
     /// What a contact adds to the sums at the end of a leg.
-    fn look(&self, contact: &Contact, leg: &Leg) -> Sums {
+    fn look(&self, contact: &Contact, leg: &Segment) -> Sums {
         if !contact.holds {
             return Sums::default();
         }
@@ -305,7 +305,7 @@ impl Toll {
     }
 }
 
-impl Clocked for EnsembleInTime {
+impl RateDependentContacts for EnsembleInTime {
     fn position(&self) -> f64 {
         self.position
     }
@@ -332,12 +332,12 @@ impl Clocked for EnsembleInTime {
         1.0 - self.now.count / self.contacts.len() as f64
     }
 
-    fn stretches(&self) -> Vec<Portion> {
+    fn stretches(&self) -> Vec<StretchInterval> {
         let share = 1.0 / self.contacts.len() as f64;
         let portion = |contact: &Contact| {
             // Those just re-formed may lie below 0 by rounding.
             let stretch = contact.stretch(self.position).max(0.0);
-            Portion { low: stretch, high: stretch, share }
+            StretchInterval { low: stretch, high: stretch, share }
         };
         self.contacts.iter().filter(|contact| contact.holds).map(portion).collect()
     }
@@ -350,13 +350,13 @@ impl Clocked for EnsembleInTime {
             return Err(Error::invalid("by", "a finite length, 0 or above", by));
         }
         let end = self.time + during;
-        let leg = Leg { start: self.time, end, position: self.position, velocity: by / during };
+        let leg = Segment { start: self.time, end, position: self.position, velocity: by / during };
         self.go(&leg, monitor)?;
         (self.time, self.position) = (end, self.position + by);
         Ok(())
     }
 
-    fn copy(&self) -> Box<dyn Clocked> {
+    fn copy(&self) -> Box<dyn RateDependentContacts> {
         Box::new(self.clone())
     }
 

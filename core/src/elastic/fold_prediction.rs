@@ -11,7 +11,7 @@ const SOLVED: f64 = 1e-2;
 const LOOK: f64 = 1e-6;
 
 /// How cells go on from a balance as the drive does.
-pub(super) struct Outlook {
+pub(super) struct FoldPrediction {
     /// dX_j/dX_T = (F' + K_0 + A)⁻¹ K_0.
     speeds: Vec<f64>,
     /// d²X_j/dX_T² = −(F' + K_0 + A)⁻¹ F'' (dX_j/dX_T)².
@@ -24,7 +24,7 @@ pub(super) struct Outlook {
     pub limit: f64,
 }
 
-impl Outlook {
+impl FoldPrediction {
     /// How far a cell goes.
     ///
     /// Speeds near a fold at a distance d grow as 1/√d, and from it a cell is d = v/(2 dv/dX_T) away: to that the way of cells
@@ -43,7 +43,7 @@ impl Outlook {
 
 impl Interface {
     /// What is ahead of the balance in which cells are; none if it is not stable.
-    pub(super) fn outlook(&mut self) -> Result<Option<Outlook>> {
+    pub(super) fn outlook(&mut self) -> Result<Option<FoldPrediction>> {
         let number = self.len();
         self.excess_here()?;
         let found = self.speeds_and_growth()?;
@@ -59,7 +59,7 @@ impl Interface {
         // v/(2 dv/dX_T) is then d (1 + u/v + …).
         let calm = (sum(number, |j| speeds[j]) / number as f64).min(1.0) / speed;
         let limit = self.length() / largest(number, |j| speeds[j].abs());
-        Ok(Some(Outlook { speeds, growth, fold: fold / (1.0 + calm), doubt: calm * calm, limit }))
+        Ok(Some(FoldPrediction { speeds, growth, fold: fold / (1.0 + calm), doubt: calm * calm, limit }))
     }
 
     fn speeds_and_growth(&mut self) -> Result<Option<(Vec<f64>, Vec<f64>)>> {

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::Tolerance;
-use super::leg::{Leg, slope};
+use super::renewal::{RenewalSolution, slope};
 use crate::Result;
 use crate::contacts::Contacts;
 use crate::life::{Layer, Life, tidied, walls};
@@ -15,7 +15,7 @@ use crate::numerics::volterra::Kernel;
 /// What contacts do as the slider goes one way from where they are: curves of the advance u, per contact and per unit
 /// stiffness.
 #[derive(Debug)]
-pub(super) struct Course {
+pub(super) struct LoadingBranch {
     motion: Motion,
     ledger: OnceLock<Ledger>,
 }
@@ -24,7 +24,7 @@ pub(super) struct Course {
 #[derive(Debug)]
 enum Motion {
     /// They re-form.
-    Renewed(Box<Leg>),
+    Renewed(Box<RenewalSolution>),
     /// They stay free.
     Held { first: Arc<Life>, slope: Piecewise },
 }
@@ -47,11 +47,11 @@ pub(super) struct Account {
     pub(super) broken: f64,
 }
 
-impl Course {
+impl LoadingBranch {
     /// The course on which what breaks re-forms, solved up to the advance `end`.
     ///
     /// # Errors
-    /// Those of [`Leg::solve`].
+    /// Those of [`RenewalSolution::solve`].
     pub(super) fn renewed(
         first: Arc<Life>,
         reborn: &Arc<Life>,
@@ -59,7 +59,7 @@ impl Course {
         tolerance: Tolerance,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let leg = Leg::solve(&first, reborn, end, tolerance, monitor)?;
+        let leg = RenewalSolution::solve(&first, reborn, end, tolerance, monitor)?;
         Ok(Self { motion: Motion::Renewed(Box::new(leg)), ledger: OnceLock::new() })
     }
 
@@ -72,7 +72,7 @@ impl Course {
     /// The same course, solved up to `end`.
     ///
     /// # Errors
-    /// Those of [`Leg::solve`].
+    /// Those of [`RenewalSolution::solve`].
     pub(super) fn extended(
         &self,
         end: f64,

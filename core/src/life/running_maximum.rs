@@ -1,6 +1,6 @@
 //! Which newborn thresholds a growing stretch has met, while thresholds change with age.
 
-use crate::contacts::Strength;
+use crate::contacts::ThresholdEvolution;
 use crate::numerics::roots::brent_root;
 
 /// The newborn thresholds met by contacts formed at a stretch r and moved at the velocity v: those up to
@@ -9,8 +9,8 @@ use crate::numerics::roots::brent_root;
 ///
 /// Where thresholds grow faster than the stretch, h_0 falls and nothing is met, until it is back where it was: a lull.
 #[derive(Debug, Clone)]
-pub(super) struct Record {
-    strength: Strength,
+pub(super) struct RunningMaximum {
+    strength: ThresholdEvolution,
     velocity: f64,
     start: f64,
     lulls: Vec<Lull>,
@@ -27,9 +27,9 @@ struct Lull {
 /// Advances at which y is looked at grow by this factor.
 const STEP: f64 = 1.2;
 
-impl Record {
+impl RunningMaximum {
     /// The record of contacts formed at `start`; newborn thresholds above `highest` are of no interest.
-    pub(super) fn new(strength: &Strength, velocity: f64, start: f64, highest: f64) -> Self {
+    pub(super) fn new(strength: &ThresholdEvolution, velocity: f64, start: f64, highest: f64) -> Self {
         let mut record = Self { strength: strength.clone(), velocity, start, lulls: Vec::new() };
         if !strength.is_constant() {
             record.lulls = record.lulls(highest);

@@ -1,6 +1,6 @@
 //! The error of contacts that are moved step by step, estimated from copies that are moved the same way.
 
-use super::{Clocked, State};
+use super::{RateDependentContacts, State};
 use crate::Result;
 use crate::monitor::Monitor;
 
@@ -11,20 +11,20 @@ const HALVED: f64 = 2.0;
 /// where these are shorter than those of the slider. The other one is followed in steps half as long: its difference is the
 /// error of the steps of the slider.
 pub struct ErrorEstimator {
-    rough: Box<dyn Clocked>,
-    halved: Box<dyn Clocked>,
+    rough: Box<dyn RateDependentContacts>,
+    halved: Box<dyn RateDependentContacts>,
 }
 
 impl ErrorEstimator {
     /// That of `contacts` from here on, where they have an error at all.
-    pub fn of(contacts: &dyn Clocked) -> Option<Self> {
+    pub fn of(contacts: &dyn RateDependentContacts) -> Option<Self> {
         contacts.rough().map(|rough| Self { rough, halved: contacts.copy() })
     }
 
     /// Moves as the contacts have moved, which now carry a `force`. Returns an estimate of its error, on the safe side.
     ///
     /// # Errors
-    /// Those of [`Clocked::step`].
+    /// Those of [`RateDependentContacts::step`].
     pub fn step(&mut self, by: f64, during: f64, force: f64, monitor: &mut dyn Monitor) -> Result<f64> {
         self.rough.step(by, during, monitor)?;
         for _ in 0..2 {
@@ -46,7 +46,7 @@ impl ErrorEstimator {
     /// Goes to what others of the same description have come to.
     ///
     /// # Errors
-    /// Those of [`Clocked::restore`].
+    /// Those of [`RateDependentContacts::restore`].
     pub fn restore(&mut self, [rough, halved]: &[State; 2]) -> Result<()> {
         self.rough.restore(rough)?;
         self.halved.restore(halved)

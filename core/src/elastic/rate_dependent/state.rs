@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::InterfaceInTime;
 use super::slips::Slips;
-use crate::clocked::{self, ErrorEstimator};
+use crate::rate_dependent::{self, ErrorEstimator};
 use crate::{Error, Result};
 
 /// What an interface in time has come to. One of the same description goes on from it as if it had never stopped, bit for
@@ -17,7 +17,7 @@ pub struct StateInTime {
     work: f64,
     cells: Vec<Cell>,
     slips: Slips,
-    estimators: Option<Vec<[clocked::State; 2]>>,
+    estimators: Option<Vec<[rate_dependent::State; 2]>>,
     error: f64,
 }
 
@@ -28,7 +28,7 @@ struct Cell {
     velocity: f64,
     slope: f64,
     viscous: f64,
-    contacts: clocked::State,
+    contacts: rate_dependent::State,
 }
 
 impl InterfaceInTime {

@@ -1,7 +1,7 @@
 //! Creep in balance from instability to instability, with what is kept of it.
 
+use super::equilibrium_path::EquilibriumPath;
 use super::events::{Event, Sizes};
-use super::look::Look;
 use super::run::length;
 use super::trace::{Course, Point};
 use super::{Block, Energy, Loading};
@@ -29,9 +29,9 @@ pub(super) enum Stop {
 }
 
 /// A slider on its way.
-pub(super) struct Walk<'a> {
+pub(super) struct QuasistaticRun<'a> {
     pub block: Block,
-    pub look: Look<'a>,
+    pub look: EquilibriumPath<'a>,
     pub trace: Vec<Point>,
     pub events: Vec<Event>,
     pub sizes: Sizes,
@@ -59,14 +59,14 @@ pub(super) struct Walk<'a> {
     ways: u32,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> QuasistaticRun<'a> {
     pub fn new(
         block: &Block,
         population: &'a mut dyn Population,
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
         let books = population.books();
-        let look = Look::new(population, block.loading, Direction::Forward, monitor)?;
+        let look = EquilibriumPath::new(population, block.loading, Direction::Forward, monitor)?;
         let drive = look.drive_here();
         let (position, force) = (look.position, look.here.force);
         let leg_start = Point { drive, position, force, spring_force: force };

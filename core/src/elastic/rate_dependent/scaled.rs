@@ -1,12 +1,12 @@
 //! Contacts whose lengths are larger than those of others.
 
-use crate::clocked::{Books, Clocked, Portion, State};
 use crate::monitor::Monitor;
+use crate::rate_dependent::{Books, RateDependentContacts, State, StretchInterval};
 use crate::{Error, Result};
 
 /// Contacts all of whose lengths, and with them forces, are s times those of others: F(X, t) = s F̂(X/s, t).
 pub struct Scaled {
-    contacts: Box<dyn Clocked>,
+    contacts: Box<dyn RateDependentContacts>,
     scale: f64,
 }
 
@@ -15,7 +15,7 @@ impl Scaled {
     ///
     /// # Errors
     /// A scale that is not above 0.
-    pub fn new(contacts: Box<dyn Clocked>, scale: f64) -> Result<Self> {
+    pub fn new(contacts: Box<dyn RateDependentContacts>, scale: f64) -> Result<Self> {
         if scale > 0.0 && scale.is_finite() {
             return Ok(Self { contacts, scale });
         }
@@ -23,7 +23,7 @@ impl Scaled {
     }
 }
 
-impl Clocked for Scaled {
+impl RateDependentContacts for Scaled {
     fn position(&self) -> f64 {
         self.scale * self.contacts.position()
     }
@@ -51,7 +51,7 @@ impl Clocked for Scaled {
         self.contacts.free()
     }
 
-    fn stretches(&self) -> Vec<Portion> {
+    fn stretches(&self) -> Vec<StretchInterval> {
         self.contacts.stretches().into_iter().map(|portion| portion.scaled(self.scale)).collect()
     }
 
@@ -59,12 +59,13 @@ impl Clocked for Scaled {
         self.contacts.step(by / self.scale, during, monitor)
     }
 
-    fn rough(&self) -> Option<Box<dyn Clocked>> {
-        let scaled = |contacts| Box::new(Self { contacts, scale: self.scale }) as Box<dyn Clocked>;
+    fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {
+        let scaled =
+            |contacts| Box::new(Self { contacts, scale: self.scale }) as Box<dyn RateDependentContacts>;
         self.contacts.rough().map(scaled)
     }
 
-    fn copy(&self) -> Box<dyn Clocked> {
+    fn copy(&self) -> Box<dyn RateDependentContacts> {
         Box::new(Self { contacts: self.contacts.copy(), scale: self.scale })
     }
 

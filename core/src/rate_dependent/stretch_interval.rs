@@ -4,7 +4,7 @@ use crate::{Error, Result};
 
 /// Contacts that hold: spread evenly over a range of stretches, or all at one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Portion {
+pub struct StretchInterval {
     /// The least of their stretches …
     pub low: f64,
     /// … and the largest, the same where they are together.
@@ -13,7 +13,7 @@ pub struct Portion {
     pub share: f64,
 }
 
-impl Portion {
+impl StretchInterval {
     /// Whether all have one stretch.
     pub fn is_point(&self) -> bool {
         self.low == self.high
@@ -39,7 +39,7 @@ impl Portion {
 ///
 /// # Errors
 /// Fewer than two edges; edges that are not finite numbers, each above the one before.
-pub fn binned(portions: &[Portion], edges: &[f64]) -> Result<Vec<f64>> {
+pub fn binned(portions: &[StretchInterval], edges: &[f64]) -> Result<Vec<f64>> {
     rising(edges)?;
     let density = |(bin, ends): (usize, &[f64])| {
         let low = if bin == 0 { ends[0].next_down() } else { ends[0] };
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn every_contact_is_in_one_bin() {
-        let portion = |low, high, share| Portion { low, high, share };
+        let portion = |low, high, share| StretchInterval { low, high, share };
         let portions = [
             portion(0.0, 0.0, 0.125),
             portion(0.5, 0.5, 0.25),

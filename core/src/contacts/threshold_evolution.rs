@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 pub(crate) use super::ranks::Rank;
 use super::ranks::{Ranked, Ranks};
-use super::{Ageing, Contacts, Maturing, ranks};
+use super::{Ageing, Contacts, ThresholdFokkerPlanck, ranks};
 use crate::law::{Law, SharedLaw};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
@@ -20,7 +20,7 @@ use crate::{Error, Result};
 ///
 /// x̄ and σ are the `mean` and `std` of the laws. A threshold below 0 is 0.
 #[derive(Debug, Clone)]
-pub struct Strength {
+pub struct ThresholdEvolution {
     kind: Kind,
 }
 
@@ -41,7 +41,7 @@ struct Normal {
 
 /// The strengths of contacts of one age.
 #[derive(Debug, Clone, Copy)]
-pub struct Aged<'a>(At<'a>);
+pub struct ThresholdsAtAge<'a>(At<'a>);
 
 #[derive(Debug, Clone, Copy)]
 enum At<'a> {
@@ -65,15 +65,15 @@ pub(crate) struct Met {
 pub(crate) struct Label<'a> {
     /// h_0.
     pub(crate) newborn: f64,
-    /// What [`Strength::rank`] tells of it.
+    /// What [`ThresholdEvolution::rank`] tells of it.
     pub(crate) rank: Option<&'a Rank>,
 }
 
 /// One contact, to be asked for its thresholds at many ages.
 #[derive(Debug)]
-pub(crate) enum Followed<'a> {
-    Affine(&'a Strength, f64),
-    Ranked(ranks::Followed<'a>),
+pub(crate) enum ThresholdTrajectory<'a> {
+    Affine(&'a ThresholdEvolution, f64),
+    Ranked(ranks::RankTrajectory<'a>),
 }
 
 /// h = `shift` + `factor` h_0, and how that grows per time.
@@ -85,7 +85,7 @@ struct Affine {
     factor_rate: f64,
 }
 
-impl Strength {
+impl ThresholdEvolution {
     /// The strength of these contacts, which are taken to have passed [`Contacts::check`].
     ///
     /// # Errors
@@ -127,7 +127,7 @@ impl Strength {
     }
 
     /// The strengths at an age t ≥ 0.
-    pub fn at(&self, age: f64) -> Aged<'_> {
+    pub fn at(&self, age: f64) -> ThresholdsAtAge<'_> {
         let affine = match self.kind {
             Kind::Constant => Affine { shift: 0.0, factor: 1.0, shift_rate: 0.0, factor_rate: 0.0 },
             Kind::Logarithmic { growth, time } => Affine {
@@ -151,9 +151,9 @@ impl Strength {
                     factor_rate,
                 }
             }
-            Kind::Ranked(ref ranks) => return Aged(At::Ranked(ranks.at(age))),
+            Kind::Ranked(ref ranks) => return ThresholdsAtAge(At::Ranked(ranks.at(age))),
         };
-        Aged(At::Affine(affine))
+        ThresholdsAtAge(At::Affine(affine))
     }
 
     /// A time in which thresholds change evenly, from birth on.
@@ -173,10 +173,10 @@ impl Strength {
     }
 
     /// The contact born with h_0.
-    pub(crate) fn followed(&self, newborn: f64) -> Followed<'_> {
+    pub(crate) fn followed(&self, newborn: f64) -> ThresholdTrajectory<'_> {
         match &self.kind {
-            Kind::Ranked(ranks) => Followed::Ranked(ranks.followed(newborn)),
-            _ => Followed::Affine(self, newborn),
+            Kind::Ranked(ranks) => ThresholdTrajectory::Ranked(ranks.followed(newborn)),
+            _ => ThresholdTrajectory::Affine(self, newborn),
         }
     }
 
@@ -239,12 +239,12 @@ impl Kind {
             ));
         }
         let diffusion = mature.std().powi(2) / time;
-        let maturing = Maturing::new(newborn.clone(), mature.clone(), diffusion);
+        let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), diffusion);
         Ok(Self::Ranked(Arc::new(Ranks::new(newborn, &maturing, time, monitor)?)))
     }
 }
 
-impl Followed<'_> {
+impl ThresholdTrajectory<'_> {
     /// h at an age.
     #[inline]
     pub(crate) fn threshold(&self, age: f64) -> f64 {
@@ -255,7 +255,7 @@ impl Followed<'_> {
     }
 }
 
-impl Aged<'_> {
+impl ThresholdsAtAge<'_> {
     /// h of a contact born with h_0.
     #[inline]
     pub fn threshold(&self, newborn: f64) -> f64 {
@@ -342,7 +342,7 @@ mod tests {
     #[test]
     fn thresholds_and_newborn_ones_are_inverse_and_their_rates_are_derivatives() {
         for ageing in [None, Some(Ageing::Logarithmic { growth: 0.02, time: 3.0 }), Some(frozen_rank())] {
-            let strength = Strength::of(&contacts(ageing), &mut ()).unwrap();
+            let strength = ThresholdEvolution::of(&contacts(ageing), &mut ()).unwrap();
             for (newborn, age) in [(0.3, 0.0), (0.5, 1e-3), (0.7, 1.7), (0.45, 40.0)] {
                 let aged = strength.at(age);
                 let threshold = strength.threshold(newborn, age);
@@ -360,7 +360,7 @@ mod tests {
 
     #[test]
     fn a_newborn_law_becomes_the_mature_one_rank_by_rank() {
-        let strength = Strength::of(&contacts(Some(frozen_rank())), &mut ()).unwrap();
+        let strength = ThresholdEvolution::of(&contacts(Some(frozen_rank())), &mut ()).unwrap();
         for z in [-3.0, 0.0, 1.5] {
             let newborn = 0.5 + 0.1 * z;
             assert!((strength.threshold(newborn, 0.0) - newborn).abs() < 1e-15);
@@ -374,7 +374,8 @@ mod tests {
         let general = Ageing::FrozenRank { mature, time: 2.0 };
         for ageing in [frozen_rank(), Ageing::Logarithmic { growth: 0.02, time: 3.0 }, general] {
             let contacts = contacts(Some(ageing));
-            let (law, strength) = (contacts.thresholds.as_ref(), Strength::of(&contacts, &mut ()).unwrap());
+            let (law, strength) =
+                (contacts.thresholds.as_ref(), ThresholdEvolution::of(&contacts, &mut ()).unwrap());
             for age in [0.0, 1e-3, 0.7, 40.0] {
                 let aged = strength.at(age);
                 for newborn in [-1.0, 0.2, 0.45, 0.8, 1.2] {
@@ -398,7 +399,7 @@ mod tests {
         let mature = Arc::new(Lognormal::new(1.0, 0.1).unwrap());
         let general = Ageing::FrozenRank { mature, time: 2.0 };
         for ageing in [frozen_rank(), Ageing::Logarithmic { growth: 0.02, time: 3.0 }, general] {
-            let strength = Strength::of(&contacts(Some(ageing)), &mut ()).unwrap();
+            let strength = ThresholdEvolution::of(&contacts(Some(ageing)), &mut ()).unwrap();
             for (newborn, age) in [(0.3, 0.01), (0.5, 0.7), (0.75, 5.0)] {
                 let aged = strength.at(age);
                 let met = aged.met(aged.threshold(newborn));
@@ -414,11 +415,11 @@ mod tests {
     fn what_is_no_function_of_age_is_refused() {
         let mature = Arc::new(Gaussian::new(1.0, 0.05).unwrap());
         let diffusing = Ageing::Smoluchowski { mature, diffusion: 1.0 };
-        assert!(Strength::of(&contacts(Some(diffusing)), &mut ()).is_err());
+        assert!(ThresholdEvolution::of(&contacts(Some(diffusing)), &mut ()).is_err());
         let mature = Arc::new(Rectangular::new(0.1, 2.0).unwrap());
         let mut shared = contacts(Some(Ageing::FrozenRank { mature, time: 1.0 }));
         shared.thresholds = Arc::new(Point::new(0.5).unwrap());
-        let error = Strength::of(&shared, &mut ()).unwrap_err();
+        let error = ThresholdEvolution::of(&shared, &mut ()).unwrap_err();
         assert!(error.to_string().starts_with("contacts.thresholds: expected a law with a density"));
     }
 }

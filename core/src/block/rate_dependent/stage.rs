@@ -2,9 +2,9 @@
 //! contacts move at constant velocities.
 
 use crate::Result;
-use crate::clocked::Clocked;
 use crate::monitor::Monitor;
 use crate::numerics::two_stages::{self, CARRIED, MEET};
+use crate::rate_dependent::RateDependentContacts;
 
 /// Equations of stages are solved to this share of the tolerance.
 const NEAR: f64 = 0.01;
@@ -43,7 +43,7 @@ impl Pulled {
 
 /// A slider and its contacts at one moment.
 pub(super) struct State {
-    pub contacts: Box<dyn Clocked>,
+    pub contacts: Box<dyn RateDependentContacts>,
     /// F.
     pub force: f64,
     /// Ẋ.
@@ -69,7 +69,7 @@ struct Rule {
 }
 
 impl State {
-    pub fn of(contacts: Box<dyn Clocked>) -> Self {
+    pub fn of(contacts: Box<dyn RateDependentContacts>) -> Self {
         let (force, slope) = (contacts.force(), contacts.tangent());
         Self { contacts, force, velocity: 0.0, slope }
     }

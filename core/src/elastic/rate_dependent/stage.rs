@@ -1,11 +1,11 @@
 //! One step of all cells in time, of two stages ([`two_stages`]). Between their ends contacts move at constant velocities.
 
 use crate::Result;
-use crate::clocked::Clocked;
 use crate::elastic::Coupling;
 use crate::elastic::batch::{largest, sum};
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::two_stages::{self, CARRIED, MEET, WEIGHTS};
+use crate::rate_dependent::RateDependentContacts;
 
 /// Equations of stages are solved to this share of the tolerance.
 const NEAR: f64 = 0.01;
@@ -34,7 +34,7 @@ pub(super) struct Dynamics {
 
 /// A cell and its contacts at one moment.
 pub(super) struct State {
-    pub contacts: Box<dyn Clocked>,
+    pub contacts: Box<dyn RateDependentContacts>,
     /// X_j.
     pub position: f64,
     /// F_j.
@@ -96,20 +96,25 @@ impl Pulled {
 }
 
 impl State {
-    pub fn of(contacts: Box<dyn Clocked>, position: f64) -> Self {
+    pub fn of(contacts: Box<dyn RateDependentContacts>, position: f64) -> Self {
         let (force, slope) = (contacts.force(), contacts.tangent());
         Self { contacts, position, force, velocity: 0.0, slope }
     }
 
     /// The contacts after an advance in a time.
-    fn ahead(&self, advance: f64, during: f64, mut watch: &Watch<'_>) -> Result<Box<dyn Clocked>> {
+    fn ahead(
+        &self,
+        advance: f64,
+        during: f64,
+        mut watch: &Watch<'_>,
+    ) -> Result<Box<dyn RateDependentContacts>> {
         let mut contacts = self.contacts.copy();
         contacts.step(advance, during, &mut watch)?;
         Ok(contacts)
     }
 
     /// The cell at the end of a stage; of an advance up to `near` nothing is learnt of the slope.
-    fn end(&self, contacts: Box<dyn Clocked>, guess: Guess, velocity: f64, near: f64) -> Self {
+    fn end(&self, contacts: Box<dyn RateDependentContacts>, guess: Guess, velocity: f64, near: f64) -> Self {
         let Guess { advance, force, .. } = guess;
         let slope = if advance > near { (force - self.force) / advance } else { self.slope };
         Self { contacts, position: self.position + advance, force, velocity, slope }
@@ -219,7 +224,7 @@ impl Dynamics {
             watch.check()?;
             let Correction { by, stands } = self.correct(from, &guesses, drive, rule);
             if by.iter().all(|by| by.abs() <= near) {
-                let end = |(j, contacts): (usize, Box<dyn Clocked>)| {
+                let end = |(j, contacts): (usize, Box<dyn RateDependentContacts>)| {
                     let free = rule.velocity(j, guesses[j].advance);
                     from[j].end(contacts, guesses[j], if stands[j] { free.min(0.0) } else { free }, near)
                 };
@@ -273,7 +278,7 @@ fn first(
     by: &[f64],
     during: f64,
     watch: &Watch<'_>,
-) -> Result<Vec<Box<dyn Clocked>>> {
+) -> Result<Vec<Box<dyn RateDependentContacts>>> {
     let ahead = watch.share(from.len(), || (), |(), j| from[j].ahead(by[j], during, watch))?;
     let contacts: Vec<_> = ahead.into_iter().collect::<Result<_>>()?;
     for ((guess, &advance), contacts) in guesses.iter_mut().zip(by).zip(&contacts) {
@@ -286,7 +291,7 @@ fn first(
 fn again(
     from: &[State],
     guesses: &mut [Guess],
-    contacts: &mut [Box<dyn Clocked>],
+    contacts: &mut [Box<dyn RateDependentContacts>],
     by: &[f64],
     near: f64,
     during: f64,

@@ -15,9 +15,9 @@ pub use scaled::Scaled;
 pub use state::StateInTime;
 
 use super::{Coupling, Energy, Event, Loading, Slipped, event};
-use crate::clocked::{Books, Clocked, ErrorEstimator, Portion};
 use crate::monitor::{Aside, Monitor, Watch, report};
 use crate::numerics::two_stages::{CHANGE, MEET, change};
+use crate::rate_dependent::{Books, ErrorEstimator, RateDependentContacts, StretchInterval};
 use crate::record::Record;
 use crate::{Error, Float, Result};
 use slips::{Look, Seen, Slips};
@@ -31,7 +31,7 @@ const SHORTEST: f64 = 1e-15;
 
 /// How an interface is driven in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SettingInTime {
+pub struct InterfaceInTimeParameters {
     /// K_0, stiffness of the spring from a cell to the drive, force per length.
     pub connection: f64,
     /// Which cells have one.
@@ -47,7 +47,7 @@ pub struct SettingInTime {
     pub area: Option<f64>,
 }
 
-impl SettingInTime {
+impl InterfaceInTimeParameters {
     /// Checks the numbers; keys are those of the table `[interface]`.
     fn check(&self) -> Result<()> {
         for (key, value) in [
@@ -104,9 +104,9 @@ impl InterfaceInTime {
     /// Numbers of the setting that are not finite and above 0, a share outside [0, 1]; another number of cells than the
     /// coupling is for.
     pub fn new(
-        contacts: Vec<Box<dyn Clocked>>,
+        contacts: Vec<Box<dyn RateDependentContacts>>,
         coupling: Box<dyn Coupling>,
-        setting: SettingInTime,
+        setting: InterfaceInTimeParameters,
     ) -> Result<Self> {
         setting.check()?;
         let (number, shape) = (contacts.len(), coupling.shape());
@@ -126,7 +126,7 @@ impl InterfaceInTime {
             .zip(&springs)
             .map(|(contacts, spring)| spring * drive - contacts.force())
             .collect();
-        let SettingInTime { connection, viscosity, tolerance, slip_fraction, area, .. } = setting;
+        let InterfaceInTimeParameters { connection, viscosity, tolerance, slip_fraction, area, .. } = setting;
         let mut dynamics = Dynamics { coupling, connection, connected, viscosity, tolerance };
         dynamics.respond(&springs, &mut positions);
         let mut interface = Self {
@@ -184,11 +184,11 @@ impl InterfaceInTime {
         self.cells.iter().map(|cell| cell.force).collect()
     }
 
-    /// The contacts of a cell that hold, by their stretches: [`crate::clocked::binned`] makes a distribution of them.
+    /// The contacts of a cell that hold, by their stretches: [`crate::rate_dependent::binned`] makes a distribution of them.
     ///
     /// # Errors
     /// A number of no cell.
-    pub fn stretches(&self, cell: usize) -> Result<Vec<Portion>> {
+    pub fn stretches(&self, cell: usize) -> Result<Vec<StretchInterval>> {
         match self.cells.get(cell) {
             Some(cell) => Ok(cell.contacts.stretches()),
             None => Err(Error::invalid("cell", format!("a number below {}", self.len()), cell)),

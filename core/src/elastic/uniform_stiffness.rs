@@ -15,7 +15,7 @@ const FOUND: f64 = 0.01;
 const NEAR: f64 = 0.1;
 
 /// The plain steps of a slide. Costs are counted in responses on equal springs.
-pub(super) struct Plain {
+pub(super) struct UniformStiffnessStep {
     /// Forces by which drive and slider pull at cells, while steps are plain.
     pulls: Vec<f64>,
     /// What the present row of steps may still cost, and might from its beginning.
@@ -31,7 +31,7 @@ pub(super) struct Plain {
     weighed: Option<(f64, bool, usize)>,
 }
 
-impl Plain {
+impl UniformStiffnessStep {
     /// None yet.
     pub fn new() -> Self {
         let cost = 1 + BESIDES;
@@ -73,7 +73,7 @@ impl Plain {
 
 impl Interface {
     /// The largest force out of balance where the cells are, no advances being tried.
-    pub(super) fn excess_after(&mut self, plain: &mut Plain) -> Result<f64> {
+    pub(super) fn excess_after(&mut self, plain: &mut UniformStiffnessStep) -> Result<f64> {
         if plain.pulls.is_empty() {
             return self.excess_here();
         }
@@ -88,7 +88,7 @@ impl Interface {
     }
 
     /// Tries to go on by δ with (c + A) δ = excess. The excess has just been asked for.
-    pub(super) fn plain_step(&mut self, plain: &mut Plain) -> Result<()> {
+    pub(super) fn plain_step(&mut self, plain: &mut UniformStiffnessStep) -> Result<()> {
         if plain.pulls.is_empty() {
             plain.pulls = vec![0.0; self.len()];
             self.cells.resist(&self.by, &mut plain.pulls, &mut self.springs)?;

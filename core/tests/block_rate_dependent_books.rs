@@ -3,10 +3,10 @@
 mod common;
 
 use asperity::block::{Block, Loading, Slide, Slip};
-use asperity::clocked::Clocked;
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Stiffness, Temperature};
 use asperity::history::{History, Piece};
 use asperity::master::{MasterEquation, Transport};
+use asperity::rate_dependent::RateDependentContacts;
 use common::pulled::near;
 use common::{contacts, gaussian, initial, point};
 
@@ -18,7 +18,7 @@ const WAY: f64 = 5.0;
 const DAMPED: Slip = Slip::Damped { damping: 0.1 };
 const INERTIAL: Slip = Slip::Inertial { mass: 1.0, damping: 0.1 };
 
-fn slide(stiffness: f64, slip: Slip, contacts: &dyn Clocked, velocity: f64) -> Slide {
+fn slide(stiffness: f64, slip: Slip, contacts: &dyn RateDependentContacts, velocity: f64) -> Slide {
     let block = Block::new(Loading::Spring(stiffness), slip, None).unwrap();
     let drive = History::new(vec![Piece { velocity, duration: WAY / velocity }]).unwrap();
     block.follow(contacts, &drive, &[], TOLERANCE, &mut ()).unwrap()

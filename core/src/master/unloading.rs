@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::course::Course;
 use super::interface::Interface;
+use super::loading::LoadingBranch;
 use crate::Result;
 use crate::life::{Layer, Sums, strikes};
 
@@ -12,7 +12,7 @@ const FEW: f64 = 1e-18;
 
 /// The way back: straight until a contact breaks, from there a course of its own.
 #[derive(Debug, Clone)]
-pub(super) struct Back {
+pub(super) struct UnloadingBranch {
     /// How far it is straight, how steep, and whether contacts break together at its end.
     pub(super) length: f64,
     pub(super) stiffness: f64,
@@ -20,12 +20,12 @@ pub(super) struct Back {
     /// The contacts at its beginning, seen along it.
     layers: Arc<[Layer]>,
     /// The course, from where the way back begins, once it is needed.
-    pub(super) course: Option<Arc<Course>>,
+    pub(super) course: Option<Arc<LoadingBranch>>,
 }
 
-impl Back {
+impl UnloadingBranch {
     /// The way back from the furthest advance on a course, in front of a cell of it.
-    pub(super) fn new(course: &Course, (furthest, cell): (f64, usize), interface: &Interface) -> Self {
+    pub(super) fn new(course: &LoadingBranch, (furthest, cell): (f64, usize), interface: &Interface) -> Self {
         let contacts = &interface.contacts;
         let thresholds = contacts.thresholds.as_ref();
         let layers = course.layers(furthest, cell, false, contacts);

@@ -4,12 +4,12 @@
 //! rest, too.
 
 mod error;
-mod portion;
 mod state;
+mod stretch_interval;
 
 pub use error::ErrorEstimator;
-pub use portion::{Portion, binned};
 pub use state::State;
+pub use stretch_interval::{StretchInterval, binned};
 
 use crate::Result;
 use crate::monitor::Monitor;
@@ -31,7 +31,7 @@ pub struct Books {
 /// Contacts that move together in time.
 ///
 /// Forces are totals, in the unit of stiffness × length; positions X are lengths.
-pub trait Clocked: Send + Sync {
+pub trait RateDependentContacts: Send + Sync {
     /// Position X of the slider's bottom.
     fn position(&self) -> f64;
 
@@ -51,7 +51,7 @@ pub trait Clocked: Send + Sync {
     fn free(&self) -> f64;
 
     /// The contacts that hold, by their stretches.
-    fn stretches(&self) -> Vec<Portion>;
+    fn stretches(&self) -> Vec<StretchInterval>;
 
     /// Moves by `by`, 0 or above, at one velocity in the time `during`, above 0.
     ///
@@ -61,12 +61,12 @@ pub trait Clocked: Send + Sync {
 
     /// The same contacts here and now, followed less accurately: moved the same way they tell the error of the force. None of
     /// contacts that are followed one by one.
-    fn rough(&self) -> Option<Box<dyn Clocked>> {
+    fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {
         None
     }
 
     /// A copy in the present state, to come back to.
-    fn copy(&self) -> Box<dyn Clocked>;
+    fn copy(&self) -> Box<dyn RateDependentContacts>;
 
     /// What they have come to.
     fn state(&self) -> State;

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::back::Back;
-use super::course::{Account, Course};
 use super::interface::Interface;
-use super::leg::unit_force;
+use super::loading::{Account, LoadingBranch};
+use super::renewal::unit_force;
+use super::unloading::UnloadingBranch;
 use super::{MasterEquation, Tolerance};
 use crate::Result;
 use crate::life::{Layer, Sums};
@@ -18,9 +18,9 @@ use crate::population::{Books, Direction, Population, Response, Way};
 /// point on the course without breaking a contact, stretches only shift: the way back is a straight line, and so is the
 /// way forth again. Once a contact breaks on the way back, another course begins at the furthest point.
 #[derive(Debug, Clone)]
-pub struct Stock {
+pub struct MasterPopulation {
     interface: Arc<Interface>,
-    course: Arc<Course>,
+    course: Arc<LoadingBranch>,
     /// The way of the course, and the position at its beginning.
     direction: Direction,
     origin: f64,
@@ -29,7 +29,7 @@ pub struct Stock {
     cell: usize,
     behind: f64,
     /// The way back from the furthest advance, once looked at.
-    back: Option<Back>,
+    back: Option<UnloadingBranch>,
     moved: Direction,
     looked: Direction,
     /// Whether what is about to break together will stay free.
@@ -40,7 +40,7 @@ pub struct Stock {
     lost: f64,
     broken: f64,
     /// What the stretches at the beginning of the course are off by, as an error of the force on it, and the largest error of
-    /// the force before; both as [`Course::error`] tells them.
+    /// the force before; both as [`LoadingBranch::error`] tells them.
     inherited: f64,
     worst: f64,
     /// The state to come back to.
@@ -54,13 +54,17 @@ impl MasterEquation {
     /// # Errors
     /// A tolerance outside [1e-12, 1e-2]; `ageing.mean_field`; too many point masses; accuracy not reached;
     /// stopped by the monitor.
-    pub fn population(&self, tolerance: impl Into<Tolerance>, monitor: &mut dyn Monitor) -> Result<Stock> {
+    pub fn population(
+        &self,
+        tolerance: impl Into<Tolerance>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<MasterPopulation> {
         let tolerance = tolerance.into();
         tolerance.check()?;
         self.has_transients()?;
         let interface = Interface::of(self, tolerance);
         let course = interface.first(self, monitor)?;
-        Ok(Stock {
+        Ok(MasterPopulation {
             interface: Arc::new(interface),
             course: Arc::new(course),
             direction: Direction::Forward,
@@ -82,7 +86,7 @@ impl MasterEquation {
     }
 }
 
-impl Stock {
+impl MasterPopulation {
     /// The share of contacts that can be told where they are or that they are free, by quadrature over stretches: 1.
     pub fn total_probability(&self) -> f64 {
         if let Some(kept) = self.course.kept(self.furthest).filter(|_| self.interface.knows_time()) {
@@ -107,11 +111,11 @@ impl Stock {
     }
 
     /// Looks at the way back, as far as it has not been before.
-    fn look_back(&mut self) -> Result<&Back> {
+    fn look_back(&mut self) -> Result<&UnloadingBranch> {
         self.interface.forgets("drive", "a way back")?;
         let back = match self.back.take() {
             Some(back) => back,
-            None => Back::new(&self.course, (self.furthest, self.cell), &self.interface),
+            None => UnloadingBranch::new(&self.course, (self.furthest, self.cell), &self.interface),
         };
         let back = self.back.insert(back);
         if self.behind >= back.length {
@@ -127,11 +131,13 @@ impl Stock {
         }
         let (force, slope) = self.course.response(self.furthest, self.cell);
         match &self.back {
-            Some(Back { length, course: Some(course), .. }) if !onward && self.behind >= *length => {
+            Some(UnloadingBranch { length, course: Some(course), .. })
+                if !onward && self.behind >= *length =>
+            {
                 let (force, slope) = course.response(self.behind - by, course.cell(self.behind));
                 (-force, slope)
             }
-            Some(Back { stiffness, .. }) => (force - stiffness * (self.behind - by), *stiffness),
+            Some(UnloadingBranch { stiffness, .. }) => (force - stiffness * (self.behind - by), *stiffness),
             None if !onward && self.interface.knows_time() => {
                 let stiffness = self.interface.newborn_stiffness();
                 (force + stiffness * by, stiffness)
@@ -203,7 +209,7 @@ impl Stock {
 
     /// Goes over to the course back from the furthest point, where its straight part ends.
     fn turn(&mut self) -> Result<()> {
-        if let Back { course: Some(course), length, breaks, .. } = self.look_back()?.clone() {
+        if let UnloadingBranch { course: Some(course), length, breaks, .. } = self.look_back()?.clone() {
             self.behind = 0.0;
             self.settle();
             self.begin(course, self.direction.reversed());
@@ -218,7 +224,7 @@ impl Stock {
     }
 
     /// Begins another course where the slider is.
-    fn begin(&mut self, course: Arc<Course>, direction: Direction) {
+    fn begin(&mut self, course: Arc<LoadingBranch>, direction: Direction) {
         self.inherited += self.course.error();
         self.worst = self.worst.max(self.inherited);
         (self.origin, self.direction) = (self.position(), direction);
@@ -237,7 +243,7 @@ impl Stock {
     /// The books of the course.
     fn account(&self) -> Account {
         let account = self.course.account(self.furthest, self.cell);
-        let Some(Back { stiffness, .. }) = self.back.as_ref().filter(|_| self.behind > 0.0) else {
+        let Some(UnloadingBranch { stiffness, .. }) = self.back.as_ref().filter(|_| self.behind > 0.0) else {
             return account;
         };
         let (force, _) = self.course.response(self.furthest, self.cell);
@@ -255,7 +261,7 @@ impl Stock {
     }
 }
 
-impl Population for Stock {
+impl Population for MasterPopulation {
     fn position(&self) -> f64 {
         self.origin + self.direction.sign() * (self.furthest - self.behind)
     }

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::breaking_model::{BreakingModel, Cohort, SurvivalMoments};
 use super::cells::{ROUNDING, scale};
-use super::fate::{Cohort, Fate, Toll};
-use crate::contacts::{Contacts, Maturing, Stiffness, Temperature};
+use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use crate::law::Break;
 use crate::monitor::Watch;
 use crate::numerics::diffusion::{Elements, Evolution, Field, Loss, Slope, TimeStep};
@@ -17,8 +17,8 @@ use crate::{Error, Result};
 ///
 /// That is solved by [`Evolution`] twice, the second time to a hundredth of the first: what both differ by is the error told.
 #[derive(Debug, Clone)]
-pub(super) struct Diffusing {
-    maturing: Maturing,
+pub(super) struct FokkerPlanckLife {
+    maturing: ThresholdFokkerPlanck,
     slope: Arc<Slope>,
     velocity: f64,
     temperature: Option<Temperature>,
@@ -33,14 +33,14 @@ pub(super) struct Diffusing {
 struct Formed {
     start: f64,
     /// Those whose newborn thresholds have a density, and those whose many share, each on each side of the lowest threshold.
-    legs: Vec<Leg>,
+    legs: Vec<LifeSegment>,
     /// Where breaking begins like an inverse square root.
     onsets: Vec<Break>,
 }
 
 /// A way on which what is left is followed; each curve in polynomials of the advance since `from`.
 #[derive(Debug)]
-struct Leg {
+struct LifeSegment {
     from: f64,
     to: f64,
     curves: [Piecewise; SUMS],
@@ -82,7 +82,7 @@ const RESOLVED: f64 = 1e-10;
 /// The same where newborn thresholds have edges besides, and temperature breaks contacts.
 const RESOLVED_WITH_EDGES: f64 = 1e-5;
 
-impl Diffusing {
+impl FokkerPlanckLife {
     /// Contacts that move at a velocity.
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl Diffusing {
     /// have to be resolved in a layer of next to nothing.
     pub(super) fn new(
         contacts: &Contacts,
-        maturing: Maturing,
+        maturing: ThresholdFokkerPlanck,
         temperature: Option<Temperature>,
         velocity: f64,
     ) -> Result<Self> {
@@ -136,7 +136,7 @@ impl Diffusing {
     }
 
     /// Both kinds of contacts formed at a stretch.
-    fn legs(&self, start: f64, solved: Discretisation, watch: &Watch<'_>) -> Vec<Leg> {
+    fn legs(&self, start: f64, solved: Discretisation, watch: &Watch<'_>) -> Vec<LifeSegment> {
         let diffusion = self.at_least(solved.layers * LEAST);
         let spread = solved.spread * self.reach(diffusion);
         let whole = self.maturing.survival(start);
@@ -171,7 +171,7 @@ impl Diffusing {
         next: f64,
         solved: Discretisation,
         watch: &Watch<'_>,
-    ) -> Vec<Leg> {
+    ) -> Vec<LifeSegment> {
         const FACTORS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
         let with = |factor: f64| {
             let solved = Discretisation { left_out: factor * solved.left_out, ..solved };
@@ -188,7 +188,7 @@ impl Diffusing {
         next: f64,
         Discretisation { left_out, layers, .. }: Discretisation,
         (gives_up, watch): (bool, &Watch<'_>),
-    ) -> Option<Vec<Leg>> {
+    ) -> Option<Vec<LifeSegment>> {
         let (low, high) = self.maturing.support;
         let (kinks, lasting) = (self.maturing.kinks(), (high - start) / self.velocity);
         let lost = self.temperature.map(|temperature| {
@@ -264,7 +264,14 @@ impl Diffusing {
     ///
     /// With λ = D/v, y = h − x and Q(u) = q(x, u), p = q − e^{−y/λ}[Q − y(Q' + U'Q) + …]: a boundary layer at an outflow, by
     /// matched asymptotic expansions. It has the mass −λQ + λ²(Q' + U'Q), around y = λ, up to λ³Q''.
-    fn free(&self, start: f64, layer: f64, mut evolution: Evolution<'_>, end: f64, watch: &Watch<'_>) -> Leg {
+    fn free(
+        &self,
+        start: f64,
+        layer: f64,
+        mut evolution: Evolution<'_>,
+        end: f64,
+        watch: &Watch<'_>,
+    ) -> LifeSegment {
         let (from, begun) = (evolution.time, evolution.density.mass());
         let stretch = |time: f64| start + self.velocity * time;
         let mut steps: Vec<TimeStep> = Vec::new();
@@ -292,7 +299,7 @@ impl Diffusing {
         let curves = curves.map(|coefficients| Piecewise { boundaries: boundaries.clone(), coefficients });
         let breaking = curves[0].derivative().scaled(-1.0);
         let [from, to] = [from, to].map(|time| self.velocity * time);
-        Leg { from, to, curves, breaking }
+        LifeSegment { from, to, curves, breaking }
     }
 
     /// The sums in polynomials of the time from `low` to `high`, in which the stretch passes no edge of an element.
@@ -327,18 +334,18 @@ impl Diffusing {
     }
 
     /// Those that wait to be followed.
-    fn waiting(&self, start: f64, density: &Elements, to: f64) -> Leg {
+    fn waiting(&self, start: f64, density: &Elements, to: f64) -> LifeSegment {
         let constant = |value: f64| {
             let mut series = [0.0; NODES];
             series[0] = value;
             Piecewise { boundaries: vec![0.0, to], coefficients: vec![series] }
         };
         let curves = self.sums(start, density).map(constant);
-        Leg { from: 0.0, to, curves, breaking: constant(0.0) }
+        LifeSegment { from: 0.0, to, curves, breaking: constant(0.0) }
     }
 
     /// The curves of so many steps.
-    fn leg(&self, start: f64, steps: &[TimeStep], watch: &Watch<'_>) -> Leg {
+    fn leg(&self, start: f64, steps: &[TimeStep], watch: &Watch<'_>) -> LifeSegment {
         let begun = steps[0].from;
         let advance = |time: f64| self.velocity * (time - begun);
         let boundaries: Vec<f64> =
@@ -353,7 +360,7 @@ impl Diffusing {
         let curves: [Piecewise; SUMS] = std::array::from_fn(curve);
         let breaking = curves[0].derivative().scaled(-1.0);
         let [from, to] = [begun, steps[steps.len() - 1].to].map(|time| self.velocity * time);
-        Leg { from, to, curves, breaking }
+        LifeSegment { from, to, curves, breaking }
     }
 
     fn sums(&self, stretch: f64, density: &Elements) -> [f64; SUMS] {
@@ -368,24 +375,26 @@ impl Diffusing {
     }
 
     /// Where breaking begins like p √(D/πvu), as p contacts per threshold are where the stretch is when it begins to meet them.
-    fn onsets(&self, start: f64, legs: &[Leg]) -> Vec<Break> {
+    fn onsets(&self, start: f64, legs: &[LifeSegment]) -> Vec<Break> {
         /// Of which there is nothing to be seen.
         const FAINT: f64 = 1e-13;
-        let amplitude = |leg: &Leg| {
+        let amplitude = |leg: &LifeSegment| {
             // From the first step, in which S falls by 2p √(Du/πv).
             let first = leg.curves[0].boundaries[1];
             let fallen = leg.curves[0].value_in(0, 0.0) - leg.curves[0].value_in(0, first);
             0.5 * fallen * (std::f64::consts::PI / first).sqrt()
         };
         let low = self.maturing.support.0;
-        let begins = |leg: &&Leg| leg.from + start >= low && leg.breaking.coefficients[0] != [0.0; NODES];
-        let break_of = |leg: &Leg| Break { position: leg.from, exponent: -0.5, amplitude: amplitude(leg) };
+        let begins =
+            |leg: &&LifeSegment| leg.from + start >= low && leg.breaking.coefficients[0] != [0.0; NODES];
+        let break_of =
+            |leg: &LifeSegment| Break { position: leg.from, exponent: -0.5, amplitude: amplitude(leg) };
         let length = (self.maturing.support.1 - start).sqrt();
         legs.iter().filter(begins).map(break_of).filter(|b| b.amplitude * length > FAINT).collect()
     }
 }
 
-impl Fate for Diffusing {
+impl BreakingModel for FokkerPlanckLife {
     fn cohort(&self, start: f64, watch: &Watch<'_>) -> Arc<dyn Cohort> {
         if watch.stops() {
             return Arc::new(Formed { start, legs: Vec::new(), onsets: Vec::new() });
@@ -425,7 +434,8 @@ impl Formed {
     /// The most by which what is left differs.
     fn apart(&self, other: &Self) -> f64 {
         let ends = |formed: &Self| -> Vec<f64> {
-            let of = |leg: &Leg| leg.curves[0].boundaries.iter().map(|u| leg.from + u).collect::<Vec<_>>();
+            let of =
+                |leg: &LifeSegment| leg.curves[0].boundaries.iter().map(|u| leg.from + u).collect::<Vec<_>>();
             formed.legs.iter().flat_map(of).collect()
         };
         let places: Vec<f64> = ends(self).into_iter().chain(ends(other)).collect();
@@ -435,8 +445,8 @@ impl Formed {
 }
 
 impl Cohort for Formed {
-    fn toll(&self, advance: f64) -> Toll {
-        let mut toll = Toll::default();
+    fn toll(&self, advance: f64) -> SurvivalMoments {
+        let mut toll = SurvivalMoments::default();
         for leg in self.legs.iter().filter(|leg| advance >= leg.from && advance < leg.to) {
             let u = advance - leg.from;
             let [unbroken, first, second, exposed, exposed_first] =
@@ -452,7 +462,7 @@ impl Cohort for Formed {
 
     /// Where polynomials meet, though they do to their accuracy, and where breaking begins steeply.
     fn breaks(&self) -> Vec<Break> {
-        let meet = |leg: &Leg, edge: f64| {
+        let meet = |leg: &LifeSegment, edge: f64| {
             let curve = &leg.breaking;
             let cell = curve.nearest(edge);
             let before = if cell > 0 { curve.value_in(cell - 1, edge) } else { 0.0 };
@@ -463,7 +473,9 @@ impl Cohort for Formed {
             };
             Break { position: leg.from + edge, exponent: 0.0, amplitude: jump }
         };
-        let of = |leg: &Leg| leg.breaking.boundaries.iter().map(|&edge| meet(leg, edge)).collect::<Vec<_>>();
+        let of = |leg: &LifeSegment| {
+            leg.breaking.boundaries.iter().map(|&edge| meet(leg, edge)).collect::<Vec<_>>()
+        };
         let meets = self.legs.iter().flat_map(of).filter(|b| b.position > 0.0);
         meets.chain(self.onsets.iter().copied()).collect()
     }
