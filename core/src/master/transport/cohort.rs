@@ -26,6 +26,8 @@ pub(super) struct Cohort {
     /// The fraction of all contacts that it was born with.
     pub(super) mass: f64,
     pub(super) place: Place,
+    /// The number of the seed that they re-formed at.
+    seed: Option<u32>,
     /// The thresholds of those that are left, …
     state: State,
     /// … their share, and their stiffness per contact born, in units of ⟨k⟩ or κ.
@@ -72,9 +74,10 @@ impl Place {
 impl Cohort {
     /// Contacts of age 0.
     pub(super) fn born(model: &Model, seed: &Seed, mass: f64, watch: &Watch<'_>) -> Self {
-        let &Seed { stretch, below, above, .. } = seed;
+        let &Seed { stretch, below, above, number, .. } = seed;
         let place = Place { stretch, below, above, age: 0.0 };
-        let mut cohort = Self { mass, place, state: model.newborn(seed, watch), left: 1.0, stiffness: 0.0 };
+        let state = model.newborn(seed, watch);
+        let mut cohort = Self { mass, place, seed: number, state, left: 1.0, stiffness: 0.0 };
         cohort.count(model);
         cohort
     }
@@ -153,10 +156,23 @@ impl Cohort {
         self.mass * self.left
     }
 
-    /// The same by their stretches.
-    pub(super) fn portion(&self) -> StretchInterval {
-        let Place { stretch, below, above, .. } = self.place;
-        StretchInterval { low: stretch - below, high: stretch + above, share: self.attached() }
+    /// The same by their stretches: over the cells of the law that their seed stands for, or over their own cell.
+    pub(super) fn intervals(&self, seeds: &[Seed], cells: &[Vec<StretchInterval>]) -> Vec<StretchInterval> {
+        let (Place { stretch, below, above, .. }, all) = (self.place, self.attached());
+        let number = self.seed.map_or(usize::MAX, |number| number as usize);
+        match (seeds.get(number), cells.get(number)) {
+            (Some(seed), Some(cells)) if !cells.is_empty() => {
+                // By so much they have been spread as they were born in a step.
+                let (before, after) = (below - seed.below, above - seed.above);
+                let moved = |cell: &StretchInterval| StretchInterval {
+                    low: stretch + cell.low - before,
+                    high: stretch + cell.high + after,
+                    share: all * cell.share,
+                };
+                cells.iter().map(moved).collect()
+            }
+            _ => vec![StretchInterval { low: stretch - below, high: stretch + above, share: all }],
+        }
     }
 
     /// Force, per unit of the stiffness of all.

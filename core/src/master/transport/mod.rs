@@ -57,6 +57,8 @@ pub struct Transport {
     model: Arc<Model>,
     /// Where contacts re-form.
     seeds: Arc<[Seed]>,
+    /// The cells of the law that each of these stands for, relative to its stretch, as shares of it; none of a point.
+    cells: Arc<[Vec<StretchInterval>]>,
     /// Force of all contacts per stretch.
     stiffness: f64,
     /// N_c⟨k⟩ times the mean threshold.
@@ -159,12 +161,15 @@ impl Transport {
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         Tolerance::from(tolerance).check()?;
-        let seeds = reforming(contacts, tolerance);
+        let numbered = |(number, (seed, cells))| (Seed { number: Some(number), ..seed }, cells);
+        let (seeds, cells): (Vec<_>, Vec<_>) =
+            (0..).zip(reforming(contacts, tolerance)).map(numbered).unzip();
         let (Stiffness::Equal(stiffness) | Stiffness::PerThreshold(stiffness)) = contacts.stiffness;
         let mean = contacts.thresholds.mean();
         Ok(Self {
             model: Arc::new(model(contacts, strength, &seeds, tolerance, monitor)?),
             seeds: seeds.into(),
+            cells: cells.into(),
             stiffness: contacts.count * stiffness,
             unit: contacts.count * contacts.stiffness.of(mean) * mean,
             tolerance,
@@ -448,7 +453,7 @@ impl RateDependentContacts for Transport {
     }
 
     fn stretches(&self) -> Vec<StretchInterval> {
-        self.cohorts.iter().map(Cohort::portion).collect()
+        self.cohorts.iter().flat_map(|cohort| cohort.intervals(&self.seeds, &self.cells)).collect()
     }
 
     fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
@@ -461,10 +466,11 @@ impl RateDependentContacts for Transport {
 
     /// Without the rough follower, by which [`Transport::follow`] tells its error and steps tell nothing.
     fn copy(&self) -> Box<dyn RateDependentContacts> {
-        let Self { model, seeds, cohorts, broken, pace, kinks, .. } = self;
+        let Self { model, seeds, cells, cohorts, broken, pace, kinks, .. } = self;
         Box::new(Self {
             model: model.clone(),
             seeds: seeds.clone(),
+            cells: cells.clone(),
             cohorts: cohorts.clone(),
             broken: broken.clone(),
             pace: pace.clone(),
@@ -546,7 +552,7 @@ fn model(
 
 /// Where contacts re-form. What becomes of them varies with it as with the steps that they are born in: smoothly, and where
 /// densities jump as much as in half a step, which either of its two points of birth stands for.
-fn reforming(contacts: &Contacts, tolerance: f64) -> Vec<Seed> {
+fn reforming(contacts: &Contacts, tolerance: f64) -> Vec<(Seed, Vec<StretchInterval>)> {
     /// Of the tolerance.
     const PART: f64 = 0.01;
     let widest = widest(contacts).min(0.5 * pace::coarsest(contacts, tolerance));

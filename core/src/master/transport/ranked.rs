@@ -419,7 +419,7 @@ mod tests {
         let rules = Rules { temperature, ..Rules::default() };
         let contacts = Contacts { rules, ..Contacts::new(law, Arc::new(Point::new(0.0).unwrap())) };
         let ranks = Ranks::new(&contacts, ThresholdEvolution::of(&contacts, &mut ()).unwrap(), 1e-8);
-        let seed = Seed { stretch: 0.0, weight: 1.0, below: 0.0, above: 0.0 };
+        let seed = Seed { stretch: 0.0, weight: 1.0, below: 0.0, above: 0.0, number: None };
         let mut place = Place { stretch: 0.0, below: 0.0, above: 0.0, age: 0.0 };
         let mut left = ranks.newborn(&seed);
         let mut bands = Vec::new();

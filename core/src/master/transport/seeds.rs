@@ -3,6 +3,7 @@
 use super::panels::panels;
 use crate::law::{Atom, Law};
 use crate::numerics::gauss;
+use crate::rate_dependent::StretchInterval;
 
 /// Contacts that start together: a share at a stretch, spread evenly over a cell around it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,6 +14,8 @@ pub(super) struct Seed {
     pub(super) below: f64,
     /// … and above it; both 0 for a point mass.
     pub(super) above: f64,
+    /// Its number among the seeds of contacts that re-form.
+    pub(super) number: Option<u32>,
 }
 
 /// Shares below this are left to the others.
@@ -24,13 +27,13 @@ const NEGLIGIBLE: f64 = 1e-14;
 /// Cells of a panel end at the partial sums of the Gauss weights, between which the points lie (P. L. Chebyshev,
 /// A. A. Markov and T. J. Stieltjes).
 pub(super) fn seeds(law: &dyn Law, top: f64, widest: f64, held: impl Fn(f64) -> f64) -> Vec<Seed> {
-    let lump = |a: Atom| Seed { stretch: a.position, weight: a.weight, below: 0.0, above: 0.0 };
+    let lump = |a: Atom| Seed { stretch: a.position, weight: a.weight, below: 0.0, above: 0.0, number: None };
     let mut seeds: Vec<Seed> = law.atoms().into_iter().map(lump).collect();
     for panel in panels(law, widest) {
         let mut edge = panel.low;
         for (stretch, width) in panel.points() {
             let (below, above) = (stretch - edge, edge + width - stretch);
-            seeds.push(Seed { stretch, weight: width * law.density(stretch), below, above });
+            seeds.push(Seed { stretch, weight: width * law.density(stretch), below, above, number: None });
             edge += width;
         }
     }
@@ -46,11 +49,18 @@ pub(super) fn seeds(law: &dyn Law, top: f64, widest: f64, held: impl Fn(f64) -> 
 ///
 /// They are the points of Gauss rules for the law itself, one on every such stretch. Their cells end where the law has the
 /// partial sums of the weights, between which the points lie, too; the outer ones as far beyond the points as they begin
-/// before them.
-pub(super) fn fewest(law: &dyn Law, top: f64, widest: f64, length: f64, error: f64) -> Vec<Seed> {
+/// before them. With each seed come the cells of the law that it stands for, relative to its stretch, as shares of it.
+pub(super) fn fewest(
+    law: &dyn Law,
+    top: f64,
+    widest: f64,
+    length: f64,
+    error: f64,
+) -> Vec<(Seed, Vec<StretchInterval>)> {
     let fine = seeds(law, top, widest, |_| 1.0);
-    let (mut seeds, spread): (Vec<Seed>, Vec<Seed>) =
+    let (points, spread): (Vec<Seed>, Vec<Seed>) =
         fine.into_iter().partition(|seed| seed.below + seed.above == 0.0);
+    let mut seeds: Vec<_> = points.into_iter().map(|seed| (seed, Vec::new())).collect();
     let mut rest = &spread[..];
     while let Some(first) = rest.first() {
         let end = first.stretch - first.below + widest;
@@ -62,34 +72,42 @@ pub(super) fn fewest(law: &dyn Law, top: f64, widest: f64, length: f64, error: f
 }
 
 /// Neighbouring seeds, gathered into the fewest that tell sums of what varies over a length to an error.
-fn gathered(fine: &[Seed], length: f64, error: f64) -> Vec<Seed> {
+fn gathered(fine: &[Seed], length: f64, error: f64) -> Vec<(Seed, Vec<StretchInterval>)> {
     let points: Vec<_> = fine.iter().map(|seed| (seed.stretch, seed.weight)).collect();
     let rule = gauss::fewest(&points, length, error);
     if rule.len() == fine.len() {
-        return fine.to_vec();
+        return fine.iter().map(|seed| (*seed, Vec::new())).collect();
     }
-    let mut seeds = Vec::new();
+    let mut seeds: Vec<(Seed, Vec<StretchInterval>)> = Vec::new();
     let (mut low, mut sum, mut passed) = (fine[0].stretch - fine[0].below, 0.0, 0.0);
     let mut fine = fine.iter().peekable();
     for &(stretch, weight) in &rule {
+        let (begun, mut cells) = (low, Vec::new());
+        let mut until = |high: f64, share: f64| {
+            cells.push(StretchInterval { low: low - stretch, high: high - stretch, share: share / weight });
+            low = high;
+        };
+        let before = sum;
         sum += weight;
-        let mut high = low;
-        // The cell in which the partial sum is reached is cut in proportion.
         while let Some(seed) = fine.next_if(|seed| passed + seed.weight <= sum) {
+            until(seed.stretch + seed.above, (passed + seed.weight) - passed.max(before));
             passed += seed.weight;
-            high = seed.stretch + seed.above;
         }
+        // The cell in which the partial sum is reached is cut in proportion.
         if let Some(seed) = fine.peek() {
-            high = seed.stretch - seed.below + (seed.below + seed.above) * (sum - passed) / seed.weight;
+            let part = (sum - passed) / seed.weight;
+            until(seed.stretch - seed.below + (seed.below + seed.above) * part, sum - passed.max(before));
         }
-        seeds.push(Seed { stretch, weight, below: stretch - low, above: high - stretch });
-        low = high;
+        seeds.push((
+            Seed { stretch, weight, below: stretch - begun, above: low - stretch, number: None },
+            cells,
+        ));
     }
-    if let [seed] = &mut seeds[..] {
+    if let [(seed, _)] = &mut seeds[..] {
         // As wide as they are spread.
         let square: f64 = points.iter().map(|(x, weight)| weight * (x - seed.stretch).powi(2)).sum();
         (seed.below, seed.above) = ((3.0 * square / seed.weight).sqrt(), (3.0 * square / seed.weight).sqrt());
-    } else if let [first, .., last] = &mut seeds[..] {
+    } else if let [(first, _), .., (last, _)] = &mut seeds[..] {
         first.below = first.below.min(first.above);
         last.above = last.above.min(last.below);
     }
@@ -122,7 +140,10 @@ mod tests {
         for law in laws() {
             for error in [1e-4, 1e-7, 1e-10] {
                 let (length, widest, top) = (1.0, 4.0, f64::INFINITY);
-                let few = fewest(law.as_ref(), top, widest, length, error);
+                let few: Vec<Seed> = fewest(law.as_ref(), top, widest, length, error)
+                    .into_iter()
+                    .map(|(seed, _)| seed)
+                    .collect();
                 let all = seeds(law.as_ref(), top, widest, |_| 1.0);
                 for centre in [0.0, 0.2, 0.5, 1.0, 2.0] {
                     let sum = |seeds: &[Seed]| -> f64 {
@@ -140,9 +161,44 @@ mod tests {
     }
 
     #[test]
+    fn the_cells_of_few_seeds_are_those_of_the_law() {
+        for law in laws() {
+            let few = fewest(law.as_ref(), f64::INFINITY, 4.0, 1.0, 1e-6);
+            let held = |(seed, cells): &(Seed, Vec<StretchInterval>)| -> Vec<StretchInterval> {
+                let at = |cell: &StretchInterval| StretchInterval {
+                    low: seed.stretch + cell.low,
+                    high: seed.stretch + cell.high,
+                    share: seed.weight * cell.share,
+                };
+                cells.iter().map(at).collect()
+            };
+            let cells: Vec<StretchInterval> = few.iter().flat_map(held).collect();
+            assert!(cells.len() > few.len(), "{}: {}", law.name(), cells.len());
+            let atoms: f64 = law.atoms().iter().map(|atom| atom.weight).sum();
+            let whole: f64 = cells.iter().map(|cell| cell.share).sum();
+            assert!((whole + atoms - 1.0).abs() < 1e-12, "{}: {whole}", law.name());
+            for pair in cells.windows(2) {
+                // What rounding of stretches lets overlap; parts of a mixture have a gap between them.
+                assert!(pair[1].low - pair[0].high > -1e-14, "{}: {pair:?}", law.name());
+            }
+            for cell in &cells {
+                let inside = law.survival(cell.low) - law.survival(cell.high);
+                // Cells end at partial sums of Gauss weights: between a point and the next the law may lie on either side.
+                let neighbours = law.survival(cell.low - 2.0 * (cell.high - cell.low))
+                    - law.survival(cell.high + 2.0 * (cell.high - cell.low));
+                assert!(
+                    cell.share >= 0.0 && cell.share <= neighbours + 1e-13,
+                    "{} {cell:?} {inside}",
+                    law.name()
+                );
+            }
+        }
+    }
+
+    #[test]
     fn no_few_seed_stands_for_more_than_is_widest() {
         let law = Gaussian::new(1.0, 0.2).unwrap();
-        let few = fewest(&law, 1.5, 0.05, 0.1, 1e-3);
+        let few: Vec<Seed> = fewest(&law, 1.5, 0.05, 0.1, 1e-3).into_iter().map(|(seed, _)| seed).collect();
         assert!(few.iter().all(|seed| seed.below + seed.above <= 0.05 * (1.0 + 1e-12)), "{few:?}");
         let whole: f64 = few.iter().map(|seed| seed.weight).sum();
         assert!((whole - 1.0).abs() < 1e-14 && few.iter().all(|seed| seed.stretch < 1.5));
