@@ -2,7 +2,7 @@
 
 use std::ops::{Add, AddAssign, Mul, Sub};
 
-/// The books of a part of a motion; every term is computed on its own, none as the remainder.
+/// The energy balance of a part of a motion; every term is computed on its own, none as the remainder.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Energy {
     /// Work of the drive: ∫F dX_T behind a spring, ∫F dX where X or the force is imposed.

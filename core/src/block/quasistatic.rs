@@ -42,9 +42,9 @@ pub(super) struct QuasistaticRun<'a> {
     pub energy: Energy,
     /// What is closed since the last slip.
     pub approach: Energy,
-    /// Work and losses of the slider since the books were last closed.
+    /// Work and losses of the slider since the energy balance was last closed.
     pub open: Energy,
-    /// The books then, and the energy of the spring.
+    /// The energies then, and the energy of the spring.
     books: Books,
     stored: f64,
     /// Where the drive last turned.
@@ -210,7 +210,7 @@ impl<'a> QuasistaticRun<'a> {
         self.look.advance(a)
     }
 
-    /// The books since they were last closed; they are closed here, at a given drive.
+    /// The energy balance since it was last closed; it is closed here, at a given drive.
     pub fn closed(&mut self, drive: f64) -> Energy {
         let (books, stored) = (self.look.books(), self.look.loading.stored(drive, self.look.position));
         let mut energy = std::mem::take(&mut self.open);
@@ -222,17 +222,17 @@ impl<'a> QuasistaticRun<'a> {
         energy
     }
 
-    /// Breaks since the books were last closed, per contact.
+    /// Breaks since the energy balance was last closed, per contact.
     pub fn broken(&self) -> f64 {
         self.look.books().broken - self.books.broken
     }
 
-    /// Elastic energy of the contacts when the books were last closed.
+    /// Elastic energy of the contacts when the energy balance was last closed.
     pub fn stored_in_contacts(&self) -> f64 {
         self.books.elastic
     }
 
-    /// Closes the books at the end of the drive.
+    /// Closes the energy balance at the end of the drive.
     pub fn close(&mut self) {
         let drive = self.drive();
         let energy = self.closed(drive);

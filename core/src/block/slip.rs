@@ -226,7 +226,7 @@ impl QuasistaticRun<'_> {
         }
     }
 
-    /// Enters an event in the books; a slip is kept.
+    /// Enters an event in the energy balance; a slip is kept.
     fn account(&mut self, before: Point, position_turn: f64, broken_fraction: f64) {
         let drive = before.drive;
         let energy = self.closed(drive);

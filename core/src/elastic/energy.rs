@@ -7,7 +7,7 @@ use super::batch::sum;
 use super::cells::Account;
 use super::differences::Differences;
 
-/// The books of a motion; every term is computed on its own, none as the remainder.
+/// The energy balance of a motion; every term is computed on its own, none as the remainder.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energy {
     /// Work of the drive, ∫ΣK_0(X_T − X_j) dX_T.
@@ -56,7 +56,7 @@ impl Interface {
         }
     }
 
-    /// Enters what has happened since the books were last closed, with what the drive did and what slips have lost.
+    /// Enters what has happened since the energy balance was last closed, with what the drive did and what slips have lost.
     fn enter(&mut self, work: f64, slip: f64) {
         let (before, now) = (self.closed, self.stored());
         self.energy.work += work;

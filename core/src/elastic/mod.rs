@@ -277,7 +277,7 @@ impl Interface {
         event::record(events, self.setting.area)
     }
 
-    /// Puts the drive somewhere and moves each cell forward to a position of its own, along its curve. Books begin anew.
+    /// Puts the drive somewhere and moves each cell forward to a position of its own, along its curve. Energies begin at 0.
     /// Cells that are out of balance slide first thing in the next run.
     ///
     /// # Errors

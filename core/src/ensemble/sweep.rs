@@ -206,7 +206,7 @@ mod tests {
         let narrow = Gaussian::new(1.0, 0.05).unwrap();
         volleys_are_breaks_one_by_one::<Equal>(0.0, narrow);
         volleys_are_breaks_one_by_one::<Different>(0.2, narrow);
-        // A threshold below the stretch ends a volley.
+        // A threshold below the stretch ends a batch.
         volleys_are_breaks_one_by_one::<Equal>(0.3, Gaussian::new(1.0, 0.4).unwrap());
     }
 }

@@ -13,10 +13,10 @@ pub(crate) trait BreakingModel: Debug + Send + Sync {
     /// all, so that what a [`SurvivalMoments`] tells is not divided by S(r). Where the monitor asks to stop, they are of no use.
     fn cohort(&self, start: f64, watch: &Watch<'_>) -> Arc<dyn Cohort>;
 
-    /// About which part of a life's work it is to make cohorts; the rest is to ask them for their tolls.
+    /// About which part of a life's work it is to make cohorts; the rest is to ask them for their survival moments.
     fn making(&self) -> f64;
 
-    /// Estimated error of the fractions that tolls tell, of those asked for so far.
+    /// Estimated error of the fractions that survival moments tell, of those asked for so far.
     fn error(&self) -> f64 {
         ROUNDING
     }
@@ -26,12 +26,12 @@ pub(crate) trait BreakingModel: Debug + Send + Sync {
         0.0
     }
 
-    /// What tolls are rough by, as fractions of all: curves that follow them more closely follow that.
+    /// What survival moments are rough by, as fractions of all: curves that follow them more closely follow that.
     fn roughness(&self) -> f64 {
         0.0
     }
 
-    /// A length over which the tolls at one advance vary little with the start, between the starts that
+    /// A length over which the survival moments at one advance vary little with the start, between the starts that
     /// [`BreakingModel::passing`] tells.
     fn resolution(&self) -> f64;
 

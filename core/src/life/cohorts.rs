@@ -21,7 +21,7 @@ use crate::numerics::volterra::Kernel;
 /// The part of the work after that of making cohorts which it takes to find where cells begin.
 const OUTLINED: f64 = 0.1;
 
-/// Contacts of some fate, by where they start.
+/// Contacts of a breaking model, by where they start.
 #[derive(Debug, Clone)]
 pub(super) struct Cohorts {
     model: Arc<dyn BreakingModel>,
@@ -54,7 +54,7 @@ impl Reach {
         Self { thresholds, edges, told: model.tells_of_edges(), resolution: model.resolution() }
     }
 
-    /// A length L such that tolls of starts between two vary no faster than e^{−((r − r_0)/L)²}, between those that are told:
+    /// A length L such that survival moments of starts between two vary no faster than e^{−((r − r_0)/L)²}, between those that are told:
     /// a part of that on which P_c varies, and of the way to where it is not smooth, 0 among those unless no threshold is as
     /// low; 0 where that is not known.
     fn length(&self, low: f64, high: f64) -> f64 {
@@ -83,7 +83,7 @@ struct Sums {
     lost: f64,
 }
 
-/// The life of contacts of this fate whose starts are drawn from `starts`, as in [`super::athermal`].
+/// The life of contacts of this breaking model whose starts are drawn from `starts`, as in [`super::athermal`].
 ///
 /// # Errors
 /// Stopped by the monitor.
@@ -282,7 +282,7 @@ impl Cohorts {
         Ok(cohorts)
     }
 
-    /// The density of starts in panels that resolve how tolls vary with the start.
+    /// The density of starts in panels that resolve how survival moments vary with the start.
     fn panels(&self) -> Panels<'_> {
         /// What a gathered panel may leave out: rounding.
         const LEFT_OUT: f64 = 1e-16;

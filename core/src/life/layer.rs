@@ -122,7 +122,7 @@ impl Layer {
         (x + self.ahead.max(advance)).max(self.behind - x)
     }
 
-    /// What the thresholds of a lump exceed, once the slider has gone on by `advance`, where many share the `walls`. One
+    /// What the thresholds of a point mass exceed, once the slider has gone on by `advance`, where many share the `walls`. One
     /// that y equals but for rounding is above, unless it has been passed; after an advance, it is not.
     pub(super) fn exceeded(&self, lump: &Lump, advance: f64, walls: &[f64]) -> f64 {
         let y = self.largest(lump.position, advance);
@@ -131,7 +131,7 @@ impl Layer {
         walls.iter().find(near).map_or(y, side).max(lump.passed)
     }
 
-    /// Lets lumps pass the walls that they reached when the slider was `since` back on its way, or before.
+    /// Lets point masses pass the walls that they reached when the slider was `since` back on its way, or before.
     pub(crate) fn pass(&mut self, walls: &[f64], since: f64) {
         for lump in &mut self.lumps {
             let reached = lump.position - since;

@@ -409,7 +409,7 @@ impl BreakingModel for FokkerPlanckLife {
         Arc::new(formed)
     }
 
-    /// They are solved for; tolls are curves.
+    /// They are solved for; survival moments are curves.
     fn making(&self) -> f64 {
         0.9
     }

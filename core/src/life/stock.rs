@@ -49,7 +49,7 @@ impl Sums {
     }
 }
 
-/// Whether a lump reaches a threshold that many share when the slider has gone on by `advance`.
+/// Whether a point mass reaches a threshold that many share when the slider has gone on by `advance`.
 pub(crate) fn strikes(layers: &[Layer], thresholds: &dyn Law, advance: f64) -> bool {
     let close = SAME * thresholds.mean();
     let struck = |layer: &Layer| {

@@ -47,7 +47,7 @@ struct Formed {
     record: RunningMaximum,
     /// A of contacts that age, at the fixed thresholds of the grid, once asked for, …
     histories: OnceLock<Vec<OnceLock<Piecewise>>>,
-    /// … but not of contacts that are asked but once for their toll.
+    /// … but not of contacts that are asked but once for their survival moments.
     asked: AtomicBool,
 }
 
@@ -162,7 +162,7 @@ impl BreakingModel for Timed {
     }
 
     fn error(&self) -> f64 {
-        /// Some ten cells leave out what tolls are rough by, each.
+        /// Some ten cells leave out what survival moments are rough by, each.
         const CELLS: f64 = 10.0;
         (CELLS * self.roughness()).max(ROUNDING)
     }

@@ -1,4 +1,4 @@
-//! Force and books of contacts along one way of the slider, whether what breaks re-forms or stays free.
+//! Force and energies of contacts along one way of the slider, whether what breaks re-forms or stays free.
 
 use std::sync::{Arc, OnceLock};
 

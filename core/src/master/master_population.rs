@@ -232,7 +232,7 @@ impl MasterPopulation {
         self.back = None;
     }
 
-    /// Writes what has happened on the course to the books.
+    /// Adds what has happened on the loading branch to the energies.
     fn settle(&mut self) {
         let account = self.account();
         self.lost += account.lost;
@@ -240,7 +240,7 @@ impl MasterPopulation {
         self.free += if self.course.is_held() { account.broken } else { 0.0 };
     }
 
-    /// The books of the course.
+    /// Energies of the loading branch.
     fn account(&self) -> Account {
         let account = self.course.account(self.furthest, self.cell);
         let Some(UnloadingBranch { stiffness, .. }) = self.back.as_ref().filter(|_| self.behind > 0.0) else {

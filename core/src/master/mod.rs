@@ -113,7 +113,7 @@ impl MasterEquation {
     /// The master equation of contacts that start from `initial` at t = 0, all of age 0, while the slider moves at the
     /// constant velocity v (a length per time); for contacts that know no time the same as [`MasterEquation::new`].
     ///
-    /// Where ageing makes contacts stiffer (k = κ x_s), the books of its population do not close: what ageing brings while
+    /// Where ageing makes contacts stiffer (k = κ x_s), the energy balance of its population does not close: what ageing brings while
     /// contacts are stretched is told by [`Transport::books`] alone.
     ///
     /// # Errors

@@ -225,7 +225,7 @@ impl Rider {
         let Self { dynamics, state, pulled, .. } = self;
         let short = -dynamics.excess(state, pulled.drive);
         let behind = short / dynamics.resistance(state);
-        // So that books by the trapezoidal rule are right.
+        // So that energies by the trapezoidal rule are right.
         let most = (dynamics.tolerance * behind).sqrt();
         let mut duration =
             (short.min(most * dynamics.resistance(state)) / (dynamics.stiffness * pulled.velocity)).min(left);

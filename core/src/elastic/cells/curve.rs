@@ -1,4 +1,4 @@
-//! A friction curve F(X) as a table: force, slopes and books of contacts that move forward.
+//! A friction curve F(X) as a table: force, slopes and energies of contacts that move forward.
 
 use super::{Account, Extremes, Fall, Slopes};
 use crate::numerics::roots::brent_root;
@@ -142,7 +142,7 @@ impl Curve {
         self.starts[0]
     }
 
-    /// Forgets the pieces before that of x. What is told of books goes on from them.
+    /// Forgets the pieces before that of x. Energies go on from them.
     pub fn forget(&mut self, x: f64) {
         let passed = ..self.find(x);
         if passed.end == 0 {

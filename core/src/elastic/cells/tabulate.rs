@@ -65,7 +65,7 @@ impl Table {
     /// The curve from where the population stands.
     pub fn new(mut population: Box<dyn Population>, monitor: &mut dyn Monitor) -> Result<Self> {
         let origin = population.position();
-        // What stands at its threshold breaks as the population is asked for its way, before its books are read.
+        // What stands at its threshold breaks as the population is asked for its way, before its energies are read.
         population.way(Direction::Forward, monitor)?;
         let begun = population.books();
         let curve = Curve::default();
@@ -199,7 +199,7 @@ impl Table {
         }
     }
 
-    /// Goes through a part that lies ahead of `origin`, with the books on the way.
+    /// Goes through a part that lies ahead of `origin`, with the energies on the way.
     fn push(&mut self, part: &Part, origin: f64, monitor: &mut dyn Monitor) -> Result<()> {
         if self.curve.len() >= MOST {
             let (needed, allowed) = ((2 * MOST * 256) as u64, (MOST * 256) as u64);

@@ -1,4 +1,4 @@
-//! What it takes to come back to where a population was: its books, and the contacts that have broken since.
+//! What it takes to come back to where a population was: its energies, and the contacts that have broken since.
 
 use super::EnsemblePopulation;
 use crate::Result;

@@ -37,7 +37,7 @@ pub(super) struct Lump {
     pub(super) mass: f64,
 }
 
-/// N(t), the fraction of contacts broken until t, kept as long as the delay τ asks for; lumps are kept apart.
+/// N(t), the fraction of contacts broken until t, kept as long as the delay τ asks for; point masses are kept apart.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Broken {
     #[serde(skip)]
@@ -157,12 +157,12 @@ impl Broken {
         self.struck += mass;
     }
 
-    /// When the next lump is born.
+    /// When the next point mass is born.
     pub(super) fn next_lump(&self) -> Option<f64> {
         self.waiting.front().map(|lump| lump.time)
     }
 
-    /// The lumps born until now.
+    /// The point masses born until now.
     pub(super) fn due(&mut self, time: f64) -> Option<Lump> {
         if self.next_lump()? <= time { self.waiting.pop_front() } else { None }
     }

@@ -213,7 +213,7 @@ impl Transport {
     }
 
     /// Energies and breaks. What is lost is right to fourth order in the time step, as births are; how ageing and breaks
-    /// share a change of the stiffness to second order, which the books balance without.
+    /// share a change of the stiffness to second order, without which the energy balance closes.
     pub fn books(&self) -> Books {
         let stored = self.cohorts.iter().map(Cohort::energy).sum::<f64>();
         let [elastic, lost, gained] =
@@ -392,7 +392,7 @@ impl Transport {
         strikes.chain(births.map(|time| time - self.time)).fold(limit, f64::min)
     }
 
-    /// What happens at once, here: contacts break where many have their thresholds, and lumps are born.
+    /// What happens at once, here: contacts break where many have their thresholds, and point masses are born.
     fn happen(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let mut struck = 0.0;
         for cohort in &mut self.cohorts {
@@ -415,7 +415,7 @@ impl Transport {
         Ok(())
     }
 
-    /// Lumps are born that are due.
+    /// Point masses are born that are due.
     fn deliver(&mut self, watch: &Watch<'_>) {
         while let Some(lump) = self.broken.due(self.time * (1.0 + SAME)) {
             for seed in self.seeds.iter() {

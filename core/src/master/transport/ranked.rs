@@ -70,7 +70,7 @@ struct Band {
 /// Contacts with a larger A are gone.
 const GONE: f64 = 60.0;
 
-/// Lumps meet a threshold this near.
+/// Point masses meet a threshold this near.
 const MET: f64 = 1e-12;
 
 /// How far, in mean thresholds, temperature moves places of breaking in e^`folds` times 1/ω: to where the barrier is so many T.
@@ -346,7 +346,7 @@ impl Ranks {
         atoms + panels.map(share).sum::<f64>()
     }
 
-    /// When a lump that moves at `velocity` meets the next threshold that many share, up to `limit`.
+    /// When a point mass that moves at `velocity` meets the next threshold that many share, up to `limit`.
     pub(super) fn strikes(&self, place: Place, left: &Left, velocity: f64, limit: f64) -> Option<f64> {
         let ahead = |atom: &Atom, time: f64| {
             self.strength.threshold(atom.position, place.age + time) - (place.stretch + velocity * time).abs()
@@ -365,7 +365,7 @@ impl Ranks {
         times.reduce(f64::min)
     }
 
-    /// Lets the atoms go that a lump has met.
+    /// Lets the atoms go that a point mass has met.
     pub(super) fn strike(&self, place: Place, left: &mut Left) -> bool {
         let aged = self.strength.at(place.age);
         for ((share, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
@@ -397,7 +397,7 @@ fn first_not(low: u64, high: u64, gone: &mut impl FnMut(u64) -> bool) -> u64 {
     first
 }
 
-/// The share of a cell around a stretch that lies below a threshold; of a lump, all until it has passed.
+/// The share of a cell around a stretch that lies below a threshold; of a point mass, all until it has passed.
 fn uncovered(threshold: f64, stretch: f64, below: f64, above: f64) -> f64 {
     if below + above > 0.0 {
         return ((threshold - (stretch - below)) / (below + above)).clamp(0.0, 1.0);
