@@ -18,7 +18,7 @@ use asperity::contacts::{Contacts, Initial, Start};
 use asperity::elastic::cells::scales;
 use asperity::elastic::coupling::half_space;
 use asperity::elastic::{Curves, Interface, InterfaceParameters, Loading, Slip, State};
-use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape, Until};
+use asperity::ensemble::lattice::{Edges, Lattice, LatticeCoupling, Shape, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
 use asperity::master::MasterEquation;
@@ -167,7 +167,7 @@ fn coupled(share: f64) -> f64 {
     let point = |at| -> SharedLaw { Arc::new(Point::new(at).unwrap()) };
     let stretches = Rectangular::new(0.0, 0.9999).unwrap();
     let start = Initial { law: Arc::new(stretches), start: Start::Conditional };
-    let coupling = Coupling::sharing(Shape::Square([128, 128]), Edges::Open, share);
+    let coupling = LatticeCoupling::sharing(Shape::Square([128, 128]), Edges::Open, share);
     let contacts = Contacts::new(point(1.0), point(0.0));
     let mut lattice = Lattice::new(contacts, start, &coupling, 1, Disorder::Annealed).unwrap();
     lattice.run(Until::Drive(2.0), &mut (), &mut |_| ()).unwrap();

@@ -82,7 +82,7 @@ impl VelocityStep {
             return None;
         }
         let reach = *way.last()?;
-        let fit = Fit::of(&DECAY, &way, force, (1e-3 * reach, 3.0 * reach))?;
+        let fit = StepFit::of(&DECAY, &way, force, (1e-3 * reach, 3.0 * reach))?;
         let error = |gradient: [f64; 3]| fit.error(gradient) / size.abs();
         Some(Self {
             direct: Fitted { value: (fit.offset + fit.size - before) / size, error: error([1.0, 1.0, 0.0]) },
@@ -110,19 +110,19 @@ fn peak(force: &[f64], side: f64) -> Option<usize> {
 }
 
 /// A curve s(z) with its slope, that stretched along both axes is fitted to points.
-struct Shape {
+struct FitShape {
     value: fn(f64) -> f64,
     slope: fn(f64) -> f64,
 }
 
 /// e^{−z}.
-const DECAY: Shape = Shape { value: |z| (-z).exp(), slope: |z| -(-z).exp() };
+const DECAY: FitShape = FitShape { value: |z| (-z).exp(), slope: |z| -(-z).exp() };
 
 /// ln(1 + z).
-const GROWTH: Shape = Shape { value: f64::ln_1p, slope: |z| 1.0 / (1.0 + z) };
+const GROWTH: FitShape = FitShape { value: f64::ln_1p, slope: |z| 1.0 / (1.0 + z) };
 
 /// y = offset + size s(x/scale), with the covariance of the three.
-struct Fit {
+struct StepFit {
     offset: f64,
     size: f64,
     scale: f64,
@@ -131,9 +131,9 @@ struct Fit {
     points: usize,
 }
 
-impl Fit {
+impl StepFit {
     /// Least squares, with a scale between `low` and `high`.
-    fn of(shape: &Shape, x: &[f64], y: &[f64], (low, high): (f64, f64)) -> Option<Self> {
+    fn of(shape: &FitShape, x: &[f64], y: &[f64], (low, high): (f64, f64)) -> Option<Self> {
         if x.len() < 4 || x.len() != y.len() || !(low > 0.0 && high.is_finite()) {
             return None;
         }
@@ -163,7 +163,7 @@ impl Fit {
 }
 
 /// How the fitted curve at x changes with offset, size and scale.
-fn gradient(shape: &Shape, size: f64, scale: f64, x: f64) -> [f64; 3] {
+fn gradient(shape: &FitShape, size: f64, scale: f64, x: f64) -> [f64; 3] {
     let z = x / scale;
     [1.0, (shape.value)(z), -size * (shape.slope)(z) * z / scale]
 }
@@ -206,7 +206,7 @@ impl Healing {
         if hold.len() < FEWEST_HOLDS || hold.len() != force.len() {
             return None;
         }
-        let fit = Fit::of(&GROWTH, hold, force, (SHORTEST * shortest, 2.0 * longest))?;
+        let fit = StepFit::of(&GROWTH, hold, force, (SHORTEST * shortest, 2.0 * longest))?;
         if fit.scale >= longest {
             return None;
         }

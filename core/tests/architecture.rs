@@ -9,6 +9,42 @@ const FOREIGN: [&str; 6] = ["print!", "println!", "dbg!", "std::fs", "std::env",
 /// The floor on which rooms may use each other.
 const GROUND: u32 = 0;
 
+/// Names that more than one type has, and why.
+const SHARED: [(&[&str], &str); 5] = [
+    (
+        &[
+            "Ageing",
+            "Barrier",
+            "Block",
+            "Contacts",
+            "Disorder",
+            "Drive",
+            "Edges",
+            "Ensemble",
+            "Law",
+            "MasterEquation",
+            "Pull",
+            "Start",
+            "Tabulated",
+            "Temperature",
+        ],
+        "a table of a scenario has the name of what it describes",
+    ),
+    (
+        &["Coupling", "Interface", "Loading", "Slip"],
+        "a table of a scenario, and what blocks and interfaces each have",
+    ),
+    (
+        &["Dynamics", "Pulled", "Rule", "Tried"],
+        "one step in time of a block with mass, and of the cells of an interface",
+    ),
+    (&["Books", "Curve", "Energy", "Event", "State"], "of contacts, of a block and of an interface"),
+    (
+        &["Cohort", "Gaussian", "Point", "Rectangular"],
+        "a distribution and its closed forms; a point of a trace; a cohort at one velocity, and at any",
+    ),
+];
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -114,6 +150,42 @@ fn the_core_neither_prints_nor_opens_files() {
         let found = FOREIGN.iter().find(|word| code.contains(*word));
         assert_eq!(found, None, "{}", path.display());
     }
+}
+
+/// The names of the types that `code` defines, but for those of its tests.
+fn types(code: &str) -> Vec<String> {
+    let own = code.split("#[cfg(test)]").next().unwrap_or_default();
+    let kinds = ["struct ", "enum ", "trait ", "type ", "union "];
+    let defined = |line: &str| {
+        let line = line.strip_prefix("pub").map_or(line, |rest| match rest.strip_prefix('(') {
+            Some(rest) => rest.split_once(')').map_or("", |(_, rest)| rest),
+            None => rest,
+        });
+        kinds.iter().find_map(|kind| line.trim_start().strip_prefix(kind)).map(name)
+    };
+    own.lines().filter(|line| !line.starts_with(' ')).filter_map(defined).collect()
+}
+
+#[test]
+fn a_type_has_a_name_of_its_own() {
+    let mut places: BTreeMap<String, Vec<PathBuf>> = BTreeMap::new();
+    for path in sources(&root().join("src")) {
+        for found in types(&code(&path)) {
+            places.entry(found).or_default().push(path.clone());
+        }
+    }
+    let twice: Vec<&str> =
+        places.iter().filter(|(_, paths)| paths.len() > 1).map(|(name, _)| name.as_str()).collect();
+    let mut allowed: Vec<&str> = SHARED.iter().flat_map(|(names, _)| names.iter().copied()).collect();
+    allowed.sort_unstable();
+    // A name that no longer has two meanings leaves the list.
+    assert_eq!(twice, allowed, "{places:#?}");
+}
+
+#[test]
+fn types_are_found() {
+    let code = "pub struct One<T>(T);\nenum Two {}\npub(super) trait Three {\n    type Four;\n}\ntype Five = u8;\n#[cfg(test)]\nstruct Six;";
+    assert_eq!(types(code), ["One", "Two", "Three", "Five"]);
 }
 
 #[test]

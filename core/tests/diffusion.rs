@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asperity::numerics::diffusion::{
-    Coefficients, Diffusion, MovingBoundary, MovingGrid, Potential, Step, Work, Workspace,
+    Coefficients, Diffusion, DiffusionStep, MovingBoundary, MovingGrid, Potential, Work, Workspace,
 };
 
 /// The normal distribution function.
@@ -40,7 +40,7 @@ fn the_stationary_law_stays_however_coarse_the_cells_and_long_the_steps() {
             (0..cells).map(|i| (-((operator.centre(i) - 1.0) / 0.05).powi(2) / 2.0).exp()).collect();
         let (largest, mut work) = (stationary.iter().fold(0.0_f64, |a, &b| a.max(b)), Work::default());
         for duration in [1e-6, 0.1, 1e3] {
-            let (step, mut now) = (Step::new(&operator, duration), stationary.clone());
+            let (step, mut now) = (DiffusionStep::new(&operator, duration), stationary.clone());
             for _ in 0..10 {
                 step.advance(&mut now, NO_FLOOR, None, &mut work);
             }
@@ -58,7 +58,7 @@ fn nothing_is_lost_and_nothing_negative_in_wild_steps() {
     let mut work = Work::default();
     for (duration, rise) in [(1e-4, 0.013), (0.1, 0.0007), (30.0, 0.1), (1e-9, 0.0066667), (0.5, 0.0)] {
         for sink in [None, Some(sink.as_slice())] {
-            let step = Step::new(&operator, duration);
+            let step = DiffusionStep::new(&operator, duration);
             // All in one cell: nothing is less smooth.
             let mut now = vec![0.0; 300];
             now[70] = 1.0;
@@ -92,7 +92,7 @@ fn left(cells: usize, steps: usize, diffusion: f64) -> f64 {
     let spread = (2.0 * diffusion * start).sqrt();
     let mut now = masses(&operator, 0.6, spread);
     let duration = (end - start) / steps as f64;
-    let (step, mut work) = (Step::new(&operator, duration), Work::default());
+    let (step, mut work) = (DiffusionStep::new(&operator, duration), Work::default());
     for k in 0..steps {
         let floor = |k: usize| 0.1 + start + duration * k as f64;
         step.advance(&mut now, (floor(k), floor(k + 1)), None, &mut work);

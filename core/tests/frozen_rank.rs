@@ -7,7 +7,7 @@ use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::{Exponential, Gamma, Gaussian, Mixture, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
 use asperity::master::MasterEquation;
-use asperity::numerics::diffusion::{Step, Work};
+use asperity::numerics::diffusion::{DiffusionStep, Work};
 
 fn gaussian(mean: f64, std: f64) -> SharedLaw {
     Arc::new(Gaussian::new(mean, std).unwrap())
@@ -57,7 +57,7 @@ fn by_finite_volumes(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64, cel
     let operator = Arc::new(maturing.operator(cells));
     let (width, none) = (operator.width(), (f64::NEG_INFINITY, f64::NEG_INFINITY));
     let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();
-    let (mut work, step) = (Work::default(), Step::new(&operator, width / velocity));
+    let (mut work, step) = (Work::default(), DiffusionStep::new(&operator, width / velocity));
     let (mut met, mut sums) = (0.0_f64, [0.5 * width, 0.0]);
     for cell in 1..cells {
         step.advance(&mut masses, none, None, &mut work);
@@ -115,7 +115,7 @@ fn single_contacts_break_beside_an_edge_as_soon_as_they_form() {
     let operator = Arc::new(maturing.operator(cells));
     let (width, none) = (operator.width(), (f64::NEG_INFINITY, f64::NEG_INFINITY));
     let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();
-    let (mut work, step) = (Work::default(), Step::new(&operator, width / velocity));
+    let (mut work, step) = (Work::default(), DiffusionStep::new(&operator, width / velocity));
     // The largest share below the stretch so far has been met; what carried x there carries x less from then on.
     let (mut met, mut lost) = (0.0, 0.0);
     for cell in 1..(to / width) as usize {

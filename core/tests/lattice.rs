@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use asperity::Error;
 use asperity::contacts::{Contacts, Initial, Start, Stiffness, Temperature};
-use asperity::ensemble::lattice::{Avalanche, Coupling, Edges, Lattice, Shape, Until, record};
+use asperity::ensemble::lattice::{Avalanche, Edges, Lattice, LatticeCoupling, Shape, Until, record};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::SharedLaw;
 use asperity::numerics::powerlaw::fit_counts;
@@ -15,14 +15,19 @@ use common::{gaussian, initial, master, point, rectangular};
 const SEED: u64 = 5;
 
 /// Contacts that start at `start`, neighbours gaining the share `share`.
-fn lattice(thresholds: &SharedLaw, reforming: &SharedLaw, start: &SharedLaw, coupling: &Coupling) -> Lattice {
+fn lattice(
+    thresholds: &SharedLaw,
+    reforming: &SharedLaw,
+    start: &SharedLaw,
+    coupling: &LatticeCoupling,
+) -> Lattice {
     let contacts = Contacts::new(thresholds.clone(), reforming.clone());
     let contacts = Contacts { count: coupling.shape.size() as f64, ..contacts };
     Lattice::new(contacts, initial(start), coupling, SEED, Disorder::Annealed).unwrap()
 }
 
-fn square(side: usize, edges: Edges, share: f64) -> Coupling {
-    Coupling::sharing(Shape::Square([side, side]), edges, share)
+fn square(side: usize, edges: Edges, share: f64) -> LatticeCoupling {
+    LatticeCoupling::sharing(Shape::Square([side, side]), edges, share)
 }
 
 fn events(lattice: &mut Lattice, events: u64) -> Vec<Avalanche> {
@@ -63,7 +68,7 @@ fn force_is_lost_to_drive_and_edges_alone() {
         let most = 1.0 / shape.neighbours() as f64;
         for (edges, share) in [(Edges::Periodic, 0.9 * most), (Edges::Open, 0.5 * most), (Edges::Open, most)]
         {
-            let coupling = Coupling::sharing(shape, edges, share);
+            let coupling = LatticeCoupling::sharing(shape, edges, share);
             let mut lattice = lattice(&broad, &loose, &loose, &coupling);
             for _ in 0..3000 {
                 let avalanche = lattice.next_event();
@@ -103,13 +108,13 @@ fn single_breaks_lose_what_has_no_neighbour() {
 #[test]
 fn uncoupled_contacts_are_the_ensemble() {
     let (thresholds, reforming, start) = (rectangular(0.4, 1.6), rectangular(0.0, 0.6), gaussian(0.1, 0.025));
-    let only_drive = Coupling { connection: 3.0, ..square(12, Edges::Periodic, 0.0) };
+    let only_drive = LatticeCoupling { connection: 3.0, ..square(12, Edges::Periodic, 0.0) };
     for (coupling, disorder) in [
         (only_drive, Disorder::Annealed),
         (only_drive, Disorder::Quenched),
         (square(12, Edges::Open, 0.0), Disorder::Annealed),
         (square(1, Edges::Open, 0.25), Disorder::Annealed),
-        (Coupling::sharing(Shape::Chain(1), Edges::Open, 0.3), Disorder::Quenched),
+        (LatticeCoupling::sharing(Shape::Chain(1), Edges::Open, 0.3), Disorder::Quenched),
     ] {
         // Quenched contacts re-form below their thresholds: R must be.
         let reforming = if disorder == Disorder::Quenched { point(0.1) } else { reforming.clone() };
@@ -229,14 +234,14 @@ fn what_cannot_be_coupled_is_refused() {
     };
     let contacts = || Contacts::new(gaussian(1.0, 0.1), point(0.0));
     let good = square(5, Edges::Periodic, 0.2);
-    assert_eq!(make(contacts(), Coupling { connection: 0.0, ..good }), "interface.connection");
-    assert_eq!(make(contacts(), Coupling { connection: -1.0, ..good }), "interface.connection");
-    let neighbours = Coupling { neighbours: f64::NAN, ..good };
+    assert_eq!(make(contacts(), LatticeCoupling { connection: 0.0, ..good }), "interface.connection");
+    assert_eq!(make(contacts(), LatticeCoupling { connection: -1.0, ..good }), "interface.connection");
+    let neighbours = LatticeCoupling { neighbours: f64::NAN, ..good };
     assert_eq!(make(contacts(), neighbours), "interface.coupling.neighbours.stiffness");
-    let nothing = Coupling { neighbours: 0.0, connection: 0.0, ..good };
+    let nothing = LatticeCoupling { neighbours: 0.0, connection: 0.0, ..good };
     assert_eq!(make(contacts(), nothing), "interface.connection");
     for shape in [Shape::Square([2, 5]), Shape::Chain(2)] {
-        assert_eq!(make(contacts(), Coupling { shape, ..good }), "interface.cells");
+        assert_eq!(make(contacts(), LatticeCoupling { shape, ..good }), "interface.cells");
     }
     assert_eq!(make(contacts(), square(0, Edges::Open, 0.2)), "interface.cells");
     let areas = Contacts { stiffness: Stiffness::PerThreshold(1.0), ..contacts() };

@@ -4,7 +4,7 @@ mod common;
 
 use asperity::contacts::{Contacts, Initial, Start};
 use asperity::ensemble::Disorder;
-use asperity::ensemble::lattice::{Avalanche, Coupling, Edges, Lattice, Shape};
+use asperity::ensemble::lattice::{Avalanche, Edges, Lattice, LatticeCoupling, Shape};
 use asperity::law::SharedLaw;
 use asperity::random::{Purpose, Stream};
 use common::{exponential, gaussian, initial, mixture, point, rectangular, weibull};
@@ -38,7 +38,7 @@ impl Draws {
 }
 
 struct Plain {
-    coupling: Coupling,
+    coupling: LatticeCoupling,
     forces: Vec<f64>,
     thresholds: Vec<f64>,
     drive: f64,
@@ -46,7 +46,7 @@ struct Plain {
 }
 
 impl Plain {
-    fn new(contacts: &Contacts, initial: &Initial, coupling: Coupling) -> Self {
+    fn new(contacts: &Contacts, initial: &Initial, coupling: LatticeCoupling) -> Self {
         let draws = |contact| {
             let thresholds = Draws::new(&contacts.thresholds, Purpose::Thresholds, contact);
             [thresholds, Draws::new(&contacts.reforming, Purpose::Reforming, contact)]
@@ -128,7 +128,7 @@ impl Plain {
 }
 
 /// Both catalogues are the same, event by event; the epicentre is not told where several contacts tie.
-fn compare(contacts: &Contacts, initial: &Initial, coupling: Coupling, events: usize) {
+fn compare(contacts: &Contacts, initial: &Initial, coupling: LatticeCoupling, events: usize) {
     let contacts = Contacts { count: coupling.shape.size() as f64, ..contacts.clone() };
     let mut plain = Plain::new(&contacts, initial, coupling);
     let ties = contacts.thresholds.std() == 0.0;
@@ -150,15 +150,15 @@ fn compare(contacts: &Contacts, initial: &Initial, coupling: Coupling, events: u
     assert!(largest > 4, "no avalanches by {coupling:?}");
 }
 
-fn couplings() -> impl Iterator<Item = Coupling> {
+fn couplings() -> impl Iterator<Item = LatticeCoupling> {
     let shapes = [Shape::Square([5, 9]), Shape::Square([13, 13]), Shape::Chain(40)];
     shapes.into_iter().flat_map(|shape| {
         let most = 1.0 / shape.neighbours() as f64;
         [
-            Coupling::sharing(shape, Edges::Open, most),
-            Coupling::sharing(shape, Edges::Open, 0.8 * most),
-            Coupling { shape, edges: Edges::Open, neighbours: 2.0, connection: 3.0 },
-            Coupling::sharing(shape, Edges::Periodic, 0.8 * most),
+            LatticeCoupling::sharing(shape, Edges::Open, most),
+            LatticeCoupling::sharing(shape, Edges::Open, 0.8 * most),
+            LatticeCoupling { shape, edges: Edges::Open, neighbours: 2.0, connection: 3.0 },
+            LatticeCoupling::sharing(shape, Edges::Periodic, 0.8 * most),
         ]
     })
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use asperity::contacts::{Ageing, Barrier, Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use asperity::law::{Exponential, Gamma, Gaussian, Point, Rectangular, SharedLaw};
 use asperity::life::{Life, athermal, moving};
-use asperity::numerics::diffusion::{Step, Work};
+use asperity::numerics::diffusion::{DiffusionStep, Work};
 
 fn gaussian(mean: f64, std: f64) -> SharedLaw {
     Arc::new(Gaussian::new(mean, std).unwrap())
@@ -39,11 +39,11 @@ fn survival_at_rest(contacts: &Contacts, velocity: f64, cells: usize) -> Vec<(f6
     let operator = Arc::new(maturing.operator(cells));
     let mut masses = maturing.newborn(&operator.middles(), 0.0, &mut ()).unwrap();
     let mut work = Work::default();
-    let before = Step::new(&operator, operator.edge(0) / velocity / cells as f64);
+    let before = DiffusionStep::new(&operator, operator.edge(0) / velocity / cells as f64);
     for _ in 0..if operator.edge(0) > 0.0 { cells } else { 0 } {
         before.advance(&mut masses, (f64::NEG_INFINITY, f64::NEG_INFINITY), None, &mut work);
     }
-    let step = Step::new(&operator, operator.width() / velocity);
+    let step = DiffusionStep::new(&operator, operator.width() / velocity);
     let mut one = |cell: usize| {
         let floor = (operator.edge(cell), operator.edge(cell + 1));
         step.advance(&mut masses, floor, None, &mut work);

@@ -9,7 +9,7 @@ use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::contacts::Contacts;
 use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::{self, InterfaceParameters};
-use asperity::ensemble::lattice::{Coupling, Lattice, Until};
+use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::SharedLaw;
 use asperity::monitor::Monitor;
@@ -92,7 +92,7 @@ fn blocks() {
 fn lattices() {
     for law in [point(1.0), gaussian(1.0, 0.05)] {
         for edges in [Edges::Open, Edges::Periodic] {
-            let coupling = Coupling::sharing(Shape::Square([256; 2]), edges, 0.24);
+            let coupling = LatticeCoupling::sharing(Shape::Square([256; 2]), edges, 0.24);
             let size = coupling.shape.size() as f64;
             let contacts = Contacts { count: size, ..contacts(&law, &point(0.0)) };
             let make = |memory: u64| {

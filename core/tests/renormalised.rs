@@ -9,7 +9,7 @@ use asperity::block::Slip;
 use asperity::elastic::coupling::neighbours;
 use asperity::elastic::{self, Cells, Curves, Interface, InterfaceParameters, Loading, Populations};
 use asperity::ensemble::Disorder;
-use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape};
+use asperity::ensemble::lattice::{Edges, Lattice, LatticeCoupling, Shape};
 use asperity::first_breaks::FirstBreaks;
 use asperity::law::{Law, Renormalised, SharedLaw, critical_coupling};
 use asperity::monitor::Monitor;
@@ -114,7 +114,7 @@ const SIDE: usize = 24;
 
 /// Contacts on a lattice, a share of what each lets go going to each of its four neighbours.
 fn lattice(thresholds: &SharedLaw, side: usize, share: f64) -> Lattice {
-    let coupling = Coupling::sharing(Shape::Square([side; 2]), Edges::Periodic, share);
+    let coupling = LatticeCoupling::sharing(Shape::Square([side; 2]), Edges::Periodic, share);
     let contacts = contacts(thresholds, &point(0.0));
     Lattice::new(contacts, initial(&point(0.0)), &coupling, SEED, Disorder::Annealed).unwrap()
 }

@@ -13,7 +13,7 @@ use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::contacts::Contacts;
 use asperity::elastic::coupling::half_space;
 use asperity::elastic::{self, InterfaceParameters};
-use asperity::ensemble::lattice::{Coupling, Lattice, Until};
+use asperity::ensemble::lattice::{Lattice, LatticeCoupling, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::monitor::Monitor;
 use asperity::scenario;
@@ -62,7 +62,7 @@ fn block(monitor: &mut dyn Monitor) -> Made {
 }
 
 fn lattice(monitor: &mut dyn Monitor) -> Made {
-    let coupling = Coupling::sharing(Shape::Square([1536; 2]), Edges::Periodic, 0.2);
+    let coupling = LatticeCoupling::sharing(Shape::Square([1536; 2]), Edges::Periodic, 0.2);
     let size = coupling.shape.size() as f64;
     let contacts = Contacts { count: size, ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
     let start = initial(&point(0.0));

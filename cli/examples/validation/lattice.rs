@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use asperity::ensemble::Disorder;
-use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape, Until};
+use asperity::ensemble::lattice::{Edges, Lattice, LatticeCoupling, Shape, Until};
 use asperity::numerics::powerlaw::fit_counts;
 use kuva::plot::{MarkerShape, ScatterPlot};
 use kuva::render::plots::Plot;
@@ -71,7 +71,7 @@ struct Exponent {
 impl Case {
     /// Identical contacts with open edges, from random stretches, after the transient.
     fn lattice(&self) -> Lattice {
-        let coupling = Coupling::sharing(Shape::Square([self.side; 2]), Edges::Open, self.share);
+        let coupling = LatticeCoupling::sharing(Shape::Square([self.side; 2]), Edges::Open, self.share);
         let contacts = equal(&point(1.0), &point(0.0));
         // Just below 1: where S > 0.
         let stretches = start(&rectangular(0.0, 0.9999));

@@ -6,7 +6,7 @@ use asperity::elastic::cells::scales;
 use asperity::elastic::coupling::neighbours;
 use asperity::elastic::{Curves, Interface, InterfaceParameters, Loading, Slip};
 use asperity::ensemble::Disorder;
-use asperity::ensemble::lattice::{Coupling, Edges, Lattice, Shape};
+use asperity::ensemble::lattice::{Edges, Lattice, LatticeCoupling, Shape};
 use asperity::first_breaks::FirstBreaks;
 use asperity::law::{Law, Renormalised, SharedLaw, critical_coupling, scattered};
 use kuva::plot::{MarkerShape, ScatterPlot};
@@ -56,7 +56,7 @@ impl Others {
             Self::Square => Shape::Square([SIZE.isqrt(); 2]),
             Self::All => return together::first_breaks(&thresholds, coupling, SIZE, 1),
         };
-        let springs = Coupling::sharing(shape, Edges::Periodic, coupling / shape.neighbours() as f64);
+        let springs = LatticeCoupling::sharing(shape, Edges::Periodic, coupling / shape.neighbours() as f64);
         let lattice = Lattice::new(
             equal(&thresholds, &point(0.0)),
             start(&point(0.0)),

@@ -46,19 +46,19 @@ impl Curve {
         let spacing = distance / (points - 1) as f64;
         let (mut curve, mut next, mut work) = (Self::default(), 0, 0.0);
         let mut largest: f64 = 0.0;
-        let mut end: Option<State> = None;
+        let mut end: Option<CurveRow> = None;
         along(population, distance, monitor, |look, length| {
-            let begin = State::at(look, 0.0, work);
+            let begin = CurveRow::at(look, 0.0, work);
             if let Some(end) = end.filter(|end| (end.force - begin.force).abs() > SHOWN * largest) {
                 curve.push(end);
                 curve.push(begin);
             }
             while next < points && start + next as f64 * spacing <= look.position + length * (1.0 + 1e-12) {
                 let a = start + next as f64 * spacing - look.position;
-                curve.push(State::at(look, a.clamp(0.0, length), work));
+                curve.push(CurveRow::at(look, a.clamp(0.0, length), work));
                 next += 1;
             }
-            let last = State::at(look, length, work);
+            let last = CurveRow::at(look, length, work);
             largest = largest.max(last.force.abs());
             work = last.work;
             end = look.way.breaks.then_some(last);
@@ -67,7 +67,7 @@ impl Curve {
         Ok(curve)
     }
 
-    fn push(&mut self, state: State) {
+    fn push(&mut self, state: CurveRow) {
         self.position.push(state.position);
         self.force.push(state.force);
         self.tangent.push(state.tangent);
@@ -94,14 +94,14 @@ impl Curve {
 
 /// A row of a curve.
 #[derive(Clone, Copy)]
-struct State {
+struct CurveRow {
     position: f64,
     force: f64,
     tangent: f64,
     work: f64,
 }
 
-impl State {
+impl CurveRow {
     /// At an advance `a` on the way ahead, `work` having been done before it.
     fn at(look: &EquilibriumPath<'_>, a: f64, work: f64) -> Self {
         let Response { force, tangent } = look.response(a);

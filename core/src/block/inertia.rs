@@ -7,7 +7,7 @@
 
 use super::quasistatic::QuasistaticRun;
 use super::trace::Point;
-use crate::numerics::motion::{Body, Step, uniform};
+use crate::numerics::motion::{Body, MotionStep, uniform};
 use crate::numerics::roots::brent_root;
 use crate::population::Direction;
 use crate::{Error, Float, Result};
@@ -210,7 +210,7 @@ impl QuasistaticRun<'_> {
 
     /// The step of that duration, if it is accurate. Beyond the way the force goes on as its tangent, for a first
     /// guess of when the end is reached.
-    fn collocated(&self, swing: &Swing, time: f64) -> Option<Step> {
+    fn collocated(&self, swing: &Swing, time: f64) -> Option<MotionStep> {
         let (look, end) = (&self.look, self.look.way.length);
         let force = |u: f64| {
             let within = u.clamp(0.0, end);
@@ -220,7 +220,7 @@ impl QuasistaticRun<'_> {
         swing.body.step((swing.place, swing.speed), time, swing.accuracy, force)
     }
 
-    fn accept(&mut self, swing: &mut Swing, step: &Step, ending: Ending) {
+    fn accept(&mut self, swing: &mut Swing, step: &MotionStep, ending: Ending) {
         self.open.viscous += swing.body.damping * step.squared();
         for ((time, place), speed) in step.times().into_iter().zip(step.places()).zip(step.speeds()) {
             self.offer(swing, swing.time + time, place, speed);
@@ -255,7 +255,7 @@ const STILL: f64 = 1e-10;
 
 /// The share of a step at which it first ends, and how; 1 where that is at its end, to rounding and to the `accuracy`
 /// of the speed.
-fn first_ending(step: &Step, length: f64, accuracy: f64) -> (f64, Ending) {
+fn first_ending(step: &MotionStep, length: f64, accuracy: f64) -> (f64, Ending) {
     let (share, ending) = first_rest(step, accuracy);
     let farthest = step.at(share).0;
     if (farthest - length).abs() <= MISSED * length {
@@ -268,7 +268,7 @@ fn first_ending(step: &Step, length: f64, accuracy: f64) -> (f64, Ending) {
 }
 
 /// The share of a step at which the motion first comes to rest, if it does.
-fn first_rest(step: &Step, accuracy: f64) -> (f64, Ending) {
+fn first_rest(step: &MotionStep, accuracy: f64) -> (f64, Ending) {
     let (speeds, shares) = (step.speeds(), step.times().map(|time| time / step.time));
     let last = step.at(1.0).1;
     let highest = speeds.iter().fold(step.speed, |most: f64, v| most.max(*v));

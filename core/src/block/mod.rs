@@ -30,7 +30,7 @@ pub use loading::Loading;
 pub use rate_dependent::{Moment, Slide, TimedSlip};
 pub use regime::{Missing, Regime};
 pub use run::{Drive, End, StickSlip};
-pub use trace::{Course, Point};
+pub use trace::{Point, SlipCourse};
 
 use crate::monitor::Monitor;
 use crate::population::Population;

@@ -3,7 +3,7 @@
 use super::equilibrium_path::EquilibriumPath;
 use super::events::{Event, Sizes};
 use super::run::length;
-use super::trace::{Course, Point};
+use super::trace::{Point, SlipCourse};
 use super::{Block, Energy, Loading};
 use crate::Result;
 use crate::monitor::Monitor;
@@ -35,9 +35,9 @@ pub(super) struct QuasistaticRun<'a> {
     pub trace: Vec<Point>,
     pub events: Vec<Event>,
     pub sizes: Sizes,
-    pub course: Option<Course>,
+    pub course: Option<SlipCourse>,
     /// The course of the last swing, as long as there is none of a slip.
-    pub offered: Course,
+    pub offered: SlipCourse,
     /// All that is closed.
     pub energy: Energy,
     /// What is closed since the last slip.
@@ -78,7 +78,7 @@ impl<'a> QuasistaticRun<'a> {
             events: Vec::new(),
             sizes: Sizes::default(),
             course: None,
-            offered: Course::default(),
+            offered: SlipCourse::default(),
             energy: Energy::default(),
             approach: Energy::default(),
             open: Energy::default(),

@@ -3,7 +3,7 @@
 use super::events::{self, Event, Sizes};
 use super::quasistatic::QuasistaticRun;
 use super::regime::Jump;
-use super::trace::{self, Course, Point};
+use super::trace::{self, Point, SlipCourse};
 use super::{Block, Energy, Loading, Regime, Slip, bearable, regime};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
@@ -40,7 +40,7 @@ pub struct StickSlip {
     /// Statistics of all events, those too small for a slip too.
     pub sizes: Sizes,
     /// Time course of the first inertial slip.
-    pub course: Option<Course>,
+    pub course: Option<SlipCourse>,
     /// Energies of the whole drive; of a runaway, up to where it began.
     pub energy: Energy,
     /// Whether the last part of the drive, since it last turned, was stick-slip.

@@ -23,7 +23,7 @@ const BEGUN: f64 = 1e-2;
 
 /// The time course of an inertial slip.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Course {
+pub struct SlipCourse {
     /// Time since the slider had moved by a hundredth of the way to its arrest.
     pub time: Vec<f64>,
     /// X.
@@ -39,7 +39,7 @@ pub struct Course {
     offered: usize,
 }
 
-impl Course {
+impl SlipCourse {
     /// Forgets all.
     pub(super) fn clear(&mut self) {
         self.columns().into_iter().for_each(Vec::clear);

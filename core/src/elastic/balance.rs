@@ -34,7 +34,7 @@ const ROUNDINGS: f64 = 4.0;
 const CURVED: f64 = 0.1;
 
 /// A step that has been made.
-pub(super) struct Step {
+pub(super) struct BalanceStep {
     /// η/dt.
     pub rate: f64,
     /// How many responses on equal springs it took.
@@ -123,7 +123,7 @@ impl Interface {
     /// excess forces that are ≥ 0 stay so, and no state in balance is passed. Where slopes fall on the way F_j' where it
     /// begins is such a bound, and the step is Newton's; else a second solution takes the largest slope on the way of
     /// the first one, which is the longer.
-    pub(super) fn step(&mut self, rate: f64) -> Result<Option<Step>> {
+    pub(super) fn step(&mut self, rate: f64) -> Result<Option<BalanceStep>> {
         let excess = self.largest_excess();
         let goal = (SOLVED * excess).max(0.3 * self.precision());
         self.stiffen(rate);
@@ -149,7 +149,7 @@ impl Interface {
         self.by.copy_from_slice(&self.excess);
         let bent = |j: usize| self.springs[j] - rate - connection(j) - slopes[j].least;
         let curved = largest(self.len(), |j| bent(j) * self.excess[j].abs()) > CURVED * excess;
-        Ok(Some(Step { rate, taken, curved }))
+        Ok(Some(BalanceStep { rate, taken, curved }))
     }
 
     /// Slopes on the way of a solution in place of the excess.

@@ -16,7 +16,7 @@ const ALONG: f64 = 0.1;
 const FRONT: usize = 5;
 
 /// A slide, as it is followed.
-pub(super) struct Slide {
+pub(super) struct ClusterSlide {
     /// Positions before.
     pub before: Vec<f64>,
     /// What they did not tell.
@@ -35,7 +35,7 @@ pub(super) struct Slide {
     pub over: f64,
 }
 
-impl Slide {
+impl ClusterSlide {
     /// Whether a cell has lost its balance.
     pub fn has_fallen(&self, cell: usize) -> bool {
         !self.starts[cell].is_nan()
@@ -45,13 +45,13 @@ impl Slide {
 impl Interface {
     /// The events of a slide that is over and has left this force, in the order in which they began; pulls are known
     /// halfway.
-    pub(super) fn events(&self, slide: &Slide, force_after: f64) -> Vec<(Event, Vec<Slipped>)> {
+    pub(super) fn events(&self, slide: &ClusterSlide, force_after: f64) -> Vec<(Event, Vec<Slipped>)> {
         let parts = self.parts(slide).into_iter();
         parts.map(|slipped| (self.event(slide, &slipped, force_after), slipped)).collect()
     }
 
     /// How far cells have to go in a slide to slip in it; none where those do that lost their balance, however far they go.
-    fn least_slip(&self, slide: &Slide) -> Option<f64> {
+    fn least_slip(&self, slide: &ClusterSlide) -> Option<f64> {
         if slide.together || self.setting.slip == Slip::Reset {
             return None;
         }
@@ -61,7 +61,7 @@ impl Interface {
 
     /// Cells that slipped and hang together, over others that went as far with them, each part in the order in which its
     /// cells began to slip.
-    fn parts(&self, slide: &Slide) -> Vec<Vec<Slipped>> {
+    fn parts(&self, slide: &ClusterSlide) -> Vec<Vec<Slipped>> {
         const NONE: u32 = u32::MAX;
         let slip = |cell: usize| self.positions[cell] - slide.before[cell];
         let least = self.least_slip(slide);
@@ -95,7 +95,7 @@ impl Interface {
         parts
     }
 
-    fn event(&self, slide: &Slide, slipped: &[Slipped], force_after: f64) -> Event {
+    fn event(&self, slide: &ClusterSlide, slipped: &[Slipped], force_after: f64) -> Event {
         let all = |of: &dyn Fn(usize) -> f64| slipped.iter().map(|s| of(s.cell)).sum::<f64>();
         let mean = |of: &dyn Fn(usize) -> f64| all(of) / slipped.len() as f64;
         let timed = self.setting.viscosity.map_or(f64::NAN, |_| 1.0);

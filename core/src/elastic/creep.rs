@@ -32,12 +32,12 @@ const ROUNDINGS: f64 = 8.0;
 
 /// How far the drive goes at a time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct Pace {
+pub(super) struct CreepPace {
     stride: f64,
     tolerance: f64,
 }
 
-impl Pace {
+impl CreepPace {
     /// Where balance is lost is to be known to `tolerance`.
     pub fn new(tolerance: f64) -> Self {
         Self { stride: FIRST * tolerance, tolerance }

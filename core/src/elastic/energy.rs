@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Interface;
 use super::batch::sum;
-use super::cells::Account;
+use super::cells::CellEnergies;
 use super::differences::Differences;
 
 /// The energy balance of a motion; every term is computed on its own, none as the remainder.
@@ -37,19 +37,19 @@ impl Energy {
 
 /// What is stored, and what contacts have done.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Stored {
+pub(super) struct StoredEnergy {
     connection: f64,
     coupling: f64,
-    pub contacts: Account,
+    pub contacts: CellEnergies,
 }
 
 impl Interface {
     /// What is stored now.
-    pub(super) fn stored(&mut self) -> Stored {
+    pub(super) fn stored(&mut self) -> StoredEnergy {
         let displaced = Differences::now(self.differences.as_ref(), &self.positions);
         self.coupling.forces(displaced, &mut self.excess);
         let (positions, drive) = (&self.positions, self.drive);
-        Stored {
+        StoredEnergy {
             connection: sum(self.len(), |j| 0.5 * self.connection(j) * (drive - positions[j]).powi(2)),
             coupling: self.coupling.energy(displaced, &self.excess),
             contacts: self.cells.account(),

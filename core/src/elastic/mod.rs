@@ -36,9 +36,9 @@ pub use rate_dependent::{InterfaceInTime, InterfaceInTimeParameters, StateInTime
 pub use state::State;
 
 use self::batch::change;
-use self::creep::Pace;
+use self::creep::CreepPace;
 use self::differences::Differences;
-use self::energy::Stored;
+use self::energy::StoredEnergy;
 use crate::monitor::{Monitor, report};
 use crate::rate_dependent::StretchInterval;
 use crate::record::Record;
@@ -129,9 +129,9 @@ pub struct Interface {
     excess: Vec<f64>,
     /// F_j' there, and what is made of it to find a response.
     springs: Vec<f64>,
-    pace: Pace,
+    pace: CreepPace,
     energy: Energy,
-    closed: Stored,
+    closed: StoredEnergy,
     /// Where the present run began, and its end.
     path: (f64, f64),
 }
@@ -168,9 +168,9 @@ impl Interface {
             by: vec![0.0; number],
             excess: vec![0.0; number],
             springs: vec![0.0; number],
-            pace: Pace::new(setting.drive_tolerance),
+            pace: CreepPace::new(setting.drive_tolerance),
             energy: Energy::default(),
-            closed: Stored::default(),
+            closed: StoredEnergy::default(),
             path: (0.0, 0.0),
         };
         interface.refine();
@@ -299,7 +299,7 @@ impl Interface {
         self.commit(&mut ())?;
         self.drive = drive;
         (self.energy, self.closed) = (Energy::default(), self.stored());
-        self.pace = Pace::new(self.setting.drive_tolerance);
+        self.pace = CreepPace::new(self.setting.drive_tolerance);
         Ok(())
     }
 

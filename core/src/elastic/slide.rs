@@ -1,8 +1,8 @@
 //! Slides at a fixed drive, from the loss of balance to the next one.
 
-use super::balance::Step;
+use super::balance::BalanceStep;
 use super::batch::{change, fill, find, sum};
-use super::catalogue::Slide;
+use super::catalogue::ClusterSlide;
 use super::cells::{Extremes, Fall};
 use super::uniform_stiffness::UniformStiffnessStep;
 use super::{Event, Interface, Slip, Slipped};
@@ -65,8 +65,8 @@ impl Interface {
     }
 
     /// What has to be known of the state before.
-    fn before(&mut self) -> Result<Slide> {
-        Ok(Slide {
+    fn before(&mut self) -> Result<ClusterSlide> {
+        Ok(ClusterSlide {
             before: self.positions.clone(),
             differences: self.differences.clone(),
             force: self.force()?,
@@ -79,7 +79,7 @@ impl Interface {
     }
 
     /// Steps until there is balance.
-    fn follow(&mut self, slide: &mut Slide, monitor: &mut dyn Monitor) -> Result<()> {
+    fn follow(&mut self, slide: &mut ClusterSlide, monitor: &mut dyn Monitor) -> Result<()> {
         let (mut time, mut most, mut before, mut settled) = (0.0, 0.0_f64, f64::INFINITY, false);
         let (mut damping, mut plain, mut precision) = (0.0, UniformStiffnessStep::new(), self.precision());
         let quiet = REPORT.div_ceil(self.len() as u64);
@@ -118,7 +118,12 @@ impl Interface {
 
     /// Makes a step that tells springs apart, at the damping η/dt that it needs where cells are not stable; without viscosity
     /// it is weighed against plain ones.
-    fn step_on(&mut self, excess: f64, damping: &mut f64, plain: &mut UniformStiffnessStep) -> Result<Step> {
+    fn step_on(
+        &mut self,
+        excess: f64,
+        damping: &mut f64,
+        plain: &mut UniformStiffnessStep,
+    ) -> Result<BalanceStep> {
         let (least, out, spring) =
             (self.rate(excess), sum(self.len(), |j| self.excess[j]), self.plain_spring());
         loop {
@@ -160,7 +165,13 @@ impl Interface {
     }
 
     /// Finds the cells that begin to slip in a step that has been tried; in a reset their contacts break there.
-    fn notice(&mut self, slide: &mut Slide, time: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    fn notice(
+        &mut self,
+        slide: &mut ClusterSlide,
+        time: f64,
+        during: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<()> {
         let known = slide.fallen.len();
         for (on, cell, together) in self.falls(slide).into_iter().flatten() {
             slide.together |= together;
@@ -183,7 +194,7 @@ impl Interface {
 
     /// Cells that have not fallen yet and begin to on the ways that are tried: after which advance, which one, and whether
     /// contacts break together on it.
-    fn falls(&self, slide: &Slide) -> Vec<Vec<(f64, u32, bool)>> {
+    fn falls(&self, slide: &ClusterSlide) -> Vec<Vec<(f64, u32, bool)>> {
         let (steep, jumps) = (-self.mean_connection(), self.cells.extremes().jumps);
         let way = |cell: usize| self.positions[cell] + self.by[cell] - slide.before[cell];
         let is_far = |cell: usize| way(cell) > self.setting.drive_tolerance;
@@ -198,7 +209,7 @@ impl Interface {
 
     /// The pulls of drive and slider where cells are halfway between the positions before and now, in place of the excess:
     /// their means on any way, as they are linear in positions and A is symmetric.
-    fn pull_halfway(&mut self, slide: &Slide) {
+    fn pull_halfway(&mut self, slide: &ClusterSlide) {
         let connection = self.connections();
         let (before, positions) = (&slide.before, &self.positions);
         let middle = |j: usize| 0.5 * (before[j] + positions[j]);
@@ -213,13 +224,13 @@ impl Interface {
     }
 
     /// ∫Σ[K_0(X_T − X_j) − (AX)_j − F_j] dX_j of a slide, pulls being known halfway.
-    fn lost(&self, slide: &Slide) -> f64 {
+    fn lost(&self, slide: &ClusterSlide) -> f64 {
         let pulled = sum(self.len(), |j| self.pulled(slide, j));
         pulled - (self.cells.account().work - slide.work)
     }
 
     /// Work of drive and slider on a cell in a slide, pulls being known halfway.
-    pub(super) fn pulled(&self, slide: &Slide, cell: usize) -> f64 {
+    pub(super) fn pulled(&self, slide: &ClusterSlide, cell: usize) -> f64 {
         self.excess[cell] * (self.positions[cell] - slide.before[cell])
     }
 }

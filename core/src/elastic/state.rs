@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::creep::Pace;
+use super::creep::CreepPace;
 use super::differences::Differences;
-use super::energy::Stored;
+use super::energy::StoredEnergy;
 use super::{Energy, Interface, cells};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
@@ -17,10 +17,10 @@ pub struct State {
     positions: Vec<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     differences: Option<Differences>,
-    cells: cells::State,
-    pace: Pace,
+    cells: cells::CellsState,
+    pace: CreepPace,
     energy: Energy,
-    closed: Stored,
+    closed: StoredEnergy,
 }
 
 impl Interface {

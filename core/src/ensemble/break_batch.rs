@@ -1,7 +1,7 @@
 //! The next breaks of one contact, many at once.
 
 use super::sweep::Contact;
-use super::tally::{Cell, Ruler};
+use super::tally::{Ruler, TallyCell};
 use crate::numerics::wide::wide;
 
 /// Most breaks at once.
@@ -19,7 +19,7 @@ const LAG: usize = 2;
 
 /// Breaks in columns, whole rows of them in lines of the cache.
 #[repr(C, align(64))]
-pub(super) struct BreakBatch<C: Cell> {
+pub(super) struct BreakBatch<C: TallyCell> {
     changes: [C::Change; MOST],
     cells: [u32; MOST],
     /// Of the contact before each break and after the last one.
@@ -27,7 +27,7 @@ pub(super) struct BreakBatch<C: Cell> {
     thresholds: [f64; MOST + 1],
 }
 
-impl<C: Cell> BreakBatch<C> {
+impl<C: TallyCell> BreakBatch<C> {
     pub(super) fn new() -> Self {
         Self {
             changes: [C::Change::default(); MOST],

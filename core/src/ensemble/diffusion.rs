@@ -40,7 +40,7 @@ const NEVER: f64 = 45.0;
 
 /// The end of lives whose thresholds diffuse.
 #[derive(Debug, Clone)]
-pub(super) struct Diffusion {
+pub(super) struct ThresholdDiffusion {
     /// D.
     rate: f64,
     drift: Drift,
@@ -76,7 +76,7 @@ impl DiffusingThreshold {
 
 /// A step that a threshold may take.
 #[derive(Debug, Clone, Copy)]
-struct Step {
+struct WalkStep {
     span: f64,
     /// Mean and standard deviation at the end.
     mean: f64,
@@ -89,18 +89,18 @@ struct Step {
 
 /// Where a contact is and goes: its stretch and velocity.
 #[derive(Clone, Copy)]
-struct Way {
+struct PassageWay {
     stretch: f64,
     velocity: f64,
 }
 
-impl Way {
+impl PassageWay {
     fn after(&self, span: f64) -> f64 {
         self.stretch + self.velocity * span
     }
 }
 
-impl Diffusion {
+impl ThresholdDiffusion {
     pub(super) fn new(contacts: &Contacts, mature: &dyn Law, rate: f64) -> Self {
         let (low, high) = (mature.quantile(0.0), mature.upper_quantile(0.0));
         let resolution = resolution(mature);
@@ -130,7 +130,8 @@ impl Diffusion {
                 let passed = marks[thresholds.len()..].iter().take_while(|mark| **mark <= state.time).count();
                 thresholds.resize(thresholds.len() + passed, state.threshold);
                 let mark = marks.get(thresholds.len()).copied().unwrap_or(f64::INFINITY);
-                let way = Way { stretch: leg.position(state.time) - held.origin, velocity: leg.velocity };
+                let way =
+                    PassageWay { stretch: leg.position(state.time) - held.origin, velocity: leg.velocity };
                 let begun = state.time;
                 if let Some(span) = self.go(&mut state, way, leg.end.min(mark), &mut remaining_hazard, stream)
                 {
@@ -160,7 +161,7 @@ impl Diffusion {
         state.time = leg.start;
         while state.time < leg.end {
             let DiffusingThreshold { time, threshold, .. } = *state;
-            let way = Way { stretch: leg.position(time) - held.origin, velocity: leg.velocity };
+            let way = PassageWay { stretch: leg.position(time) - held.origin, velocity: leg.velocity };
             let ends = self.go(state, way, leg.end, remaining_hazard, stream);
             let last = way.after(ends.unwrap_or(state.time - time));
             let square = (way.stretch * (way.stretch + last) + last * last) / 3.0;
@@ -177,7 +178,7 @@ impl Diffusion {
     fn go(
         &self,
         state: &mut DiffusingThreshold,
-        way: Way,
+        way: PassageWay,
         stop: f64,
         remaining_hazard: &mut f64,
         stream: &mut Stream,
@@ -206,7 +207,7 @@ impl Diffusion {
     /// of a threshold are right on average. Between the ends the rate is taken as an exponential.
     fn fires(
         &self,
-        way: Way,
+        way: PassageWay,
         thresholds: (f64, f64),
         span: f64,
         remaining_hazard: &mut f64,
@@ -237,7 +238,7 @@ impl Diffusion {
 
     /// A step up to `most`, after one of a length `before`: as long as is right, if it is too far from the stretch to meet it
     /// and the drift is straight, or else so short that it is right everywhere.
-    fn step(&self, threshold: f64, way: Way, before: f64, most: f64) -> Step {
+    fn step(&self, threshold: f64, way: PassageWay, before: f64, most: f64) -> WalkStep {
         // Below the support nothing can meet, whatever is reflected: a step does not go on into it.
         let outside = way.stretch < self.low * (1.0 - TOGETHER);
         let most = if outside { most.min((self.low - way.stretch) / way.velocity) } else { most };
@@ -257,12 +258,12 @@ impl Diffusion {
     }
 
     /// The lowest threshold on a step that goes so many standard deviations down.
-    fn lowest(&self, threshold: f64, step: &Step, deviations: f64) -> f64 {
+    fn lowest(&self, threshold: f64, step: &WalkStep, deviations: f64) -> f64 {
         (threshold.min(step.mean) - deviations * step.std).max(self.low)
     }
 
     /// Whether the breaking rate does not change too much on a step, or hardly ever breaks the contact.
-    fn is_cool(&self, threshold: f64, way: Way, step: &Step) -> bool {
+    fn is_cool(&self, threshold: f64, way: PassageWay, step: &WalkStep) -> bool {
         if self.temperature.is_none() {
             return true;
         }
@@ -376,12 +377,12 @@ impl Drift {
 
     /// A step with the drift at its start as a straight line, and with what its curvature adds to the mean
     /// (I. Shoji and T. Ozaki, Stoch. Anal. Appl. 16, 733 (1998)).
-    fn step(&self, threshold: f64, rate: f64, span: f64) -> Step {
+    fn step(&self, threshold: f64, rate: f64, span: f64) -> WalkStep {
         let Jet { value, slope, curvature } = self.at(threshold);
         let growth = slope * span;
         let mean = threshold + value * span * growth_ratio(growth) + 0.5 * rate * curvature * span * span;
         let variance = 2.0 * rate * span * growth_ratio(2.0 * growth);
-        Step { span, mean, std: variance.sqrt(), bridge: variance * (-growth).exp(), free: false }
+        WalkStep { span, mean, std: variance.sqrt(), bridge: variance * (-growth).exp(), free: false }
     }
 }
 

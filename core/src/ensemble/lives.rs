@@ -15,7 +15,7 @@ const BATCH: usize = 128;
 
 /// A life: the stretch at which a contact forms, and the one at which it breaks.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Life {
+pub(super) struct ContactLife {
     pub(super) stretch: f64,
     pub(super) threshold: f64,
 }
@@ -85,7 +85,7 @@ impl Lives {
     }
 
     /// Turns to contact `index`, and gives its life at X = 0.
-    pub(super) fn first(&mut self, index: u64) -> Life {
+    pub(super) fn first(&mut self, index: u64) -> ContactLife {
         let index = self.number(index);
         let Ensemble { disorder, ref initial, .. } = self.ensemble;
         self.thresholds.seek(index, 0);
@@ -102,7 +102,7 @@ impl Lives {
         if disorder == Disorder::Quenched {
             self.quenched = Some(threshold);
         }
-        Life { stretch: stretch[0], threshold }
+        ContactLife { stretch: stretch[0], threshold }
     }
 
     /// How far the present contact has come, if nothing is drawn ahead.
@@ -125,14 +125,14 @@ impl Lives {
 
     /// The life after a break.
     #[inline]
-    pub(super) fn next(&mut self) -> Life {
+    pub(super) fn next(&mut self) -> ContactLife {
         if let Some(threshold) = self.quenched {
-            return Life { stretch: self.stretch_below(threshold), threshold };
+            return ContactLife { stretch: self.stretch_below(threshold), threshold };
         }
         let stretch = self.point.unwrap_or_else(|| self.reforming.next());
         let threshold = self.thresholds.next();
         let threshold = if threshold > stretch { threshold } else { self.threshold_above(stretch) };
-        Life { stretch, threshold }
+        ContactLife { stretch, threshold }
     }
 
     /// Thresholds drawn ahead and the stretch at which all contacts re-form, if that is a single point:

@@ -5,7 +5,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::Ensemble;
-use super::diffusion::Diffusion;
+use super::diffusion::ThresholdDiffusion;
 use super::sweep::TOGETHER;
 use crate::Result;
 use crate::contacts::{Ageing, Stiffness, Temperature, ThresholdEvolution};
@@ -77,16 +77,16 @@ pub(super) fn stiffness(stiffness: Stiffness, threshold: f64) -> f64 {
 #[derive(Debug, Clone)]
 pub(super) enum Passage {
     /// Their thresholds follow from their ages.
-    Known(Known),
+    KnownThreshold(KnownThreshold),
     /// Their thresholds diffuse.
-    Diffusing(Diffusion),
+    Diffusing(ThresholdDiffusion),
 }
 
 impl Passage {
     /// Whether heat breaks contacts.
     pub(super) fn is_hot(&self) -> bool {
         match self {
-            Self::Known(known) => known.temperature.is_some(),
+            Self::KnownThreshold(known) => known.temperature.is_some(),
             Self::Diffusing(diffusion) => diffusion.is_hot(),
         }
     }
@@ -96,10 +96,10 @@ impl Passage {
     pub(super) fn of(ensemble: &Ensemble, monitor: &mut dyn Monitor) -> Result<Self> {
         let contacts = &ensemble.contacts;
         if let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing {
-            return Ok(Self::Diffusing(Diffusion::new(contacts, mature.as_ref(), *diffusion)));
+            return Ok(Self::Diffusing(ThresholdDiffusion::new(contacts, mature.as_ref(), *diffusion)));
         }
         let strength = ThresholdEvolution::of(contacts, monitor)?;
-        Ok(Self::Known(Known {
+        Ok(Self::KnownThreshold(KnownThreshold {
             turns: turns(contacts.rules.ageing.as_ref(), &strength),
             strength,
             temperature: contacts.rules.temperature,
@@ -119,14 +119,14 @@ fn turns(ageing: Option<&Ageing>, strength: &ThresholdEvolution) -> Vec<f64> {
 
 /// The end of lives whose thresholds follow from their ages.
 #[derive(Debug, Clone)]
-pub(super) struct Known {
+pub(super) struct KnownThreshold {
     strength: ThresholdEvolution,
     temperature: Option<Temperature>,
     stiffness: Stiffness,
     turns: Vec<f64>,
 }
 
-impl Known {
+impl KnownThreshold {
     /// The present threshold.
     pub(super) fn threshold(&self, held: &AttachedContact, time: f64) -> f64 {
         self.strength.threshold(held.newborn, time - held.birth)

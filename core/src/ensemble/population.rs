@@ -2,12 +2,12 @@
 
 mod mark;
 
-use mark::Mark;
+use mark::ReturnMark;
 use rayon::prelude::*;
 
 use super::Ensemble;
 use super::lives::Lives;
-use super::queue::{Contact, Queue, SLICE};
+use super::queue::{Queue, QueuedContact, SLICE};
 use super::sums::Sums;
 use crate::contacts::Stiffness;
 use crate::monitor::{Aside, Monitor, fits, report};
@@ -16,7 +16,7 @@ use crate::population::{Books, Direction, Population, Response, Way};
 use crate::{Error, Result};
 
 /// Bytes of a contact: in the queue, on its way to another order, and among what is free or has broken in a slip.
-const BYTES: u64 = 4 * size_of::<Contact>() as u64;
+const BYTES: u64 = 4 * size_of::<QueuedContact>() as u64;
 
 /// Contacts drawn together by one thread.
 const CHUNK: usize = 1 << 12;
@@ -50,13 +50,13 @@ pub struct EnsemblePopulation {
     /// No contact breaks on the way back to here.
     back: f64,
     /// Contacts that carry nothing.
-    free: Vec<Contact>,
+    free: Vec<QueuedContact>,
     held: bool,
     sums: Sums,
     span: f64,
     lost: Compensated,
     breaks: u64,
-    marked: Option<Mark>,
+    marked: Option<ReturnMark>,
     /// From sums over the ensemble to the real contacts.
     scale: f64,
 }
@@ -108,10 +108,10 @@ impl Ensemble {
 }
 
 /// Contacts as they are at X = 0.
-fn newborn(lives: &Lives, size: usize, monitor: &mut dyn Monitor) -> Result<Vec<Contact>> {
+fn newborn(lives: &Lives, size: usize, monitor: &mut dyn Monitor) -> Result<Vec<QueuedContact>> {
     let contact = |lives: &mut Lives, index: usize| {
         let life = lives.first(index as u64);
-        Contact {
+        QueuedContact {
             origin: -life.stretch,
             threshold: life.threshold,
             index: index as u32,
@@ -130,7 +130,7 @@ fn newborn(lives: &Lives, size: usize, monitor: &mut dyn Monitor) -> Result<Vec<
 
 /// Gives a contact that broke its next life, at a slider's position.
 #[inline]
-fn reform(contact: &mut Contact, lives: &mut Lives, position: f64) {
+fn reform(contact: &mut QueuedContact, lives: &mut Lives, position: f64) {
     lives.resume(contact.index.into(), contact.drawn, contact.threshold);
     let life = lives.next();
     (contact.origin, contact.threshold) = (position - life.stretch, life.threshold);
@@ -144,7 +144,7 @@ impl EnsemblePopulation {
     }
 
     /// Replaces what is attached.
-    fn place(&mut self, contacts: Vec<Contact>, monitor: &mut dyn Monitor) -> Result<()> {
+    fn place(&mut self, contacts: Vec<QueuedContact>, monitor: &mut dyn Monitor) -> Result<()> {
         self.sums.renew(self.position, [].iter());
         self.back = f64::NEG_INFINITY;
         for (done, slice) in contacts.chunks(SLICE).enumerate() {
@@ -152,7 +152,7 @@ impl EnsemblePopulation {
                 report(monitor, 0.0)?;
             }
             slice.iter().for_each(|contact| self.sums.add(contact));
-            self.back = slice.iter().map(Contact::back).fold(self.back, f64::max);
+            self.back = slice.iter().map(QueuedContact::back).fold(self.back, f64::max);
         }
         self.queue = Queue::of(contacts);
         Ok(())
@@ -160,7 +160,7 @@ impl EnsemblePopulation {
 
     /// Finds where the next break is on the way back.
     fn look_back(&mut self) {
-        self.back = self.queue.iter().map(Contact::back).fold(f64::NEG_INFINITY, f64::max);
+        self.back = self.queue.iter().map(QueuedContact::back).fold(f64::NEG_INFINITY, f64::max);
     }
 
     /// Looks the other way: the mirror image of all there is.
@@ -179,13 +179,13 @@ impl EnsemblePopulation {
     ///
     /// A contact that re-formed within rounding of its threshold breaks one number further on.
     fn end(&mut self, monitor: &mut dyn Monitor) -> Result<f64> {
-        let end = self.queue.first(monitor)?.map(Contact::end);
+        let end = self.queue.first(monitor)?.map(QueuedContact::end);
         Ok(end.map_or(f64::INFINITY, |end| end.max(self.position.next_up())))
     }
 
     /// A break, which leaves the contact free.
     #[inline]
-    fn part(&mut self, contact: &Contact) {
+    fn part(&mut self, contact: &QueuedContact) {
         self.sums.remove(contact);
         self.lost.add(self.sums.energy(contact, self.position));
         self.breaks += 1;
@@ -304,7 +304,7 @@ impl Population for EnsemblePopulation {
 
     fn mark(&mut self) {
         let before = self.marked.take();
-        self.marked = Some(Mark::of(self, before));
+        self.marked = Some(ReturnMark::of(self, before));
     }
 
     fn recall(&mut self, monitor: &mut dyn Monitor) -> Result<()> {

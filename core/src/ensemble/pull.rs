@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Ensemble;
 use super::sweep::{Chunk, Sweep};
-use super::tally::{Cell, Different, Equal, Grid, Ruler, forces};
+use super::tally::{Different, Equal, HistogramGrid, Ruler, TallyCell, forces};
 use crate::contacts::Stiffness;
 use crate::monitor::{Aside, Monitor, fits, report};
 use crate::{Error, Result};
@@ -127,7 +127,7 @@ impl Ensemble {
         }
     }
 
-    fn run<C: Cell>(
+    fn run<C: TallyCell>(
         &self,
         stiffness: f64,
         positions: &[f64],
@@ -135,7 +135,7 @@ impl Ensemble {
         monitor: &mut dyn Monitor,
     ) -> Result<EnsemblePull> {
         let plan = self.plan::<C>(positions, snapshots, monitor.memory())?;
-        let (grid, ruler) = (Grid::new(positions), Ruler::of(positions));
+        let (grid, ruler) = (HistogramGrid::new(positions), Ruler::of(positions));
         let sweep = Sweep { ensemble: self, grid, ruler, positions, snapshots };
         report(monitor, 0.0)?;
         let mut total = sweep.nothing::<C>();
@@ -167,7 +167,7 @@ impl Ensemble {
     }
 
     /// Chunks with so many breaks that merging them costs little, so few that there is one for each core.
-    fn plan<C: Cell>(&self, positions: &[f64], snapshots: &Snapshots, memory: u64) -> Result<Plan> {
+    fn plan<C: TallyCell>(&self, positions: &[f64], snapshots: &Snapshots, memory: u64) -> Result<Plan> {
         let bins = snapshots.edges.len() * snapshots.positions.len();
         let bytes = positions.len() * size_of::<C>() + bins * size_of::<u64>();
         let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
@@ -194,7 +194,7 @@ impl Ensemble {
 
 impl Sweep<'_> {
     /// Adds to each chunk the contacts it still lacks, part by part.
-    fn fill<C: Cell>(
+    fn fill<C: TallyCell>(
         &self,
         chunks: &mut [(Range<usize>, Chunk<C>)],
         plan: &Plan,

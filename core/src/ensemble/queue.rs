@@ -19,14 +19,14 @@ pub(super) const SLICE: usize = 1 << 18;
 
 /// A contact between two breaks: its stretch is `position − origin`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Contact {
+pub(super) struct QueuedContact {
     pub(super) origin: f64,
     pub(super) threshold: f64,
     pub(super) index: u32,
     pub(super) drawn: Drawn,
 }
 
-impl Contact {
+impl QueuedContact {
     /// Where it breaks.
     #[inline]
     pub(super) fn end(&self) -> f64 {
@@ -47,28 +47,28 @@ impl Contact {
 }
 
 /// The greater breaks first, at the same position that of the smaller index.
-impl Ord for Contact {
+impl Ord for QueuedContact {
     #[inline]
     fn cmp(&self, other: &Self) -> Ordering {
         other.end().total_cmp(&self.end()).then(other.index.cmp(&self.index))
     }
 }
 
-impl PartialOrd for Contact {
+impl PartialOrd for QueuedContact {
     #[inline]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Contact {
+impl PartialEq for QueuedContact {
     #[inline]
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Contact {}
+impl Eq for QueuedContact {}
 
 /// Contacts by where they break: a ladder queue (W. T. Tang, R. S. M. Goh and I. L.-J. Thng, ACM Trans. Model.
 /// Comput. Simul. 15, 175 (2005), doi:10.1145/1103323.1103324) of one ladder.
@@ -80,15 +80,15 @@ impl Eq for Contact {}
 #[derive(Debug, Clone, Default)]
 pub(super) struct Queue {
     /// The rung last taken, what breaks first the last.
-    near: Vec<Contact>,
+    near: Vec<QueuedContact>,
     /// What was added before the rungs not yet taken.
-    late: BinaryHeap<Contact>,
-    rungs: Vec<Vec<Contact>>,
+    late: BinaryHeap<QueuedContact>,
+    rungs: Vec<Vec<QueuedContact>>,
     /// Rungs taken.
     taken: usize,
     ladder: Ladder,
     /// What breaks after all rungs.
-    beyond: Vec<Contact>,
+    beyond: Vec<QueuedContact>,
 }
 
 /// Where the lowest rung begins, and rungs per length.
@@ -101,18 +101,18 @@ struct Ladder {
 impl Ladder {
     /// The rung of a contact, if there are so many.
     #[inline]
-    fn rung(self, contact: &Contact) -> usize {
+    fn rung(self, contact: &QueuedContact) -> usize {
         ((contact.end() - self.low) * self.density) as usize
     }
 }
 
 impl Queue {
-    pub(super) fn of(contacts: Vec<Contact>) -> Self {
+    pub(super) fn of(contacts: Vec<QueuedContact>) -> Self {
         Self { beyond: contacts, ..Self::default() }
     }
 
     #[inline]
-    pub(super) fn push(&mut self, contact: Contact) {
+    pub(super) fn push(&mut self, contact: QueuedContact) {
         let rung = self.ladder.rung(&contact);
         if rung < self.taken {
             self.late.push(contact);
@@ -125,7 +125,7 @@ impl Queue {
 
     /// The contact that breaks first.
     #[inline]
-    pub(super) fn first(&mut self, monitor: &mut dyn Monitor) -> Result<Option<&Contact>> {
+    pub(super) fn first(&mut self, monitor: &mut dyn Monitor) -> Result<Option<&QueuedContact>> {
         if self.near.is_empty() {
             self.descend(monitor)?;
         }
@@ -134,19 +134,19 @@ impl Queue {
 
     /// Takes the contact that breaks first, if it does so up to a position.
     #[inline]
-    pub(super) fn pop(&mut self, position: f64, monitor: &mut dyn Monitor) -> Result<Option<Contact>> {
+    pub(super) fn pop(&mut self, position: f64, monitor: &mut dyn Monitor) -> Result<Option<QueuedContact>> {
         if self.first(monitor)?.is_none_or(|contact| contact.end() > position) {
             return Ok(None);
         }
         Ok(if self.late.peek() > self.near.last() { self.late.pop() } else { self.near.pop() })
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = &Contact> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &QueuedContact> {
         self.near.iter().chain(&self.late).chain(self.rungs.iter().flatten()).chain(&self.beyond)
     }
 
     /// Takes every contact, in no order.
-    pub(super) fn drain(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<Contact>> {
+    pub(super) fn drain(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<QueuedContact>> {
         let mut queue = mem::take(self);
         // What is most of it where it has been put in place and not yet been needed.
         let mut contacts = queue.beyond;
@@ -195,7 +195,7 @@ impl Queue {
         self.ladder = Ladder { low, density: width.max(0.0).recip() };
         self.taken = 0;
         let mut counts = vec![0; rungs];
-        let rung = |contact: &Contact| self.ladder.rung(contact);
+        let rung = |contact: &QueuedContact| self.ladder.rung(contact);
         sliced(&self.beyond, monitor, |contact| {
             if let Some(count) = counts.get_mut(rung(contact)) {
                 *count += 1;
@@ -215,7 +215,11 @@ impl Queue {
 }
 
 /// Visits contacts; a monitor is asked after every slice of them.
-fn sliced(contacts: &[Contact], monitor: &mut dyn Monitor, visit: impl FnMut(&Contact)) -> Result<()> {
+fn sliced(
+    contacts: &[QueuedContact],
+    monitor: &mut dyn Monitor,
+    visit: impl FnMut(&QueuedContact),
+) -> Result<()> {
     let mut visit = visit;
     for slice in contacts.chunks(SLICE) {
         slice.iter().for_each(&mut visit);

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Ensemble;
 use super::diffusion::DiffusingThreshold;
-use super::lives::{Drawn, Life, Lives};
+use super::lives::{ContactLife, Drawn, Lives};
 use super::passage::{AttachedContact, Passage, Segment, stiffness};
 use crate::contacts::Stiffness;
 use crate::monitor::{Monitor, Watch, fits, report};
@@ -15,7 +15,7 @@ use crate::rate_dependent::{Books, RateDependentContacts, State, StretchInterval
 use crate::{Error, Result};
 
 /// Bytes of a contact, and of the copies on which a step of a block is tried.
-const BYTES: u64 = 5 * size_of::<Contact>() as u64;
+const BYTES: u64 = 5 * size_of::<ContactInTime>() as u64;
 
 /// Contacts that a thread goes through before it takes others; sums are made in their order.
 const CHUNK: usize = 256;
@@ -31,10 +31,10 @@ pub struct EnsembleInTime {
     passage: Arc<Passage>,
     stiffness: Stiffness,
     delay: f64,
-    contacts: Vec<Contact>,
+    contacts: Vec<ContactInTime>,
     time: f64,
     position: f64,
-    now: Sums,
+    now: SumsInTime,
     past: Toll,
     /// From sums over the ensemble to the real contacts.
     scale: f64,
@@ -60,7 +60,7 @@ impl Ensemble {
             contacts: Vec::new(),
             time: 0.0,
             position: 0.0,
-            now: Sums::default(),
+            now: SumsInTime::default(),
             past: Toll::default(),
             scale: self.contacts.count / self.size as f64,
         };
@@ -81,7 +81,7 @@ impl Ensemble {
 
 /// A contact: its life, and how far it has come in its streams.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-struct Contact {
+struct ContactInTime {
     index: u32,
     drawn: Drawn,
     /// Words taken for breaking and for diffusion.
@@ -98,7 +98,7 @@ struct Contact {
 
 /// Sums over the contacts that hold.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
-struct Sums {
+struct SumsInTime {
     count: f64,
     stiffness: f64,
     force: f64,
@@ -116,11 +116,11 @@ struct Toll {
 
 /// What the contacts have come to.
 #[derive(Serialize, Deserialize)]
-struct Kept {
+struct EnsembleSnapshot {
     time: f64,
     position: f64,
-    contacts: Vec<Contact>,
-    now: Sums,
+    contacts: Vec<ContactInTime>,
+    now: SumsInTime,
     past: Toll,
 }
 
@@ -131,13 +131,13 @@ struct Hand {
     diffusion: Stream,
 }
 
-impl Contact {
+impl ContactInTime {
     fn stretch(&self, position: f64) -> f64 {
         position - self.held.origin
     }
 
     /// Begins another life, at a time to come.
-    fn live(&mut self, life: Life, birth: f64) {
+    fn live(&mut self, life: ContactLife, birth: f64) {
         self.holds = false;
         self.formed = life.stretch;
         self.held = AttachedContact { birth, origin: 0.0, newborn: life.threshold };
@@ -147,14 +147,14 @@ impl Contact {
 
 impl Hand {
     /// Turns to where a contact has come.
-    fn take(&mut self, contact: &Contact) {
+    fn take(&mut self, contact: &ContactInTime) {
         let number = self.lives.number(contact.index.into());
         self.breaking.seek(number, contact.words[0]);
         self.diffusion.seek(number, contact.words[1]);
     }
 
     /// The endurance of a life, or ∞ where nothing is hot.
-    fn remaining_hazard(&mut self, contact: &mut Contact, hot: bool) -> f64 {
+    fn remaining_hazard(&mut self, contact: &mut ContactInTime, hot: bool) -> f64 {
         if !hot {
             return f64::INFINITY;
         }
@@ -172,9 +172,9 @@ impl EnsembleInTime {
     }
 
     /// A contact as it is at t = 0, before anything breaks.
-    fn drawn(&self, index: u32, hand: &mut Hand) -> Contact {
+    fn drawn(&self, index: u32, hand: &mut Hand) -> ContactInTime {
         let life = hand.lives.first(index.into());
-        let mut contact = Contact {
+        let mut contact = ContactInTime {
             index,
             drawn: hand.lives.drawn(),
             words: [0; 2],
@@ -191,23 +191,23 @@ impl EnsembleInTime {
     /// All contacts go a leg, unless the monitor asks to stop: then some have gone it, and no sums are made of them.
     fn go(&mut self, leg: &Segment, monitor: &mut dyn Monitor) -> Result<()> {
         let mut contacts = std::mem::take(&mut self.contacts);
-        let chunks: Vec<Mutex<&mut [Contact]>> = contacts.chunks_mut(CHUNK).map(Mutex::new).collect();
+        let chunks: Vec<Mutex<&mut [ContactInTime]>> = contacts.chunks_mut(CHUNK).map(Mutex::new).collect();
         let chunk = |hand: &mut Hand, number: usize| {
             let mut contacts = chunks[number].lock().unwrap_or_else(PoisonError::into_inner);
-            contacts.iter_mut().fold((Toll::default(), Sums::default()), |(toll, sums), contact| {
+            contacts.iter_mut().fold((Toll::default(), SumsInTime::default()), |(toll, sums), contact| {
                 (toll.plus(self.live(contact, *leg, hand)), sums.plus(self.look(contact, leg)))
             })
         };
         let gone = Watch::new(monitor).share(chunks.len(), || self.hand(), chunk);
         self.contacts = contacts;
         let gone = gone?;
-        self.now = gone.iter().fold(Sums::default(), |sum, chunk| sum.plus(chunk.1));
+        self.now = gone.iter().fold(SumsInTime::default(), |sum, chunk| sum.plus(chunk.1));
         self.past = gone.iter().fold(self.past, |sum, chunk| sum.plus(chunk.0));
         Ok(())
     }
 
     /// A contact goes a leg, in as many lives as it takes.
-    fn live(&self, contact: &mut Contact, mut leg: Segment, hand: &mut Hand) -> Toll {
+    fn live(&self, contact: &mut ContactInTime, mut leg: Segment, hand: &mut Hand) -> Toll {
         let mut toll = Toll::default();
         hand.take(contact);
         loop {
@@ -231,21 +231,27 @@ impl EnsembleInTime {
         }
     }
 
-    fn form(&self, contact: &mut Contact, position: f64, hand: &mut Hand) {
+    fn form(&self, contact: &mut ContactInTime, position: f64, hand: &mut Hand) {
         contact.held.origin = position - contact.formed;
         contact.remaining_hazard = hand.remaining_hazard(contact, self.passage.is_hot());
         contact.holds = true;
     }
 
     /// When a contact breaks on a leg, if it does; what ageing brings meanwhile is added to `gained`.
-    fn end(&self, contact: &mut Contact, leg: &Segment, hand: &mut Hand, gained: &mut f64) -> Option<f64> {
+    fn end(
+        &self,
+        contact: &mut ContactInTime,
+        leg: &Segment,
+        hand: &mut Hand,
+        gained: &mut f64,
+    ) -> Option<f64> {
         // In a relaxed start some are beyond their thresholds.
         if contact.formed >= contact.held.newborn {
             return Some(leg.start);
         }
-        let Contact { held, remaining_hazard, wandering, .. } = contact;
+        let ContactInTime { held, remaining_hazard, wandering, .. } = contact;
         match self.passage.as_ref() {
-            Passage::Known(known) => {
+            Passage::KnownThreshold(known) => {
                 let end = known.on(held, leg, remaining_hazard);
                 *gained += known.gained(held, leg, end.unwrap_or(leg.end));
                 end
@@ -258,33 +264,33 @@ impl EnsembleInTime {
     }
 
     /// Stiffness at a time.
-    fn stiffness(&self, contact: &Contact, time: f64) -> f64 {
+    fn stiffness(&self, contact: &ContactInTime, time: f64) -> f64 {
         let threshold = match (self.stiffness, self.passage.as_ref()) {
             (Stiffness::Equal(_), _) => 0.0,
-            (_, Passage::Known(known)) => known.threshold(&contact.held, time),
+            (_, Passage::KnownThreshold(known)) => known.threshold(&contact.held, time),
             (_, Passage::Diffusing(_)) => contact.wandering.threshold(),
         };
         stiffness(self.stiffness, threshold)
     }
 
     /// ½k x² at a time of a leg.
-    fn energy(&self, contact: &Contact, leg: &Segment, time: f64) -> f64 {
+    fn energy(&self, contact: &ContactInTime, leg: &Segment, time: f64) -> f64 {
         let stretch = contact.stretch(leg.position(time));
         0.5 * self.stiffness(contact, time) * stretch * stretch
     }
 
     /// What a contact adds to the sums at the end of a leg.
-    fn look(&self, contact: &Contact, leg: &Segment) -> Sums {
+    fn look(&self, contact: &ContactInTime, leg: &Segment) -> SumsInTime {
         if !contact.holds {
-            return Sums::default();
+            return SumsInTime::default();
         }
         let (stiffness, stretch) = (self.stiffness(contact, leg.end), contact.stretch(leg.position(leg.end)));
         let force = stiffness * stretch;
-        Sums { count: 1.0, stiffness, force, energy: 0.5 * force * stretch }
+        SumsInTime { count: 1.0, stiffness, force, energy: 0.5 * force * stretch }
     }
 }
 
-impl Sums {
+impl SumsInTime {
     fn plus(self, other: Self) -> Self {
         Self {
             count: self.count + other.count,
@@ -334,7 +340,7 @@ impl RateDependentContacts for EnsembleInTime {
 
     fn stretches(&self) -> Vec<StretchInterval> {
         let share = 1.0 / self.contacts.len() as f64;
-        let portion = |contact: &Contact| {
+        let portion = |contact: &ContactInTime| {
             // Those just re-formed may lie below 0 by rounding.
             let stretch = contact.stretch(self.position).max(0.0);
             StretchInterval { low: stretch, high: stretch, share }
@@ -362,11 +368,11 @@ impl RateDependentContacts for EnsembleInTime {
 
     fn state(&self) -> State {
         let &Self { time, position, now, past, .. } = self;
-        State::of(&Kept { time, position, contacts: self.contacts.clone(), now, past })
+        State::of(&EnsembleSnapshot { time, position, contacts: self.contacts.clone(), now, past })
     }
 
     fn restore(&mut self, state: &State) -> Result<()> {
-        let Kept { time, position, contacts, now, past } = state.read()?;
+        let EnsembleSnapshot { time, position, contacts, now, past } = state.read()?;
         if contacts.len() != self.contacts.len() {
             return Err(State::another(&format!("that of {} contacts", contacts.len())));
         }

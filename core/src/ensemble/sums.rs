@@ -1,6 +1,6 @@
 //! What contacts that move together carry and store.
 
-use super::queue::Contact;
+use super::queue::QueuedContact;
 use crate::contacts::Stiffness;
 use crate::numerics::compensated::Compensated;
 
@@ -23,36 +23,36 @@ impl Sums {
     }
 
     /// Sums anew, with X as the base.
-    pub(super) fn renew<'a>(&mut self, position: f64, contacts: impl Iterator<Item = &'a Contact>) {
+    pub(super) fn renew<'a>(&mut self, position: f64, contacts: impl Iterator<Item = &'a QueuedContact>) {
         (self.base, self.moments) = (position, Default::default());
         contacts.for_each(|contact| self.add(contact));
     }
 
     #[inline]
-    pub(super) fn add(&mut self, contact: &Contact) {
+    pub(super) fn add(&mut self, contact: &QueuedContact) {
         self.weigh(contact, 1.0);
     }
 
     #[inline]
-    pub(super) fn remove(&mut self, contact: &Contact) {
+    pub(super) fn remove(&mut self, contact: &QueuedContact) {
         self.weigh(contact, -1.0);
     }
 
     #[inline]
-    fn weigh(&mut self, contact: &Contact, sign: f64) {
+    fn weigh(&mut self, contact: &QueuedContact, sign: f64) {
         let (k, o) = (sign * self.stiffness(contact), contact.origin - self.base);
         let terms = [k, k * o, k * o * o];
         self.moments.iter_mut().zip(terms).for_each(|(moment, term)| moment.add(term));
     }
 
     #[inline]
-    fn stiffness(&self, contact: &Contact) -> f64 {
+    fn stiffness(&self, contact: &QueuedContact) -> f64 {
         if self.per_threshold { contact.threshold } else { 1.0 }
     }
 
     /// ½k x² of a contact.
     #[inline]
-    pub(super) fn energy(&self, contact: &Contact, position: f64) -> f64 {
+    pub(super) fn energy(&self, contact: &QueuedContact, position: f64) -> f64 {
         0.5 * self.stiffness(contact) * (position - contact.origin).powi(2)
     }
 

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::break_batch::BreakBatch;
-use super::lives::{Life, Lives};
-use super::tally::{Cell, Grid, Ruler};
+use super::lives::{ContactLife, Lives};
+use super::tally::{HistogramGrid, Ruler, TallyCell};
 use super::{Ensemble, Snapshots};
 
 /// Breaks closer to a position than this, relatively, are at it: contacts that break together do so
@@ -18,7 +18,7 @@ pub(super) struct Chunk<C> {
     pub(super) breaks: u64,
 }
 
-impl<C: Cell> Chunk<C> {
+impl<C: TallyCell> Chunk<C> {
     pub(super) fn merge(&mut self, other: &Self) {
         self.cells.iter_mut().zip(&other.cells).for_each(|(cell, more)| cell.merge(more));
         let counts = self.histograms.iter_mut().flatten();
@@ -51,20 +51,20 @@ impl Contact {
 /// A pull, seen by its contacts.
 pub(super) struct Sweep<'a> {
     pub(super) ensemble: &'a Ensemble,
-    pub(super) grid: Grid<'a>,
+    pub(super) grid: HistogramGrid<'a>,
     pub(super) ruler: Option<Ruler>,
     pub(super) positions: &'a [f64],
     pub(super) snapshots: &'a Snapshots,
 }
 
 impl Sweep<'_> {
-    pub(super) fn nothing<C: Cell>(&self) -> Chunk<C> {
+    pub(super) fn nothing<C: TallyCell>(&self) -> Chunk<C> {
         let cells = vec![C::ZERO; self.positions.len()];
         Chunk { cells, histograms: self.snapshots.histograms(), breaks: 0 }
     }
 
     /// Adds contacts to a chunk, each of which is expected to break so many times.
-    pub(super) fn add<C: Cell>(&self, contacts: Range<usize>, expected: usize, chunk: &mut Chunk<C>) {
+    pub(super) fn add<C: TallyCell>(&self, contacts: Range<usize>, expected: usize, chunk: &mut Chunk<C>) {
         let mut lives = Lives::new(self.ensemble, expected);
         let mut volley = BreakBatch::new();
         for index in contacts {
@@ -74,9 +74,9 @@ impl Sweep<'_> {
     }
 
     /// One contact from X = 0 to the last position.
-    fn follow<C: Cell>(
+    fn follow<C: TallyCell>(
         &self,
-        first: Life,
+        first: ContactLife,
         lives: &mut Lives,
         volley: &mut BreakBatch<C>,
         chunk: &mut Chunk<C>,
@@ -109,7 +109,7 @@ impl Sweep<'_> {
 
     /// As many breaks by `until` as there are lives drawn ahead.
     #[inline(never)]
-    fn rush<C: Cell>(
+    fn rush<C: TallyCell>(
         &self,
         contact: Contact,
         until: f64,
@@ -129,7 +129,7 @@ impl Sweep<'_> {
     /// As many of the `coming` lives as begin by `until`; how many they were. The contact stays in
     /// registers, which is what makes this loop worth having.
     #[inline(always)]
-    fn one_by_one<C: Cell>(
+    fn one_by_one<C: TallyCell>(
         &self,
         mut contact: Contact,
         until: f64,
@@ -140,14 +140,14 @@ impl Sweep<'_> {
             if contact.end() > until || threshold <= stretch {
                 return (contact, taken);
             }
-            contact = self.strike(contact, Life { stretch, threshold }, cells);
+            contact = self.strike(contact, ContactLife { stretch, threshold }, cells);
         }
         (contact, thresholds.len())
     }
 
     /// One break, and the life after it.
     #[inline(always)]
-    fn strike<C: Cell>(&self, contact: Contact, next: Life, cells: &mut [C]) -> Contact {
+    fn strike<C: TallyCell>(&self, contact: Contact, next: ContactLife, cells: &mut [C]) -> Contact {
         let (cell, position) = self.grid.at_or_above(contact.end());
         let origin = contact.origin + (contact.threshold - next.stretch);
         let next = Contact { origin, threshold: next.threshold };
@@ -168,13 +168,13 @@ mod tests {
     use crate::random::{Purpose, Stream};
 
     /// Bits, compiled for any machine and for this one.
-    fn volleys_are_breaks_one_by_one<C: Cell>(stretch: f64, law: Gaussian) {
+    fn volleys_are_breaks_one_by_one<C: TallyCell>(stretch: f64, law: Gaussian) {
         let point = |at| -> SharedLaw { Arc::new(Point::new(at).unwrap()) };
         let contacts = Contacts::new(Arc::new(law), point(stretch));
         let initial = Initial { law: point(0.1), start: Start::Conditional };
         let ensemble = Ensemble::new(contacts, initial, 1, 1, Disorder::Annealed).unwrap();
         let positions: Vec<f64> = (0..=4000).map(|i| 200.0 * (f64::from(i) / 4000.0)).collect();
-        let (grid, ruler, last) = (Grid::new(&positions), Ruler::of(&positions).unwrap(), 200.0);
+        let (grid, ruler, last) = (HistogramGrid::new(&positions), Ruler::of(&positions).unwrap(), 200.0);
         let snapshots = &Snapshots::default();
         let sweep = Sweep { ensemble: &ensemble, grid, ruler: Some(ruler), positions: &positions, snapshots };
         let mut thresholds = [0.0; 128];

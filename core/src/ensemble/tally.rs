@@ -8,7 +8,7 @@ use crate::Result;
 use crate::monitor::{Monitor, report};
 
 /// What is remembered between two positions: jumps, summed over breaks.
-pub(super) trait Cell: Copy + Send + Sync {
+pub(super) trait TallyCell: Copy + Send + Sync {
     /// What a break adds.
     type Change: Copy + Default;
     const ZERO: Self;
@@ -29,7 +29,7 @@ pub(super) trait Cell: Copy + Send + Sync {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Equal([f64; 2]);
 
-impl Cell for Equal {
+impl TallyCell for Equal {
     type Change = [f64; 2];
     const ZERO: Self = Self([0.0; 2]);
 
@@ -76,7 +76,7 @@ impl Different {
     }
 }
 
-impl Cell for Different {
+impl TallyCell for Different {
     type Change = [(f64, f64); 2];
     const ZERO: Self = Self([0.0; 5]);
 
@@ -109,13 +109,13 @@ impl Cell for Different {
 }
 
 /// Rising values, and the first of them that is not below a given one.
-pub(super) struct Grid<'a> {
+pub(super) struct HistogramGrid<'a> {
     values: &'a [f64],
     /// Steps per length and where they count from, if the values are evenly spaced to a thousandth of a step.
     even: Option<(f64, f64)>,
 }
 
-impl<'a> Grid<'a> {
+impl<'a> HistogramGrid<'a> {
     pub(super) fn new(values: &'a [f64]) -> Self {
         let (first, last) = (values[0], values[values.len() - 1]);
         let step = (last - first) / (values.len() - 1).max(1) as f64;
@@ -192,7 +192,7 @@ const PART: usize = 1 << 20;
 ///
 /// # Errors
 /// Stopped by `monitor`.
-pub(super) fn forces<C: Cell>(
+pub(super) fn forces<C: TallyCell>(
     cells: &[C],
     positions: &[f64],
     size: usize,
@@ -223,7 +223,7 @@ pub(super) fn forces<C: Cell>(
 
 #[cfg(test)]
 mod tests {
-    use super::{Grid, Ruler, nearest};
+    use super::{HistogramGrid, Ruler, nearest};
 
     #[test]
     fn a_ruler_finds_what_the_grid_holds() {
@@ -232,7 +232,7 @@ mod tests {
         let grids: [Vec<f64>; 4] =
             [by_steps(0.0, 0.05), by_steps(3.0, 0.25), by_steps(0.0, 1e-3), to_the_end];
         for values in grids {
-            let (grid, ruler) = (Grid::new(&values), Ruler::of(&values).unwrap());
+            let (grid, ruler) = (HistogramGrid::new(&values), Ruler::of(&values).unwrap());
             let step = values[1] - values[0];
             let near =
                 values[..2000].iter().flat_map(|&x| [x - 1e-5 * step, x, x + 1e-5 * step, x + 0.6 * step]);

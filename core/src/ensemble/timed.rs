@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::lives::{Life, Lives};
+use super::lives::{ContactLife, Lives};
 use super::passage::{AttachedContact, Passage};
 use super::pull::rising;
 use super::sweep::TOGETHER;
@@ -94,42 +94,42 @@ impl Ensemble {
         let follow = Follow::new(self, &history, &times(positions), (snapshots, &shots), monitor)?;
         let total = follow.run(monitor)?;
         let (force, error) = follow.forces(&total);
-        let Chunk { histograms, breaks, .. } = total;
+        let TimedChunk { histograms, breaks, .. } = total;
         Ok(EnsemblePull { force, error, breaks, histograms, edges: snapshots.edges.clone(), size: self.size })
     }
 }
 
 /// A time at which contacts are looked at.
 #[derive(Debug, Clone, Copy)]
-struct Mark {
+struct BreakMark {
     time: f64,
     position: f64,
-    look: Look,
+    look: Observation,
 }
 
 /// What is seen of a contact, and where it is added.
 #[derive(Debug, Clone, Copy)]
-enum Look {
+enum Observation {
     Force(usize),
     Stretch(usize),
 }
 
 /// Sums over contacts at one time.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
+struct TimedSums {
     force: f64,
     square: f64,
     free: f64,
 }
 
 /// What one chunk of contacts adds.
-struct Chunk {
-    sums: Vec<Sums>,
+struct TimedChunk {
+    sums: Vec<TimedSums>,
     histograms: Vec<Vec<u64>>,
     breaks: u64,
 }
 
-impl Chunk {
+impl TimedChunk {
     fn merge(&mut self, other: &Self) {
         for (sums, more) in self.sums.iter_mut().zip(&other.sums) {
             sums.force += more.force;
@@ -143,7 +143,7 @@ impl Chunk {
 }
 
 /// The random streams of a contact beside those of its lives.
-struct Draws {
+struct TimedDraws {
     breaking: Stream,
     diffusion: Stream,
 }
@@ -154,7 +154,7 @@ struct Follow<'a> {
     passage: Passage,
     history: &'a History,
     snapshots: &'a Snapshots,
-    marks: Vec<Mark>,
+    marks: Vec<BreakMark>,
     /// Their times.
     times: Vec<f64>,
 }
@@ -168,16 +168,16 @@ impl<'a> Follow<'a> {
         (snapshots, shots): (&'a Snapshots, &[f64]),
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let mark = |time, look| Mark { time, position: history.position(time), look };
-        let forces = times.iter().enumerate().map(|(i, &time)| mark(time, Look::Force(i)));
-        let stretches = shots.iter().enumerate().map(|(i, &time)| mark(time, Look::Stretch(i)));
-        let mut marks: Vec<Mark> = forces.chain(stretches).collect();
+        let mark = |time, look| BreakMark { time, position: history.position(time), look };
+        let forces = times.iter().enumerate().map(|(i, &time)| mark(time, Observation::Force(i)));
+        let stretches = shots.iter().enumerate().map(|(i, &time)| mark(time, Observation::Stretch(i)));
+        let mut marks: Vec<BreakMark> = forces.chain(stretches).collect();
         marks.sort_by(|a, b| a.time.total_cmp(&b.time));
         let times = marks.iter().map(|mark| mark.time).collect();
         Ok(Self { ensemble, passage: Passage::of(ensemble, monitor)?, history, snapshots, marks, times })
     }
 
-    fn run(&self, monitor: &mut dyn Monitor) -> Result<Chunk> {
+    fn run(&self, monitor: &mut dyn Monitor) -> Result<TimedChunk> {
         let all = self.ensemble.size;
         let mut total = self.nothing();
         let size = all.div_ceil(CHUNKS).max(FEWEST);
@@ -198,13 +198,17 @@ impl<'a> Follow<'a> {
         Ok(total)
     }
 
-    fn nothing(&self) -> Chunk {
+    fn nothing(&self) -> TimedChunk {
         let forces = self.marks.len() - self.snapshots.positions.len();
-        Chunk { sums: vec![Sums::default(); forces], histograms: self.snapshots.histograms(), breaks: 0 }
+        TimedChunk {
+            sums: vec![TimedSums::default(); forces],
+            histograms: self.snapshots.histograms(),
+            breaks: 0,
+        }
     }
 
     /// Some contacts, or fewer once the monitor has asked to stop.
-    fn chunk(&self, contacts: Range<usize>, watch: &Watch<'_>) -> Chunk {
+    fn chunk(&self, contacts: Range<usize>, watch: &Watch<'_>) -> TimedChunk {
         let mut chunk = self.nothing();
         let mut lives = Lives::new(self.ensemble, AHEAD);
         for index in contacts {
@@ -217,9 +221,10 @@ impl<'a> Follow<'a> {
     }
 
     /// One contact from t = 0 to the last mark, unless the monitor asks to stop.
-    fn contact(&self, index: u64, lives: &mut Lives, chunk: &mut Chunk, watch: &Watch<'_>) {
+    fn contact(&self, index: u64, lives: &mut Lives, chunk: &mut TimedChunk, watch: &Watch<'_>) {
         let draws = |purpose| Stream::new(self.ensemble.seed, purpose, lives.number(index));
-        let mut draws = Draws { breaking: draws(Purpose::Breaking), diffusion: draws(Purpose::Diffusion) };
+        let mut draws =
+            TimedDraws { breaking: draws(Purpose::Breaking), diffusion: draws(Purpose::Diffusion) };
         let (mut life, mut birth, mut next) = (lives.first(index), 0.0, 0);
         // Only a relaxed start has contacts at or above their thresholds: they break where they are.
         if life.stretch >= life.threshold {
@@ -245,12 +250,12 @@ impl<'a> Follow<'a> {
     }
 
     /// A broken contact: when it re-forms, and the next mark.
-    fn wait(&self, broken: f64, next: usize, chunk: &mut Chunk) -> (f64, usize) {
+    fn wait(&self, broken: f64, next: usize, chunk: &mut TimedChunk) -> (f64, usize) {
         chunk.breaks += 1;
         let birth = broken + self.ensemble.contacts.rules.delay;
         let passed = self.before(birth, next);
         for mark in &self.marks[passed.clone()] {
-            if let Look::Force(i) = mark.look {
+            if let Observation::Force(i) = mark.look {
                 chunk.sums[i].free += 1.0;
             }
         }
@@ -261,10 +266,10 @@ impl<'a> Follow<'a> {
     fn hold(
         &self,
         birth: f64,
-        life: Life,
+        life: ContactLife,
         next: usize,
-        draws: &mut Draws,
-        chunk: &mut Chunk,
+        draws: &mut TimedDraws,
+        chunk: &mut TimedChunk,
     ) -> (f64, usize) {
         let Contacts { stiffness, ref rules, .. } = self.ensemble.contacts;
         let held = AttachedContact {
@@ -279,7 +284,7 @@ impl<'a> Follow<'a> {
         let marks = &self.times[next..];
         let mut thresholds = Vec::new();
         let end = match &self.passage {
-            Passage::Known(known) => known.end(&held, self.history, marks, remaining_hazard),
+            Passage::KnownThreshold(known) => known.end(&held, self.history, marks, remaining_hazard),
             Passage::Diffusing(diffusion) => {
                 let stream = &mut draws.diffusion;
                 diffusion.end(&held, self.history, marks, remaining_hazard, stream, &mut thresholds)
@@ -289,11 +294,11 @@ impl<'a> Follow<'a> {
         for (place, mark) in self.marks[passed.clone()].iter().enumerate() {
             let stretch = mark.position - held.origin;
             match (mark.look, stiffness) {
-                (Look::Stretch(i), _) => self.snapshots.count(stretch, &mut chunk.histograms[i]),
-                (Look::Force(i), Stiffness::Equal(_)) => chunk.sums[i].add(stretch),
-                (Look::Force(i), Stiffness::PerThreshold(_)) => {
+                (Observation::Stretch(i), _) => self.snapshots.count(stretch, &mut chunk.histograms[i]),
+                (Observation::Force(i), Stiffness::Equal(_)) => chunk.sums[i].add(stretch),
+                (Observation::Force(i), Stiffness::PerThreshold(_)) => {
                     let threshold = match &self.passage {
-                        Passage::Known(known) => known.threshold(&held, mark.time),
+                        Passage::KnownThreshold(known) => known.threshold(&held, mark.time),
                         Passage::Diffusing(_) => thresholds[place],
                     };
                     chunk.sums[i].add(threshold * stretch);
@@ -304,11 +309,11 @@ impl<'a> Follow<'a> {
     }
 
     /// Mean forces and their standard errors.
-    fn forces(&self, total: &Chunk) -> (Vec<f64>, Vec<f64>) {
+    fn forces(&self, total: &TimedChunk) -> (Vec<f64>, Vec<f64>) {
         let contacts = &self.ensemble.contacts;
         let (Stiffness::Equal(unit) | Stiffness::PerThreshold(unit)) = contacts.stiffness;
         let (scale, size) = (unit * contacts.count, self.ensemble.size as f64);
-        let force = |sums: &Sums| {
+        let force = |sums: &TimedSums| {
             let mean = sums.force / size;
             let variance = (sums.square / size - mean * mean).max(0.0);
             (scale * mean, scale * (variance / (size - 1.0)).sqrt())
@@ -317,7 +322,7 @@ impl<'a> Follow<'a> {
     }
 }
 
-impl Sums {
+impl TimedSums {
     /// Adds the force of a contact, in the unit of its stiffness.
     fn add(&mut self, force: f64) {
         self.force += force;

@@ -14,12 +14,12 @@ pub(super) struct Drives {
     pub(super) coupling: f64,
     pub(super) thresholds: SharedLaw,
     /// Boundaries of cells that Gauss points follow; below the first X is x.
-    nodes: Vec<Node>,
+    nodes: Vec<DriveNode>,
 }
 
 /// A boundary: x, X(x) and ∫_0^x ξ dP, what has broken.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Node {
+pub(super) struct DriveNode {
     pub(super) stretch: f64,
     pub(super) drive: f64,
     broken: f64,
@@ -29,20 +29,20 @@ impl Drives {
     pub(super) fn new(coupling: f64, thresholds: SharedLaw) -> Self {
         let mut drives = Self { coupling, thresholds, nodes: Vec::new() };
         let mut broken = 0.0;
-        let mut before = Node { stretch: 0.0, drive: 0.0, broken };
+        let mut before = DriveNode { stretch: 0.0, drive: 0.0, broken };
         for stretch in drives.graded() {
             if !drives.nodes.is_empty() {
                 broken += drives.breaking(before.stretch, stretch);
             }
             // Places an ulp apart.
             let drive = (stretch - coupling * broken).max(before.drive);
-            before = Node { stretch, drive, broken };
+            before = DriveNode { stretch, drive, broken };
             drives.nodes.push(before);
         }
         drives
     }
 
-    pub(super) fn nodes(&self) -> &[Node] {
+    pub(super) fn nodes(&self) -> &[DriveNode] {
         &self.nodes
     }
 

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use rand_distr::Distribution;
 
-use super::incomplete_gamma::{IncompleteGamma, Shape};
+use super::incomplete_gamma::{GammaShape, IncompleteGamma};
 use super::{Break, Law, Parameter, SharedLaw, crossing, onset, positive, shared, unknown};
 use crate::random::Stream;
 use crate::{Error, Result};
@@ -15,7 +15,7 @@ use crate::{Error, Result};
 pub struct Gamma {
     mean: f64,
     std: f64,
-    shape: Shape,
+    shape: GammaShape,
     scale: f64,
     sampler: rand_distr::Gamma<f64>,
 }
@@ -30,7 +30,7 @@ impl Gamma {
         let (shape, scale) = ((mean / std).powi(2), std * (std / mean));
         let sampler = rand_distr::Gamma::new(shape, scale)
             .map_err(|_| Error::invalid("std", format!("within 1e±150 of mean = {mean}"), std))?;
-        Ok(Self { mean, std, shape: Shape::new(shape), scale, sampler })
+        Ok(Self { mean, std, shape: GammaShape::new(shape), scale, sampler })
     }
 
     fn at(&self, x: f64) -> IncompleteGamma {

@@ -14,7 +14,7 @@ const LARGE: f64 = 20.0;
 
 /// A shape a > 0, with what follows from it alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Shape {
+pub(super) struct GammaShape {
     pub(super) a: f64,
     gamma: OfShape,
 }
@@ -45,7 +45,7 @@ enum Tail {
     Upper(f64),
 }
 
-impl Shape {
+impl GammaShape {
     pub(super) fn new(a: f64) -> Self {
         let direct = || OfShape::Direct { gamma: libm::tgamma(a), ln: libm::lgamma(a) };
         Self { a, gamma: if a >= LARGE { OfShape::Stirling(stirling(a)) } else { direct() } }
@@ -54,7 +54,7 @@ impl Shape {
 
 impl IncompleteGamma {
     /// At x ≥ 0; `excess` is x/a − 1, which the caller may know better than from a and x.
-    pub(super) fn new(shape: &Shape, x: f64, excess: f64) -> Self {
+    pub(super) fn new(shape: &GammaShape, x: f64, excess: f64) -> Self {
         // As good as infinite, and nothing overflows.
         const FAR: f64 = 1e200;
         let (x, excess) = (x.min(FAR), excess.min(FAR));
@@ -101,7 +101,7 @@ impl IncompleteGamma {
 }
 
 /// D(a, x) and its logarithm.
-fn kernel(&Shape { a, gamma }: &Shape, x: f64, excess: f64) -> (f64, f64) {
+fn kernel(&GammaShape { a, gamma }: &GammaShape, x: f64, excess: f64) -> (f64, f64) {
     match gamma {
         OfShape::Stirling(rest) => {
             // Far below x = a, 1 + excess has lost digits that x has.
@@ -236,7 +236,7 @@ mod tests {
         // Shape 20 lies where all three converge; each is right to a few 1e-15.
         for x in [15.0, 20.0, 26.0] {
             let excess = x / 20.0 - 1.0;
-            let (kernel, _) = kernel(&Shape::new(20.0), x, excess);
+            let (kernel, _) = kernel(&GammaShape::new(20.0), x, excess);
             let (lower, upper) = (kernel * series(20.0, x), kernel * continued_fraction(20.0, x));
             assert!((lower + upper - 1.0).abs() < 1e-14);
             match uniform(20.0, excess) {
@@ -250,7 +250,7 @@ mod tests {
     #[test]
     fn the_kernel_keeps_its_digits_far_below_the_mean() {
         let at = |power: i32| 25.0 * 2.0_f64.powi(power);
-        let value = |power: i32| kernel(&Shape::new(25.0), at(power), at(power) / 25.0 - 1.0).0;
+        let value = |power: i32| kernel(&GammaShape::new(25.0), at(power), at(power) / 25.0 - 1.0).0;
         for power in [-10, -20, -25] {
             let ratio = 2.0_f64.powi(25) * (at(power - 1) - at(power)).exp();
             // Roundings of an exponent of up to 430.
@@ -262,6 +262,6 @@ mod tests {
     fn the_kernel_is_one_function() {
         // Both forms at shape 20; the logarithm's error is its own size in roundings.
         let direct = 20.0_f64.powf(20.0) * (-20.0_f64).exp() / libm::tgamma(20.0);
-        assert!((kernel(&Shape::new(20.0), 20.0, 0.0).0 / direct - 1.0).abs() < 1e-14);
+        assert!((kernel(&GammaShape::new(20.0), 20.0, 0.0).0 / direct - 1.0).abs() < 1e-14);
     }
 }

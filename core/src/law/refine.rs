@@ -45,7 +45,8 @@ pub(super) fn refine(
     endless: bool,
     tolerance: f64,
 ) -> Result<Refined> {
-    let mut cells: Vec<Cell> = boundaries.windows(2).map(|pair| Cell::new(pair[0], pair[1])).collect();
+    let mut cells: Vec<RefinedCell> =
+        boundaries.windows(2).map(|pair| RefinedCell::new(pair[0], pair[1])).collect();
     evaluate(&mut density, &mut cells)?;
     if endless {
         follow_tail(&mut density, &mut cells)?;
@@ -54,7 +55,7 @@ pub(super) fn refine(
     let cells = joined(&mut density, trimmed(cells, &masses), &masses, tolerance)?;
     let cells = settled(&mut density, cells)?;
     let cells = settled(&mut density, cells)?;
-    let left_out = cells.iter().map(Cell::left_out).sum::<f64>() / masses.total();
+    let left_out = cells.iter().map(RefinedCell::left_out).sum::<f64>() / masses.total();
     let cut = if endless { ENDS.0 } else { 0.0 };
     let boundaries = cells.iter().map(|cell| cell.low).chain(cells.last().map(|cell| cell.high)).collect();
     let coefficients = cells.iter().map(|cell| cell.coefficients).collect();
@@ -63,7 +64,7 @@ pub(super) fn refine(
 
 /// A cell and what the density is there.
 #[derive(Debug, Clone)]
-struct Cell {
+struct RefinedCell {
     low: f64,
     high: f64,
     /// Halvings that led to it, and what the cell that was halved left out, and the one before that.
@@ -75,7 +76,7 @@ struct Cell {
     coefficients: Nodal,
 }
 
-impl Cell {
+impl RefinedCell {
     fn new(low: f64, high: f64) -> Self {
         let (before, values) = ([f64::INFINITY; 2], Nodal::default());
         Self { low, high, depth: 0, before, breaks: false, values, coefficients: values }
@@ -106,7 +107,7 @@ impl Cell {
         self.values.iter().fold(0.0, |largest: f64, p| largest.max(*p)) * self.half()
     }
 
-    fn is_resolved(&self, masses: &Masses, tolerance: f64) -> bool {
+    fn is_resolved(&self, masses: &RefinedMasses, tolerance: f64) -> bool {
         let narrowest = self.half() <= 16.0 * f64::EPSILON * self.high;
         if masses.is_negligible(self.low) || narrowest || self.depth > MOST_HALVINGS {
             return true;
@@ -137,7 +138,7 @@ impl Cell {
 
     /// Whether one series serves two cells as well as theirs do; a part that rounding of its place may move in or out is
     /// not felt.
-    fn replaces(&self, pair: &[Self], masses: &Masses, tolerance: f64) -> bool {
+    fn replaces(&self, pair: &[Self], masses: &RefinedMasses, tolerance: f64) -> bool {
         if pair[0].breaks {
             return false;
         }
@@ -150,8 +151,8 @@ impl Cell {
 }
 
 /// Fills in the density at the Gauss points of all cells, by one call.
-fn evaluate(density: &mut impl Density, cells: &mut [Cell]) -> Result<()> {
-    let points: Vec<f64> = cells.iter().flat_map(Cell::points).collect();
+fn evaluate(density: &mut impl Density, cells: &mut [RefinedCell]) -> Result<()> {
+    let points: Vec<f64> = cells.iter().flat_map(RefinedCell::points).collect();
     let values = density(&points)?;
     if values.len() != points.len() {
         let expected = format!("{} values, one for each point", points.len());
@@ -168,12 +169,12 @@ fn evaluate(density: &mut impl Density, cells: &mut [Cell]) -> Result<()> {
 }
 
 /// Adds cells beyond the last one, each twice as wide, until one holds next to nothing.
-fn follow_tail(density: &mut impl Density, cells: &mut Vec<Cell>) -> Result<()> {
+fn follow_tail(density: &mut impl Density, cells: &mut Vec<RefinedCell>) -> Result<()> {
     let last = &cells[cells.len() - 1];
     let (mut end, mut width) = (last.high, last.high - last.low);
     let [mut mass, mut second] = [0, 2].map(|order| cells.iter().map(|cell| cell.moment(order)).sum::<f64>());
     while end < FARTHEST {
-        let mut next = [Cell::new(end, end + width)];
+        let mut next = [RefinedCell::new(end, end + width)];
         evaluate(density, &mut next)?;
         let here = (next[0].moment(0), next[0].moment(2));
         (mass, second, end, width) = (mass + here.0, second + here.1, end + width, 2.0 * width);
@@ -186,13 +187,17 @@ fn follow_tail(density: &mut impl Density, cells: &mut Vec<Cell>) -> Result<()> 
 }
 
 /// Cells halved until each is resolved, in order; a place where the density breaks is closed in on.
-fn halved(density: &mut impl Density, mut pending: Vec<Cell>, tolerance: f64) -> Result<(Vec<Cell>, Masses)> {
-    let mut done: Vec<Cell> = Vec::new();
+fn halved(
+    density: &mut impl Density,
+    mut pending: Vec<RefinedCell>,
+    tolerance: f64,
+) -> Result<(Vec<RefinedCell>, RefinedMasses)> {
+    let mut done: Vec<RefinedCell> = Vec::new();
     loop {
-        let masses = Masses::new(done.iter().chain(&pending));
+        let masses = RefinedMasses::new(done.iter().chain(&pending));
         let (resolved, rest): (Vec<_>, Vec<_>) =
             pending.into_iter().partition(|cell| cell.is_resolved(&masses, tolerance));
-        done.extend(resolved.into_iter().map(|cell| Cell { breaks: cell.is_slow(), ..cell }));
+        done.extend(resolved.into_iter().map(|cell| RefinedCell { breaks: cell.is_slow(), ..cell }));
         if rest.is_empty() {
             done.sort_by(|a, b| a.low.total_cmp(&b.low));
             // Of neighbours that hold the same break, the last.
@@ -202,7 +207,7 @@ fn halved(density: &mut impl Density, mut pending: Vec<Cell>, tolerance: f64) ->
             return Ok((done, masses));
         }
         if done.len() + 2 * rest.len() > MOST_CELLS {
-            let reached = rest.iter().map(Cell::left_out).sum::<f64>() / masses.total();
+            let reached = rest.iter().map(RefinedCell::left_out).sum::<f64>() / masses.total();
             let what = "the density as a series".into();
             return Err(Error::Accuracy {
                 key: String::new(),
@@ -211,17 +216,17 @@ fn halved(density: &mut impl Density, mut pending: Vec<Cell>, tolerance: f64) ->
                 wanted: Float(tolerance),
             });
         }
-        pending = rest.iter().flat_map(Cell::halves).collect();
+        pending = rest.iter().flat_map(RefinedCell::halves).collect();
         evaluate(density, &mut pending)?;
     }
 }
 
 /// The cells without those at the ends that hold next to nothing.
-fn trimmed(mut cells: Vec<Cell>, masses: &Masses) -> Vec<Cell> {
+fn trimmed(mut cells: Vec<RefinedCell>, masses: &RefinedMasses) -> Vec<RefinedCell> {
     let last = cells.partition_point(|cell| masses.from(cell.low) > ENDS.0 * masses.total());
     cells.truncate(last.max(1));
     let mean = masses.total() / (cells[cells.len() - 1].high - cells[0].low);
-    let faint = |cell: &Cell| {
+    let faint = |cell: &RefinedCell| {
         masses.up_to(cell.low) <= STARTS.0 * masses.total() && cell.size() <= STARTS.1 * mean * cell.half()
     };
     let first = cells.iter().take_while(|cell| faint(cell)).count();
@@ -232,19 +237,20 @@ fn trimmed(mut cells: Vec<Cell>, masses: &Masses) -> Vec<Cell> {
 /// Neighbours joined as long as one series serves both: what is left are the cells that the density needs.
 fn joined(
     density: &mut impl Density,
-    mut cells: Vec<Cell>,
-    masses: &Masses,
+    mut cells: Vec<RefinedCell>,
+    masses: &RefinedMasses,
     tolerance: f64,
-) -> Result<Vec<Cell>> {
+) -> Result<Vec<RefinedCell>> {
     let (mut offset, mut idle) = (0, 0);
     while idle < 2 {
         let offered = cells.split_off(offset.min(cells.len()));
-        let mut unions: Vec<_> = offered.chunks_exact(2).map(|c| Cell::new(c[0].low, c[1].high)).collect();
+        let mut unions: Vec<_> =
+            offered.chunks_exact(2).map(|c| RefinedCell::new(c[0].low, c[1].high)).collect();
         evaluate(density, &mut unions)?;
         let before = cells.len() + offered.len();
         for (pair, union) in offered.chunks_exact(2).zip(unions) {
             if union.replaces(pair, masses, tolerance) {
-                cells.push(Cell { breaks: pair[1].breaks, ..union })
+                cells.push(RefinedCell { breaks: pair[1].breaks, ..union })
             } else {
                 cells.extend_from_slice(pair)
             }
@@ -257,11 +263,11 @@ fn joined(
 }
 
 /// The cells with ends at kinks moved to where their neighbours' series meet.
-fn settled(density: &mut impl Density, mut cells: Vec<Cell>) -> Result<Vec<Cell>> {
+fn settled(density: &mut impl Density, mut cells: Vec<RefinedCell>) -> Result<Vec<RefinedCell>> {
     for i in 1..cells.len() {
         let (left, right) = (&cells[i - 1], &cells[i]);
         let jump = series(&right.coefficients, -1.0) - series(&left.coefficients, 1.0);
-        let slope = |cell: &Cell, t: f64| series(&derivative(&cell.coefficients), t) / cell.half();
+        let slope = |cell: &RefinedCell, t: f64| series(&derivative(&cell.coefficients), t) / cell.half();
         let shift = jump / (slope(left, 1.0) - slope(right, -1.0));
         if left.breaks && shift.abs() < 1e-6 * left.half().min(right.half()) {
             cells[i - 1].high += shift;
@@ -273,10 +279,10 @@ fn settled(density: &mut impl Density, mut cells: Vec<Cell>) -> Result<Vec<Cell>
 }
 
 /// For each lower end of a cell, the masses up to the upper end of the cell and from its lower end on.
-struct Masses(Vec<(f64, f64, f64)>);
+struct RefinedMasses(Vec<(f64, f64, f64)>);
 
-impl Masses {
-    fn new<'a>(cells: impl Iterator<Item = &'a Cell>) -> Self {
+impl RefinedMasses {
+    fn new<'a>(cells: impl Iterator<Item = &'a RefinedCell>) -> Self {
         let mut masses: Vec<_> = cells.map(|cell| (cell.low, cell.moment(0), cell.moment(0))).collect();
         masses.sort_by(|a, b| a.0.total_cmp(&b.0));
         for i in 1..masses.len() {

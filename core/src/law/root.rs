@@ -20,13 +20,13 @@ pub struct Root {
     /// Where the law of A is not smooth or has an atom, as x = c√A and as A.
     marks: Vec<(f64, f64)>,
     /// From x = 0 up, close enough for Gauss points.
-    nodes: Vec<Node>,
+    nodes: Vec<RootNode>,
     std: f64,
 }
 
 /// Moments of order 1 and 3, which A's law does not give, of the mass at x and above.
 #[derive(Debug, Clone, Copy)]
-struct Node {
+struct RootNode {
     x: f64,
     first: f64,
     third: f64,
@@ -52,7 +52,7 @@ impl Root {
     }
 
     /// Moments at the places of the law, summed from above.
-    fn sum_nodes(&self) -> Vec<Node> {
+    fn sum_nodes(&self) -> Vec<RootNode> {
         let mut places = places(self);
         places.insert(0, 0.0);
         places.dedup();
@@ -68,7 +68,7 @@ impl Root {
         for &x in places.iter().rev() {
             first += self.panel(x, next, 1) + atom(x) * x;
             third += self.panel(x, next, 3) + atom(x) * x.powi(3);
-            nodes.push(Node { x, first, third });
+            nodes.push(RootNode { x, first, third });
             next = x;
         }
         nodes.reverse();

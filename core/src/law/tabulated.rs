@@ -14,13 +14,13 @@ use crate::{Error, Result};
 /// gaps with the same mass; m equal samples make a point mass of m − 1 gaps. Moments are exact to order 29.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tabulated {
-    nodes: Vec<Node>,
+    nodes: Vec<TableNode>,
     std: f64,
 }
 
 /// A node and the cell up to the next one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Node {
+struct TableNode {
     position: f64,
     /// Point mass here.
     atom: f64,
@@ -50,11 +50,11 @@ impl Tabulated {
             let expected = format!("stretches that rise, after {}", pair[0].0);
             return Err(Error::invalid("stretch", expected, pair[1].0));
         }
-        let node = |i: usize| Node {
+        let node = |i: usize| TableNode {
             position: rows[i].0,
             start: if i + 1 < rows.len() { rows[i].1 } else { 0.0 },
             end: rows.get(i + 1).map_or(0.0, |row| row.1),
-            ..Node::default()
+            ..TableNode::default()
         };
         Self::new((0..rows.len()).map(node).collect(), "density")
     }
@@ -72,7 +72,7 @@ impl Tabulated {
         sorted.sort_by(f64::total_cmp);
         // One sample is a point mass, as two equal ones are.
         let gap = 1.0 / (samples.len() - 1).max(1) as f64;
-        let mut nodes: Vec<Node> = Vec::new();
+        let mut nodes: Vec<TableNode> = Vec::new();
         for run in sorted.chunk_by(|a, b| a == b) {
             let position = run[0];
             if let Some(last) = nodes.last_mut() {
@@ -80,13 +80,13 @@ impl Tabulated {
                 last.end = last.start;
             }
             let atom = if samples.len() == 1 { gap } else { gap * (run.len() - 1) as f64 };
-            nodes.push(Node { position, atom, ..Node::default() });
+            nodes.push(TableNode { position, atom, ..TableNode::default() });
         }
         Self::new(nodes, "samples")
     }
 
     /// Sums the masses and scales them to 1.
-    fn new(mut nodes: Vec<Node>, key: &str) -> Result<Self> {
+    fn new(mut nodes: Vec<TableNode>, key: &str) -> Result<Self> {
         for i in (1..nodes.len()).rev() {
             let (cell, next) = (nodes[i - 1], nodes[i]);
             nodes[i - 1].above = std::array::from_fn(|n| {
@@ -119,18 +119,18 @@ impl Tabulated {
     }
 
     /// Cells, each with its upper end.
-    fn cells(&self) -> impl Iterator<Item = (&Node, f64)> {
+    fn cells(&self) -> impl Iterator<Item = (&TableNode, f64)> {
         self.nodes.windows(2).map(|pair| (&pair[0], pair[1].position))
     }
 
     /// The node at or below x, and the upper end of its cell.
-    fn locate(&self, x: f64) -> Option<(&Node, Option<&Node>)> {
+    fn locate(&self, x: f64) -> Option<(&TableNode, Option<&TableNode>)> {
         let after = self.nodes.partition_point(|node| node.position <= x);
         Some((&self.nodes[after.checked_sub(1)?], self.nodes.get(after)))
     }
 }
 
-impl Node {
+impl TableNode {
     fn scale(&mut self, factor: f64, below: f64) {
         for value in [&mut self.atom, &mut self.start, &mut self.end] {
             *value *= factor;
@@ -230,7 +230,7 @@ impl Law for Tabulated {
 
     fn upper_moment(&self, order: u32, x: f64) -> f64 {
         let n = order as usize;
-        let rest = |next: &Node| {
+        let rest = |next: &TableNode| {
             let atom = next.atom * next.position.powi(order as i32);
             atom + next.above.get(n).copied().unwrap_or_else(|| self.upper_moment(order, next.position))
         };

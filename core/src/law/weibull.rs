@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use num_complex::Complex64;
 use rand_distr::{Distribution, Exp1};
 
-use super::incomplete_gamma::{IncompleteGamma, Shape};
+use super::incomplete_gamma::{GammaShape, IncompleteGamma};
 use super::quadrature::trapezoid;
 use super::{Break, Law, Parameter, SharedLaw, onset, positive, shared, unknown};
 use crate::Result;
@@ -102,7 +102,8 @@ impl Law for Weibull {
             return self.survival(x);
         }
         let (a, y) = (1.0 + f64::from(order) / self.shape, self.exponent(x));
-        let upper = if y > 0.0 { IncompleteGamma::new(&Shape::new(a), y, (y - a) / a).upper() } else { 1.0 };
+        let upper =
+            if y > 0.0 { IncompleteGamma::new(&GammaShape::new(a), y, (y - a) / a).upper() } else { 1.0 };
         self.scale.powi(order as i32) * libm::tgamma(a) * upper
     }
 

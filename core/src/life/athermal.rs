@@ -86,7 +86,7 @@ pub(super) fn of_layers(
     let smoother: Vec<_> = breaks.iter().map(|&b| Break { exponent: b.exponent + 1.0, ..b }).collect();
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
     let survival = carried.survival();
-    let Curves { force, square, energy, breaking_energy } = match contacts.stiffness {
+    let LifeCurves { force, square, energy, breaking_energy } = match contacts.stiffness {
         Stiffness::Equal(_) => carried.equal(&survival),
         Stiffness::PerThreshold(_) => carried.per_threshold(),
     };
@@ -164,7 +164,7 @@ fn sum(breaking: &[Breaking<'_>], u: f64) -> [f64; MOMENTS] {
 }
 
 /// What the unbroken carry.
-struct Curves {
+struct LifeCurves {
     force: Piecewise,
     square: Piecewise,
     energy: Piecewise,
@@ -199,16 +199,16 @@ impl<'a> Carried<'a> {
     }
 
     /// m' = s − b₁, q' = 2m − b₂, and t₂' = −b₂ for t_n = ∫ν M_n.
-    fn equal(&self, survival: &Piecewise) -> Curves {
+    fn equal(&self, survival: &Piecewise) -> LifeCurves {
         let force = self.back(&self.moments[1].plus(-1.0, survival), 1, (1, 0));
         let square = self.back(&self.moments[2].plus(-2.0, &force), 2, (2, 0));
         let broken = self.back(&self.moments[2], 2, (0, 2));
-        Curves { force, energy: square.clone().scaled(0.5), square, breaking_energy: broken.scaled(0.5) }
+        LifeCurves { force, energy: square.clone().scaled(0.5), square, breaking_energy: broken.scaled(0.5) }
     }
 
     /// With t_n = ∫ν M_n, e = ∫ν x² M₁ and w = ∫ν x M₂: t_n' = −b_n, m' = t₁ − b₂, e' = 2m − b₃, w' = t₂ − b₃,
     /// q' = 2w − b₄.
-    fn per_threshold(&self) -> Curves {
+    fn per_threshold(&self) -> LifeCurves {
         let first = self.back(&self.moments[1], 1, (0, 1));
         let force = self.back(&self.moments[2].plus(-1.0, &first), 2, (1, 1));
         let energy = self.back(&self.moments[3].plus(-2.0, &force), 3, (2, 1));
@@ -216,6 +216,6 @@ impl<'a> Carried<'a> {
         let half = self.back(&self.moments[3].plus(-1.0, &second), 3, (1, 2));
         let square = self.back(&self.moments[4].plus(-2.0, &half), 4, (2, 2));
         let broken = self.back(&self.moments[3], 3, (0, 3));
-        Curves { force, square, energy: energy.scaled(0.5), breaking_energy: broken.scaled(0.5) }
+        LifeCurves { force, square, energy: energy.scaled(0.5), breaking_energy: broken.scaled(0.5) }
     }
 }

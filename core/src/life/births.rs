@@ -1,7 +1,7 @@
 //! Births along a leg, and the layer that they form.
 
 use super::cells::{BULK, CELL, NEGLIGIBLE, RESOLUTION};
-use super::layer::{Layer, Lump};
+use super::layer::{Layer, PointMass};
 use super::panels::{Domain, Panels};
 use crate::law::{Atom, Break};
 use crate::numerics::piecewise::Piecewise;
@@ -30,7 +30,9 @@ impl Births {
             density = density.added(&self.spread(starts, &breaks), RESOLUTION);
         }
         let lumps = self.atoms.iter().flat_map(|birth| {
-            let born = |start: &Lump| Lump::new(birth.position + start.position, birth.weight * start.weight);
+            let born = |start: &PointMass| {
+                PointMass::new(birth.position + start.position, birth.weight * start.weight)
+            };
             starts.lumps.iter().map(born)
         });
         let smooth = starts.lumps.is_empty() && self.atoms.is_empty();

@@ -1,7 +1,7 @@
 //! How the contacts of a layer break as the slider goes on: integrals over ν.
 
 use super::cells::{CELL, Detail, scale, top, walls, with_atoms};
-use super::layer::{Layer, Lump};
+use super::layer::{Layer, PointMass};
 use super::panels::{Domain, Panels};
 use crate::law::{Atom, Break, Law, Zone};
 
@@ -41,7 +41,7 @@ impl<'a> Breaking<'a> {
     }
 
     fn struck(&self) -> Vec<(f64, Atom)> {
-        let meets = |lump: &Lump, wall: &Atom| {
+        let meets = |lump: &PointMass, wall: &Atom| {
             let met = Atom { position: wall.position, weight: lump.weight * wall.weight };
             let unbroken = self.layer.exceeded(lump, 0.0, &self.walls) < wall.position;
             unbroken.then_some(((wall.position - lump.position).max(0.0), met))
@@ -115,7 +115,7 @@ impl<'a> Breaking<'a> {
 
     /// ∫ν(x) weight(x + u, y) dx with y the largest stretch, atoms included.
     fn mean(&self, u: f64, weight: impl Fn(f64, f64) -> f64) -> f64 {
-        let exceeded = |lump: &Lump| self.layer.exceeded(lump, u, &self.walls);
+        let exceeded = |lump: &PointMass| self.layer.exceeded(lump, u, &self.walls);
         let lumps = self.layer.lumps.iter();
         let together: f64 = lumps.map(|l| l.weight * weight(l.position + u, exceeded(l))).sum();
         let (forth, back) = (self.layer.ahead.max(u), self.layer.behind);

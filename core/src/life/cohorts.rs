@@ -72,7 +72,7 @@ impl Reach {
 
 /// What a life is made of at one advance, sums over all cohorts.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
+struct CohortSums {
     breaking: f64,
     survival: f64,
     stiffness: f64,
@@ -125,7 +125,7 @@ pub(super) fn of_cohorts(
     let curves = Piecewise::resolve_all(
         |u| {
             tell(begun, 1.0, u);
-            let Sums { breaking, survival, force, square, energy, lost, .. } = at(u);
+            let CohortSums { breaking, survival, force, square, energy, lost, .. } = at(u);
             [outline.weight(u) * breaking, breaking, survival, force, square, energy, lost]
         },
         edges,
@@ -168,7 +168,7 @@ struct Outline {
 impl Outline {
     /// Boundaries from 0 to where what is left no longer matters: such that no cell loses more than a part of the contacts,
     /// and each is at most as wide as all before it; and at `stops`.
-    fn new(at: &impl Fn(f64) -> Sums, mut stops: Vec<f64>, mean: f64) -> Self {
+    fn new(at: &impl Fn(f64) -> CohortSums, mut stops: Vec<f64>, mean: f64) -> Self {
         let start = at(0.0);
         let rate = start.breaking / start.survival;
         let first =
@@ -225,13 +225,18 @@ impl Outline {
 }
 
 /// Cell boundaries that resolve the stiffness too, which ageing changes while nothing breaks.
-fn stiffening(at: &impl Fn(f64) -> Sums, edges: &[f64], mean: f64, roughness: f64) -> Vec<f64> {
+fn stiffening(at: &impl Fn(f64) -> CohortSums, edges: &[f64], mean: f64, roughness: f64) -> Vec<f64> {
     let resolution = Resolution::Relative { fraction: roughness.max(1e-13), negligible: mean };
     Piecewise::resolve(|u| at(u).stiffness, edges, edges[edges.len() - 1], resolution).boundaries
 }
 
 /// Adds the end of a cell, and boundaries inside it wherever more is lost than a cell should lose.
-fn split(at: &impl Fn(f64) -> Sums, [low, high]: [(f64, f64); 2], whole: f64, edges: &mut Vec<(f64, f64)>) {
+fn split(
+    at: &impl Fn(f64) -> CohortSums,
+    [low, high]: [(f64, f64); 2],
+    whole: f64,
+    edges: &mut Vec<(f64, f64)>,
+) {
     const PART: f64 = 0.2;
     const NARROWEST: f64 = 1e-13;
     if low.1 - high.1 > PART * whole && high.0 - low.0 > NARROWEST * high.0 {
@@ -291,8 +296,8 @@ impl Cohorts {
     }
 
     /// The sums at an advance.
-    fn sums(&self, panels: &Panels<'_>, advance: f64, per_threshold: bool, watch: &Watch<'_>) -> Sums {
-        let mut sums = Sums::default();
+    fn sums(&self, panels: &Panels<'_>, advance: f64, per_threshold: bool, watch: &Watch<'_>) -> CohortSums {
+        let mut sums = CohortSums::default();
         for (lump, cohort) in self.starts.lumps.iter().zip(&self.together) {
             sums.add(cohort.toll(advance), lump.weight, lump.position + advance, per_threshold);
         }
@@ -392,7 +397,7 @@ impl Cohorts {
     /// Density at stretch x of contacts that have formed at the rate `rate(advance)`, not smooth at starts in `cuts`.
     pub(super) fn standing(&self, x: f64, rate: impl Fn(f64) -> f64, cuts: &[f64], watch: &Watch<'_>) -> f64 {
         let lumps = self.starts.lumps.iter().zip(&self.together).filter(|(lump, _)| lump.position <= x);
-        let one = |(lump, cohort): (&super::Lump, &Arc<dyn Cohort>)| {
+        let one = |(lump, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
             let advance = x - lump.position;
             lump.weight * cohort.toll(advance).unbroken[0] * rate(advance)
         };
@@ -405,7 +410,7 @@ impl Cohorts {
     /// Density at x of the stretches at which contacts break; atoms not counted.
     pub(super) fn breaking(&self, x: f64, watch: &Watch<'_>) -> f64 {
         let lumps = self.starts.lumps.iter().zip(&self.together).filter(|(lump, _)| lump.position <= x);
-        let one = |(lump, cohort): (&super::Lump, &Arc<dyn Cohort>)| {
+        let one = |(lump, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
             lump.weight * cohort.toll(x - lump.position).breaking[0]
         };
         let met = |r: f64| self.toll(r, x - r, watch).breaking[0];
@@ -414,7 +419,7 @@ impl Cohorts {
 
     /// Stretches at which contacts break together that formed at point masses.
     pub(super) fn met_atoms(&self) -> Vec<Atom> {
-        let of = |(lump, cohort): (&super::Lump, &Arc<dyn Cohort>)| {
+        let of = |(lump, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
             let (position, weight) = (lump.position, lump.weight);
             let met = cohort.breaks().into_iter().filter(Break::is_atom);
             met.map(move |b| Atom { position: position + b.position, weight: weight * b.amplitude })
@@ -424,7 +429,7 @@ impl Cohorts {
     }
 }
 
-impl Sums {
+impl CohortSums {
     /// Adds what is left of a cohort at the stretch x, and what breaks of it.
     fn add(&mut self, toll: SurvivalMoments, weight: f64, x: f64, per_threshold: bool) {
         let [unbroken, first, second] = toll.unbroken.map(|sum| weight * sum);

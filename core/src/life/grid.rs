@@ -13,9 +13,9 @@ use crate::numerics::legendre::{NODES, Nodal, RULE};
 /// Gauss points follow every power equally well (graded meshes, after J. R. Rice, in: Numerical Solution of Partial
 /// Differential Equations II (1971)), down to where what is left is less than rounding.
 #[derive(Debug)]
-pub(super) struct Grid {
+pub(super) struct ThresholdGrid {
     law: SharedLaw,
-    parts: Vec<Part>,
+    parts: Vec<GridPart>,
     /// Ends and points of all parts, and of their halves.
     fixed: Vec<f64>,
     /// Thresholds that many share.
@@ -26,18 +26,18 @@ pub(super) struct Grid {
 
 /// A part of P_c, with its Gauss points, and its halves down to where one rule is always enough.
 #[derive(Debug)]
-struct Part {
+struct GridPart {
     ends: [f64; 2],
     points: Nodal,
     weights: Nodal,
     /// The number of its lower end among all fixed thresholds; its points and its upper end follow.
     place: usize,
-    halves: Option<Box<[Part; 2]>>,
+    halves: Option<Box<[GridPart; 2]>>,
 }
 
 /// The contacts of one newborn threshold: how many, −ln of what temperature left of them, and their rate w/v.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Share {
+pub(super) struct ThresholdShare {
     pub(super) newborn: f64,
     pub(super) weight: f64,
     pub(super) broken: f64,
@@ -45,7 +45,7 @@ pub(super) struct Share {
 }
 
 /// A newborn threshold, with −ln of what temperature left, and w/v.
-type At = (f64, Risk);
+type RiskOf = (f64, Risk);
 
 /// The threshold from which on every contact is left, if that has been reached.
 type Sought = ControlFlow<f64>;
@@ -65,7 +65,7 @@ const KEPT: f64 = 1e-17;
 /// How many parts are made beforehand, not as it is needed: temperatures that ask for more leave most of them alone.
 const MOST_PARTS: usize = 512;
 
-impl Grid {
+impl ThresholdGrid {
     /// The parts of a law up to the threshold `highest`, cut as finely as `exposure` asks for up to the age `oldest`.
     pub(super) fn new(
         law: &SharedLaw,
@@ -95,13 +95,13 @@ impl Grid {
     }
 
     /// Visits the contacts with newborn thresholds above `least`, of which the risk is told, up to a threshold above which
-    /// all are left, and tells that one. `known` tells the risk at one of the [`Grid::fixed`] thresholds by its place.
+    /// all are left, and tells that one. `known` tells the risk at one of the [`ThresholdGrid::fixed`] thresholds by its place.
     pub(super) fn each(
         &self,
-        least: At,
+        least: RiskOf,
         exposed: &Exposed<'_>,
         known: &impl Fn(&Exposed<'_>, usize) -> Risk,
-        mut visit: impl FnMut(Share),
+        mut visit: impl FnMut(ThresholdShare),
     ) -> f64 {
         let at = |place: usize| (self.fixed[place], known(exposed, place));
         let first = self.parts.partition_point(|part| part.ends[1] <= least.0);
@@ -114,20 +114,20 @@ impl Grid {
         for &Atom { position: newborn, weight } in &self.walls {
             if newborn > least.0 && newborn <= kept {
                 let (broken, rate) = exposed.risk(newborn);
-                visit(Share { newborn, weight, broken, rate });
+                visit(ThresholdShare { newborn, weight, broken, rate });
             }
         }
         kept
     }
 
-    /// The same as [`Grid::each`] of a part, between two thresholds: its upper end, and its lower one or what is least above.
+    /// The same as [`ThresholdGrid::each`] of a part, between two thresholds: its upper end, and its lower one or what is least above.
     fn sum(
         &self,
-        part: &Part,
-        [low, high]: [At; 2],
+        part: &GridPart,
+        [low, high]: [RiskOf; 2],
         least: f64,
         (exposed, known): (&Exposed<'_>, &impl Fn(&Exposed<'_>, usize) -> Risk),
-        visit: &mut impl FnMut(Share),
+        visit: &mut impl FnMut(ThresholdShare),
     ) -> Sought {
         if high.1.0 > GONE {
             return Sought::Continue(());
@@ -152,7 +152,7 @@ impl Grid {
     }
 
     /// Whether half powers of the distance to the least threshold are too much for one rule.
-    fn is_rooted(&self, [low, high]: [At; 2], least: f64) -> bool {
+    fn is_rooted(&self, [low, high]: [RiskOf; 2], least: f64) -> bool {
         /// At a third of the width, 16 points miss 1e-15 of them.
         const NEAR: f64 = 0.3;
         self.rooted && low.0 - least < NEAR * (high.0 - low.0)
@@ -161,10 +161,10 @@ impl Grid {
     /// Visits Gauss points between two thresholds of which the risk is known, where the `least` is met.
     fn cut(
         &self,
-        [low, high]: [At; 2],
+        [low, high]: [RiskOf; 2],
         least: f64,
         exposed: &Exposed<'_>,
-        visit: &mut impl FnMut(Share),
+        visit: &mut impl FnMut(ThresholdShare),
     ) -> Sought {
         if high.1.0 > GONE {
             return Sought::Continue(());
@@ -186,14 +186,14 @@ impl Grid {
                 if rooted { (least + place * place, 2.0 * place * weight) } else { (place, weight) };
             let weight = weight * self.law.density(newborn);
             let (broken, rate) = exposed.risk(newborn);
-            visit(Share { newborn, weight, broken, rate });
+            visit(ThresholdShare { newborn, weight, broken, rate });
         }
         Sought::Continue(())
     }
 }
 
 /// Whether one Gauss rule is not enough between two thresholds.
-fn is_uneven([low, high]: [At; 2], exposed: &Exposed<'_>) -> bool {
+fn is_uneven([low, high]: [RiskOf; 2], exposed: &Exposed<'_>) -> bool {
     let allowed = ONE_RULE + WIDER * (FEW / low.1.0).ln().max(0.0);
     exposed.apart([low.0, high.0]) > allowed
 }
@@ -242,9 +242,9 @@ struct Cutter<'a> {
 
 impl Cutter<'_> {
     /// A part, halved until one rule is always enough, but no more often than that.
-    fn part(&mut self, ends: [f64; 2], halvings: u32) -> Part {
+    fn part(&mut self, ends: [f64; 2], halvings: u32) -> GridPart {
         let place = self.fixed.len();
-        let mut part = Part::new(self.law, ends, place);
+        let mut part = GridPart::new(self.law, ends, place);
         self.fixed.push(ends[0]);
         self.fixed.extend(part.points);
         self.fixed.push(ends[1]);
@@ -257,7 +257,7 @@ impl Cutter<'_> {
     }
 }
 
-impl Part {
+impl GridPart {
     fn new(law: &dyn Law, ends: [f64; 2], place: usize) -> Self {
         let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
         let points = RULE.nodes.map(|t| middle + half * t);
@@ -270,11 +270,11 @@ impl Part {
         &self,
         exposed: &Exposed<'_>,
         known: &impl Fn(&Exposed<'_>, usize) -> Risk,
-        visit: &mut impl FnMut(Share),
+        visit: &mut impl FnMut(ThresholdShare),
     ) {
         for i in 0..NODES {
             let (broken, rate) = known(exposed, self.place + 1 + i);
-            visit(Share { newborn: self.points[i], weight: self.weights[i], broken, rate });
+            visit(ThresholdShare { newborn: self.points[i], weight: self.weights[i], broken, rate });
         }
     }
 }

@@ -20,7 +20,7 @@ pub(crate) struct Layer {
     /// ν: its density, …
     pub(super) density: Piecewise,
     /// … its atoms, …
-    pub(super) lumps: Vec<Lump>,
+    pub(super) lumps: Vec<PointMass>,
     /// … and where the density is not smooth.
     pub(super) breaks: Vec<Break>,
     /// A length over which ν varies little between its breaks.
@@ -31,14 +31,14 @@ pub(crate) struct Layer {
 
 /// Contacts at one and the same stretch, an atom of ν.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Lump {
+pub(super) struct PointMass {
     pub(super) position: f64,
     pub(super) weight: f64,
     /// Up to which threshold shared by many they have gone: those have broken, however y is rounded.
     pub(super) passed: f64,
 }
 
-impl Lump {
+impl PointMass {
     pub(super) fn new(position: f64, weight: f64) -> Self {
         Self { position, weight, passed: 0.0 }
     }
@@ -59,7 +59,8 @@ impl Layer {
         // Contacts above every threshold are not there, or have broken at once.
         let held = if conditional { contacts.highest_start() } else { top(thresholds, detail.negligible) };
         let end = all.min(held);
-        let lumps = starts.atoms().into_iter().map(|a| Lump::new(a.position, a.weight / over(a.position)));
+        let lumps =
+            starts.atoms().into_iter().map(|a| PointMass::new(a.position, a.weight / over(a.position)));
         let mut breaks: Vec<_> = starts.breaks();
         breaks.iter_mut().for_each(|b| b.amplitude /= over(b.position));
         if conditional {
@@ -124,7 +125,7 @@ impl Layer {
 
     /// What the thresholds of a point mass exceed, once the slider has gone on by `advance`, where many share the `walls`. One
     /// that y equals but for rounding is above, unless it has been passed; after an advance, it is not.
-    pub(super) fn exceeded(&self, lump: &Lump, advance: f64, walls: &[f64]) -> f64 {
+    pub(super) fn exceeded(&self, lump: &PointMass, advance: f64, walls: &[f64]) -> f64 {
         let y = self.largest(lump.position, advance);
         let near = |wall: &&f64| (y - **wall).abs() <= SAME * y;
         let side = |wall: &f64| if advance > 0.0 { *wall } else { wall.next_down() };
@@ -170,7 +171,7 @@ impl Layer {
     pub(crate) fn advanced(&self, by: f64) -> Self {
         Self {
             density: self.density.shifted(by),
-            lumps: self.lumps.iter().map(|l| Lump { position: l.position + by, ..*l }).collect(),
+            lumps: self.lumps.iter().map(|l| PointMass { position: l.position + by, ..*l }).collect(),
             breaks: self.breaks.iter().map(|b| Break { position: b.position + by, ..*b }).collect(),
             ahead: (self.ahead - by).max(0.0),
             behind: self.behind + by,
@@ -183,7 +184,7 @@ impl Layer {
     pub(crate) fn mirrored(&self) -> Self {
         Self {
             density: self.density.mirrored(),
-            lumps: self.lumps.iter().rev().map(|l| Lump { position: -l.position, ..*l }).collect(),
+            lumps: self.lumps.iter().rev().map(|l| PointMass { position: -l.position, ..*l }).collect(),
             breaks: self.breaks.iter().rev().map(|b| b.mirrored()).collect(),
             ahead: self.behind,
             behind: self.ahead,

@@ -28,9 +28,9 @@ pub(crate) use cells::{ORDERS, walls};
 use cohorts::Cohorts;
 pub(crate) use continuation::Continuation;
 pub(crate) use layer::Layer;
-use layer::Lump;
+use layer::PointMass;
 pub use moving::moving;
-pub(crate) use stock::{Sums, life_of, strikes, tidied};
+pub(crate) use stock::{LayerSums, life_of, strikes, tidied};
 
 use num_complex::Complex64;
 
@@ -211,7 +211,7 @@ impl Life {
         }
         match &self.starts {
             Starts::Layers { layers, thresholds } => {
-                let unbroken = |layer: &Layer, start: &Lump| {
+                let unbroken = |layer: &Layer, start: &PointMass| {
                     let survival = thresholds.survival(layer.largest(start.position, u));
                     Atom { position: start.position + u, weight: start.weight * survival }
                 };

@@ -7,16 +7,16 @@ use crate::numerics::piecewise::Piecewise;
 /// A density in parts on which Gauss points resolve it, and what it is to be multiplied by.
 pub(super) struct Panels<'a> {
     density: &'a Piecewise,
-    panels: Vec<Panel>,
+    panels: Vec<StartPanel>,
 }
 
 /// A part, with its Gauss points: place and weight × density.
-struct Panel {
+struct StartPanel {
     low: f64,
     high: f64,
     points: Vec<(f64, f64)>,
     /// What it was gathered from, if so.
-    parts: Vec<Panel>,
+    parts: Vec<StartPanel>,
 }
 
 /// Where an integral is taken: between `low` and `high`, smooth between `cuts`, but for powers of the distance to those
@@ -35,7 +35,7 @@ impl<'a> Panels<'a> {
             let parts = ((cell[1] - cell[0]) / widest).ceil().max(1.0);
             let at = |part: usize| cell[0] + (cell[1] - cell[0]) * part as f64 / parts;
             let ends = (0..parts as usize).map(move |part| (at(part), at(part + 1)));
-            ends.map(|(low, high)| Panel::new(density, (low, high), negligible)).collect::<Vec<_>>()
+            ends.map(|(low, high)| StartPanel::new(density, (low, high), negligible)).collect::<Vec<_>>()
         });
         Self { density, panels: panels.collect() }
     }
@@ -68,13 +68,13 @@ impl<'a> Panels<'a> {
         while let Some(first) = rest.next() {
             let low = first.low;
             let mut parts = vec![first];
-            let is_near = |next: &Panel| next.high - low <= WIDEST * length(low, next.high);
+            let is_near = |next: &StartPanel| next.high - low <= WIDEST * length(low, next.high);
             parts.extend(std::iter::from_fn(|| rest.next_if(is_near)));
             let high = parts[parts.len() - 1].high;
             let points: Vec<_> = parts.iter().flat_map(|part| part.points.iter().copied()).collect();
             let rule = gauss::fewest(&points, length(low, high), error);
             if rule.len() < points.len() {
-                panels.push(Panel { low, high, points: rule, parts });
+                panels.push(StartPanel { low, high, points: rule, parts });
             } else {
                 panels.extend(parts);
             }
@@ -83,7 +83,7 @@ impl<'a> Panels<'a> {
     }
 
     /// Visits Gauss points of a panel in a domain.
-    fn within(&self, panel: &Panel, domain: &Domain, visit: &mut impl FnMut(f64, f64)) {
+    fn within(&self, panel: &StartPanel, domain: &Domain, visit: &mut impl FnMut(f64, f64)) {
         let from = domain.cuts.partition_point(|&x| x <= panel.low);
         let inside = &domain.cuts[from..domain.cuts.partition_point(|&x| x < panel.high).max(from)];
         if inside.is_empty() && !near(&domain.steep, panel.low, panel.high) {
@@ -114,7 +114,7 @@ impl<'a> Panels<'a> {
     }
 }
 
-impl Panel {
+impl StartPanel {
     fn new(density: &Piecewise, (low, high): (f64, f64), negligible: f64) -> Self {
         let points = legendre(low, high).map(|(x, weight)| (x, weight * density.value(x)));
         let points = points.filter(|point| point.1.abs() > negligible).collect();

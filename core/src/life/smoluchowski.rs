@@ -30,7 +30,7 @@ pub(super) struct FokkerPlanckLife {
 
 /// Those formed at one stretch.
 #[derive(Debug)]
-struct Formed {
+struct DiffusingCohort {
     start: f64,
     /// Those whose newborn thresholds have a density, and those whose many share, each on each side of the lowest threshold.
     legs: Vec<LifeSegment>,
@@ -397,12 +397,12 @@ impl FokkerPlanckLife {
 impl BreakingModel for FokkerPlanckLife {
     fn cohort(&self, start: f64, watch: &Watch<'_>) -> Arc<dyn Cohort> {
         if watch.stops() {
-            return Arc::new(Formed { start, legs: Vec::new(), onsets: Vec::new() });
+            return Arc::new(DiffusingCohort { start, legs: Vec::new(), onsets: Vec::new() });
         }
         let legs = self.legs(start, FINE, watch);
         let onsets = self.onsets(start, &legs);
-        let formed = Formed { start, legs, onsets };
-        let rough = Formed { start, legs: self.legs(start, ROUGH, watch), onsets: Vec::new() };
+        let formed = DiffusingCohort { start, legs, onsets };
+        let rough = DiffusingCohort { start, legs: self.legs(start, ROUGH, watch), onsets: Vec::new() };
         let apart = formed.apart(&rough) / self.maturing.survival(start);
         // Positive numbers are in the order of their bits.
         self.missed.fetch_max(apart.to_bits(), Ordering::Relaxed);
@@ -430,7 +430,7 @@ impl BreakingModel for FokkerPlanckLife {
     }
 }
 
-impl Formed {
+impl DiffusingCohort {
     /// The most by which what is left differs.
     fn apart(&self, other: &Self) -> f64 {
         let ends = |formed: &Self| -> Vec<f64> {
@@ -444,7 +444,7 @@ impl Formed {
     }
 }
 
-impl Cohort for Formed {
+impl Cohort for DiffusingCohort {
     fn toll(&self, advance: f64) -> SurvivalMoments {
         let mut toll = SurvivalMoments::default();
         for leg in self.legs.iter().filter(|leg| advance >= leg.from && advance < leg.to) {

@@ -4,7 +4,7 @@ use super::Life;
 use super::athermal::of_layers;
 use super::breaking::Breaking;
 use super::cells::{BULK, NEGLIGIBLE, RESOLUTION, scale, walls};
-use super::layer::{Layer, Lump, SAME};
+use super::layer::{Layer, PointMass, SAME};
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::Law;
@@ -27,7 +27,7 @@ pub(crate) fn life_of(contacts: &Contacts, layers: Vec<Layer>, monitor: &mut dyn
 }
 
 /// What the contacts of some layers are together, per unit stiffness.
-pub(crate) struct Sums {
+pub(crate) struct LayerSums {
     /// The fraction that is unbroken.
     pub(crate) unbroken: f64,
     pub(crate) stiffness: f64,
@@ -35,7 +35,7 @@ pub(crate) struct Sums {
     pub(crate) breaking_energy: f64,
 }
 
-impl Sums {
+impl LayerSums {
     pub(crate) fn of(layers: &[Layer], contacts: &Contacts) -> Self {
         let thresholds = contacts.thresholds.as_ref();
         let breaking: Vec<_> = layers.iter().map(|layer| Breaking::new(thresholds, layer, BULK)).collect();
@@ -104,7 +104,7 @@ impl Layer {
             boundaries: self.density.boundaries[first..=last + 1].to_vec(),
             coefficients: self.density.coefficients[first..=last].to_vec(),
         });
-        let left = |l: &Lump| l.weight * thresholds.survival(self.exceeded(l, 0.0, walls)) > NEGLIGIBLE;
+        let left = |l: &PointMass| l.weight * thresholds.survival(self.exceeded(l, 0.0, walls)) > NEGLIGIBLE;
         let lumps = self.lumps.iter().copied().filter(left).collect();
         let (low, high) = (density.start(), density.end());
         self.breaks.retain(|b| b.position >= low && b.position <= high);
@@ -156,7 +156,7 @@ mod tests {
         let moved = |by: f64| tidied(layers.iter().map(|layer| layer.advanced(by)).collect(), law);
         assert_eq!((moved(0.2).len(), moved(0.4).len()), (2, 1));
         // Below all thresholds nothing breaks.
-        assert!((Sums::of(&moved(0.2), &contacts).unbroken - 1.0).abs() < 1e-14);
+        assert!((LayerSums::of(&moved(0.2), &contacts).unbroken - 1.0).abs() < 1e-14);
         assert!((moved(0.2)[0].way_ahead(0.9) - 0.3).abs() < 1e-14);
     }
 }

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use super::breaking_model::{BlurredEdge, BreakingModel, Cohort, Passing, SurvivalMoments};
 use super::cells::{NEGLIGIBLE, ROUNDING, scale, with_atoms};
 use super::exposure::{Exposed, Exposure, Risk, blur};
-use super::grid::{Grid, Share};
+use super::grid::{ThresholdGrid, ThresholdShare};
 use super::running_maximum::RunningMaximum;
 use crate::Result;
 use crate::contacts::{Barrier, Contacts, Stiffness, ThresholdEvolution};
@@ -32,7 +32,7 @@ pub(super) struct Timed {
     exposure: Option<Exposure>,
     /// The length on which temperature blurs where contacts break.
     blur: Option<f64>,
-    grid: Arc<Grid>,
+    grid: Arc<ThresholdGrid>,
     /// How many numbers the histories hold that are kept.
     kept: Arc<AtomicUsize>,
     per_threshold: bool,
@@ -41,7 +41,7 @@ pub(super) struct Timed {
 
 /// Those formed at one stretch.
 #[derive(Debug)]
-struct Formed {
+struct AgeingCohort {
     of: Timed,
     start: f64,
     record: RunningMaximum,
@@ -82,7 +82,7 @@ impl Timed {
             highest,
             strength,
             velocity,
-            grid: Arc::new(Grid::new(law, highest, exposure.as_ref(), highest / velocity, rooted)),
+            grid: Arc::new(ThresholdGrid::new(law, highest, exposure.as_ref(), highest / velocity, rooted)),
             kept: Arc::default(),
             blur: contacts.rules.temperature.filter(|_| thermal).map(|t| blur(contacts, &t)),
             exposure,
@@ -154,7 +154,7 @@ impl BreakingModel for Timed {
     fn cohort(&self, start: f64, _watch: &Watch<'_>) -> Arc<dyn Cohort> {
         let record = RunningMaximum::new(&self.strength, self.velocity, start, self.highest);
         let (histories, asked) = (OnceLock::new(), AtomicBool::new(false));
-        Arc::new(Formed { of: self.clone(), start, record, histories, asked })
+        Arc::new(AgeingCohort { of: self.clone(), start, record, histories, asked })
     }
 
     fn making(&self) -> f64 {
@@ -205,7 +205,7 @@ impl BreakingModel for Timed {
     }
 }
 
-impl Formed {
+impl AgeingCohort {
     /// The risk of contacts at a place of the grid.
     fn risk(&self, exposed: &Exposed<'_>, place: usize, asked: bool) -> Risk {
         let newborn = self.of.grid.fixed()[place];
@@ -223,7 +223,7 @@ impl Formed {
     }
 
     /// Adds contacts of one newborn threshold.
-    fn add(&self, toll: &mut SurvivalMoments, share: Share, present: f64) {
+    fn add(&self, toll: &mut SurvivalMoments, share: ThresholdShare, present: f64) {
         let left = share.weight * (-share.broken).exp();
         let breaks = left * share.rate;
         toll.unbroken[0] += left;
@@ -250,7 +250,7 @@ impl Formed {
     }
 }
 
-impl Cohort for Formed {
+impl Cohort for AgeingCohort {
     fn toll(&self, advance: f64) -> SurvivalMoments {
         let Timed { law, strength, velocity, .. } = &self.of;
         let (met, pace) = self.record.reach(advance);
@@ -262,7 +262,7 @@ impl Cohort for Formed {
             let least = (met, exposed.risk(met));
             let asked = self.asked.swap(true, Ordering::Relaxed);
             let aged = strength.at(age);
-            let add = |share: Share| self.add(&mut toll, share, aged.threshold(share.newborn));
+            let add = |share: ThresholdShare| self.add(&mut toll, share, aged.threshold(share.newborn));
             let known = |exposed: &Exposed<'_>, place: usize| self.risk(exposed, place, asked);
             kept = self.of.grid.each(least, &exposed, &known, add);
             reached *= (-least.1.0).exp();

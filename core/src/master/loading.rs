@@ -41,7 +41,7 @@ struct Ledger {
 
 /// Energies and breaks since the beginning of a course, per contact and per unit stiffness.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Account {
+pub(super) struct BranchEnergies {
     pub(super) elastic: f64,
     pub(super) lost: f64,
     pub(super) broken: f64,
@@ -168,7 +168,7 @@ impl LoadingBranch {
     /// Energies and breaks up to the advance u.
     ///
     /// What breaks at a stretch x loses ½k x² there; what re-forms brings its ½k r², booked when it breaks.
-    pub(super) fn account(&self, u: f64, cell: usize) -> Account {
+    pub(super) fn account(&self, u: f64, cell: usize) -> BranchEnergies {
         let ledger = self.ledger.get_or_init(|| self.ledger());
         let at = |curve: &Piecewise| at(curve, u, cell);
         let start = |kernel: &Kernel| self::at(kernel.curve(), 0.0, 0);
@@ -182,7 +182,7 @@ impl LoadingBranch {
             Motion::Held { first, .. } => (start(first.survival()) - at(&ledger.yet_to_break), 0.0),
         };
         let lost = doomed + born - at(&ledger.breaking_energy);
-        Account { elastic: at(&ledger.energy), lost, broken }
+        BranchEnergies { elastic: at(&ledger.energy), lost, broken }
     }
 
     fn ledger(&self) -> Ledger {

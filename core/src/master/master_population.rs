@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use super::interface::Interface;
-use super::loading::{Account, LoadingBranch};
+use super::loading::{BranchEnergies, LoadingBranch};
 use super::renewal::unit_force;
+use super::solved_branches::SolvedBranches;
 use super::unloading::UnloadingBranch;
 use super::{MasterEquation, Tolerance};
 use crate::Result;
-use crate::life::{Layer, Sums};
+use crate::life::{Layer, LayerSums};
 use crate::monitor::Monitor;
 use crate::population::{Books, Direction, Population, Response, Way};
 
@@ -19,7 +19,7 @@ use crate::population::{Books, Direction, Population, Response, Way};
 /// way forth again. Once a contact breaks on the way back, another course begins at the furthest point.
 #[derive(Debug, Clone)]
 pub struct MasterPopulation {
-    interface: Arc<Interface>,
+    interface: Arc<SolvedBranches>,
     course: Arc<LoadingBranch>,
     /// The way of the course, and the position at its beginning.
     direction: Direction,
@@ -62,7 +62,7 @@ impl MasterEquation {
         let tolerance = tolerance.into();
         tolerance.check()?;
         self.has_transients()?;
-        let interface = Interface::of(self, tolerance);
+        let interface = SolvedBranches::of(self, tolerance);
         let course = interface.first(self, monitor)?;
         Ok(MasterPopulation {
             interface: Arc::new(interface),
@@ -92,7 +92,7 @@ impl MasterPopulation {
         if let Some(kept) = self.course.kept(self.furthest).filter(|_| self.interface.knows_time()) {
             return kept;
         }
-        let there = Sums::of(&self.layers(), &self.interface.contacts).unbroken;
+        let there = LayerSums::of(&self.layers(), &self.interface.contacts).unbroken;
         there + self.free + if self.course.is_held() { self.account().broken } else { 0.0 }
     }
 
@@ -198,7 +198,7 @@ impl MasterPopulation {
         let [before, after] =
             [false, true].map(|crossed| self.course.layers(self.furthest, self.cell, crossed, contacts));
         let course = self.interface.held(after.clone());
-        let [before, after] = [before, after].map(|layers| Sums::of(&layers, contacts));
+        let [before, after] = [before, after].map(|layers| LayerSums::of(&layers, contacts));
         let broken = before.unbroken - after.unbroken;
         self.settle();
         self.lost += before.breaking_energy - after.breaking_energy;
@@ -241,14 +241,14 @@ impl MasterPopulation {
     }
 
     /// Energies of the loading branch.
-    fn account(&self) -> Account {
+    fn account(&self) -> BranchEnergies {
         let account = self.course.account(self.furthest, self.cell);
         let Some(UnloadingBranch { stiffness, .. }) = self.back.as_ref().filter(|_| self.behind > 0.0) else {
             return account;
         };
         let (force, _) = self.course.response(self.furthest, self.cell);
         let elastic = account.elastic - (force - 0.5 * stiffness * self.behind) * self.behind;
-        Account { elastic, ..account }
+        BranchEnergies { elastic, ..account }
     }
 
     /// The contacts as they are, seen along the course.
@@ -410,7 +410,7 @@ impl Population for MasterPopulation {
     }
 
     fn books(&self) -> Books {
-        let Account { elastic, lost, broken } = self.account();
+        let BranchEnergies { elastic, lost, broken } = self.account();
         let stiffness = self.interface.stiffness;
         Books {
             elastic: stiffness * elastic,

@@ -3,13 +3,13 @@
 //! ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ, with the hazard P = P_c/S
 //! (O. M. Braun and M. Peyrard, Phys. Rev. Lett. 100, 125501 (2008), Eq. 5), solved in renewal form: see [`Pull`].
 
-mod interface;
 mod limits;
 mod loading;
 mod master_population;
 mod pull;
 mod relaxation;
 mod renewal;
+mod solved_branches;
 mod steady;
 mod stepping;
 mod tolerance;

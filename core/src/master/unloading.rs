@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::interface::Interface;
 use super::loading::LoadingBranch;
+use super::solved_branches::SolvedBranches;
 use crate::Result;
-use crate::life::{Layer, Sums, strikes};
+use crate::life::{Layer, LayerSums, strikes};
 
 /// Thresholds below which there are fewer are not waited for.
 const FEW: f64 = 1e-18;
@@ -25,7 +25,11 @@ pub(super) struct UnloadingBranch {
 
 impl UnloadingBranch {
     /// The way back from the furthest advance on a course, in front of a cell of it.
-    pub(super) fn new(course: &LoadingBranch, (furthest, cell): (f64, usize), interface: &Interface) -> Self {
+    pub(super) fn new(
+        course: &LoadingBranch,
+        (furthest, cell): (f64, usize),
+        interface: &SolvedBranches,
+    ) -> Self {
         let contacts = &interface.contacts;
         let thresholds = contacts.thresholds.as_ref();
         let layers = course.layers(furthest, cell, false, contacts);
@@ -33,12 +37,12 @@ impl UnloadingBranch {
         let lowest = thresholds.quantile(FEW);
         let length = layers.iter().map(|layer| layer.way_ahead(lowest)).fold(f64::INFINITY, f64::min);
         let length = if length > interface.near() { length } else { 0.0 };
-        let Sums { stiffness, .. } = Sums::of(&layers, contacts);
+        let LayerSums { stiffness, .. } = LayerSums::of(&layers, contacts);
         Self { length, stiffness, breaks: strikes(&layers, thresholds, length), layers, course: None }
     }
 
     /// Solves the course, on which what breaks is `held` free or re-forms.
-    pub(super) fn solve(&mut self, held: bool, interface: &Interface) -> Result<()> {
+    pub(super) fn solve(&mut self, held: bool, interface: &SolvedBranches) -> Result<()> {
         if self.course.is_none() {
             let layers = self.layers.to_vec();
             let course = if held { interface.held(layers) } else { interface.renewed(layers, &mut ())? };

@@ -72,7 +72,7 @@ fn fit(mut values: Vec<f64>, half: f64) -> Option<CutOff> {
 
 /// The law on x ≥ x₀, in u = ln(x/x₀), y = x/x₀ and λ = x₀/ξ: p(u) ∝ e^{(1−τ)u − λ e^u}.
 #[derive(Debug, Clone, Copy)]
-struct Law {
+struct CutoffLaw {
     exponent: f64,
     rate: f64,
 }
@@ -85,7 +85,7 @@ fn above(tail: &[f64], half: f64) -> Option<CutOff> {
     }
     let mean = |of: fn(f64) -> f64| tail.iter().map(|x| of(x / low)).sum::<f64>() / count as f64;
     let means = [mean(f64::ln), mean(|y| y)];
-    let law = Law::with_means(means)?;
+    let law = CutoffLaw::with_means(means)?;
     let [own, mixed, other] = law.moments().covariance();
     let (n, determinant) = (count as f64, own * other - mixed * mixed);
     let endless = law.rate == 0.0;
@@ -97,7 +97,7 @@ fn above(tail: &[f64], half: f64) -> Option<CutOff> {
     Some(CutOff { exponent: law.exponent, error, scale, scale_error, low: tail[0], count, distance })
 }
 
-impl Law {
+impl CutoffLaw {
     /// The law of which ln y and y have the given means, by Newton's method on the likelihood, which is concave.
     fn with_means(means: [f64; 2]) -> Option<Self> {
         let endless = Self { exponent: 1.0 + means[0].recip(), rate: 0.0 };

@@ -10,7 +10,7 @@ pub type Nodal = [f64; NODES];
 
 /// The rule of order [`NODES`].
 #[derive(Debug)]
-pub struct Rule {
+pub struct GaussLegendre {
     /// Gauss points t_i on [−1, 1], ascending.
     pub nodes: Nodal,
     /// Weights w_i.
@@ -22,7 +22,7 @@ pub struct Rule {
 }
 
 /// The one rule.
-pub static RULE: LazyLock<Rule> = LazyLock::new(Rule::new);
+pub static RULE: LazyLock<GaussLegendre> = LazyLock::new(GaussLegendre::new);
 
 /// P_n(t) and P_n'(t).
 fn legendre(n: usize, t: f64) -> (f64, f64) {
@@ -34,7 +34,7 @@ fn legendre(n: usize, t: f64) -> (f64, f64) {
     (current, n as f64 * (t * current - previous) / (t * t - 1.0))
 }
 
-impl Rule {
+impl GaussLegendre {
     fn new() -> Self {
         let mut rule = Self {
             nodes: [0.0; NODES],

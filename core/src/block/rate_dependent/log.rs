@@ -84,13 +84,13 @@ pub(super) struct Log {
     tolerance: f64,
     /// The velocity of the drive, when it last moved or, before, will first move.
     pulled: f64,
-    open: Option<Open>,
+    open: Option<OpenSlip>,
     /// The largest force, and the stiffness of all contacts.
     most: (f64, f64),
 }
 
 /// A slip that has not ended.
-struct Open {
+struct OpenSlip {
     before: Moment,
     fastest: f64,
 }
@@ -225,7 +225,7 @@ impl Log {
         if self.open.is_none() && moment.velocity > fast {
             let before = self.last.until(&moment, fast);
             self.see(before);
-            self.open = Some(Open { before, fastest: 0.0 });
+            self.open = Some(OpenSlip { before, fastest: 0.0 });
         }
         if let Some(open) = &mut self.open {
             open.fastest = open.fastest.max(moment.velocity);

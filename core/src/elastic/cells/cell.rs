@@ -1,7 +1,7 @@
 //! A cell on its friction curve.
 
 use super::curve::Curve;
-use super::{Account, Fall, Slopes};
+use super::{CellEnergies, Fall, Slopes};
 
 /// A cell of scale s on a curve of contacts: its force is s F(X/s).
 pub(super) struct Cell<'a> {
@@ -48,7 +48,7 @@ impl Cell<'_> {
     }
 
     /// What its contacts have done from the beginning of the curve to an advance from here.
-    pub fn done(&self, by: f64) -> Account {
+    pub fn done(&self, by: f64) -> CellEnergies {
         self.curve.account(self.beyond(by)).scaled(self.scale)
     }
 }

@@ -1,6 +1,6 @@
 //! A friction curve F(X) as a table: force, slopes and energies of contacts that move forward.
 
-use super::{Account, Extremes, Fall, Slopes};
+use super::{CellEnergies, Extremes, Fall, Slopes};
 use crate::numerics::roots::brent_root;
 
 /// Coefficients of a polynomial of degree 5 in t ∈ [−1, 1].
@@ -18,7 +18,7 @@ const PLACES: u32 = 16;
 /// A piece of the curve, one line of cache: F = Σ c_k t^k, t = 2(X − start)/length − 1.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
-pub(super) struct Piece {
+pub(super) struct CurvePiece {
     pub start: f64,
     /// 2/length.
     pub rate: f64,
@@ -27,7 +27,7 @@ pub(super) struct Piece {
 
 /// What is seldom asked of a piece.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Books {
+pub(super) struct CurveEnergies {
     /// ∫F dX before it.
     pub work: f64,
     pub elastic: Quintic,
@@ -54,8 +54,8 @@ struct Bucket {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Curve {
     starts: Vec<f64>,
-    pieces: Vec<Piece>,
-    books: Vec<Books>,
+    pieces: Vec<CurvePiece>,
+    books: Vec<CurveEnergies>,
     slopes: Vec<Slopes>,
     /// Whether the slope of a piece has its extremes at its ends.
     monotone: Vec<bool>,
@@ -84,7 +84,7 @@ fn primitive(c: &Quintic, t: f64) -> f64 {
     (0..6).map(|k| c[k as usize] * power(k + 1)).sum()
 }
 
-impl Piece {
+impl CurvePiece {
     #[inline]
     fn at(&self, x: f64) -> f64 {
         (x - self.start) * self.rate - 1.0
@@ -110,7 +110,7 @@ impl Piece {
 }
 
 impl Curve {
-    pub fn push(&mut self, piece: Piece, books: Books, breaks: bool) {
+    pub fn push(&mut self, piece: CurvePiece, books: CurveEnergies, breaks: bool) {
         let slopes = piece.slopes();
         self.extremes = self.extremes.and(Extremes {
             steepest: slopes.largest.abs().max(slopes.least.abs()),
@@ -251,7 +251,7 @@ impl Curve {
         if !self.monotone[piece] {
             return self.slopes[piece];
         }
-        let Piece { force, rate, .. } = &self.pieces[piece];
+        let CurvePiece { force, rate, .. } = &self.pieces[piece];
         let [a, b] = [start, end].map(|t| horner(force, t).1 * rate);
         Slopes { least: a.min(b), largest: a.max(b) }
     }
@@ -284,11 +284,11 @@ impl Curve {
     }
 
     /// What contacts have done from 0 to x.
-    pub fn account(&self, x: f64) -> Account {
+    pub fn account(&self, x: f64) -> CellEnergies {
         let found = self.find(x);
         let (piece, books) = (&self.pieces[found], &self.books[found]);
         let t = piece.at(x);
-        Account {
+        CellEnergies {
             work: books.work + piece.work(t),
             elastic: horner(&books.elastic, t).0,
             lost: horner(&books.lost, t).0,
@@ -308,9 +308,9 @@ mod tests {
         let mut curve = Curve::default();
         let mut start = 0.7;
         for length in lengths {
-            let piece = Piece { start, rate: 2.0 / length, force: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0] };
+            let piece = CurvePiece { start, rate: 2.0 / length, force: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0] };
             let none = [0.0; 6];
-            curve.push(piece, Books { work: 0.0, elastic: none, lost: none, broken: none }, false);
+            curve.push(piece, CurveEnergies { work: 0.0, elastic: none, lost: none, broken: none }, false);
             start += length;
         }
         curve.index();
@@ -329,9 +329,9 @@ mod tests {
         for (i, length) in [1.0, 0.3, 0.01, 2.0].into_iter().enumerate() {
             let shift = i as f64;
             let force = [0.7 - shift, 0.3, -0.1 * shift, 0.9, 1.3 + shift, -0.2];
-            let piece = Piece { start: 3.0 * shift, rate: 2.0 / length, force };
+            let piece = CurvePiece { start: 3.0 * shift, rate: 2.0 / length, force };
             let none = [0.0; 6];
-            curve.push(piece, Books { work: 0.0, elastic: none, lost: none, broken: none }, false);
+            curve.push(piece, CurveEnergies { work: 0.0, elastic: none, lost: none, broken: none }, false);
         }
         curve.index();
         for first in 0..100 {

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::cell::Cell;
 use super::curve::{Curve, LANES};
-use super::tabulate::Table;
-use super::{Account, Cells, Extremes, Fall, Kept, Slopes, Standing, State, checked};
+use super::tabulate::CurveTable;
+use super::{CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Fall, Slopes, Standing, checked};
 use crate::elastic::batch::{change, change_chunks, fill, gather, largest};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
@@ -18,27 +18,27 @@ use crate::{Error, Result};
 /// curve of contacts that have just re-formed. The scale s_j of a cell stretches thresholds and the stretches at which
 /// contacts re-form, and so does lengths and forces, but not stiffness.
 pub struct Curves {
-    first: Table,
-    fresh: Table,
+    first: CurveTable,
+    fresh: CurveTable,
     /// X since the start, or since the contacts last re-formed together.
     advances: Vec<f64>,
-    courses: Vec<Course>,
+    courses: Vec<CellCourse>,
     /// Empty where all are 1.
     scales: Vec<f64>,
     largest_scale: f64,
     /// How far cells may go at least until the end of what is known of their curves; 0 where that is not known.
     margin: f64,
-    settled: Account,
+    settled: CellEnergies,
     /// Advances at the mark.
     marked: Vec<f64>,
     /// Cells that have parted since the mark.
     parted: HashMap<usize, Parted>,
-    settled_at_mark: Account,
+    settled_at_mark: CellEnergies,
 }
 
 /// What a cell follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Course {
+enum CellCourse {
     /// The curve of the contacts as they were at the start.
     First,
     /// That of contacts that have all re-formed together.
@@ -56,17 +56,17 @@ impl Curves {
         let mut fresh = population.copy();
         fresh.reset(Direction::Forward, monitor)?;
         Ok(Self {
-            first: Table::new(population.copy(), monitor)?,
-            fresh: Table::new(fresh, monitor)?,
+            first: CurveTable::new(population.copy(), monitor)?,
+            fresh: CurveTable::new(fresh, monitor)?,
             advances: vec![0.0; number],
-            courses: vec![Course::First; number],
+            courses: vec![CellCourse::First; number],
             scales: Vec::new(),
             largest_scale: 1.0,
             margin: 0.0,
-            settled: Account::default(),
+            settled: CellEnergies::default(),
             marked: Vec::new(),
             parted: HashMap::new(),
-            settled_at_mark: Account::default(),
+            settled_at_mark: CellEnergies::default(),
         })
     }
 
@@ -125,9 +125,9 @@ fn longest(by: &[f64]) -> f64 {
 /// A cell whose contacts have broken together since the mark.
 struct Parted {
     /// What it had done since then.
-    done: Account,
+    done: CellEnergies,
     /// What it followed before.
-    course: Course,
+    course: CellCourse,
 }
 
 /// Curves and where cells are on them.
@@ -135,7 +135,7 @@ struct Batch<'a> {
     first: &'a Curve,
     fresh: &'a Curve,
     advances: &'a [f64],
-    courses: &'a [Course],
+    courses: &'a [CellCourse],
     scales: &'a [f64],
 }
 
@@ -144,13 +144,13 @@ impl Batch<'_> {
     fn cell(&self, cell: usize) -> Cell<'_> {
         let curve = if self.is_renewed(cell) { self.fresh } else { self.first };
         let scale = if self.scales.is_empty() { 1.0 } else { self.scales[cell] };
-        Cell { curve, advance: self.advances[cell], scale, free: self.courses[cell] == Course::Free }
+        Cell { curve, advance: self.advances[cell], scale, free: self.courses[cell] == CellCourse::Free }
     }
 
     /// Whether its contacts have broken all together.
     #[inline]
     fn is_renewed(&self, cell: usize) -> bool {
-        self.courses[cell] != Course::First
+        self.courses[cell] != CellCourse::First
     }
 
     /// As [`Cell::resist`], of the cells from the first one on; the largest force that is left.
@@ -176,9 +176,9 @@ impl Batch<'_> {
     fn shared(&self, first: usize, number: usize) -> Option<&Curve> {
         let courses = &self.courses[first..first + number];
         let curve = match courses[0] {
-            Course::First => self.first,
-            Course::Fresh => self.fresh,
-            Course::Free => return None,
+            CellCourse::First => self.first,
+            CellCourse::Fresh => self.fresh,
+            CellCourse::Free => return None,
         };
         (number == LANES && courses.iter().all(|course| *course == courses[0])).then_some(curve)
     }
@@ -200,7 +200,7 @@ impl Batch<'_> {
     }
 
     /// What a cell has done since its contacts last re-formed together, at such an advance since then.
-    fn done(&self, cell: usize, advance: f64) -> Account {
+    fn done(&self, cell: usize, advance: f64) -> CellEnergies {
         Cell { advance, ..self.cell(cell) }.done(0.0)
     }
 }
@@ -256,8 +256,9 @@ impl Cells for Curves {
         let most = longest(by);
         self.reach_on(most, monitor)?;
         let courses = &self.courses;
-        let on =
-            |cell: usize, advance| if courses[cell] == Course::Free { advance } else { advance + by[cell] };
+        let on = |cell: usize, advance| {
+            if courses[cell] == CellCourse::Free { advance } else { advance + by[cell] }
+        };
         change(&mut self.advances, on);
         self.margin -= most;
         Ok(())
@@ -269,16 +270,16 @@ impl Cells for Curves {
         let newborn = Cell { curve: batch.fresh, advance: 0.0, ..batch.cell(cell) }.done(0.0);
         let done = batch.cell(cell).done(by).renewed(newborn.elastic);
         self.parted.insert(cell, Parted { done: done - begun, course: self.courses[cell] });
-        self.settled = self.settled + Account { elastic: 0.0, ..done };
+        self.settled = self.settled + CellEnergies { elastic: 0.0, ..done };
         self.advances[cell] = 0.0;
-        self.courses[cell] = Course::Free;
+        self.courses[cell] = CellCourse::Free;
         self.margin = 0.0;
         Ok(())
     }
 
     fn rejoin(&mut self) {
         for cell in self.parted.keys() {
-            self.courses[*cell] = Course::Fresh;
+            self.courses[*cell] = CellCourse::Fresh;
         }
     }
 
@@ -286,7 +287,7 @@ impl Cells for Curves {
         self.marked.clone_from(&self.advances);
         self.settled_at_mark = self.settled;
         self.parted.clear();
-        [&mut self.first, &mut self.fresh].into_iter().for_each(Table::mark);
+        [&mut self.first, &mut self.fresh].into_iter().for_each(CurveTable::mark);
     }
 
     fn unmark(&mut self) {
@@ -297,14 +298,14 @@ impl Cells for Curves {
         self.margin = 0.0;
         self.advances.clone_from(&self.marked);
         self.settled = self.settled_at_mark;
-        [&mut self.first, &mut self.fresh].into_iter().for_each(Table::recall);
+        [&mut self.first, &mut self.fresh].into_iter().for_each(CurveTable::recall);
         for (cell, parted) in self.parted.drain() {
             self.courses[cell] = parted.course;
         }
         Ok(())
     }
 
-    fn since(&self, cell: usize) -> Account {
+    fn since(&self, cell: usize) -> CellEnergies {
         let batch = self.batch();
         match self.parted.get(&cell) {
             Some(parted) => parted.done,
@@ -312,10 +313,10 @@ impl Cells for Curves {
         }
     }
 
-    fn account(&self) -> Account {
+    fn account(&self) -> CellEnergies {
         let batch = self.batch();
         let add = |sum, cell: usize| sum + batch.done(cell, batch.advances[cell]);
-        self.settled + gather(self.len(), Account::default, add, |a, b| a + b)
+        self.settled + gather(self.len(), CellEnergies::default, add, |a, b| a + b)
     }
 
     fn standing(&self, cell: usize) -> Option<Standing> {
@@ -324,9 +325,9 @@ impl Cells for Curves {
         Some(Standing { advance: at.place(0.0), scale: at.scale, renewed: batch.is_renewed(cell) })
     }
 
-    fn state(&self) -> State {
+    fn state(&self) -> CellsState {
         let batch = self.batch();
-        State(Kept::Curves {
+        CellsState(CellsSnapshot::Curves {
             advances: self.advances.clone(),
             renewed: (0..self.len()).map(|cell| batch.is_renewed(cell)).collect(),
             ways: [self.first.ways(), self.fresh.ways()],
@@ -334,15 +335,15 @@ impl Cells for Curves {
         })
     }
 
-    fn restore(&mut self, state: State, monitor: &mut dyn Monitor) -> Result<()> {
-        let Kept::Curves { advances, renewed, ways, settled } = state.0 else {
+    fn restore(&mut self, state: CellsState, monitor: &mut dyn Monitor) -> Result<()> {
+        let CellsSnapshot::Curves { advances, renewed, ways, settled } = state.0 else {
             return Err(Error::invalid("state", "that of cells that share a curve", "another one"));
         };
         if (advances.len(), renewed.len()) != (self.len(), self.len()) {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", advances.len())));
         }
-        let course = |renewed| if renewed { Course::Fresh } else { Course::First };
+        let course = |renewed| if renewed { CellCourse::Fresh } else { CellCourse::First };
         self.courses = renewed.into_iter().map(course).collect();
         (self.advances, self.settled, self.margin) = (advances, settled, 0.0);
         self.parted.clear();

@@ -18,7 +18,7 @@ use crate::{Error, Result};
 
 /// What contacts have done, each summed on its own.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Account {
+pub struct CellEnergies {
     /// ∫F dX, the work done on them.
     pub work: f64,
     /// Elastic energy Σ ½k x².
@@ -29,7 +29,7 @@ pub struct Account {
     pub broken: f64,
 }
 
-impl Account {
+impl CellEnergies {
     /// Of cells whose lengths and forces are `scale` times as large.
     #[must_use]
     pub(super) fn scaled(self, scale: f64) -> Self {
@@ -45,7 +45,7 @@ impl Account {
     }
 }
 
-impl std::ops::Add for Account {
+impl std::ops::Add for CellEnergies {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -58,7 +58,7 @@ impl std::ops::Add for Account {
     }
 }
 
-impl std::ops::Sub for Account {
+impl std::ops::Sub for CellEnergies {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
@@ -204,10 +204,10 @@ pub trait Cells: Send + Sync {
     fn recall(&mut self, monitor: &mut dyn Monitor) -> Result<()>;
 
     /// What a cell has done since the mark; its elastic energy is the change since then.
-    fn since(&self, cell: usize) -> Account;
+    fn since(&self, cell: usize) -> CellEnergies;
 
     /// What all cells have done; their elastic energy is that of now.
-    fn account(&self) -> Account;
+    fn account(&self) -> CellEnergies;
 
     /// Where a cell is on a curve that it shares; none where it has contacts of its own.
     fn standing(&self, _cell: usize) -> Option<Standing> {
@@ -223,22 +223,22 @@ pub trait Cells: Send + Sync {
     }
 
     /// All that changes as cells move.
-    fn state(&self) -> State;
+    fn state(&self) -> CellsState;
 
     /// Goes to what cells of the same description have come to.
     ///
     /// # Errors
     /// A state of other cells; those of the population behind it.
-    fn restore(&mut self, state: State, monitor: &mut dyn Monitor) -> Result<()>;
+    fn restore(&mut self, state: CellsState, monitor: &mut dyn Monitor) -> Result<()>;
 }
 
 /// What cells have come to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct State(Kept);
+pub struct CellsState(CellsSnapshot);
 
 /// The same, by what they are.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-enum Kept {
+enum CellsSnapshot {
     /// Cells that share a curve.
     Curves {
         /// How far each has gone since its contacts last re-formed all together.
@@ -248,7 +248,7 @@ enum Kept {
         /// How far curves were known, which decides on steps.
         ways: [usize; 2],
         /// What was done before.
-        settled: Account,
+        settled: CellEnergies,
     },
     /// Cells of populations of their own.
     Populations {

@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::cell::Cell;
-use super::tabulate::Table;
-use super::{Account, Cells, Extremes, Fall, Kept, Slopes, State, checked};
+use super::tabulate::CurveTable;
+use super::{CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Fall, Slopes, checked};
 use crate::elastic::batch::{all, change_chunks, fill, gather, largest};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
@@ -33,7 +33,7 @@ struct Own {
     /// Where its contacts re-formed all together, each from where they did before, per scale.
     resets: Vec<f64>,
     /// Its advance at the mark, and what it had done.
-    marked: (f64, Account),
+    marked: (f64, CellEnergies),
     /// What it was at the mark, if its contacts have broken all together since.
     parted: Option<Box<Stand>>,
 }
@@ -43,12 +43,12 @@ struct Stand {
     /// Its contacts at first, or as they last re-formed all together.
     base: Arc<dyn Population>,
     /// Their curve from there.
-    table: Table,
+    table: CurveTable,
     /// X since then.
     advance: f64,
     free: bool,
     /// What was done before, with no energy kept.
-    settled: Account,
+    settled: CellEnergies,
 }
 
 /// What a cell has come to.
@@ -57,12 +57,12 @@ pub(super) struct OwnState {
     resets: Vec<f64>,
     advance: f64,
     ways: usize,
-    settled: Account,
+    settled: CellEnergies,
 }
 
 impl Stand {
-    fn new(base: Arc<dyn Population>, settled: Account, monitor: &mut dyn Monitor) -> Result<Self> {
-        let table = Table::new(base.copy(), monitor)?;
+    fn new(base: Arc<dyn Population>, settled: CellEnergies, monitor: &mut dyn Monitor) -> Result<Self> {
+        let table = CurveTable::new(base.copy(), monitor)?;
         Ok(Self { base, table, advance: 0.0, free: false, settled })
     }
 }
@@ -71,11 +71,11 @@ impl Own {
     fn new(population: Box<dyn Population>, monitor: &mut dyn Monitor) -> Result<Self> {
         let first: Arc<dyn Population> = population.into();
         Ok(Self {
-            stand: Stand::new(first.clone(), Account::default(), monitor)?,
+            stand: Stand::new(first.clone(), CellEnergies::default(), monitor)?,
             first,
             scale: 1.0,
             resets: Vec::new(),
-            marked: (0.0, Account::default()),
+            marked: (0.0, CellEnergies::default()),
             parted: None,
         })
     }
@@ -99,15 +99,16 @@ impl Own {
     }
 
     /// What it has done after an advance.
-    fn done(&self, by: f64) -> Account {
+    fn done(&self, by: f64) -> CellEnergies {
         self.stand.settled + self.on_curve().done(by)
     }
 
     fn part(&mut self, by: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let place = self.on_curve().place(by);
-        let mut stand = Stand::new(renewed(&*self.stand.base, place, monitor)?, Account::default(), monitor)?;
+        let mut stand =
+            Stand::new(renewed(&*self.stand.base, place, monitor)?, CellEnergies::default(), monitor)?;
         let newborn = stand.table.curve.account(0.0).scaled(self.scale);
-        stand.settled = Account { elastic: 0.0, ..self.done(by).renewed(newborn.elastic) };
+        stand.settled = CellEnergies { elastic: 0.0, ..self.done(by).renewed(newborn.elastic) };
         stand.free = true;
         self.resets.push(place);
         self.parted = Some(Box::new(std::mem::replace(&mut self.stand, stand)));
@@ -296,14 +297,14 @@ impl Cells for Populations {
         Ok(())
     }
 
-    fn since(&self, cell: usize) -> Account {
+    fn since(&self, cell: usize) -> CellEnergies {
         let cell = &self.cells[cell];
         cell.done(0.0) - cell.marked.1
     }
 
-    fn account(&self) -> Account {
+    fn account(&self) -> CellEnergies {
         let add = |sum, cell: usize| sum + self.cells[cell].done(0.0);
-        gather(self.len(), Account::default, add, |a, b| a + b)
+        gather(self.len(), CellEnergies::default, add, |a, b| a + b)
     }
 
     fn stretches(&self, cell: usize) -> Result<Option<Vec<f64>>> {
@@ -315,13 +316,13 @@ impl Cells for Populations {
         Ok(stretches.map(|stretches| stretches.into_iter().map(|stretch| scale * stretch).collect()))
     }
 
-    fn state(&self) -> State {
+    fn state(&self) -> CellsState {
         let cells = self.cells.iter().map(Own::state).collect();
-        State(Kept::Populations { cells, known: self.known })
+        CellsState(CellsSnapshot::Populations { cells, known: self.known })
     }
 
-    fn restore(&mut self, state: State, _monitor: &mut dyn Monitor) -> Result<()> {
-        let Kept::Populations { cells, known } = state.0 else {
+    fn restore(&mut self, state: CellsState, _monitor: &mut dyn Monitor) -> Result<()> {
+        let CellsSnapshot::Populations { cells, known } = state.0 else {
             return Err(Error::invalid("state", "that of cells of populations of their own", "another one"));
         };
         if cells.len() != self.len() {

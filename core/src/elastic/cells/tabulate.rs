@@ -1,7 +1,7 @@
 //! The curve of a population, made by moving it forward through its seam.
 
 use super::Extremes;
-use super::curve::{Books, Curve, Piece, Quintic, horner};
+use super::curve::{Curve, CurveEnergies, CurvePiece, Quintic, horner};
 use crate::monitor::Monitor;
 use crate::population::{self, Direction, Population, Response, Way};
 use crate::{Error, Result};
@@ -22,7 +22,7 @@ const PASSED: usize = 64;
 ///
 /// How far it is known decides on steps, by what it is at most. So that what is recalled goes on
 /// as it would have done, what was tabulated since the mark is not known then, until it is asked for again.
-pub(super) struct Table {
+pub(super) struct CurveTable {
     population: Box<dyn Population>,
     origin: f64,
     pub curve: Curve,
@@ -34,15 +34,15 @@ pub(super) struct Table {
     /// Whether contacts break where the next piece begins.
     breaks: bool,
     begun: population::Books,
-    known: Known,
-    marked: Known,
+    known: KnownPieces,
+    marked: KnownPieces,
     /// What was known after each way that has been tabulated since the mark.
-    since: Vec<Known>,
+    since: Vec<KnownPieces>,
 }
 
 /// How far a curve is known.
 #[derive(Debug, Clone, Copy, Default)]
-struct Known {
+struct KnownPieces {
     /// Ways of the population.
     ways: usize,
     /// Where they end.
@@ -53,7 +53,7 @@ struct Known {
 }
 
 /// Part of a way: where it begins, its length, F on it.
-struct Part {
+struct TabulatedPart {
     start: f64,
     length: f64,
     force: Quintic,
@@ -61,7 +61,7 @@ struct Part {
     off: f64,
 }
 
-impl Table {
+impl CurveTable {
     /// The curve from where the population stands.
     pub fn new(mut population: Box<dyn Population>, monitor: &mut dyn Monitor) -> Result<Self> {
         let origin = population.position();
@@ -69,7 +69,7 @@ impl Table {
         population.way(Direction::Forward, monitor)?;
         let begun = population.books();
         let curve = Curve::default();
-        let (known, marked, since) = (Known::default(), Known::default(), Vec::new());
+        let (known, marked, since) = (KnownPieces::default(), KnownPieces::default(), Vec::new());
         let (end, work, off, breaks) = (0.0, 0.0, 0.0, false);
         let mut table =
             Self { population, origin, curve, end, work, off, breaks, begun, known, marked, since };
@@ -155,7 +155,7 @@ impl Table {
             self.tabulate(monitor)?;
             let Self { known, end, ref curve, off, .. } = *self;
             let error = self.population.error() + off;
-            self.since.push(Known { ways: known.ways + 1, end, extremes: curve.extremes(), error });
+            self.since.push(KnownPieces { ways: known.ways + 1, end, extremes: curve.extremes(), error });
         }
         self.known = self.since[next];
         Ok(())
@@ -184,7 +184,7 @@ impl Table {
     }
 
     /// Parts of [start, start + length] of the way ahead on which a polynomial of degree 5 is the force.
-    fn split(&self, start: f64, length: f64, way: Way, halvings: u32, parts: &mut Vec<Part>) {
+    fn split(&self, start: f64, length: f64, way: Way, halvings: u32, parts: &mut Vec<TabulatedPart>) {
         let half = 0.5 * length;
         let at = |t: f64| self.population.ahead((start + half * (1.0 + t)).min(way.length));
         let force = through([-1.0, 0.0, 1.0].map(at), half);
@@ -192,7 +192,7 @@ impl Table {
         let wrong = [-0.5, 0.5].map(|t| (horner(&force, t).0 - at(t).force).abs());
         let off = wrong[0].max(wrong[1]);
         if way.straight || halvings == 0 || off <= ACCURACY * scale {
-            parts.push(Part { start, length, force, off });
+            parts.push(TabulatedPart { start, length, force, off });
         } else {
             self.split(start, half, way, halvings - 1, parts);
             self.split(start + half, half, way, halvings - 1, parts);
@@ -200,7 +200,7 @@ impl Table {
     }
 
     /// Goes through a part that lies ahead of `origin`, with the energies on the way.
-    fn push(&mut self, part: &Part, origin: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    fn push(&mut self, part: &TabulatedPart, origin: f64, monitor: &mut dyn Monitor) -> Result<()> {
         if self.curve.len() >= MOST {
             let (needed, allowed) = ((2 * MOST * 256) as u64, (MOST * 256) as u64);
             let (key, what) = ("contacts.thresholds".into(), "a friction curve in pieces".into());
@@ -214,12 +214,15 @@ impl Table {
             self.population.advance(left.clamp(0.0, way.length))?;
             *books = self.population.books();
         }
-        let piece =
-            Piece { start: origin + part.start - self.origin, rate: 2.0 / part.length, force: part.force };
+        let piece = CurvePiece {
+            start: origin + part.start - self.origin,
+            rate: 2.0 / part.length,
+            force: part.force,
+        };
         let column = |of: fn(&population::Books) -> f64, begun: f64| {
             interpolated(std::array::from_fn(|i| of(&read[i]) - begun))
         };
-        let books = Books {
+        let books = CurveEnergies {
             work: self.work,
             elastic: column(|b| b.elastic, 0.0),
             lost: column(|b| b.lost, self.begun.lost),
@@ -234,14 +237,14 @@ impl Table {
     fn push_endless(&mut self) {
         let Response { force, tangent } = self.population.ahead(0.0);
         let books = self.population.books();
-        let piece = Piece {
+        let piece = CurvePiece {
             start: self.population.position() - self.origin,
             rate: 1.0,
             force: [force + tangent, tangent, 0.0, 0.0, 0.0, 0.0],
         };
         let constant = |value: f64| [value, 0.0, 0.0, 0.0, 0.0, 0.0];
         let elastic = [books.elastic + force + 0.5 * tangent, force + tangent, 0.5 * tangent, 0.0, 0.0, 0.0];
-        let books = Books {
+        let books = CurveEnergies {
             work: self.work,
             elastic,
             lost: constant(books.lost - self.begun.lost),

@@ -24,7 +24,7 @@ pub(super) struct Seen {
 
 /// All cells at one moment.
 #[derive(Debug, Clone)]
-pub(super) struct Look {
+pub(super) struct CellsLook {
     pub time: f64,
     pub drive: f64,
     pub cells: Vec<Seen>,
@@ -48,13 +48,13 @@ pub(super) struct Slips {
     /// The number of the event that a cell belongs to.
     member: Vec<Option<u64>>,
     /// Events in the order in which they began.
-    events: Vec<Open>,
+    events: Vec<OpenEvent>,
     next: u64,
 }
 
 /// An event that is not told.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Open {
+struct OpenEvent {
     number: u64,
     /// When it began, where the drive was then, and the friction force of all cells.
     begun: (f64, f64, f64),
@@ -66,7 +66,7 @@ struct Open {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 enum Outcome {
     /// Cells slip.
-    Open,
+    OpenEvent,
     /// It was too small to count.
     Small,
     /// It is over.
@@ -100,7 +100,7 @@ impl Seen {
     }
 }
 
-impl Look {
+impl CellsLook {
     /// The look at a part of the way to the next one, all values straight in time.
     fn between(&self, next: &Self, share: f64) -> Self {
         let cells = self.cells.iter().zip(&next.cells).map(|(seen, next)| seen.between(next, share));
@@ -117,9 +117,9 @@ impl Look {
     }
 }
 
-impl Open {
+impl OpenEvent {
     fn is_over(&self) -> bool {
-        !matches!(self.outcome, Outcome::Open)
+        !matches!(self.outcome, Outcome::OpenEvent)
     }
 }
 
@@ -130,7 +130,7 @@ impl Slips {
     }
 
     /// A step has been made from one look to the next, the drive moving at a velocity.
-    pub fn pass(&mut self, before: &Look, now: &Look, velocity: f64, coupling: &dyn Coupling) {
+    pub fn pass(&mut self, before: &CellsLook, now: &CellsLook, velocity: f64, coupling: &dyn Coupling) {
         let fast = FAST * velocity;
         let share = |j: usize| before.cells[j].until(&now.cells[j], fast);
         let change = |j: &usize| (now.cells[*j].velocity > fast) != self.slipping[*j];
@@ -161,7 +161,14 @@ impl Slips {
     }
 
     /// A cell begins to slip at a part of the way from one look to the next.
-    fn start(&mut self, cell: usize, share: f64, before: &Look, now: &Look, coupling: &dyn Coupling) {
+    fn start(
+        &mut self,
+        cell: usize,
+        share: f64,
+        before: &CellsLook,
+        now: &CellsLook,
+        coupling: &dyn Coupling,
+    ) {
         if self.member[cell].is_some() {
             return;
         }
@@ -174,7 +181,12 @@ impl Slips {
         let Some(&first) = numbers.first() else {
             let look = before.between(now, share);
             let (number, begun) = (self.next, (look.time, look.drive, look.force()));
-            self.events.push(Open { number, begun, started: vec![started], outcome: Outcome::Open });
+            self.events.push(OpenEvent {
+                number,
+                begun,
+                started: vec![started],
+                outcome: Outcome::OpenEvent,
+            });
             self.member[cell] = Some(number);
             self.next += 1;
             return;
@@ -194,7 +206,7 @@ impl Slips {
     }
 
     /// What came of an event that is over at a look.
-    fn tell(&self, event: &Open, end: &Look, coupling: &dyn Coupling) -> Outcome {
+    fn tell(&self, event: &OpenEvent, end: &CellsLook, coupling: &dyn Coupling) -> Outcome {
         let mut started = event.started.clone();
         started.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.cell.cmp(&b.cell)));
         let part = |of: fn(&Seen) -> f64, s: &Started| of(&end.cells[s.cell]) - of(&s.at);
@@ -234,9 +246,9 @@ impl Slips {
     /// Events that are over, up to the first one that is not, in the order in which they began.
     pub fn told(&mut self) -> Vec<(Event, Vec<Slipped>)> {
         let over = self.events.iter().take_while(|event| event.is_over()).count();
-        let told = |event: Open| match event.outcome {
+        let told = |event: OpenEvent| match event.outcome {
             Outcome::Over(event, slipped) => Some((event, slipped)),
-            Outcome::Open | Outcome::Small => None,
+            Outcome::OpenEvent | Outcome::Small => None,
         };
         self.events.drain(..over).filter_map(told).collect()
     }
@@ -255,7 +267,7 @@ mod tests {
     use crate::shape::{Edges, Shape};
 
     /// Looks at a chain of nine cells at whole times, velocities alone given; of contacts, each cell breaks all in a time.
-    fn looks(velocities: &[[f64; 9]]) -> Vec<Look> {
+    fn looks(velocities: &[[f64; 9]]) -> Vec<CellsLook> {
         let seen = |time: f64, velocity: f64| Seen {
             position: time,
             velocity,
@@ -266,7 +278,7 @@ mod tests {
         };
         let look = |(i, velocities): (usize, &[f64; 9])| {
             let time = i as f64;
-            Look { time, drive: 0.1 * time, cells: velocities.iter().map(|v| seen(time, *v)).collect() }
+            CellsLook { time, drive: 0.1 * time, cells: velocities.iter().map(|v| seen(time, *v)).collect() }
         };
         velocities.iter().enumerate().map(look).collect()
     }

@@ -15,7 +15,7 @@ pub struct StateInTime {
     drive: f64,
     pace: f64,
     work: f64,
-    cells: Vec<Cell>,
+    cells: Vec<CellState>,
     slips: Slips,
     estimators: Option<Vec<[rate_dependent::State; 2]>>,
     error: f64,
@@ -23,7 +23,7 @@ pub struct StateInTime {
 
 /// What a cell has come to.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Cell {
+struct CellState {
     position: f64,
     velocity: f64,
     slope: f64,
@@ -34,7 +34,7 @@ struct Cell {
 impl InterfaceInTime {
     /// What it has come to.
     pub fn state(&self) -> StateInTime {
-        let cells = self.cells.iter().zip(&self.viscous).map(|(cell, &viscous)| Cell {
+        let cells = self.cells.iter().zip(&self.viscous).map(|(cell, &viscous)| CellState {
             position: cell.position,
             velocity: cell.velocity,
             slope: cell.slope,

@@ -3,31 +3,31 @@
 use serde::{Deserialize, Serialize};
 
 use crate::ensemble::Ensemble;
-use crate::ensemble::lives::{Drawn, Life, Lives};
+use crate::ensemble::lives::{ContactLife, Drawn, Lives};
 
 /// What a contact was born with, and how far it has come in its random streams.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub(super) struct Born {
+pub(super) struct BirthRecord {
     pub(super) threshold: f64,
     drawn: Drawn,
 }
 
 /// Gives contacts their lives, those that [`Ensemble::pull`] gives them.
 #[derive(Clone)]
-pub(super) struct Births {
+pub(super) struct LatticeBirths {
     lives: Lives,
     /// The life after every break, where both laws are points and nothing need be drawn or kept.
-    identical: Option<Life>,
+    identical: Option<ContactLife>,
 }
 
-impl Births {
+impl LatticeBirths {
     pub(super) fn new(ensemble: &Ensemble) -> Self {
         let contacts = &ensemble.contacts;
         let point = |law: &crate::law::SharedLaw| {
             law.atoms().first().filter(|atom| atom.weight == 1.0).map(|atom| atom.position)
         };
         let both = point(&contacts.thresholds).zip(point(&contacts.reforming));
-        let identical = both.map(|(threshold, stretch)| Life { stretch, threshold });
+        let identical = both.map(|(threshold, stretch)| ContactLife { stretch, threshold });
         Self { lives: Lives::in_any_order(ensemble), identical }
     }
 
@@ -37,19 +37,23 @@ impl Births {
     }
 
     /// Contact `number` at the start: its stretch, and what it was born with.
-    pub(super) fn first(&mut self, number: usize) -> (f64, Born) {
+    pub(super) fn first(&mut self, number: usize) -> (f64, BirthRecord) {
         let life = self.lives.first(number as u64);
-        (life.stretch, Born { threshold: life.threshold, drawn: self.lives.drawn() })
+        (life.stretch, BirthRecord { threshold: life.threshold, drawn: self.lives.drawn() })
     }
 
     /// The threshold of contact `number`.
-    pub(super) fn threshold(&self, born: &[Born], number: usize) -> f64 {
+    pub(super) fn threshold(&self, born: &[BirthRecord], number: usize) -> f64 {
         self.identical.map_or_else(|| born[number].threshold, |life| life.threshold)
     }
 
     /// Gives the contact that `number` tells its next life; the threshold it had, and the new life.
     #[inline]
-    pub(super) fn next(&mut self, born: &mut [Born], number: impl FnOnce() -> usize) -> (f64, Life) {
+    pub(super) fn next(
+        &mut self,
+        born: &mut [BirthRecord],
+        number: impl FnOnce() -> usize,
+    ) -> (f64, ContactLife) {
         if let Some(life) = self.identical {
             return (life.threshold, life);
         }
@@ -58,7 +62,7 @@ impl Births {
         let before = contact.threshold;
         self.lives.resume(number as u64, contact.drawn, before);
         let life = self.lives.next();
-        *contact = Born { threshold: life.threshold, drawn: self.lives.drawn() };
+        *contact = BirthRecord { threshold: life.threshold, drawn: self.lives.drawn() };
         (before, life)
     }
 }

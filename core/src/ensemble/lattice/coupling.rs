@@ -5,7 +5,7 @@ use crate::{Error, Result};
 
 /// Springs between contacts and from each contact to the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coupling {
+pub struct LatticeCoupling {
     /// How contacts lie.
     pub shape: Shape,
     /// What is beyond the outermost; open edges are rigid, and take the outward share of a break.
@@ -16,7 +16,7 @@ pub struct Coupling {
     pub connection: f64,
 }
 
-impl Coupling {
+impl LatticeCoupling {
     /// Springs by which each neighbour gains the share α of what a breaking contact lets go: K_int = α, K_0 = 1 − zα.
     pub fn sharing(shape: Shape, edges: Edges, share: f64) -> Self {
         Self { shape, edges, neighbours: share, connection: 1.0 - shape.neighbours() as f64 * share }

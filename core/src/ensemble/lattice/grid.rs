@@ -1,11 +1,11 @@
 //! Places on a lattice with a rim of empty places around it, so that no neighbour is missing.
 
-use super::coupling::Coupling;
+use super::coupling::LatticeCoupling;
 use crate::shape::Edges;
 
 /// Places in rows, the rim included.
 #[derive(Debug, Clone)]
-pub(super) struct Grid {
+pub(super) struct ContactGrid {
     rows: usize,
     columns: usize,
     edges: Edges,
@@ -14,8 +14,8 @@ pub(super) struct Grid {
     neighbours: usize,
 }
 
-impl Grid {
-    pub(super) fn new(coupling: &Coupling) -> Self {
+impl ContactGrid {
+    pub(super) fn new(coupling: &LatticeCoupling) -> Self {
         let [rows, columns] = coupling.shape.sides();
         let pitch = columns as isize + 2;
         let offsets = [-1, 1, -pitch, pitch];
@@ -75,11 +75,11 @@ mod tests {
     use super::*;
     use crate::shape::Shape;
 
-    fn grid(shape: Shape, edges: Edges) -> Grid {
-        Grid::new(&Coupling::sharing(shape, edges, 0.2))
+    fn grid(shape: Shape, edges: Edges) -> ContactGrid {
+        ContactGrid::new(&LatticeCoupling::sharing(shape, edges, 0.2))
     }
 
-    fn neighbours(grid: &Grid, number: usize) -> Vec<Option<usize>> {
+    fn neighbours(grid: &ContactGrid, number: usize) -> Vec<Option<usize>> {
         let rim = |place: usize| {
             let (row, column) = (place / grid.pitch(), place % grid.pitch());
             row == 0 || row > grid.rows || column == 0 || column > grid.columns

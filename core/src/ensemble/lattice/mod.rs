@@ -10,7 +10,7 @@ mod minima;
 mod state;
 
 pub use avalanche::{Avalanche, record};
-pub use coupling::Coupling;
+pub use coupling::LatticeCoupling;
 pub use state::State;
 
 pub use crate::shape::{Edges, Shape};
@@ -19,8 +19,8 @@ use std::mem;
 
 use rayon::prelude::*;
 
-use self::births::{Births, Born};
-use self::grid::Grid;
+use self::births::{BirthRecord, LatticeBirths};
+use self::grid::ContactGrid;
 use self::minima::Minima;
 use super::{Disorder, Ensemble};
 use crate::contacts::{Contacts, Initial, Stiffness};
@@ -56,7 +56,7 @@ pub enum Until {
 ///
 /// The drive stretches every contact alike, f = k x → k(x + dX), at K_0 = 0 too, until one reaches its threshold k x_s.
 /// All that have reached theirs break together, f → k r, and each neighbour of one gains α(f − k r), α =
-/// [`Coupling::share`]; this makes a generation, and the next one follows until none is left. Re-forming stretches r and
+/// [`LatticeCoupling::share`]; this makes a generation, and the next one follows until none is left. Re-forming stretches r and
 /// thresholds are drawn as in the [`Ensemble`]: at α = 0 contacts live the very lives of [`Ensemble::pull`].
 ///
 /// *Together* is within 1e-13 mean thresholds: contacts that are equal but for rounding stay so. In an identical lattice
@@ -66,12 +66,12 @@ pub enum Until {
 /// where laws are not points, and up to 20 more where it breaks with all others. Stretches are right to 1e-15 however far the drive has come.
 #[derive(Clone)]
 pub struct Lattice {
-    grid: Grid,
+    grid: ContactGrid,
     share: f64,
     dissipated: f64,
-    births: Births,
+    births: LatticeBirths,
     /// What contacts were born with, along rows; empty where all are the same.
-    born: Vec<Born>,
+    born: Vec<BirthRecord>,
     /// The drive since `base` at which the contact at a place breaks; infinite on the rim.
     ends: Vec<f64>,
     minima: Minima,
@@ -102,12 +102,12 @@ impl Lattice {
     /// What stands at its threshold in a relaxed start breaks in the first avalanche, at X = 0.
     ///
     /// # Errors
-    /// What [`Coupling::check`] and [`Ensemble::new`] refuse; stiffness per threshold; rules of time; more contacts than
+    /// What [`LatticeCoupling::check`] and [`Ensemble::new`] refuse; stiffness per threshold; rules of time; more contacts than
     /// fit in 16 GiB.
     pub fn new(
         contacts: Contacts,
         initial: Initial,
-        coupling: &Coupling,
+        coupling: &LatticeCoupling,
         seed: u64,
         disorder: Disorder,
     ) -> Result<Self> {
@@ -122,7 +122,7 @@ impl Lattice {
         memory: u64,
         contacts: Contacts,
         initial: Initial,
-        coupling: &Coupling,
+        coupling: &LatticeCoupling,
         seed: u64,
         disorder: Disorder,
     ) -> Result<Self> {
@@ -133,8 +133,8 @@ impl Lattice {
         let size = coupling.shape.size();
         let ensemble = Ensemble::new(contacts, initial, size, seed, disorder)?;
         let mean = ensemble.contacts.thresholds.mean();
-        let grid = Grid::new(coupling);
-        let births = Births::new(&ensemble);
+        let grid = ContactGrid::new(coupling);
+        let births = LatticeBirths::new(&ensemble);
         let (ends, born) = newborn(&births, &grid);
         let mut lattice = Self {
             share: coupling.share(),
@@ -164,7 +164,7 @@ impl Lattice {
     ///
     /// # Errors
     /// The first thing refused, with the path of its key in a scenario.
-    pub fn check(contacts: &Contacts, coupling: &Coupling) -> Result<()> {
+    pub fn check(contacts: &Contacts, coupling: &LatticeCoupling) -> Result<()> {
         coupling.check().map_err(|e| e.under("interface"))?;
         stiffness(contacts).map(drop)
     }
@@ -291,8 +291,8 @@ fn stiffness(contacts: &Contacts) -> Result<f64> {
 }
 
 /// Contacts as they are at X = 0: where they break, and what they were born with.
-fn newborn(births: &Births, grid: &Grid) -> (Vec<f64>, Vec<Born>) {
-    let contacts: Vec<(f64, Born)> = (0..grid.size())
+fn newborn(births: &LatticeBirths, grid: &ContactGrid) -> (Vec<f64>, Vec<BirthRecord>) {
+    let contacts: Vec<(f64, BirthRecord)> = (0..grid.size())
         .into_par_iter()
         .with_min_len(CHUNK)
         .map_init(|| births.clone(), |births, number| births.first(number))

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::births::Born;
+use super::births::BirthRecord;
 use super::{Lattice, Minima};
 use crate::numerics::compensated::Compensated;
 use crate::{Error, Result};
@@ -15,7 +15,7 @@ pub struct State {
     stretch: Compensated,
     /// Where contacts break, along rows.
     ends: Vec<f64>,
-    born: Vec<Born>,
+    born: Vec<BirthRecord>,
 }
 
 impl Lattice {

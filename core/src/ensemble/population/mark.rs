@@ -2,7 +2,7 @@
 
 use super::EnsemblePopulation;
 use crate::Result;
-use crate::ensemble::queue::{Contact, Queue, SLICE};
+use crate::ensemble::queue::{Queue, QueuedContact, SLICE};
 use crate::ensemble::sums::Sums;
 use crate::monitor::{Monitor, report};
 use crate::numerics::compensated::Compensated;
@@ -10,7 +10,7 @@ use crate::population::Direction;
 
 /// A state to come back to, at a cost of memory in proportion to the breaks since.
 #[derive(Clone)]
-pub(super) struct Mark {
+pub(super) struct ReturnMark {
     facing: Direction,
     moved: Direction,
     position: f64,
@@ -19,12 +19,12 @@ pub(super) struct Mark {
     sums: Sums,
     lost: Compensated,
     breaks: u64,
-    free: Vec<Contact>,
+    free: Vec<QueuedContact>,
     /// What has broken since, as it was before, again for each time that it did.
-    broken: Vec<Contact>,
+    broken: Vec<QueuedContact>,
 }
 
-impl Mark {
+impl ReturnMark {
     /// The present state of a population, in the memory of the mark before.
     pub(super) fn of(population: &EnsemblePopulation, before: Option<Self>) -> Self {
         let mut broken = before.map(|mark| mark.broken).unwrap_or_default();
@@ -48,7 +48,7 @@ impl Mark {
 
     /// Hears of a break, seen in a direction.
     #[inline]
-    pub(super) fn hear(&mut self, contact: &Contact, facing: Direction) {
+    pub(super) fn hear(&mut self, contact: &QueuedContact, facing: Direction) {
         self.broken.push(if facing == self.facing { *contact } else { contact.mirrored() });
     }
 
@@ -63,7 +63,7 @@ impl Mark {
         let mut changed = vec![false; population.size];
         self.free.iter().for_each(|contact| changed[contact.index as usize] = true);
         // What was free and has broken since was not attached.
-        let first = |contact: &Contact| !std::mem::replace(&mut changed[contact.index as usize], true);
+        let first = |contact: &QueuedContact| !std::mem::replace(&mut changed[contact.index as usize], true);
         let mut contacts = self.broken;
         contacts.retain(first);
         contacts.reserve(population.size - contacts.len());

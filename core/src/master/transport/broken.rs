@@ -8,31 +8,31 @@ use crate::numerics::compensated::Compensated;
 
 /// What breaks in a step: N(t) − N(t₀) in the middle and at the end, N being quadratic in between and rising.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Share {
+pub(super) struct BrokenShare {
     pub(super) middle: f64,
     pub(super) end: f64,
 }
 
 /// What is born in a step: how much, and its first moment about the middle in units of the duration.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Born {
+pub(super) struct BirthMoments {
     pub(super) mass: f64,
     pub(super) moment: f64,
 }
 
 /// A step that is done.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-struct Past {
+struct BreakHistory {
     start: f64,
     duration: f64,
     /// N at the start, without what broke together.
     before: f64,
-    share: Share,
+    share: BrokenShare,
 }
 
 /// Contacts that broke at one moment.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct Lump {
+pub(super) struct DelayedPointMass {
     pub(super) time: f64,
     pub(super) mass: f64,
 }
@@ -42,8 +42,8 @@ pub(super) struct Lump {
 pub(super) struct Broken {
     #[serde(skip)]
     delay: f64,
-    past: VecDeque<Past>,
-    waiting: VecDeque<Lump>,
+    past: VecDeque<BreakHistory>,
+    waiting: VecDeque<DelayedPointMass>,
     /// All that broke one by one, and what has been born of it.
     broken: Compensated,
     born: Compensated,
@@ -51,7 +51,7 @@ pub(super) struct Broken {
     struck: f64,
 }
 
-impl Share {
+impl BrokenShare {
     /// The share as near as N can rise everywhere.
     pub(super) fn rising(self) -> Self {
         let end = self.end.max(0.0);
@@ -111,9 +111,9 @@ impl Broken {
     /// What is born in a step from `start`, in which `share` breaks.
     ///
     /// ∫(t − t_m) dN(t − τ) = ½h[N(t₀ − τ) + N(t₁ − τ)] − ∫N, with N above what has been born.
-    pub(super) fn births(&self, start: f64, duration: f64, share: Share) -> Born {
+    pub(super) fn births(&self, start: f64, duration: f64, share: BrokenShare) -> BirthMoments {
         let (from, to) = (-self.delay, duration - self.delay);
-        let now = Past { start, duration, before: self.broken.value(), share };
+        let now = BreakHistory { start, duration, before: self.broken.value(), share };
         let origin = self.born.value();
         let mut integral = 0.0;
         let (mut first, mut last) = (None, 0.0);
@@ -130,18 +130,18 @@ impl Broken {
             integral += (high - low) / 6.0 * (a + 4.0 * b + c);
             last = c;
         }
-        let Some((begun, low)) = first else { return Born::default() };
+        let Some((begun, low)) = first else { return BirthMoments::default() };
         integral += begun * (low - from);
         let mass = last.max(0.0);
         let moment = (0.5 * (begun + last) - integral / duration).clamp(-MOST * mass, MOST * mass);
-        Born { mass, moment }
+        BirthMoments { mass, moment }
     }
 
     /// Keeps a step.
-    pub(super) fn keep(&mut self, start: f64, duration: f64, share: Share, born: f64) {
+    pub(super) fn keep(&mut self, start: f64, duration: f64, share: BrokenShare, born: f64) {
         let before = self.broken.value();
         if self.delay > 0.0 {
-            self.past.push_back(Past { start, duration, before, share });
+            self.past.push_back(BreakHistory { start, duration, before, share });
             let horizon = start + duration - self.delay;
             while self.past.front().is_some_and(|past| past.start + past.duration < horizon) {
                 self.past.pop_front();
@@ -153,7 +153,7 @@ impl Broken {
 
     /// Contacts break together, to be born after the delay.
     pub(super) fn strike(&mut self, time: f64, mass: f64) {
-        self.waiting.push_back(Lump { time: time + self.delay, mass });
+        self.waiting.push_back(DelayedPointMass { time: time + self.delay, mass });
         self.struck += mass;
     }
 
@@ -163,7 +163,7 @@ impl Broken {
     }
 
     /// The point masses born until now.
-    pub(super) fn due(&mut self, time: f64) -> Option<Lump> {
+    pub(super) fn due(&mut self, time: f64) -> Option<DelayedPointMass> {
         if self.next_lump()? <= time { self.waiting.pop_front() } else { None }
     }
 
@@ -172,7 +172,7 @@ impl Broken {
         let mut broken = Self::new(delay);
         if delay > 0.0 {
             let end = rate * delay;
-            let share = Share { middle: 0.5 * end, end };
+            let share = BrokenShare { middle: 0.5 * end, end };
             broken.keep(-delay, delay, share, 0.0);
         }
         broken

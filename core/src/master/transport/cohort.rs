@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::broken::Share;
-use super::model::{Model, State, Tools};
-use super::path::{Part, Path};
+use super::broken::BrokenShare;
+use super::model::{CohortThresholds, Model, Tools};
+use super::path::{Path, StepPart};
 use super::seeds::Seed;
 use crate::monitor::Watch;
 use crate::rate_dependent::StretchInterval;
@@ -29,7 +29,7 @@ pub(super) struct Cohort {
     /// The number of the seed that they re-formed at.
     seed: Option<u32>,
     /// The thresholds of those that are left, …
-    state: State,
+    state: CohortThresholds,
     /// … their share, and their stiffness per contact born, in units of ⟨k⟩ or κ.
     pub(super) left: f64,
     stiffness: f64,
@@ -88,14 +88,19 @@ impl Cohort {
     }
 
     /// Goes a whole step: what breaks, and energies, with the stiffness as a parabola in time.
-    pub(super) fn cross(&mut self, model: &Model, path: &Path, tools: &mut Tools<'_, '_>) -> (Share, Spent) {
+    pub(super) fn cross(
+        &mut self,
+        model: &Model,
+        path: &Path,
+        tools: &mut Tools<'_, '_>,
+    ) -> (BrokenShare, Spent) {
         let (from, stiffness) = (self.place.stretch, self.tangent());
-        let (middle, first) = self.advance(model, path, Part::First, tools);
+        let (middle, first) = self.advance(model, path, StepPart::First, tools);
         let between = self.tangent();
-        let (end, second) = self.advance(model, path, Part::Second, tools);
+        let (end, second) = self.advance(model, path, StepPart::Second, tools);
         let changes = [between - stiffness, self.tangent() - between];
         let spent = Spent::on(from, self.place.stretch, changes, [first, second]);
-        (Share { middle, end: middle + end }, spent)
+        (BrokenShare { middle, end: middle + end }, spent)
     }
 
     /// Goes from where it is born in a step to its end: the fraction of all contacts that breaks, and energies.
@@ -103,7 +108,7 @@ impl Cohort {
         &mut self,
         model: &Model,
         path: &Path,
-        part: Part,
+        part: StepPart,
         tools: &mut Tools<'_, '_>,
     ) -> (f64, Spent) {
         let (from, stiffness) = (self.place.stretch, self.tangent());
@@ -117,7 +122,7 @@ impl Cohort {
         &mut self,
         model: &Model,
         path: &Path,
-        part: Part,
+        part: StepPart,
         tools: &mut Tools<'_, '_>,
     ) -> (f64, f64) {
         let before = self.left;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cohort::Place;
 use super::model::Tools;
-use super::path::{Part, Path};
+use super::path::{Path, StepPart};
 use super::seeds::Seed;
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
@@ -23,7 +23,7 @@ pub(super) struct Diffusing {
     temperature: Option<Temperature>,
     stiffness: Stiffness,
     /// Newborn contacts where they re-form, in the order of their stretches.
-    newborn: Vec<Masses>,
+    newborn: Vec<ThresholdMasses>,
     /// The shortest time in which newborn thresholds change much.
     time: f64,
     /// The share of its age (and of that time) that a coarse step of a cohort may take, …
@@ -37,20 +37,20 @@ const LEVELS: usize = 2;
 
 /// The masses of a cohort in the cells of each level, as shares of its contacts, above a stretch.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Masses {
+pub(super) struct ThresholdMasses {
     stretch: f64,
     levels: [Vec<f64>; LEVELS],
 }
 
 /// Contacts that hold, and those that heat breaks per time: how many, and their stiffness.
 #[derive(Debug, Clone, Copy, Default)]
-struct Standing {
+struct StandingContacts {
     count: f64,
     heated: f64,
     stiffness: f64,
 }
 
-impl Standing {
+impl StandingContacts {
     /// The stiffness of what broke from here to `after`; what heat did not break met its threshold at a stretch.
     fn broken(&self, after: &Self, time: f64, stretch: f64) -> f64 {
         let by_heat = 0.5 * time * (self.heated + after.heated);
@@ -60,14 +60,14 @@ impl Standing {
 
 /// A way that a cohort goes at one velocity, on one side of the lowest threshold.
 #[derive(Debug, Clone, Copy)]
-struct Segment {
+struct PathSegment {
     /// Stretches at both ends.
     from: f64,
     to: f64,
     duration: f64,
 }
 
-impl Segment {
+impl PathSegment {
     /// The k-th of so many equal parts.
     fn part(&self, k: u32, parts: u32) -> Self {
         let at = |k: u32| self.from + (self.to - self.from) * f64::from(k) / f64::from(parts);
@@ -145,18 +145,18 @@ impl Diffusing {
     }
 
     /// Whether there is a mass in each cell of each level.
-    pub(super) fn fits(&self, masses: &Masses) -> bool {
+    pub(super) fn fits(&self, masses: &ThresholdMasses) -> bool {
         self.levels.iter().zip(&masses.levels).all(|(level, masses)| level.cells() == masses.len())
     }
 
     /// P_ci above the stretch of a seed.
-    pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> Masses {
+    pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> ThresholdMasses {
         let found = self.newborn.binary_search_by(|masses| masses.stretch.total_cmp(&seed.stretch));
         found.map_or_else(|_| self.above(seed.stretch, watch), |place| self.newborn[place].clone())
     }
 
     /// P_ci above a stretch.
-    fn above(&self, stretch: f64, watch: &Watch<'_>) -> Masses {
+    fn above(&self, stretch: f64, watch: &Watch<'_>) -> ThresholdMasses {
         let (floor, ceiling) = (self.floor(stretch), self.maturing.support.1);
         let share = |level: &MovingGrid| {
             let middles: Vec<f64> = level.middles(floor, ceiling).collect();
@@ -168,7 +168,7 @@ impl Diffusing {
             masses.iter_mut().for_each(|mass| *mass /= whole);
             masses
         };
-        Masses { stretch, levels: self.levels.each_ref().map(share) }
+        ThresholdMasses { stretch, levels: self.levels.each_ref().map(share) }
     }
 
     fn floor(&self, stretch: f64) -> f64 {
@@ -179,9 +179,9 @@ impl Diffusing {
     pub(super) fn advance(
         &self,
         place: Place,
-        masses: &mut Masses,
+        masses: &mut ThresholdMasses,
         path: &Path,
-        part: Part,
+        part: StepPart,
         tools: &mut Tools<'_, '_>,
     ) -> f64 {
         let stiffness = self.measure(masses).1;
@@ -216,7 +216,7 @@ impl Diffusing {
     }
 
     /// The ways of a part, between where the stretch meets the lowest threshold.
-    fn legs(&self, place: Place, path: &Path, part: Part) -> Vec<Segment> {
+    fn legs(&self, place: Place, path: &Path, part: StepPart) -> Vec<PathSegment> {
         let low = self.maturing.support.0;
         let (from, to) = part.ends();
         let (start, by, time) = (place.stretch, path.advance(from, to), path.time(part));
@@ -224,7 +224,7 @@ impl Diffusing {
         let mut ends: Vec<f64> = [-low, low].map(meets).into_iter().filter(|&s| s > 0.0 && s < 1.0).collect();
         ends.extend([0.0, 1.0]);
         ends.sort_by(f64::total_cmp);
-        let leg = |ends: &[f64]| Segment {
+        let leg = |ends: &[f64]| PathSegment {
             from: start + by * ends[0],
             to: start + by * ends[1],
             duration: time * (ends[1] - ends[0]),
@@ -233,13 +233,19 @@ impl Diffusing {
     }
 
     /// In how many coarse steps a way may be gone at an age.
-    fn steps(&self, leg: &Segment, age: f64) -> f64 {
+    fn steps(&self, leg: &PathSegment, age: f64) -> f64 {
         let longest = self.share * (self.time + age);
         (leg.duration / longest).max((leg.to - leg.from).abs() / self.reach)
     }
 
     /// A step of one level: the stiffness of what breaks.
-    fn step(&self, leg: &Segment, level: usize, masses: &mut Masses, room: &mut Workspace) -> f64 {
+    fn step(
+        &self,
+        leg: &PathSegment,
+        level: usize,
+        masses: &mut ThresholdMasses,
+        room: &mut Workspace,
+    ) -> f64 {
         let (low, ceiling) = self.maturing.support;
         let (cells, masses) = (&self.levels[level], &mut masses.levels[level]);
         let [start, end] = [leg.from, leg.to].map(f64::abs);
@@ -266,15 +272,15 @@ impl Diffusing {
     }
 
     /// What stands, and what heat breaks of it; not counted where all are equally stiff, as nothing hangs on it.
-    fn standing(&self, stretch: f64, cells: &MovingGrid, masses: &[f64]) -> Standing {
+    fn standing(&self, stretch: f64, cells: &MovingGrid, masses: &[f64]) -> StandingContacts {
         if self.is_equal() {
-            return Standing::default();
+            return StandingContacts::default();
         }
         let rate = |h: f64| self.temperature.map_or(0.0, |t| t.rate(stretch, h, self.stiffness.of(h)));
         let middles = cells.middles(self.floor(stretch), self.maturing.support.1);
-        middles.zip(masses).fold(Standing::default(), |sum, (h, mass)| {
+        middles.zip(masses).fold(StandingContacts::default(), |sum, (h, mass)| {
             let heated = rate(h) * mass;
-            Standing {
+            StandingContacts {
                 count: sum.count + mass,
                 heated: sum.heated + heated,
                 stiffness: sum.stiffness + heated * h,
@@ -283,7 +289,7 @@ impl Diffusing {
     }
 
     /// The share that is left, and its stiffness.
-    pub(super) fn measure(&self, masses: &Masses) -> (f64, f64) {
+    pub(super) fn measure(&self, masses: &ThresholdMasses) -> (f64, f64) {
         let count = extrapolated(masses.levels.each_ref().map(|masses| masses.iter().sum()));
         if self.is_equal() {
             return (count, count.max(0.0));

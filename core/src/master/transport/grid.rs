@@ -3,7 +3,7 @@
 //! The lower the temperature, the more of these panels there are; only some of them matter at a time. They are told by
 //! formula: the panels of the law, each cut into parts of equal [`Folds`].
 
-use super::panels::{Panel, panels};
+use super::panels::{LabelPanel, panels};
 use crate::contacts::{Barrier, Contacts, Stiffness, Temperature};
 use crate::law::Law;
 
@@ -27,15 +27,15 @@ struct Folds {
 
 /// The panels of a law at a temperature.
 #[derive(Debug)]
-pub(super) struct Grid {
-    pieces: Vec<Piece>,
+pub(super) struct LabelGrid {
+    pieces: Vec<GridPiece>,
     folds: Folds,
 }
 
 /// A panel of the law, cut into parts.
 #[derive(Debug)]
-struct Piece {
-    whole: Panel,
+struct GridPiece {
+    whole: LabelPanel,
     /// u at its lower end, and by how much it grows on a part.
     low: f64,
     step: f64,
@@ -88,16 +88,16 @@ impl Folds {
     }
 }
 
-impl Grid {
+impl LabelGrid {
     pub(super) fn new(law: &dyn Law, contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> Self {
         /// So many parts of a panel are more than its ends have digits for.
         const FINEST: f64 = 1e15;
         let folds = Folds::new(contacts, temperature, tolerance);
         let mut first = 0;
-        let piece = |whole: Panel| {
+        let piece = |whole: LabelPanel| {
             let (low, high) = (folds.at(whole.low), folds.at(whole.high));
             let count = ((high - low) / folds.most).ceil().clamp(1.0, FINEST);
-            let piece = Piece { whole, low, step: (high - low) / count, first, count: count as u64 };
+            let piece = GridPiece { whole, low, step: (high - low) / count, first, count: count as u64 };
             first += piece.count;
             piece
         };
@@ -111,10 +111,10 @@ impl Grid {
     }
 
     /// The panel of a number.
-    pub(super) fn panel(&self, number: u64) -> Panel {
+    pub(super) fn panel(&self, number: u64) -> LabelPanel {
         let piece = &self.pieces[self.pieces.partition_point(|piece| piece.first <= number) - 1];
         let part = number - piece.first;
-        Panel { low: self.edge(piece, part), high: self.edge(piece, part + 1) }
+        LabelPanel { low: self.edge(piece, part), high: self.edge(piece, part + 1) }
     }
 
     /// The number of the first panel that reaches above a label.
@@ -137,7 +137,7 @@ impl Grid {
         piece.first + part
     }
 
-    fn edge(&self, piece: &Piece, part: u64) -> f64 {
+    fn edge(&self, piece: &GridPiece, part: u64) -> f64 {
         if part == 0 {
             piece.whole.low
         } else if part == piece.count {
@@ -167,7 +167,7 @@ mod tests {
                 let contacts =
                     Contacts { stiffness, ..Contacts::new(law.clone(), Arc::new(Point::new(0.0).unwrap())) };
                 let temperature = Temperature { energy: 1e-6, attempt_rate: 1.0, barrier };
-                let grid = Grid::new(law.as_ref(), &contacts, &temperature, 1e-6);
+                let grid = LabelGrid::new(law.as_ref(), &contacts, &temperature, 1e-6);
                 let ln_rate = |x: f64, h: f64| -temperature.exponent(x, h, stiffness.of(h));
                 for label in [1e-3, 0.01, 0.3, 1.2] {
                     let number = grid.above(label);

@@ -41,7 +41,7 @@ use diffusing::Diffusing;
 use model::Model;
 use pace::Pace;
 use path::Path;
-use ranked::Ranks;
+use ranked::RankedThresholds;
 pub use response::StepResponse;
 use seeds::{Seed, seeds};
 pub use stability::Slider;
@@ -544,7 +544,7 @@ fn model(
 ) -> Result<Model> {
     report(monitor, 0.0)?;
     if let Some(strength) = strength {
-        return Ok(Model::Ranked(Box::new(Ranks::new(contacts, strength, tolerance))));
+        return Ok(Model::Ranked(Box::new(RankedThresholds::new(contacts, strength, tolerance))));
     }
     let diffusing = Diffusing::new(contacts, seeds, pace::scale(contacts), tolerance, monitor)?;
     Ok(Model::Diffusing(Box::new(diffusing.expect("thresholds that diffuse have a mature law"))))

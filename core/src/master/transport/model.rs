@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::cohort::Place;
-use super::diffusing::{Diffusing, Masses};
-use super::path::{Part, Path};
-use super::ranked::{Left, Ranks};
+use super::diffusing::{Diffusing, ThresholdMasses};
+use super::path::{Path, StepPart};
+use super::ranked::{Left, RankedThresholds};
 use super::seeds::Seed;
 use crate::monitor::Watch;
 use crate::numerics::diffusion::Workspace;
@@ -14,7 +14,7 @@ use crate::numerics::diffusion::Workspace;
 #[derive(Debug)]
 pub(super) enum Model {
     /// They follow from the age of a contact.
-    Ranked(Box<Ranks>),
+    Ranked(Box<RankedThresholds>),
     /// They diffuse.
     Diffusing(Box<Diffusing>),
 }
@@ -33,25 +33,25 @@ impl<'a, 'm> Tools<'a, 'm> {
 
 /// The thresholds of a cohort.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) enum State {
+pub(super) enum CohortThresholds {
     Ranked(Left),
-    Diffusing(Masses),
+    Diffusing(ThresholdMasses),
 }
 
 impl Model {
     /// The thresholds of contacts born at a seed.
-    pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> State {
+    pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> CohortThresholds {
         match self {
-            Self::Ranked(ranks) => State::Ranked(ranks.newborn(seed)),
-            Self::Diffusing(diffusing) => State::Diffusing(diffusing.newborn(seed, watch)),
+            Self::Ranked(ranks) => CohortThresholds::Ranked(ranks.newborn(seed)),
+            Self::Diffusing(diffusing) => CohortThresholds::Diffusing(diffusing.newborn(seed, watch)),
         }
     }
 
     /// Whether these thresholds are told as this model tells them.
-    pub(super) fn fits(&self, state: &State) -> bool {
+    pub(super) fn fits(&self, state: &CohortThresholds) -> bool {
         match (self, state) {
-            (Self::Ranked(ranks), State::Ranked(left)) => ranks.fits(left),
-            (Self::Diffusing(diffusing), State::Diffusing(masses)) => diffusing.fits(masses),
+            (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => ranks.fits(left),
+            (Self::Diffusing(diffusing), CohortThresholds::Diffusing(masses)) => diffusing.fits(masses),
             _ => false,
         }
     }
@@ -60,15 +60,17 @@ impl Model {
     /// break, per contact born.
     pub(super) fn advance(
         &self,
-        state: &mut State,
+        state: &mut CohortThresholds,
         place: Place,
         path: &Path,
-        part: Part,
+        part: StepPart,
         tools: &mut Tools<'_, '_>,
     ) -> f64 {
         match (self, state) {
-            (Self::Ranked(ranks), State::Ranked(left)) => ranks.advance(place, left, path, part.ends()),
-            (Self::Diffusing(diffusing), State::Diffusing(masses)) => {
+            (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => {
+                ranks.advance(place, left, path, part.ends())
+            }
+            (Self::Diffusing(diffusing), CohortThresholds::Diffusing(masses)) => {
                 diffusing.advance(place, masses, path, part, tools)
             }
             _ => unreachable!("cohorts are made by the model that moves them"),
@@ -76,26 +78,34 @@ impl Model {
     }
 
     /// The share of the contacts that is left, and their stiffness per contact born.
-    pub(super) fn measure(&self, state: &State, age: f64) -> (f64, f64) {
+    pub(super) fn measure(&self, state: &CohortThresholds, age: f64) -> (f64, f64) {
         match (self, state) {
-            (Self::Ranked(ranks), State::Ranked(left)) => ranks.measure(left, age),
-            (Self::Diffusing(diffusing), State::Diffusing(masses)) => diffusing.measure(masses),
+            (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => ranks.measure(left, age),
+            (Self::Diffusing(diffusing), CohortThresholds::Diffusing(masses)) => diffusing.measure(masses),
             _ => unreachable!("cohorts are made by the model that moves them"),
         }
     }
 
     /// Lets go those that stand at a threshold that many share; whether there may be such.
-    pub(super) fn strike(&self, state: &mut State, place: Place) -> bool {
+    pub(super) fn strike(&self, state: &mut CohortThresholds, place: Place) -> bool {
         match (self, state) {
-            (Self::Ranked(ranks), State::Ranked(left)) => ranks.strike(place, left),
+            (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => ranks.strike(place, left),
             _ => false,
         }
     }
 
     /// When contacts at one stretch that move at `velocity` meet a threshold that many share, up to `limit`.
-    pub(super) fn strikes(&self, state: &State, place: Place, velocity: f64, limit: f64) -> Option<f64> {
+    pub(super) fn strikes(
+        &self,
+        state: &CohortThresholds,
+        place: Place,
+        velocity: f64,
+        limit: f64,
+    ) -> Option<f64> {
         match (self, state) {
-            (Self::Ranked(ranks), State::Ranked(left)) => ranks.strikes(place, left, velocity, limit),
+            (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => {
+                ranks.strikes(place, left, velocity, limit)
+            }
             _ => None,
         }
     }

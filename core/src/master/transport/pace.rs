@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::broken::Share;
+use super::broken::BrokenShare;
 use super::trial::Deaths;
 use crate::contacts::Contacts;
 use crate::law::Law;
@@ -23,7 +23,7 @@ pub(super) struct Pace {
     /// The duration that the next step may have.
     next: f64,
     /// The last step, as long as the next one goes on like it.
-    last: Option<(f64, Share)>,
+    last: Option<(f64, BrokenShare)>,
 }
 
 /// The longest step in units of the length on which lives vary is this times the fourth root of the tolerance.
@@ -95,7 +95,7 @@ impl Pace {
     }
 
     /// Whether a step of a duration is good enough; says how long the next one may be.
-    pub(super) fn judge(&mut self, duration: f64, share: Share, deaths: Deaths) -> bool {
+    pub(super) fn judge(&mut self, duration: f64, share: BrokenShare, deaths: Deaths) -> bool {
         let surprise = self.surprise(duration, share) / self.surprise;
         let bend = share.end * deaths.curve().1.abs() / self.bend;
         let early = deaths.early / MOST_DEATHS;
@@ -114,7 +114,7 @@ impl Pace {
 
     /// How far what breaks is from what the straight line of the last breaking rate foretells; after a turn, how far the
     /// breaking rate is from constant.
-    fn surprise(&self, duration: f64, share: Share) -> f64 {
+    fn surprise(&self, duration: f64, share: BrokenShare) -> f64 {
         let Some((before, last)) = self.last else { return (share.end - 2.0 * share.middle).abs() };
         let tilt = 4.0 * (last.end - 2.0 * last.middle);
         let between = 0.5 * (1.0 + duration / before);
@@ -139,7 +139,7 @@ impl Pace {
     }
 
     /// The step before the next one, if that goes on like it.
-    pub(super) fn last(&self) -> Option<(f64, Share)> {
+    pub(super) fn last(&self) -> Option<(f64, BrokenShare)> {
         self.last
     }
 }

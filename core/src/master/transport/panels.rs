@@ -14,12 +14,12 @@ const BEYOND: f64 = 1e-17;
 
 /// A part of the stretches, with no break of the density inside.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Panel {
+pub(super) struct LabelPanel {
     pub(super) low: f64,
     pub(super) high: f64,
 }
 
-impl Panel {
+impl LabelPanel {
     /// The panel, cut so that no part spans more than so many octaves: Gauss points follow any power of the stretch on one.
     pub(super) fn graded(self, octaves: f64) -> impl Iterator<Item = Self> {
         let all = if self.low > 0.0 { (self.high / self.low).log2() } else { octaves };
@@ -59,7 +59,7 @@ impl Panel {
 }
 
 /// The panels that hold the density of a law, none wider than `widest`.
-pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<Panel> {
+pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<LabelPanel> {
     let top = law.upper_quantile(0.0).min(law.upper_quantile(BEYOND));
     let zones = law.zones();
     let mut stops: Vec<f64> = zones.iter().flat_map(|zone| [zone.low, zone.high]).collect();
@@ -81,7 +81,7 @@ pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<Panel> {
             if tail { low * (high / low).powf(k / count) } else { low + (high - low) * k / count }
         };
         let parts =
-            (0..count as u32).map(|k| Panel { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) });
+            (0..count as u32).map(|k| LabelPanel { low: edge(f64::from(k)), high: edge(f64::from(k) + 1.0) });
         let graded = parts.flat_map(|part| part.graded(1.0));
         panels.extend(graded.filter(|panel| panel.points().any(|(x, _)| law.density(x) > 0.0)));
     }
@@ -108,7 +108,7 @@ mod tests {
             Arc::new(Weibull::new(0.6, 1.0).unwrap()),
         ];
         for law in laws {
-            let points = panels(law.as_ref(), f64::INFINITY).into_iter().flat_map(Panel::points);
+            let points = panels(law.as_ref(), f64::INFINITY).into_iter().flat_map(LabelPanel::points);
             let whole: f64 = points.map(|(x, weight)| weight * law.density(x)).sum();
             // What 16 points leave out of the tails.
             assert!((whole - 1.0).abs() < 1e-11, "{}: {whole}", law.name());

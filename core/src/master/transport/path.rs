@@ -11,7 +11,7 @@ pub(super) struct Path {
 
 /// A part of a step that a cohort goes in one go.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum StepPart {
     /// To the middle.
     First,
     /// From the middle to the end.
@@ -22,7 +22,7 @@ pub(super) enum Part {
     Late,
 }
 
-impl Part {
+impl StepPart {
     /// The fractions between which it lies.
     pub(super) fn ends(self) -> (f64, f64) {
         match self {
@@ -46,7 +46,7 @@ impl Path {
     }
 
     /// How long a part lasts.
-    pub(super) fn time(&self, part: Part) -> f64 {
+    pub(super) fn time(&self, part: StepPart) -> f64 {
         let (from, to) = part.ends();
         (to - from) * self.duration
     }

@@ -3,7 +3,7 @@
 //! A contact born with the threshold h_0 ~ P_ci, above its stretch then, is left with the probability e^{−A}, A = ∫w dt,
 //! while its present threshold has stayed above its stretch: while h_0 > c, the largest newborn threshold that the stretch
 //! has met. The share left is ∫_c^∞ P_ci e^{−A} dh_0 over that at birth. A falls with h_0, by e at least where E_0 grows by T:
-//! it is kept on a *band* of thresholds only, at Gauss points of the panels of a [`Grid`]. Contacts below the band are gone,
+//! it is kept on a *band* of thresholds only, at Gauss points of the panels of a [`LabelGrid`]. Contacts below the band are gone,
 //! those above it untouched. The lower the temperature, the narrower the band; of no width, it is c. On the panel where c
 //! lies ln A is the polynomial through its values there, for which the rate is continued past y = 1.
 
@@ -13,11 +13,11 @@ use std::sync::{Arc, PoisonError, RwLock};
 use serde::{Deserialize, Serialize};
 
 use super::cohort::Place;
-use super::grid::Grid;
+use super::grid::LabelGrid;
 use super::panels::panels;
 use super::path::Path;
 use super::seeds::Seed;
-use super::thermal::{Moment, Passage, Thermal};
+use super::thermal::{QuadratureMoment, StepPassage, ThermalBreaking};
 use crate::contacts::{Barrier, Contacts, Label, Rank, Stiffness, Temperature, ThresholdEvolution};
 use crate::law::{Atom, SharedLaw};
 use crate::numerics::legendre::{NODES, Nodal};
@@ -25,12 +25,12 @@ use crate::numerics::roots::{brent_minimum, brent_root};
 
 /// Thresholds that follow from age.
 #[derive(Debug)]
-pub(super) struct Ranks {
+pub(super) struct RankedThresholds {
     law: SharedLaw,
     strength: ThresholdEvolution,
     stiffness: Stiffness,
     /// Where temperature is felt.
-    thermal: Option<(Thermal, Grid)>,
+    thermal: Option<(ThermalBreaking, LabelGrid)>,
     atoms: Vec<Atom>,
     /// Ranks on panels of the grid: they take long to find, and all cohorts have the same.
     ranks: RwLock<HashMap<u64, Arc<PanelRanks>>>,
@@ -111,14 +111,14 @@ impl Band {
     }
 }
 
-impl Ranks {
+impl RankedThresholds {
     /// Contacts of a [`ThresholdEvolution`].
     pub(super) fn new(contacts: &Contacts, strength: ThresholdEvolution, tolerance: f64) -> Self {
         let law = contacts.thresholds.clone();
         let felt = contacts.rules.temperature.filter(|t| is_felt(contacts, t, tolerance));
         let thermal = felt.map(|t| {
-            let thermal = Thermal::new(contacts, t, moved(contacts, &t, 1.0), tolerance);
-            (thermal, Grid::new(law.as_ref(), contacts, &t, tolerance))
+            let thermal = ThermalBreaking::new(contacts, t, moved(contacts, &t, 1.0), tolerance);
+            (thermal, LabelGrid::new(law.as_ref(), contacts, &t, tolerance))
         });
         let atoms = law.atoms();
         let highest = panels(law.as_ref(), f64::INFINITY).last().map(|panel| panel.high);
@@ -154,7 +154,7 @@ impl Ranks {
 
     /// Whether there is a share of each atom, and a band on panels that there are if temperature breaks any.
     pub(super) fn fits(&self, left: &Left) -> bool {
-        let fits = |band: &Band, grid: &Grid| {
+        let fits = |band: &Band, grid: &LabelGrid| {
             band.exponents.len() == band.weights.len() && (band.is_empty() || band.end() <= grid.count())
         };
         left.atoms.len() == self.atoms.len()
@@ -182,7 +182,7 @@ impl Ranks {
 
     fn go(&self, place: Place, left: &mut Left, path: &Path, ends: (f64, f64)) {
         let passage =
-            Passage { strength: &self.strength, stretch: place.stretch, age: place.age, path, ends };
+            StepPassage { strength: &self.strength, stretch: place.stretch, age: place.age, path, ends };
         let (stretch, aged) = passage.at(ends.1);
         left.met = left.met.max(aged.newborn(stretch)).max(self.met_between(&passage));
         let (below, above) = (place.below, place.above);
@@ -196,10 +196,10 @@ impl Ranks {
 
     /// The largest newborn threshold that the stretch meets at a time inside of a step: those beside an edge of the law may fall,
     /// and rise again, long before the step is over. Below 0 where it meets none.
-    fn met_between(&self, passage: &Passage<'_>) -> f64 {
+    fn met_between(&self, passage: &StepPassage<'_>) -> f64 {
         /// The share of the time of meeting that does not matter: the threshold is a maximum.
         const PRECISE: f64 = 1e-6;
-        let &Passage { age, path, ends: (from, to), .. } = passage;
+        let &StepPassage { age, path, ends: (from, to), .. } = passage;
         let older = age + path.duration * (to - from);
         let between = self.octaves.iter().copied().filter(|&octave| octave > age && octave < older);
         let ages: Vec<f64> = std::iter::once(age).chain(between).chain([older]).collect();
@@ -217,12 +217,18 @@ impl Ranks {
     }
 
     /// Adds ∫w dt to the exponents.
-    fn accumulate<'a>(&self, thermal: &Thermal, grid: &Grid, passage: &Passage<'a>, left: &mut Left) {
+    fn accumulate<'a>(
+        &self,
+        thermal: &ThermalBreaking,
+        grid: &LabelGrid,
+        passage: &StepPassage<'a>,
+        left: &mut Left,
+    ) {
         let Left { met, atoms, band: Some(band), .. } = left else { return };
         let shared =
             thermal.shared(passage, Label { newborn: self.strongest.0, rank: self.strongest.1.as_ref() });
         let mut room = Vec::new();
-        let mut fitted = |label: Label<'_>, sum: &mut dyn FnMut(&[Moment<'a>])| match &shared {
+        let mut fitted = |label: Label<'_>, sum: &mut dyn FnMut(&[QuadratureMoment<'a>])| match &shared {
             Some(moments) => sum(moments),
             None => {
                 thermal.fit(passage, label, &mut room);
@@ -272,7 +278,7 @@ impl Ranks {
     }
 
     /// The ranks on a panel of the grid, where contacts keep them.
-    fn ranks(&self, grid: &Grid, number: u64) -> Option<Arc<PanelRanks>> {
+    fn ranks(&self, grid: &LabelGrid, number: u64) -> Option<Arc<PanelRanks>> {
         /// Panels whose ranks are kept: 32 MB.
         const MOST: usize = 1 << 14;
         self.strongest.1.as_ref()?;
@@ -418,7 +424,8 @@ mod tests {
         let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
         let rules = Rules { temperature, ..Rules::default() };
         let contacts = Contacts { rules, ..Contacts::new(law, Arc::new(Point::new(0.0).unwrap())) };
-        let ranks = Ranks::new(&contacts, ThresholdEvolution::of(&contacts, &mut ()).unwrap(), 1e-8);
+        let ranks =
+            RankedThresholds::new(&contacts, ThresholdEvolution::of(&contacts, &mut ()).unwrap(), 1e-8);
         let seed = Seed { stretch: 0.0, weight: 1.0, below: 0.0, above: 0.0, number: None };
         let mut place = Place { stretch: 0.0, below: 0.0, above: 0.0, age: 0.0 };
         let mut left = ranks.newborn(&seed);

@@ -11,7 +11,7 @@ use crate::rate_dependent::State;
 
 /// What contacts have come to, without the rough follower beside them.
 #[derive(Serialize, Deserialize)]
-struct Kept {
+struct TransportSnapshot {
     time: f64,
     position: f64,
     cohorts: Vec<Cohort>,
@@ -28,12 +28,13 @@ impl Transport {
     pub(super) fn kept(&self) -> State {
         let &Self { time, position, dropped, spent, rate, .. } = self;
         let Self { cohorts, broken, pace, kinks, .. } = self.clone();
-        State::of(&Kept { time, position, cohorts, broken, dropped, spent, pace, rate, kinks })
+        State::of(&TransportSnapshot { time, position, cohorts, broken, dropped, spent, pace, rate, kinks })
     }
 
     /// Goes to what contacts of the same description have come to.
     pub(super) fn resume(&mut self, state: &State) -> Result<()> {
-        let Kept { time, position, cohorts, broken, dropped, spent, pace, rate, kinks } = state.read()?;
+        let TransportSnapshot { time, position, cohorts, broken, dropped, spent, pace, rate, kinks } =
+            state.read()?;
         if !cohorts.iter().all(|cohort| cohort.fits(&self.model)) {
             return Err(State::another("that of contacts whose thresholds follow other rules"));
         }

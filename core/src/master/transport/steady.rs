@@ -4,7 +4,7 @@ use super::Transport;
 use super::broken::Broken;
 use super::cohort::Cohort;
 use super::model::Tools;
-use super::path::{Part, Path};
+use super::path::{Path, StepPart};
 use std::sync::Arc;
 
 use crate::Result;
@@ -61,7 +61,7 @@ impl Transport {
                 let one = |cohort: &mut Cohort| watch.check().map(|()| go(cohort, part));
                 after.iter_mut().map(one).sum::<Result<f64>>()
             };
-            let (first, second) = (both(Part::First)?, both(Part::Second)?);
+            let (first, second) = (both(StepPart::First)?, both(StepPart::Second)?);
             let lost = (first + second).max(most / bend * duration * (first - second).abs());
             if lost > most && duration * velocity > SHORTEST * contacts.thresholds.mean() {
                 duration *= 0.5;
@@ -69,7 +69,7 @@ impl Transport {
             }
             for walker in &walkers {
                 watch.check()?;
-                for (part, ends) in [(Part::Late, [0.0, 0.5]), (Part::Early, [0.5, 1.0])] {
+                for (part, ends) in [(StepPart::Late, [0.0, 0.5]), (StepPart::Early, [0.5, 1.0])] {
                     let mut cohort = walker.clone();
                     go(&mut cohort, part);
                     let (from, to) = part.ends();

@@ -11,7 +11,7 @@ use crate::numerics::legendre::{NODES, Nodal};
 
 /// Breaking by temperature.
 #[derive(Debug)]
-pub(super) struct Thermal {
+pub(super) struct ThermalBreaking {
     temperature: Temperature,
     stiffness: Stiffness,
     /// By how much ln w may change in a step that one of the [`RULES`] is to sum.
@@ -24,7 +24,7 @@ pub(super) struct Thermal {
 
 /// A part of a time step of contacts of one age.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Passage<'a> {
+pub(super) struct StepPassage<'a> {
     pub(super) strength: &'a ThresholdEvolution,
     pub(super) stretch: f64,
     pub(super) age: f64,
@@ -34,7 +34,7 @@ pub(super) struct Passage<'a> {
 
 /// A point of a rule on time.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Moment<'a> {
+pub(super) struct QuadratureMoment<'a> {
     stretch: f64,
     aged: ThresholdsAtAge<'a>,
     /// The time that it stands for.
@@ -55,20 +55,20 @@ fn most_change(rule: &[(f64, f64)], tolerance: f64) -> f64 {
     (tolerance / error).powf(0.5 / n as f64)
 }
 
-impl<'a> Passage<'a> {
+impl<'a> StepPassage<'a> {
     /// Where contacts are, and how strong, at a fraction of the step.
     pub(super) fn at(&self, s: f64) -> (f64, ThresholdsAtAge<'a>) {
         let stretch = (self.stretch + self.path.advance(self.ends.0, s)).abs();
         (stretch, self.strength.at(self.age + self.path.duration * (s - self.ends.0)))
     }
 
-    fn moment(&self, s: f64, weight: f64) -> Moment<'a> {
+    fn moment(&self, s: f64, weight: f64) -> QuadratureMoment<'a> {
         let (stretch, aged) = self.at(s);
-        Moment { stretch, aged, time: weight * self.path.duration }
+        QuadratureMoment { stretch, aged, time: weight * self.path.duration }
     }
 }
 
-impl Thermal {
+impl ThermalBreaking {
     /// The temperature of these contacts, which moves places of breaking by about `blur` mean thresholds per e-fold of time.
     pub(super) fn new(contacts: &Contacts, temperature: Temperature, blur: f64, tolerance: f64) -> Self {
         /// The fitted rule misses this times the square of the bend at its farther point: e^{qz²} to 2q², z = 3.4.
@@ -89,8 +89,12 @@ impl Thermal {
     }
 
     /// The moments of a rule that does for all labels up to `top`, if one of the [`RULES`] does.
-    pub(super) fn shared<'a>(&self, passage: &Passage<'a>, top: Label<'_>) -> Option<Vec<Moment<'a>>> {
-        let &Passage { strength, age, path, ends: (from, to), .. } = passage;
+    pub(super) fn shared<'a>(
+        &self,
+        passage: &StepPassage<'a>,
+        top: Label<'_>,
+    ) -> Option<Vec<QuadratureMoment<'a>>> {
+        let &StepPassage { strength, age, path, ends: (from, to), .. } = passage;
         let time = path.duration * (to - from);
         let [before, after] = [age, age + time].map(|age| strength.at(age).threshold_of(top));
         let moved = path.advance(from, to).abs() + (after - before).abs();
@@ -104,7 +108,12 @@ impl Thermal {
     }
 
     /// The moments of a rule that does for labels like this one.
-    pub(super) fn fit<'a>(&self, passage: &Passage<'a>, label: Label<'_>, moments: &mut Vec<Moment<'a>>) {
+    pub(super) fn fit<'a>(
+        &self,
+        passage: &StepPassage<'a>,
+        label: Label<'_>,
+        moments: &mut Vec<QuadratureMoment<'a>>,
+    ) {
         moments.clear();
         let whole = passage.ends;
         self.fit_part(passage, label, whole, DEEPEST, moments);
@@ -113,11 +122,11 @@ impl Thermal {
     /// The fitted rule on a part, or on its halves, which may be halved so many times.
     fn fit_part<'a>(
         &self,
-        passage: &Passage<'a>,
+        passage: &StepPassage<'a>,
         label: Label<'_>,
         (from, to): (f64, f64),
         halvings: u32,
-        moments: &mut Vec<Moment<'a>>,
+        moments: &mut Vec<QuadratureMoment<'a>>,
     ) {
         let ln_rate = |s: f64| {
             let (stretch, aged) = passage.at(s);
@@ -151,7 +160,7 @@ impl Thermal {
     }
 
     /// What the moments add to A of these labels.
-    pub(super) fn added(&self, moments: &[Moment], labels: &[Label<'_>; NODES]) -> Nodal {
+    pub(super) fn added(&self, moments: &[QuadratureMoment], labels: &[Label<'_>; NODES]) -> Nodal {
         let mut exponents = Nodal::default();
         for moment in moments {
             for (exponent, &label) in exponents.iter_mut().zip(labels) {
@@ -162,12 +171,12 @@ impl Thermal {
     }
 
     /// What the moments add to A of a label.
-    pub(super) fn added_to(&self, moments: &[Moment], label: Label<'_>) -> f64 {
+    pub(super) fn added_to(&self, moments: &[QuadratureMoment], label: Label<'_>) -> f64 {
         moments.iter().map(|moment| self.over(moment, label)).sum()
     }
 
     #[inline]
-    fn over(&self, moment: &Moment, label: Label<'_>) -> f64 {
+    fn over(&self, moment: &QuadratureMoment, label: Label<'_>) -> f64 {
         /// Contacts far below the stretch are gone, with exponents that can be counted with.
         const MOST: f64 = 1e300;
         let rate = self.ln_rate(moment.stretch, moment.aged.threshold_of(label)).exp();

@@ -4,10 +4,10 @@
 //! from each other. Births have their mass and their mean time; they are put at the two points of Gauss's rule, which
 //! keeps both, so that integrals over them are right to fourth order.
 
-use super::broken::{Born, Broken, Share};
+use super::broken::{BirthMoments, Broken, BrokenShare};
 use super::cohort::{Cohort, Spent};
 use super::model::{Model, Tools};
-use super::path::{Part, Path};
+use super::path::{Path, StepPart};
 use super::seeds::Seed;
 use crate::Result;
 use crate::monitor::{Monitor, Watch};
@@ -16,7 +16,7 @@ use crate::monitor::{Monitor, Watch};
 pub(super) struct Trial {
     /// All cohorts at its end, the newborn last.
     pub(super) cohorts: Vec<Cohort>,
-    pub(super) share: Share,
+    pub(super) share: BrokenShare,
     pub(super) born: f64,
     /// What breaks of the contacts born in it.
     pub(super) deaths: Deaths,
@@ -50,8 +50,8 @@ pub(super) const GAUSS: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_
 const LEAST: usize = 4096;
 
 /// What becomes of all of these cohorts.
-fn total(passed: &[(Share, Spent)]) -> (Share, Spent) {
-    let nothing = (Share::default(), Spent::default());
+fn total(passed: &[(BrokenShare, Spent)]) -> (BrokenShare, Spent) {
+    let nothing = (BrokenShare::default(), Spent::default());
     passed.iter().fold(nothing, |sum, (share, spent)| (sum.0.plus(*share), sum.1.plus(1.0, *spent)))
 }
 
@@ -86,22 +86,23 @@ impl Stage<'_> {
                 let passed = cohort.cross(self.model, path, tools);
                 return (cohort, passed);
             }
-            let (born, part) = ((i - old) / seeds, [Part::Early, Part::Late]);
+            let (born, part) = ((i - old) / seeds, [StepPart::Early, StepPart::Late]);
             let mut cohort = self.newborn(&self.seeds[(i - old) % seeds], path, GAUSS[born], tools.watch);
             let stored = cohort.energy();
             let (end, spent) = cohort.arrive(self.model, path, part[born], tools);
-            (cohort, (Share { middle: 0.0, end }, Spent { lost: spent.lost - stored, ..spent }))
+            (cohort, (BrokenShare { middle: 0.0, end }, Spent { lost: spent.lost - stored, ..spent }))
         };
         let count = old + GAUSS.len() * seeds;
-        let piece = |tools: &mut Tools<'_, '_>, number: usize| -> Vec<(Cohort, (Share, Spent))> {
+        let piece = |tools: &mut Tools<'_, '_>, number: usize| -> Vec<(Cohort, (BrokenShare, Spent))> {
             let from = number * chunk;
             (from..count.min(from + chunk)).map(|i| step(tools, i)).collect()
         };
         let watch = Watch::new(monitor);
         let pieces = watch.share(count.div_ceil(chunk), || Tools::new(&watch), piece)?;
         watch.check()?;
-        let (mut cohorts, passed): (Vec<Cohort>, Vec<(Share, Spent)>) = pieces.into_iter().flatten().unzip();
-        let dropped = Share { middle: 0.5 * self.dropped, end: self.dropped };
+        let (mut cohorts, passed): (Vec<Cohort>, Vec<(BrokenShare, Spent)>) =
+            pieces.into_iter().flatten().unzip();
+        let dropped = BrokenShare { middle: 0.5 * self.dropped, end: self.dropped };
         let (before, spent) = total(&passed[..old]);
         let [early, late] = [old, old + seeds].map(|from| total(&passed[from..][..seeds]));
         let deaths = Deaths { early: early.0.end, late: late.0.end };
@@ -125,19 +126,19 @@ impl Stage<'_> {
     }
 
     /// What breaks and what is born, `before` coming from old cohorts.
-    fn settle(&self, path: &Path, before: Share, deaths: Deaths) -> (Share, [f64; 2]) {
+    fn settle(&self, path: &Path, before: BrokenShare, deaths: Deaths) -> (BrokenShare, [f64; 2]) {
         /// Each round gains a factor of the deaths, which are below ½.
         const ROUNDS: usize = 60;
         let (alpha, beta) = deaths.curve();
         let mut share = before.rising();
         let mut masses = [0.0; 2];
         for _ in 0..ROUNDS {
-            let Born { mass, moment } = self.broken.births(self.time, path.duration, share);
+            let BirthMoments { mass, moment } = self.broken.births(self.time, path.duration, share);
             let tilt = 3.0_f64.sqrt() * moment;
             masses = [0.5 * mass - tilt, 0.5 * mass + tilt];
             let by_middle = mass * (alpha / 8.0 + beta / 24.0) - 12.0 * moment * (alpha / 24.0 + beta / 64.0);
             let by_end = masses[0] * deaths.early + masses[1] * deaths.late;
-            let next = before.plus(Share { middle: by_middle, end: by_end }).rising();
+            let next = before.plus(BrokenShare { middle: by_middle, end: by_end }).rising();
             let change = (next.middle - share.middle).abs() + (next.end - share.end).abs();
             share = next;
             if change <= f64::EPSILON * share.end {

@@ -2,7 +2,7 @@
 
 use super::elements::Elements;
 use super::radau::{RADAU, STAGES};
-use super::slab::{Field, Loss, Motion, left_out, slab};
+use super::slab::{EdgeMotion, Field, Loss, left_out, slab};
 use crate::numerics::legendre::{Nodal, series};
 
 /// ∂_t p = D∂_h[U' + ∂_h]p − wp on [x, H], H reflecting.
@@ -127,9 +127,9 @@ impl Evolution<'_> {
     }
 
     /// The next step, no longer than `limit`.
-    fn motion(&self, density: &Elements, limit: f64) -> Motion {
+    fn motion(&self, density: &Elements, limit: f64) -> EdgeMotion {
         let duration = self.next.min(limit);
-        let rests = Motion { by: 0.0, duration, absorbing: self.absorbing, last: 0 };
+        let rests = EdgeMotion { by: 0.0, duration, absorbing: self.absorbing, last: 0 };
         if !self.absorbing || self.velocity == 0.0 {
             return rests;
         }
@@ -139,7 +139,7 @@ impl Evolution<'_> {
         let by = (duration * self.velocity).min(0.5 * widest);
         let last = widths().position(|width| width >= 2.0 * by).unwrap_or(0);
         let duration = if by < duration * self.velocity { by / self.velocity } else { duration };
-        Motion { by, duration, last, ..rests }
+        EdgeMotion { by, duration, last, ..rests }
     }
 
     /// What an element leaves out over what it may; 0 for one that is too narrow to be cut.

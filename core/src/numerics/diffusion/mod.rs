@@ -26,7 +26,7 @@ use floor::Cut;
 pub use moving_grid::{Coefficients, MovingBoundary, MovingGrid, Sink, Workspace};
 pub use potential::{Potential, Slope, continued};
 pub use slab::{Field, Loss};
-pub use step::{Lost, Step, Work};
+pub use step::{DiffusionStep, Lost, Work};
 
 /// The operator L = D∂_h[U' + ∂_h] on cells.
 #[derive(Debug, Clone)]

@@ -16,7 +16,7 @@ use crate::numerics::roots::brent_root;
 /// The cells, as fractions of the interval.
 #[derive(Debug, Clone)]
 pub struct MovingGrid {
-    cells: Vec<Cell>,
+    cells: Vec<GridCell>,
 }
 
 /// Room for eliminations, used again and again.
@@ -28,7 +28,7 @@ pub struct Workspace {
 
 /// A cell of width 1/`inverse` with its upper face; all relative to the interval.
 #[derive(Debug, Clone, Copy)]
-struct Cell {
+struct GridCell {
     middle: f64,
     inverse: f64,
     /// 1/(distance of the next middle).
@@ -81,7 +81,7 @@ impl MovingGrid {
         let face = |i: usize| place(i as f64 / cells as f64, crowd);
         let width = |i: usize| face(i + 1) - face(i);
         let middle = |i: usize| 0.5 * (face(i) + face(i + 1));
-        let cell = |i: usize| Cell {
+        let cell = |i: usize| GridCell {
             middle: middle(i),
             inverse: 1.0 / width(i),
             next: 1.0 / (middle(i + 1) - middle(i)),
@@ -100,7 +100,7 @@ impl MovingGrid {
         self.cells.iter().map(move |cell| floor + (ceiling - floor) * cell.middle)
     }
 
-    /// Moves masses on: the two stages of [`super::Step`], with the rates half way.
+    /// Moves masses on: the two stages of [`super::DiffusionStep`], with the rates half way.
     pub fn advance(
         &self,
         rise: &MovingBoundary,
@@ -144,7 +144,7 @@ impl MovingGrid {
     ) {
         let length = rise.ceiling - x;
         let per_length = 1.0 / length;
-        let at = |cell: &Cell| potential.at(x + length * cell.middle);
+        let at = |cell: &GridCell| potential.at(x + length * cell.middle);
         let mut low = at(&self.cells[0]);
         rows[0].down = 0.0;
         if rise.absorbing {

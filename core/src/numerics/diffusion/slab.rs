@@ -25,7 +25,7 @@ pub struct Field<'a> {
 
 /// How elements move in a step.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Motion {
+pub(super) struct EdgeMotion {
     /// How far the floor rises, …
     pub(super) by: f64,
     /// … in this time.
@@ -53,7 +53,7 @@ const INNER: usize = NODES - 2;
 
 /// An element at one of Radau's points.
 #[derive(Debug)]
-struct Cell {
+struct SlabElement {
     half: f64,
     /// ∫[ψ'(Dφ' + (DU' + c)φ) + ψwφ].
     operator: Matrix,
@@ -124,7 +124,7 @@ impl Elimination {
     }
 }
 
-impl Cell {
+impl SlabElement {
     /// The element between two edges that move at these speeds, `done` of the step being done; `a` is the length of an implicit
     /// Euler step. `still` is the operator, where it is known.
     fn new(
@@ -163,8 +163,8 @@ fn operator((edges, speeds): ([f64; 2], [f64; 2]), field: &Field<'_>, done: f64)
 }
 
 /// Moves a density on, until sweeps change it by no more than `settled`.
-pub(super) fn slab(density: &Elements, motion: &Motion, field: &Field<'_>, settled: f64) -> Slab {
-    let mesh = Mesh::new(density, motion, field);
+pub(super) fn slab(density: &Elements, motion: &EdgeMotion, field: &Field<'_>, settled: f64) -> Slab {
+    let mesh = SlabMesh::new(density, motion, field);
     let start: Vec<Nodal> =
         (0..density.count()).map(|i| Basis::moments(&density.series[i], density.element(i).1)).collect();
     let nothing = vec![[0.0; NODES]; density.count()];
@@ -214,15 +214,15 @@ fn added(moments: &[Nodal], rates: &[Vec<Nodal>], weights: [f64; STAGES]) -> Vec
 }
 
 /// The elements in a step.
-struct Mesh<'a> {
+struct SlabMesh<'a> {
     start: &'a [f64],
-    motion: &'a Motion,
+    motion: &'a EdgeMotion,
     /// At each of Radau's points.
-    cells: Vec<Vec<Cell>>,
+    cells: Vec<Vec<SlabElement>>,
 }
 
-impl<'a> Mesh<'a> {
-    fn new(density: &'a Elements, motion: &'a Motion, field: &Field<'_>) -> Self {
+impl<'a> SlabMesh<'a> {
+    fn new(density: &'a Elements, motion: &'a EdgeMotion, field: &Field<'_>) -> Self {
         let mut mesh = Self { start: &density.edges, motion, cells: Vec::new() };
         for m in 0..STAGES {
             let edges = mesh.edges(RADAU.nodes[m]);
@@ -231,7 +231,7 @@ impl<'a> Mesh<'a> {
                 let speeds = [i, i + 1].map(|i| mesh.share(i) * motion.by / motion.duration);
                 let rests = speeds == [0.0; 2] && field.loss.is_none();
                 let still = mesh.cells.first().filter(|_| rests).map(|cells| &cells[i].operator);
-                Cell::new(([edges[i], edges[i + 1]], speeds), field, times, still)
+                SlabElement::new(([edges[i], edges[i + 1]], speeds), field, times, still)
             };
             let cells = (0..density.count()).map(cell).collect();
             mesh.cells.push(cells);
@@ -251,7 +251,7 @@ impl<'a> Mesh<'a> {
 
     /// How far two densities are apart, in the mean, as seen by the two lowest moments of each element.
     fn apart(&self, m: usize, one: &[Nodal], other: &[Nodal]) -> f64 {
-        let of = |((cell, a), b): ((&Cell, &Nodal), &Nodal)| {
+        let of = |((cell, a), b): ((&SlabElement, &Nodal), &Nodal)| {
             let [a, b] = [Basis::series(a), Basis::series(b)];
             cell.half * ((a[0] - b[0]).abs() + (a[1] - b[1]).abs())
         };
@@ -260,7 +260,7 @@ impl<'a> Mesh<'a> {
 
     /// How fast the moments change.
     fn rates(&self, m: usize, amplitudes: &[Nodal]) -> Vec<Nodal> {
-        let rate = |(cell, density): (&Cell, &Nodal)| {
+        let rate = |(cell, density): (&SlabElement, &Nodal)| {
             cell.operator.map(|row| -row.iter().zip(density).map(|(a, b)| a * b).sum::<f64>())
         };
         self.cells[m].iter().zip(amplitudes).map(rate).collect()

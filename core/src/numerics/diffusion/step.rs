@@ -19,7 +19,7 @@ pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// towards backward Euler, which cannot, by limiting the flux between the two (S. T. Zalesak, J. Comput. Phys. 31, 335
 /// (1979)).
 #[derive(Debug, Clone)]
-pub struct Step {
+pub struct DiffusionStep {
     operator: Arc<Diffusion>,
     duration: f64,
     factors: Factors,
@@ -42,7 +42,7 @@ pub struct Work {
     sinking: Factors,
 }
 
-impl Step {
+impl DiffusionStep {
     /// The step of that duration, 0 or above.
     pub fn new(operator: &Arc<Diffusion>, duration: f64) -> Self {
         Self { operator: operator.clone(), duration, factors: Factors::new(operator, GAMMA * duration, None) }

@@ -7,8 +7,8 @@
 mod passage;
 mod step;
 
-pub use passage::{Passage, uniform};
-pub use step::Step;
+pub use passage::{ThresholdPassage, uniform};
+pub use step::MotionStep;
 
 /// M and γ.
 #[derive(Debug, Clone, Copy, PartialEq)]

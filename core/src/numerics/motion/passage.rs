@@ -5,7 +5,7 @@ use crate::numerics::roots::brent_root;
 
 /// What a body does on a straight piece of force, until it comes to its end or to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Passage {
+pub struct ThresholdPassage {
     /// Time taken.
     pub time: f64,
     /// Way gone.
@@ -46,9 +46,9 @@ const MOST_STEPS: usize = 8;
 impl Body {
     /// The motion at `speed` ≥ 0 over up to `length` (which may be infinite), against the excess of force `excess` −
     /// `resistance` × way; where it is damped, not for longer than the series converges well.
-    pub fn passage(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> Passage {
+    pub fn passage(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> ThresholdPassage {
         if speed == 0.0 && excess <= 0.0 {
-            Passage { time: 0.0, way: 0.0, speed: 0.0, squared: 0.0 }
+            ThresholdPassage { time: 0.0, way: 0.0, speed: 0.0, squared: 0.0 }
         } else if self.damping > 0.0 {
             self.damped(speed, excess, resistance, length)
         } else {
@@ -58,7 +58,7 @@ impl Body {
 
     /// With ω² = r/M, r the resistance: Mu̇² + ru² − 2gu is conserved, g being the excess, which gives the first rest
     /// and the speed at the end; u̇ is a sine, so that tan(ωt/2) = ωu/(u̇ before + u̇ after) over any way u.
-    fn undamped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> Passage {
+    fn undamped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> ThresholdPassage {
         let energy = self.mass * speed * speed;
         // Not a number where there is no rest.
         let root = (excess * excess + resistance * energy).sqrt();
@@ -71,21 +71,27 @@ impl Body {
             (length, (left.max(0.0) / self.mass).sqrt())
         };
         let time = 2.0 * arc(way, speed + end, resistance / self.mass);
-        Passage { time, way, speed: end, squared: 0.0 }
+        ThresholdPassage { time, way, speed: end, squared: 0.0 }
     }
 
-    fn damped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> Passage {
+    fn damped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> ThresholdPassage {
         let (rate, stiffness) = (self.damping / self.mass, resistance / self.mass);
         let begin = (excess - self.damping * speed) / self.mass;
         let fastest = rate.max(stiffness.abs().sqrt());
         let (unit, guess) = (1.0 / fastest, uniform(speed, begin, length) * fastest);
         let first = [speed * unit, begin * unit * unit];
-        let series = Series::new(first, [-rate * unit, -stiffness * unit * unit], LONGEST.min(1.5 * guess));
+        let series =
+            PassageSeries::new(first, [-rate * unit, -stiffness * unit * unit], LONGEST.min(1.5 * guess));
         // u̇ = e^{−βt} [u̇₀ cos ωt + (ü₀ + βu̇₀)/ω sin ωt], 2β = γ/M, ω² = r/M − β².
         let beta = 0.5 * rate;
         let rest = arc(speed, -(begin + beta * speed), stiffness - beta * beta) * fastest;
-        let End { time, way, speed } = series.end(length, guess, rest);
-        Passage { time: time * unit, way, speed: speed * fastest, squared: series.squared(time) * fastest }
+        let PassageEnd { time, way, speed } = series.end(length, guess, rest);
+        ThresholdPassage {
+            time: time * unit,
+            way,
+            speed: speed * fastest,
+            squared: series.squared(time) * fastest,
+        }
     }
 }
 
@@ -102,7 +108,7 @@ fn arc(y: f64, x: f64, s: f64) -> f64 {
 }
 
 /// The motion as a power series Σ d_n sⁿ/n! in time, in units of its shortest time.
-struct Series {
+struct PassageSeries {
     derivatives: [f64; TERMS],
     count: usize,
     /// ∂ü/∂u̇ and ∂ü/∂u.
@@ -112,13 +118,13 @@ struct Series {
 }
 
 /// How a motion ends in its series: when, where and at which speed.
-struct End {
+struct PassageEnd {
     time: f64,
     way: f64,
     speed: f64,
 }
 
-impl Series {
+impl PassageSeries {
     /// From the first and the second derivative; no slope is above 1.
     fn new([first, second]: [f64; 2], slopes: [f64; 2], longest: f64) -> Self {
         let mut derivatives = [0.0; TERMS];
@@ -148,18 +154,18 @@ impl Series {
     }
 
     /// The end of the motion: where it comes to `length` or, some time above 0, to `rest`; else when the series ends.
-    fn end(&self, length: f64, guess: f64, rest: f64) -> End {
+    fn end(&self, length: f64, guess: f64, rest: f64) -> PassageEnd {
         let rests = rest > 0.0 && rest <= self.longest;
         let last = if rests { rest } else { self.longest };
         let (way, speed) = self.motion(last);
         if way >= length {
             return self.arrival(length, guess.min(last), last);
         }
-        End { time: last, way, speed: if rests { 0.0 } else { speed.max(0.0) } }
+        PassageEnd { time: last, way, speed: if rests { 0.0 } else { speed.max(0.0) } }
     }
 
     /// Where the way, rising up to `last`, comes to `length`.
-    fn arrival(&self, length: f64, guess: f64, last: f64) -> End {
+    fn arrival(&self, length: f64, guess: f64, last: f64) -> PassageEnd {
         let mut time = guess;
         for _ in 0..MOST_STEPS {
             let (place, speed) = self.motion(time);
@@ -167,11 +173,11 @@ impl Series {
             time = (time + step).clamp(0.0, last);
             if step.abs() <= LAST * time {
                 let speed = speed + step * self.acceleration(place, speed);
-                return End { time, way: length, speed: speed.max(0.0) };
+                return PassageEnd { time, way: length, speed: speed.max(0.0) };
             }
         }
         let time = brent_root(|s| self.motion(s).0 - length, 0.0, last, 0.0).unwrap_or(last);
-        End { time, way: length, speed: self.motion(time).1.max(0.0) }
+        PassageEnd { time, way: length, speed: self.motion(time).1.max(0.0) }
     }
 
     fn acceleration(&self, place: f64, speed: f64) -> f64 {

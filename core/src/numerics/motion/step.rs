@@ -9,7 +9,7 @@ use crate::numerics::piecewise::tail;
 
 /// A step in time from u = `place` at `speed`; the acceleration is a polynomial of degree 15.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Step {
+pub struct MotionStep {
     /// Its duration.
     pub time: f64,
     /// u at the beginning.
@@ -53,10 +53,10 @@ impl Body {
         time: f64,
         tolerance: f64,
         force: impl Fn(f64) -> (f64, f64),
-    ) -> Option<Step> {
+    ) -> Option<MotionStep> {
         let Self { mass, damping } = *self;
         let begin = (force(place).0 - damping * speed) / mass;
-        let mut step = Step { time, place, speed, acceleration: [begin; NODES] };
+        let mut step = MotionStep { time, place, speed, acceleration: [begin; NODES] };
         for _ in 0..MOST_ITERATIONS {
             let (places, speeds) = (step.places(), step.speeds());
             let mut matrix = [[0.0; NODES]; NODES];
@@ -83,7 +83,7 @@ impl Body {
     }
 }
 
-impl Step {
+impl MotionStep {
     /// u at the Gauss points.
     pub fn places(&self) -> Nodal {
         let path = |i: usize| dot(&INTEGRALS.twice[i], &self.acceleration);

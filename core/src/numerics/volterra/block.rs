@@ -8,12 +8,12 @@ use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments};
 use crate::numerics::piecewise::Piecewise;
 
 /// A matrix from the Gauss values of one cell to those of another, column by column.
-pub(super) type Block = [Nodal; NODES];
+pub(super) type ConvolutionBlock = [Nodal; NODES];
 
 /// A block between cells a given number of widths apart.
 pub(super) struct Lagged {
     /// `None` where the kernel vanishes.
-    pub(super) block: Option<Box<Block>>,
+    pub(super) block: Option<Box<ConvolutionBlock>>,
     /// What the kernel has over the block beyond a smooth function, which would see of a source no more than a
     /// polynomial.
     pub(super) rough: f64,
@@ -40,7 +40,7 @@ pub(super) struct Blocks<'a> {
     /// By lag.
     cached: Vec<Lagged>,
     /// Between cells of any runs, most of them alike where breaks lie on a lattice.
-    apart: HashMap<Apart, Option<Box<Block>>>,
+    apart: HashMap<Apart, Option<Box<ConvolutionBlock>>>,
     run: u32,
     past: Option<Vec<Past>>,
 }
@@ -148,7 +148,7 @@ impl<'a> Blocks<'a> {
 
 /// out += block · values.
 #[inline]
-pub(super) fn apply(block: &Block, values: &Nodal, out: &mut Nodal) {
+pub(super) fn apply(block: &ConvolutionBlock, values: &Nodal, out: &mut Nodal) {
     let mut sums = *out;
     for (column, value) in block.iter().zip(values) {
         for (sum, entry) in sums.iter_mut().zip(column) {
@@ -221,7 +221,7 @@ fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64]) -> Nodal {
 }
 
 /// Inverse of a small matrix by Gauss–Jordan elimination with row pivoting (the matrices are near the identity).
-pub(super) fn inverted(mut a: Block) -> Block {
+pub(super) fn inverted(mut a: ConvolutionBlock) -> ConvolutionBlock {
     let mut out = [[0.0; NODES]; NODES];
     (0..NODES).for_each(|i| out[i][i] = 1.0);
     // Columns are stored together, so this eliminates on the transpose, whose inverse is the transpose of the inverse.

@@ -1,6 +1,6 @@
 //! The march of the solution through its cells, from break to break.
 
-use super::block::{Block, Blocks, apply, block, inverted};
+use super::block::{Blocks, ConvolutionBlock, apply, block, inverted};
 use super::kernel::Kernel;
 use super::mesh::{Mesh, Run};
 use super::{Accuracy, Solution, struck};
@@ -28,9 +28,9 @@ struct March<'a> {
     density: Piecewise,
     blocks: Blocks<'a>,
     /// Inverse of identity − kernel on the cell itself, for the run it was made for.
-    inverse: Option<(u32, Box<Block>)>,
+    inverse: Option<(u32, Box<ConvolutionBlock>)>,
     /// That of the kernel of what is kept, on the cell itself.
-    kept_inverse: Option<(u32, Box<Block>)>,
+    kept_inverse: Option<(u32, Box<ConvolutionBlock>)>,
     tail: f64,
     /// The break from which the march is on its way to the next.
     opened: f64,
@@ -97,7 +97,7 @@ pub fn solve(
     let mut stops: Vec<f64> = all.filter(|&x| x > 0.0 && x < end).chain([end]).collect();
     stops.sort_by(f64::total_cmp);
     stops.dedup_by(|b, a| same_position(*a, *b));
-    let mut pace = Pace { width, patience: 0 };
+    let mut pace = CellPace { width, patience: 0 };
     for stop in stops {
         march.section(stop, end, &mut pace, monitor)?;
     }
@@ -107,12 +107,12 @@ pub fn solve(
 }
 
 /// The width of cells in use, and how many cells to leave it alone.
-struct Pace {
+struct CellPace {
     width: f64,
     patience: usize,
 }
 
-impl Pace {
+impl CellPace {
     fn halve(&mut self, width: f64) {
         (self.width, self.patience) = (0.5 * width, 6);
     }
@@ -147,14 +147,14 @@ fn rounding(values: &Nodal, distance: f64) -> f64 {
 
 impl March<'_> {
     /// Cells from where the march stands to `stop`, halved and grown as needed.
-    fn section(&mut self, stop: f64, end: f64, pace: &mut Pace, monitor: &mut dyn Monitor) -> Result<()> {
+    fn section(&mut self, stop: f64, end: f64, pace: &mut CellPace, monitor: &mut dyn Monitor) -> Result<()> {
         self.opened = self.density.end();
         let graded = self.graded(stop);
         self.graded_to = graded.last().copied().unwrap_or(self.opened);
         for to in graded.into_iter().chain([stop]) {
             while self.density.end() < to {
                 if to < stop {
-                    *pace = Pace { width: pace.width.min(to - self.density.end()), patience: 0 };
+                    *pace = CellPace { width: pace.width.min(to - self.density.end()), patience: 0 };
                 }
                 self.run(to, end, pace, monitor)?;
             }
@@ -184,7 +184,7 @@ impl March<'_> {
     }
 
     /// A run of equal cells towards `stop`, until it is there or another width serves better.
-    fn run(&mut self, stop: f64, end: f64, pace: &mut Pace, monitor: &mut dyn Monitor) -> Result<()> {
+    fn run(&mut self, stop: f64, end: f64, pace: &mut CellPace, monitor: &mut dyn Monitor) -> Result<()> {
         let here = self.density.end();
         let count = ((stop - here) / pace.width - 1e-9).ceil().max(1.0);
         let width = (stop - here) / count;
@@ -212,7 +212,7 @@ impl March<'_> {
 
     /// Whether the next cell should be twice as wide: at once where nothing breaks, soon where a kink made cells small,
     /// late otherwise, since every change of width costs new blocks.
-    fn grows(&self, missing: f64, done: usize, left: f64, width: f64, pace: &Pace) -> bool {
+    fn grows(&self, missing: f64, done: usize, left: f64, width: f64, pace: &CellPace) -> bool {
         let limit = self.accuracy.density;
         let largest = self
             .values
@@ -441,7 +441,7 @@ impl March<'_> {
     }
 
     /// (identity − kernel on the cell itself)⁻¹.
-    fn inverse(&mut self, half: f64) -> &Block {
+    fn inverse(&mut self, half: f64) -> &ConvolutionBlock {
         let run = self.mesh.runs.len() as u32;
         if self.inverse.as_ref().is_none_or(|(made_for, _)| *made_for != run) {
             let mut matrix =

@@ -224,9 +224,9 @@ impl Interface {
     ///
     /// # Errors
     /// A half-space.
-    pub fn springs(&self) -> Result<lattice::Coupling> {
+    pub fn springs(&self) -> Result<lattice::LatticeCoupling> {
         match self.coupling {
-            Coupling::Neighbours { stiffness } => Ok(lattice::Coupling {
+            Coupling::Neighbours { stiffness } => Ok(lattice::LatticeCoupling {
                 shape: self.shape()?,
                 edges: self.edges.into(),
                 neighbours: stiffness,

@@ -3,7 +3,7 @@
 mod open;
 mod periodic;
 
-use self::open::Open;
+use self::open::OpenEdges;
 use self::periodic::Periodic;
 use super::{Coupling, fits, iterate, positive};
 use crate::Result;
@@ -26,12 +26,12 @@ use crate::shape::{Edges, Shape};
 /// Takes 8 bytes per cell of a periodic lattice and 56 of an open one, up to 200 of a chain, for its one long transform.
 pub struct HalfSpace {
     shape: Shape,
-    kind: Kind,
+    kind: Method,
 }
 
-enum Kind {
+enum Method {
     Periodic(Box<Periodic>),
-    Open(Box<Open>),
+    OpenEdges(Box<OpenEdges>),
 }
 
 impl HalfSpace {
@@ -54,8 +54,8 @@ impl HalfSpace {
         };
         fits(shape, bytes)?;
         let kind = match edges {
-            Edges::Periodic => Kind::Periodic(Box::new(Periodic::new(shape, scale))),
-            Edges::Open => Kind::Open(Box::new(Open::new(shape, scale))),
+            Edges::Periodic => Method::Periodic(Box::new(Periodic::new(shape, scale))),
+            Edges::Open => Method::OpenEdges(Box::new(OpenEdges::new(shape, scale))),
         };
         Ok(Self { shape, kind })
     }
@@ -81,29 +81,29 @@ impl Coupling for HalfSpace {
 
     fn edges(&self) -> Edges {
         match self.kind {
-            Kind::Periodic(_) => Edges::Periodic,
-            Kind::Open(_) => Edges::Open,
+            Method::Periodic(_) => Edges::Periodic,
+            Method::OpenEdges(_) => Edges::Open,
         }
     }
 
     fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
         match &mut self.kind {
-            Kind::Periodic(periodic) => periodic.forces(displacements, forces),
-            Kind::Open(open) => open.forces(displacements, forces),
+            Method::Periodic(periodic) => periodic.forces(displacements, forces),
+            Method::OpenEdges(open) => open.forces(displacements, forces),
         }
     }
 
     /// The same where edges are periodic.
     fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
         match &mut self.kind {
-            Kind::Periodic(periodic) => periodic.solve(diagonal, right),
-            Kind::Open(open) => open.near(diagonal, right),
+            Method::Periodic(periodic) => periodic.solve(diagonal, right),
+            Method::OpenEdges(open) => open.near(diagonal, right),
         }
-        matches!(self.kind, Kind::Periodic(_))
+        matches!(self.kind, Method::Periodic(_))
     }
 
     fn solve(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
-        if let Kind::Periodic(periodic) = &mut self.kind {
+        if let Method::Periodic(periodic) = &mut self.kind {
             periodic.solve(diagonal, right);
             return 1;
         }
@@ -112,8 +112,8 @@ impl Coupling for HalfSpace {
 
     fn own(&self, cell: usize) -> f64 {
         match &self.kind {
-            Kind::Periodic(periodic) => periodic.own(),
-            Kind::Open(open) => open.own(cell),
+            Method::Periodic(periodic) => periodic.own(),
+            Method::OpenEdges(open) => open.own(cell),
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::numerics::modes::Modes;
 use crate::shape::Shape;
 
 /// A = own − weights, own_j = Σ_i weights_ji: cells act on each other as in an infinite plane.
-pub(super) struct Open {
+pub(super) struct OpenEdges {
     scale: f64,
     pairs: Pairs,
     /// Modes of the lattice with free edges, whose root of Δ is near A.
@@ -27,7 +27,7 @@ struct Pairs {
     own: Vec<f64>,
 }
 
-impl Open {
+impl OpenEdges {
     pub(super) fn new(shape: Shape, scale: f64) -> Self {
         let sides = sides(shape);
         let mut weights = match shape {
@@ -153,7 +153,7 @@ mod tests {
     fn modes_of_free_edges_come_near_at_any_size() {
         let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         for side in [20, 200] {
-            let mut open = Open::new(Shape::Square([side, side]), 1.0);
+            let mut open = OpenEdges::new(Shape::Square([side, side]), 1.0);
             for (diagonal, wave) in [(1e-4, 0.0), (1e-4, 0.02), (1e-4, 3.0), (0.1, 0.0), (0.1, 0.3)] {
                 let right: Vec<f64> = (0..side * side).map(|j| (wave * (j * j) as f64).cos()).collect();
                 let mut near = right.clone();

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::loading::LoadingBranch;
 use super::{MasterEquation, Tolerance};
 use crate::contacts::{Contacts, Start};
-use crate::life::{Layer, Life, Sums, life_of, tidied};
+use crate::life::{Layer, LayerSums, Life, life_of, tidied};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 
@@ -20,7 +20,7 @@ const NEAR: f64 = 1e-13;
 
 /// What all courses have in common.
 #[derive(Debug)]
-pub(super) struct Interface {
+pub(super) struct SolvedBranches {
     pub(super) contacts: Contacts,
     pub(super) reborn: Arc<Life>,
     /// Total force per unit of the carried force of a life.
@@ -30,7 +30,7 @@ pub(super) struct Interface {
     fresh: OnceLock<Arc<LoadingBranch>>,
 }
 
-impl Interface {
+impl SolvedBranches {
     /// The interface of a master equation, its courses solved to `tolerance`.
     pub(super) fn of(equation: &MasterEquation, tolerance: Tolerance) -> Self {
         Self {
@@ -52,7 +52,7 @@ impl Interface {
             return self.course(equation.first.clone(), monitor);
         }
         let mut layers = equation.first.layers().to_vec();
-        let broken = 1.0 - Sums::of(&layers, &self.contacts).unbroken;
+        let broken = 1.0 - LayerSums::of(&layers, &self.contacts).unbroken;
         layers.extend(self.reborn.layers().iter().map(|layer| layer.clone().scaled(broken)));
         self.renewed(layers, monitor)
     }
@@ -67,7 +67,7 @@ impl Interface {
     /// All of them should be there; what the tolerance of earlier courses leaves is made up for, lest it add up.
     pub(super) fn renewed(&self, layers: Vec<Layer>, monitor: &mut dyn Monitor) -> Result<LoadingBranch> {
         let layers = tidied(layers, self.contacts.thresholds.as_ref());
-        let there = Sums::of(&layers, &self.contacts).unbroken;
+        let there = LayerSums::of(&layers, &self.contacts).unbroken;
         let what = || "the probability of all stretches where the slider turned".to_owned();
         self.tolerance.times(SLACK).allows((there - 1.0).abs(), what)?;
         let layers = layers.into_iter().map(|layer| layer.scaled(1.0 / there)).collect();
