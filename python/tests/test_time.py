@@ -24,7 +24,8 @@ def test_an_equation_of_contacts_that_know_time_has_a_velocity() -> None:
     assert theory.velocity == 1.0
     assert theory.steady_state().kinetic_friction == pytest.approx(0.5122109494, abs=1e-9)
     with pytest.raises(
-        ValueError, match=r"velocity: expected a velocity above 0, since contacts\.ageing makes contacts time-dependent"
+        ValueError,
+        match=r"velocity: expected a velocity above 0, since contacts\.ageing makes contacts time-dependent",
     ):
         asp.MasterEquation(GROWING)
     with pytest.raises(ValueError, match="velocity: expected a finite number above 0, got 0"):
