@@ -13,6 +13,7 @@ import itertools
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -72,6 +73,9 @@ def of_notebook(page: Path) -> Iterator[tuple[str, object]]:
     with contextlib.redirect_stdout(printed):
         for cell in CELL.findall(page.read_text(encoding="utf-8")):
             exec(compile(cell, page, "exec"), names)
+            # As in a notebook, where a figure is shown below its cell.
+            if pyplot := sys.modules.get("matplotlib.pyplot"):
+                pyplot.close("all")
     yield "printed", printed.getvalue()
     kept = ((name, numbers(value)) for name, value in names.items())
     yield from ((name, value) for name, value in kept if value is not None)
@@ -92,8 +96,12 @@ def of_notebooks(tree: Path) -> Iterator[tuple[str, object]]:
     """The numbers of all notebooks, by the package that is installed beside this Python."""
     os.environ["MPLBACKEND"] = "agg"
     for page in sorted((tree / "docs" / "notebooks").glob("*.md")):
-        with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-            yield from ((f"notebooks/{page.stem}/{name}", value) for name, value in of_notebook(page))
+        with tempfile.TemporaryDirectory() as folder:
+            shutil.copytree(tree / "scenarios", Path(folder) / "scenarios")
+            place = Path(folder) / "docs" / "notebooks"
+            place.mkdir(parents=True)
+            with contextlib.chdir(place):
+                yield from ((f"notebooks/{page.stem}/{name}", value) for name, value in of_notebook(page))
 
 
 def record(tree: Path) -> Numbers:
