@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint accuracy
+.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy
 
 export PYTHON ?= python3
 venv := .venv
@@ -165,14 +165,16 @@ agreement:
 # What all shipped scenarios and the notebooks compute, compared bit by bit with what they do in the commit BASE: for changes of
 # the code that must not change a number, and before a release.
 fingerprint: tree := target/fingerprint/tree
-fingerprint: $(venv)/installed
-	@[ -n "$(BASE)" ] || { echo "fingerprint: BASE=COMMIT is what to compare with" >&2; exit 2; }
+fingerprint: base $(venv)/installed
 	rm -rf $(tree); git worktree prune; git worktree add --detach $(tree) $(BASE)
 	env -u CARGO_TARGET_DIR $(MAKE) --directory $(tree) $(venv)/installed
 	env -u CARGO_TARGET_DIR $(tree)/$(venv)/bin/python -P .ci/fingerprint.py record $(tree) target/fingerprint/before.npz
 	$(venv)/bin/python -P .ci/fingerprint.py record . target/fingerprint/after.npz
 	git worktree remove --force $(tree)
 	$(venv)/bin/python -P .ci/fingerprint.py compare target/fingerprint/before.npz target/fingerprint/after.npz
+
+base:
+	@[ -n "$(BASE)" ] || { echo "fingerprint: BASE=COMMIT is what to compare with" >&2; exit 2; }
 
 # Scenarios drawn from the schema, one after the other, for an hour; those that fail are left in target/fuzz, each with the
 # reason, and the command that repeats it is printed. CASE=1234 checks and runs that one, SECONDS=600 takes ten minutes,

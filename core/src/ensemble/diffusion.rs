@@ -89,12 +89,12 @@ struct WalkStep {
 
 /// Where a contact is and goes: its stretch and velocity.
 #[derive(Clone, Copy)]
-struct PassageWay {
+struct StretchPath {
     stretch: f64,
     velocity: f64,
 }
 
-impl PassageWay {
+impl StretchPath {
     fn after(&self, span: f64) -> f64 {
         self.stretch + self.velocity * span
     }
@@ -131,7 +131,7 @@ impl ThresholdDiffusion {
                 thresholds.resize(thresholds.len() + passed, state.threshold);
                 let mark = marks.get(thresholds.len()).copied().unwrap_or(f64::INFINITY);
                 let way =
-                    PassageWay { stretch: leg.position(state.time) - held.origin, velocity: leg.velocity };
+                    StretchPath { stretch: leg.position(state.time) - held.origin, velocity: leg.velocity };
                 let begun = state.time;
                 if let Some(span) = self.go(&mut state, way, leg.end.min(mark), &mut remaining_hazard, stream)
                 {
@@ -161,7 +161,7 @@ impl ThresholdDiffusion {
         state.time = leg.start;
         while state.time < leg.end {
             let DiffusingThreshold { time, threshold, .. } = *state;
-            let way = PassageWay { stretch: leg.position(time) - held.origin, velocity: leg.velocity };
+            let way = StretchPath { stretch: leg.position(time) - held.origin, velocity: leg.velocity };
             let ends = self.go(state, way, leg.end, remaining_hazard, stream);
             let last = way.after(ends.unwrap_or(state.time - time));
             let square = (way.stretch * (way.stretch + last) + last * last) / 3.0;
@@ -178,7 +178,7 @@ impl ThresholdDiffusion {
     fn go(
         &self,
         state: &mut DiffusingThreshold,
-        way: PassageWay,
+        way: StretchPath,
         stop: f64,
         remaining_hazard: &mut f64,
         stream: &mut Stream,
@@ -207,7 +207,7 @@ impl ThresholdDiffusion {
     /// of a threshold are right on average. Between the ends the rate is taken as an exponential.
     fn fires(
         &self,
-        way: PassageWay,
+        way: StretchPath,
         thresholds: (f64, f64),
         span: f64,
         remaining_hazard: &mut f64,
@@ -238,7 +238,7 @@ impl ThresholdDiffusion {
 
     /// A step up to `most`, after one of a length `before`: as long as is right, if it is too far from the stretch to meet it
     /// and the drift is straight, or else so short that it is right everywhere.
-    fn step(&self, threshold: f64, way: PassageWay, before: f64, most: f64) -> WalkStep {
+    fn step(&self, threshold: f64, way: StretchPath, before: f64, most: f64) -> WalkStep {
         // Below the support nothing can meet, whatever is reflected: a step does not go on into it.
         let outside = way.stretch < self.low * (1.0 - TOGETHER);
         let most = if outside { most.min((self.low - way.stretch) / way.velocity) } else { most };
@@ -263,7 +263,7 @@ impl ThresholdDiffusion {
     }
 
     /// Whether the breaking rate does not change too much on a step, or hardly ever breaks the contact.
-    fn is_cool(&self, threshold: f64, way: PassageWay, step: &WalkStep) -> bool {
+    fn is_cool(&self, threshold: f64, way: StretchPath, step: &WalkStep) -> bool {
         if self.temperature.is_none() {
             return true;
         }

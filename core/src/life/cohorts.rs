@@ -36,7 +36,7 @@ pub(super) struct Cohorts {
     reach: Reach,
 }
 
-/// On which lengths tolls vary with the start.
+/// On which lengths survival moments vary with the start.
 #[derive(Debug, Clone)]
 struct Reach {
     thresholds: SharedLaw,

@@ -45,7 +45,7 @@ pub(super) struct ThresholdShare {
 }
 
 /// A newborn threshold, with −ln of what temperature left, and w/v.
-type RiskOf = (f64, Risk);
+type ThresholdRisk = (f64, Risk);
 
 /// The threshold from which on every contact is left, if that has been reached.
 type Sought = ControlFlow<f64>;
@@ -98,7 +98,7 @@ impl ThresholdGrid {
     /// all are left, and tells that one. `known` tells the risk at one of the [`ThresholdGrid::fixed`] thresholds by its place.
     pub(super) fn each(
         &self,
-        least: RiskOf,
+        least: ThresholdRisk,
         exposed: &Exposed<'_>,
         known: &impl Fn(&Exposed<'_>, usize) -> Risk,
         mut visit: impl FnMut(ThresholdShare),
@@ -124,7 +124,7 @@ impl ThresholdGrid {
     fn sum(
         &self,
         part: &GridPart,
-        [low, high]: [RiskOf; 2],
+        [low, high]: [ThresholdRisk; 2],
         least: f64,
         (exposed, known): (&Exposed<'_>, &impl Fn(&Exposed<'_>, usize) -> Risk),
         visit: &mut impl FnMut(ThresholdShare),
@@ -152,7 +152,7 @@ impl ThresholdGrid {
     }
 
     /// Whether half powers of the distance to the least threshold are too much for one rule.
-    fn is_rooted(&self, [low, high]: [RiskOf; 2], least: f64) -> bool {
+    fn is_rooted(&self, [low, high]: [ThresholdRisk; 2], least: f64) -> bool {
         /// At a third of the width, 16 points miss 1e-15 of them.
         const NEAR: f64 = 0.3;
         self.rooted && low.0 - least < NEAR * (high.0 - low.0)
@@ -161,7 +161,7 @@ impl ThresholdGrid {
     /// Visits Gauss points between two thresholds of which the risk is known, where the `least` is met.
     fn cut(
         &self,
-        [low, high]: [RiskOf; 2],
+        [low, high]: [ThresholdRisk; 2],
         least: f64,
         exposed: &Exposed<'_>,
         visit: &mut impl FnMut(ThresholdShare),
@@ -193,7 +193,7 @@ impl ThresholdGrid {
 }
 
 /// Whether one Gauss rule is not enough between two thresholds.
-fn is_uneven([low, high]: [RiskOf; 2], exposed: &Exposed<'_>) -> bool {
+fn is_uneven([low, high]: [ThresholdRisk; 2], exposed: &Exposed<'_>) -> bool {
     let allowed = ONE_RULE + WIDER * (FEW / low.1.0).ln().max(0.0);
     exposed.apart([low.0, high.0]) > allowed
 }

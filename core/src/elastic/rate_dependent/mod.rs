@@ -20,7 +20,7 @@ use crate::numerics::two_stages::{CHANGE, MEET, change};
 use crate::rate_dependent::{Books, ErrorEstimator, RateDependentContacts, StretchInterval};
 use crate::record::Record;
 use crate::{Error, Float, Result};
-use slips::{CellsLook, Seen, Slips};
+use slips::{MotionSnapshot, Seen, Slips};
 use stage::{Dynamics, Pulled, State, Tried};
 
 /// The first step, as a share of what it may be.
@@ -80,7 +80,7 @@ pub struct InterfaceInTime {
     /// Lost by viscous drag, cell by cell.
     viscous: Vec<f64>,
     begun: Stored,
-    look: CellsLook,
+    look: MotionSnapshot,
     slips: Slips,
     /// What tells the errors of the forces of cells, if that is asked for, and the largest so far.
     estimators: Option<Vec<ErrorEstimator>>,
@@ -138,7 +138,7 @@ impl InterfaceInTime {
             work: 0.0,
             viscous: vec![0.0; number],
             begun: Stored { connection: 0.0, coupling: 0.0, contacts: Books::default() },
-            look: CellsLook { time: 0.0, drive, cells: Vec::new() },
+            look: MotionSnapshot { time: 0.0, drive, cells: Vec::new() },
             slips: Slips::new(number, slip_fraction, area),
             estimators: None,
             error: 0.0,
@@ -358,14 +358,14 @@ impl InterfaceInTime {
     }
 
     /// What is seen of the cells now.
-    fn seen(&self) -> CellsLook {
+    fn seen(&self) -> MotionSnapshot {
         let seen = |(cell, &viscous): (&State, &f64)| {
             let Books { lost, broken, .. } = cell.contacts.books();
             let &State { position, velocity, force, .. } = cell;
             Seen { position, velocity, force, lost, broken, viscous }
         };
         let cells = self.cells.iter().zip(&self.viscous).map(seen).collect();
-        CellsLook { time: self.time, drive: self.drive, cells }
+        MotionSnapshot { time: self.time, drive: self.drive, cells }
     }
 
     /// What is stored now.

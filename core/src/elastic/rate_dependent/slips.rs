@@ -24,7 +24,7 @@ pub(super) struct Seen {
 
 /// All cells at one moment.
 #[derive(Debug, Clone)]
-pub(super) struct CellsLook {
+pub(super) struct MotionSnapshot {
     pub time: f64,
     pub drive: f64,
     pub cells: Vec<Seen>,
@@ -100,7 +100,7 @@ impl Seen {
     }
 }
 
-impl CellsLook {
+impl MotionSnapshot {
     /// The look at a part of the way to the next one, all values straight in time.
     fn between(&self, next: &Self, share: f64) -> Self {
         let cells = self.cells.iter().zip(&next.cells).map(|(seen, next)| seen.between(next, share));
@@ -130,7 +130,13 @@ impl Slips {
     }
 
     /// A step has been made from one look to the next, the drive moving at a velocity.
-    pub fn pass(&mut self, before: &CellsLook, now: &CellsLook, velocity: f64, coupling: &dyn Coupling) {
+    pub fn pass(
+        &mut self,
+        before: &MotionSnapshot,
+        now: &MotionSnapshot,
+        velocity: f64,
+        coupling: &dyn Coupling,
+    ) {
         let fast = FAST * velocity;
         let share = |j: usize| before.cells[j].until(&now.cells[j], fast);
         let change = |j: &usize| (now.cells[*j].velocity > fast) != self.slipping[*j];
@@ -165,8 +171,8 @@ impl Slips {
         &mut self,
         cell: usize,
         share: f64,
-        before: &CellsLook,
-        now: &CellsLook,
+        before: &MotionSnapshot,
+        now: &MotionSnapshot,
         coupling: &dyn Coupling,
     ) {
         if self.member[cell].is_some() {
@@ -206,7 +212,7 @@ impl Slips {
     }
 
     /// What came of an event that is over at a look.
-    fn tell(&self, event: &OpenEvent, end: &CellsLook, coupling: &dyn Coupling) -> Outcome {
+    fn tell(&self, event: &OpenEvent, end: &MotionSnapshot, coupling: &dyn Coupling) -> Outcome {
         let mut started = event.started.clone();
         started.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.cell.cmp(&b.cell)));
         let part = |of: fn(&Seen) -> f64, s: &Started| of(&end.cells[s.cell]) - of(&s.at);
@@ -267,7 +273,7 @@ mod tests {
     use crate::shape::{Edges, Shape};
 
     /// Looks at a chain of nine cells at whole times, velocities alone given; of contacts, each cell breaks all in a time.
-    fn looks(velocities: &[[f64; 9]]) -> Vec<CellsLook> {
+    fn looks(velocities: &[[f64; 9]]) -> Vec<MotionSnapshot> {
         let seen = |time: f64, velocity: f64| Seen {
             position: time,
             velocity,
@@ -278,7 +284,11 @@ mod tests {
         };
         let look = |(i, velocities): (usize, &[f64; 9])| {
             let time = i as f64;
-            CellsLook { time, drive: 0.1 * time, cells: velocities.iter().map(|v| seen(time, *v)).collect() }
+            MotionSnapshot {
+                time,
+                drive: 0.1 * time,
+                cells: velocities.iter().map(|v| seen(time, *v)).collect(),
+            }
         };
         velocities.iter().enumerate().map(look).collect()
     }

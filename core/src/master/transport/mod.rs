@@ -213,7 +213,7 @@ impl Transport {
     }
 
     /// Energies and breaks. What is lost is right to fourth order in the time step, as births are; how ageing and breaks
-    /// share a change of the stiffness to second order, without which the energy balance closes.
+    /// share a change of the stiffness to second order, which the energy balance does not need.
     pub fn books(&self) -> Books {
         let stored = self.cohorts.iter().map(Cohort::energy).sum::<f64>();
         let [elastic, lost, gained] =

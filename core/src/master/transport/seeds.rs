@@ -83,20 +83,25 @@ fn gathered(fine: &[Seed], length: f64, error: f64) -> Vec<(Seed, Vec<StretchInt
     let mut fine = fine.iter().peekable();
     for &(stretch, weight) in &rule {
         let (begun, mut cells) = (low, Vec::new());
-        let mut until = |high: f64, share: f64| {
-            cells.push(StretchInterval { low: low - stretch, high: high - stretch, share: share / weight });
+        let mut until = |seed: &Seed, high: f64, share: f64| {
+            let from = low.max(seed.stretch - seed.below);
+            cells.push(StretchInterval { low: from - stretch, high: high - stretch, share: share / weight });
             low = high;
         };
         let before = sum;
         sum += weight;
         while let Some(seed) = fine.next_if(|seed| passed + seed.weight <= sum) {
-            until(seed.stretch + seed.above, (passed + seed.weight) - passed.max(before));
+            until(seed, seed.stretch + seed.above, (passed + seed.weight) - passed.max(before));
             passed += seed.weight;
         }
         // The cell in which the partial sum is reached is cut in proportion.
         if let Some(seed) = fine.peek() {
             let part = (sum - passed) / seed.weight;
-            until(seed.stretch - seed.below + (seed.below + seed.above) * part, sum - passed.max(before));
+            until(
+                seed,
+                seed.stretch - seed.below + (seed.below + seed.above) * part,
+                sum - passed.max(before),
+            );
         }
         seeds.push((
             Seed { stretch, weight, below: stretch - begun, above: low - stretch, number: None },
