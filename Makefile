@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy
+.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy variables
 
 export PYTHON ?= python3
 venv := .venv
@@ -152,6 +152,10 @@ $(venv)-peers/ready: core/benches/peers/requirements.txt
 # The page docs/validation, anew. A test recomputes of it what is quick.
 validation:
 	cargo run --release --locked --package asperity-cli --example validation
+
+# The page docs/variables, anew.
+variables:
+	cargo run --release --locked --package asperity-cli --example variables
 
 # The page docs/validation/accuracy, anew. It fails where a distribution or a rule has no entry.
 accuracy:

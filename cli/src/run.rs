@@ -4,9 +4,9 @@ use std::io::Write as _;
 use std::path::Path;
 
 use asperity::scenario::Scenario;
+use asperity::task::summary::Summary;
 use asperity_runner::checkpoint::Checkpoints;
-use asperity_runner::summary::Summary;
-use asperity_runner::{input, output, task};
+use asperity_runner::{input, output, run_with};
 
 use super::arguments::Run;
 use super::interrupt::{Interrupts, Reason};
@@ -105,7 +105,7 @@ fn compute(
     interrupts: &Interrupts,
 ) -> Result<output::Outcome, Failure> {
     let mut monitor = Progress::new(arguments.quiet, interrupts);
-    let compute = || task::run_with(&input.scenario, checkpoints.as_deref_mut(), &mut monitor);
+    let compute = || run_with(&input.scenario, checkpoints.as_deref_mut(), &mut monitor);
     threads::on(arguments.threads, compute)?.map_err(|error| match error {
         asperity::Error::Stopped => stopped(checkpoints, interrupts),
         asperity::Error::Invalid { .. } => input.diagnose(&error).into(),

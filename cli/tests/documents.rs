@@ -7,6 +7,8 @@
 //! `text` and `math` are not run; what begins with a brace is for the site, and `make docs` sees to it.
 
 mod support;
+#[path = "../examples/variables/page.rs"]
+mod variables;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -266,6 +268,11 @@ fn the_reference_names_every_key_with_its_default() {
     let differing = known.keys().chain(shown.keys()).filter(|&key| known.get(key) != shown.get(key));
     let differing: Vec<_> = differing.map(|key| (key, known.get(key), shown.get(key))).collect();
     assert!(differing.is_empty(), "key, default in the schema, default on the page: {differing:#?}");
+}
+
+#[test]
+fn the_page_of_variables_is_that_of_the_declarations() {
+    assert_eq!(document("docs/variables.md"), variables::page(), "`make variables` writes it anew");
 }
 
 #[test]

@@ -26,6 +26,7 @@ pub mod rate_state;
 pub mod record;
 pub mod scenario;
 pub mod shape;
+pub mod task;
 
 pub use error::{Error, Float, Result};
 

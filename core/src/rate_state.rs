@@ -14,11 +14,13 @@
 
 use std::f64::consts::LN_10;
 
+use serde::{Deserialize, Serialize};
+
 use crate::numerics::linear::solve;
 use crate::numerics::roots::brent_minimum;
 
 /// A fitted number and its standard error, as far as what the fit leaves over is noise.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Fitted {
     /// The number.
     pub value: f64,

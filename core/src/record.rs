@@ -62,6 +62,40 @@ impl Quantity {
     }
 }
 
+/// The largest record that a task makes, in bytes: files of results are built in memory before they are written.
+pub const LARGEST: u64 = 500_000_000;
+
+/// What a variable is, without its values: each is declared once, and everything that shows it reads this.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Column {
+    /// Name in files.
+    pub name: &'static str,
+    /// Name for people.
+    pub long_name: &'static str,
+    /// What it measures.
+    pub quantity: Quantity,
+    /// Names of its dimensions, slowest first.
+    pub dimensions: &'static [&'static str],
+}
+
+impl Column {
+    /// A column along `dimensions`.
+    pub const fn new(
+        name: &'static str,
+        long_name: &'static str,
+        quantity: Quantity,
+        dimensions: &'static [&'static str],
+    ) -> Self {
+        Self { name, long_name, quantity, dimensions }
+    }
+
+    /// The same along other dimensions.
+    #[must_use]
+    pub const fn along(self, dimensions: &'static [&'static str]) -> Self {
+        Self { dimensions, ..self }
+    }
+}
+
 /// A named array with named dimensions, in row-major order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
@@ -116,6 +150,23 @@ impl Record {
             }
         }
         found
+    }
+
+    /// Adds the values of a column.
+    pub fn add(&mut self, column: Column, values: Vec<f64>) {
+        self.push(column.name, column.long_name, column.quantity, column.dimensions, values);
+    }
+
+    /// The same where there are values, and they are numbers.
+    pub fn add_known(&mut self, column: Column, values: Vec<f64>) {
+        if values.iter().any(|value| !value.is_nan()) {
+            self.add(column, values);
+        }
+    }
+
+    /// Bytes that all values take.
+    pub fn bytes(&self) -> u64 {
+        self.variables.iter().map(|variable| size_of_val(variable.values.as_slice()) as u64).sum()
     }
 
     /// Adds a variable along `dimensions`.

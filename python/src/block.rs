@@ -2,7 +2,7 @@
 
 use asperity::block::{self, Curve, Loading};
 use asperity::scenario::{self, Slip};
-use asperity_runner::task::{first_loading, stability};
+use asperity::task::{first_loading, stability};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};

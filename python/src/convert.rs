@@ -4,8 +4,8 @@ use std::num::NonZeroU64;
 
 use asperity::monitor::Monitor;
 use asperity::scenario::{Disorder, Start};
+use asperity::task::summary::SlidingKind;
 use asperity_runner::checkpoint::Every;
-use asperity_runner::summary::Kind;
 use asperity_runner::{duration, input};
 use numpy::ndarray::{ArrayD, ArrayViewD, IxDyn};
 use numpy::{
@@ -341,13 +341,13 @@ pub fn disorder(disorder: Disorder) -> &'static str {
 }
 
 /// The word for a kind of sliding.
-pub fn regime(kind: Kind) -> &'static str {
+pub fn regime(kind: SlidingKind) -> &'static str {
     match kind {
-        Kind::Smooth => "smooth",
-        Kind::Transient => "transient",
-        Kind::Persistent => "persistent",
-        Kind::Runaway => "runaway",
-        Kind::Undecided => "undecided",
+        SlidingKind::Smooth => "smooth",
+        SlidingKind::Transient => "transient",
+        SlidingKind::Persistent => "persistent",
+        SlidingKind::Runaway => "runaway",
+        SlidingKind::Undecided => "undecided",
     }
 }
 

@@ -5,7 +5,7 @@ use asperity::master::MasterEquation;
 use asperity::monitor::Monitor;
 use asperity::record::{self, Quantity};
 use asperity::scenario::{self, Units};
-use asperity_runner::task::Grid;
+use asperity::task::Grid;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -54,7 +54,7 @@ impl Ensemble {
         let (size, disorder) = (size.get("size")?, convert::word("disorder", disorder)?);
         let own = scenario::Ensemble { size: Some(size), seed: seed.0, disorder };
         let build = || {
-            let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
+            let (contacts, initial) = scenario::build_contacts(&contacts, &initial, start)?;
             own.build(contacts, initial)
         };
         let ensemble = build().map_err(error::core)?;

@@ -4,7 +4,7 @@ use asperity::contacts::Initial;
 use asperity::master;
 use asperity::monitor::Monitor;
 use asperity::scenario;
-use asperity_runner::task::Grid;
+use asperity::task::Grid;
 use numpy::ToPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -54,7 +54,7 @@ impl MasterEquation {
         let own = scenario::MasterEquation { tolerance };
         let build = |monitor: &mut dyn Monitor| {
             own.check().map_err(|e| e.under("master_equation"))?;
-            let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
+            let (contacts, initial) = scenario::build_contacts(&contacts, &initial, start)?;
             let equation = match velocity {
                 Some(velocity) => master::MasterEquation::at(contacts, &initial, velocity, monitor)?,
                 None => master::MasterEquation::new(contacts, &initial, monitor)?,

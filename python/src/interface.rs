@@ -1,13 +1,13 @@
 //! Interfaces that deform: cells on an elastic slider, and contacts coupled one by one.
 
+use asperity::Error;
 use asperity::master::{MasterEquation, Stretches};
 use asperity::monitor::{Monitor, Part};
 use asperity::rate_dependent::{StretchInterval, binned};
 use asperity::scenario::{
     self, CellSlip, Coupling, Disorder, Drive, Edges, Loading, PerCell, Scales, Scenario, Units,
 };
-use asperity::{Error, contacts};
-use asperity_runner::task;
+use asperity::task;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -55,12 +55,13 @@ impl Surface {
     /// Stretches of these contacts in a cell, which know no time, once the interface has been driven so far.
     fn look(
         &self,
-        (contacts, initial): (contacts::Contacts, contacts::Initial),
+        model: scenario::Model,
         cell: usize,
         at: f64,
         looked: Looked,
         monitor: &mut dyn Monitor,
     ) -> asperity::Result<(Vec<f64>, Stretches)> {
+        let scenario::Model { contacts, initial, .. } = model;
         let tolerance = scenario::MasterEquation::default().tolerance();
         let equation = MasterEquation::new(contacts.clone(), &initial, &mut Part::new(monitor, 0.0, 0.0))?;
         let mut driven =
@@ -132,7 +133,7 @@ impl Deformable {
         }
         let outcome = watched(progress, py, |monitor| {
             scenario.build()?;
-            task::run(&scenario, monitor)
+            asperity_runner::run(&scenario, monitor)
         })?;
         result::object(py, outcome)
     }
@@ -277,8 +278,7 @@ impl Interface {
             let built = scenario.build()?;
             match (looked, velocity) {
                 (looked, Some(velocity)) => {
-                    let mut driven =
-                        task::cells_in_time(&scenario, &surface.own, &built.0, &built.1, monitor)?;
+                    let mut driven = task::cells_in_time(&built, &surface.own, monitor)?;
                     driven.run(at, velocity, monitor, &mut |_, _| ())?;
                     looked.at(&driven.stretches(cell)?)
                 }

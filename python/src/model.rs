@@ -3,8 +3,8 @@
 use asperity::monitor::{Aside, Monitor};
 use asperity::population::Population;
 use asperity::rate_dependent::RateDependentContacts;
+use asperity::task;
 use asperity::{Error, Result, ensemble, master, scenario};
-use asperity_runner::task;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

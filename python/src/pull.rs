@@ -4,7 +4,7 @@ use asperity::master;
 use asperity::monitor::Monitor;
 use asperity::record;
 use asperity::scenario::{self, Units};
-use asperity_runner::task;
+use asperity::task;
 use pyo3::prelude::*;
 
 use crate::convert::{self, Domain, evaluate};

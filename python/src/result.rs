@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use asperity::scenario::Scenario;
+use asperity::task::summary::{Friction, StaticFriction, Summary};
 use asperity_runner::checkpoint::{Checkpoints, Every};
+use asperity_runner::input;
 use asperity_runner::output::{self, Outcome};
-use asperity_runner::summary::{Friction, StaticFriction, Summary};
-use asperity_runner::{input, task};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
@@ -55,7 +55,7 @@ impl Result {
     /// The static friction F_s with its position X_s; None where the force still rises at the end, or never falls.
     #[getter]
     fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        match self.summary.friction.as_ref().map(|friction| friction.static_friction) {
+        match self.summary.numbers.friction().map(|friction| friction.static_friction) {
             None | Some(StaticFriction::NotReached) => Ok(None),
             Some(StaticFriction::Reached { force, position }) => {
                 values::static_friction(py, force, position).map(Some)
@@ -107,7 +107,7 @@ impl Result {
 impl Result {
     /// A number that only a pull at one velocity has; nan for other tasks.
     fn friction(&self, number: impl Fn(&Friction) -> f64) -> f64 {
-        self.summary.friction.as_ref().map_or(f64::NAN, number)
+        self.summary.numbers.friction().map_or(f64::NAN, number)
     }
 }
 
@@ -144,11 +144,12 @@ pub fn run(
         if checkpoint.is_some() || resume {
             return Err(error::invalid("folder", "one, beside which checkpoints are kept", "None"));
         }
-        return object(py, watched(progress, py, |monitor| task::run(&input.scenario, monitor))?);
+        return object(py, watched(progress, py, |monitor| asperity_runner::run(&input.scenario, monitor))?);
     };
     output::check(&folder).map_err(error::files)?;
     let mut kept = checkpoints(&input.scenario, &folder, checkpoint, resume)?;
-    let outcome = watched(progress, py, |monitor| task::run_with(&input.scenario, kept.as_mut(), monitor));
+    let outcome =
+        watched(progress, py, |monitor| asperity_runner::run_with(&input.scenario, kept.as_mut(), monitor));
     // A stop for a checkpoint that could not be written has its own reason.
     let failure = kept.as_mut().and_then(Checkpoints::failure);
     let outcome = failure.map_or(outcome, |failure| Err(error::checkpoint(failure)))?;

@@ -2,8 +2,8 @@
 
 use asperity::block::Energy;
 use asperity::scenario::{self, Units};
-use asperity_runner::summary::Sliding;
-use asperity_runner::task::sliding;
+use asperity::task::sliding;
+use asperity::task::summary::Sliding;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -118,7 +118,7 @@ impl Transport {
         let own = scenario::MasterEquation { tolerance };
         let build = |monitor: &mut dyn Monitor| {
             own.check().map_err(|e| e.under("transport"))?;
-            let (contacts, initial) = scenario::interface(&contacts, &initial, start)?;
+            let (contacts, initial) = scenario::build_contacts(&contacts, &initial, start)?;
             let tolerance = own.tolerance_in_time(&contacts.rules);
             let transport = master::Transport::new(contacts.clone(), &initial, tolerance, monitor)?;
             Ok(Self { transport, contacts })
@@ -220,7 +220,7 @@ pub fn velocity_curve<'py>(
     let py = velocities.py();
     let (values, single) = convert::one_or_list("velocities", velocities, &convert::Domain::NUMBERS)?;
     let Interface { contacts, initial, start } = interface(contacts, None, "conditional")?;
-    let (contacts, initial) = scenario::interface(&contacts, &initial, start).map_err(error::core)?;
+    let (contacts, initial) = scenario::build_contacts(&contacts, &initial, start).map_err(error::core)?;
     let curve = watched(progress, py, |monitor| {
         let mut friction = Vec::with_capacity(values.len());
         for (i, &velocity) in values.iter().enumerate() {

@@ -4,8 +4,8 @@ use asperity::block::{Curve, Energy};
 use asperity::law::Atom;
 use asperity::master::Stretches;
 use asperity::record::Quantity;
-use asperity_runner::summary::Place;
-use asperity_runner::task::LinearStability;
+use asperity::task::LinearStability;
+use asperity::task::summary::SliderState;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -67,7 +67,7 @@ pub fn label<'py>(
 }
 
 /// A state of a slider.
-pub fn state<'py>(py: Python<'py>, place: &Place) -> PyResult<Bound<'py, PyAny>> {
+pub fn state<'py>(py: Python<'py>, place: &SliderState) -> PyResult<Bound<'py, PyAny>> {
     STATE.get(py)?.call1((place.drive, place.position, place.force))
 }
 

@@ -6,5 +6,6 @@ mod folder;
 pub mod input;
 pub mod memory;
 pub mod output;
-pub mod summary;
-pub mod task;
+mod run;
+
+pub use run::{run, run_with};

@@ -11,12 +11,12 @@ use asperity::law::{Point, Rectangular};
 use asperity::master::Transport;
 use asperity::rate_dependent::RateDependentContacts;
 use asperity::shape::{Edges, Shape};
+use asperity_runner::input;
 use asperity_runner::output::Outcome;
-use asperity_runner::{input, task};
 
 fn computed(text: &str) -> Result<Outcome, Error> {
     let parsed = input::parse(text, "test", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
-    task::run(&parsed.scenario, &mut ())
+    asperity_runner::run(&parsed.scenario, &mut ())
 }
 
 fn run(text: &str) -> Outcome {

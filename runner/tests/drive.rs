@@ -2,22 +2,22 @@
 
 use std::path::Path;
 
+use asperity::task::summary::{Friction, Sliding, SlidingKind};
 use asperity_runner::output::Outcome;
-use asperity_runner::summary::{Friction, Kind, Sliding};
-use asperity_runner::{input, output, task};
+use asperity_runner::{input, output};
 
 fn run(contacts: &str, rest: &str) -> Outcome {
     let text = format!("contacts.thresholds.gaussian = {contacts}\n{rest}");
     let input = input::parse(&text, "test", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"));
-    task::run(&input.scenario, &mut ()).unwrap()
+    asperity_runner::run(&input.scenario, &mut ()).unwrap()
 }
 
 fn sliding(outcome: &Outcome) -> &Sliding {
-    outcome.summary.sliding.as_ref().expect("a drive says how it slid")
+    outcome.summary.numbers.sliding().expect("a drive says how it slid")
 }
 
 fn friction(outcome: &Outcome) -> &Friction {
-    outcome.summary.friction.as_ref().expect("a drive says what friction is")
+    outcome.summary.numbers.friction().expect("a drive says what friction is")
 }
 
 /// Digits given in the literature of the values: half a unit of the last one.
@@ -32,7 +32,7 @@ const NARROW: &str = "{ mean = 1.0, std = 0.05 }";
 fn resets_go_on_for_ever() {
     let outcome = run(BROAD, "block = { stiffness = 1.0 }\ndrive = { distance = 12.0 }");
     let sliding = sliding(&outcome);
-    assert_eq!(sliding.regime, Kind::Persistent);
+    assert_eq!(sliding.regime, SlidingKind::Persistent);
     // X_1 + F_1/K and F_1 of the reference values, located to 1e-9.
     near(sliding.period.unwrap(), 1.666198355430, 1e-8);
     near(sliding.mean_drop.unwrap(), 0.7736105511280, 1e-8);
@@ -46,7 +46,7 @@ fn resets_go_on_for_ever() {
 fn overdamped_slips_are_counted_and_end() {
     let rest = "block = { stiffness = 1.0, slip = 'overdamped' }\ndrive = { distance = 40.0 }";
     let outcome = run(NARROW, rest);
-    assert_eq!((sliding(&outcome).regime, sliding(&outcome).slips), (Kind::Transient, 15));
+    assert_eq!((sliding(&outcome).regime, sliding(&outcome).slips), (SlidingKind::Transient, 15));
     assert!(sliding(&outcome).period.is_none());
 }
 
@@ -91,7 +91,7 @@ fn an_imposed_force_runs_away_at_static_friction() {
     near(runaway.force, 0.7964360150770, 1e-9);
     // The place of a maximum is known to the root of the accuracy of its value.
     near(runaway.position, 0.8441642907576, 1e-6);
-    assert_eq!(sliding(&outcome).regime, Kind::Runaway);
+    assert_eq!(sliding(&outcome).regime, SlidingKind::Runaway);
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn inertial_slips_leave_their_time_course() {
 #[test]
 fn a_drive_that_never_slips_is_an_outcome() {
     let outcome = run(BROAD, "block = { stiffness = 4.0, slip = 'arrest' }\ndrive = {}");
-    assert_eq!((sliding(&outcome).regime, sliding(&outcome).slips), (Kind::Smooth, 0));
+    assert_eq!((sliding(&outcome).regime, sliding(&outcome).slips), (SlidingKind::Smooth, 0));
     assert!(sliding(&outcome).first_instability.is_none());
 }
 
@@ -142,7 +142,7 @@ fn what_is_written_is_read_back() {
     let header = "event,drive,position_before,position_after,position_turn,force_before,force_after,drop,slip,\
                   broken_fraction,dissipated_breaks,dissipated_slip";
     assert_eq!(events.lines().next(), Some(header));
-    assert_eq!(events.lines().count(), 1 + outcome.summary.sliding.unwrap().slips);
+    assert_eq!(events.lines().count(), 1 + outcome.summary.numbers.sliding().unwrap().slips);
     let trace = std::fs::read_to_string(place.join("trace.csv")).unwrap();
     assert!(trace.starts_with("drive,position,force,spring_force\n"), "{}", &trace[..80]);
 }

@@ -4,20 +4,21 @@ use std::path::Path;
 
 use asperity::block::{Block, Drive, Loading, Slip};
 use asperity::ensemble::lattice::{Avalanche, Until};
+use asperity::scenario::Model;
+use asperity::task::summary::Catalogue;
 use asperity_runner::output::Outcome;
-use asperity_runner::summary::Catalogue;
-use asperity_runner::{input, output, task};
+use asperity_runner::{input, output};
 
 fn read(text: &str) -> input::Input {
     input::parse(text, "test", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn run(text: &str) -> Outcome {
-    task::run(&read(text).scenario, &mut ()).unwrap()
+    asperity_runner::run(&read(text).scenario, &mut ()).unwrap()
 }
 
 fn catalogue(outcome: &Outcome) -> &Catalogue {
-    outcome.summary.catalogue.as_ref().expect("an interface has a catalogue")
+    outcome.summary.numbers.catalogue().expect("an interface has a catalogue")
 }
 
 fn column<'a>(outcome: &'a Outcome, name: &str) -> &'a [f64] {
@@ -35,12 +36,12 @@ drive = { distance = 3.0, points = 4, maps = [0.5, 3.0] }
 #[test]
 fn contacts_one_by_one_make_the_avalanches_of_the_lattice() {
     let input = read(LATTICE);
-    let (contacts, initial) = input.scenario.build().unwrap();
+    let Model { contacts, initial, .. } = input.scenario.build().unwrap();
     let mut lattice = input.scenario.interface.as_ref().unwrap().lattice(contacts, initial, None).unwrap();
     let mut all: Vec<Avalanche> = Vec::new();
     lattice.run(Until::Drive(3.0), &mut (), &mut |avalanche| all.push(*avalanche)).unwrap();
     let late: Vec<_> = all.iter().filter(|avalanche| avalanche.drive >= 1.5).collect();
-    let outcome = task::run(&input.scenario, &mut ()).unwrap();
+    let outcome = asperity_runner::run(&input.scenario, &mut ()).unwrap();
     assert!(late.len() > 50 && late.len() < all.len());
     assert_eq!(column(&outcome, "event_drive"), late.iter().map(|a| a.drive).collect::<Vec<_>>());
     assert_eq!(column(&outcome, "event_size"), late.iter().map(|a| a.size as f64).collect::<Vec<_>>());
@@ -94,12 +95,12 @@ interface = { cells = [1], coupling.neighbours = { stiffness = 1.0 }, connection
 ensemble = { size = 20, seed = 4, disorder = 'quenched' }
 drive = { distance = 8.0, points = 2 }
 ");
-    let (contacts, initial) = input.scenario.build().unwrap();
+    let Model { contacts, initial, .. } = input.scenario.build().unwrap();
     let ensemble = input.scenario.ensemble.as_ref().unwrap().build(contacts, initial).unwrap();
     let block = Block::new(Loading::Spring(0.5), Slip::Overdamped, None).unwrap();
     let drive = Drive { turning_points: vec![8.0], points: 2 };
     let slips = block.pull(&mut ensemble.population(&mut ()).unwrap(), &drive, &mut ()).unwrap();
-    let outcome = task::run(&input.scenario, &mut ()).unwrap();
+    let outcome = asperity_runner::run(&input.scenario, &mut ()).unwrap();
     let drives = column(&outcome, "event_drive");
     assert!(drives.len() > 20 && drives.len() == slips.events.len());
     for (drive, slip) in drives.iter().zip(&slips.events) {
@@ -153,7 +154,7 @@ fn maps_that_no_file_can_hold_are_refused_before_any_work() {
         .replace("[9, 7]", "[2000, 2000]")
         .replace("[0.5, 3.0]", &format!("[{}]", maps.join(", ")))
         .replace("distance = 3.0", "distance = 40.0");
-    let error = task::run(&read(&text).scenario, &mut ()).unwrap_err().to_string();
+    let error = asperity_runner::run(&read(&text).scenario, &mut ()).unwrap_err().to_string();
     assert!(error.starts_with("drive.maps: ") && error.contains("40, which take 1280 MB"), "{error}");
 }
 

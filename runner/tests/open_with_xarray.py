@@ -1,6 +1,6 @@
 """Opens a result folder as users do: python open_with_xarray.py DIR...
 
-With xarray, by either of its engines, result.nc holds the numbers of the table of the task, units, long names, the
+With xarray, by either of its engines, result.nc holds the variables of docs/variables.md and the numbers of the table of the task, units, long names, the
 scenario, the version and the seed of summary.json.
 """
 
@@ -23,6 +23,27 @@ TABLES = {
 }
 
 
+# How the sections of docs/variables.md begin, by the task that the summary names.
+HEADINGS = {
+    "pull": "`[pull]`",
+    "drive": "`[drive]`\n",
+    "interface_drive": "`[drive] with [interface]`",
+    "protocol": "`[[protocol]]`\n",
+    "block_protocol": "`[[protocol]] with [block]",
+    "velocity_curve": "`[velocity_curve]`",
+    "hold_curve": "`[hold_curve]`",
+    "renormalisation": "`[renormalisation]`",
+}
+
+
+def variables(task: str) -> dict[str, str]:
+    """The variables of a task with their long names, as the page of variables has them."""
+    page = (Path(__file__).parents[2] / "docs" / "variables.md").read_text(encoding="utf-8")
+    (section,) = (part for part in page.split("\n## ") if part.startswith(HEADINGS[task]))
+    rows = (line.strip("| ").split(" | ") for line in section.splitlines() if line.startswith("| `"))
+    return {name.strip("`"): meaning for name, _, _, meaning in rows}
+
+
 def check(folder: Path, engine: str) -> None:
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     ((table, dimension),) = ((name, rows) for name, rows in TABLES.items() if (folder / name).exists())
@@ -37,8 +58,10 @@ def check(folder: Path, engine: str) -> None:
             column = np.array([float(row[name]) for row in rows])
             values = (whole + data[name]).transpose(*dimensions).values.ravel()
             assert np.array_equal(values, column, equal_nan=True), name
+        declared = variables(summary["task"])
         for name, variable in data.variables.items():
             assert variable.attrs["long_name"], name
+            assert name == "scenario" or declared[name] == variable.attrs["long_name"], name
             if name != "scenario":
                 assert variable.dtype == np.float64, name
                 assert variable.attrs["units"], name

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use asperity::record::{Quantity, Record};
 use asperity::scenario::Units;
+use asperity::task::summary::{Extended, Friction, Numbers, PullNumbers, StaticFriction, Summary};
 use asperity_runner::output::{self, Attachment, Error, Outcome};
-use asperity_runner::summary::{Extended, Friction, StaticFriction, Summary};
 
 fn record(seed: u64) -> Record {
     let mut record = Record::default();
@@ -29,31 +29,25 @@ fn outcome(seed: u64) -> Outcome {
     Outcome {
         scenario: format!("title = \"τ\"\n# {}\n", "long ".repeat(20_000)),
         summary: Summary {
-            force_error: None,
             title: "τ, the title".into(),
             version: "0.1.0".into(),
             units: Units { length: "µm".into(), force: "MPa".into(), time: String::new() },
-            friction: Some(Friction {
-                static_friction: StaticFriction::Reached { force: 0.1 + 0.2, position: 1.0 / 3.0 },
-                kinetic_friction: 0.50125,
-                relaxation_length: Extended(20.270_485_418_3),
-                relaxation_length_paper: Extended(20.0),
-                critical_stiffness: Extended(f64::INFINITY),
-            }),
             accuracy: Some(1e-11),
             contacts: 1.0,
             sample: None,
             seed: Some(u64::MAX - seed),
             disorder: None,
-            sliding: None,
-            friction_coefficients: None,
-            steps: Vec::new(),
-            limits: Vec::new(),
-            stability: None,
-            hold_curve: None,
-            catalogue: None,
-            renormalisation: None,
-            compare: None,
+            numbers: Numbers::Pull(PullNumbers {
+                friction: Friction {
+                    static_friction: StaticFriction::Reached { force: 0.1 + 0.2, position: 1.0 / 3.0 },
+                    kinetic_friction: 0.50125,
+                    relaxation_length: Extended(20.270_485_418_3),
+                    relaxation_length_paper: Extended(20.0),
+                    critical_stiffness: Extended(f64::INFINITY),
+                    friction_coefficients: None,
+                },
+                compare: None,
+            }),
             warnings: Vec::new(),
         },
         record: record(seed),
@@ -94,6 +88,18 @@ fn what_is_written_reads_back_exactly() {
         values.map(|v| v.to_bits()).collect::<Vec<_>>()
     };
     assert_eq!(bits(&back), bits(&outcome(1)));
+}
+
+#[test]
+fn a_summary_that_names_no_task_is_read_as_before() {
+    let (_base, dir) = place();
+    output::write(&dir, &outcome(1), &[]).unwrap();
+    let path = dir.join("summary.json");
+    let text = fs::read_to_string(&path).unwrap();
+    let without = text.replace("  \"task\": \"pull\",\n", "");
+    assert_ne!(without, text);
+    fs::write(&path, without).unwrap();
+    assert_eq!(output::read(&dir).unwrap(), outcome(1));
 }
 
 #[test]
@@ -249,7 +255,7 @@ fn a_link_to_our_folder_stays_a_link() {
 #[test]
 fn results_too_large_for_one_file_say_how_large() {
     let (_base, dir) = place();
-    let error = output::check_size(output::LARGEST + 8).unwrap_err().to_string();
+    let error = output::check_size(asperity::record::LARGEST + 8).unwrap_err().to_string();
     assert!(error.contains("500000008") && error.contains("500000000"), "{error}");
     output::check(&dir).unwrap();
 }

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use asperity::monitor::Monitor;
 use asperity::record::Record;
+use asperity::task::summary::{Extended, Friction, StaticFriction};
 use asperity::{Error, scenario::Scenario};
+use asperity_runner::input;
 use asperity_runner::output::Outcome;
-use asperity_runner::summary::{Extended, Friction, StaticFriction};
-use asperity_runner::{input, task};
 
 const FIGURE_2: &str = "
 title = 'Fig. 2'
@@ -22,11 +22,11 @@ fn scenario(text: &str) -> Scenario {
 }
 
 fn run(text: &str) -> Outcome {
-    task::run(&scenario(text), &mut ()).unwrap()
+    asperity_runner::run(&scenario(text), &mut ()).unwrap()
 }
 
 fn friction(outcome: &Outcome) -> &Friction {
-    outcome.summary.friction.as_ref().expect("a pull says what friction is")
+    outcome.summary.numbers.friction().expect("a pull says what friction is")
 }
 
 /// Largest difference of two columns in units of `scale`.
@@ -138,7 +138,7 @@ fn a_force_that_still_rises_has_no_static_friction() {
         pull = { distance = 5.0, points = 3 }
     ");
     assert_eq!(friction(&outcome).static_friction, StaticFriction::NotReached);
-    let coefficients = outcome.summary.friction_coefficients.unwrap();
+    let coefficients = outcome.summary.numbers.friction().unwrap().friction_coefficients.unwrap();
     assert_eq!((coefficients.at_rest, coefficients.normal_load), (None, 4.0));
     near(coefficients.kinetic, 0.25, 1e-9);
 }
@@ -151,7 +151,7 @@ fn a_compared_curve_is_kept_and_measured() {
         pull = { distance = 1.0, points = 3 }
         compare = { position = [0.0, 0.5, 3.0], force = [3.0, 39.346934028736655, 7.0] }
     ");
-    let compare = outcome.summary.compare.unwrap();
+    let compare = outcome.summary.numbers.compare().unwrap();
     assert_eq!(compare.points, 2);
     near(compare.residual_rms.unwrap(), 3.0 / 2f64.sqrt(), 1e-6);
     assert_eq!(outcome.record.values("compared_position").unwrap(), [0.0, 0.5, 3.0]);
@@ -162,7 +162,7 @@ fn a_compared_curve_is_kept_and_measured() {
 fn results_that_no_file_could_hold_are_refused_before_any_work() {
     let mut scenario = scenario(FIGURE_2);
     scenario.pull.as_mut().unwrap().points = 10_500_000;
-    let error = task::run(&scenario, &mut Patience { left: 0, last: 0.0 }).unwrap_err();
+    let error = asperity_runner::run(&scenario, &mut Patience { left: 0, last: 0.0 }).unwrap_err();
     assert!(matches!(error, Error::TooLarge { needed: 504_000_000.., .. }), "{error}");
     assert!(error.to_string().starts_with("pull.points: "), "{error}");
 }
@@ -189,11 +189,11 @@ impl Monitor for Patience {
 fn progress_never_falls_and_reaches_the_end() {
     let mut patience = Patience { left: usize::MAX, last: 0.0 };
     let scenario = scenario(&format!("{FIGURE_2}\nensemble = {{ size = 1000 }}\n"));
-    task::run(&scenario, &mut patience).unwrap();
+    asperity_runner::run(&scenario, &mut patience).unwrap();
     near(patience.last, 1.0, 1e-9);
     let heard = usize::MAX - patience.left;
     for left in [0, 1, heard / 2, heard - 1] {
-        let stopped = task::run(&scenario, &mut Patience { left, last: 0.0 });
+        let stopped = asperity_runner::run(&scenario, &mut Patience { left, last: 0.0 });
         assert_eq!(stopped.unwrap_err(), Error::Stopped);
     }
 }
@@ -204,6 +204,6 @@ fn one_contact_has_no_standard_error() {
     let text =
         "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\npull = {}\nensemble = { size = 1 }\n";
     let scenario = input::parse(text, "test", Path::new(""), &[]).unwrap().scenario;
-    let record = task::run(&scenario, &mut ()).unwrap().record;
+    let record = asperity_runner::run(&scenario, &mut ()).unwrap().record;
     assert!(record.get("ensemble_force").is_some() && record.get("ensemble_error").is_none());
 }

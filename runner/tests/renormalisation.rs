@@ -7,9 +7,9 @@ use asperity::Error;
 use asperity::law::{Gaussian, Law};
 use asperity::monitor::Monitor;
 use asperity::scenario::Scenario;
+use asperity::task::summary::{FirstBreakStatistics, InterfaceSize};
+use asperity_runner::input;
 use asperity_runner::output::{self, Outcome};
-use asperity_runner::summary::{Renormalisation, Size};
-use asperity_runner::{input, task};
 
 fn scenario(share: f64) -> Scenario {
     let text = format!(
@@ -28,11 +28,11 @@ edges = 'periodic'
 }
 
 fn run(share: f64) -> Outcome {
-    task::run(&scenario(share), &mut ()).unwrap()
+    asperity_runner::run(&scenario(share), &mut ()).unwrap()
 }
 
-fn found(outcome: &Outcome) -> Renormalisation {
-    outcome.summary.renormalisation.expect("what was measured")
+fn found(outcome: &Outcome) -> FirstBreakStatistics {
+    *outcome.summary.numbers.renormalisation().expect("what was measured")
 }
 
 /// Cells of many contacts, whose scales scatter.
@@ -49,7 +49,7 @@ drive_tolerance = 1e-4
 "
     );
     let scenario = input::parse(&text, "test", Path::new(""), &[]).expect("the scenario is valid").scenario;
-    task::run(&scenario, &mut ()).unwrap()
+    asperity_runner::run(&scenario, &mut ()).unwrap()
 }
 
 /// 4 standard errors of 4 · 3600 free contacts; Kolmogorov's distance at a false-alarm rate of 1e-6.
@@ -81,7 +81,7 @@ fn uncoupled_contacts_break_at_their_thresholds() {
 fn coupled_contacts_break_before_their_thresholds_and_more_alike() {
     let found = found(&run(0.05));
     let law = found.mean_field.expect("a coupling below the critical one");
-    assert_eq!(found.size, Size::Contacts(3600));
+    assert_eq!(found.size, InterfaceSize::Contacts(3600));
     assert!((found.coupling - 0.2).abs() < 1e-15 && (found.critical_coupling - 0.2494).abs() < 5e-5);
     assert!(law.mean < found.mean.value && found.mean.value < found.thresholds.mean);
     assert!(law.std < found.std.value && found.std.value < found.thresholds.std);
@@ -98,7 +98,7 @@ fn from_the_critical_coupling_on_there_is_no_mean_field() {
 fn cells_that_are_alike_have_the_law_of_mean_field() {
     let found = found(&cells(9.0, 0.3, 0.0));
     let law = found.mean_field.expect("a coupling below the critical one");
-    assert_eq!((found.size, found.coupling), (Size::Cells(300), 0.1));
+    assert_eq!((found.size, found.coupling), (InterfaceSize::Cells(300), 0.1));
     // The force is known to 1e-10, and what it makes of positions is 1/(1 − κ/κ_c) = 5 times as much.
     assert!(law.distance < 1e-8, "{law:?}");
     // What is not waited for: 1e-6 of the contacts, 5 σ off.
@@ -137,5 +137,5 @@ fn it_can_be_stopped() {
             if fraction > 0.4 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         }
     }
-    assert_eq!(task::run(&scenario(0.05), &mut Stop).unwrap_err(), Error::Stopped);
+    assert_eq!(asperity_runner::run(&scenario(0.05), &mut Stop).unwrap_err(), Error::Stopped);
 }

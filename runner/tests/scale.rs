@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use asperity::record::{Quantity, Record};
-use asperity_runner::{input, task};
+use asperity_runner::input;
 use serde_json::Value;
 
 /// Roundings of a closed form, a root or a convolution of order 1, some hundred times 2^−53: of the largest value of a column.
@@ -125,7 +125,7 @@ impl Scale {
 fn run(text: &str, scale: Scale) -> Result<(Record, Value), String> {
     let text = scale.scenario(text);
     let parsed = input::parse(&text, "test", Path::new(""), &[]).map_err(|e| format!("{e}\n{text}"))?;
-    let outcome = task::run(&parsed.scenario, &mut ()).map_err(|e| format!("{e}\n{text}"))?;
+    let outcome = asperity_runner::run(&parsed.scenario, &mut ()).map_err(|e| format!("{e}\n{text}"))?;
     let summary = serde_json::to_value(&outcome.summary).expect("a summary is JSON");
     Ok((outcome.record, summary))
 }

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
+use asperity_runner::input;
 use asperity_runner::output::{self, Outcome};
-use asperity_runner::{input, task};
 
 fn parsed(text: &str) -> input::Input {
     input::parse(text, "test", Path::new(""), &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn run(text: &str) -> Outcome {
-    task::run(&parsed(text).scenario, &mut ()).unwrap()
+    asperity_runner::run(&parsed(text).scenario, &mut ()).unwrap()
 }
 
 fn near(found: f64, expected: f64, tolerance: f64) {
@@ -34,9 +34,12 @@ fn kinetic_friction_along_velocities_is_that_of_the_theory() {
     for (found, expected) in friction.iter().zip([0.6472942007, 0.6000169155, 0.5527655886, 0.5122109494]) {
         near(*found, expected, 1e-9);
     }
-    near(outcome.summary.limits[0].fast, 0.505, 1e-9);
-    assert_eq!((outcome.summary.limits[0].slow, outcome.summary.limits[0].viscosity), (None, None));
-    assert_eq!(outcome.summary.friction, None);
+    near(outcome.summary.numbers.limits()[0].fast, 0.505, 1e-9);
+    assert_eq!(
+        (outcome.summary.numbers.limits()[0].slow, outcome.summary.numbers.limits()[0].viscosity),
+        (None, None)
+    );
+    assert_eq!(outcome.summary.numbers.friction(), None);
 }
 
 #[test]
@@ -89,7 +92,7 @@ fn slow_thermal_contacts_flow_as_their_closed_forms_say() {
     for (found, expected) in column(&flow, "viscous_friction").iter().zip(column(&flow, "kinetic_friction")) {
         near(*found / expected, 1.0, 1e-6);
     }
-    near(flow.summary.limits[0].viscosity.unwrap(), 20f64.exp(), 1e-6 * 20f64.exp());
+    near(flow.summary.numbers.limits()[0].viscosity.unwrap(), 20f64.exp(), 1e-6 * 20f64.exp());
 }
 
 #[test]
@@ -99,7 +102,7 @@ fn a_delay_frees_contacts_and_friction_ends() {
     for (force, velocity) in outcome.record.values("kinetic_friction").unwrap().iter().zip([0.02, 0.2, 2.0]) {
         near(*force, 0.505 / (1.0 + 0.5 * velocity), 1e-9);
     }
-    let limits = outcome.summary.limits[0];
+    let limits = outcome.summary.numbers.limits()[0];
     assert_eq!(limits.fast, 0.0);
     near(limits.slow.unwrap(), 0.505, 1e-9);
     let held = run(&format!(
@@ -144,7 +147,7 @@ fn a_protocol_is_told_step_by_step_and_both_solvers_agree() {
         // for there is no scatter before the first has broken
         near(column("ensemble_force")[i], column("force")[i], 6.0 * column("ensemble_error")[i] + 1e-4);
     }
-    let steps = &outcome.summary.steps;
+    let steps = &outcome.summary.numbers.steps();
     assert_eq!(steps.iter().map(|s| s.velocity).collect::<Vec<_>>(), [1.0, 0.0, 2.0]);
     assert_eq!(steps.iter().map(|s| s.pieces).collect::<Vec<_>>(), [None, None, Some(8)]);
     near(steps[0].kinetic_friction.unwrap(), 0.5122109494, 1e-9);
@@ -182,7 +185,7 @@ fn what_was_held_longer_heals_more() {
         run(&format!("{GROWING} hold_curve = {{ from = 1.0, to = 1e4, points = 5, velocity = 0.1 }}"));
     let force = outcome.record.values("static_friction").unwrap();
     assert!(force.is_sorted_by(|a, b| a < b), "{force:?}");
-    let curve = outcome.summary.hold_curve.unwrap();
+    let curve = outcome.summary.numbers.hold_curve().unwrap();
     // The last decade, at whose beginning contacts are a hundred times older than when they slid.
     let last = force[4] - force[3];
     near(curve.healing_per_decade.unwrap().value, last, 0.05 * last);
@@ -227,7 +230,7 @@ fn steps_can_stand_in_a_file() {
         .unwrap();
     let text = format!("protocol_file = 'steps.csv'\n{GROWING}");
     let input = input::parse(&text, "test", folder.path(), &[]).unwrap_or_else(|e| panic!("{e}"));
-    let outcome = task::run(&input.scenario, &mut ()).unwrap();
+    let outcome = asperity_runner::run(&input.scenario, &mut ()).unwrap();
     assert_eq!(outcome.record.values("time").unwrap().len(), 33);
     assert_eq!(run(&outcome.scenario), outcome, "the resolved scenario holds the steps themselves");
 }
@@ -239,7 +242,7 @@ fn a_block_over_ageing_contacts_sticks_and_slips_for_ever() {
          protocol = [{{ velocity = 1e-3, distance = 60.0 }}]"
     );
     let outcome = run(&text);
-    let sliding = outcome.summary.sliding.as_ref().unwrap();
+    let sliding = outcome.summary.numbers.sliding().unwrap();
     assert!(sliding.period.unwrap() > 1.0 && sliding.mean_drop.unwrap() > 0.05, "{}", sliding.reason);
     let column = |name: &str| outcome.record.values(&format!("event_{name}")).unwrap();
     for (i, drop) in column("drop").iter().enumerate() {
@@ -307,11 +310,11 @@ fn a_drive_at_a_velocity_is_a_protocol_of_one_step() {
     for name in ["time", "drive", "position", "velocity", "force", "event_drive", "event_dissipated_breaks"] {
         assert_eq!(drive.record.values(name).unwrap(), protocol.record.values(name).unwrap(), "{name}");
     }
-    assert_eq!(drive.summary.sliding, protocol.summary.sliding);
+    assert_eq!(drive.summary.numbers.sliding(), protocol.summary.numbers.sliding());
     // and of a pull at that velocity, from rest, the peak, which a block of finite stiffness slips beyond
-    let friction = drive.summary.friction.unwrap();
+    let friction = drive.summary.numbers.friction().unwrap();
     near(friction.kinetic_friction, 0.6481395, 1e-6);
-    assert!(drive.summary.sliding.unwrap().slips == 2 && drive.record.get("free").is_none());
+    assert!(drive.summary.numbers.sliding().unwrap().slips == 2 && drive.record.get("free").is_none());
 }
 
 #[test]
@@ -323,9 +326,9 @@ fn a_rigid_drive_at_a_velocity_is_a_pull() {
         // the tolerance where velocities might vary
         near(rigid, pull, 1e-6);
     }
-    let friction = |outcome: &Outcome| outcome.summary.friction.clone().unwrap();
+    let friction = |outcome: &Outcome| outcome.summary.numbers.friction().cloned().unwrap();
     assert_eq!(friction(&rigid).kinetic_friction, friction(&pull).kinetic_friction);
-    assert_eq!(rigid.summary.sliding, None);
+    assert_eq!(rigid.summary.numbers.sliding(), None);
 }
 
 #[test]
@@ -342,8 +345,8 @@ fn an_ensemble_slips_beside_its_block() {
         assert!(table.lines().count() > 1, "{name}");
     }
     assert!(dir.join("ensemble_trace.csv").exists());
-    let sliding = outcome.summary.sliding.unwrap();
-    let first = |sliding: &asperity_runner::summary::Sliding| sliding.first_instability.unwrap().drive;
+    let sliding = outcome.summary.numbers.sliding().unwrap();
+    let first = |sliding: &asperity::task::summary::Sliding| sliding.first_instability.unwrap().drive;
     // drives at slips scatter by some N^(-2/3)
     near(first(sliding.ensemble.as_ref().unwrap()), first(&sliding), 4.0 * 300.0_f64.powf(-2.0 / 3.0));
 }
@@ -360,12 +363,12 @@ fn a_block_beside_a_velocity_curve_tells_its_stability() {
     let column = |outcome: &Outcome, name: &str| outcome.record.values(name).unwrap().to_vec();
     assert_eq!(column(&free, "critical_stiffness_sliding"), [f64::INFINITY; 2]);
     assert!(column(&free, "growth_rate").iter().all(|rate| *rate > 0.0));
-    let told = free.summary.stability.unwrap();
+    let told = free.summary.numbers.stability().unwrap();
     assert_eq!((told.velocities, told.unstable), (2, Some(2)));
     assert_eq!(told.critical_stiffness_sliding.0, f64::INFINITY);
     // Damping of more than −dF_k/dv, which is about βF_k/v.
     assert_eq!(column(&damped, "growth_rate"), [0.0; 2]);
-    assert_eq!(damped.summary.stability.unwrap().unstable, Some(0));
+    assert_eq!(damped.summary.numbers.stability().unwrap().unstable, Some(0));
     let (_base, dir) = folder();
     output::write(&dir, &free, &[]).unwrap();
     let table = std::fs::read_to_string(dir.join("velocity_curve.csv")).unwrap();

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use asperity::monitor::Monitor;
-use asperity_runner::{input, task};
+use asperity_runner::{input, run};
 use cpu_time::ProcessTime;
 
 use cases::{RULES, UNIT, VARIATIONS, families};
@@ -65,7 +65,7 @@ fn page() -> PathBuf {
 fn entry(text: &str, seconds: f64) -> Result<Entry, String> {
     let input = input::parse(text, "accuracy", Path::new(""), &[]).map_err(|error| error.to_string())?;
     let mut deadline = Deadline { begun: ProcessTime::now(), seconds };
-    let outcome = task::run(&input.scenario, &mut deadline).map_err(|error| error.to_string())?;
+    let outcome = run(&input.scenario, &mut deadline).map_err(|error| error.to_string())?;
     let seconds = deadline.begun.elapsed().as_secs_f64();
     let accuracy = outcome.summary.accuracy.ok_or("a pull tells its accuracy")?;
     Ok(Entry { accuracy, seconds })

@@ -1,7 +1,7 @@
 //! `catalogue`: the force along the drive, how many events are how large, and how long one waits for the next.
 
+use asperity::task::summary::{Catalogue, PowerLaw};
 use asperity_runner::output::Outcome;
-use asperity_runner::summary::{Catalogue, PowerLaw};
 use kuva::plot::{MarkerShape, ScatterPlot};
 use kuva::render::figure::{Figure, FigureLegendPosition};
 use kuva::render::layout::Layout;
@@ -24,7 +24,7 @@ const FEWEST: usize = 10;
 const WAITING: (f64, f64) = (1e-3, 1e2);
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
-    let catalogue = outcome.summary.catalogue.as_ref()?;
+    let catalogue = outcome.summary.numbers.catalogue()?;
     let below = [Some(magnitudes(outcome, catalogue)?), waiting(outcome, catalogue)];
     let panels = std::iter::once(force(outcome)?).chain(below.into_iter().flatten());
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.unzip();

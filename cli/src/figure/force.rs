@@ -1,8 +1,8 @@
 //! `force`: the friction force along the pull.
 
 use asperity::record::Quantity;
+use asperity::task::summary::StaticFriction;
 use asperity_runner::output::Outcome;
-use asperity_runner::summary::StaticFriction;
 use kuva::plot::{BandPlot, LegendEntry, MarkerShape, ScatterPlot};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
@@ -28,7 +28,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     ensemble(outcome, position, &mut plots, &mut legend);
     frictions(outcome, position, &mut plots, &mut legend);
     let layout = style::legend_below(axes(outcome, position, force)?, legend);
-    Some(match outcome.summary.friction_coefficients {
+    Some(match outcome.summary.numbers.friction().and_then(|friction| friction.friction_coefficients) {
         Some(coefficients) => render_twin_y(plots, Vec::new(), loaded(layout, coefficients.normal_load)),
         None => render_multiple(plots, layout),
     })
@@ -111,7 +111,7 @@ fn ensemble(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut
 fn frictions(outcome: &Outcome, position: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
     let summary = &outcome.summary;
     let unit = summary.units.label(Quantity::Force);
-    let Some(friction) = &summary.friction else { return };
+    let Some(friction) = summary.numbers.friction() else { return };
     let ends = [position[0], position[position.len() - 1]];
     let kinetic = ends.map(|x| (x, friction.kinetic_friction)).to_vec();
     plots.push(line(kinetic, GREY, 1.4, Some(DASHES)));

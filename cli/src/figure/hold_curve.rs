@@ -17,7 +17,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let (hold, force) = (record.values("hold")?, record.values("static_friction")?);
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
     let others = record.values("ensemble_force").unwrap_or(&[]);
-    let kinetic = outcome.summary.hold_curve.map(|curve| curve.kinetic_friction);
+    let kinetic = outcome.summary.numbers.hold_curve().map(|curve| curve.kinetic_friction);
     let (low, high) = style::range([force, others, kinetic.as_slice()]);
     healing(outcome, hold, &mut plots, &mut legend);
     plots.push(line(curve(hold, force), BLUE, 2.0, None));
@@ -41,7 +41,7 @@ const POINTS: u32 = 200;
 
 /// The fitted law, and the kinetic friction from which static friction grows.
 fn healing(outcome: &Outcome, hold: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
-    let Some(read) = outcome.summary.hold_curve else { return };
+    let Some(read) = outcome.summary.numbers.hold_curve() else { return };
     let unit = outcome.summary.units.label(Quantity::Force);
     let ends = [hold[0], hold[hold.len() - 1]];
     if let (Some(slope), Some(at_one)) = (read.healing_per_decade, read.at_one) {

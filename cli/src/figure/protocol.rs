@@ -19,7 +19,7 @@ const MARKERS: usize = 80;
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
     // An interface has pictures of its own.
-    if outcome.summary.catalogue.is_some() {
+    if outcome.summary.numbers.catalogue().is_some() {
         return None;
     }
     let (above, below) = (velocity(outcome)?, force(outcome)?);

@@ -106,7 +106,7 @@ fn spans(record: &Record, cells: usize) -> Vec<Vec<Point>> {
 /// When the cells of the largest event began to slip, and the speeds of its fronts.
 fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
-    let largest = outcome.summary.catalogue.as_ref()?.largest?;
+    let largest = outcome.summary.numbers.catalogue()?.largest?;
     let columns =
         [record.values("slipped_event")?, record.values("slipped_cell")?, record.values("slipped_start")?];
     let [events, who, starts] = columns;

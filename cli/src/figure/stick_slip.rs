@@ -44,7 +44,8 @@ fn traces(outcome: &Outcome, names: (&str, &str), words: (&str, &str)) -> Option
     let others = columns(record, "ensemble_", names);
     let (left, right) = style::range(others.map(|o| o.0).into_iter().chain([x]));
     let (low, high) = style::range(others.map(|o| o.1).into_iter().chain([y]));
-    if let Some(kinetic) = outcome.summary.friction.as_ref().map(|f| f.kinetic_friction).filter(|k| *k < high)
+    if let Some(kinetic) =
+        outcome.summary.numbers.friction().map(|f| f.kinetic_friction).filter(|k| *k < high)
     {
         let unit = outcome.summary.units.label(Quantity::Force);
         plots.push(line(vec![(left, kinetic), (right, kinetic)], GREY, 1.4, Some(DASHES)));

@@ -1,12 +1,24 @@
 use asperity::record::{Quantity, Record};
 use asperity::scenario::Units;
-use asperity_runner::output::{Attachment, Outcome};
-use asperity_runner::summary::{
-    Catalogue, Coefficients, CurveLimits, Extended, Fitted, Friction, HoldCurve, Peak, RateState,
-    StaticFriction, Step, Summary,
+use asperity::task::summary::{
+    Catalogue, CurveLimits, Extended, Fitted, Friction, FrictionCoefficients, HealingCurve, HoldCurveNumbers,
+    InterfaceNumbers, Numbers, Peak, ProtocolNumbers, ProtocolStep, PullNumbers, RateState, StaticFriction,
+    Summary, VelocityCurveNumbers,
 };
+use asperity_runner::output::{Attachment, Outcome};
 
 use super::{draw, renumbered};
+
+fn friction() -> Friction {
+    Friction {
+        static_friction: StaticFriction::Reached { force: 0.8, position: 0.5 },
+        kinetic_friction: 0.5,
+        relaxation_length: Extended(10.0),
+        relaxation_length_paper: Extended(9.0),
+        critical_stiffness: Extended(6.0),
+        friction_coefficients: None,
+    }
+}
 
 /// Something to draw: a decaying force, two snapshots, a steady state.
 fn outcome() -> Outcome {
@@ -38,28 +50,12 @@ fn outcome() -> Outcome {
         title: "A pull & <more>".into(),
         version: "0.1.0".into(),
         units: Units { length: "µm".into(), force: "MPa".into(), time: String::new() },
-        friction: Some(Friction {
-            static_friction: StaticFriction::Reached { force: 0.8, position: 0.5 },
-            kinetic_friction: 0.5,
-            relaxation_length: Extended(10.0),
-            relaxation_length_paper: Extended(9.0),
-            critical_stiffness: Extended(6.0),
-        }),
         accuracy: Some(1e-10),
         contacts: 1.0,
         sample: Some(100.0),
         seed: Some(1),
         disorder: None,
-        sliding: None,
-        friction_coefficients: None,
-        steps: Vec::new(),
-        force_error: None,
-        limits: Vec::new(),
-        stability: None,
-        hold_curve: None,
-        catalogue: None,
-        renormalisation: None,
-        compare: None,
+        numbers: Numbers::Pull(PullNumbers { friction: friction(), compare: None }),
         warnings: Vec::new(),
     };
     Outcome { scenario: String::new(), summary, record }
@@ -106,8 +102,9 @@ fn labels_carry_units_and_titles() {
 fn a_normal_load_adds_an_axis_of_friction_coefficients() {
     let mut outcome = outcome();
     assert!(!svg(&draw(&outcome).unwrap(), "force.svg").contains("Friction coefficient"));
-    let coefficients = Coefficients { normal_load: 2.0, at_rest: Some(0.4), kinetic: 0.25 };
-    outcome.summary.friction_coefficients = Some(coefficients);
+    let coefficients = FrictionCoefficients { normal_load: 2.0, at_rest: Some(0.4), kinetic: 0.25 };
+    let friction = Friction { friction_coefficients: Some(coefficients), ..friction() };
+    outcome.summary.numbers = Numbers::Pull(PullNumbers { friction, compare: None });
     assert!(svg(&draw(&outcome).unwrap(), "force.svg").contains("Friction coefficient"));
 }
 
@@ -125,17 +122,19 @@ fn clip_paths_are_numbered_by_first_use() {
 }
 
 /// An empty record, and the summary of a task in time.
-fn timed() -> Outcome {
+fn timed(numbers: impl Into<Numbers>) -> Outcome {
     let mut outcome = outcome();
     outcome.record = Record::default();
-    outcome.summary.friction = None;
+    outcome.summary.numbers = numbers.into();
     outcome.summary.units.time = "s".into();
     outcome
 }
 
 #[test]
 fn a_velocity_curve_has_its_limits_and_a_colour_for_each_temperature() {
-    let mut outcome = timed();
+    let limits = |t| CurveLimits { temperature: Some(t), fast: 0.51, slow: None, viscosity: None };
+    let limits = vec![limits(0.1), limits(0.2)];
+    let mut outcome = timed(VelocityCurveNumbers { limits, stability: None });
     let velocity: Vec<f64> = (0..7).map(|i| 10f64.powi(i - 6)).collect();
     let both =
         |scale: f64| -> Vec<f64> { velocity.iter().chain(&velocity).map(|v| scale * v.powf(0.1)).collect() };
@@ -150,8 +149,6 @@ fn a_velocity_curve_has_its_limits_and_a_colour_for_each_temperature() {
     }
     outcome.record.push("temperature", "T", Quantity::Energy, &["temperature"], vec![0.1, 0.2]);
     outcome.record.push("velocity", "v", Quantity::Velocity, &["velocity"], velocity);
-    let limits = |t| CurveLimits { temperature: Some(t), fast: 0.51, slow: None, viscosity: None };
-    outcome.summary.limits = vec![limits(0.1), limits(0.2)];
     let pictures = draw(&outcome).unwrap();
     let text = svg(&pictures, "velocity_curve.svg");
     for words in [
@@ -169,18 +166,18 @@ fn a_velocity_curve_has_its_limits_and_a_colour_for_each_temperature() {
 
 #[test]
 fn a_hold_curve_shows_healing_and_what_it_grows_from() {
-    let mut outcome = timed();
-    outcome.record.push("hold", "hold", Quantity::Time, &["hold"], vec![1.0, 10.0, 100.0]);
-    outcome.record.push("static_friction", "F_s", Quantity::Force, &["hold"], vec![0.6, 0.61, 0.62]);
     let fitted = Fitted { value: 0.01, error: 1e-4 };
-    outcome.summary.hold_curve = Some(HoldCurve {
+    let hold_curve = HealingCurve {
         velocity: 1.0,
         kinetic_friction: 0.5,
         healing_per_decade: Some(fitted),
         healing_relative: Some(0.02),
         healing_cutoff: Some(Fitted { value: 3.0, error: 0.1 }),
         at_one: Some(0.6),
-    });
+    };
+    let mut outcome = timed(HoldCurveNumbers { hold_curve });
+    outcome.record.push("hold", "hold", Quantity::Time, &["hold"], vec![1.0, 10.0, 100.0]);
+    outcome.record.push("static_friction", "F_s", Quantity::Force, &["hold"], vec![0.6, 0.61, 0.62]);
     let pictures = draw(&outcome).unwrap();
     let text = svg(&pictures, "hold_curve.svg");
     for words in [
@@ -195,7 +192,20 @@ fn a_hold_curve_shows_healing_and_what_it_grows_from() {
 
 /// Events of sizes 1, 2, 3 … over a lattice of 3 × 4 contacts, shown twice.
 fn lattice(events: usize) -> Outcome {
-    let mut outcome = timed();
+    let catalogue = Catalogue {
+        cells: 12,
+        events,
+        from: 0.0,
+        magnitude: "size".into(),
+        magnitude_unit: "1".into(),
+        law: None,
+        mean_waiting: Some(1.0),
+        waiting_variation: Some(0.0),
+        largest: None,
+        dissipated_breaks: None,
+        dissipated_slip: None,
+    };
+    let mut outcome = timed(InterfaceNumbers { catalogue });
     let numbers = |count: usize| (1..=count).map(|i| i as f64).collect::<Vec<_>>();
     let mut add = |name: &str, quantity, along: &[&str], values| {
         outcome.record.push(name, name, quantity, along, values);
@@ -210,19 +220,6 @@ fn lattice(events: usize) -> Outcome {
     add("row", Quantity::Number, &["row"], numbers(3));
     add("column", Quantity::Number, &["column"], numbers(4));
     add("cell_force", Quantity::Force, &["map_drive", "row", "column"], numbers(24));
-    outcome.summary.catalogue = Some(Catalogue {
-        cells: 12,
-        events,
-        from: 0.0,
-        magnitude: "size".into(),
-        magnitude_unit: "1".into(),
-        law: None,
-        mean_waiting: Some(1.0),
-        waiting_variation: Some(0.0),
-        largest: None,
-        dissipated_breaks: None,
-        dissipated_slip: None,
-    });
     outcome
 }
 
@@ -241,7 +238,7 @@ fn an_interface_has_a_catalogue_and_maps() {
     }
     assert!(svg(&pictures, "catalogue.svg").contains("Poisson process"));
     let mut none = lattice(40);
-    if let Some(catalogue) = &mut none.summary.catalogue {
+    if let Numbers::InterfaceDrive(InterfaceNumbers { catalogue }) = &mut none.summary.numbers {
         catalogue.mean_waiting = None;
     }
     for alone in [none, lattice(5)] {
@@ -253,21 +250,8 @@ fn an_interface_has_a_catalogue_and_maps() {
 
 #[test]
 fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
-    let mut outcome = timed();
-    let time: Vec<f64> = (0..40).map(f64::from).collect();
-    let velocity: Vec<f64> = time.iter().map(|t| if *t < 20.0 { 1.0 } else { 2.0 }).collect();
-    let position: Vec<f64> = time.iter().map(|t| t + (t - 20.0).max(0.0)).collect();
-    let force: Vec<f64> = time.iter().map(|t| 0.5 - 0.01 * (t - 20.0).clamp(0.0, 5.0)).collect();
-    let mut add = |name: &str, quantity, values: &Vec<f64>| {
-        outcome.record.push(name, name, quantity, &["point"], values.clone())
-    };
-    add("time", Quantity::Time, &time);
-    add("drive", Quantity::Length, &position);
-    add("position", Quantity::Length, &position);
-    add("velocity", Quantity::Velocity, &velocity);
-    add("force", Quantity::Force, &force);
     let fitted = Fitted { value: 0.01, error: 1e-4 };
-    outcome.summary.steps = vec![Step {
+    let steps = vec![ProtocolStep {
         velocity: 2.0,
         position: 20.0,
         duration: 20.0,
@@ -287,6 +271,19 @@ fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
             residual: 1e-4,
         }),
     }];
+    let mut outcome = timed(ProtocolNumbers { force_error: 1e-6, steps, compare: None });
+    let time: Vec<f64> = (0..40).map(f64::from).collect();
+    let velocity: Vec<f64> = time.iter().map(|t| if *t < 20.0 { 1.0 } else { 2.0 }).collect();
+    let position: Vec<f64> = time.iter().map(|t| t + (t - 20.0).max(0.0)).collect();
+    let force: Vec<f64> = time.iter().map(|t| 0.5 - 0.01 * (t - 20.0).clamp(0.0, 5.0)).collect();
+    let mut add = |name: &str, quantity, values: &Vec<f64>| {
+        outcome.record.push(name, name, quantity, &["point"], values.clone())
+    };
+    add("time", Quantity::Time, &time);
+    add("drive", Quantity::Length, &position);
+    add("position", Quantity::Length, &position);
+    add("velocity", Quantity::Velocity, &velocity);
+    add("force", Quantity::Force, &force);
     let pictures = draw(&outcome).unwrap();
     let names: Vec<_> = pictures.iter().map(|p| p.name.as_str()).filter(|n| n.ends_with("svg")).collect();
     assert_eq!(names, ["protocol.svg", "velocity_step.svg"]);

@@ -11,7 +11,7 @@ const DASHES: &str = "8 5";
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let record = &outcome.record;
-    let found = outcome.summary.renormalisation?;
+    let found = outcome.summary.numbers.renormalisation()?;
     let (drive, measured) = (record.values("drive")?, record.values("measured_density")?);
     let free = record.values("free_density")?;
     let mean_field = record.values("mean_field_density");

@@ -20,11 +20,11 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let (low, high) = style::range([friction, record.values("ensemble_force").unwrap_or(&[])]);
     let (low, high) = style::heights(low, high);
     let (mut plots, mut legend) = (Plots::new(), Vec::new());
-    for row in 0..outcome.summary.limits.len() {
+    for row in 0..outcome.summary.numbers.limits().len() {
         draw(outcome, velocity, row, high, &mut plots, &mut legend);
     }
     if record.get("ensemble_force").is_some() {
-        let color = if outcome.summary.limits.len() > 1 { GREY } else { ORANGE };
+        let color = if outcome.summary.numbers.limits().len() > 1 { GREY } else { ORANGE };
         legend.push(style::marker(style::sized_ensemble(outcome), color, MarkerShape::Circle));
     }
     plateaus(outcome, velocity, (low, high), &mut plots, &mut legend);
@@ -66,7 +66,7 @@ fn draw(
     let ensemble = ["ensemble_force", "ensemble_error"].map(|name| part(record, name, velocity.len(), row));
     if let [Some(force), error] = ensemble {
         let error = error.unwrap_or_default();
-        let color = if outcome.summary.limits.len() > 1 { color } else { ORANGE };
+        let color = if outcome.summary.numbers.limits().len() > 1 { color } else { ORANGE };
         plots.extend(errors(velocity, force, error, color));
     }
 }
@@ -74,7 +74,7 @@ fn draw(
 /// What the curve of a row is called.
 fn called(outcome: &Outcome, row: usize) -> String {
     let unit = outcome.summary.units.label(Quantity::Energy);
-    match outcome.summary.limits[row].temperature {
+    match outcome.summary.numbers.limits()[row].temperature {
         Some(temperature) => format!("T = {}", style::with_unit(temperature, &unit)),
         None => "master equation".to_owned(),
     }
@@ -88,7 +88,7 @@ fn plateaus(
     plots: &mut Plots,
     legend: &mut Vec<LegendEntry>,
 ) {
-    let Some(limits) = outcome.summary.limits.first() else { return };
+    let Some(limits) = outcome.summary.numbers.limits().first() else { return };
     let ends: [Point; 2] = [(velocity[0], 1.0), (velocity[velocity.len() - 1], 1.0)];
     let unit = outcome.summary.units.label(Quantity::Force);
     for (level, words, dashes) in [(Some(limits.fast), "v → ∞", "4 4"), (limits.slow, "v → 0", "1 4")] {

@@ -1,7 +1,7 @@
 //! `velocity_step`: the force after each step of the velocity, with the fitted words of rate and state.
 
+use asperity::task::summary::{ProtocolStep, RateState};
 use asperity_runner::output::Outcome;
-use asperity_runner::summary::{RateState, Step};
 use kuva::plot::LegendEntry;
 use kuva::render::figure::{Figure, FigureLegendPosition};
 use kuva::render::layout::Layout;
@@ -21,7 +21,8 @@ const DASHES: &str = "8 5";
 const BEFORE: f64 = 0.1;
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
-    let read = outcome.summary.steps.iter().filter_map(|step| Some((step, step.rate_state.as_ref()?)));
+    let read =
+        outcome.summary.numbers.steps().iter().filter_map(|step| Some((step, step.rate_state.as_ref()?)));
     let panels: Option<Vec<_>> = read.take(PANELS).map(|(step, read)| panel(outcome, step, read)).collect();
     let (plots, mut layouts): (Vec<_>, Vec<_>) = panels?.into_iter().unzip();
     let way = style::axis(outcome, "Displacement since the step", outcome.record.get("position")?);
@@ -53,7 +54,7 @@ fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
     entries
 }
 
-fn panel(outcome: &Outcome, step: &Step, read: &RateState) -> Option<(Plots, Layout)> {
+fn panel(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<(Plots, Layout)> {
     let end = step.velocity * step.duration;
     let shown = (-BEFORE * end)..=end;
     let since = |names: (&str, &str)| -> Option<Vec<Point>> {
@@ -87,7 +88,7 @@ fn panel(outcome: &Outcome, step: &Step, read: &RateState) -> Option<(Plots, Lay
 }
 
 /// The fitted force at a way behind the peak.
-fn fit(step: &Step, read: &RateState, way: f64) -> f64 {
+fn fit(step: &ProtocolStep, read: &RateState, way: f64) -> f64 {
     let fallen = -(-(way - read.peak) / read.distance.value).exp_m1();
     let size = (step.velocity / read.velocity_before).ln();
     read.force_before + size * (read.a.value - read.b.value * fallen)

@@ -1,7 +1,7 @@
 //! Events of an interface, for people.
 
 use asperity::record::Quantity;
-use asperity_runner::summary::{Catalogue, Fitted, PowerLaw, Summary};
+use asperity::task::summary::{Catalogue, Fitted, PowerLaw, Summary};
 
 use super::{digits, with_error, with_unit};
 

@@ -8,32 +8,39 @@ use std::fmt::Write as _;
 
 use asperity::record::Quantity;
 use asperity::scenario::Disorder;
-use asperity_runner::summary::{Fitted, Friction, Place, Sliding, StaticFriction, Summary};
+use asperity::task::summary::{Fitted, Friction, SliderState, Sliding, StaticFriction, Summary};
 
 /// Aligned lines: what it is, its value with its unit.
 pub fn readable(summary: &Summary) -> String {
     let value = |number: f64, quantity| with_unit(digits(number), number, &summary.units.label(quantity));
-    let mut lines = summary.friction.as_ref().map_or_else(Vec::new, |friction| rubbed(summary, friction));
-    if let Some(coefficients) = summary.friction_coefficients {
+    let mut lines = summary.numbers.friction().map_or_else(Vec::new, |friction| rubbed(summary, friction));
+    if let Some(coefficients) = summary.numbers.friction().and_then(|friction| friction.friction_coefficients)
+    {
         let at_rest = coefficients.at_rest.map_or("not reached".into(), digits);
         let load = value(coefficients.normal_load, Quantity::Force);
         let both = format!("static {at_rest}, kinetic {} (load {load})", digits(coefficients.kinetic));
         lines.push(("friction coefficients", both));
     }
-    if let Some(sliding) = &summary.sliding {
+    if let Some(sliding) = summary.numbers.sliding() {
         lines.extend(slid(summary, sliding));
     }
     lines.extend(timed::lines(summary));
-    if let Some(catalogue) = &summary.catalogue {
+    if let Some(catalogue) = summary.numbers.catalogue() {
         lines.extend(catalogue::lines(summary, catalogue));
     }
-    lines.extend(summary.renormalisation.iter().flat_map(|found| renormalisation::lines(summary, found)));
+    lines.extend(
+        summary
+            .numbers
+            .renormalisation()
+            .into_iter()
+            .flat_map(|found| renormalisation::lines(summary, found)),
+    );
     if let (Some(seed), Some(size)) = (summary.seed, summary.sample) {
         let quenched =
             if summary.disorder == Some(Disorder::Quenched) { "quenched thresholds, " } else { "" };
         lines.push(("ensemble", format!("{size} contacts, {quenched}seed {seed}")));
     }
-    if let Some(compared) = summary.compare {
+    if let Some(compared) = summary.numbers.compare() {
         let rms = compared.residual_rms.map_or("no point within the pull".into(), |rms| {
             format!("rms residual {} over {} points", value(rms, Quantity::Force), compared.points)
         });
@@ -43,7 +50,7 @@ pub fn readable(summary: &Summary) -> String {
     for (name, value) in lines {
         let _ = writeln!(text, "{name:<22} {value}");
     }
-    let ensemble = summary.sliding.as_ref().and_then(|sliding| sliding.ensemble.as_deref());
+    let ensemble = summary.numbers.sliding().and_then(|sliding| sliding.ensemble.as_deref());
     for (name, value) in ensemble.into_iter().flat_map(|sliding| slid(summary, sliding)) {
         let _ = writeln!(text, "  {name:<20} {value}");
     }
@@ -76,7 +83,7 @@ fn rubbed(summary: &Summary, friction: &Friction) -> Vec<(&'static str, String)>
 /// How a driven slider slid.
 fn slid(summary: &Summary, sliding: &Sliding) -> Vec<(&'static str, String)> {
     let value = |number: f64, quantity| with_unit(fine(number), number, &summary.units.label(quantity));
-    let place = |place: &Place| {
+    let place = |place: &SliderState| {
         let at = (value(place.force, Quantity::Force), value(place.position, Quantity::Length));
         format!("F = {} at X = {}", at.0, at.1)
     };

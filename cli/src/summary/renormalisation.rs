@@ -1,12 +1,12 @@
 //! The law of first breaks, for people.
 
 use asperity::record::Quantity;
-use asperity_runner::summary::{Compared, Renormalisation, Summary};
+use asperity::task::summary::{Compared, FirstBreakStatistics, Summary};
 
 use super::{digits, fitted, with_unit};
 
 /// Lines as those of the rest of the summary.
-pub fn lines(summary: &Summary, found: &Renormalisation) -> Vec<(&'static str, String)> {
+pub fn lines(summary: &Summary, found: &FirstBreakStatistics) -> Vec<(&'static str, String)> {
     let length = |number: f64| with_unit(digits(number), number, &summary.units.label(Quantity::Length));
     let law = |law: &Compared| {
         format!(

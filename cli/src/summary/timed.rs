@@ -1,7 +1,7 @@
 //! Steps, curves against velocity and hold time, and their reading by rate and state, for people.
 
 use asperity::record::Quantity;
-use asperity_runner::summary::{CurveLimits, HoldCurve, RateState, Stability, Step, Summary};
+use asperity::task::summary::{CurveLimits, HealingCurve, ProtocolStep, RateState, Stability, Summary};
 
 use super::{digits, fitted, with_unit};
 
@@ -10,16 +10,19 @@ const LISTED: usize = 12;
 
 /// Lines as those of the rest of the summary.
 pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
-    let mut lines: Vec<_> = summary.limits.iter().flat_map(|limits| ends(summary, limits)).collect();
-    lines.extend(summary.stability.iter().map(|found| ("steady sliding", stable(summary, found))));
-    for step in summary.steps.iter().take(LISTED) {
+    let mut lines: Vec<_> =
+        summary.numbers.limits().iter().flat_map(|limits| ends(summary, limits)).collect();
+    lines.extend(
+        summary.numbers.stability().into_iter().map(|found| ("steady sliding", stable(summary, found))),
+    );
+    for step in summary.numbers.steps().iter().take(LISTED) {
         lines.push(("step", told(summary, step)));
         lines.extend(step.rate_state.iter().map(|read| ("  rate and state", read_as(summary, read))));
     }
-    if summary.steps.len() > LISTED {
-        lines.push(("", format!("and {} steps more", summary.steps.len() - LISTED)));
+    if summary.numbers.steps().len() > LISTED {
+        lines.push(("", format!("and {} steps more", summary.numbers.steps().len() - LISTED)));
     }
-    if let Some(curve) = &summary.hold_curve {
+    if let Some(curve) = summary.numbers.hold_curve() {
         lines.extend(healed(summary, curve));
     }
     lines
@@ -61,7 +64,7 @@ fn stable(summary: &Summary, found: &Stability) -> String {
     }
 }
 
-fn told(summary: &Summary, step: &Step) -> String {
+fn told(summary: &Summary, step: &ProtocolStep) -> String {
     let time = value(summary, step.duration, Quantity::Time);
     let force = value(summary, step.force, Quantity::Force);
     let motion = if step.velocity == 0.0 {
@@ -81,7 +84,7 @@ fn read_as(summary: &Summary, read: &RateState) -> String {
     format!("a = {a}, b = {b}, D_c = {}", fitted(summary, read.distance, Quantity::Length))
 }
 
-fn healed(summary: &Summary, curve: &HoldCurve) -> Vec<(&'static str, String)> {
+fn healed(summary: &Summary, curve: &HealingCurve) -> Vec<(&'static str, String)> {
     let velocity = value(summary, curve.velocity, Quantity::Velocity);
     let steady = value(summary, curve.kinetic_friction, Quantity::Force);
     let mut lines = vec![("kinetic friction", format!("F_k = {steady} at v = {velocity}"))];

@@ -62,6 +62,11 @@ impl StickSlip {
         events::record(&self.events, self.drive_quantity())
     }
 
+    /// The columns of a trace and of slips, without values, of a slider whose top is moved.
+    pub fn columns() -> [Record; 2] {
+        [trace::record(&[], Quantity::Length), events::record(&[], Quantity::Length)]
+    }
+
     fn drive_quantity(&self) -> Quantity {
         match self.loading {
             Loading::Spring(_) | Loading::Rigid => Quantity::Length,

@@ -61,6 +61,11 @@ impl Event {
         self.force_before - self.force_after
     }
 
+    /// The columns of a catalogue, without values, of cells that have an area.
+    pub fn columns() -> Record {
+        record(&[], Some(1.0))
+    }
+
     /// Mean slip of the cells.
     pub fn slip(&self) -> f64 {
         self.position_after - self.position_before

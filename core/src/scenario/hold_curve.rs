@@ -26,6 +26,11 @@ fn points() -> usize {
 }
 
 impl HoldCurve {
+    /// That between two hold times, at the default number of points, before and after holds at `velocity`.
+    pub fn between(from: f64, to: f64, velocity: f64) -> Self {
+        Self { from, to, points: points(), velocity }
+    }
+
     /// The hold times.
     pub fn holds(&self) -> Vec<f64> {
         logarithmic::spaced(self.from, self.to, self.points)

@@ -15,6 +15,7 @@ mod interface;
 mod law;
 mod logarithmic;
 mod master_equation;
+mod model;
 mod protocol;
 mod pull;
 mod renormalisation;
@@ -38,6 +39,7 @@ pub use initial::Start;
 pub use interface::{CellSlip, Coupling, Edges, Interface, Loading, PerCell, Scales};
 pub use law::{Component, Law, Tabulated};
 pub use master_equation::MasterEquation;
+pub use model::Model;
 pub use protocol::{Protocol, Step};
 pub use pull::Pull;
 pub use renormalisation::Renormalisation;
@@ -112,82 +114,37 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// Checks every value and builds the contacts and their start.
+    /// Checks every value and builds the model that the task is computed of.
     ///
     /// # Errors
     /// The first value that makes no sense, or a task that would not fit in memory.
-    pub fn build(&self) -> Result<(crate::contacts::Contacts, crate::contacts::Initial)> {
+    pub fn build(&self) -> Result<Model> {
         let task = self.task()?;
-        let (contacts, initial) = interface(&self.contacts, &self.initial, task.start())?;
-        task.check()?;
-        self.check_time(task, &contacts)?;
-        self.check_block(task, &contacts)?;
-        self.check_interface(task, &contacts)?;
-        self.master_equation.check().map_err(|e| e.under("master_equation"))?;
-        if let Some(compare) = &self.compare {
-            compare.check(task).map_err(|e| e.under("compare"))?;
-        }
-        if let Some(ensemble) = &self.ensemble {
-            ensemble.build(contacts.clone(), initial.clone())?;
-        }
-        Ok((contacts, initial))
-    }
-
-    fn check_block(&self, task: Task<'_>, contacts: &crate::contacts::Contacts) -> Result<()> {
-        match (task, &self.block) {
-            (Task::Drive(drive), Some(block)) if contacts.rules.are_time_dependent() => {
-                drive.slider(Some(block), true).and_then(|_| block.in_time(true)).map(drop)
-            }
-            (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),
-            (Task::Protocol(_), Some(block)) => block.in_time(true).and_then(|_| self.check_alone()),
-            (Task::VelocityCurve(VelocityCurve { stability: true, .. }), Some(block)) => {
-                block.in_time(true).map(drop)
-            }
-            (_, None) => Ok(()),
-            (task, Some(_)) => {
-                let found = format!("one with [{}]", task.name());
-                Err(Error::invalid(
-                    "block",
-                    "a block only with the tasks [drive] and [[protocol]], and with velocity_curve.stability = true",
-                    found,
-                ))
-            }
-        }
-    }
-
-    fn check_interface(&self, task: Task<'_>, contacts: &crate::contacts::Contacts) -> Result<()> {
-        let Some(interface) = &self.interface else {
-            return match task {
-                Task::Drive(Drive { maps, .. }) if !maps.is_empty() => {
-                    let expected = "no maps without [interface], whose cells they show";
-                    Err(Error::invalid("drive.maps", expected, format!("{} of them", maps.len())))
-                }
-                Task::Renormalisation(_) => Err(Error::invalid(
-                    "interface",
-                    "one with [renormalisation]: contacts that are coupled",
-                    "none",
-                )),
-                _ => Ok(()),
-            };
+        let (contacts, initial) = build_contacts(&self.contacts, &self.initial, task.start())?;
+        let model = Model {
+            contacts,
+            initial,
+            normal_load: self.contacts.normal_load,
+            block: self.block.clone(),
+            interface: self.interface.clone(),
+            master_equation: self.master_equation.clone(),
+            ensemble: self.ensemble.clone(),
+            compare: self.compare.clone(),
         };
-        if self.block.is_some() {
-            let expected = "no block beside [interface], whose cells have connections of their own";
-            return Err(Error::invalid("block", expected, "one"));
-        }
-        match task {
-            Task::Drive(drive) => interface.check(contacts, drive, self.ensemble.as_ref()),
-            Task::Renormalisation(task) => task.check_interface(interface, contacts, self),
-            task => {
-                let expected = "an interface only with the tasks [drive] and [renormalisation]";
-                Err(Error::invalid("interface", expected, format!("one with [{}]", task.name())))
-            }
-        }
+        task.check(&model).map_err(|error| self.keyed(error))?;
+        Ok(model)
     }
 
-    /// Refuses what does not go with a block that is moved in time.
-    fn check_alone(&self) -> Result<()> {
-        let expected = "no compared curve beside a [block] with [[protocol]]: force against position is no curve where the block slips";
-        self.compare.as_ref().map_or(Ok(()), |_| Err(Error::invalid("compare", expected, "one")))
+    /// `error` with the key that stands in the scenario: areas, too, make stiffnesses grow with thresholds.
+    fn keyed(&self, error: Error) -> Error {
+        match error {
+            Error::Invalid { key, expected, found }
+                if key == "contacts.stiffness_per_threshold" && self.contacts.areas.is_some() =>
+            {
+                Error::invalid("contacts.areas", expected, found)
+            }
+            error => error,
+        }
     }
 
     /// Every `tabulated` law with the path of its key, so that a reader of files can fill it in.
@@ -213,7 +170,7 @@ impl Scenario {
 ///
 /// # Errors
 /// The first value that makes no sense, with its full path.
-pub fn interface(
+pub fn build_contacts(
     contacts: &Contacts,
     initial: &Law,
     start: Start,

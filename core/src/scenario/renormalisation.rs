@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Interface, Law, Loading, PerCell, Scales, Scenario, size};
-use crate::contacts::{Contacts, Stiffness};
+use super::{Interface, Loading, Model, PerCell, Scales, size};
+use crate::contacts::Stiffness;
 use crate::{Error, Result};
 
 /// Runs whose disorder is drawn in advance, to refuse scales that are not above 0; later runs refuse theirs themselves.
@@ -56,21 +56,15 @@ impl Renormalisation {
     ///
     /// # Errors
     /// What is not so, with its full path.
-    pub(super) fn check_interface(
-        &self,
-        interface: &Interface,
-        contacts: &Contacts,
-        scenario: &Scenario,
-    ) -> Result<()> {
+    pub(super) fn check_interface(&self, interface: &Interface, model: &Model) -> Result<()> {
+        let Model { contacts, initial, ensemble, .. } = model;
         if let Some(atom) = contacts.thresholds.atoms().first() {
             let expected =
                 "thresholds without point masses with [renormalisation]: identical contacts break together";
             return Err(Error::invalid("contacts.thresholds", expected, format!("one at {}", atom.position)));
         }
-        for (key, law) in
-            [("initial", &scenario.initial), ("contacts.reforming", &scenario.contacts.reforming)]
-        {
-            if *law != Law::zero() {
+        for (key, law) in [("initial", &initial.law), ("contacts.reforming", &contacts.reforming)] {
+            if law.quantile(1.0) > 0.0 {
                 let expected =
                     "point = { at = 0.0 }, the default, with [renormalisation]: contacts that are relaxed";
                 return Err(Error::invalid(key, expected, "another law"));
@@ -78,16 +72,17 @@ impl Renormalisation {
         }
         self.check_size(interface)?;
         if interface.contacts == PerCell::One {
-            return interface.check_cells(contacts, scenario.ensemble.as_ref());
+            return interface.check_cells(contacts, ensemble.as_ref());
         }
-        check_many(interface, contacts, scenario)?;
+        check_many(interface, model)?;
         let checked = self.runs.min(RUNS_CHECKED);
         (0..checked).try_for_each(|run| interface.redrawn(run).check_cells(contacts, None))
     }
 }
 
 /// Refuses cells that are not driven together and slowly, or do not differ by chance.
-fn check_many(interface: &Interface, contacts: &Contacts, scenario: &Scenario) -> Result<()> {
+fn check_many(interface: &Interface, model: &Model) -> Result<()> {
+    let contacts = &model.contacts;
     let refused = |key: &str, expected: &str, why: &str, found: &str| {
         let expected = format!("{expected} with [renormalisation] of cells: {why}");
         Err(Error::invalid(key, expected, found))
@@ -101,12 +96,15 @@ fn check_many(interface: &Interface, contacts: &Contacts, scenario: &Scenario) -
         );
     }
     if matches!(contacts.stiffness, Stiffness::PerThreshold(_)) {
-        let areas = scenario.contacts.areas.is_some();
-        let key = if areas { "contacts.areas" } else { "contacts.stiffness_per_threshold" };
         let found = "stiffness that grows with the threshold";
-        return refused(key, "equal stiffness", "κ is the same for every contact", found);
+        return refused(
+            "contacts.stiffness_per_threshold",
+            "equal stiffness",
+            "κ is the same for every contact",
+            found,
+        );
     }
-    if scenario.ensemble.is_some() {
+    if model.ensemble.is_some() {
         return refused(
             "ensemble",
             "none",

@@ -62,7 +62,7 @@ impl Scenario {
 
 impl Task<'_> {
     /// The name of its table.
-    pub fn name(&self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Self::Pull(_) => "pull",
             Self::Drive(_) => "drive",
@@ -73,7 +73,7 @@ impl Task<'_> {
         }
     }
 
-    pub(super) fn start(&self) -> Start {
+    pub(super) fn start(self) -> Start {
         match self {
             Self::Pull(pull) => pull.start,
             Self::Drive(drive) => drive.start,
@@ -81,7 +81,7 @@ impl Task<'_> {
         }
     }
 
-    pub(super) fn check(&self) -> Result<()> {
+    pub(super) fn check_values(self) -> Result<()> {
         match self {
             Self::Pull(pull) => pull.check(),
             Self::Drive(drive) => drive.check(),

@@ -35,7 +35,7 @@ fn areas_give_thresholds_and_stiffnesses() {
     let mut scenario = scenario(Law::zero());
     scenario.contacts.thresholds = None;
     scenario.contacts.areas = Some(Areas { law: Law::Point { at: 4.0 }, modulus: 2.0, strength: 3.0 });
-    let (contacts, _) = scenario.build().unwrap();
+    let contacts = scenario.build().unwrap().contacts;
     // A contact of area 4: k = 2√4 = 4 breaks at the force 3·4 = 12, so at the stretch 3 = k/κ.
     assert_eq!(contacts.thresholds.atoms()[0].position, 3.0);
     assert_eq!(contacts.stiffness, Stiffness::PerThreshold(4.0 / 3.0));
@@ -262,7 +262,7 @@ fn the_share_of_cells_is_that_of_their_stiffnesses() {
     let mut described = renormalised(cells());
     described.contacts.count = 3.0;
     described.contacts.stiffness = Some(0.5);
-    let (contacts, _) = described.build().unwrap();
+    let contacts = described.build().unwrap().contacts;
     let share = cells().total_share(&contacts).unwrap();
     assert!((share - 1.5 / 5.5).abs() < 1e-15);
     // Variances of a product: σ² + s²(1 + σ²), but for the 1e-23 of thresholds below 0.

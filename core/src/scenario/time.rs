@@ -1,29 +1,53 @@
 //! What a task and time-dependent contacts need of each other.
 
-use super::{Scenario, Task, VelocityCurve};
+use super::{Model, Scenario, Task, VelocityCurve};
 use crate::contacts::{Ageing, Contacts};
 use crate::{Error, Result};
 
-impl Scenario {
+impl Task<'_> {
     /// Whether the task says how fast the slider moves where that matters, and all rules can go with it.
-    pub(super) fn check_time(&self, task: Task<'_>, contacts: &Contacts) -> Result<()> {
-        if let Task::VelocityCurve(curve) = task {
-            temperatures(curve, contacts)?;
+    pub(super) fn check_time(self, model: &Model) -> Result<()> {
+        if let Task::VelocityCurve(curve) = self {
+            temperatures(curve, &model.contacts)?;
         }
-        if matches!(contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
-            self.steady_alone(task)?;
+        if matches!(model.contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
+            self.steady_alone(model)?;
         }
-        let Some(rule) = contacts.rules.first() else { return Ok(()) };
-        match task {
+        let Some(rule) = model.contacts.rules.first() else { return Ok(()) };
+        match self {
             Task::Pull(pull) => velocity(pull.velocity, rule),
             Task::Drive(drive) => velocity(drive.velocity, rule).and_then(|()| drive.forward().map(drop)),
             Task::Protocol(_) | Task::VelocityCurve(_) | Task::HoldCurve(_) | Task::Renormalisation(_) => {
                 Ok(())
             }
         }
-        .map_err(|e| e.under(task.name()))
+        .map_err(|e| e.under(self.name()))
     }
 
+    /// Refuses what a closure for steady sliding has no answer to.
+    fn steady_alone(self, model: &Model) -> Result<()> {
+        let key = "contacts.ageing.mean_field";
+        if !matches!(self, Task::VelocityCurve(_)) {
+            let expected = "an ageing with a rule for each contact where sliding is not steady (smoluchowski, frozen_rank or logarithmic)";
+            return Err(Error::invalid(key, expected, format!("a steady closure with [{}]", self.name())));
+        }
+        if let Task::VelocityCurve(VelocityCurve { stability: true, .. }) = self {
+            let expected =
+                format!("no stability of sliding with {key}, a steady closure that answers to no change");
+            return Err(Error::invalid("velocity_curve.stability", expected, true));
+        }
+        match &model.ensemble {
+            None => Ok(()),
+            Some(_) => {
+                let expected =
+                    format!("no ensemble beside {key}, a steady closure without a rule for one contact");
+                Err(Error::invalid("ensemble", expected, "one"))
+            }
+        }
+    }
+}
+
+impl Scenario {
     /// Whether a run can be stopped and resumed; `key` is what asks for that.
     ///
     /// # Errors
@@ -35,28 +59,6 @@ impl Scenario {
             (None, _) => "one without, which has no checkpoints",
         };
         Err(Error::invalid(key, "a scenario of [drive] with [interface]", found))
-    }
-
-    /// Refuses what a closure for steady sliding has no answer to.
-    fn steady_alone(&self, task: Task<'_>) -> Result<()> {
-        let key = "contacts.ageing.mean_field";
-        if !matches!(task, Task::VelocityCurve(_)) {
-            let expected = "an ageing with a rule for each contact where sliding is not steady (smoluchowski, frozen_rank or logarithmic)";
-            return Err(Error::invalid(key, expected, format!("a steady closure with [{}]", task.name())));
-        }
-        if let Task::VelocityCurve(VelocityCurve { stability: true, .. }) = task {
-            let expected =
-                format!("no stability of sliding with {key}, a steady closure that answers to no change");
-            return Err(Error::invalid("velocity_curve.stability", expected, true));
-        }
-        match &self.ensemble {
-            None => Ok(()),
-            Some(_) => {
-                let expected =
-                    format!("no ensemble beside {key}, a steady closure without a rule for one contact");
-                Err(Error::invalid("ensemble", expected, "one"))
-            }
-        }
     }
 
     /// What is valid but may surprise: sentences for people.

@@ -32,6 +32,11 @@ fn points() -> usize {
 }
 
 impl VelocityCurve {
+    /// That between two velocities, at the default number of points.
+    pub fn between(from: f64, to: f64) -> Self {
+        Self { from, to, points: points(), temperatures: Vec::new(), stability: false }
+    }
+
     /// The velocities.
     pub fn velocities(&self) -> Vec<f64> {
         logarithmic::spaced(self.from, self.to, self.points)

@@ -18,8 +18,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use asperity::scenario::Scenario;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use asperity::task::{self, Checkpoint};
 
 use crate::folder;
 use crate::input;
@@ -151,48 +150,6 @@ impl Checkpoints {
         path.exists().then_some(path)
     }
 
-    /// Events that may pass before the next one is written, so many having passed since the last one.
-    pub(crate) fn events_left(&self, since: u64) -> u64 {
-        match self.every {
-            Some(Every::Events(every)) => every.get().saturating_sub(since),
-            Some(Every::Time(every)) if self.written.elapsed() >= every => 0,
-            Some(Every::Time(_)) | None => u64::MAX,
-        }
-    }
-
-    /// What the run has come to, and the columns of what it has found; nothing where it begins at its start.
-    ///
-    /// # Errors
-    /// A stop, [`Checkpoints::failure`] being the reason.
-    pub(crate) fn take<T: DeserializeOwned>(&mut self) -> asperity::Result<Option<(T, Vec<Bits>)>> {
-        let Some(Resumed { path, content, columns }) = &mut self.resumed else { return Ok(None) };
-        let (state, columns) = (std::mem::take(&mut content.state), std::mem::take(columns));
-        match ciborium::from_reader(state.as_slice()) {
-            Ok(state) => Ok(Some((state, columns))),
-            Err(error) => {
-                let error = Error::Damaged { path: path.clone(), what: error.to_string() };
-                Err(self.stop(error))
-            }
-        }
-    }
-
-    /// Keeps what the run has come to after so many events, and the rows that it has found since the last time.
-    ///
-    /// # Errors
-    /// A stop, [`Checkpoints::failure`] being the reason.
-    pub(crate) fn keep<T: Serialize>(
-        &mut self,
-        events: u64,
-        state: &T,
-        rows: &[Bits],
-    ) -> asperity::Result<()> {
-        self.write(events, state, rows).map_err(|error| self.stop(error))?;
-        self.number += 1;
-        self.slot = (self.slot + 1) % SLOTS;
-        self.written = Instant::now();
-        Ok(())
-    }
-
     /// Removes the files of a run that is finished.
     ///
     /// # Errors
@@ -215,12 +172,12 @@ impl Checkpoints {
         asperity::Error::Stopped
     }
 
-    fn write<T: Serialize>(&mut self, events: u64, state: &T, rows: &[Bits]) -> Result<()> {
+    fn write(&mut self, events: u64, state: &[u8], rows: &[Bits]) -> Result<()> {
         let before = self.found.extent();
         let written = self.found.add(rows).and_then(|()| {
             let (version, scenario) = (env!("CARGO_PKG_VERSION").to_owned(), self.scenario.clone());
             let (number, found) = (self.number + 1, self.found.extent());
-            self.put(&file::encode(&Header { version, number, events, found, scenario }, state)?)
+            self.put(&file::encode(&Header { version, number, events, found, scenario }, state))
         });
         // Rows without their checkpoint would be there twice after the next one.
         written.inspect_err(|_| self.found.go_back(before))
@@ -261,6 +218,38 @@ impl Checkpoints {
 
     fn paths(&self) -> [PathBuf; SLOTS] {
         std::array::from_fn(|slot| self.path(slot))
+    }
+}
+
+/// [`Checkpoints::failure`] is the reason of a stop.
+impl task::Checkpoints for Checkpoints {
+    fn events_left(&self, since: u64) -> u64 {
+        match self.every {
+            Some(Every::Events(every)) => every.get().saturating_sub(since),
+            Some(Every::Time(every)) if self.written.elapsed() >= every => 0,
+            Some(Every::Time(_)) | None => u64::MAX,
+        }
+    }
+
+    fn take(&mut self) -> Option<Checkpoint> {
+        let Resumed { content, columns, .. } = self.resumed.as_mut()?;
+        let columns = std::mem::take(columns).into_iter().map(|Bits(values)| values).collect();
+        Some(Checkpoint { state: std::mem::take(&mut content.state), columns })
+    }
+
+    fn keep(&mut self, events: u64, state: Vec<u8>, rows: Vec<Vec<f64>>) -> asperity::Result<()> {
+        let rows: Vec<Bits> = rows.into_iter().map(Bits).collect();
+        self.write(events, &state, &rows).map_err(|error| self.stop(error))?;
+        self.number += 1;
+        self.slot = (self.slot + 1) % SLOTS;
+        self.written = Instant::now();
+        Ok(())
+    }
+
+    fn damaged(&mut self, what: String) -> asperity::Error {
+        let path =
+            self.resumed.as_ref().map_or_else(|| self.directory.clone(), |resumed| resumed.path.clone());
+        self.stop(Error::Damaged { path, what })
     }
 }
 

@@ -10,13 +10,12 @@ mod read;
 use std::path::Path;
 
 use asperity::record::Record;
-
-use crate::summary::Summary;
+use asperity::task::summary::Summary;
 
 pub use csv::shortest;
 pub use directory::{Renamed, check};
 pub use error::{Error, Result};
-pub use netcdf::{LARGEST, bytes_needed, check_size};
+pub use netcdf::check_size;
 pub use read::read;
 
 /// A finished run.
@@ -24,7 +23,7 @@ pub use read::read;
 pub struct Outcome {
     /// The resolved scenario, as TOML.
     pub scenario: String,
-    /// The numbers people quote.
+    /// The summary.
     pub summary: Summary,
     /// Everything computed.
     pub record: Record,

@@ -1,18 +1,10 @@
 //! `result.nc`: the record as NetCDF-4, with labels, units and what it takes to run it again.
 
-use asperity::record::{Record, Variable};
+use asperity::record::{LARGEST, Variable};
 use asperity::scenario::Units;
 use netcdf_writer::{NcAttrValue, NcFileBuilder, NcWriteFormat, NcWriteOptions};
 
 use super::{Error, Outcome, Result};
-
-/// The largest result file, in bytes: it is built in memory before it is written.
-pub const LARGEST: u64 = 500_000_000;
-
-/// Bytes that the values of a record take.
-pub fn bytes_needed(record: &Record) -> u64 {
-    record.variables.iter().map(|v| size_of_val(v.values.as_slice()) as u64).sum()
-}
 
 /// Refuses results that are too large for one file.
 ///
@@ -24,7 +16,7 @@ pub fn check_size(needed: u64) -> Result<()> {
 
 /// The bytes of `result.nc`: the same for the same outcome.
 pub(super) fn encode(outcome: &Outcome) -> Result<Vec<u8>> {
-    check_size(bytes_needed(&outcome.record))?;
+    check_size(outcome.record.bytes())?;
     let mut file = NcFileBuilder::new();
     describe(&mut file, outcome)?;
     let mut dimensions = Vec::new();

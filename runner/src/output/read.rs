@@ -4,7 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use asperity::record::{Quantity, Record, Variable};
+use asperity::task::summary::Summary;
 use netcdf_reader::{NcFile, NcVariable};
+use serde_json::{Map, Value};
 
 use super::{Error, Outcome, Result};
 
@@ -13,12 +15,33 @@ use super::{Error, Outcome, Result};
 /// # Errors
 /// A file is missing, cannot be read, or is not what asperity writes.
 pub fn read(dir: &Path) -> Result<Outcome> {
-    let summary = dir.join("summary.json");
-    Ok(Outcome {
-        scenario: text(&dir.join("scenario.toml"))?,
-        summary: serde_json::from_str(&text(&summary)?).map_err(Error::malformed(&summary))?,
-        record: record(&dir.join("result.nc"))?,
-    })
+    let path = dir.join("summary.json");
+    let scenario = text(&dir.join("scenario.toml"))?;
+    let summary = summary(&text(&path)?).map_err(Error::malformed(&path))?;
+    Ok(Outcome { scenario, summary, record: record(&dir.join("result.nc"))? })
+}
+
+/// The key by which each task is known in a summary without `task`, as earlier versions wrote it.
+const TASKS: [(&str, &str); 7] = [
+    ("catalogue", "interface_drive"),
+    ("renormalisation", "renormalisation"),
+    ("hold_curve", "hold_curve"),
+    ("limits", "velocity_curve"),
+    ("steps", "protocol"),
+    ("regime", "drive"),
+    ("static_friction", "pull"),
+];
+
+fn summary(text: &str) -> serde_json::Result<Summary> {
+    let mut summary: Map<String, Value> = serde_json::from_str(text)?;
+    if !summary.contains_key("task") {
+        let (_, task) = TASKS.into_iter().find(|(key, _)| summary.contains_key(*key)).unwrap_or_default();
+        // A block that is moved in time has no static friction.
+        let task =
+            if task == "drive" && !summary.contains_key("static_friction") { "block_protocol" } else { task };
+        summary.insert("task".into(), task.into());
+    }
+    serde_json::from_value(Value::Object(summary))
 }
 
 fn text(path: &Path) -> Result<String> {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::broken::BrokenShare;
-use super::model::{CohortThresholds, Model, Tools};
+use super::model::{CohortModel, CohortThresholds, Tools};
 use super::path::{Path, StepPart};
 use super::seeds::Seed;
 use crate::monitor::Watch;
@@ -73,7 +73,7 @@ impl Place {
 
 impl Cohort {
     /// Contacts of age 0.
-    pub(super) fn born(model: &Model, seed: &Seed, mass: f64, watch: &Watch<'_>) -> Self {
+    pub(super) fn born(model: &CohortModel, seed: &Seed, mass: f64, watch: &Watch<'_>) -> Self {
         let &Seed { stretch, below, above, number, .. } = seed;
         let place = Place { stretch, below, above, age: 0.0 };
         let state = model.newborn(seed, watch);
@@ -83,14 +83,14 @@ impl Cohort {
     }
 
     /// Whether it may have been made by a model.
-    pub(super) fn fits(&self, model: &Model) -> bool {
+    pub(super) fn fits(&self, model: &CohortModel) -> bool {
         model.fits(&self.state)
     }
 
     /// Goes a whole step: what breaks, and energies, with the stiffness as a parabola in time.
     pub(super) fn cross(
         &mut self,
-        model: &Model,
+        model: &CohortModel,
         path: &Path,
         tools: &mut Tools<'_, '_>,
     ) -> (BrokenShare, Spent) {
@@ -106,7 +106,7 @@ impl Cohort {
     /// Goes from where it is born in a step to its end: the fraction of all contacts that breaks, and energies.
     pub(super) fn arrive(
         &mut self,
-        model: &Model,
+        model: &CohortModel,
         path: &Path,
         part: StepPart,
         tools: &mut Tools<'_, '_>,
@@ -120,7 +120,7 @@ impl Cohort {
     /// Goes a part of a step: the fraction of all contacts that breaks, and by how much ageing makes the others stiffer.
     pub(super) fn advance(
         &mut self,
-        model: &Model,
+        model: &CohortModel,
         path: &Path,
         part: StepPart,
         tools: &mut Tools<'_, '_>,
@@ -135,7 +135,7 @@ impl Cohort {
     }
 
     /// Breaks those that stand where many do: the fraction of all contacts that does, and the energy lost.
-    pub(super) fn strike(&mut self, model: &Model) -> (f64, f64) {
+    pub(super) fn strike(&mut self, model: &CohortModel) -> (f64, f64) {
         if !self.place.is_point() || !model.strike(&mut self.state, self.place) {
             return (0.0, 0.0);
         }
@@ -145,12 +145,12 @@ impl Cohort {
     }
 
     /// When those at one stretch meet a threshold that many share, if they move at `velocity`, up to `limit`.
-    pub(super) fn strikes(&self, model: &Model, velocity: f64, limit: f64) -> Option<f64> {
+    pub(super) fn strikes(&self, model: &CohortModel, velocity: f64, limit: f64) -> Option<f64> {
         if self.place.is_point() { model.strikes(&self.state, self.place, velocity, limit) } else { None }
     }
 
     /// Counts who is left; none comes back.
-    fn count(&mut self, model: &Model) {
+    fn count(&mut self, model: &CohortModel) {
         let (left, stiffness) = model.measure(&self.state, self.place.age);
         self.left = left.clamp(0.0, self.left);
         self.stiffness = stiffness;

@@ -38,7 +38,7 @@ use crate::{Error, Result};
 use broken::Broken;
 use cohort::{Cohort, Spent};
 use diffusing::Diffusing;
-use model::Model;
+use model::CohortModel;
 use pace::Pace;
 use path::Path;
 use ranked::RankedThresholds;
@@ -54,7 +54,7 @@ use trial::Stage;
 /// their cells.
 #[derive(Debug, Clone)]
 pub struct Transport {
-    model: Arc<Model>,
+    model: Arc<CohortModel>,
     /// Where contacts re-form.
     seeds: Arc<[Seed]>,
     /// The cells of the law that each of these stands for, relative to its stretch, as shares of it; none of a point.
@@ -541,13 +541,13 @@ fn model(
     seeds: &[Seed],
     tolerance: f64,
     monitor: &mut dyn Monitor,
-) -> Result<Model> {
+) -> Result<CohortModel> {
     report(monitor, 0.0)?;
     if let Some(strength) = strength {
-        return Ok(Model::Ranked(Box::new(RankedThresholds::new(contacts, strength, tolerance))));
+        return Ok(CohortModel::Ranked(Box::new(RankedThresholds::new(contacts, strength, tolerance))));
     }
     let diffusing = Diffusing::new(contacts, seeds, pace::scale(contacts), tolerance, monitor)?;
-    Ok(Model::Diffusing(Box::new(diffusing.expect("thresholds that diffuse have a mature law"))))
+    Ok(CohortModel::Diffusing(Box::new(diffusing.expect("thresholds that diffuse have a mature law"))))
 }
 
 /// Where contacts re-form. What becomes of them varies with it as with the steps that they are born in: smoothly, and where

@@ -12,7 +12,7 @@ use crate::numerics::diffusion::Workspace;
 
 /// The rules of the thresholds.
 #[derive(Debug)]
-pub(super) enum Model {
+pub(super) enum CohortModel {
     /// They follow from the age of a contact.
     Ranked(Box<RankedThresholds>),
     /// They diffuse.
@@ -38,7 +38,7 @@ pub(super) enum CohortThresholds {
     Diffusing(ThresholdMasses),
 }
 
-impl Model {
+impl CohortModel {
     /// The thresholds of contacts born at a seed.
     pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> CohortThresholds {
         match self {

@@ -6,7 +6,7 @@
 
 use super::broken::{BirthMoments, Broken, BrokenShare};
 use super::cohort::{Cohort, Spent};
-use super::model::{Model, Tools};
+use super::model::{CohortModel, Tools};
 use super::path::{Path, StepPart};
 use super::seeds::Seed;
 use crate::Result;
@@ -57,7 +57,7 @@ fn total(passed: &[(BrokenShare, Spent)]) -> (BrokenShare, Spent) {
 
 /// What does not change within a step.
 pub(super) struct Stage<'a> {
-    pub(super) model: &'a Model,
+    pub(super) model: &'a CohortModel,
     /// Where contacts re-form.
     pub(super) seeds: &'a [Seed],
     pub(super) broken: &'a Broken,

@@ -1,0 +1,46 @@
+//! The text of the page of variables.
+
+use asperity::record::{Quantity, Variable};
+use asperity::task;
+
+const HEAD: &str = "\
+# Variables of `result.nc`
+
+What each task records, from the declarations in the code (`asperity::task::columns`; `make variables` writes this page). The \
+CSV tables have the same names. What was not asked for is not there. Every variable has its `long_name` and its `units` \
+([labels](how-to/units.md), `1` where it is dimensionless); `scenario` is the scenario as text.
+";
+
+/// The headings of the tasks.
+const TASKS: [(&str, &str); 8] = [
+    ("pull", "[pull]"),
+    ("drive", "[drive]"),
+    ("interface_drive", "[drive] with [interface]"),
+    ("protocol", "[[protocol]]"),
+    ("block_protocol", "[[protocol]] with [block], and [drive] with [block] over time-dependent contacts"),
+    ("velocity_curve", "[velocity_curve]"),
+    ("hold_curve", "[hold_curve]"),
+    ("renormalisation", "[renormalisation]"),
+];
+
+/// The page.
+pub fn page() -> String {
+    let mut page = HEAD.to_owned();
+    for (task, record) in task::columns() {
+        let (_, heading) = TASKS.into_iter().find(|(name, _)| *name == task).expect("every task has a heading");
+        page += &format!("\n## `{heading}`\n\n| variable | along | quantity | meaning |\n|---|---|---|---|\n");
+        record.variables.iter().for_each(|variable| page += &row(variable));
+    }
+    page
+}
+
+fn row(variable: &Variable) -> String {
+    let along: Vec<_> = variable.dimensions.iter().map(|dimension| format!("`{dimension}`")).collect();
+    let quantity = match variable.quantity {
+        Quantity::PerLength => "1/length",
+        Quantity::PerTime => "1/time",
+        Quantity::Stiffness => "force/length",
+        other => other.name(),
+    };
+    format!("| `{}` | {} | {quantity} | {} |\n", variable.name, along.join(", "), variable.long_name)
+}

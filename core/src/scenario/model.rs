@@ -1,0 +1,132 @@
+//! What a task is computed of, and which tasks go with it.
+
+use super::{Block, Compare, Drive, Ensemble, Interface, MasterEquation, Task, VelocityCurve};
+use crate::contacts::{Contacts, Initial};
+use crate::{Error, Result};
+
+/// Contacts and how they start, the slider over them, and how both are solved for.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// The contacts.
+    pub contacts: Contacts,
+    /// Their stretches at X = 0.
+    pub initial: Initial,
+    /// Weight carried by the interface, a force; with it, friction coefficients appear beside forces.
+    pub normal_load: Option<f64>,
+    /// The slider between its top and its bottom; `None` where it is rigid.
+    pub block: Option<Block>,
+    /// Cells of a slider that deforms; `None` where it moves as one.
+    pub interface: Option<Interface>,
+    /// How the master equation is solved.
+    pub master_equation: MasterEquation,
+    /// The ensemble that is followed beside it, if any.
+    pub ensemble: Option<Ensemble>,
+    /// A measured curve to set beside F(X).
+    pub compare: Option<Compare>,
+}
+
+impl Model {
+    /// Contacts under a rigid slider, solved for by the master equation to its default tolerance.
+    pub fn new(contacts: Contacts, initial: Initial) -> Self {
+        Self {
+            contacts,
+            initial,
+            normal_load: None,
+            block: None,
+            interface: None,
+            master_equation: MasterEquation::default(),
+            ensemble: None,
+            compare: None,
+        }
+    }
+
+    /// N_c⟨k⟩, the stiffness of all contacts together, force per length.
+    pub fn stiffness(&self) -> f64 {
+        let Contacts { count, stiffness, thresholds, .. } = &self.contacts;
+        count * stiffness.of(thresholds.mean())
+    }
+
+    /// Number of contacts that the scatter of the force is shown for: that of the ensemble, or of the contacts themselves.
+    pub fn sample(&self) -> Option<f64> {
+        let counted = Some(self.contacts.count).filter(|&count| count > 1.0);
+        self.ensemble.as_ref().map(|ensemble| ensemble.size() as f64).or(counted)
+    }
+}
+
+impl Task<'_> {
+    /// Whether its values are valid, those of the `model` too, and both go together.
+    ///
+    /// # Errors
+    /// The first value that does not, with its full path.
+    pub fn check(self, model: &Model) -> Result<()> {
+        self.check_values()?;
+        self.check_time(model)?;
+        self.check_block(model)?;
+        self.check_interface(model)?;
+        model.master_equation.check().map_err(|e| e.under("master_equation"))?;
+        if let Some(compare) = &model.compare {
+            compare.check(self).map_err(|e| e.under("compare"))?;
+        }
+        if let Some(ensemble) = &model.ensemble {
+            ensemble.build(model.contacts.clone(), model.initial.clone())?;
+        }
+        Ok(())
+    }
+
+    fn check_block(self, model: &Model) -> Result<()> {
+        match (self, &model.block) {
+            (Task::Drive(drive), Some(block)) if model.contacts.rules.are_time_dependent() => {
+                drive.slider(Some(block), true).and_then(|_| block.in_time(true)).map(drop)
+            }
+            (Task::Drive(drive), block) => drive.slider(block.as_ref(), true).map(drop),
+            (Task::Protocol(_), Some(block)) => block.in_time(true).and_then(|_| check_alone(model)),
+            (Task::VelocityCurve(VelocityCurve { stability: true, .. }), Some(block)) => {
+                block.in_time(true).map(drop)
+            }
+            (_, None) => Ok(()),
+            (task, Some(_)) => {
+                let found = format!("one with [{}]", task.name());
+                Err(Error::invalid(
+                    "block",
+                    "a block only with the tasks [drive] and [[protocol]], and with velocity_curve.stability = true",
+                    found,
+                ))
+            }
+        }
+    }
+
+    fn check_interface(self, model: &Model) -> Result<()> {
+        let Some(interface) = &model.interface else {
+            return match self {
+                Task::Drive(Drive { maps, .. }) if !maps.is_empty() => {
+                    let expected = "no maps without [interface], whose cells they show";
+                    Err(Error::invalid("drive.maps", expected, format!("{} of them", maps.len())))
+                }
+                Task::Renormalisation(_) => Err(Error::invalid(
+                    "interface",
+                    "one with [renormalisation]: contacts that are coupled",
+                    "none",
+                )),
+                _ => Ok(()),
+            };
+        };
+        if model.block.is_some() {
+            let expected = "no block beside [interface], whose cells have connections of their own";
+            return Err(Error::invalid("block", expected, "one"));
+        }
+        match self {
+            Task::Drive(drive) => interface.check(&model.contacts, drive, model.ensemble.as_ref()),
+            Task::Renormalisation(task) => task.check_interface(interface, model),
+            task => {
+                let expected = "an interface only with the tasks [drive] and [renormalisation]";
+                Err(Error::invalid("interface", expected, format!("one with [{}]", task.name())))
+            }
+        }
+    }
+}
+
+/// Refuses what does not go with a block that is moved in time.
+fn check_alone(model: &Model) -> Result<()> {
+    let expected = "no compared curve beside a [block] with [[protocol]]: force against position is no curve where the block slips";
+    model.compare.as_ref().map_or(Ok(()), |_| Err(Error::invalid("compare", expected, "one")))
+}

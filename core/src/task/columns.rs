@@ -1,0 +1,43 @@
+//! The variables that each task may record, from the declarations that the tasks themselves use.
+
+use super::{
+    COMPARED, distribution, drive, ensemble, hold_curve, in_time, interface, pull, renormalisation, sliding,
+    velocity_curve,
+};
+use crate::block::StickSlip;
+use crate::record::{Column, Record};
+
+/// The variables of each task, without values: what its [`Output`](super::Output) may hold. The names of tasks are those of
+/// [`Numbers`](super::summary::Numbers).
+pub fn columns() -> Vec<(&'static str, Record)> {
+    let of = |lists: &[&[Column]]| {
+        let mut record = Record::default();
+        lists.iter().flat_map(|list| list.iter()).for_each(|column| record.add(*column, Vec::new()));
+        record
+    };
+    let [motion, slips] = StickSlip::columns();
+    let mut driven = sliding::joined(motion, slips);
+    let ensemble = prefixed(&driven, "ensemble_");
+    driven.variables.extend(of(&[&sliding::COLUMNS[..5], &drive::COLUMNS]).variables);
+    driven.variables.extend(ensemble.variables);
+    driven.variables.extend(of(&[&sliding::COLUMNS[5..]]).variables);
+    vec![
+        ("pull", of(&[&pull::COLUMNS, &COMPARED, &distribution::COLUMNS, &ensemble::COLUMNS])),
+        ("drive", driven),
+        ("interface_drive", interface::columns()),
+        ("protocol", of(&[&in_time::COLUMNS, &COMPARED])),
+        ("velocity_curve", of(&[&velocity_curve::COLUMNS])),
+        ("hold_curve", of(&[&hold_curve::COLUMNS])),
+        ("renormalisation", of(&[&renormalisation::COLUMNS])),
+    ]
+}
+
+/// The same variables with `prefix` before their names and those of their dimensions.
+fn prefixed(record: &Record, prefix: &str) -> Record {
+    let mut variables = record.variables.clone();
+    for variable in &mut variables {
+        variable.name.insert_str(0, prefix);
+        variable.dimensions.iter_mut().for_each(|dimension| dimension.insert_str(0, prefix));
+    }
+    Record { variables }
+}

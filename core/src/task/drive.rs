@@ -1,0 +1,173 @@
+//! `[drive]`: the slider's top is moved, or a force imposed, and its bottom follows.
+
+use super::accuracy::ForceAccuracy;
+use super::sliding::{self, adopt};
+use super::summary::{DriveNumbers, Sliding};
+use super::{Output, fits, friction, in_time};
+use crate::block::{Curve, Loading, StickSlip};
+use crate::contacts::Contacts;
+use crate::master::MasterEquation;
+use crate::monitor::{Aside, Monitor, Part};
+use crate::population::Population;
+use crate::record::{Column, Quantity, Record};
+use crate::scenario::{self, Model};
+use crate::{Error, Result};
+
+/// Mean thresholds that the first loading is followed for.
+const LOADING: f64 = 5.0;
+/// Points of the curves of equilibria and of the potential.
+const FINE: usize = 2001;
+/// Drives at which the potential is given, in units of that of the first slip.
+const POTENTIALS: [f64; 3] = [0.9, 1.0, 1.1];
+/// Columns of a trace.
+const WIDTH: usize = 4;
+
+const BRANCH_POSITION: Column =
+    Column::new("branch_position", "position of the slider's bottom", Quantity::Length, &["branch"]);
+const BRANCH_DRIVE: Column =
+    Column::new("branch_drive", "drive at which it is in balance there", Quantity::Length, &["branch"]);
+const BRANCH_FORCE: Column =
+    Column::new("branch_force", "friction force there", Quantity::Force, &["branch"]);
+const BRANCH_STABLE: Column =
+    Column::new("branch_stable", "whether the balance is stable", Quantity::Number, &["branch"]);
+const POTENTIAL_DRIVE: Column = Column::new(
+    "potential_drive",
+    "drive at which the potential is given: before, at and after the first slip",
+    Quantity::Length,
+    &["potential_drive"],
+);
+const POTENTIAL: Column =
+    Column::new("potential", "potential of the slider", Quantity::Energy, &["potential_drive", "branch"]);
+
+/// The variables of the first loading behind a spring.
+pub(super) const COLUMNS: [Column; 6] =
+    [BRANCH_POSITION, BRANCH_DRIVE, BRANCH_FORCE, BRANCH_STABLE, POTENTIAL_DRIVE, POTENTIAL];
+
+/// Drives the slider as `task` says.
+///
+/// # Errors
+/// Results too large for one file, what the solvers run into, or the monitor's wish to stop.
+pub(super) fn run(
+    model: &Model,
+    task: &scenario::Drive,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<DriveNumbers>> {
+    if model.interface.is_some() {
+        return Err(Error::invalid("interface", "none: Drive::run_interface drives an interface", "one"));
+    }
+    let Model { contacts, initial, .. } = model;
+    if contacts.rules.are_time_dependent() {
+        return at_a_velocity(model, &task.forward()?, monitor);
+    }
+    check_size(task, model.ensemble.is_some())?;
+    let build = |ensemble: &scenario::Ensemble| ensemble.build(contacts.clone(), initial.clone());
+    let ensemble = model.ensemble.as_ref().map(build).transpose()?;
+    ensemble.as_ref().map_or(Ok(()), |ensemble| ensemble.population_fits(monitor.memory()))?;
+    let equation = MasterEquation::new(contacts.clone(), initial, &mut Part::new(monitor, 0.0, 0.0))?;
+    let tolerance = model.master_equation.tolerance();
+    let loading = first_loading(contacts);
+    let reach = task.turns().iter().fold(loading, |far, turn| far.max(*turn));
+    let shares = if model.ensemble.is_some() { [0.05, 0.25] } else { [0.1, 0.9] };
+    let pull = equation.pull(reach, tolerance, &mut Part::new(monitor, 0.0, shares[0]))?;
+    let mut population = equation.population(tolerance, &mut Part::new(monitor, shares[0], 0.0))?;
+    let (block, way) = (model.block.as_ref(), task.build());
+    let mut record = Record::default();
+    let fresh = population.copy();
+    let master = task.slider(block, false)?;
+    let run = master.pull(&mut population, &way, &mut Part::new(monitor, shares[0], shares[1]));
+    let run = run.map_err(|e| e.under("drive"))?;
+    // The forces of the contacts; and energies that do not balance, over the way of a life, where motion is off besides.
+    let lives = model.stiffness() * equation.steady_state().mean_life();
+    let off = population.error() / model.stiffness() + run.energy.imbalance().abs() / lives;
+    adopt(sliding::motion(&run), "", &mut record);
+    adopt(sliding::course(&run), "", &mut record);
+    if let Loading::Spring(stiffness) = master.loading() {
+        balance(&run, fresh.as_ref(), stiffness, loading, &mut record)?;
+    }
+    let mut sliding = Sliding::new(&run);
+    if let Some(ensemble) = ensemble {
+        let done = shares[0] + shares[1];
+        let mut part = Part::new(monitor, done, 1.0 - done);
+        let mut contacts = ensemble.population(&mut Aside { fraction: 0.0, monitor: &mut part })?;
+        let run = task.slider(block, true)?.pull(&mut contacts, &way, &mut part)?;
+        adopt(sliding::motion(&run), "ensemble_", &mut record);
+        adopt(sliding::sizes(&run, ensemble.size()), "", &mut record);
+        sliding.ensemble = Some(Box::new(Sliding::new(&run)));
+    }
+    let relaxation = equation.relaxation(&mut Part::new(monitor, 1.0, 0.0))?;
+    let steady = equation.steady_state();
+    let friction = friction(model, &steady, &relaxation, &pull);
+    let output = Output::new(model, DriveNumbers { friction, sliding: Some(sliding) }, record);
+    let accuracy = ForceAccuracy::new(model, pull.error_estimate().max(off), steady.mean_life());
+    accuracy.of(model, "the force on a slider that is driven", output)
+}
+
+/// Drives the slider over time-dependent contacts; friction is that of a pull at the velocity of its top.
+fn at_a_velocity(
+    model: &Model,
+    protocol: &scenario::Protocol,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<DriveNumbers>> {
+    const PULL: f64 = 0.1;
+    let Model { contacts, initial, .. } = model;
+    in_time::check_size(protocol, model)?;
+    let velocity = protocol.0[0].velocities().0;
+    let equation =
+        MasterEquation::at(contacts.clone(), initial, velocity, &mut Part::new(monitor, 0.0, 0.5 * PULL))?;
+    let tolerance = model.master_equation.tolerance();
+    let part = &mut Part::new(monitor, 0.5 * PULL, 0.5 * PULL);
+    let pull = equation.pull(first_loading(contacts), tolerance, part)?;
+    let part = &mut Part::new(monitor, PULL, 1.0 - PULL);
+    let (sliding, record, moved) = match &model.block {
+        Some(block) => in_time::behind(model, protocol, block, part)
+            .map(|(sliding, record, moved)| (Some(sliding), record, moved))?,
+        None => {
+            let (trace, record) = in_time::rigid(model, protocol, part)?;
+            (None, record, Some(ForceAccuracy::in_time(model, trace.error)))
+        }
+    };
+    let relaxation = equation.relaxation(&mut Part::new(monitor, 1.0, 0.0))?;
+    let steady = equation.steady_state();
+    let friction = friction(model, &steady, &relaxation, &pull);
+    let output = Output::new(model, DriveNumbers { friction, sliding }, record);
+    let accuracy = ForceAccuracy::new(model, pull.error_estimate(), steady.mean_life());
+    let accuracy = moved.into_iter().fold(accuracy, ForceAccuracy::worse);
+    accuracy.of(model, "the force on a slider that is driven", output)
+}
+
+/// How far the first loading of a slider is followed: five mean thresholds.
+pub fn first_loading(contacts: &Contacts) -> f64 {
+    LOADING * contacts.thresholds.mean()
+}
+
+/// Refuses before any work what could not be written after it.
+fn check_size(task: &scenario::Drive, ensemble: bool) -> Result<()> {
+    let traces = if ensemble { 2 } else { 1 };
+    fits("drive.points", task.points * WIDTH * traces, || {
+        format!("a result file of a trace of {} points", task.points)
+    })
+}
+
+/// Where the slider is in balance on the first loading, and the potential at the first slip.
+fn balance(
+    run: &StickSlip,
+    fresh: &dyn Population,
+    stiffness: f64,
+    reach: f64,
+    record: &mut Record,
+) -> Result<()> {
+    let curve = Curve::new(fresh, reach, FINE, &mut ())?;
+    let stable = curve.stable(stiffness).into_iter().map(f64::from).collect();
+    let drive = curve.drive(stiffness);
+    record.add(BRANCH_POSITION, curve.position.clone());
+    record.add(BRANCH_DRIVE, drive);
+    record.add(BRANCH_FORCE, curve.force.clone());
+    record.add(BRANCH_STABLE, stable);
+    if let Some(first) = run.events.first() {
+        let drives = POTENTIALS.map(|part| part * first.before.drive);
+        let heights = drives.iter().flat_map(|&drive| curve.potential(stiffness, drive)).collect();
+        record.add(POTENTIAL_DRIVE, drives.to_vec());
+        record.add(POTENTIAL, heights);
+    }
+    Ok(())
+}

@@ -1,0 +1,231 @@
+//! `[hold_curve]`: slide until that is steady, hold, slide on; static friction against how long it was held.
+
+use super::accuracy::{ForceAccuracy, as_required};
+use super::settling::Steady;
+use super::summary::{HealingCurve, HoldCurveNumbers, Peak};
+use super::{Output, ensemble};
+use crate::Result;
+use crate::contacts::Contacts;
+use crate::history::{History, Piece};
+use crate::master::Transport;
+use crate::monitor::{Monitor, Part, report};
+use crate::rate_state::Healing;
+use crate::record::{Column, Quantity, Record};
+use crate::scenario::{self, Model};
+
+/// The part of the work that steady sliding takes.
+const LIVES: f64 = 0.1;
+/// Mean thresholds, of newborn or mature contacts, within which the force peaks after a hold.
+const REACH: f64 = 2.0;
+/// Points between which the peak is looked for first, …
+const POINTS: usize = 41;
+/// … and, round by round, between the neighbours of the highest of them.
+const CLOSER: usize = 21;
+/// Rounds, at most: each brings points ten times nearer to each other.
+const ROUNDS: usize = 4;
+
+/// Share of the work that the master equation is, beside an ensemble.
+const MASTER: f64 = 0.5;
+
+const HOLD: Column = Column::new("hold", "time for which the slider was held", Quantity::Time, &["hold"]);
+const STATIC_FRICTION: Column =
+    Column::new("static_friction", "highest force after the hold", Quantity::Force, &["hold"]);
+const PEAK_POSITION: Column =
+    Column::new("peak_position", "way from the hold to the highest force", Quantity::Length, &["hold"]);
+const HELD_FORCE: Column =
+    Column::new("held_force", "force at the end of the hold", Quantity::Force, &["hold"]);
+const ENSEMBLE: [Column; 2] =
+    ensemble::force_columns("force of the ensemble where that of the master equation is highest", &["hold"]);
+
+/// The variables of the task.
+pub(super) const COLUMNS: [Column; 6] =
+    [HOLD, STATIC_FRICTION, PEAK_POSITION, HELD_FORCE, ENSEMBLE[0], ENSEMBLE[1]];
+
+/// Computes the curve that `task` asks for.
+///
+/// # Errors
+/// What the solvers run into, or the monitor's wish to stop.
+pub(super) fn run(
+    model: &Model,
+    task: &scenario::HoldCurve,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<HoldCurveNumbers>> {
+    let Model { contacts, initial, .. } = model;
+    let steady = Steady::at(contacts, initial, task.velocity, &mut Part::new(monitor, 0.0, LIVES))?;
+    let mature =
+        contacts.rules.ageing.as_ref().and_then(|ageing| ageing.mature()).map_or(0.0, |law| law.mean());
+    let reach = REACH * contacts.thresholds.mean().max(mature).max(steady.life);
+    let holds = task.holds();
+    let monitor = &mut Part::new(monitor, LIVES, 1.0 - LIVES);
+    let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
+    let on = moving(task.velocity, reach);
+    let tolerance = model.master_equation.tolerance_in_time(&contacts.rules);
+    let part = &mut Part::new(monitor, 0.0, master);
+    let (mut columns, accuracy) = as_required(model, tolerance, part, |tolerance, part| {
+        let (columns, force) = held_and_slid(contacts, task, (on, tolerance), part)?;
+        Ok((columns, ForceAccuracy::in_time(model, force)))
+    })?;
+    if let Some(drawn) = &model.ensemble {
+        let slide = moving(task.velocity, steady.way);
+        for (done, &hold) in holds.iter().enumerate() {
+            let share = (1.0 - master) / holds.len() as f64;
+            let part = &mut Part::new(monitor, master + done as f64 * share, share);
+            let first = (done * drawn.size()) as u64;
+            let ensemble = drawn.build(contacts.clone(), initial.clone())?.numbered_from(first);
+            let moment = slide.duration + hold + columns.place[done] / task.velocity;
+            let history = History::new(vec![slide, Piece { velocity: 0.0, duration: hold }, on])?;
+            let run = ensemble.follow(&history, &[moment], part)?;
+            columns.ensemble_force.push(run.force[0]);
+            columns.ensemble_error.push(run.error[0]);
+        }
+    }
+    let healing = Healing::read(&holds, &columns.peak);
+    let numbers = HoldCurveNumbers { hold_curve: HealingCurve::new(task.velocity, steady.friction, healing) };
+    accuracy.of(model, "the force after a hold", Output::new(model, numbers, columns.record(holds)))
+}
+
+/// Holds and what comes after them by the master equation, which slides `on`: columns without an ensemble, and the estimated
+/// error of the forces.
+fn held_and_slid(
+    contacts: &Contacts,
+    task: &scenario::HoldCurve,
+    (on, tolerance): (Piece, f64),
+    monitor: &mut dyn Monitor,
+) -> Result<(Columns, f64)> {
+    let holds = task.holds();
+    let aside = &mut Part::new(monitor, 0.0, 0.0);
+    let mut held = Transport::steady(contacts, task.velocity, tolerance, aside)?;
+    let mut columns = Columns::default();
+    let (mut before, mut error) = (0.0, 0.0_f64);
+    for (done, &hold) in holds.iter().enumerate() {
+        let share = 1.0 / holds.len() as f64;
+        let part = &mut Part::new(monitor, done as f64 * share, share);
+        // A longer hold goes on where the shorter one ended.
+        let longer = History::new(vec![Piece { velocity: 0.0, duration: hold - before }])?;
+        let rest = held.follow(&longer, &[longer.duration()], &mut Part::new(part, 0.0, 0.2))?;
+        before = hold;
+        let (peak, off) = slid(&held, on, &mut Part::new(part, 0.2, 0.8))?;
+        error = error.max(rest.error).max(off);
+        columns.push(peak, held.force());
+        report(part, 1.0)?;
+    }
+    Ok((columns, error))
+}
+
+fn moving(velocity: f64, way: f64) -> Piece {
+    Piece { velocity, duration: way / velocity }
+}
+
+/// The highest force of contacts that were held and then slide `on`, by the way since, and its estimated error: that of the
+/// forces, and how far the peak is from that of every other of them.
+fn slid(held: &Transport, on: Piece, monitor: &mut dyn Monitor) -> Result<(Peak, f64)> {
+    let moved = |duration: f64| History::new(vec![Piece { duration, ..on }]);
+    let times = spread((0.0, on.duration), POINTS);
+    let trace = held.clone().follow(&moved(on.duration)?, &times, &mut Part::new(monitor, 0.0, 0.5))?;
+    let (start, end) = beside(&times, &trace.force);
+    let mut near = held.clone();
+    if start > 0.0 {
+        near.follow(&moved(start)?, &[], &mut Part::new(monitor, 0.5, 0.3))?;
+    }
+    let (mut window, mut round) = ((0.0, end - start), 1);
+    loop {
+        let times = spread(window, CLOSER);
+        let aside = &mut Part::new(monitor, 0.8, 0.0);
+        let trace = near.clone().follow(&moved(window.1)?, &times, aside)?;
+        let found = peak(&trace.position, &trace.force);
+        let coarse = peak(&every_other(&trace.position), &every_other(&trace.force));
+        let off = (found.force - coarse.force).abs();
+        if off <= trace.error || round == ROUNDS {
+            let peak = Peak { position: found.position - held.position(), ..found };
+            return Ok((peak, trace.error + off));
+        }
+        (window, round) = (beside(&times, &trace.force), round + 1);
+    }
+}
+
+/// So many times, evenly from one to another.
+fn spread((from, to): (f64, f64), points: usize) -> Vec<f64> {
+    let time = |i: usize| {
+        if i + 1 < points { from + (to - from) * (i as f64 / (points - 1) as f64) } else { to }
+    };
+    (0..points).map(time).collect()
+}
+
+/// The times before and after that of the highest force.
+fn beside(times: &[f64], force: &[f64]) -> (f64, f64) {
+    let highest = highest(force);
+    (times[highest.saturating_sub(1)], times[(highest + 1).min(times.len() - 1)])
+}
+
+/// Every other value, the first and the last of an odd number among them.
+fn every_other(values: &[f64]) -> Vec<f64> {
+    values.iter().copied().step_by(2).collect()
+}
+
+fn highest(force: &[f64]) -> usize {
+    (0..force.len()).max_by(|&i, &j| force[i].total_cmp(&force[j])).unwrap_or(0)
+}
+
+/// The highest force of a trace: the vertex of the parabola through its highest point and both neighbours.
+pub(super) fn peak(position: &[f64], force: &[f64]) -> Peak {
+    let highest = highest(force);
+    let top = Peak { force: force[highest], position: position[highest] };
+    if highest == 0 || highest + 1 == force.len() {
+        return top;
+    }
+    let (before, after) = (position[highest - 1] - top.position, position[highest + 1] - top.position);
+    let (left, right) = ((force[highest - 1] - top.force) / before, (force[highest + 1] - top.force) / after);
+    let bend = (right - left) / (after - before);
+    let slope = left - bend * before;
+    if bend.is_nan() || bend >= 0.0 {
+        return top;
+    }
+    let shift = -0.5 * slope / bend;
+    Peak { force: top.force + 0.5 * slope * shift, position: top.position + shift }
+}
+
+/// The values of the columns, hold by hold.
+#[derive(Default)]
+struct Columns {
+    peak: Vec<f64>,
+    place: Vec<f64>,
+    held: Vec<f64>,
+    ensemble_force: Vec<f64>,
+    ensemble_error: Vec<f64>,
+}
+
+impl Columns {
+    fn push(&mut self, peak: Peak, held: f64) {
+        self.peak.push(peak.force);
+        self.place.push(peak.position);
+        self.held.push(held);
+    }
+
+    fn record(self, holds: Vec<f64>) -> Record {
+        let mut record = Record::default();
+        record.add(HOLD, holds);
+        record.add(STATIC_FRICTION, self.peak);
+        record.add(PEAK_POSITION, self.place);
+        record.add(HELD_FORCE, self.held);
+        if !self.ensemble_force.is_empty() {
+            ensemble::add_force(&mut record, ENSEMBLE, self.ensemble_force, self.ensemble_error);
+        }
+        record
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_peak_of_a_parabola_is_found_between_its_points() {
+        let position = [0.0, 1.0, 1.5, 3.0];
+        let force = position.map(|x: f64| 2.0 - (x - 1.3).powi(2));
+        let found = peak(&position, &force);
+        // rounding of numbers of the size of 1
+        assert!((found.position - 1.3).abs() < 1e-14 && (found.force - 2.0).abs() < 1e-14, "{found:?}");
+        let rising = peak(&[0.0, 1.0], &[0.0, 1.0]);
+        assert_eq!((rising.position, rising.force), (1.0, 1.0));
+    }
+}

@@ -1,0 +1,123 @@
+//! DrivenCells of many contacts as an interface: an event is a connected part of a slide.
+
+use crate::Result;
+use crate::elastic::{self, Event, Slipped, State};
+use crate::monitor::Monitor;
+use crate::record::{Column, Quantity, Record};
+
+use super::model::DrivenInterface;
+
+/// Columns that only slides with viscosity have.
+const IN_TIME: [&str; 4] = ["time", "duration", "front_speed_left", "front_speed_right"];
+
+/// DrivenCells on an elastic slider.
+pub struct DrivenCells {
+    /// The cells.
+    pub interface: elastic::Interface,
+    /// Whether slides take time.
+    pub timed: bool,
+    /// Whether contacts follow the master equation.
+    pub solved: bool,
+}
+
+impl DrivenInterface for DrivenCells {
+    type Event = (Event, Vec<Slipped>);
+    type State = State;
+
+    const MAGNITUDE: &'static str = "moment";
+    const WHOLE: bool = false;
+    const TRACE: &'static [Column] = &[
+        Column::new("position", "mean position of the cells", Quantity::Length, &["point"]),
+        Column::new("force", "friction force of all cells", Quantity::Force, &["point"]),
+    ];
+    const MAPS: &'static [Column] = &[
+        Column::new("cell_position", "position of a cell", Quantity::Length, &["map_drive", "cell"]),
+        Column::new("cell_force", "friction force of a cell", Quantity::Force, &["map_drive", "cell"]),
+    ];
+
+    fn drive(&self) -> f64 {
+        self.interface.drive()
+    }
+
+    fn advance(
+        &mut self,
+        to: f64,
+        most: u64,
+        monitor: &mut dyn Monitor,
+        each: &mut dyn FnMut(Self::Event),
+    ) -> Result<bool> {
+        from_slide_to_slide(most, || self.interface.next(to, monitor), each)
+    }
+
+    fn columns(&self, events: &[Self::Event]) -> Record {
+        let events: Vec<_> = events.iter().map(|event| event.0).collect();
+        let mut record = self.interface.record(&events);
+        record.variables.retain(|variable| self.timed || !IN_TIME.contains(&variable.name.as_str()));
+        record
+    }
+
+    fn slipped(&self, events: &[Self::Event], first: usize) -> Record {
+        slipped(events, first, self.timed)
+    }
+
+    fn error(&self) -> Option<f64> {
+        self.solved.then(|| self.interface.error())
+    }
+
+    fn trace(&mut self) -> Result<Vec<f64>> {
+        let positions = self.interface.positions();
+        let mean = positions.iter().sum::<f64>() / positions.len() as f64;
+        Ok(vec![mean, self.interface.force()?])
+    }
+
+    fn maps(&mut self) -> Result<Vec<Vec<f64>>> {
+        Ok(vec![self.interface.positions().to_vec(), self.interface.forces()?])
+    }
+
+    fn state(&self) -> State {
+        self.interface.state()
+    }
+
+    fn restore(&mut self, state: State, monitor: &mut dyn Monitor) -> Result<()> {
+        self.interface.restore(state, monitor)
+    }
+}
+
+/// DrivenCells that slipped in events, the first of which has the number `first`; when they began where slides are `timed`.
+pub fn slipped(events: &[(Event, Vec<Slipped>)], first: usize, timed: bool) -> Record {
+    let mut record = Record::default();
+    let mut add = |name: &str, words: &str, quantity, value: &dyn Fn(usize, &Slipped) -> f64| {
+        let cells = |(event, number): (&(Event, Vec<Slipped>), usize)| {
+            event.1.iter().map(|slipped| value(number, slipped)).collect::<Vec<_>>()
+        };
+        let values = events.iter().zip(first..).flat_map(cells).collect();
+        record.push(name, words, quantity, &["slipped"], values);
+    };
+    let number = Quantity::Number;
+    add("slipped_event", "event in which cells slipped", number, &|event, _| event as f64);
+    add("slipped_cell", "cells that slipped in it", number, &|_, slipped| slipped.cell as f64);
+    add("slipped_by", "how far they slipped", Quantity::Length, &|_, slipped| slipped.slip);
+    if timed {
+        let words = "when they began to, since the first one did";
+        add("slipped_start", words, Quantity::Time, &|_, slipped| slipped.start);
+    }
+    record
+}
+
+/// Goes on by `next` slides for `most` events; whether it came to the end, where there are none.
+pub fn from_slide_to_slide<E>(
+    most: u64,
+    mut next: impl FnMut() -> Result<Vec<E>>,
+    each: &mut dyn FnMut(E),
+) -> Result<bool> {
+    let mut count = 0;
+    while count < most {
+        let events = next()?;
+        if events.is_empty() {
+            return Ok(true);
+        }
+        count += events.len() as u64;
+        events.into_iter().for_each(&mut *each);
+    }
+    Ok(false)
+}

@@ -1,0 +1,104 @@
+//! DrivenContacts coupled one by one as an interface: an event is an avalanche.
+
+use crate::Result;
+use crate::ensemble::lattice::{self, Avalanche, Lattice, State, Until};
+use crate::monitor::Monitor;
+use crate::record::{Column, Quantity, Record};
+
+use super::model::DrivenInterface;
+
+/// An avalanche, and the contacts that broke in it.
+pub struct BrokenContacts {
+    avalanche: Avalanche,
+    scar: Vec<usize>,
+}
+
+/// DrivenContacts on a lattice.
+pub struct DrivenContacts {
+    /// The contacts.
+    pub lattice: Lattice,
+    /// Whether they lie on a chain, of which it is told which ones break.
+    pub chain: bool,
+}
+
+impl DrivenInterface for DrivenContacts {
+    type Event = BrokenContacts;
+    type State = State;
+
+    const MAGNITUDE: &'static str = "size";
+    const WHOLE: bool = true;
+    const TRACE: &'static [Column] =
+        &[Column::new("force", "force of all contacts", Quantity::Force, &["point"])];
+    const MAPS: &'static [Column] =
+        &[Column::new("cell_force", "force of a contact", Quantity::Force, &["map_drive", "cell"])];
+
+    fn drive(&self) -> f64 {
+        self.lattice.drive()
+    }
+
+    fn advance(
+        &mut self,
+        to: f64,
+        most: u64,
+        monitor: &mut dyn Monitor,
+        each: &mut dyn FnMut(BrokenContacts),
+    ) -> Result<bool> {
+        for _ in 0..most {
+            if self.lattice.next_drive() > to {
+                return self.lattice.run(Until::Drive(to), monitor, &mut |_| ()).map(|()| true);
+            }
+            let avalanche = self.lattice.next_event();
+            let scar = if self.chain { self.lattice.scar().collect() } else { Vec::new() };
+            each(BrokenContacts { avalanche, scar });
+        }
+        Ok(false)
+    }
+
+    /// Cells are contacts; beside the columns of all interfaces there are `size`, breaks, and `released`.
+    fn columns(&self, events: &[BrokenContacts]) -> Record {
+        let avalanches: Vec<_> = events.iter().map(|event| event.avalanche).collect();
+        event_columns(&avalanches, self.lattice.size())
+    }
+
+    fn slipped(&self, events: &[BrokenContacts], first: usize) -> Record {
+        let mut record = Record::default();
+        let numbered = || events.iter().zip(first..);
+        let number = |(event, number): (&BrokenContacts, usize)| vec![number as f64; event.scar.len()];
+        let mut add = |name, words, values| record.push(name, words, Quantity::Number, &["slipped"], values);
+        add("slipped_event", "event in which contacts broke", numbered().flat_map(number).collect());
+        let scars = events.iter().flat_map(|event| &event.scar);
+        add("slipped_cell", "contacts that broke in it", scars.map(|&cell| cell as f64).collect());
+        record
+    }
+
+    fn error(&self) -> Option<f64> {
+        None
+    }
+
+    fn trace(&mut self) -> Result<Vec<f64>> {
+        Ok(vec![self.lattice.force()])
+    }
+
+    fn maps(&mut self) -> Result<Vec<Vec<f64>>> {
+        Ok(vec![self.lattice.forces()])
+    }
+
+    fn state(&self) -> State {
+        self.lattice.state()
+    }
+
+    fn restore(&mut self, state: State, _monitor: &mut dyn Monitor) -> Result<()> {
+        self.lattice.restore(state)
+    }
+}
+
+/// Avalanches on a lattice of `size` contacts as columns.
+pub fn event_columns(avalanches: &[Avalanche], size: usize) -> Record {
+    let mut record = lattice::record(avalanches);
+    for variable in record.variables.iter_mut().filter(|variable| variable.name == "area") {
+        variable.name = "cells".into();
+    }
+    let broken = avalanches.iter().map(|event| event.size as f64 / size as f64).collect();
+    record.push("broken_fraction", "breaks per contact", Quantity::Number, &["event"], broken);
+    record
+}

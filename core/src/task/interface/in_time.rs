@@ -1,0 +1,122 @@
+//! Cells whose contacts are time-dependent as an interface that is driven at a velocity.
+
+use crate::elastic::{Event, InterfaceInTime, Slipped, StateInTime};
+use crate::monitor::Monitor;
+use crate::record::{Column, Quantity, Record};
+use crate::scenario::{self, Model};
+use crate::{Error, Result};
+
+use super::cells::{from_slide_to_slide, slipped};
+use super::model::DrivenInterface;
+use crate::task::tolerance_over;
+
+/// Cells in time on an elastic slider.
+pub struct DrivenCellsInTime {
+    interface: InterfaceInTime,
+    /// Of the drive.
+    velocity: f64,
+}
+
+impl DrivenCellsInTime {
+    /// The cells that `interface` describes, driven as `task` says.
+    ///
+    /// # Errors
+    /// What [`scenario::Interface::in_time`] refuses; no velocity.
+    pub fn new(
+        model: &Model,
+        task: &scenario::Drive,
+        interface: &scenario::Interface,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
+        let Some(velocity) = task.velocity else {
+            return Err(Error::invalid("drive.velocity", "a velocity above 0", "none"));
+        };
+        let interface = cells_in_time(model, interface, monitor)?;
+        // What that takes is for those who ask.
+        let required = model.master_equation.tolerance.is_some() && model.ensemble.is_none();
+        let interface = if required { interface.with_error() } else { interface };
+        Ok(Self { interface, velocity })
+    }
+}
+
+/// The cells that `interface` describes, of the contacts of `model` and to the accuracy that it asks for.
+///
+/// # Errors
+/// What [`scenario::Interface::in_time`] refuses.
+pub fn cells_in_time(
+    model: &Model,
+    interface: &scenario::Interface,
+    monitor: &mut dyn Monitor,
+) -> Result<InterfaceInTime> {
+    let Model { contacts, initial, .. } = model;
+    let tolerance = model.master_equation.tolerance_of_a_block();
+    let ensemble = model.ensemble.as_ref();
+    let share = ensemble.map_or(tolerance, |ensemble| tolerance_over(ensemble.size()).max(tolerance));
+    let step = share * contacts.thresholds.mean();
+    interface.in_time(contacts, initial, tolerance, step, ensemble, monitor)
+}
+
+impl DrivenInterface for DrivenCellsInTime {
+    type Event = (Event, Vec<Slipped>);
+    type State = StateInTime;
+
+    const MAGNITUDE: &'static str = "moment";
+    const WHOLE: bool = false;
+    const TRACE: &'static [Column] = &[
+        Column::new("time", "time", Quantity::Time, &["point"]),
+        Column::new("position", "mean position of the cells", Quantity::Length, &["point"]),
+        Column::new("velocity", "mean velocity of the cells", Quantity::Velocity, &["point"]),
+        Column::new("force", "friction force of all cells", Quantity::Force, &["point"]),
+    ];
+    const MAPS: &'static [Column] = &[
+        Column::new("cell_position", "position of a cell", Quantity::Length, &["map_drive", "cell"]),
+        Column::new("cell_velocity", "velocity of a cell", Quantity::Velocity, &["map_drive", "cell"]),
+        Column::new("cell_force", "friction force of a cell", Quantity::Force, &["map_drive", "cell"]),
+    ];
+
+    fn drive(&self) -> f64 {
+        self.interface.drive()
+    }
+
+    fn advance(
+        &mut self,
+        to: f64,
+        most: u64,
+        monitor: &mut dyn Monitor,
+        each: &mut dyn FnMut(Self::Event),
+    ) -> Result<bool> {
+        from_slide_to_slide(most, || self.interface.next(to, self.velocity, monitor), each)
+    }
+
+    fn columns(&self, events: &[Self::Event]) -> Record {
+        self.interface.record(&events.iter().map(|event| event.0).collect::<Vec<_>>())
+    }
+
+    fn slipped(&self, events: &[Self::Event], first: usize) -> Record {
+        slipped(events, first, true)
+    }
+
+    fn error(&self) -> Option<f64> {
+        self.interface.error()
+    }
+
+    fn trace(&mut self) -> Result<Vec<f64>> {
+        let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+        let Self { interface, .. } = self;
+        let (position, velocity) = (mean(interface.positions()), mean(interface.velocities()));
+        Ok(vec![interface.time(), position, velocity, interface.force()])
+    }
+
+    fn maps(&mut self) -> Result<Vec<Vec<f64>>> {
+        let Self { interface, .. } = self;
+        Ok(vec![interface.positions(), interface.velocities(), interface.forces()])
+    }
+
+    fn state(&self) -> StateInTime {
+        self.interface.state()
+    }
+
+    fn restore(&mut self, state: StateInTime, _monitor: &mut dyn Monitor) -> Result<()> {
+        self.interface.restore(state)
+    }
+}

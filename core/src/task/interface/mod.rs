@@ -1,0 +1,204 @@
+//! `[drive]` with `[interface]`: cells that elasticity couples, driven from event to event.
+
+mod catalogue;
+mod cells;
+mod contacts;
+mod in_time;
+mod model;
+mod output_points;
+mod run;
+
+use super::accuracy::ForceAccuracy;
+use super::summary::InterfaceNumbers;
+use super::{Checkpoints, Output};
+use crate::elastic::Event;
+use crate::monitor::{Monitor, Part};
+use crate::record::{Column, LARGEST, Quantity, Record};
+use crate::scenario::{self, Drive, Model, PerCell, Task, Units};
+use crate::{Error, Result};
+use cells::DrivenCells;
+use contacts::DrivenContacts;
+use in_time::DrivenCellsInTime;
+pub use in_time::cells_in_time;
+use model::DrivenInterface;
+use output_points::{OutputPoint, output_points};
+use run::{Found, InterfaceRun};
+
+const DRIVE: Column = Column::new("drive", "drive", Quantity::Length, &["point"]);
+const CELL: Column = Column::new("cell", "cell, counted from 0", Quantity::Number, &["cell"]);
+const ROW: Column = Column::new("row", "row, counted from 0", Quantity::Number, &["row"]);
+const COLUMN: Column = Column::new("column", "column, counted from 0", Quantity::Number, &["column"]);
+const MAP_DRIVE: Column =
+    Column::new("map_drive", "drive at which cells are shown", Quantity::Length, &["map_drive"]);
+
+impl Drive {
+    /// Drives the interface of `model`.
+    ///
+    /// # Errors
+    /// A model without an interface, and those of [`run`](Self::run).
+    pub fn run_interface(
+        &self,
+        model: &Model,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Output<InterfaceNumbers>> {
+        Task::Drive(self).check(model)?;
+        let interface = model.interface.as_ref();
+        let interface =
+            interface.ok_or_else(|| Error::invalid("interface", "one, which is driven", "none"))?;
+        run(model, self, (interface, &Units::default()), None, monitor)
+    }
+}
+
+/// Drives the interface as `task` says, from the last checkpoint if there is one.
+///
+/// # Errors
+/// Results too large for one file, what the models run into, or the monitor's wish to stop.
+pub(super) fn run(
+    model: &Model,
+    task: &Drive,
+    (interface, units): (&scenario::Interface, &Units),
+    checkpoints: Option<&mut dyn Checkpoints>,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<InterfaceNumbers>> {
+    let Model { contacts, initial, ensemble, .. } = model;
+    match interface.contacts {
+        PerCell::One => {
+            let lattice = interface.lattice(contacts.clone(), initial.clone(), ensemble.as_ref())?;
+            let driven = DrivenContacts { lattice, chain: chain(interface) };
+            drive(model, task, (interface, units), driven, checkpoints, monitor)
+        }
+        PerCell::Many if contacts.rules.are_time_dependent() => {
+            let driven = DrivenCellsInTime::new(model, task, interface, &mut Part::new(monitor, 0.0, 0.0))?;
+            drive(model, task, (interface, units), driven, checkpoints, monitor)
+        }
+        PerCell::Many => {
+            let tolerance = model.master_equation.tolerance();
+            let built =
+                interface.deformable(contacts.clone(), initial, tolerance, ensemble.as_ref(), monitor)?;
+            let (timed, solved) = (interface.viscosity.is_some(), ensemble.is_none());
+            let driven = DrivenCells { interface: built, timed, solved };
+            drive(model, task, (interface, units), driven, checkpoints, monitor)
+        }
+    }
+}
+
+fn drive<D: DrivenInterface>(
+    model: &Model,
+    task: &Drive,
+    (interface, units): (&scenario::Interface, &Units),
+    driven: D,
+    checkpoints: Option<&mut dyn Checkpoints>,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<InterfaceNumbers>> {
+    let output_points = output_points(task, interface);
+    check_size::<D>(&output_points, interface)?;
+    let run = InterfaceRun::new(driven, interface.catalogue_from, chain(interface), checkpoints, monitor)?;
+    let found = run.follow(&output_points, monitor)?;
+    let error = found.error;
+    let numbers = InterfaceNumbers { catalogue: catalogue::read::<D>(interface, units, &found.events) };
+    let record = record::<D>(interface, &output_points, found);
+    let output = Output { seed: seed(model, interface), sample: None, ..Output::new(model, numbers, record) };
+    match error {
+        Some(force) => accuracy(model, force).of(model, "the force of a cell", output),
+        None => Ok(output),
+    }
+}
+
+/// How accurate the forces of cells are, `force` being the estimated error of one.
+fn accuracy(model: &Model, force: f64) -> ForceAccuracy {
+    let in_time = ForceAccuracy::in_time(model, force);
+    if model.contacts.rules.are_time_dependent() {
+        return in_time;
+    }
+    ForceAccuracy::new(model, in_time.error, in_time.life)
+}
+
+/// The seed of what is drawn at random, if anything is.
+pub(super) fn seed(model: &Model, interface: &scenario::Interface) -> Option<u64> {
+    match (interface.contacts, &interface.disorder) {
+        (PerCell::One, _) => Some(model.ensemble.clone().unwrap_or_default().seed),
+        (PerCell::Many, _) if model.ensemble.is_some() => model.ensemble.as_ref().map(|e| e.seed),
+        (PerCell::Many, Some(scales)) => scales.std.map(|_| scales.seed()),
+        (PerCell::Many, None) => None,
+    }
+}
+
+fn chain(interface: &scenario::Interface) -> bool {
+    interface.cells.len() == 1
+}
+
+/// Refuses before any work looks at cells that could not be written after it.
+fn check_size<D: DrivenInterface>(
+    output_points: &[OutputPoint],
+    interface: &scenario::Interface,
+) -> Result<()> {
+    let maps = output_points.iter().filter(|at| at.map).count();
+    let each = (interface.size() * D::MAPS.len() * size_of::<f64>()) as u64;
+    let needed = maps as u64 * each;
+    if needed <= LARGEST {
+        return Ok(());
+    }
+    // Of a chain every point of the trace is a look at its cells.
+    let key = if chain(interface) { "drive.points" } else { "drive.maps" };
+    let expected = format!(
+        "looks at the cells that fit in a result file of {} MB: {}",
+        LARGEST / 1_000_000,
+        LARGEST / each
+    );
+    Err(Error::invalid(key, expected, format!("{maps}, which take {} MB", needed / 1_000_000)))
+}
+
+/// The variables that the drive of an interface may record, without values. Of a lattice, those of the cells lie along `row` and
+/// `column`.
+pub(super) fn columns() -> Record {
+    let mut events = contacts::event_columns(&[], 1).variables;
+    events.retain(|variable| matches!(variable.name.as_str(), "size" | "released"));
+    events.splice(0..0, Event::columns().variables);
+    events.iter_mut().for_each(|variable| variable.name.insert_str(0, "event_"));
+    let mut record = Record { variables: events };
+    record.variables.extend(cells::slipped(&[], 1, true).variables);
+    let cells = [MAP_DRIVE, CELL, ROW, COLUMN];
+    for column in [DRIVE].iter().chain(DrivenCellsInTime::TRACE).chain(&cells).chain(DrivenCellsInTime::MAPS)
+    {
+        record.add(*column, Vec::new());
+    }
+    record
+}
+
+/// Events as variables `event_…`, the trace, and cells at the drives of the maps.
+fn record<D: DrivenInterface>(
+    interface: &scenario::Interface,
+    output_points: &[OutputPoint],
+    found: Found,
+) -> Record {
+    let mut record = Record::default();
+    for mut variable in found.events.variables {
+        variable.name = format!("event_{}", variable.name);
+        record.variables.push(variable);
+    }
+    record.variables.extend(found.slipped.variables.into_iter().filter(|listed| !listed.values.is_empty()));
+    let drives = |kind: fn(&OutputPoint) -> bool| {
+        output_points.iter().filter(|at| kind(at)).map(|at| at.drive).collect()
+    };
+    record.add(DRIVE, drives(|at| at.point));
+    for (column, values) in D::TRACE.iter().zip(found.trace) {
+        record.add(*column, values);
+    }
+    let maps: Vec<f64> = drives(|at| at.map);
+    if maps.is_empty() {
+        return record;
+    }
+    record.add(MAP_DRIVE, maps);
+    let sides = match interface.cells[..] {
+        [rows, columns] => vec![(ROW, rows), (COLUMN, columns)],
+        _ => vec![(CELL, interface.size())],
+    };
+    for &(side, size) in &sides {
+        record.add(side, (0..size).map(|i| i as f64).collect());
+    }
+    let along: Vec<_> = ["map_drive"].into_iter().chain(sides.iter().map(|(side, _)| side.name)).collect();
+    for (column, values) in D::MAPS.iter().zip(found.maps) {
+        record.push(column.name, column.long_name, column.quantity, &along, values);
+    }
+    record
+}

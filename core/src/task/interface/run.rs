@@ -1,0 +1,222 @@
+//! A drive from event to event, with the state recorded at output points, and checkpoints.
+
+use std::time::{Duration, Instant};
+
+use crate::monitor::Monitor;
+use crate::record::Record;
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+
+use super::model::DrivenInterface;
+use super::output_points::OutputPoint;
+use crate::monitor::{Part, report};
+use crate::record::LARGEST;
+use crate::task::{Checkpoint, Checkpoints};
+
+/// Most events between two calls of the monitor.
+const SLICE: u64 = 256;
+/// Approximate time between two calls of the monitor: how long a run takes to stop.
+const CALL: Duration = Duration::from_millis(50);
+
+/// An interface that is driven, and what has been recorded of it.
+pub struct InterfaceRun<'a, M> {
+    model: M,
+    /// Events so far, those among them that are not recorded.
+    count: u64,
+    /// Output points passed so far.
+    looks: usize,
+    found: Found,
+    /// Drive from which on events are recorded.
+    from: f64,
+    /// Whether cells that took part in events are recorded.
+    chain: bool,
+    checkpoints: Option<&'a mut dyn Checkpoints>,
+    /// Events at the last checkpoint.
+    last: u64,
+    /// Rows of each column at the last checkpoint.
+    kept: Vec<usize>,
+    /// Events until the next call of the monitor.
+    slice: u64,
+}
+
+/// What is recorded.
+#[derive(Debug, Clone, Default)]
+pub struct Found {
+    /// Events as columns.
+    pub events: Record,
+    /// Cells that took part in the events of a chain, as columns.
+    pub slipped: Record,
+    /// Columns of the whole interface, one value at each output point.
+    pub trace: Vec<Vec<f64>>,
+    /// Columns of the cells, one row at each output point with a map.
+    pub maps: Vec<Vec<f64>>,
+    /// Estimated error of the force of a cell, where there is one.
+    pub error: Option<f64>,
+}
+
+/// What a checkpoint holds beside the columns.
+#[derive(Serialize, Deserialize)]
+struct Kept<S> {
+    state: S,
+    count: u64,
+    looks: usize,
+}
+
+impl Found {
+    fn empty<M: DrivenInterface>(model: &M) -> Self {
+        Self {
+            events: model.columns(&[]),
+            slipped: model.slipped(&[], 0),
+            trace: vec![Vec::new(); M::TRACE.len()],
+            maps: vec![Vec::new(); M::MAPS.len()],
+            error: None,
+        }
+    }
+
+    /// All columns, in the order in which checkpoints have them.
+    fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
+        let records = self.events.variables.iter_mut().chain(&mut self.slipped.variables);
+        records.map(|variable| &mut variable.values).chain(&mut self.trace).chain(&mut self.maps)
+    }
+}
+
+impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
+    /// A run of a new `model`, from the checkpoint to resume if there is one. Events are recorded `from` a drive on, with the
+    /// cells that took part in them if it is a `chain`.
+    pub fn new(
+        model: M,
+        from: f64,
+        chain: bool,
+        checkpoints: Option<&'a mut dyn Checkpoints>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Self> {
+        let mut found = Found::empty(&model);
+        let kept = vec![0; found.columns().count()];
+        let (count, looks, last) = (0, 0, 0);
+        let mut run = Self { model, count, looks, found, from, chain, checkpoints, last, kept, slice: 1 };
+        if let Some(kept) = run.checkpoints.as_mut().and_then(|checkpoints| checkpoints.take()) {
+            run.resume(kept, monitor)?;
+        }
+        Ok(run)
+    }
+
+    fn resume(&mut self, kept: Checkpoint, monitor: &mut dyn Monitor) -> Result<()> {
+        let Checkpoint { state, columns } = kept;
+        let Kept { state, count, looks } = match ciborium::from_reader(state.as_slice()) {
+            Ok(kept) => kept,
+            Err(error) => {
+                return Err(self
+                    .checkpoints
+                    .as_mut()
+                    .map_or(Error::Stopped, |kept| kept.damaged(error.to_string())));
+            }
+        };
+        self.model.restore(state, monitor)?;
+        (self.count, self.last, self.looks) = (count, count, looks);
+        self.found.columns().zip(columns).for_each(|(column, values)| *column = values);
+        self.kept = self.found.columns().map(|column| column.len()).collect();
+        Ok(())
+    }
+
+    /// Drives to one output after the other, and returns what was found.
+    pub fn follow(mut self, output_points: &[OutputPoint], monitor: &mut dyn Monitor) -> Result<Found> {
+        let end = output_points.last().map_or(0.0, |output| output.drive);
+        for output in &output_points[self.looks..] {
+            match self.reach(output.drive, end, monitor) {
+                Err(Error::Stopped) => return self.keep().and(Err(Error::Stopped)),
+                reached => reached?,
+            }
+            self.observe(output)?;
+        }
+        Ok(Found { error: self.model.error(), ..self.found })
+    }
+
+    fn observe(&mut self, output: &OutputPoint) -> Result<()> {
+        if output.point {
+            let trace = self.found.trace.iter_mut().zip(self.model.trace()?);
+            trace.for_each(|(column, now)| column.push(now));
+        }
+        if output.map {
+            let maps = self.found.maps.iter_mut().zip(self.model.maps()?);
+            maps.for_each(|(column, now)| column.extend(now));
+        }
+        self.looks += 1;
+        Ok(())
+    }
+
+    /// Drives to `next`, the drive of the next output, on the way to `end`.
+    fn reach(&mut self, next: f64, end: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        loop {
+            let most = self.slice.min(self.events_left()).max(1);
+            let drive = self.model.drive();
+            monitor.events(self.count, drive);
+            report(monitor, drive / end)?;
+            let mut part = Part::new(monitor, drive / end, (next - drive).max(0.0) / end);
+            let mut slice = Vec::new();
+            let began = Instant::now();
+            let reached = self.model.advance(next, most, &mut part, &mut |event| slice.push(event));
+            self.slice = next_slice(self.slice, began.elapsed());
+            self.record(&slice)?;
+            if self.events_left() == 0 {
+                self.keep()?;
+            }
+            if reached? {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Events that may pass before the next checkpoint.
+    fn events_left(&self) -> u64 {
+        self.checkpoints
+            .as_ref()
+            .map_or(u64::MAX, |checkpoints| checkpoints.events_left(self.count - self.last))
+    }
+
+    /// Adds events to those recorded.
+    fn record(&mut self, events: &[M::Event]) -> Result<()> {
+        self.count += events.len() as u64;
+        let added = self.model.columns(events);
+        let drives = added.values("drive").unwrap_or_default();
+        let first = drives.partition_point(|&drive| drive < self.from);
+        if self.chain {
+            let number = self.found.events.length("event").unwrap_or(0) + 1;
+            append(&mut self.found.slipped, &self.model.slipped(&events[first..], number), 0);
+        }
+        append(&mut self.found.events, &added, first);
+        if self.found.events.bytes() + self.found.slipped.bytes() <= LARGEST {
+            return Ok(());
+        }
+        let expected =
+            format!("a drive from which on events fit in a result file of {} MB", LARGEST / 1_000_000);
+        let found = format!("{}: {} events by the drive {}", self.from, self.count, self.model.drive());
+        Err(Error::invalid("interface.catalogue_from", expected, found))
+    }
+
+    /// Writes a checkpoint, where there are to be any.
+    fn keep(&mut self) -> Result<()> {
+        let Some(checkpoints) = &mut self.checkpoints else { return Ok(()) };
+        let added = self.found.columns().zip(&self.kept);
+        let rows = added.map(|(column, &kept)| column[kept..].to_vec()).collect();
+        let kept = Kept { state: self.model.state(), count: self.count, looks: self.looks };
+        let mut state = Vec::new();
+        ciborium::into_writer(&kept, &mut state)
+            .expect("a state is plain data, and memory does not refuse it");
+        checkpoints.keep(self.count, state, rows)?;
+        self.last = self.count;
+        self.kept = self.found.columns().map(|column| column.len()).collect();
+        Ok(())
+    }
+}
+
+/// Events until the look after the next, where `slice` events took this time. Results do not depend on it.
+fn next_slice(slice: u64, took: Duration) -> u64 {
+    if took < CALL { (2 * slice).min(SLICE) } else { (slice / 2).max(1) }
+}
+
+/// Adds the values of `added` from the place `first` on, column by column.
+fn append(record: &mut Record, added: &Record, first: usize) {
+    for (column, added) in record.variables.iter_mut().zip(&added.variables) {
+        column.values.extend_from_slice(&added.values[first..]);
+    }
+}

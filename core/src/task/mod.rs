@@ -1,0 +1,235 @@
+//! Tasks: what is computed of a [`Model`], as a few numbers and as labelled columns.
+//!
+//! A task is one of the descriptions of [`scenario`](crate::scenario). Each has a `check` of its values, and a `run` here that
+//! checks what it is asked to do and returns an [`Output`]: the numbers of the task, the accuracy reached, and every array as a
+//! variable of a [`Record`]. [`columns`] lists the variables of each task. No file is needed:
+//!
+//! ```
+//! use std::sync::Arc;
+//! use asperity::contacts::{Contacts, Initial, Start};
+//! use asperity::law::{Gaussian, Point};
+//! use asperity::scenario::{Model, VelocityCurve};
+//!
+//! let zero = Arc::new(Point::new(0.0)?);
+//! let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), zero.clone());
+//! let model = Model::new(contacts, Initial { law: zero, start: Start::Conditional });
+//! let curve = VelocityCurve::between(0.1, 10.0).run(&model, &mut ())?;
+//! // Friction of contacts without a rule in time is the same at all velocities: F_k = (1 + σ²)/2 of a narrow Gaussian.
+//! let friction = curve.record.values("kinetic_friction").unwrap();
+//! assert!(friction.iter().all(|force| (force - 0.505).abs() < 1e-9));
+//! # Ok::<(), asperity::Error>(())
+//! ```
+
+mod accuracy;
+mod checkpoint;
+mod columns;
+mod distribution;
+mod drive;
+mod ensemble;
+mod grid;
+mod hold_curve;
+mod in_time;
+mod interface;
+mod protocol;
+mod pull;
+mod renormalisation;
+mod settling;
+pub mod sliding;
+mod stability;
+pub mod summary;
+mod velocity_curve;
+
+use crate::law::Atom;
+use crate::master::{Pull, Relaxation, SteadyState};
+use crate::monitor::Monitor;
+use crate::record::{Column, Quantity, Record};
+use crate::scenario::{Compare, Model, Scenario, Task};
+use crate::{Error, Result};
+
+pub use checkpoint::{Checkpoint, Checkpoints};
+pub use columns::columns;
+pub use drive::first_loading;
+pub use grid::Grid;
+pub use in_time::tolerance_over;
+pub use interface::cells_in_time;
+pub use pull::along_the_pull;
+pub use stability::{LinearStability, stability};
+use summary::{Comparison, Extended, Friction, FrictionCoefficients, Numbers, StaticFriction, Summary};
+
+/// What a task has computed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output<N> {
+    /// The numbers of the task.
+    pub numbers: N,
+    /// Estimated error of F/(N_c⟨k⟩), a length; `None` where all contacts are followed one by one.
+    pub accuracy: Option<f64>,
+    /// What is valid but may surprise.
+    pub warnings: Vec<String>,
+    /// Number of contacts that the finite-size band and the ensemble stand for.
+    pub sample: Option<f64>,
+    /// Seed of the random numbers; `None` where none were drawn.
+    pub seed: Option<u64>,
+    /// All arrays.
+    pub record: Record,
+}
+
+impl<N> Output<N> {
+    /// That of a task of `model` whose accuracy is not known.
+    fn new(model: &Model, numbers: N, record: Record) -> Self {
+        let seed = model.ensemble.as_ref().map(|ensemble| ensemble.seed);
+        Self { numbers, accuracy: None, warnings: Vec::new(), sample: model.sample(), seed, record }
+    }
+
+    /// The same with its numbers as those of any task.
+    fn erased(self) -> Output<Numbers>
+    where
+        N: Into<Numbers>,
+    {
+        let Self { numbers, accuracy, warnings, sample, seed, record } = self;
+        Output { numbers: numbers.into(), accuracy, warnings, sample, seed, record }
+    }
+}
+
+/// Computes the task of `scenario`: its summary, and all arrays.
+///
+/// # Errors
+/// A value that makes no sense, results too large for one file, or the monitor's wish to stop.
+pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<(Summary, Record)> {
+    run_with(scenario, None, monitor)
+}
+
+/// The same, going on from the last of `checkpoints` and keeping new ones. Only `[drive]` of an `[interface]` has any.
+///
+/// # Errors
+/// As [`run`]; a stop, too, where a checkpoint could not be written or read.
+pub fn run_with(
+    scenario: &Scenario,
+    checkpoints: Option<&mut dyn Checkpoints>,
+    monitor: &mut dyn Monitor,
+) -> Result<(Summary, Record)> {
+    let model = &scenario.build()?;
+    let output = match scenario.task()? {
+        Task::Pull(task) => pull::run(model, task, monitor)?.erased(),
+        Task::Drive(task) => match &scenario.interface {
+            Some(interface) => {
+                interface::run(model, task, (interface, &scenario.units), checkpoints, monitor)?.erased()
+            }
+            None => drive::run(model, task, monitor)?.erased(),
+        },
+        Task::Protocol(task) => match &scenario.block {
+            Some(block) => protocol::run_block(model, task, block, monitor)?.erased(),
+            None => protocol::run(model, task, monitor)?.erased(),
+        },
+        Task::VelocityCurve(task) => velocity_curve::run(model, task, monitor)?.erased(),
+        Task::HoldCurve(task) => hold_curve::run(model, task, monitor)?.erased(),
+        Task::Renormalisation(task) => renormalisation::run(model, task, monitor)?.erased(),
+    };
+    let Output { numbers, accuracy, warnings, sample, seed, record } = output;
+    let summary = Summary {
+        title: scenario.title.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        units: scenario.units.clone(),
+        accuracy,
+        contacts: scenario.contacts.count,
+        sample,
+        seed,
+        disorder: scenario.ensemble.as_ref().map(|ensemble| ensemble.disorder),
+        numbers,
+        warnings: [scenario.warnings(), warnings].concat(),
+    };
+    Ok((summary, record))
+}
+
+/// Gives a task its public `run`, which checks first.
+macro_rules! runs {
+    ($($task:ident: $run:path => $numbers:ident;)*) => {$(
+        impl crate::scenario::$task {
+            /// Computes it of `model`: see [`task`](crate::task).
+            ///
+            /// # Errors
+            /// A value that makes no sense, or does not go with the model; results too large for one file; what the solvers
+            /// run into; [`Error::Stopped`] by the monitor.
+            pub fn run(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<summary::$numbers>> {
+                Task::$task(self).check(model)?;
+                $run(model, self, monitor)
+            }
+        }
+    )*};
+}
+
+runs! {
+    Pull: pull::run => PullNumbers;
+    Drive: drive::run => DriveNumbers;
+    Protocol: protocol::run => ProtocolNumbers;
+    VelocityCurve: velocity_curve::run => VelocityCurveNumbers;
+    HoldCurve: hold_curve::run => HoldCurveNumbers;
+    Renormalisation: renormalisation::run => RenormalisationNumbers;
+}
+
+/// What a pull and steady sliding tell of friction.
+fn friction(model: &Model, steady: &SteadyState, relaxation: &Relaxation, pull: &Pull) -> Friction {
+    let kinetic_friction = steady.kinetic_friction();
+    let peak = pull.static_friction();
+    let coefficients = |normal_load: f64| FrictionCoefficients {
+        normal_load,
+        at_rest: peak.map(|peak| peak.value / normal_load),
+        kinetic: kinetic_friction / normal_load,
+    };
+    Friction {
+        static_friction: peak.map_or(StaticFriction::NotReached, |peak| StaticFriction::Reached {
+            force: peak.value,
+            position: peak.position,
+        }),
+        kinetic_friction,
+        relaxation_length: Extended(relaxation.length()),
+        relaxation_length_paper: Extended(relaxation.paper_estimate()),
+        critical_stiffness: Extended(pull.critical_stiffness()),
+        friction_coefficients: model.normal_load.map(coefficients),
+    }
+}
+
+const COMPARED: [Column; 2] = [
+    Column::new("compared_position", "measured position", Quantity::Length, &["compared"]),
+    Column::new("compared_force", "measured force", Quantity::Force, &["compared"]),
+];
+
+/// Adds the measured curve, and returns how far it is from the computed `force`, known up to X = `end`.
+fn compare(curve: &Compare, end: f64, force: impl Fn(f64) -> f64, record: &mut Record) -> Comparison {
+    let (positions, forces) = curve.points();
+    let within = |x: &f64| (0.0..=end).contains(x);
+    let residuals = positions.iter().zip(forces).filter(|(x, _)| within(x)).map(|(&x, f)| f - force(x));
+    let (points, squares) = residuals.fold((0, 0.0), |(n, sum), r| (n + 1, sum + r * r));
+    record.add(COMPARED[0], positions.to_vec());
+    record.add(COMPARED[1], forces.to_vec());
+    Comparison { points, residual_rms: (points > 0).then(|| (squares / points as f64).sqrt()) }
+}
+
+/// Adds point masses: a column of each number that places them, and the one of their weights. Nothing where there are none.
+fn add_atoms<const N: usize>(
+    record: &mut Record,
+    (places, weight): ([Column; N], Column),
+    masses: impl Iterator<Item = ([f64; N], f64)>,
+) {
+    let (at, weights): (Vec<[f64; N]>, Vec<f64>) = masses.unzip();
+    if weights.is_empty() {
+        return;
+    }
+    for (i, place) in places.into_iter().enumerate() {
+        record.add(place, at.iter().map(|place| place[i]).collect());
+    }
+    record.add(weight, weights);
+}
+
+/// A point mass as [`add_atoms`] takes it.
+fn placed(atom: &Atom) -> ([f64; 1], f64) {
+    ([atom.position], atom.weight)
+}
+
+/// Refuses before any work a record of so many numbers that could not be written after it.
+fn fits(key: &str, numbers: usize, what: impl FnOnce() -> String) -> Result<()> {
+    let needed = (numbers * size_of::<f64>()) as u64;
+    if needed <= crate::record::LARGEST {
+        return Ok(());
+    }
+    Err(Error::TooLarge { key: key.into(), what: what(), needed, allowed: crate::record::LARGEST })
+}

@@ -1,0 +1,142 @@
+//! `[[protocol]]`: the slider moved in time, step by step.
+
+use super::accuracy::ForceAccuracy;
+use super::hold_curve::peak;
+use super::summary::{BlockNumbers, Comparison, ProtocolNumbers, ProtocolStep, RateState};
+use super::{Output, compare, in_time};
+use crate::master::{MasterEquation, Trace};
+use crate::monitor::{Monitor, Part};
+use crate::rate_state::VelocityStep;
+use crate::record::Record;
+use crate::scenario::{self, Model, Task};
+use crate::{Error, Result};
+
+/// Most velocities at which steady sliding is computed beside the trace.
+const SPEEDS: usize = 16;
+
+impl scenario::Protocol {
+    /// Moves the top of the block of `model`, and its bottom follows.
+    ///
+    /// # Errors
+    /// A model without a block, and those of [`run`](Self::run).
+    pub fn run_block(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<BlockNumbers>> {
+        Task::Protocol(self).check(model)?;
+        let block = model.block.as_ref();
+        let block = block.ok_or_else(|| Error::invalid("block", "one, whose top is moved", "none"))?;
+        run_block(model, self, block, monitor)
+    }
+}
+
+/// Moves a rigid slider as `task` says.
+///
+/// # Errors
+/// Results too large for one file, what the solvers run into, or the monitor's wish to stop.
+pub(super) fn run(
+    model: &Model,
+    task: &scenario::Protocol,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<ProtocolNumbers>> {
+    if model.block.is_some() {
+        return Err(Error::invalid("block", "none: Protocol::run_block moves a block", "one"));
+    }
+    in_time::check_size(task, model)?;
+    let (trace, mut record) = in_time::rigid(model, task, monitor)?;
+    let steps = steps(model, task, &trace, &mut Part::new(monitor, 1.0, 0.0))?;
+    let compare = model.compare.as_ref().map(|curve| compared(curve, &trace, &mut record));
+    let numbers = ProtocolNumbers { force_error: trace.error, steps, compare };
+    let accuracy = ForceAccuracy::in_time(model, trace.error);
+    accuracy.of(model, "the force along the protocol", Output::new(model, numbers, record))
+}
+
+/// Moves the top of a block as `task` says.
+///
+/// # Errors
+/// Those of [`run`].
+pub(super) fn run_block(
+    model: &Model,
+    task: &scenario::Protocol,
+    block: &scenario::Block,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<BlockNumbers>> {
+    in_time::check_size(task, model)?;
+    let (sliding, record, accuracy) = in_time::behind(model, task, block, monitor)?;
+    let output = Output::new(model, BlockNumbers { sliding }, record);
+    match accuracy {
+        Some(accuracy) => accuracy.of(model, "the force on a block in time", output),
+        None => Ok(output),
+    }
+}
+
+/// The measured curve, and how far it is from the trace, linear between its points.
+fn compared(curve: &scenario::Compare, trace: &Trace, record: &mut Record) -> Comparison {
+    let force = |x: f64| {
+        let next = trace.position.partition_point(|at| *at < x).clamp(1, trace.position.len() - 1);
+        let (a, b) = (trace.position[next - 1], trace.position[next]);
+        let share = if b > a { (x - a) / (b - a) } else { 1.0 };
+        trace.force[next - 1] + share * (trace.force[next] - trace.force[next - 1])
+    };
+    compare(curve, trace.position[trace.position.len() - 1], force, record)
+}
+
+/// The numbers of each step.
+fn steps(
+    model: &Model,
+    task: &scenario::Protocol,
+    trace: &Trace,
+    monitor: &mut dyn Monitor,
+) -> Result<Vec<ProtocolStep>> {
+    let mut frictions = Vec::new();
+    let mut first = 0;
+    let mut steps = Vec::new();
+    for (i, step) in task.0.iter().enumerate() {
+        let last = first + step.points - 1;
+        let (position, force) = (&trace.position[first..=last], &trace.force[first..=last]);
+        let velocity = step.velocities().1;
+        let before = i.checked_sub(1).map(|i| task.0[i].velocities().1);
+        steps.push(ProtocolStep {
+            velocity,
+            position: position[0],
+            duration: step.duration(),
+            pieces: Some(step.pieces().len()).filter(|&pieces| pieces > 1),
+            force: trace.force[last],
+            peak: peak(position, force),
+            kinetic_friction: match step.velocity_to {
+                None if velocity > 0.0 => steady(model, velocity, &mut frictions, monitor)?,
+                _ => None,
+            },
+            rate_state: before
+                .filter(|_| step.velocity_to.is_none())
+                .and_then(|v| read(v, velocity, position, force)),
+        });
+        first = last;
+    }
+    Ok(steps)
+}
+
+/// F_k at a velocity, remembered; `None` when there are too many of them.
+fn steady(
+    model: &Model,
+    velocity: f64,
+    known: &mut Vec<(f64, f64)>,
+    monitor: &mut dyn Monitor,
+) -> Result<Option<f64>> {
+    if let Some(&(_, friction)) = known.iter().find(|(v, _)| *v == velocity) {
+        return Ok(Some(friction));
+    }
+    if known.len() == SPEEDS {
+        return Ok(None);
+    }
+    let equation = MasterEquation::at(model.contacts.clone(), &model.initial, velocity, monitor)?;
+    let friction = equation.steady_state().kinetic_friction();
+    known.push((velocity, friction));
+    Ok(Some(friction))
+}
+
+/// The step from one velocity to another in the words of rate and state, the force before it being that at its start.
+fn read(before: f64, after: f64, position: &[f64], force: &[f64]) -> Option<RateState> {
+    if !(before > 0.0 && after > 0.0) {
+        return None;
+    }
+    let way: Vec<f64> = position.iter().map(|x| x - position[0]).collect();
+    VelocityStep::read(&way, force, force[0], after / before).map(|step| RateState::new(before, &step))
+}

@@ -1,0 +1,138 @@
+//! `[pull]`: force, breaking rate and distributions as the bottom of the slider is moved.
+
+use super::accuracy::ForceAccuracy;
+use super::grid::Grid;
+use super::summary::PullNumbers;
+use super::{Output, add_atoms, compare, distribution, ensemble, fits, friction};
+use crate::Result;
+use crate::master::{MasterEquation, Pull};
+use crate::monitor::{Monitor, Part, report};
+use crate::record::{Column, Quantity, Record};
+use crate::scenario::{self, Model};
+
+/// Positions evaluated between two reports to the monitor.
+const ROUND: usize = 1024;
+
+/// The part of the work that the lives of contacts at a velocity take.
+const LIVES: f64 = 0.5;
+
+const POSITION: Column =
+    Column::new("position", "position X of the slider's bottom", Quantity::Length, &["position"]);
+const FORCE: Column = Column::new("force", "friction force", Quantity::Force, &["position"]);
+const BREAKING_RATE: Column = Column::new(
+    "breaking_rate",
+    "fraction of contacts breaking per length, without those that break together",
+    Quantity::PerLength,
+    &["position"],
+);
+const FORCE_STD: Column = Column::new(
+    "force_std",
+    "standard deviation of the force of a finite number of contacts",
+    Quantity::Force,
+    &["position"],
+);
+const BREAKING_ATOM: Column = Column::new(
+    "breaking_atom_position",
+    "position at which contacts break together",
+    Quantity::Length,
+    &["breaking_atom"],
+);
+const BREAKING_ATOM_WEIGHT: Column =
+    Column::new("breaking_atom_weight", "fraction of contacts", Quantity::Number, &["breaking_atom"]);
+
+/// The variables along the pull.
+pub(super) const COLUMNS: [Column; 6] =
+    [POSITION, FORCE, BREAKING_RATE, FORCE_STD, BREAKING_ATOM, BREAKING_ATOM_WEIGHT];
+
+/// Pulls the slider as `task` says.
+///
+/// # Errors
+/// Results too large for one file, or the monitor's wish to stop.
+pub(super) fn run(
+    model: &Model,
+    task: &scenario::Pull,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<PullNumbers>> {
+    let Model { contacts, initial, .. } = model;
+    check_size(model, task, None)?;
+    let solved = if contacts.rules.are_time_dependent() { LIVES } else { 0.0 };
+    let part = &mut Part::new(monitor, 0.0, solved);
+    let equation = match task.velocity {
+        Some(velocity) => MasterEquation::at(contacts.clone(), initial, velocity, part)?,
+        None => MasterEquation::new(contacts.clone(), initial, part)?,
+    };
+    let monitor = &mut Part::new(monitor, solved, 1.0 - solved);
+    let grid = Grid::new(&equation, initial, &task.snapshots);
+    check_size(model, task, Some(&grid))?;
+    let master = if model.ensemble.is_some() { 0.5 } else { 1.0 };
+    let tolerance = model.master_equation.tolerance();
+    let pull = equation.pull(task.distance, tolerance, &mut Part::new(monitor, 0.0, 0.6 * master))?;
+    let mut record = Record::default();
+    let part = &mut Part::new(monitor, 0.6 * master, 0.4 * master);
+    along_the_pull(&pull, task.positions(), model.sample(), &mut record, part)?;
+    let compare =
+        model.compare.as_ref().map(|curve| compare(curve, pull.distance(), |x| pull.force(x), &mut record));
+    let aside = &mut Part::new(monitor, master, 0.0);
+    distribution::evolving(task, &pull, &grid, &mut record, aside)?;
+    let (steady, relaxation) = (equation.steady_state(), equation.relaxation(aside)?);
+    distribution::steady(contacts, &steady, &grid, &mut record, aside)?;
+    if let Some(drawn) = &model.ensemble {
+        let drawn = drawn.build(contacts.clone(), initial.clone())?;
+        let pulled = ensemble::PulledEnsemble {
+            task,
+            grid: &grid,
+            mean: contacts.thresholds.mean(),
+            memory: relaxation.length(),
+        };
+        pulled.record(&drawn, &mut record, &mut Part::new(monitor, master, 1.0 - master))?;
+    }
+    let numbers = PullNumbers { friction: friction(model, &steady, &relaxation, &pull), compare };
+    let accuracy = ForceAccuracy::new(model, pull.error_estimate(), steady.mean_life());
+    accuracy.of(model, "the force on a pull", Output::new(model, numbers, record))
+}
+
+/// Refuses before any work what could not be written after it; the grid is known once there is an equation.
+fn check_size(model: &Model, pull: &scenario::Pull, grid: Option<&Grid>) -> Result<()> {
+    let densities = (pull.snapshots.len() + 3) * grid.map_or(0, |grid| grid.stretches.len());
+    let bins = grid.zip(model.ensemble.as_ref()).map_or(0, |(grid, ensemble)| grid.bins(ensemble.size()));
+    let histograms = (pull.snapshots.len() + 1) * bins;
+    fits("pull.points", pull.points * COLUMNS.len() + densities + histograms, || {
+        format!("a result file of {} points and {} snapshots", pull.points, pull.snapshots.len())
+    })
+}
+
+/// Adds force and breaking rate at `positions` to `record`, the scatter of the force of `sample` contacts, and the
+/// positions at which contacts break together.
+///
+/// # Errors
+/// The monitor's wish to stop.
+pub fn along_the_pull(
+    pull: &Pull,
+    positions: Vec<f64>,
+    sample: Option<f64>,
+    record: &mut Record,
+    monitor: &mut dyn Monitor,
+) -> Result<()> {
+    let aside = &mut Part::new(monitor, 0.0, 0.0);
+    let std = sample.map(|size| pull.force_std(size, aside)).transpose()?;
+    let mut evaluate = |done: f64, function: &dyn Fn(f64) -> f64| -> Result<Vec<f64>> {
+        let mut values = Vec::with_capacity(positions.len());
+        for round in positions.chunks(ROUND) {
+            values.extend(round.iter().map(|&x| function(x)));
+            report(monitor, (done + values.len() as f64 / positions.len() as f64) / 3.0)?;
+        }
+        Ok(values)
+    };
+    let force = evaluate(0.0, &|x| pull.force(x))?;
+    let rate = evaluate(1.0, &|x| pull.breaking_rate(x))?;
+    let std = std.map(|std| evaluate(2.0, &std)).transpose()?;
+    record.add(POSITION, positions);
+    record.add(FORCE, force);
+    record.add(BREAKING_RATE, rate);
+    if let Some(std) = std {
+        record.add(FORCE_STD, std);
+    }
+    let masses = pull.breaking_atoms().iter().map(|a| ([a.position], a.weight));
+    add_atoms(record, ([BREAKING_ATOM], BREAKING_ATOM_WEIGHT), masses);
+    Ok(())
+}

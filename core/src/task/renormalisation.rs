@@ -1,0 +1,164 @@
+//! `[renormalisation]`: the law of the drives at which coupled contacts break first, beside that of their thresholds and
+//! what mean field makes of it.
+
+use super::summary::{Compared, FirstBreakStatistics, Fitted, InterfaceSize, RenormalisationNumbers};
+use super::{Output, interface};
+use crate::Result;
+use crate::first_breaks::FirstBreaks;
+use crate::law::{Law, Renormalised, critical_coupling};
+use crate::monitor::{Monitor, Part};
+use crate::record::{Column, Quantity, Record};
+use crate::scenario::{Ensemble, Interface, Model, PerCell, Renormalisation};
+
+/// Share of a law that is not shown at either end.
+const TAIL: f64 = 1e-4;
+
+const DRIVE: Column =
+    Column::new("drive", "drive, in the middle of an interval", Quantity::Length, &["drive"]);
+const FREE_DENSITY: Column = of("free_density", "density of thresholds");
+const MEAN_FIELD_DENSITY: Column =
+    of("mean_field_density", "density of thresholds renormalised in mean field");
+const MEASURED_DENSITY: Column = of("measured_density", "density of first breaks");
+const MEASURED_ERROR: Column = of("measured_error", "its standard error");
+
+/// The variables of the task.
+pub(super) const COLUMNS: [Column; 5] =
+    [DRIVE, FREE_DENSITY, MEAN_FIELD_DENSITY, MEASURED_DENSITY, MEASURED_ERROR];
+
+const fn of(name: &'static str, long_name: &'static str) -> Column {
+    Column::new(name, long_name, Quantity::PerLength, &["drive"])
+}
+
+/// Drives the interfaces that `task` asks for.
+///
+/// # Errors
+/// What the interface refuses, or the monitor's wish to stop.
+pub(super) fn run(
+    model: &Model,
+    task: &Renormalisation,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<RenormalisationNumbers>> {
+    let interface = model.interface.as_ref().expect("the check of this task asks for one");
+    let shared = interface.thresholds(&model.contacts)?;
+    let thresholds = shared.as_ref();
+    let coupling = interface.total_share(&model.contacts)?;
+    let critical = critical_coupling(thresholds);
+    let mean_field =
+        (coupling < critical).then(|| Renormalised::new(shared.clone(), coupling)).transpose()?;
+    let mean_field = mean_field.as_ref().map(|law| law as &dyn Law);
+    let runs = measured(model, task, interface, coupling, monitor)?;
+    let all = FirstBreaks::together(&runs);
+    let compared = |law: &dyn Law| Compared { mean: law.mean(), std: law.std(), distance: all.distance(law) };
+    let renormalisation = FirstBreakStatistics {
+        coupling,
+        critical_coupling: critical,
+        size: match interface.contacts {
+            PerCell::One => InterfaceSize::Contacts(interface.size()),
+            PerCell::Many => InterfaceSize::Cells(interface.size()),
+        },
+        runs: task.runs,
+        mean: scatter(runs.iter().map(FirstBreaks::mean)),
+        std: scatter(runs.iter().map(FirstBreaks::std)),
+        thresholds: compared(thresholds),
+        mean_field: mean_field.map(compared),
+    };
+    let seed = interface::seed(model, interface);
+    let known: Vec<_> = [thresholds].into_iter().chain(mean_field).collect();
+    let record = record(&edges(&known, &all, task.points), thresholds, mean_field, &runs);
+    let numbers = RenormalisationNumbers { renormalisation };
+    Ok(Output { seed, sample: None, ..Output::new(model, numbers, record) })
+}
+
+/// The law of first breaks in each run.
+fn measured(
+    model: &Model,
+    task: &Renormalisation,
+    interface: &Interface,
+    coupling: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<Vec<FirstBreaks>> {
+    let share = 1.0 / task.runs as f64;
+    let run = |run: usize| {
+        let mut part = Part::new(monitor, run as f64 * share, share);
+        match interface.contacts {
+            PerCell::One => of_contacts(model, interface, run, &mut part),
+            PerCell::Many => of_cells(model, &interface.redrawn(run), coupling, &mut part),
+        }
+    };
+    (0..task.runs).map(run).collect()
+}
+
+/// Contacts coupled one by one, drawn from the seed of the ensemble and as many further on as there were runs before.
+fn of_contacts(
+    model: &Model,
+    interface: &Interface,
+    run: usize,
+    monitor: &mut dyn Monitor,
+) -> Result<FirstBreaks> {
+    let first = model.ensemble.clone().unwrap_or_default();
+    let ensemble = Ensemble { seed: first.seed + run as u64, ..first };
+    let (contacts, initial) = (model.contacts.clone(), model.initial.clone());
+    let mut lattice = interface.lattice(contacts, initial, Some(&ensemble))?;
+    Ok(FirstBreaks::of_contacts(&lattice.first_breaks(monitor)?))
+}
+
+/// Contacts of cells.
+fn of_cells(
+    model: &Model,
+    interface: &Interface,
+    coupling: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<FirstBreaks> {
+    let Model { contacts, initial, .. } = model;
+    let tolerance = model.master_equation.tolerance();
+    let mut cells = interface.deformable(contacts.clone(), initial, tolerance, None, monitor)?;
+    cells.first_breaks(contacts.thresholds.as_ref(), coupling, monitor)
+}
+
+/// The mean of runs, with its standard error.
+fn scatter(values: impl ExactSizeIterator<Item = f64> + Clone) -> Fitted {
+    let count = values.len() as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    let square = values.map(|value| (value - mean).powi(2)).sum::<f64>();
+    Fitted { value: mean, error: (square / (count * (count - 1.0))).sqrt() }
+}
+
+/// Boundaries of so many intervals over all laws, but for their tails.
+fn edges(laws: &[&dyn Law], measured: &FirstBreaks, points: usize) -> Vec<f64> {
+    let ends = laws.iter().map(|law| (law.quantile(TAIL), law.upper_quantile(TAIL)));
+    let (low, high) = ends.fold(measured.range(TAIL), |(low, high), end| (low.min(end.0), high.max(end.1)));
+    (0..=points).map(|i| low + (high - low) * (i as f64 / points as f64)).collect()
+}
+
+/// Mean densities between neighbouring edges.
+fn record(edges: &[f64], thresholds: &dyn Law, mean_field: Option<&dyn Law>, runs: &[FirstBreaks]) -> Record {
+    let along = |law: &dyn Law| -> Vec<f64> {
+        let density =
+            |ends: &[f64]| (law.cumulative(ends[1]) - law.cumulative(ends[0])) / (ends[1] - ends[0]);
+        edges.windows(2).map(density).collect()
+    };
+    let runs: Vec<_> = runs.iter().map(|run| run.densities(edges)).collect();
+    let found: Vec<_> = (0..edges.len() - 1).map(|i| scatter(runs.iter().map(|run| run[i]))).collect();
+    let mut record = Record::default();
+    let middles = edges.windows(2).map(|ends| 0.5 * (ends[0] + ends[1])).collect();
+    record.add(DRIVE, middles);
+    record.add(FREE_DENSITY, along(thresholds));
+    if let Some(law) = mean_field {
+        record.add(MEAN_FIELD_DENSITY, along(law));
+    }
+    record.add(MEASURED_DENSITY, found.iter().map(|density| density.value).collect());
+    record.add(MEASURED_ERROR, found.iter().map(|density| density.error).collect());
+    record
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_those_of_means() {
+        let found = scatter([1.0, 2.0, 3.0, 6.0].into_iter());
+        // Variance 14/3 of four.
+        assert_eq!((found.value, found.error), (3.0, (14.0_f64 / 12.0).sqrt()));
+    }
+}

@@ -1,0 +1,489 @@
+//! The summary of a run, which stands in `summary.json`: a few numbers for each task.
+
+mod catalogue;
+mod renormalisation;
+mod time;
+
+use crate::block::{End, Point, Regime, Slide, StickSlip};
+use crate::scenario::{Disorder, Units};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+pub use crate::rate_state::Fitted;
+pub use catalogue::{Catalogue, Largest, PowerLaw};
+pub use renormalisation::{Compared, FirstBreakStatistics, InterfaceSize};
+pub use time::{CurveLimits, HealingCurve, Peak, ProtocolStep, RateState, Stability};
+
+/// The summary of a run: what it was, and the numbers of its task.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// The scenario's title.
+    pub title: String,
+    /// The version of asperity that ran it.
+    pub version: String,
+    /// Labels of units.
+    pub units: Units,
+    /// Estimated error of F/(N_c⟨k⟩), a length; absent where all contacts are followed one by one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub accuracy: Option<f64>,
+    /// Number of contacts N_c that forces are scaled to.
+    pub contacts: f64,
+    /// Number of contacts that the finite-size band and the ensemble stand for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sample: Option<f64>,
+    /// Seed of the random numbers; null where none were drawn.
+    pub seed: Option<u64>,
+    /// Whether a contact of the ensemble got a new threshold when it re-formed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disorder: Option<Disorder>,
+    /// The numbers of the task.
+    #[serde(flatten)]
+    pub numbers: Numbers,
+    /// What is valid but may surprise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+/// The numbers of a task; `task` tells which one it was.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "task", rename_all = "snake_case")]
+pub enum Numbers {
+    /// Of `[pull]`.
+    Pull(PullNumbers),
+    /// Of `[drive]` of a slider.
+    Drive(DriveNumbers),
+    /// Of `[drive]` of an `[interface]`.
+    InterfaceDrive(InterfaceNumbers),
+    /// Of `[[protocol]]` of a rigid slider.
+    Protocol(ProtocolNumbers),
+    /// Of `[[protocol]]` of a `[block]`.
+    BlockProtocol(BlockNumbers),
+    /// Of `[velocity_curve]`.
+    VelocityCurve(VelocityCurveNumbers),
+    /// Of `[hold_curve]`.
+    HoldCurve(HoldCurveNumbers),
+    /// Of `[renormalisation]`.
+    Renormalisation(RenormalisationNumbers),
+}
+
+/// The numbers of a pull.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PullNumbers {
+    /// Static and kinetic friction, and how the one becomes the other.
+    #[serde(flatten)]
+    pub friction: Friction,
+    /// How far the compared curve is from F(X).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compare: Option<Comparison>,
+}
+
+/// The numbers of a slider whose top is driven.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DriveNumbers {
+    /// Those of a pull of its bottom, at the velocity of the drive if there is one.
+    #[serde(flatten)]
+    pub friction: Friction,
+    /// How the slider slid; absent of a rigid slider over time-dependent contacts.
+    #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
+    pub sliding: Option<Sliding>,
+}
+
+/// The numbers of an interface that is driven.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct InterfaceNumbers {
+    /// The catalogue of events.
+    pub catalogue: Catalogue,
+}
+
+/// The numbers of a rigid slider that is moved in time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ProtocolNumbers {
+    /// Estimated upper limit of the error of the force.
+    pub force_error: f64,
+    /// The steps.
+    pub steps: Vec<ProtocolStep>,
+    /// How far the compared curve is from F(X).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compare: Option<Comparison>,
+}
+
+/// The numbers of a block that is moved in time.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BlockNumbers {
+    /// How the slider slid.
+    #[serde(flatten)]
+    pub sliding: Sliding,
+}
+
+/// The numbers of a velocity curve, or of one for each of several temperatures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VelocityCurveNumbers {
+    /// What the curves tend to.
+    pub limits: Vec<CurveLimits>,
+    /// Whether steady sliding is stable, at all velocities of the curves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stability: Option<Stability>,
+}
+
+/// The numbers of a hold curve.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HoldCurveNumbers {
+    /// Steady sliding, and the growth of static friction with the logarithm of the hold time.
+    pub hold_curve: HealingCurve,
+}
+
+/// The numbers of a renormalisation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RenormalisationNumbers {
+    /// The distribution of first breaks of coupled contacts.
+    pub renormalisation: FirstBreakStatistics,
+}
+
+macro_rules! numbers {
+    ($($of:ident => $variant:ident,)*) => {$(
+        impl From<$of> for Numbers {
+            fn from(numbers: $of) -> Self {
+                Self::$variant(numbers)
+            }
+        }
+    )*};
+}
+
+numbers! {
+    PullNumbers => Pull,
+    DriveNumbers => Drive,
+    InterfaceNumbers => InterfaceDrive,
+    ProtocolNumbers => Protocol,
+    BlockNumbers => BlockProtocol,
+    VelocityCurveNumbers => VelocityCurve,
+    HoldCurveNumbers => HoldCurve,
+    RenormalisationNumbers => Renormalisation,
+}
+
+impl Numbers {
+    /// Static and kinetic friction, where the task has a pull at one velocity.
+    pub fn friction(&self) -> Option<&Friction> {
+        match self {
+            Self::Pull(PullNumbers { friction, .. }) | Self::Drive(DriveNumbers { friction, .. }) => {
+                Some(friction)
+            }
+            _ => None,
+        }
+    }
+
+    /// How the slider slid, where its top was moved.
+    pub fn sliding(&self) -> Option<&Sliding> {
+        match self {
+            Self::Drive(DriveNumbers { sliding, .. }) => sliding.as_ref(),
+            Self::BlockProtocol(BlockNumbers { sliding }) => Some(sliding),
+            _ => None,
+        }
+    }
+
+    /// The catalogue of events, of an interface.
+    pub fn catalogue(&self) -> Option<&Catalogue> {
+        match self {
+            Self::InterfaceDrive(InterfaceNumbers { catalogue }) => Some(catalogue),
+            _ => None,
+        }
+    }
+
+    /// The steps of a protocol; none for other tasks.
+    pub fn steps(&self) -> &[ProtocolStep] {
+        match self {
+            Self::Protocol(ProtocolNumbers { steps, .. }) => steps,
+            _ => &[],
+        }
+    }
+
+    /// The limits of velocity curves; none for other tasks.
+    pub fn limits(&self) -> &[CurveLimits] {
+        match self {
+            Self::VelocityCurve(VelocityCurveNumbers { limits, .. }) => limits,
+            _ => &[],
+        }
+    }
+
+    /// Whether steady sliding is stable, where that was asked for.
+    pub fn stability(&self) -> Option<&Stability> {
+        match self {
+            Self::VelocityCurve(VelocityCurveNumbers { stability, .. }) => stability.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// What a hold curve tells of healing.
+    pub fn hold_curve(&self) -> Option<&HealingCurve> {
+        match self {
+            Self::HoldCurve(HoldCurveNumbers { hold_curve }) => Some(hold_curve),
+            _ => None,
+        }
+    }
+
+    /// The distribution of first breaks.
+    pub fn renormalisation(&self) -> Option<&FirstBreakStatistics> {
+        match self {
+            Self::Renormalisation(RenormalisationNumbers { renormalisation }) => Some(renormalisation),
+            _ => None,
+        }
+    }
+
+    /// How far a compared curve is from the computed one, where there is one.
+    pub fn compare(&self) -> Option<&Comparison> {
+        match self {
+            Self::Pull(PullNumbers { compare, .. }) | Self::Protocol(ProtocolNumbers { compare, .. }) => {
+                compare.as_ref()
+            }
+            _ => None,
+        }
+    }
+}
+
+/// What a pull and steady sliding say of an interface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Friction {
+    /// F_s and X_s.
+    pub static_friction: StaticFriction,
+    /// F_k.
+    pub kinetic_friction: f64,
+    /// X*, from the slowest root.
+    pub relaxation_length: Extended,
+    /// The paper's estimate x̄²/σ of X*.
+    pub relaxation_length_paper: Extended,
+    /// K_c.
+    pub critical_stiffness: Extended,
+    /// Forces over the normal load, where one is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_coefficients: Option<FrictionCoefficients>,
+}
+
+/// How a driven slider slid.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Sliding {
+    /// Smooth, or one of the kinds of stick-slip.
+    pub regime: SlidingKind,
+    /// Why it is called so, in words.
+    pub reason: String,
+    /// Number of slips.
+    pub slips: usize,
+    /// Mean advance of the drive from slip to slip; absent where slips do not go on alike.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub period: Option<f64>,
+    /// Mean drop of the force in such a slip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_drop: Option<f64>,
+    /// Mean way of the slider in such a slip.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_slip: Option<f64>,
+    /// Standard deviation of the advances from slip to slip over their mean.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<f64>,
+    /// Where balance was first lost; absent where it never was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_instability: Option<SliderState>,
+    /// Where the slider ran away under an imposed force.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub runaway: Option<SliderState>,
+    /// The same of the ensemble.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ensemble: Option<Box<Sliding>>,
+}
+
+/// Kinds of sliding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SlidingKind {
+    /// Without slips.
+    Smooth,
+    /// Slips, then none any more.
+    Transient,
+    /// Slips that go on alike.
+    Persistent,
+    /// An imposed force that the contacts could not carry.
+    Runaway,
+    /// The drive was too short to tell.
+    Undecided,
+}
+
+/// A state of the slider.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SliderState {
+    /// Position X of its bottom.
+    pub position: f64,
+    /// Friction force.
+    pub force: f64,
+    /// The drive: position X_T of its top, or the imposed force.
+    pub drive: f64,
+}
+
+impl Sliding {
+    /// What came of a drive.
+    pub fn new(run: &StickSlip) -> Self {
+        let mut sliding =
+            Self::told(run.regime, run.events.len(), run.events.first().map(|event| event.before));
+        if let End::Runaway(point) = run.end {
+            sliding.runaway = Some(point.into());
+        }
+        sliding
+    }
+
+    /// What came of a motion in time.
+    pub fn in_time(run: &Slide) -> Self {
+        Self::told(run.regime, run.slips.len(), run.slips.first().map(|slip| slip.before.point()))
+    }
+
+    fn told(regime: Regime, slips: usize, first: Option<Point>) -> Self {
+        let mut sliding = Self {
+            regime: SlidingKind::Undecided,
+            reason: regime.to_string(),
+            slips,
+            period: None,
+            mean_drop: None,
+            mean_slip: None,
+            scatter: None,
+            first_instability: first.map(SliderState::from),
+            runaway: None,
+            ensemble: None,
+        };
+        sliding.regime = match regime {
+            Regime::Smooth { .. } => SlidingKind::Smooth,
+            Regime::Transient { .. } => SlidingKind::Transient,
+            Regime::Persistent { period, drop, slip, scatter, .. } => {
+                (sliding.period, sliding.mean_drop) = (Some(period), Some(drop));
+                (sliding.mean_slip, sliding.scatter) = (Some(slip), Some(scatter));
+                SlidingKind::Persistent
+            }
+            Regime::Runaway => SlidingKind::Runaway,
+            Regime::Undecided { .. } => SlidingKind::Undecided,
+        };
+        sliding
+    }
+}
+
+impl From<Point> for SliderState {
+    fn from(Point { position, force, drive, .. }: Point) -> Self {
+        Self { position, force, drive }
+    }
+}
+
+/// Static friction: the highest force of the pull.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StaticFriction {
+    /// The force had not passed its maximum when the pull ended.
+    NotReached,
+    /// It had.
+    Reached {
+        /// F_s.
+        force: f64,
+        /// X_s.
+        position: f64,
+    },
+}
+
+/// A number that may be infinite, which JSON cannot say (`"infinite"`), or unknown (`null`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extended(pub f64);
+
+/// Friction coefficients.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FrictionCoefficients {
+    /// The load they refer to.
+    pub normal_load: f64,
+    /// F_s over the load; absent where static friction was not reached.
+    #[serde(rename = "static", default, skip_serializing_if = "Option::is_none")]
+    pub at_rest: Option<f64>,
+    /// F_k over the load.
+    pub kinetic: f64,
+}
+
+/// A measured curve against the computed one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// Number of measured points within the pull.
+    pub points: usize,
+    /// Root mean square of measured minus computed force there; absent where no point lies within.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual_rms: Option<f64>,
+}
+
+const NOT_REACHED: &str = "not reached";
+const INFINITE: &str = "infinite";
+
+/// How these values stand in JSON: either a word or the value itself.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum WordOr<T> {
+    Word(String),
+    Value(T),
+}
+
+fn unexpected<E: serde::de::Error>(word: &str, known: &str) -> E {
+    E::custom(format!("expected a value or \"{known}\", got \"{word}\""))
+}
+
+impl Serialize for StaticFriction {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match *self {
+            Self::NotReached => WordOr::<Peak>::Word(NOT_REACHED.to_owned()),
+            Self::Reached { force, position } => WordOr::Value(Peak { force, position }),
+        }
+        .serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for StaticFriction {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match WordOr::<Peak>::deserialize(deserializer)? {
+            WordOr::Value(Peak { force, position }) => Ok(Self::Reached { force, position }),
+            WordOr::Word(word) if word == NOT_REACHED => Ok(Self::NotReached),
+            WordOr::Word(word) => Err(unexpected(&word, NOT_REACHED)),
+        }
+    }
+}
+
+impl Serialize for Extended {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if self.0.is_infinite() { WordOr::Word(INFINITE.to_owned()) } else { WordOr::Value(self.0) }
+            .serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Extended {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match WordOr::<Option<f64>>::deserialize(deserializer)? {
+            WordOr::Value(value) => Ok(Self(value.unwrap_or(f64::NAN))),
+            WordOr::Word(word) if word == INFINITE => Ok(Self(f64::INFINITY)),
+            WordOr::Word(word) => Err(unexpected(&word, INFINITE)),
+        }
+    }
+}
+
+impl std::fmt::Display for Extended {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.0.is_infinite() { f.pad(INFINITE) } else { self.0.fmt(f) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_stand_for_what_has_no_number() {
+        let json = serde_json::to_string(&(StaticFriction::NotReached, Extended(f64::INFINITY))).unwrap();
+        assert_eq!(json, r#"["not reached","infinite"]"#);
+        let back: (StaticFriction, Extended) = serde_json::from_str(&json).unwrap();
+        assert_eq!(back, (StaticFriction::NotReached, Extended(f64::INFINITY)));
+    }
+
+    #[test]
+    fn what_is_not_known_is_null() {
+        assert_eq!(serde_json::to_string(&Extended(f64::NAN)).unwrap(), "null");
+        assert!(serde_json::from_str::<Extended>("null").unwrap().0.is_nan());
+    }
+
+    #[test]
+    fn other_words_are_refused() {
+        let error = serde_json::from_str::<Extended>(r#""many""#).unwrap_err().to_string();
+        assert!(error.contains("infinite") && error.contains("many"), "{error}");
+    }
+}
