@@ -1,5 +1,8 @@
 //! How cells or contacts lie beside each other, and what is beyond the outermost.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::{Error, Result};
 
 /// How cells lie; those beside each other are nearest neighbours.
@@ -12,9 +15,10 @@ pub enum Shape {
 }
 
 /// What is beyond the outermost cells.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Edges {
-    /// Nothing that takes part.
+    /// Nothing; beyond contacts coupled one by one something rigid.
     #[default]
     Open,
     /// The cells of the other side.

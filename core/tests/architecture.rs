@@ -12,22 +12,7 @@ const GROUND: u32 = 0;
 /// Names that more than one type has, and why.
 const SHARED: [(&[&str], &str); 5] = [
     (
-        &[
-            "Ageing",
-            "Barrier",
-            "Block",
-            "Contacts",
-            "Disorder",
-            "Drive",
-            "Edges",
-            "Ensemble",
-            "Law",
-            "MasterEquation",
-            "Pull",
-            "Start",
-            "Tabulated",
-            "Temperature",
-        ],
+        &["Ageing", "Block", "Contacts", "Drive", "Ensemble", "Law", "MasterEquation", "Pull", "Tabulated"],
         "a table of a scenario has the name of what it describes",
     ),
     (

@@ -119,7 +119,7 @@ fn table(shape: Shape, coupling: scenario::Coupling) -> scenario::Interface {
         contacts: scenario::PerCell::Many,
         connection: 0.5,
         coupling,
-        edges: scenario::Edges::Open,
+        edges: Edges::Open,
         loading: scenario::Loading::Uniform,
         slip: None,
         viscosity: None,

@@ -78,7 +78,7 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
         contacts: scenario::PerCell::Many,
         connection: 0.5,
         coupling: scenario::Coupling::HalfSpace { modulus: stiffness, cell: 1.0 },
-        edges: scenario::Edges::Periodic,
+        edges: Edges::Periodic,
         loading: scenario::Loading::Uniform,
         slip: None,
         viscosity: None,

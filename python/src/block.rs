@@ -30,7 +30,7 @@ impl Inertial {
     #[pyo3(signature = (mass, damping = 0.0))]
     fn new(mass: f64, damping: f64) -> PyResult<PyClassInitializer<Self>> {
         let slip = Slip::Inertial { mass, damping };
-        block::Block::new(Loading::Rigid, slip.into(), None).map_err(error::core)?;
+        block::Block::new(Loading::Rigid, slip, None).map_err(error::core)?;
         Ok(Description::new(Plain::Slip(slip)).add_subclass(Self))
     }
 
@@ -70,7 +70,7 @@ impl Damped {
     #[new]
     fn new(damping: f64) -> PyResult<PyClassInitializer<Self>> {
         let slip = Slip::Damped { damping };
-        block::Block::new(Loading::Rigid, slip.into(), None).map_err(error::core)?;
+        block::Block::new(Loading::Rigid, slip, None).map_err(error::core)?;
         Ok(Description::new(Plain::Slip(slip)).add_subclass(Self))
     }
 
@@ -165,8 +165,7 @@ impl Block {
     ) -> PyResult<PyClassInitializer<Self>> {
         let stiffness = stiffness.filter(|&stiffness| stiffness != f64::INFINITY);
         let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);
-        block::Block::new(loading, slip.0.into(), Some(slip_fraction))
-            .map_err(|e| error::core(e.under("block")))?;
+        block::Block::new(loading, slip.0, Some(slip_fraction)).map_err(|e| error::core(e.under("block")))?;
         let plain = Box::new(model.as_super().get().plain().clone());
         let slider = Slider { model: plain, stiffness, slip: slip.0, slip_fraction };
         Ok(Description::new(Plain::Block(slider)).add_subclass(Self { model: model.unbind() }))

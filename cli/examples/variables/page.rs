@@ -27,8 +27,10 @@ const TASKS: [(&str, &str); 8] = [
 pub fn page() -> String {
     let mut page = HEAD.to_owned();
     for (task, record) in task::columns() {
-        let (_, heading) = TASKS.into_iter().find(|(name, _)| *name == task).expect("every task has a heading");
-        page += &format!("\n## `{heading}`\n\n| variable | along | quantity | meaning |\n|---|---|---|---|\n");
+        let (_, heading) =
+            TASKS.into_iter().find(|(name, _)| *name == task).expect("every task has a heading");
+        page +=
+            &format!("\n## `{heading}`\n\n| variable | along | quantity | meaning |\n|---|---|---|---|\n");
         record.variables.iter().for_each(|variable| page += &row(variable));
     }
     page

@@ -32,33 +32,39 @@ pub use regime::{Missing, Regime};
 pub use run::{Drive, End, StickSlip};
 pub use trace::{Point, SlipCourse};
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::monitor::Monitor;
 use crate::population::Population;
 use crate::{Error, Result};
 
-/// What a slider does when it has lost its balance, at fixed X_T.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What happens at fixed X_T from the moment at which the slider has lost its balance until it has found it again.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Slip {
     /// All contacts break, and re-form where the spring meets the force F_R that they then have, at
-    /// X = X_T − F_R/K: at X = X_T where contacts re-form relaxed.
+    /// X = X_T − F_R/K: at X = X_T, the spring relaxed, where contacts re-form relaxed.
+    #[default]
     Reset,
     /// On to the next X with F(X) = K(X_T − X), contacts breaking and re-forming on the way.
     Overdamped,
-    /// By MẌ = K(X_T − X) − F − γẊ to the first arrest Ẋ = 0; from there to the balance, without inertia.
-    Inertial {
-        /// M > 0, the mass.
-        mass: f64,
-        /// γ ≥ 0, the damping, force per velocity.
-        damping: f64,
-    },
-    /// By γẊ = K(X_T − X) − F, without mass. At fixed X_T over contacts without time it ends where `Overdamped` does.
-    Damped {
-        /// γ > 0, the damping, force per velocity.
-        damping: f64,
-    },
     /// On to the next X with F(X) = K(X_T − X), F being that of the contacts that have not broken since the slip
     /// began; there, what has broken re-forms.
     Arrest,
+    /// By γẊ = K(X_T − X) − F, without mass. At fixed X_T over contacts without time it ends where `Overdamped` does.
+    Damped {
+        /// Viscous damping γ, force per velocity, above 0.
+        damping: f64,
+    },
+    /// By MẌ = K(X_T − X) − F − γẊ to the first arrest Ẋ = 0; from there to the balance, without inertia.
+    Inertial {
+        /// Mass M of the slider, above 0.
+        mass: f64,
+        /// Viscous damping γ, force per velocity, 0 or above.
+        #[serde(default)]
+        damping: f64,
+    },
 }
 
 /// A slider block.

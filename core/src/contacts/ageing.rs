@@ -1,45 +1,54 @@
 //! Ageing: thresholds that drift with the time a contact has held.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::law::SharedLaw;
 use crate::{Error, Result};
 
-/// How the thresholds of newborn contacts, of law P_ci, change with the age t of the contact.
-#[derive(Debug, Clone)]
-pub enum Ageing {
-    /// Thresholds diffuse in the potential U = −ln P_cf: ∂_t p = D∂_h[U' + ∂_h]p (the paper's). A contact breaks when its
-    /// threshold meets its stretch, whichever of the two moves.
+/// How the thresholds of contacts age.
+pub type Ageing = AgeingRule<SharedLaw>;
+
+/// How the thresholds of contacts change with their age t, from those of new contacts, of distribution P_ci. `D` describes a
+/// distribution: it is the distribution itself, or its parameters in a scenario.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(rename = "Ageing")]
+pub enum AgeingRule<D> {
+    /// Thresholds diffuse, each for itself, in the potential U = −ln P_cf: ∂_t p = D∂_h[U' + ∂_h]p (the paper's). A contact
+    /// breaks when its threshold meets its stretch, whichever of the two moves.
     Smoluchowski {
         /// P_cf, the law of thresholds that never break.
-        mature: SharedLaw,
-        /// D, stretch² per time.
+        mature: D,
+        /// D, stretch² per time, above 0.
         diffusion: f64,
     },
-    /// A contact keeps its quantile while the law matures as under [`Ageing::Smoluchowski`] with D = σ_f²/`time`, nothing
+    /// A contact keeps its quantile while the law matures as under Smoluchowski ageing with D = σ_f²/`time`, nothing
     /// breaking. From Gaussian to Gaussian mean and variance relax exponentially, at the rates 1/`time` and 2/`time`.
     FrozenRank {
         /// P_cf.
-        mature: SharedLaw,
-        /// The time in which it matures.
+        mature: D,
+        /// The time in which it matures, above 0.
         time: f64,
     },
     /// h(t) = h_0[1 + β ln(1 + t/τ_0)]: strengthening without end, as measured on rock and polymers.
     Logarithmic {
-        /// β.
+        /// β, 0 or above.
         growth: f64,
-        /// τ_0.
+        /// τ_0, above 0.
         time: f64,
     },
     /// The closure of the coupled equations for Q and P_c in steady sliding: P_c = ∫₀^∞ e^{−τ} P_c^{Smol}(t = τC/v) dτ, with
     /// C the mean of P_c: ages are distributed exponentially. No rule for a single contact.
     MeanField {
         /// P_cf.
-        mature: SharedLaw,
-        /// D, stretch² per time.
+        mature: D,
+        /// D, stretch² per time, above 0.
         diffusion: f64,
     },
 }
 
-impl Ageing {
+impl<D> AgeingRule<D> {
     /// The name, as in a scenario.
     pub fn name(&self) -> &'static str {
         match self {
@@ -51,7 +60,7 @@ impl Ageing {
     }
 
     /// P_cf, where there is one.
-    pub fn mature(&self) -> Option<&SharedLaw> {
+    pub fn mature(&self) -> Option<&D> {
         match self {
             Self::Smoluchowski { mature, .. }
             | Self::FrozenRank { mature, .. }
@@ -60,6 +69,27 @@ impl Ageing {
         }
     }
 
+    /// The same with another description of the mature distribution.
+    ///
+    /// # Errors
+    /// Those of `describe`.
+    pub fn try_map<E>(&self, describe: impl FnOnce(&D) -> Result<E>) -> Result<AgeingRule<E>> {
+        Ok(match *self {
+            Self::Smoluchowski { ref mature, diffusion } => {
+                AgeingRule::Smoluchowski { mature: describe(mature)?, diffusion }
+            }
+            Self::FrozenRank { ref mature, time } => {
+                AgeingRule::FrozenRank { mature: describe(mature)?, time }
+            }
+            Self::Logarithmic { growth, time } => AgeingRule::Logarithmic { growth, time },
+            Self::MeanField { ref mature, diffusion } => {
+                AgeingRule::MeanField { mature: describe(mature)?, diffusion }
+            }
+        })
+    }
+}
+
+impl Ageing {
     /// Checks the numbers, and that newborn thresholds of the law `newborn` can mature.
     ///
     /// # Errors

@@ -7,12 +7,15 @@ mod ranks;
 mod temperature;
 mod threshold_evolution;
 
-pub use ageing::Ageing;
+pub use ageing::{Ageing, AgeingRule};
 pub use closure::Closure;
 pub use fokker_planck::ThresholdFokkerPlanck;
 pub use temperature::{Barrier, Temperature};
 pub(crate) use threshold_evolution::{Label, Rank};
 pub use threshold_evolution::{ThresholdEvolution, ThresholdsAtAge};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::law::{Law, SharedLaw, Zone};
 use crate::{Error, Result};
@@ -108,13 +111,14 @@ impl Rules {
     }
 }
 
-/// How the law of initial stretches is read (physics: the threshold of a contact found at stretch x).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// How the stretches at X = 0 and the thresholds go together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Start {
-    /// Thresholds conditional on x_s > x: nothing breaks at X = 0.
+    /// The stretches are those of contacts that hold: thresholds are conditional on x_s > x, and nothing breaks at X = 0.
     #[default]
     Conditional,
-    /// Stretches and thresholds independent: what is above its threshold breaks at once and re-forms.
+    /// Stretches and thresholds are independent: contacts above their threshold break at once and re-form.
     Relaxed,
 }
 

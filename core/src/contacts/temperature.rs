@@ -1,9 +1,13 @@
 //! Temperature: contacts below their thresholds break at a rate.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::{Error, Result};
 
 /// The barrier that holds a contact of stretch x below its threshold x_s, of height E_0 at x = 0; E_0 = ½k x_s².
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Barrier {
     /// ΔE = ½k(x_s² − x²): the energy that is missing.
     #[default]
@@ -15,13 +19,15 @@ pub enum Barrier {
 }
 
 /// Thermal breaking: at the rate w = ω e^{−ΔE/T} below the threshold, at once when the stretch reaches it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Temperature {
-    /// T, an energy.
+    /// T, in units of energy (force × length), above 0.
     pub energy: f64,
-    /// ω, per time.
+    /// ω, per time, above 0.
     pub attempt_rate: f64,
-    /// ΔE.
+    /// The barrier ΔE.
+    #[serde(default)]
     pub barrier: Barrier,
 }
 

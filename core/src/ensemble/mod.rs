@@ -24,6 +24,9 @@ pub use pull::{EnsemblePull, Snapshots};
 pub use rate_dependent::EnsembleInTime;
 pub use timed::EnsembleTrace;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::contacts::{Ageing, Contacts, Initial};
 use crate::law::Law;
 use crate::{Error, Result};
@@ -31,13 +34,14 @@ use crate::{Error, Result};
 /// Mass that no double-precision uniform number ever draws.
 const NEGLIGIBLE: f64 = 1e-15;
 
-/// What becomes of the threshold of a contact that breaks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// What happens to a contact's threshold when it re-forms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Disorder {
-    /// Drawn anew from P_c at each re-formation, as the master equation has it.
+    /// It is drawn anew from P_c: the model of the master equation.
     #[default]
     Annealed,
-    /// Kept for ever.
+    /// It is kept for ever.
     Quenched,
 }
 

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
-use crate::block::{self, Loading};
+use crate::block::{self, Loading, Slip};
 
 /// A slider whose top, moved by the drive or the protocol, pulls its bottom through a stiffness.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,32 +21,6 @@ pub struct Block {
     pub slip_fraction: f64,
 }
 
-/// What happens from the moment at which the slider has lost its balance until it has found it again.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Slip {
-    /// All contacts break and re-form; the spring is relaxed.
-    #[default]
-    Reset,
-    /// The slider moves to the next position of balance, contacts breaking and re-forming on the way.
-    Overdamped,
-    /// Contacts that break stay free until the slider has stopped.
-    Arrest,
-    /// The slider moves against a viscous damping alone.
-    Damped {
-        /// Viscous damping, force per velocity, above 0.
-        damping: f64,
-    },
-    /// The slider moves by its inertia.
-    Inertial {
-        /// Mass of the slider, above 0.
-        mass: f64,
-        /// Viscous damping, force per velocity, 0 or above.
-        #[serde(default)]
-        damping: f64,
-    },
-}
-
 impl Block {
     /// The share that must break where nothing is said.
     pub const SLIP_FRACTION: f64 = 0.05;
@@ -56,7 +30,7 @@ impl Block {
     /// # Errors
     /// A stiffness, mass or damping that makes no sense; a rule of slip that limits no velocity.
     pub fn in_time(&self, ensemble: bool) -> Result<block::Block> {
-        let slip = block::Slip::from(self.slip);
+        let slip = self.slip;
         let fraction = ensemble.then_some(self.slip_fraction);
         let built =
             slip.limits().and_then(|_| block::Block::new(Loading::Spring(self.stiffness), slip, fraction));
@@ -66,16 +40,4 @@ impl Block {
 
 fn slip_fraction() -> f64 {
     Block::SLIP_FRACTION
-}
-
-impl From<Slip> for block::Slip {
-    fn from(slip: Slip) -> Self {
-        match slip {
-            Slip::Reset => Self::Reset,
-            Slip::Overdamped => Self::Overdamped,
-            Slip::Arrest => Self::Arrest,
-            Slip::Damped { damping } => Self::Damped { damping },
-            Slip::Inertial { mass, damping } => Self::Inertial { mass, damping },
-        }
-    }
 }

@@ -114,7 +114,7 @@ impl Contacts {
     fn rules(&self) -> Result<contacts::Rules> {
         let ageing = self.ageing.as_ref().map(|ageing| ageing.build().map_err(|e| e.under("ageing")));
         Ok(contacts::Rules {
-            temperature: self.temperature.map(Temperature::build),
+            temperature: self.temperature,
             ageing: ageing.transpose()?,
             delay: self.delay.map_or(0.0, |delay| delay.time),
         })

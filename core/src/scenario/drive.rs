@@ -118,7 +118,7 @@ impl Drive {
                     format!("one of stiffness {}", block.stiffness),
                 ));
             }
-            (Some(block), None) => (Loading::Spring(block.stiffness), block.slip.into(), block.slip_fraction),
+            (Some(block), None) => (Loading::Spring(block.stiffness), block.slip, block.slip_fraction),
             (None, Some(_)) => (Loading::Force, block::Slip::Overdamped, 1.0),
             (None, None) => (Loading::Rigid, block::Slip::Overdamped, 1.0),
         };

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::contacts::{Contacts, Initial};
+use crate::ensemble::Disorder;
 use crate::{Error, Result, ensemble};
 
 /// The earthquake-like model: contacts drawn at random and followed one by one.
@@ -18,17 +19,6 @@ pub struct Ensemble {
     pub seed: u64,
     /// Whether a contact gets a new threshold when it re-forms.
     pub disorder: Disorder,
-}
-
-/// What happens to a contact's threshold when it re-forms.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Disorder {
-    /// It is drawn anew: the model of the master equation.
-    #[default]
-    Annealed,
-    /// It is kept for ever.
-    Quenched,
 }
 
 impl Default for Ensemble {
@@ -52,7 +42,7 @@ impl Ensemble {
     /// No contacts, or laws that leave a contact nowhere to be.
     pub fn build(&self, contacts: Contacts, initial: Initial) -> Result<ensemble::Ensemble> {
         self.check().map_err(|e| e.under("ensemble"))?;
-        ensemble::Ensemble::new(contacts, initial, self.size(), self.seed, self.disorder.into())
+        ensemble::Ensemble::new(contacts, initial, self.size(), self.seed, self.disorder)
     }
 
     fn check(&self) -> Result<()> {
@@ -64,14 +54,5 @@ impl Ensemble {
             return Err(Error::invalid("seed", "a whole number below 2^63", self.seed));
         }
         Ok(())
-    }
-}
-
-impl From<Disorder> for ensemble::Disorder {
-    fn from(disorder: Disorder) -> Self {
-        match disorder {
-            Disorder::Annealed => Self::Annealed,
-            Disorder::Quenched => Self::Quenched,
-        }
     }
 }

@@ -10,7 +10,6 @@ mod contacts;
 mod drive;
 mod ensemble;
 mod hold_curve;
-mod initial;
 mod interface;
 mod law;
 mod logarithmic;
@@ -29,21 +28,25 @@ mod velocity_curve;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use block::{Block, Slip};
+pub use crate::block::Slip;
+pub use crate::contacts::Start;
+pub use crate::contacts::{Barrier, Temperature};
+pub use crate::ensemble::Disorder;
+pub use crate::shape::Edges;
+pub use block::Block;
 pub use compare::Compare;
 pub use contacts::{Areas, Contacts};
 pub use drive::Drive;
-pub use ensemble::{Disorder, Ensemble};
+pub use ensemble::Ensemble;
 pub use hold_curve::HoldCurve;
-pub use initial::Start;
-pub use interface::{CellSlip, Coupling, Edges, Interface, Loading, PerCell, Scales};
+pub use interface::{CellSlip, Coupling, Interface, Loading, PerCell, Scales};
 pub use law::{Component, Law, Tabulated};
 pub use master_equation::MasterEquation;
 pub use model::Model;
 pub use protocol::{Protocol, Step};
 pub use pull::Pull;
 pub use renormalisation::Renormalisation;
-pub use rules::{Ageing, Barrier, Delay, Temperature};
+pub use rules::{Ageing, Delay};
 pub use task::Task;
 pub use units::Units;
 pub use velocity_curve::VelocityCurve;
@@ -177,7 +180,7 @@ pub fn build_contacts(
 ) -> Result<(crate::contacts::Contacts, crate::contacts::Initial)> {
     let contacts = contacts.build().map_err(|e| e.under("contacts"))?;
     let law = initial.build().map_err(|e| e.under("initial"))?;
-    let initial = crate::contacts::Initial { law, start: start.into() };
+    let initial = crate::contacts::Initial { law, start };
     contacts.check(&initial)?;
     Ok((contacts, initial))
 }

@@ -3,7 +3,7 @@
 use crate::contacts::Contacts;
 use crate::master::{Slider, Transport};
 use crate::monitor::Monitor;
-use crate::{Result, block, scenario};
+use crate::{Result, scenario};
 
 use crate::monitor::Part;
 
@@ -49,6 +49,6 @@ pub fn stability(
 /// What moves a block in time.
 fn slider(block: &scenario::Block) -> Result<Slider> {
     block.in_time(false)?;
-    let (mass, damping) = block::Slip::from(block.slip).limits()?;
+    let (mass, damping) = block.slip.limits()?;
     Ok(Slider { stiffness: block.stiffness, mass, damping })
 }

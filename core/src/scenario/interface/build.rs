@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use super::super::{Block, Ensemble};
-use super::{CellSlip, Coupling, Edges, Interface, Loading, PerCell, Scales};
+use super::{CellSlip, Coupling, Interface, Loading, PerCell, Scales};
 use crate::contacts::{Contacts, Initial};
 use crate::elastic::cells::{Cells, Curves, Populations};
 use crate::elastic::rate_dependent::Scaled;
@@ -16,7 +16,6 @@ use crate::master::{MasterEquation, Stretches, Tolerance, Transport};
 use crate::monitor::{Aside, Monitor, report};
 use crate::population::Population;
 use crate::rate_dependent::RateDependentContacts;
-use crate::shape;
 use crate::{Error, Result};
 
 impl Interface {
@@ -31,7 +30,7 @@ impl Interface {
         ensemble: Option<&Ensemble>,
     ) -> Result<Lattice> {
         let Ensemble { seed, disorder, .. } = ensemble.cloned().unwrap_or_default();
-        Lattice::new(contacts, initial, &self.springs()?, seed, disorder.into())
+        Lattice::new(contacts, initial, &self.springs()?, seed, disorder)
     }
 
     /// Cells whose contacts move together: by the master equation, or those of an `ensemble`, of which each cell has
@@ -192,7 +191,7 @@ impl Interface {
     }
 
     fn elasticity(&self) -> Result<Box<dyn elastic::Coupling>> {
-        let (shape, edges) = (self.shape()?, self.edges.into());
+        let (shape, edges) = (self.shape()?, self.edges);
         match self.coupling {
             Coupling::Neighbours { stiffness } => coupling::neighbours(shape, edges, stiffness),
             Coupling::HalfSpace { modulus, cell } => coupling::half_space(shape, edges, modulus, cell),
@@ -228,7 +227,7 @@ impl Interface {
         match self.coupling {
             Coupling::Neighbours { stiffness } => Ok(lattice::LatticeCoupling {
                 shape: self.shape()?,
-                edges: self.edges.into(),
+                edges: self.edges,
                 neighbours: stiffness,
                 connection: self.connection,
             }),
@@ -247,13 +246,4 @@ fn cooler(contacts: &Contacts, scale: f64) -> Contacts {
         temperature.energy /= scale * scale;
     }
     contacts
-}
-
-impl From<Edges> for shape::Edges {
-    fn from(edges: Edges) -> Self {
-        match edges {
-            Edges::Open => Self::Open,
-            Edges::Periodic => Self::Periodic,
-        }
-    }
 }

@@ -105,7 +105,7 @@ impl Interface {
     /// What cells of contacts that move together need, and what does not go with them.
     fn many(&self, ensemble: Option<&Ensemble>, bytes: [f64; 2]) -> Result<()> {
         let check = || {
-            self.shape()?.check(self.edges.into())?;
+            self.shape()?.check(self.edges)?;
             self.disorder.as_ref().map_or(Ok(()), |scales| scales.build(self.size()).map(drop))
         };
         check().map_err(|e| e.under("interface"))?;

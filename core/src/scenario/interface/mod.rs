@@ -7,7 +7,7 @@ mod scales;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::shape::Shape;
+use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
 pub use scales::Scales;
 
@@ -77,17 +77,6 @@ pub enum Coupling {
         /// Side a of a cell, above 0.
         cell: f64,
     },
-}
-
-/// What is beyond the outermost cells.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Edges {
-    /// Nothing; beyond contacts coupled one by one something rigid.
-    #[default]
-    Open,
-    /// The cells of the other side.
-    Periodic,
 }
 
 /// Which cells the drive pulls.
