@@ -4,7 +4,7 @@
 //! starts from it. Two independent solvers answer every question: the [`master`] equation for the
 //! distribution of stretches and the [`ensemble`] of single contacts.
 
-#![allow(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+#![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 pub mod block;
 pub mod contacts;
