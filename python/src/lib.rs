@@ -1,6 +1,5 @@
-//! The Python package of asperity: what the core and the runner do, in the words of Python and NumPy.
-//!
-//! Nothing is computed here. What is documented here is what Python shows.
+//! The Python package of asperity: the core and the runner, with the names of Python and NumPy. Nothing is
+//! computed here. The documentation here is what Python shows.
 
 mod block;
 mod contacts;

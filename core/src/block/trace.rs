@@ -101,7 +101,7 @@ pub(super) fn record(trace: &[Point], drive: Quantity) -> Record {
         record.push(name, long_name, quantity, &["point"], trace.iter().map(value).collect());
     };
     column("drive", "drive", drive, |p| p.drive);
-    column("position", "position of the slider's bottom", Quantity::Length, |p| p.position);
+    column("position", "position of the slider's base", Quantity::Length, |p| p.position);
     column("force", "friction force", Quantity::Force, |p| p.force);
     column("spring_force", "force of the spring", Quantity::Force, |p| p.spring_force);
     record

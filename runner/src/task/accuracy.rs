@@ -52,7 +52,7 @@ impl Accuracy {
         if let Some(aim) = self.aim.filter(|aim| reached > *aim) {
             summary.warnings.push(format!(
                 "the estimated error of the force is {reached:.1e} of N⟨k⟩ times the mean life of a contact, more than the \
-                 {aim:e} aimed at"
+                 aim of {aim:e}"
             ));
         }
         Ok(Summary { accuracy: Some(self.error), ..summary })

@@ -13,7 +13,7 @@ use super::{atoms, placed};
 /// A density that no contact is seen of, in breaking rates: about what it is where all hold.
 const NONE: f64 = 1e-12;
 
-const STRETCH: (&str, &str) = ("stretch", "stretch at which contacts are together");
+const STRETCH: (&str, &str) = ("stretch", "stretch that many contacts share");
 
 /// Q(x; X) at the snapshots.
 ///
@@ -77,9 +77,9 @@ pub fn steady(
     let mut add = |name, words, values| record.push(name, words, Quantity::PerLength, &["stretch"], values);
     add("steady_stretch_density", "density of stretches in steady sliding", stretches.density);
     add("threshold_density", words, thresholds.density);
-    add("hazard", "hazard P(x), the share of contacts of stretch x breaking per length", hazard);
+    add("hazard", "hazard P(x), the fraction of contacts of stretch x that break per length", hazard);
     atoms(record, "steady_atom", [STRETCH], stretches.atoms.iter().map(placed));
-    let threshold = ("stretch", "threshold that contacts share");
+    let threshold = ("stretch", "threshold that many contacts share");
     atoms(record, "threshold_atom", [threshold], thresholds.atoms.iter().map(placed));
     Ok(())
 }

@@ -142,14 +142,20 @@ fn balance(
     let drive = curve.drive(stiffness);
     record.push(
         "branch_position",
-        "position of the slider's bottom",
+        "position of the slider's base",
         Quantity::Length,
         along,
         curve.position.clone(),
     );
-    record.push("branch_drive", "drive at which it is in balance there", Quantity::Length, along, drive);
-    record.push("branch_force", "friction force there", Quantity::Force, along, curve.force.clone());
-    record.push("branch_stable", "whether the balance is stable", Quantity::Number, along, stable);
+    record.push("branch_drive", "drive of the equilibrium at that position", Quantity::Length, along, drive);
+    record.push(
+        "branch_force",
+        "friction force at that position",
+        Quantity::Force,
+        along,
+        curve.force.clone(),
+    );
+    record.push("branch_stable", "whether the equilibrium is stable", Quantity::Number, along, stable);
     if let Some(first) = run.events.first() {
         let drives = POTENTIALS.map(|part| part * first.before.drive);
         let heights = drives.iter().flat_map(|&drive| curve.potential(stiffness, drive)).collect();

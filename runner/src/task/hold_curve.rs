@@ -198,7 +198,7 @@ impl Columns {
         };
         add("hold", "time for which the slider was held", Quantity::Time, holds);
         add("static_friction", "highest force after the hold", Quantity::Force, self.peak);
-        add("peak_position", "way from the hold to the highest force", Quantity::Length, self.place);
+        add("peak_position", "displacement from the hold to the highest force", Quantity::Length, self.place);
         add("held_force", "force at the end of the hold", Quantity::Force, self.held);
         if !self.ensemble_force.is_empty() {
             let words = "force of the ensemble where that of the master equation is highest";

@@ -70,10 +70,10 @@ fn traced(trace: &Trace, free: bool) -> Record {
     };
     add("time", "time", Quantity::Time, &trace.time);
     add("drive", "drive", Quantity::Length, &trace.position);
-    add("position", "position of the slider's bottom", Quantity::Length, &trace.position);
+    add("position", "position of the slider's base", Quantity::Length, &trace.position);
     add("velocity", "velocity of the slider", Quantity::Velocity, &trace.velocity);
     add("force", "friction force", Quantity::Force, &trace.force);
-    add("spring_force", "force that pulls", Quantity::Force, &trace.force);
+    add("spring_force", "force that pulls the slider", Quantity::Force, &trace.force);
     add(
         "breaking_frequency",
         "fraction of contacts breaking per time",
@@ -81,7 +81,7 @@ fn traced(trace: &Trace, free: bool) -> Record {
         &trace.breaking_rate,
     );
     if free {
-        add("free", "fraction of contacts that are free", Quantity::Number, &trace.free);
+        add("free", "fraction of contacts that are detached", Quantity::Number, &trace.free);
     }
     record
 }

@@ -106,15 +106,15 @@ pub fn along_the_pull(
     let rate = evaluate(1.0, &|x| pull.breaking_rate(x))?;
     let std = std.map(|std| evaluate(2.0, &std)).transpose()?;
     let along = &["position"];
-    record.push("position", "position X of the slider's bottom", Quantity::Length, along, positions);
+    record.push("position", "position X of the slider's base", Quantity::Length, along, positions);
     record.push("force", "friction force", Quantity::Force, along, force);
-    let words = "fraction of contacts breaking per length, without those that break together";
+    let words = "fraction of contacts breaking per length, without simultaneous breaks";
     record.push("breaking_rate", words, Quantity::PerLength, along, rate);
     if let Some(std) = std {
         let words = "standard deviation of the force of a finite number of contacts";
         record.push("force_std", words, Quantity::Force, along, std);
     }
-    let places = [("position", "position at which contacts break together")];
+    let places = [("position", "position at which contacts break simultaneously")];
     atoms(record, "breaking_atom", places, pull.breaking_atoms().iter().map(|a| ([a.position], a.weight)));
     Ok(())
 }

@@ -40,7 +40,7 @@ pub fn course(run: &StickSlip) -> Record {
     add("slip_time", "time since the first slip began", Quantity::Time, &course.time);
     add(
         "slip_position",
-        "position of the slider's bottom in the first slip",
+        "position of the slider's base in the first slip",
         Quantity::Length,
         &course.position,
     );

@@ -73,7 +73,7 @@ pub fn run(
         }
     };
     let stability = critical.told();
-    let words = ["critical stiffness of a pull from the start", "critical stiffness of steady sliding"];
+    let words = ["critical stiffness of the first loading", "critical stiffness of steady sliding"];
     known("critical_stiffness", words[0], Quantity::Stiffness, critical.pulled);
     known("critical_stiffness_sliding", words[1], Quantity::Stiffness, critical.sliding);
     let words = ["rate at which deviations from steady sliding grow", "angular frequency at which they grow"];

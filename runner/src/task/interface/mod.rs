@@ -120,7 +120,7 @@ fn fits<M: Model>(stops: &[Stop], interface: &scenario::Interface) -> Result<()>
     // Of a chain every point of the trace is a look at its cells.
     let key = if chain(interface) { "drive.points" } else { "drive.maps" };
     let expected = format!(
-        "looks at the cells that fit in a result file of {} MB: {}",
+        "maps of the cells that fit in a result file of {} MB: {}",
         LARGEST / 1_000_000,
         LARGEST / each
     );
@@ -145,7 +145,13 @@ fn record<M: Model>(interface: &scenario::Interface, stops: &[Stop], found: Foun
     if maps.is_empty() {
         return record;
     }
-    record.push("map_drive", "drive at which cells are shown", Quantity::Length, &["map_drive"], maps);
+    record.push(
+        "map_drive",
+        "drive at which the state of the cells is given",
+        Quantity::Length,
+        &["map_drive"],
+        maps,
+    );
     let sides = match interface.cells[..] {
         [rows, columns] => vec![("row", rows), ("column", columns)],
         _ => vec![("cell", interface.size())],
