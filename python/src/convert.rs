@@ -387,7 +387,7 @@ fn within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> 
 fn plain(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<Value>> {
     if let Ok(described) = value.cast::<Description>() {
         let toml = described.get().toml();
-        let refused = || wrong_type(key, "a law, areas, contacts or a slip rule", value);
+        let refused = || wrong_type(key, "a distribution, areas, contacts or a slip rule", value);
         return toml.ok_or_else(refused).map(Some);
     }
     if value.is_instance_of::<PyBool>() {

@@ -204,10 +204,10 @@ impl Quenched {
     }
 }
 
-/// A share of contacts that no digit of a moment shows.
+/// A fraction of contacts too small to change any digit of a moment.
 const NEGLIGIBLE: f64 = 1e-18;
 
-/// Laws of thresholds and of re-formed stretches.
+/// Distributions of thresholds and of re-formed stretches.
 fn laws(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<(SharedLaw, SharedLaw)> {
     let reforming = reforming.unwrap_or(AnyLaw(scenario::Law::zero()));
     Ok((built(thresholds)?, built(reforming)?))

@@ -69,7 +69,7 @@ mod _core {
     #[expect(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
-    /// Closed forms have the names of laws, in a module of their own.
+    /// Closed forms have the names of distributions, in a module of their own.
     #[pymodule_init]
     fn add_closed_forms(module: &Bound<'_, PyModule>) -> PyResult<()> {
         let py = module.py();

@@ -88,7 +88,7 @@ pub fn protocol(steps: Vec<Bound<'_, Step>>) -> PyResult<scenario::Protocol> {
     Ok(protocol)
 }
 
-/// Steps as the solvers take them: the way, and the times at which to tell of it.
+/// Steps in the form for the solvers: the motion, and the output times.
 pub fn way(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
     let protocol = protocol(steps)?;
     Ok((protocol.build().map_err(error::core)?, protocol.times()))
