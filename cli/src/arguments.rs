@@ -26,14 +26,14 @@ pub enum Command {
     Check(Scenario),
     /// Print the JSON Schema of scenarios: every key, its meaning and its default
     Schema,
-    /// Print a scenario that comes with asperity, or without a name list them
+    /// Print a scenario that comes with asperity; without a name, list them
     Example {
         /// Name of the scenario, such as fig2
         name: Option<String>,
     },
-    /// Print the licences of the crates that asperity is made of
+    /// Print the licences of the crates that asperity contains
     Notices,
-    /// Print a script that completes these commands in a shell
+    /// Print a completion script for a shell
     Completions {
         /// The shell
         shell: Shell,
@@ -45,7 +45,7 @@ pub struct Scenario {
     /// The scenario, a TOML file
     #[arg(value_name = "SCENARIO")]
     pub path: PathBuf,
-    /// Replace a value, such as contacts.thresholds.gaussian.std=0.1; a law replaces the law there
+    /// Replace a value, such as contacts.thresholds.gaussian.std=0.1; a distribution replaces the one in the file
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
 }
@@ -60,13 +60,13 @@ pub struct Run {
     /// Number of threads; results do not depend on it [default: one per core]
     #[arg(long, value_name = "N", value_parser = threads::parse)]
     pub threads: Option<usize>,
-    /// Keep checkpoints of the drive of an [interface], for --resume: every so many events (2000), or every so often (10min)
+    /// Write checkpoints of the drive of an [interface], for --resume: after each number of events (2000) or time interval (10min)
     #[arg(long, value_name = "EVENTS|TIME")]
     pub checkpoint: Option<Every>,
-    /// Stop after this time (90s, 10min, 1h30min, 23:50:00); the drive of an [interface] writes a checkpoint then
+    /// Stop after this time (90s, 10min, 1h30min, 23:50:00); the drive of an [interface] then writes a checkpoint
     #[arg(long, value_name = "TIME", value_parser = duration::parse)]
     pub max_time: Option<Duration>,
-    /// Go on from the last checkpoint of a run that was stopped, or begin where there is none
+    /// Continue from the last checkpoint of a stopped run; without one, start at the beginning
     #[arg(long)]
     pub resume: bool,
     /// Print nothing but errors

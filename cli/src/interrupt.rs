@@ -150,7 +150,9 @@ impl Shared {
             }
             if !told && ends_later && since.elapsed() >= PATIENCE {
                 told = true;
-                say("stopping once what is being written is whole; a second Ctrl-C ends the run at once\n");
+                say(
+                    "stopping after the current file is written; a second Ctrl-C stops the run immediately\n",
+                );
             }
             thread::sleep(LOOK);
         }
@@ -175,11 +177,11 @@ fn say(words: &str) {
 pub fn message(reason: Reason, checkpoint: Option<&Path>) -> String {
     let why = match reason {
         Reason::Signal => "interrupted".into(),
-        Reason::Time(limit) => format!("stopped after {}, as --max-time says", duration::words(limit)),
+        Reason::Time(limit) => format!("stopped after {} (--max-time)", duration::words(limit)),
     };
     match checkpoint {
         None => format!("{why}: nothing was written\n"),
-        Some(path) => format!("{why}: no results were written; --resume goes on from {}\n", path.display()),
+        Some(path) => format!("{why}: no results were written; --resume continues from {}\n", path.display()),
     }
 }
 
@@ -215,7 +217,7 @@ mod tests {
         let limit = Reason::Time(Duration::from_secs(5400));
         assert_eq!(
             message(limit, Some(Path::new("out/a.checkpoint.1"))),
-            "stopped after 1 h 30 min, as --max-time says: no results were written; --resume goes on from out/a.checkpoint.1\n"
+            "stopped after 1 h 30 min (--max-time): no results were written; --resume continues from out/a.checkpoint.1\n"
         );
     }
 }

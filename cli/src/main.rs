@@ -79,7 +79,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Example { name: Some(name) } => match examples::find(&name) {
             Some(text) => print(text),
             None => Err(Failure::Input(format!(
-                "error: no example is called {name}; there are\n{}",
+                "error: there is no example {name}; the examples are\n{}",
                 examples::list()
             ))),
         },

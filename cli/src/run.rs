@@ -60,7 +60,7 @@ pub fn warn(scenario: &Scenario) {
 /// Says what became of a file of somebody else where results go.
 fn moved(file: &output::Renamed) -> String {
     let [from, to] = [&file.from, &file.to].map(|path| path.display());
-    format!("warning: {from} is not the file that asperity wrote; it is kept as {to}")
+    format!("warning: {from} was not written by asperity, or was changed; it is kept as {to}")
 }
 
 /// Tells on the standard error; where this cannot be written there is nobody to be told.
@@ -90,8 +90,8 @@ fn checkpoints(
     if !quiet {
         checkpoints.damaged().iter().for_each(|damaged| say(&format!("warning: {damaged}")));
         say(&match checkpoints.resumed() {
-            Some((path, events)) => format!("going on from {}, after {events} events", path.display()),
-            None => format!("no checkpoint beside {}: the run begins at its start", directory.display()),
+            Some((path, events)) => format!("continuing from {}, after {events} events", path.display()),
+            None => format!("no checkpoint for {}: the run starts at the beginning", directory.display()),
         });
     }
     Ok(Some(checkpoints))

@@ -20,7 +20,7 @@ pub fn parse(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|number| (1..=most).contains(number));
     number.ok_or_else(|| {
         let have = if cores == 1 { "core".to_owned() } else { format!("{cores} cores") };
-        format!("expected a number from 1 to {most}, {PER_CORE} times the {have} of this machine")
+        format!("expected a number from 1 to {most}, {PER_CORE} times the {have} cores of this machine")
     })
 }
 

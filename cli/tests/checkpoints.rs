@@ -127,7 +127,7 @@ fn a_run_killed_three_times_gives_the_same_bytes() {
         assert!(!folder.path().join("out/slow").exists(), "results before the end");
     }
     let output = folder.run(&["run", "slow.toml", "--resume"]);
-    assert!(output.status.success() && errors(&output).contains("going on from"), "{}", errors(&output));
+    assert!(output.status.success() && errors(&output).contains("continuing from"), "{}", errors(&output));
     same(&folder, &expected);
 }
 
@@ -196,10 +196,7 @@ fn checkpoints_come_by_time_too_and_a_limit_of_time_leaves_one() {
     let output = folder.run(&["run", "slow.toml", "--resume", "--max-time", "0.01s"]);
     let said = errors(&output);
     assert_eq!(output.status.code(), Some(130), "{said}");
-    assert!(
-        said.contains("stopped after 0.01 s, as --max-time says: no results were written; --resume"),
-        "{said}"
-    );
+    assert!(said.contains("stopped after 0.01 s (--max-time): no results were written; --resume"), "{said}");
     folder.succeed(&["run", "slow.toml", "--resume", "--quiet"]);
     same(&folder, &expected);
 }
@@ -214,10 +211,8 @@ fn two_runs_do_not_keep_checkpoints_in_one_place() {
         let output = folder.run(&[&["run", "slow.toml"], option].concat());
         let said = errors(&output);
         assert_eq!(output.status.code(), Some(1), "{said}");
-        let told = format!(
-            "out/slow: another run (process {}) keeps its checkpoints beside this folder",
-            first.id()
-        );
+        let told =
+            format!("out/slow: another run (process {}) writes checkpoints for this folder", first.id());
         assert!(said.contains(&told), "{said}");
     }
     assert!(first.wait().unwrap().success(), "the first was disturbed");
@@ -241,7 +236,7 @@ fn ctrl_c_leaves_a_checkpoint_and_says_so() {
     assert!(kill.success());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130), "{}", errors(&output));
-    assert!(errors(&output).contains("--resume goes on from out/slow.checkpoint."), "{}", errors(&output));
+    assert!(errors(&output).contains("--resume continues from out/slow.checkpoint."), "{}", errors(&output));
     folder.succeed(&["run", "slow.toml", "--resume", "--quiet"]);
     same(&folder, &expected);
 }
@@ -303,7 +298,7 @@ fn a_checkpoint_of_something_else_is_refused_with_the_difference() {
     };
     let other = ["--resume", "--set", "ensemble.seed=7", "--set", "interface.connection=0.3"];
     refused(&other, 2, &["interface.connection = 0.3", "interface.connection = 0.2", "ensemble.seed"]);
-    refused(&["--checkpoint", "10"], 1, &["not finished", "--resume"]);
+    refused(&["--checkpoint", "10"], 1, &["unfinished", "--resume"]);
     // Another version: the header changed, and the checksum with it.
     for path in slots(&folder) {
         let bytes = std::fs::read(&path).unwrap();
@@ -334,5 +329,5 @@ fn only_interfaces_have_checkpoints() {
     }
     folder.write("slow.toml", &SCENARIO.replace("100.0", "1.0").replace("[40.0, 80.0]", "[]"));
     let output = folder.run(&["run", "slow.toml", "--resume"]);
-    assert!(output.status.success() && errors(&output).contains("begins at its start"));
+    assert!(output.status.success() && errors(&output).contains("starts at the beginning"));
 }

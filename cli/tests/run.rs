@@ -116,7 +116,7 @@ fn files_of_the_user_stay_in_a_folder_of_results() {
     assert_eq!(
         errors(&output).trim(),
         format!(
-            "warning: {0}/results/force.csv is not the file that asperity wrote; it is kept as {0}/results/force.csv.kept",
+            "warning: {0}/results/force.csv was not written by asperity, or was changed; it is kept as {0}/results/force.csv.kept",
             folder.path().canonicalize().unwrap().display()
         )
     );

@@ -180,7 +180,7 @@ fn a_run_with_checkpoints_keeps_one_first_also_where_a_signal_comes_twice() {
         let output = ended_by(child, signals);
         assert_eq!(output.status.code(), Some(130), "{signals:?}");
         let said = errors(&output);
-        let told = "interrupted: no results were written; --resume goes on from out/events.checkpoint.";
+        let told = "interrupted: no results were written; --resume continues from out/events.checkpoint.";
         assert!(said.contains(told), "{signals:?}: {said}");
     }
 }
@@ -234,11 +234,10 @@ fn a_run_ends_when_its_time_is_over() {
     let folder = folder();
     let output = folder.run(&["run", "long.toml", "--max-time", "0.3s"]);
     assert_eq!(output.status.code(), Some(130));
-    assert_eq!(errors(&output), "stopped after 0.3 s, as --max-time says: nothing was written\n");
+    assert_eq!(errors(&output), "stopped after 0.3 s (--max-time): nothing was written\n");
     assert_eq!(left(folder.path()), [""; 0]);
     let output = folder.run(&["run", "events.toml", "--max-time", "1s"]);
     assert_eq!(output.status.code(), Some(130));
-    let told =
-        "stopped after 1 s, as --max-time says: no results were written; --resume goes on from out/events.";
+    let told = "stopped after 1 s (--max-time): no results were written; --resume continues from out/events.";
     assert!(errors(&output).starts_with(told), "{}", errors(&output));
 }

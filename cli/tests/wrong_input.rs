@@ -141,7 +141,7 @@ fn a_file_in_another_encoding_is_named_with_the_place() {
             "table.csv",
             b"sample\n1.0\n\0\n".to_vec(),
             "table.toml",
-            "table.csv: byte 0x00 at offset 11 (line 3, byte 1) is no text",
+            "table.csv: byte 0x00 at offset 11 (line 3, byte 1) is not text",
         ),
     ] {
         std::fs::write(folder.path().join(name), bytes).unwrap();
@@ -163,7 +163,7 @@ fn a_file_in_another_encoding_is_named_with_the_place() {
 fn what_has_no_end_is_refused() {
     let folder = Folder::new();
     let message = refused(&["check", "/dev/zero"]);
-    assert!(message.contains("/dev/zero: more than the 256 MiB that are read of a file"), "{message}");
+    assert!(message.contains("/dev/zero: more than 256 MiB, the largest file that is read"), "{message}");
     folder.write("table.toml", "contacts.thresholds.tabulated.file = '/dev/zero'\npull.distance = 1.0\n");
     let output = folder.run(&["check", "table.toml"]);
     assert_eq!(output.status.code(), Some(2));

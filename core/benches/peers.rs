@@ -31,18 +31,18 @@ const EXACT: f64 = 0.297307166;
 
 const HEAD: &str = "\
 <!-- Written by `make peers`: change core/benches/peers.rs instead. -->
-# Next to what one would write in Python
+# Comparison with Python code
 
-The same job by asperity and by a script in Python, in turns in one run of `make peers`, each on one thread but for
-one row: medians of nine turns, or one where it says so, in CPU seconds on the machine that made this page, the
-scripts compiled and warmed up, with the quartiles of the ratio. *Off* is how far their F(5) is from the exact one;
-ours is within 1e-10 by the master equation, and within the noise of the contacts by the ensemble. From break to break
-theirs is one sequential generator, which one thread can draw from, and the mean force, ours a stream for each
-contact, and standard errors. Coupled contacts start from other random stretches there and here; their mean forces at
-the end are within 0.02 of each other, as are those of cells of other random scales. The scripts are in
-`core/benches/peers`.
+Each row is the same computation by asperity (*ours*) and by a Python script (*theirs*), run alternately in one call of
+`make peers`, on one thread except where stated. Times are medians of nine runs, or of one where stated, in CPU time on
+the machine that made this page; the scripts are compiled and warmed up; the range is that of the quartiles of the ratio.
+*Error* is that of their F(5); ours is accurate to 1e-10 for the master equation, and to the statistical error for the
+ensemble. From break to break, theirs uses one sequential random generator on one thread and computes the mean force;
+ours uses a random stream for each contact and also computes standard errors. Coupled contacts start from different
+random stretches in the two programs; their mean forces at the end agree within 0.02, as do those of cells with
+different random scale factors. The scripts are in `core/benches/peers`.
 
-| job | ours, ms | theirs | theirs, ms | off | ratio |
+| computation | ours, ms | theirs | theirs, ms | error | ratio |
 | --- | ---: | --- | ---: | ---: | ---: |";
 
 fn main() {
@@ -100,12 +100,12 @@ fn against_python() {
         ["np.random", "PCG64"].map(|draws| format!("numba, from break to break, {draws}"));
     row(job, &twister, &format!("event_driven.py twister {few}"), || events(few));
     row(job, &generator, &format!("event_driven.py pcg64 {few}"), || events(few));
-    let job = "1 000 000 contacts to X = 100, 2001 points, ours on two threads, by the clock on the wall";
+    let job = "1 000 000 contacts to X = 100, 2001 points, ours on two threads, wall-clock time";
     let script = format!("event_driven.py pcg64 {many}");
     in_turns(job, &generator, &script, Some(EXACT), (2, TURNS), || events(many));
     for share in [0.2, 0.25] {
         let job = format!("128 × 128 identical contacts, coupled, α = {share}, to X = 2");
-        let name = "numba, the lattice looked through for every avalanche";
+        let name = "numba, with a search of the lattice for every avalanche";
         against(&job, name, &format!("lattice.py {share}"), None, || coupled(share));
     }
     for side in [1024, 4096] {

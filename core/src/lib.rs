@@ -35,6 +35,8 @@ pub use error::{Error, Float, Result};
 mod documents {
     #[doc = include_str!("../../README.md")]
     struct Readme;
+    #[doc = include_str!("../../CONTRIBUTING.md")]
+    struct Contributing;
     #[doc = include_str!("../../docs/theory.md")]
     struct Theory;
     #[doc = include_str!("../../docs/laws.md")]

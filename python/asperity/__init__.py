@@ -1,11 +1,11 @@
-"""Friction at the mesoscale: many elastic contacts that stretch, break and re-form.
+"""Friction at the mesoscale: many elastic contacts that stretch, break and re-form (earthquake-like model).
 
     contacts = asperity.Contacts(thresholds=asperity.Gaussian(1.0, 0.05))
     theory = asperity.MasterEquation(contacts, initial=asperity.Gaussian(0.1, 0.025))
     pull = theory.pull(distance=20, points=2001)
     pull.static_friction, pull.kinetic_friction, pull.force
 
-Lengths, forces and densities are in whatever units the description is in: numbers are never converted.
+Lengths, forces and densities are in the units of the description: numbers are never converted.
 """
 
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Laws from what else describes one: frozen distributions of scipy.stats, and samples."""
+"""Distributions of asperity from frozen distributions of scipy.stats and from samples."""
 
 import sys
 from itertools import pairwise
@@ -29,27 +29,27 @@ if TYPE_CHECKING:
 
 EPSILON = sys.float_info.epsilon
 
-# A cell at the start holds this share of a law at most: no peak is missed.
+# At the start a cell contains at most this fraction of a distribution, so that no peak is missed.
 SHARE = 0.125
 
-# Halves of a cell share its mass evenly where a density is finite, nearly so where it jumps; at a pole that
-# a Series cannot follow, one of them has more than this.
+# The halves of a cell have equal masses where a density is finite, and nearly so where it jumps; at a pole
+# that a Series cannot represent, one of them has more than this fraction.
 UNEVEN = 0.55
 
-# A pole is closed in on to this, relative to where it is; what is nearer is a point, unless it is less than
-# FAINT.
+# Bisection towards a pole ends at this relative distance; the mass nearer to it becomes a point, unless it is
+# below FAINT.
 NEAR = 1e-6
 FAINT = 1e-8
 
-# More values of a discrete distribution are not taken one by one.
+# Largest number of values of a discrete distribution.
 MOST = 1000
 
-# A distribution function and its density agree to this.
+# Tolerance for the agreement of a distribution function and its density.
 AGREE = 1e-6
 
 
 class Peak(NamedTuple):
-    """What lies near a pole of a density, on one side of it."""
+    """The mass near a pole of a density, on one side of it."""
 
     low: float
     high: float
@@ -58,18 +58,18 @@ class Peak(NamedTuple):
 
 
 def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
-    """The law that `x` describes: itself, a frozen distribution of scipy.stats, or samples.
+    """The distribution that `x` describes: itself, a frozen distribution of scipy.stats, or samples.
 
-    Of scipy.stats, norm, truncnorm, halfnorm, uniform, gamma, erlang, expon, weibull_min and lognorm become
-    the law of asperity that has the same density, if there is one: cut at 0, if at all. Any other
-    distribution on x >= 0 becomes a Series, right to rounding of its pdf; so does what has the methods pdf,
-    cdf and support of one, such as stats.Mixture and stats.rv_histogram. Where its pdf is infinite at an x
-    above 0, what lies within 1e-6 x of there becomes a Point with the same mass and mean, in a Mixture with
-    the Series. A discrete distribution becomes a Mixture of Points. A list of samples becomes
-    Tabulated(samples=x).
+    The distributions norm, truncnorm, halfnorm, uniform, gamma, erlang, expon, weibull_min and lognorm
+    of scipy.stats become the distribution of asperity with the same density, if there is one (truncated
+    at 0, if at all). Any other distribution on x >= 0 becomes a Series, accurate to rounding of its
+    pdf; so does any object with the methods pdf, cdf and support, such as stats.Mixture and
+    stats.rv_histogram. If the pdf is infinite at an x above 0, the part within 1e-6 x of that point
+    becomes a Point with the same mass and mean, in a Mixture with the Series. A discrete distribution
+    becomes a Mixture of Points. A list of samples becomes Tabulated(samples=x).
 
     Raises ValueError for a distribution with values below 0 or a variance that is not finite, RuntimeError
-    for a pdf that cannot be followed, TypeError for anything else, such as a distribution that is not frozen.
+    for a pdf that cannot be resolved, TypeError for anything else, such as a distribution that is not frozen.
     """
     if isinstance(x, Law):
         return x
@@ -78,7 +78,7 @@ def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
     stats: Any = sys.modules.get("scipy.stats")
     if stats is not None and isinstance(x, stats.distributions.rv_frozen):
         return from_scipy(x)
-    expected = "a law of asperity, a frozen distribution of scipy.stats, or samples"
+    expected = "a distribution of asperity, a frozen distribution of scipy.stats, or samples"
     if stats is not None and isinstance(x, (stats.rv_continuous, stats.rv_discrete)):
         if isinstance(x, stats.rv_histogram):
             return series(x, "rv_histogram")
@@ -89,7 +89,7 @@ def law(x: "Law | rv_frozen | NDArray[np.float64] | Sequence[float]") -> Law:
 
 
 def from_scipy(frozen: Any) -> Law:
-    """The law of the same density as a frozen distribution."""
+    """The distribution of asperity with the same density as a frozen distribution."""
     name = frozen.dist.name or type(frozen.dist).__name__
     try:
         shapes, loc, scale = frozen.dist._parse_args(*frozen.args, **frozen.kwds)
@@ -103,14 +103,14 @@ def from_scipy(frozen: Any) -> Law:
 
 
 def series(distribution: Any, name: str) -> Law:
-    """The law of a density, and of a distribution function that tells where to look for it."""
+    """The distribution of a density; its distribution function locates the mass."""
     with np.errstate(all="ignore"):
         low, high = (float(end) for end in distribution.support())
         share = float(distribution.cdf(0.0)) if low < 0.0 else 0.0
         if not share < EPSILON:
             hint = " (Gaussian cuts it)" if name == "norm" else ""
             raise ValueError(
-                f"law: expected a law on x >= 0, got {name} with a share {share:.3g} below{hint}"
+                f"law: expected a distribution on x >= 0, got {name} with a fraction {share:.3g} below{hint}"
             )
         edges = bulk(distribution, max(low, 0.0), high)
         peaks = poles(distribution, edges)
@@ -124,10 +124,10 @@ def series(distribution: Any, name: str) -> Law:
 
 
 def poles(distribution: Any, edges: list[float]) -> list[Peak]:
-    """What lies near the poles of a density: each cell halved towards where there is more of it.
+    """The masses near the poles of a density: each cell is bisected towards the half with more mass.
 
-    Where p ~ |x - pole|^(e - 1) the near half has 2^-e of the mass, and the mean is e / (1 + e) of the way
-    from the pole.
+    Where p ~ |x - pole|^(e - 1) the near half has 2^-e of the mass, and the mean is at e / (1 + e) of the
+    distance from the pole.
     """
     found = []
     for low, high in pairwise(edges):
@@ -162,13 +162,15 @@ def mixed(distribution: Any, edges: list[float], peaks: list[Peak]) -> Law:
 
 
 def points(distribution: Any, name: str) -> Mixture:
-    """The law of a probability mass function: points, all but a share that no result shows."""
+    """The distribution of a probability mass function: points, except a negligible fraction."""
     low, high = (float(end) for end in distribution.support())
     if low < 0.0:
-        raise ValueError(f"law: expected a law on x >= 0, got {name}, which begins at {low:g}")
+        raise ValueError(f"law: expected a distribution on x >= 0, got {name}, which begins at {low:g}")
     last = min(high, float(distribution.isf(EPSILON)))
     if not last - low < MOST:
-        raise ValueError(f"law: expected at most {MOST} values of a discrete law, got {last - low + 1:g}")
+        raise ValueError(
+            f"law: expected at most {MOST} values of a discrete distribution, got {last - low + 1:g}"
+        )
     values = np.arange(low, last + 1.0)
     weights = distribution.pmf(values)
     felt = weights > EPSILON
@@ -177,7 +179,7 @@ def points(distribution: Any, name: str) -> Mixture:
 
 
 def bulk(distribution: Any, low: float, high: float) -> list[float]:
-    """Edges of cells from `low` up to `high`, or where a tail without end begins."""
+    """Edges of cells from `low` up to `high`, or to where an infinite tail begins."""
     if high < inf:
         end = high
     else:
@@ -199,7 +201,7 @@ def bulk(distribution: Any, low: float, high: float) -> list[float]:
 
 
 def counterpart(name: str, shapes: list[float], loc: float, scale: float) -> Law | None:
-    """The law of a family that scipy.stats calls `name`, or None."""
+    """The distribution of asperity for the family that scipy.stats calls `name`, or None."""
     match name, shapes:
         case "norm", [] if normal_below(loc, scale) < EPSILON:
             return Gaussian(loc, scale)
@@ -222,5 +224,5 @@ def counterpart(name: str, shapes: list[float], loc: float, scale: float) -> Law
 
 
 def normal_below(mean: float, std: float) -> float:
-    """The share of a Gaussian below 0."""
+    """The probability of a Gaussian distribution below 0."""
     return 0.5 * erfc(mean / (std * sqrt(2.0)))

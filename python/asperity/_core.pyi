@@ -36,11 +36,13 @@ _Progress: TypeAlias = Callable[[float], object] | bool | None
 
 @disjoint_base
 class Description:
-    """A description in plain values: immutable, equal to those of equal values, printed as the Python that makes it anew."""
+    """A description in plain values: immutable, comparable and hashable by its values, and printed as the Python
+    code that creates it.
+    """
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """The arguments that make it anew, by name; those that have their default are left out."""
+        """The arguments that create an equal object, by name, without those that have their default."""
 
     def replace(self, **changes: Any) -> Self:
         """A copy with some of the arguments replaced.
@@ -57,12 +59,13 @@ class Description:
 
 @disjoint_base
 class Law(Description):
-    """A probability law on x ≥ 0: a density, and perhaps point masses.
+    """A probability distribution on x ≥ 0: a density, and possibly point masses.
 
-    Methods have the names they have in scipy.stats. They take a number and return a float, or take anything that NumPy
-    makes an array of numbers of, and return an array of the same shape. Lengths are in the unit of the parameters.
-    A law that would have mass below 0 is cut there and renormalised: its parameters are those before the cut, its
-    mean() and std() those after it. NaN is refused with ValueError, what is not a number with TypeError.
+    Methods have the names of scipy.stats. They take a number and return a float, or take anything that NumPy
+    converts to an array of numbers and return an array of the same shape. Lengths are in the unit of the
+    parameters. A distribution with weight below 0 is truncated at 0 and renormalised: its parameters are those
+    before truncation, its mean() and std() those after it. NaN raises ValueError; a value that is not a number
+    raises TypeError.
     """
 
     @property
@@ -77,25 +80,25 @@ class Law(Description):
     def pdf(self, x: ArrayLike) -> _Array: ...
     @overload
     def cdf(self, x: float) -> float:
-        """P(ξ ≤ x), with all its digits where it is small."""
+        """The cumulative distribution function P(ξ ≤ x), accurate to all digits also where it is small."""
 
     @overload
     def cdf(self, x: ArrayLike) -> _Array: ...
     @overload
     def sf(self, x: float) -> float:
-        """The survival S(x) = P(ξ > x), with all its digits where it is small."""
+        """The survival S(x) = P(ξ > x), accurate to all digits also where it is small."""
 
     @overload
     def sf(self, x: ArrayLike) -> _Array: ...
     @overload
     def logsf(self, x: float) -> float:
-        """ln S(x), right where S itself is too small for a number; -inf where it is 0."""
+        """ln S(x), accurate also where S underflows; -inf where S is 0."""
 
     @overload
     def logsf(self, x: ArrayLike) -> _Array: ...
     @overload
     def hazard(self, x: float) -> float:
-        """The hazard p(x)/S(x), per length: of contacts of stretch x, the share that breaks per length of advance
+        """The hazard p(x)/S(x), per length: the fraction of contacts of stretch x that break per unit displacement
         (Braun and Peyrard 2008, the P(x) of Eq. 3); inf where S is 0.
         """
 
@@ -109,84 +112,88 @@ class Law(Description):
     def ppf(self, q: ArrayLike) -> _Array: ...
     @overload
     def isf(self, q: float) -> float:
-        """The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; right for tiny q, where ppf(1 - q) is not."""
+        """The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; accurate for tiny q, for which ppf(1 -
+        q) is not.
+        """
 
     @overload
     def isf(self, q: ArrayLike) -> _Array: ...
     @overload
     def rvs(self, size: None = None, *, seed: _Seed) -> float:
-        """Independent draws: a float for size None, an array of shape (size,) or size otherwise.
+        """Independent random numbers: a float for size None, otherwise an array of shape (size,) or size.
 
-        The seed is a whole number below 2^63, for which the numbers are always the same, or a numpy.random.Generator,
+        The seed is a whole number below 2^63, which always gives the same numbers, or a numpy.random.Generator,
         from which one such number is drawn.
         """
 
     @overload
     def rvs(self, size: SupportsIndex | Sequence[SupportsIndex], *, seed: _Seed) -> _Array: ...
     def mean(self) -> float:
-        """The mean of the law after the cut at 0, a length."""
+        """The mean after truncation at 0, a length."""
 
     def std(self) -> float:
-        """The standard deviation of the law after the cut at 0, a length."""
+        """The standard deviation after truncation at 0, a length."""
 
     def moment(self, order: SupportsIndex) -> float:
-        """The raw moment E[ξⁿ] of the law after the cut at 0, n up to 29, in units of lengthⁿ."""
+        """The raw moment E[ξⁿ] after truncation at 0, n up to 29, in units of lengthⁿ."""
 
     def support(self) -> tuple[float, float]:
         """The lowest and the highest value; the highest may be inf."""
 
 @final
 class Gaussian(Law):
-    """The bell curve, cut at 0.
+    """The Gaussian (normal) distribution, truncated at 0.
 
-    mean: the mean before the cut, 0 or above. std: the standard deviation before the cut, above 0.
+    mean: the mean before truncation, 0 or above. std: the standard deviation before truncation, above 0.
     """
 
     def __new__(cls, mean: _Number, std: _Number) -> Self: ...
 
 @final
 class Gamma(Law):
-    """The gamma law of the given mean and standard deviation, both above 0."""
+    """The gamma distribution of the given mean and standard deviation, both above 0."""
 
     def __new__(cls, mean: _Number, std: _Number) -> Self: ...
 
 @final
 class Lognormal(Law):
-    """A law whose logarithm is Gaussian, of the given mean and standard deviation (its own), both above 0."""
+    """The lognormal distribution of the given mean and standard deviation (of the variable itself, not of its
+    logarithm), both above 0.
+    """
 
     def __new__(cls, mean: _Number, std: _Number) -> Self: ...
 
 @final
 class Rectangular(Law):
-    """The same density everywhere from min, 0 or above, to max, above min."""
+    """The uniform distribution from min, 0 or above, to max, above min."""
 
     def __new__(cls, min: _Number, max: _Number) -> Self: ...
 
 @final
 class Point(Law):
-    """One value only, 0 or above."""
+    """A point mass (delta distribution) at one value, 0 or above."""
 
     def __new__(cls, at: _Number) -> Self: ...
 
 @final
 class Exponential(Law):
-    """The exponential law of the given mean, above 0."""
+    """The exponential distribution of the given mean, above 0."""
 
     def __new__(cls, mean: _Number) -> Self: ...
 
 @final
 class Weibull(Law):
-    """The Weibull law: survival exp(-(x/scale)**shape), both above 0."""
+    """The Weibull distribution, with the survival exp(-(x/scale)**shape); shape and scale are above 0."""
 
     def __new__(cls, shape: _Number, scale: _Number) -> Self: ...
 
 @final
 class Tabulated(Law):
-    """A measured law: a density given at rising stretches, or samples.
+    """A measured distribution: a density given at increasing stretches, or samples.
 
-    stretch, density: lists of equal length, the density linear between them, 0 outside, and normalised.
-    samples: a list of values, each as likely; the quantiles are linear between them (numpy.quantile's).
-    Either the two or the one are to be given.
+    stretch, density: lists of equal length; the density is linear between them, 0 outside, and normalised.
+    samples: a list of equally likely values; quantiles are linear between them (as in numpy.quantile).
+    Give either stretch and density, or samples.
     """
 
     def __new__(
@@ -199,13 +206,15 @@ class Tabulated(Law):
 
 @final
 class Series(Law):
-    """A density that is a polynomial on each of some cells, as Legendre series, normalised.
+    """A density that is a polynomial in each of several cells, given as Legendre series and normalised.
 
-    boundaries: those of the cells, rising from 0 or above. coefficients: for each cell a list of up to 16, c_0 first, of
-    the density Σ c_n P_n(t), t from -1 to 1 across the cell. cut: the share of a tail without end that was cut off at
-    the last boundary; what hangs on it, such as the relaxation length, is then not told.
+    boundaries: the boundaries of the cells, in increasing order from 0 or above.
+    coefficients: for each cell a list of up to 16 coefficients c_n, c_0 first, of the density Σ c_n P_n(t),
+    with t from -1 to 1 across the cell.
+    cut: the probability of an infinite tail that was truncated at the last boundary; quantities that depend on
+    this tail, such as the relaxation length, are then nan.
 
-    asperity.law makes one of any distribution of scipy.stats.
+    asperity.law makes a Series from any distribution of scipy.stats.
     """
 
     def __new__(
@@ -214,48 +223,53 @@ class Series(Law):
 
 @final
 class Mixture(Law):
-    """A weighted sum of laws: a list of pairs (weight, law), weights above 0 that sum to 1."""
+    """A mixture: a list of pairs (weight, distribution), with weights above 0 that sum to 1."""
 
     def __new__(cls, components: Sequence[tuple[_Number, _AnyLaw]]) -> Self: ...
 
 @final
 class Renormalised(Law):
-    """Thresholds as the drive sees them where every break stretches all other contacts, relaxed at first: of lower mean
-    and narrower than law, that of the thresholds, which must have no point mass above 0.
+    """The distribution of thresholds, renormalised in mean field: every break stretches all other contacts, so
+    that contacts break at lower drives. Its mean is lower and it is narrower than law.
 
-    coupling: κ, the share of its stretch that a contact that breaks passes on to all others together, from 0 to below
-    critical_coupling(law). All that has broken by the time that the unbroken are stretched by x has passed on
-    κ∫ξ P_c(ξ)dξ, so that the drive has stretched them by X = x - κ∫ξ P_c(ξ)dξ, and P_eff(X) = P_c(x)/(1 - κ x P_c(x)).
+    law: the distribution P_c of the thresholds, without point masses above 0.
+    coupling: κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to
+    below critical_coupling(law). Contacts start at stretch 0. When the unbroken contacts have the stretch x,
+    breaks have contributed κ∫ξ P_c(ξ)dξ to it, and the drive X = x - κ∫ξ P_c(ξ)dξ, so that P_eff(X) = P_c(x)/(1
+    - κ x P_c(x)).
     """
 
     def __new__(cls, law: _AnyLaw, coupling: _Number) -> Self: ...
 
 def critical_coupling(law: _AnyLaw) -> float:
-    """κ_c = 1/max(x P_c(x)), the coupling at which contacts with thresholds of this law break in one avalanche; 0 where some
-    are identical.
+    """κ_c = 1/max(x P_c(x)), the coupling at which contacts with this distribution of thresholds break in one
+    avalanche; 0 if some thresholds are identical.
 
-    For a slider of stiffness K over contacts of total stiffness N⟨k⟩ the coupling is κ = N⟨k⟩/(K + N⟨k⟩), and critical
-    where K is the critical stiffness, for narrow laws.
+    For a slider of stiffness K over contacts of total stiffness N⟨k⟩ the coupling is κ = N⟨k⟩/(K + N⟨k⟩). For
+    narrow distributions it is critical when K is the critical stiffness.
     """
 
 @final
 class Areas(Description):
-    """Contacts described by their areas A: of stiffness k = modulus √A, they break at the force strength × A.
+    """Contacts described by their areas A: a contact has the stiffness k = modulus √A and breaks at the force
+    strength × A.
 
-    So a contact breaks at the stretch x_s = (strength/modulus) √A, and k = κ x_s with κ = modulus²/strength.
+    Its threshold is thus x_s = (strength/modulus) √A, and k = κ x_s with κ = modulus²/strength.
 
-    law: the law of areas, in units of length². modulus: stiffness per root of area, force per length² (ρc² in Braun and
-    Peyrard 2008), above 0. strength: force per area at which a contact breaks, above 0.
+    law: the distribution of areas, in units of length².
+    modulus: stiffness divided by the square root of the area, force per length² (ρc² in Braun and Peyrard
+    2008), above 0.
+    strength: force per area at which a contact breaks, above 0.
     """
 
     def __new__(cls, law: _AnyLaw, modulus: _Number, strength: _Number) -> Self: ...
     @property
     def law(self) -> Law:
-        """The law of areas, in units of length²."""
+        """The distribution of areas, in units of length²."""
 
     @property
     def modulus(self) -> float:
-        """The stiffness per root of area, force per length²."""
+        """The stiffness divided by the square root of the area, force per length²."""
 
     @property
     def strength(self) -> float:
@@ -263,13 +277,14 @@ class Areas(Description):
 
 @final
 class Temperature(Description):
-    """Heat: contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
+    """Thermally activated breaking (Kramers): contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
 
-    energy: the temperature T in units of energy (force × length), above 0. attempt_rate: ω, per time, above 0.
-    barrier: ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²); "bell",
-    E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
+    energy: the temperature T in units of energy (force × length), above 0.
+    attempt_rate: the attempt rate ω, per time, above 0.
+    barrier: ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²);
+    "bell", E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
 
-    Values are checked when contacts are made of it.
+    Values are checked when contacts are made with it.
     """
 
     def __new__(
@@ -281,43 +296,52 @@ class Temperature(Description):
     ) -> Self: ...
 
 class Ageing(Description):
-    """Ageing: thresholds that change with the time a contact has held; Smoluchowski, FrozenRank, Logarithmic or MeanField."""
+    """Ageing: thresholds that change with the age of a contact. Its models are Smoluchowski, FrozenRank,
+    Logarithmic and MeanField.
+    """
 
     ...
 
 @final
 class Smoluchowski(Ageing):
-    """Thresholds diffuse in the potential U = −ln P_cf towards the mature law, each for itself.
+    """Thresholds diffuse independently in the potential U = −ln P_cf towards the mature distribution
+    (Fokker–Planck equation).
 
-    mature: the law P_cf of thresholds that never break. diffusion: D, stretch² per time, above 0.
+    mature: the distribution P_cf of the thresholds of contacts that never break.
+    diffusion: the diffusion coefficient D, stretch² per time, above 0.
     """
 
     def __new__(cls, mature: _AnyLaw, diffusion: _Number) -> Self: ...
 
 @final
 class MeanField(Ageing):
-    """The law of thresholds in steady sliding, by the closed equations for it and the stretches: no rule for one contact.
+    """The distribution of thresholds in steady sliding, from a mean-field closure of the equations for thresholds
+    and stretches. It is not a rule for a single contact.
 
-    mature: the law P_cf. diffusion: D, stretch² per time, above 0. Not with temperature, an ensemble, or a velocity that
-    varies.
+    mature: the mature distribution P_cf.
+    diffusion: the diffusion coefficient D, stretch² per time, above 0.
+
+    It cannot be combined with temperature, an ensemble, or a varying velocity.
     """
 
     def __new__(cls, mature: _AnyLaw, diffusion: _Number) -> Self: ...
 
 @final
 class FrozenRank(Ageing):
-    """The law of thresholds matures, and every contact keeps its quantile in it.
+    """The distribution of thresholds matures, and every contact keeps its rank (quantile) in it.
 
-    mature: the law P_cf. time: the time in which it matures, above 0.
+    mature: the mature distribution P_cf.
+    time: the time scale of maturing, above 0.
     """
 
     def __new__(cls, mature: _AnyLaw, time: _Number) -> Self: ...
 
 @final
 class Logarithmic(Ageing):
-    """Every threshold grows by the same fraction for each factor in age t: h = h_0 [1 + growth ln(1 + t/time)].
+    """Every threshold grows with the logarithm of the age t of the contact: h = h_0 [1 + growth ln(1 + t/time)].
 
-    growth: β, 0 or above. time: τ_0, above 0.
+    growth: β, 0 or above.
+    time: τ_0, above 0.
     """
 
     def __new__(cls, growth: _Number, time: _Number) -> Self: ...
@@ -326,17 +350,22 @@ class Logarithmic(Ageing):
 class Contacts(Description):
     """The contacts of an interface: when they break, how stiff they are, how they re-form.
 
-    thresholds: the law P_c of stretches at which contacts break; or areas, from which thresholds and stiffnesses follow.
-    reforming: the law R of stretches at which they re-form, all at 0 by default.
-    count: the number N_c of contacts, above 0; 1 gives forces per contact.
-    stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ of
-    stiffnesses k = κ x_s that grow with the threshold.
-    normal_load: the weight carried, a force; with it, results of scenarios have friction coefficients.
-    temperature: heat that breaks contacts below their thresholds. ageing: how thresholds change with the age of a contact,
-    thresholds being the law of the newborn. delay: how long a broken contact is free before it re-forms, 0 by default.
-    Contacts with any of these are time-dependent: what is asked of them needs a velocity.
+    thresholds: the distribution P_c of the stretches at which contacts break; or areas, from which thresholds
+    and stiffnesses follow.
+    reforming: the distribution R of the stretches at which they re-form, by default all at 0.
+    count: the number N_c of contacts, above 0; with 1, forces are per contact.
+    stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ
+    of stiffnesses k = κ x_s that are proportional to the threshold.
+    normal_load: the normal load, a force; with it, results of scenarios have friction coefficients.
+    temperature: thermally activated breaking below the thresholds.
+    ageing: change of the thresholds with the age of a contact; thresholds is then the distribution of fresh
+    contacts.
+    delay: time for which a broken contact is detached before it re-forms, 0 by default.
 
-    Laws may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
+    Contacts with temperature, ageing or delay are time-dependent: their friction depends on the velocity, which
+    must be given.
+
+    Distributions may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
     """
 
     def __new__(
@@ -355,27 +384,27 @@ class Contacts(Description):
     ) -> Self: ...
     @property
     def thresholds(self) -> Law | None:
-        """The law P_c of stretches at which contacts break; None for contacts described by their areas."""
+        """The distribution P_c of the stretches at which contacts break; None for contacts described by their areas."""
 
     @property
     def reforming(self) -> Law:
-        """The law R of stretches at which contacts re-form."""
+        """The distribution R of the stretches at which contacts re-form."""
 
     @property
     def areas(self) -> Areas | None:
-        """The areas from which thresholds and stiffnesses follow, if they do."""
+        """The areas from which thresholds and stiffnesses follow, or None."""
 
     @property
     def temperature(self) -> Temperature | None:
-        """The heat that breaks contacts below their thresholds, if there is any."""
+        """The temperature of thermally activated breaking, or None."""
 
     @property
     def ageing(self) -> Ageing | None:
-        """How thresholds change with the age of a contact, if they do."""
+        """The model of ageing, or None."""
 
     @property
     def delay(self) -> float:
-        """How long a broken contact is free before it re-forms."""
+        """The time for which a broken contact is detached before it re-forms."""
 
     @property
     def count(self) -> float:
@@ -383,10 +412,10 @@ class Contacts(Description):
 
     @property
     def normal_load(self) -> float | None:
-        """The weight carried, a force, if it is known."""
+        """The normal load, a force, or None."""
 
 class Model(Description):
-    """Contacts and how they start, to be pulled."""
+    """Contacts and their initial state."""
 
     @property
     def contacts(self) -> Contacts:
@@ -394,28 +423,31 @@ class Model(Description):
 
     @property
     def initial(self) -> Law:
-        """The law Q_ini of stretches at X = 0."""
+        """The distribution Q_ini of stretches at X = 0."""
 
     @property
     def start(self) -> Literal["conditional", "relaxed"]:
-        """ "conditional" or "relaxed"."""
+        """The kind of the initial state, "conditional" or "relaxed"."""
 
 @final
 class MasterEquation(Model):
-    """The master equation of contacts and their start.
+    """The master equation of contacts and their initial state.
 
-    ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ for the density Q(x; X) of stretches x, with the hazard P of the
-    thresholds and the law R of re-formed stretches (O. M. Braun and M. Peyrard, Phys. Rev. Lett. 100, 125501 (2008),
-    Eq. 5), solved in renewal form.
+    ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ for the distribution Q(x; X) of stretches x, with the hazard
+    P of the thresholds and the distribution R of re-formed stretches (O. M. Braun and M. Peyrard, Phys. Rev.
+    Lett. 100, 125501 (2008), Eq. 5), solved as a renewal equation.
 
-    contacts: the contacts. initial: the law Q_ini of stretches at X = 0, all at 0 by default.
-    start: "conditional" where contacts hold at X = 0, so that thresholds lie above stretches; "relaxed" where stretches
-    and thresholds are independent, so that what is above its threshold breaks at once.
-    velocity: the velocity of the slider, above 0; needed only where contacts are time-dependent, which at X = 0 have age 0.
-    tolerance: error allowed in the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger error raises
-    RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` tells what is reached.
+    contacts: the contacts.
+    initial: the distribution Q_ini of stretches at X = 0, by default all at 0.
+    start: "conditional" if contacts hold at X = 0, so that thresholds are above stretches; "relaxed" if
+    stretches and thresholds are independent, so that contacts above their threshold break at once.
+    velocity: the velocity of the slider, above 0; required only for time-dependent contacts, which have age 0
+    at X = 0.
+    tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger
+    error raises RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` is the estimated error.
 
-    Raises ValueError for stretches at which no contact survives, and for laws too narrow to be told from a point.
+    Raises ValueError for stretches at which no contact survives, and for distributions too narrow to be
+    distinguished from a point mass.
     """
 
     def __new__(
@@ -429,23 +461,25 @@ class MasterEquation(Model):
     ) -> Self: ...
     @property
     def velocity(self) -> float | None:
-        """The velocity of the slider, if it has one."""
+        """The velocity of the slider, or None."""
 
     @property
     def tolerance(self) -> float | None:
-        """Error allowed in the force per contact and per ⟨k⟩ × mean threshold; None where 1e-10 is aimed at."""
+        """The allowed error of the force per contact and per ⟨k⟩ × mean threshold; None for the default aim of 1e-10."""
 
     def pull(
         self, distance: _Number = 20.0, points: SupportsIndex = 2001, *, progress: _Progress = None
     ) -> Pull:
-        """Pulls the slider's bottom from X = 0 to distance.
+        """Displaces the slider's base from X = 0 to distance.
 
-        distance: a length above 0. points: the number of positions of `position`, `force` and `breaking_rate`, evenly
-        spaced, both ends included; 2 or more. progress: a function that is called with the fraction done now and then,
-        or True for a bar (by tqdm). Ctrl-C stops it.
+        distance: a length above 0.
+        points: the number of positions of `position`, `force` and `breaking_rate`, evenly spaced, including both
+        ends; 2 or more.
+        progress: a function that is called from time to time with the completed fraction, or True for a progress
+        bar (by tqdm). Ctrl-C interrupts the computation.
 
-        Raises ValueError for values that make no sense, MemoryError for too many point masses or samples, RuntimeError where
-        the tolerance is not reached.
+        Raises ValueError for invalid values, MemoryError for too many point masses or samples, RuntimeError if the
+        tolerance is not reached.
         """
 
     def steady_state(self) -> SteadyState:
@@ -456,14 +490,16 @@ class MasterEquation(Model):
 
 @final
 class Ensemble(Model):
-    """Contacts drawn at random and followed one by one: the earthquake-like model.
+    """Random contacts followed one by one (Monte Carlo): the earthquake-like model.
 
-    contacts, initial, start: as for MasterEquation. size: the number of contacts followed; forces are scaled to the
-    count of the contacts. seed: a whole number below 2^63, for which the numbers are always the same, on any number of
-    threads, or a numpy.random.Generator, from which one such number is drawn. disorder: "annealed" where a contact that
-    re-forms gets a new threshold, as the master equation has it; "quenched" where it keeps its own.
+    contacts, initial, start: as for MasterEquation.
+    size: the number of simulated contacts; forces are scaled to the count of the contacts.
+    seed: a whole number below 2^63, which always gives the same numbers, on any number of threads, or a
+    numpy.random.Generator, from which one such number is drawn.
+    disorder: "annealed" if a contact that re-forms gets a new threshold, as in the master equation; "quenched"
+    if it keeps its own.
 
-    Raises ValueError for laws that leave a contact nowhere to be.
+    Raises ValueError for distributions that leave no possible stretch for a contact.
     """
 
     def __new__(
@@ -478,7 +514,7 @@ class Ensemble(Model):
     ) -> Self: ...
     @property
     def size(self) -> int:
-        """The number of contacts followed."""
+        """The number of simulated contacts."""
 
     @property
     def seed(self) -> int:
@@ -486,7 +522,7 @@ class Ensemble(Model):
 
     @property
     def disorder(self) -> Literal["annealed", "quenched"]:
-        """ "annealed" or "quenched"."""
+        """The kind of disorder, "annealed" or "quenched"."""
 
     def pull(
         self,
@@ -498,33 +534,35 @@ class Ensemble(Model):
         edges: ArrayLike | None = None,
         progress: _Progress = None,
     ) -> EnsemblePull:
-        """Pulls the slider's bottom from X = 0 to distance, from break to break.
+        """Displaces the slider's base from X = 0 to distance, from break to break.
 
-        distance, points, progress: as for MasterEquation.pull. velocity: the velocity of the slider, above 0; needed only
-        where contacts are time-dependent. snapshots: a list of m positions, rising, at which the
-        stretches are counted. edges: a list of edges of the n bins to count them in, rising; by default even bins up to
-        where hardly any contact holds. Ctrl-C stops it.
+        distance, points, progress: as for MasterEquation.pull.
+        velocity: the velocity of the slider, above 0; required only for time-dependent contacts.
+        snapshots: a list of m positions, in increasing order, at which the stretches are counted.
+        edges: a list of edges of the n bins of these counts, in increasing order; by default bins of equal width up
+        to where hardly any contact holds. Ctrl-C interrupts the computation.
 
-        Raises ValueError for values that make no sense, MemoryError for results that do not fit.
+        Raises ValueError for invalid values, MemoryError for results that do not fit.
         """
 
     def follow(self, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
-        """Follows the contacts from t = 0 through steps one after the other.
+        """Follows the contacts from t = 0 through the steps, one after the other.
 
-        steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+        steps: a list of Step.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Returns a Record of variables of shape (n,), n being the points of all steps, shared where steps meet: `time`,
-        `position`, `force`, its standard error `force_error`, and `free`, the fraction that is broken and has not yet
-        re-formed.
+        Returns a Record of variables of shape (n,), with n output points of all steps (steps share the point where
+        they meet): `time`, `position`, `force`, its standard error `force_error`, and `free`, the detached
+        fraction: contacts that are broken and have not yet re-formed.
 
-        Raises ValueError for no steps, and for ageing by MeanField, which is no rule for one contact.
+        Raises ValueError for no steps, and for ageing by MeanField, which is not a rule for a single contact.
         """
 
 @final
 class Damped(Description):
     """The slip of a slider without mass against a viscous damping, γẊ = K(X_T - X) - F.
 
-    Over contacts without time, at fixed X_T, it ends where "overdamped" does.
+    Over time-independent contacts, at fixed X_T, it ends where "overdamped" does.
 
     damping: the viscous damping γ, force per velocity, above 0.
     """
@@ -536,11 +574,13 @@ class Damped(Description):
 
 @final
 class Inertial(Description):
-    """The slip of a slider by its inertia, MẌ = K(X_T - X) - F - γẊ, from the loss of balance to the first arrest.
+    """The slip of a slider with mass, MẌ = K(X_T - X) - F - γẊ, from the loss of stability to the first arrest.
 
-    X_T is held meanwhile; what is left of the swing then dies, and the slider comes to rest in balance.
+    X_T is fixed during the slip. The remaining oscillation is then damped out, and the slider comes to rest in
+    equilibrium.
 
-    mass: the mass M, above 0. damping: the viscous damping γ, force per velocity, 0 or above.
+    mass: the mass M, above 0.
+    damping: the viscous damping γ, force per velocity, 0 or above.
     """
 
     def __new__(cls, mass: _Number, damping: _Number = 0.0) -> Self: ...
@@ -554,19 +594,23 @@ class Inertial(Description):
 
 @final
 class Block(Description):
-    """A slider block: its top is driven, its bottom is held by contacts, and its shear stiffness K joins them.
+    """A slider block: its top (the load point, at X_T) is driven, its base (at X) is held by contacts, and its
+    shear stiffness K connects them.
 
-    K(X_T - X) = F(X). Where F falls more steeply than the force of the spring, F' < -K, the slider loses its balance and
-    slips at fixed X_T (Braun and Peyrard 2008).
+    K(X_T - X) = F(X). Where F decreases more steeply than the spring force, F' < -K, the slider becomes
+    unstable and slips at fixed X_T (Braun and Peyrard 2008).
 
-    model: the contacts, a MasterEquation or an Ensemble, or, to be moved in time, a Transport or an Ensemble. stiffness: the stiffness K, force per length, above 0; None or
-    inf for a rigid slider, which never loses its balance. slip: what happens in a slip:
-    "reset" where all contacts break and re-form, and the spring is relaxed; "overdamped" where the slider moves to the
-    next balance, contacts breaking and re-forming on the way; "arrest" where contacts that break stay free until it has
-    stopped; Damped where it moves against a viscous damping; Inertial where it moves by its mass. slip_fraction: the
-    share of the contacts of an ensemble that must break at one drive for an event to count as a slip, above 0, up to 1.
+    model: the contacts: a MasterEquation or an Ensemble, or, for motion in time, a Transport or an Ensemble.
+    stiffness: the stiffness K, force per length, above 0; None or inf for a rigid slider, which is always
+    stable.
+    slip: the slip rule: "reset" if all contacts break and re-form, and the spring is relaxed; "overdamped" if
+    the slider moves to the next equilibrium while contacts break and re-form; "arrest" if contacts that break
+    stay detached until it has stopped; Damped for motion against a viscous damping; Inertial for motion with
+    mass.
+    slip_fraction: an event is a slip if more than this fraction of the contacts of an ensemble break at one
+    drive, above 0, up to 1.
 
-    Raises ValueError for values that make no sense, a damping with which a slip would take forever among them.
+    Raises ValueError for invalid values, including a damping with which a slip would never end.
     """
 
     def __new__(
@@ -591,20 +635,22 @@ class Block(Description):
 
     @property
     def slip_fraction(self) -> float:
-        """The share of the contacts of an ensemble that must break at one drive for an event to count as a slip."""
+        """An event is a slip if more than this fraction of the contacts of an ensemble break at one drive."""
 
     def stability(self, velocity: _Number, *, progress: _Progress = None) -> Stability:
-        """Whether steady sliding at a velocity is stable for small deviations, with the stiffness, mass and damping of this
-        slider: by the linear response of the contacts of its Transport to a small step.
+        """Linear stability of steady sliding at a velocity, with the stiffness, mass and damping of this slider, from
+        the linear response of the contacts of its Transport to a small displacement step.
 
-        velocity: the velocity of the top, above 0. progress: as for MasterEquation.pull. Ctrl-C stops it.
+        velocity: the velocity of the load point, above 0.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Returns a Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the oscillation
-        that sets in there, and the `growth_rate` and `growth_frequency` of the deviation that grows fastest, 0 where it is
-        stable. The critical stiffness is right to some 1e-3 of the stiffness of all contacts.
+        Returns a Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the
+        oscillation that sets in there, and the `growth_rate` and `growth_frequency` of the fastest growing
+        deviation, 0 where sliding is stable. The critical stiffness is accurate to some 1e-3 of the stiffness of
+        all contacts.
 
-        Raises ValueError for a rigid slider, one that slips by a word, contacts that are no Transport, and a velocity that is
-        not above 0.
+        Raises ValueError for a rigid slider, for the slip rules "reset", "overdamped" and "arrest", for a model
+        that is not a Transport, and for a velocity that is not above 0.
         """
 
     def drive(
@@ -617,53 +663,63 @@ class Block(Description):
         force_to: _Number | None = None,
         progress: _Progress = None,
     ) -> StickSlip:
-        """Moves the top of the slider from X_T = 0, or imposes a force, and follows its bottom.
+        """Moves the load point of the slider from X_T = 0, or imposes a force, and computes the motion of its base.
 
-        distance: how far it is moved, a length above 0; 20 if nothing else is said. turning_points: positions X_T to
-        which it is moved one after the other, back and forth, instead. force_to: the force, above 0, up to which a slider
-        of infinite stiffness is pulled whatever its position, instead. points: the number of points of the trace, evenly
-        spaced along the drive, both ends included; 2 or more; turning points, and points before and after every slip,
-        come on top. velocity: the velocity of the top, above 0, with which the slider is moved in time as by follow; needed
-        over a Transport, and over time-dependent contacts. progress: as for MasterEquation.pull. Ctrl-C stops it.
+        distance: the load-point displacement, a length above 0; 20 by default.
+        turning_points: instead, successive positions X_T of the load point, for driving back and forth.
+        force_to: instead, an imposed force, above 0, up to which a slider of infinite stiffness is pulled, whatever
+        its position.
+        points: the number of points of the trace, evenly spaced along the drive, including both ends; 2 or more;
+        turning points, and points before and after every slip, are added.
+        velocity: the velocity of the load point, above 0, for motion in time as by follow; required over a
+        Transport, and over time-dependent contacts.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Raises ValueError for values that make no sense, MemoryError for results that do not fit or too many point masses,
-        RuntimeError where the tolerance is not reached.
+        Raises ValueError for invalid values, MemoryError for results that do not fit or too many point masses,
+        RuntimeError if the tolerance is not reached.
         """
 
     def follow(self, steps: Sequence[Step], *, progress: _Progress = None) -> StickSlip:
-        """Moves the top of the slider from balance at t = 0 through steps one after the other, and follows its bottom in time:
-        MẌ = K(X_T - X) - F - γẊ.
+        """Moves the load point of the slider from equilibrium at t = 0 through the steps, one after the other, and
+        integrates the motion of its base: MẌ = K(X_T - X) - F - γẊ.
 
-        The slip must be Damped or Inertial, as something must limit how fast a slip is. A slip is where the bottom is ten times
-        as fast as the top, and over an ensemble breaks the share slip_fraction of the contacts.
+        The slip rule must be Damped or Inertial, because something must limit the slip velocity. A slip is the
+        interval in which the base is more than ten times as fast as the load point; over an ensemble it also breaks
+        more than the fraction slip_fraction of the contacts.
 
-        steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+        steps: a list of Step.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Raises ValueError for no steps, another slip, a rigid slider, or a MasterEquation, which has one velocity.
+        Raises ValueError for no steps, another slip rule, a rigid slider, or a MasterEquation, which has one
+        velocity.
         """
 
     def equilibrium(self, distance: _Number | None = None, points: SupportsIndex = 2001) -> Equilibria:
-        """The equilibria X_T(X) = X + F(X)/K of the first loading, before anything slips: drive, position, force, and whether
+        """The equilibria X_T(X) = X + F(X)/K of the first loading, without slips: drive, position, force, and whether
         the slider is stable there, F' + K > 0.
 
-        distance: how far the bottom is moved, a length above 0; by default 5 mean thresholds. points: the number of
-        positions, evenly spaced, both ends included; 2 or more; where the force jumps, its two sides come on top.
+        distance: the displacement of the base, a length above 0; by default 5 mean thresholds.
+        points: the number of positions, evenly spaced, including both ends; 2 or more; where the force jumps, both
+        sides are added.
         """
 
     def potential(
         self, drive: ArrayLike, distance: _Number | None = None, points: SupportsIndex = 2001
     ) -> Potential:
-        """The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; where it is least, the slider is in balance.
+        """The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; at its minima the slider is in stable
+        equilibrium.
 
-        drive: a drive X_T, or a list of m of them. distance, points: as for equilibrium. The result has `position` of shape
-        (n,) and `energy` of shape (n,) or (m, n).
+        drive: a drive X_T, or a list of m of them.
+        distance, points: as for equilibrium.
 
-        Raises ValueError for a rigid slider, which has none.
+        The result has `position` of shape (n,) and `energy` of shape (n,) or (m, n).
+
+        Raises ValueError for a rigid slider, which has no potential.
         """
 
 @disjoint_base
 class Record(Mapping[str, _Array]):
-    """Results: a mapping from the names of variables to arrays, which cannot be changed."""
+    """Results: a mapping from the names of variables to read-only arrays."""
 
     def __getitem__(self, name: str, /) -> _Array: ...
     def __contains__(self, name: object, /) -> bool: ...
@@ -677,33 +733,35 @@ class Record(Mapping[str, _Array]):
 
     @property
     def position(self) -> _Array:
-        """Positions X of the slider's bottom: an array of shape (n,), a length."""
+        """Positions X of the slider's base: an array of shape (n,), a length."""
 
     @property
     def force(self) -> _Array:
-        """The friction force F at the positions, shape (n,): that of all N_c contacts; where contacts break together, after
-        the break.
+        """The friction force F at the positions, shape (n,): the total force of all N_c contacts; where contacts break
+        simultaneously, after the break.
         """
 
     @property
     def labels(self) -> dict[str, Label]:
-        """Dimensions, name for people and unit of each variable."""
+        """Dimensions, descriptive name and unit of each variable."""
 
     def to_xarray(self) -> Dataset:
         """An xarray.Dataset with named dimensions, long names and units. It needs xarray."""
 
     def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
-        """Draws the force along the pull or the drive (of an imposed force, that against the position), the kinetic friction,
-        and on a pull the static one, where they are known. Returns the axes. It needs matplotlib.
+        """Plots the force along the pull or the drive (for an imposed force, the force against the position), with the
+        kinetic friction and, for a pull, the static friction, if they are known. Returns the axes. It needs
+        matplotlib.
 
-        ax: axes to draw on; new ones if None. Other arguments go to its plot().
+        ax: axes to plot on; new ones if None. Other arguments are passed to its plot().
         """
 
     def _repr_html_(self) -> str: ...
 
 @final
 class Pull(Record):
-    """A pull of the slider's bottom from X = 0, solved by the master equation. Forces are those of all N_c contacts.
+    """A pull: the slider's base is displaced from X = 0, by the master equation. Forces are total forces of all
+    N_c contacts.
 
     Called with positions it is F(X): `pull(5.0)`, `pull([1.0, 2.0])`.
     """
@@ -714,13 +772,11 @@ class Pull(Record):
 
     @property
     def breaking_rate(self) -> _Array:
-        """The fraction of contacts breaking per length at the positions, shape (points,), without those that break
-        together.
-        """
+        """The fraction of contacts breaking per length at the positions, shape (points,), without simultaneous breaks."""
 
     @property
     def breaking_atoms(self) -> Atoms:
-        """Positions at which contacts break together, and the fractions of them that do, each of shape (n,)."""
+        """Positions at which contacts break simultaneously, and the fractions that do, each of shape (n,)."""
 
     @property
     def distance(self) -> float:
@@ -728,8 +784,8 @@ class Pull(Record):
 
     @property
     def static_friction(self) -> StaticFriction | None:
-        """The static friction F_s, the highest force of the pull, with its position X_s; None where the force still rises
-        at the end, or never falls.
+        """The static friction F_s, the highest force of the pull, with its position X_s; None if the force still rises
+        at the end, or never decreases.
         """
 
     @property
@@ -738,13 +794,13 @@ class Pull(Record):
 
     @property
     def critical_stiffness(self) -> float:
-        """The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips; inf where the
-        force jumps down, 0 where it falls by no more than ten times the tolerance leaves open.
+        """The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips. It is inf
+        where the force jumps down, and 0 if the force decreases by no more than ten times the tolerance.
         """
 
     @property
     def relaxation_length(self) -> float:
-        """The relaxation length X*, over which the start is forgotten; inf where the force never settles, nan where
+        """The relaxation length X*, over which the initial state is forgotten; inf if the force never settles, nan if
         no root is found.
         """
 
@@ -776,28 +832,31 @@ class Pull(Record):
     def breaking_rate_at(self, position: ArrayLike) -> _Array: ...
     @overload
     def force_std(self, size: _Number, at: float) -> float:
-        """The standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c.
+        """The standard deviation of the force of `size` random contacts, scaled to N_c.
 
         at: positions from 0 to the distance, or None for those of `position`. Contacts under a rigid drive are
-        independent, so that it is exact.
+        independent, so the result is exact.
         """
 
     @overload
     def force_std(self, size: _Number, at: ArrayLike | None = None) -> _Array: ...
     def stretch_density(self, at: ArrayLike, stretches: ArrayLike | None = None) -> StretchDensity:
-        """The density Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
+        """The distribution Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
 
-        at: a position, or a list of m of them. stretches: a list of n stretches, or None for ones close enough to show
-        the densities. The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, where
-        contacts are together, at the position or for each of the list.
+        at: a position, or a list of m of them.
+        stretches: a list of n stretches, or None for an automatic choice that resolves the distributions.
+
+        The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, the point masses at
+        the position, or a list of them for a list of positions.
         """
 
 @final
 class EnsemblePull(Record):
-    """A pull of an ensemble: the friction force with its standard error, and the stretches counted on the way.
+    """A pull of an ensemble: the friction force with its standard error, and counts of the stretches.
 
-    Its variables are `position`, `force` and `force_error`; with snapshots also `snapshot` of shape (m,), `edge` of
-    shape (n + 1,), their middles `bin` of shape (n,), and `stretch_density` of shape (m, n), per length.
+    Its variables are `position`, `force` and `force_error`; with snapshots also `snapshot` of shape (m,),
+    `edge` of shape (n + 1,), the middles `bin` of the bins, of shape (n,), and `stretch_density` of shape (m,
+    n), per length.
     """
 
     @property
@@ -806,20 +865,21 @@ class EnsemblePull(Record):
 
     @property
     def force_error(self) -> _Array:
-        """The standard error of the force, shape (points,), from the scatter of single contacts; nan for one contact."""
+        """The standard error of the force, shape (points,), from the variance between contacts; nan for one contact."""
 
     @property
     def breaks(self) -> int:
-        """The number of breaks up to the end, those of a relaxed start included."""
+        """The number of breaks up to the end, including those of a relaxed start at X = 0."""
 
 @final
 class StickSlip(Record):
-    """A drive of a slider: its trace, its slips, and what kind of sliding they make.
+    """The result of a drive of a slider: its trace, its slips, and the regime of sliding.
 
-    Its variables are those of the trace, `drive`, `position`, `force` and `spring_force`, all states of balance; those of
-    the slips, `event_drive`, `event_drop`, …; for an inertial slip its course, `slip_time`, `slip_position`, …; for an
-    ensemble the sizes of events, `size`, `size_events`, …. In time the trace has `time`, `velocity` and `free` (the fraction of
-    contacts that are free), too, and no course and no sizes.
+    Its variables are those of the trace, `drive`, `position`, `force` and `spring_force`, at states of
+    equilibrium; those of the slips, `event_drive`, `event_drop`, …; for an inertial slip its time course,
+    `slip_time`, `slip_position`, …; for an ensemble the sizes of events, `size`, `size_events`, …. For motion
+    in time the trace also has `time`, `velocity` and `free` (the detached fraction of the contacts), and there
+    are no time course and no sizes.
     """
 
     @property
@@ -828,11 +888,11 @@ class StickSlip(Record):
 
     @property
     def drive(self) -> _Array:
-        """The drive along the trace, shape (n,): the position X_T of the top, a length; or the imposed force."""
+        """The drive along the trace, shape (n,): the load-point displacement X_T, a length; or the imposed force."""
 
     @property
     def spring_force(self) -> _Array:
-        """The force K(X_T - X) of the spring along the trace, shape (n,): F, where the slider is in balance."""
+        """The spring force K(X_T - X) along the trace, shape (n,); it equals F in equilibrium."""
 
     @property
     def events(self) -> Events:
@@ -840,9 +900,9 @@ class StickSlip(Record):
 
     @property
     def regime(self) -> Literal["smooth", "transient", "persistent", "runaway", "undecided"]:
-        """ "smooth" without slips; "transient" where slips have ceased; "persistent" where they go on alike; "runaway" where
-        the contacts could not carry the imposed force; "undecided" where the drive was too short to tell. It is that of the
-        drive since it last turned.
+        """The regime of sliding: "smooth" without slips; "transient" if slips have ceased; "persistent" if they
+        continue with a steady period; "runaway" if the contacts could not carry the imposed force; "undecided" if
+        the drive was too short. It refers to the drive since its last reversal.
         """
 
     @property
@@ -851,7 +911,9 @@ class StickSlip(Record):
 
     @property
     def period(self) -> float | None:
-        """The mean advance of the drive from slip to slip, a length; None unless slips go on alike, as for all such means."""
+        """The mean increase of the drive from one slip to the next, a length; None, as for all such means, unless
+        stick-slip is persistent.
+        """
 
     @property
     def mean_drop(self) -> float | None:
@@ -859,37 +921,39 @@ class StickSlip(Record):
 
     @property
     def mean_slip(self) -> float | None:
-        """The mean way of the slider in a slip, a length."""
+        """The mean slip (displacement of the slider in a slip), a length."""
 
     @property
     def scatter(self) -> float | None:
-        """The scatter of the period: the standard deviation of the advances from slip to slip over their mean."""
+        """The relative standard deviation of the period: the standard deviation of the increases of the drive from one
+        slip to the next, divided by their mean.
+        """
 
     @property
     def first_instability(self) -> State | None:
-        """Where balance was first lost; None where it never was."""
+        """The state at which the slider first became unstable; None if it never did."""
 
     @property
     def runaway(self) -> State | None:
-        """From where the slider ran away under an imposed force; None where it did not."""
+        """The state from which the slider ran away under an imposed force; None if it did not."""
 
     @property
     def energy(self) -> Energy:
-        """Where the work of the drive went, from its start to its end (of a runaway, to where it began)."""
+        """The energy balance from the start of the drive to its end (for a runaway, to where it began)."""
 
     @property
     def sizes(self) -> Sizes | None:
-        """How many events of each size there were, those too small for a slip among them; None for the master equation."""
+        """The number of events of each size, including those too small for a slip; None for the master equation."""
 
     @property
     def slip_course(self) -> Course | None:
-        """The time course of the first inertial slip; None where there was none."""
+        """The time course of the first inertial slip; None if there was none."""
 
 @final
 class SteadyState:
     """Steady sliding: the solution of the master equation that does not depend on X.
 
-    Q_s(x) = Γ_s S(x) ∫₀ˣ R/S and F_k = N_c⟨k⟩ ∫x Q_s dx; where contacts re-form at 0, F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩)
+    Q_s(x) = Γ_s S(x) ∫₀ˣ R/S and F_k = N_c⟨k⟩ ∫x Q_s dx. If contacts re-form at 0, F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩)
     (Braun and Peyrard 2008, Eqs. 11a and 11d).
     """
 
@@ -902,19 +966,19 @@ class SteadyState:
         """The breaking rate Γ_s, the fraction of contacts that break per length."""
 
     def force_std(self, size: _Number) -> float:
-        """The standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c."""
+        """The standard deviation of the force of `size` random contacts, scaled to N_c."""
 
     def stretch_density(self, stretches: ArrayLike | None = None) -> StretchDensity:
-        """The density Q_s of stretches, per length.
+        """The distribution Q_s of stretches, per length.
 
-        stretches: a list of n stretches, or None for ones close enough to show it. The result has `stretch` and
-        `density` of shape (n,), and `atoms`.
+        stretches: a list of n stretches, or None for an automatic choice that resolves it. The result has `stretch`
+        and `density` of shape (n,), and `atoms`.
         """
 
 @final
 class Relaxation:
-    """The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1, φ̂ the Laplace
-    transform of the breaking density of re-formed contacts.
+    """The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), where s_j ≠ 0 are the roots of φ̂(s) = 1 and φ̂ is
+    the Laplace transform of the breaking density of re-formed contacts.
     """
 
     @property
@@ -923,20 +987,21 @@ class Relaxation:
 
     @property
     def length(self) -> float:
-        """The relaxation length X* = -1/Re s_1, over which the start is forgotten; inf where the force never settles, nan
-        where no root is found.
+        """The relaxation length X* = -1/Re s_1, over which the initial state is forgotten; inf if the force never
+        settles, nan if no root is found.
         """
 
     @property
     def paper_estimate(self) -> float:
-        """The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. Of time-dependent contacts, x̄
-        and σ are those of the ways from birth to rebirth in steady sliding.
+        """The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. For time-dependent
+        contacts, x̄ and σ are the mean and the standard deviation of the displacement between successive formations
+        of a contact in steady sliding.
         """
 
     @property
     def valid_from(self) -> float:
-        """The position from which the terms left out of `force` are below 1e-12 of N_c⟨k⟩ × the mean life; inf where the
-        expansion does not hold.
+        """The position from which on the neglected terms of `force` are below 1e-12 of N_c⟨k⟩ × the mean life; inf if
+        the expansion does not hold.
         """
 
     @overload
@@ -948,7 +1013,7 @@ class Relaxation:
 
 @final
 class Result(Record):
-    """What a scenario gives: a mapping from the names of variables to arrays, and the numbers people quote.
+    """The result of a scenario: a mapping from the names of variables to arrays, with the summary.
 
     The variables are those of `result.nc`: `position`, `force`, `breaking_rate`, `stretch_density`, …
     """
@@ -959,7 +1024,7 @@ class Result(Record):
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The numbers people quote, as in `summary.json`."""
+        """The summary: static and kinetic friction, relaxation length, …, as in `summary.json`."""
 
     @property
     def title(self) -> str:
@@ -967,11 +1032,11 @@ class Result(Record):
 
     @property
     def static_friction(self) -> StaticFriction | None:
-        """The static friction F_s with its position X_s; None where the force still rises at the end, or never falls."""
+        """The static friction F_s with its position X_s; None if the force still rises at the end, or never decreases."""
 
     @property
     def kinetic_friction(self) -> float:
-        """The kinetic friction F_k, the force of steady sliding; nan where the task has no one velocity."""
+        """The kinetic friction F_k, the force of steady sliding; nan if the task does not have a single velocity."""
 
     @property
     def critical_stiffness(self) -> float:
@@ -979,20 +1044,20 @@ class Result(Record):
 
     @property
     def relaxation_length(self) -> float:
-        """The relaxation length X*; inf where the force never settles, nan where no root is found."""
+        """The relaxation length X*; inf if the force never settles, nan if no root is found."""
 
     @property
     def events(self) -> Events | None:
-        """The events of a slider or an interface; None where the task has none."""
+        """The events of a slider or an interface; None if the task has no events."""
 
     def save(self, folder: str | PathLike[str]) -> None:
-        """Writes the folder that `asperity run` would write, but for its pictures; open_result reads it.
+        """Writes the folder that `asperity run` would write, without figures; open_result reads it.
 
-        Raises FileExistsError where a folder is in the way that asperity did not make, OSError where the system refuses.
+        Raises FileExistsError if there is a folder that asperity did not make, OSError for errors of the system.
         """
 
 class Deformable(Description):
-    """What the kinds of interfaces have in common: a drive that moves their top."""
+    """What the kinds of interfaces have in common: a drive of their load point."""
 
     def drive(
         self,
@@ -1007,16 +1072,20 @@ class Deformable(Description):
     ) -> Result:
         """Drives the interface from X_T = 0 to distance, from event to event.
 
-        points: the number of points of the trace, both ends included. velocity: that of the drive, above 0; needed where
-        contacts are time-dependent. tolerance: the error allowed in the force of a cell per mean threshold and per stiffness, 1e-10 if
-        nothing else is said; where contacts are time-dependent also in a step of a cell, per mean threshold, 1e-4. maps: a list of drives, rising, at which every cell
-        is shown; of a chain it is at every point. catalogue_from: the drive from which on events are recorded. progress:
-        as for MasterEquation.pull. Ctrl-C stops it.
+        points: the number of points of the trace, including both ends.
+        velocity: the velocity of the drive, above 0; required for time-dependent contacts.
+        tolerance: the allowed error of the force of a cell per mean threshold and per stiffness, 1e-10 by default;
+        for time-dependent contacts also the allowed error of a step of a cell, per mean threshold, 1e-4 by default.
+        maps: a list of drives, in increasing order, at which the state of every cell is stored; for a chain it is
+        also stored at every point.
+        catalogue_from: events are recorded from this drive on.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Returns the Result of the scenario that this is: its `events` are the catalogue, its `summary["catalogue"]` says
-        how large events are and how long one waits for them. run takes such scenarios, too, and can keep checkpoints.
+        Returns the Result of the equivalent scenario: its `events` are the catalogue, and its
+        `summary["catalogue"]` describes the distributions of their sizes and intervals. run computes the same
+        scenarios and can write checkpoints.
 
-        Raises ValueError for values that make no sense, or for more than fits in a result file.
+        Raises ValueError for invalid values, or for more results than fit in a file.
         """
 
     @property
@@ -1029,22 +1098,30 @@ class Deformable(Description):
 
 @final
 class Interface(Deformable):
-    """Cells of contacts that move together, on a slider that deforms, each connected to the drive by a spring.
+    """A deformable slider (Burridge–Knopoff, or on a half-space): elastically coupled cells of contacts, each
+    connected to the drive by a spring. The contacts of a cell move together.
 
-    contacts: those of a cell. cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
-    initial, start: as for MasterEquation. connection: K_0, the stiffness of the spring between a cell and the drive.
-    neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a half-space
-    and the side of a cell. edges: "open" or "periodic". loading: "uniform", or "edge" where the drive pulls the first cell
-    or row alone. slip: "reset", where all contacts of an unstable cell break and re-form, or "overdamped". viscosity: the
-    drag of a moving cell, force per velocity; with it events take time. Time-dependent contacts need it, with
-    slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j, and a cell slips while it is ten times as fast as the
-    drive. disorder: the standard deviation of the scales of
-    cells, which multiply all lengths of their contacts, drawn from a Gaussian of mean 1 with the seed; or a list of them.
-    drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds, without time. size: None where contacts
-    are so many that they follow the master equation; or the number of contacts in each cell, drawn with the seed and
-    followed one by one, with slip="overdamped". quenched: whether these keep their thresholds.
+    contacts: the contacts of a cell.
+    cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
+    initial, start: as for MasterEquation.
+    connection: K_0, the stiffness of the spring between a cell and the drive.
+    neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a
+    half-space and the side of a cell.
+    edges: "open" or "periodic".
+    loading: "uniform", or "edge" if the drive pulls only the first cell or row.
+    slip: the slip rule: "reset", by which all contacts of an unstable cell break and re-form, or "overdamped".
+    viscosity: the drag on a moving cell, force per velocity; with it events have durations. Time-dependent
+    contacts require it, with slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips
+    while it is more than ten times as fast as the drive.
+    disorder: the standard deviation of the scale factors of cells, which multiply all lengths of their contacts
+    and are drawn from a Gaussian distribution of mean 1 with the seed; or a list of the scale factors.
+    drive_tolerance: the accuracy of the drive at which equilibrium is lost, in mean thresholds; not used for
+    time-dependent contacts.
+    size: None for cells of many contacts, which follow the master equation; or the number of contacts in each
+    cell, which are drawn with the seed and followed one by one, with slip="overdamped".
+    quenched: whether these keep their thresholds.
 
-    Raises ValueError for values that make no sense.
+    Raises ValueError for invalid values.
     """
 
     def __new__(
@@ -1077,30 +1154,38 @@ class Interface(Deformable):
         edges: ArrayLike | None = None,
         progress: _Progress = None,
     ) -> StretchDensity:
-        """The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
+        """The distribution of the stretches of the contacts of a cell, per length, after the interface has been driven
+        from X_T = 0.
 
-        cell: its number, along rows. stretches: a list of n stretches. at: the drive, 0 or above. progress: as for
-        MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`, the stretches at which contacts
-        are together.
+        cell: its number, counted row by row.
+        stretches: a list of n stretches.
+        at: the drive, 0 or above.
+        velocity: the velocity of the drive, for time-dependent contacts.
+        edges: instead of stretches, edges of n bins, n + 1 increasing numbers; only for time-dependent contacts and
+        for cells with a size. The density is then the mean in each bin, and `stretch` its middle.
+        progress: as for MasterEquation.pull.
 
-        Where contacts are time-dependent, velocity is that of the drive. There, and where cells have a size, there may be edges of n
-        bins instead of stretches, n + 1 numbers that rise: the density is the mean in each bin then, and `stretch` its middle.
-        Contacts that are free are not counted. Without bins each of the few contacts of a cell with a size is an atom.
+        The result has `stretch` and `density` of shape (n,), and `atoms`, the point masses. Detached contacts are
+        not counted. Without bins each of the few contacts of a cell with a size is an atom.
 
-        Raises ValueError for a number of no cell, and for values that make no sense.
+        Raises ValueError for a cell that does not exist, and for invalid values.
         """
 
 @final
 class Lattice(Deformable):
-    """Contacts coupled one by one, which re-form when the slide is over: the automaton of Olami, Feder and Christensen for
-    any law of thresholds.
+    """Contacts coupled one by one, which re-form after the slip event: the cellular automaton of Olami, Feder and
+    Christensen, for any distribution of thresholds.
 
-    contacts: their laws, and the number that they stand for all together. cells: the length of a chain, or rows and
-    columns. initial, start: as for Ensemble. neighbours, connection: the stiffness of the spring between two neighbours and
-    of that to the drive; a neighbour gains the share neighbours/(z neighbours + connection) of what a breaking contact lets
-    go, z being 4, or 2 on a chain. edges: "open" or "periodic". seed, disorder: as for Ensemble.
+    contacts: the distributions of the contacts; their count is the total number that all cells represent.
+    cells: the length of a chain, or rows and columns.
+    initial, start: as for Ensemble.
+    neighbours: the stiffness of the spring between two neighbours.
+    connection: the stiffness of the spring to the drive. A neighbour gains the fraction neighbours/(z
+    neighbours + connection) of the force that a breaking contact releases, with z = 4, or 2 on a chain.
+    edges: "open" or "periodic".
+    seed, disorder: as for Ensemble.
 
-    Raises ValueError for values that make no sense.
+    Raises ValueError for invalid values.
     """
 
     def __new__(
@@ -1119,14 +1204,18 @@ class Lattice(Deformable):
 
 @final
 class Step(Description):
-    """A step of a way in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
+    """A step of a motion in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
 
-    velocity: a length per time; above 0 over a distance, 0 or above for a duration. velocity_to: the velocity at the end
-    of a ramp that begins at velocity and takes a duration, made of so many pieces of constant velocity (64 by default).
-    hold: a time at rest, instead of all others. points: the number of points of the trace in the step, evenly spaced in
-    time, both ends included; 2 or more.
+    velocity: a length per time; above 0 over a distance, 0 or above for a duration.
+    distance: the displacement in the step.
+    duration: the time that the step takes.
+    hold: a time at rest, instead of all others.
+    velocity_to: the velocity at the end of a ramp that begins at velocity and takes a duration.
+    points: the number of points of the trace in the step, evenly spaced in time, including both ends; 2 or
+    more.
+    pieces: the number of intervals of constant velocity that approximate a ramp, 64 by default.
 
-    Raises ValueError for values that make no sense, or not together.
+    Raises ValueError for invalid values or combinations.
     """
 
     def __new__(
@@ -1143,13 +1232,13 @@ class Step(Description):
 
 @final
 class Transport(Model):
-    """The master equation of contacts under a slider whose velocity varies, contacts born together being followed in time.
+    """The master equation at a varying velocity: cohorts of contacts that formed together are followed in time.
 
-    contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0. tolerance: error allowed in the force
-    per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; 1e-6 by default, 1e-4 for contacts that age by
-    Smoluchowski.
+    contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0.
+    tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; by
+    default 1e-6, and 1e-4 for ageing by Smoluchowski.
 
-    Raises ValueError for values that make no sense, and for ageing by MeanField, which is no rule for one contact.
+    Raises ValueError for invalid values, and for ageing by MeanField, which is not a rule for a single contact.
     """
 
     def __new__(
@@ -1161,23 +1250,26 @@ class Transport(Model):
         tolerance: _Number | None = None,
     ) -> Self: ...
     def follow(self, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
-        """Follows the contacts from t = 0 through steps one after the other.
+        """Follows the contacts from t = 0 through the steps, one after the other.
 
-        steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+        steps: a list of Step.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Returns a Record of variables of shape (n,), n being the points of all steps, shared where steps meet: `time`,
-        `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of contacts that breaks per
-        time), `free` (the fraction that is broken and has not yet re-formed) and `force_error` (an estimate, on the safe side,
-        of the largest error of the force, the same at all points).
+        Returns a Record of variables of shape (n,), with n output points of all steps (steps share the point where
+        they meet): `time`, `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of
+        contacts that break per time), `free` (the detached fraction: contacts that are broken and have not yet
+        re-formed) and `force_error` (an upper estimate of the largest error of the force, the same at all points).
 
-        Raises ValueError for no steps, RuntimeError where that error is larger than a tolerance that was given.
+        Raises ValueError for no steps, RuntimeError if that error is larger than a given tolerance.
         """
 
 @overload
 def velocity_curve(contacts: Contacts, velocities: float, *, progress: _Progress = None) -> float:
     """Kinetic friction F_k of contacts at velocities: an array for a list of them, a number for a number.
 
-    velocities: numbers above 0, a length per time. Each is a computation of its own; Ctrl-C stops between two.
+    velocities: numbers above 0, a length per time. Each is a separate computation; Ctrl-C stops between two of
+    them.
+    progress: as for MasterEquation.pull.
 
     Raises ValueError for a velocity that is not above 0.
     """
@@ -1195,38 +1287,41 @@ def run(
 ) -> Result:
     """Computes a scenario.
 
-    scenario: the path of a file; or the text of one, told by an equals sign in it; or a dictionary of the same keys,
-    in which laws and contacts may be objects.
-    overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a law replaces the law that is
-    there. progress: as for MasterEquation.pull.
-    folder: where to write the results, as Result.save does. Beside it the drive of an interface can keep what it has come
-    to: checkpoint: every so many events, or every so often, a datetime.timedelta or a time such as "10min". resume: whether
-    to go on from the last checkpoint, or to begin where there is none.
-    The checkpoints are removed once the results are written.
+    scenario: the path of a file; or the text of a scenario, recognised by an equals sign; or a dictionary of
+    the same keys, in which distributions and contacts may be objects.
+    overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a distribution replaces
+    the one in the scenario.
+    progress: as for MasterEquation.pull.
+    folder: folder for the results, as for Result.save.
+    checkpoint: with a folder, checkpoints of the drive of an interface are written next to it: after each
+    number of events, or after each time interval, a datetime.timedelta or a text such as "10min". They are
+    removed once the results are written.
+    resume: whether to continue from the last checkpoint; without one, the run starts at the beginning.
 
-    Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came, and for a
-    checkpoint of another scenario; OSError for a file that cannot be read, FileExistsError for a checkpoint of a run that
-    was not finished or is still running; MemoryError for results that do not fit.
+    Raises ValueError for an invalid scenario, with the key, what was expected and what was found, and for a
+    checkpoint of another scenario; OSError for a file that cannot be read; FileExistsError for a checkpoint of
+    a run that was not finished or is still running; MemoryError for results that do not fit.
     """
 
 def open_result(folder: str | PathLike[str]) -> Result:
-    """Reads what `asperity run` or Result.save wrote.
+    """Reads the folder that `asperity run` or Result.save wrote.
 
-    Raises OSError for a file that cannot be read, ValueError for one that is not what asperity writes.
+    Raises OSError for a file that cannot be read, ValueError for one that asperity did not write.
     """
 
 @disjoint_base
 class ClosedForm:
     """A friction curve F(X) in closed form, per total stiffness: F/(N_c⟨k⟩), the mean stretch, a length.
 
-    All contacts start and re-form relaxed, at stretch 0, unless the form says otherwise. Positions X are lengths from 0
-    on, up to where sums would become long. For every density p of thresholds with n-fold convolutions p_n,
-    F'(X) = 1 - X Σ p_n(X)/n; each form is the sum of this series for one family, and none shares code with the solvers.
+    All contacts start and re-form at stretch 0, unless the class says otherwise. Positions X are lengths from 0
+    up to where the sums would become long. For every density p of thresholds with n-fold convolutions p_n,
+    F'(X) = 1 - X Σ p_n(X)/n. Each closed form is the sum of this series for one family, and none shares code
+    with the solvers.
     """
 
     @overload
     def force(self, position: float) -> float:
-        """F(X)/(N_c⟨k⟩), a length; after the break where contacts break together."""
+        """F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break."""
 
     @overload
     def force(self, position: ArrayLike) -> _Array: ...
@@ -1242,7 +1337,7 @@ class ClosedForm:
 
     @property
     def static_friction(self) -> StaticFriction | None:
-        """The maximum F_s/(N_c⟨k⟩) with its position X_s, both lengths; None where F only rises."""
+        """The maximum F_s/(N_c⟨k⟩) with its position X_s, both lengths; None if F only rises."""
 
     @property
     def critical_stiffness(self) -> float:
@@ -1250,10 +1345,12 @@ class ClosedForm:
 
 @final
 class ExactGaussian(ClosedForm):
-    """Gaussian thresholds, and a Gaussian law of stretches at the start: Fig. 2 of Braun and Peyrard (2008).
+    """Gaussian thresholds, and a Gaussian distribution of initial stretches: Fig. 2 of Braun and Peyrard (2008).
 
-    mean, std: of the thresholds, above 0. initial_mean, initial_std: of the stretches at X = 0, 0 or above. Masses below
-    0 are kept, where the laws of the solvers are cut.
+    mean, std: of the thresholds, above 0.
+    initial_mean, initial_std: of the stretches at X = 0, 0 or above.
+
+    The distributions are not truncated at 0, unlike those of the solvers.
     """
 
     def __new__(
@@ -1261,8 +1358,8 @@ class ExactGaussian(ClosedForm):
     ) -> Self: ...
     @overload
     def variance(self, position: float) -> float:
-        """The variance of the stretch of one contact at X, a length²: the force of N_c independent contacts scatters by
-        N_c⟨k⟩√(variance/N_c).
+        """The variance of the stretch of one contact at X, a length²: the force of N_c independent contacts has the
+        standard deviation N_c⟨k⟩√(variance/N_c).
         """
 
     @overload
@@ -1276,15 +1373,17 @@ class ExactGaussian(ClosedForm):
 
 @final
 class ExactRectangular(ClosedForm):
-    """Thresholds of the same density everywhere from min, 0 or above, to max, above min."""
+    """Thresholds uniformly distributed from min, 0 or above, to max, above min."""
 
     def __new__(cls, min: _Number, max: _Number) -> Self: ...
 
 @final
 class ExactErlang(ClosedForm):
-    """Erlang thresholds: sums of `shape` exponential lengths, each of mean 1/rate. shape 1 is the exponential law.
+    """Erlang thresholds: sums of `shape` exponentially distributed lengths, each of mean 1/rate. shape 1 is the
+    exponential distribution.
 
-    shape: a whole number, 1 or above. rate: per length, above 0.
+    shape: a whole number, 1 or above.
+    rate: per length, above 0.
     """
 
     def __new__(cls, shape: SupportsIndex, rate: _Number) -> Self: ...
@@ -1294,7 +1393,8 @@ class ExactErlang(ClosedForm):
 
 @final
 class ExactIdentical(ClosedForm):
-    """Identical thresholds: every stretch is (y + X) mod threshold for ever, and nothing relaxes.
+    """Identical thresholds: every stretch is (y + X) mod threshold for ever, with the initial stretch y, and there
+    is no relaxation.
 
     threshold: a length above 0.
     """
@@ -1303,15 +1403,15 @@ class ExactIdentical(ClosedForm):
 
 @final
 class ExactQuenched:
-    """Quenched thresholds of any law: each contact keeps its own for ever.
+    """Quenched thresholds of any distribution: each contact keeps its own for ever.
 
-    F(X)/(N_c⟨k⟩) = ∫P_c(ξ)(X mod ξ)dξ; the master equation, which is about annealed thresholds, does not describe them.
+    F(X)/(N_c⟨k⟩) = ∫P_c(ξ)(X mod ξ)dξ. The master equation describes annealed thresholds, so it does not apply.
     """
 
     def __new__(cls, thresholds: _AnyLaw) -> Self: ...
     @overload
     def force(self, position: float) -> float:
-        """F(X)/(N_c⟨k⟩), a length; after the break where contacts break together."""
+        """F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break."""
 
     @overload
     def force(self, position: ArrayLike) -> _Array: ...
@@ -1321,16 +1421,16 @@ class ExactQuenched:
 
     @property
     def dephasing_length(self) -> float:
-        """X_d = x̄²/(√2 πσ), a length: narrow Gaussian thresholds lose step as exp[-(X/X_d)²]."""
+        """X_d = x̄²/(√2 πσ), a length: narrow Gaussian thresholds get out of step as exp[-(X/X_d)²]."""
 
 def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> float:
-    """F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, where contacts re-form below all thresholds."""
+    """F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, if contacts re-form below all thresholds."""
 
 def kinetic_friction_per_threshold(thresholds: _AnyLaw) -> float:
-    """F_k/(N_c κ) = ⟨x_s³⟩/(2⟨x_s⟩), a length², for stiffnesses k = κ x_s, where contacts re-form at 0."""
+    """F_k/(N_c κ) = ⟨x_s³⟩/(2⟨x_s⟩), a length², for stiffnesses k = κ x_s, if contacts re-form at 0."""
 
 def steady_variance(thresholds: _AnyLaw) -> float:
-    """N Var(F/(N_c⟨k⟩)) = ⟨x_s³⟩/(3⟨x_s⟩) - F_k², a length², in steady sliding where contacts re-form at 0."""
+    """N Var(F/(N_c⟨k⟩)) = ⟨x_s³⟩/(3⟨x_s⟩) - F_k², a length², in steady sliding if contacts re-form at 0."""
 
 def steady_variance_per_threshold(thresholds: _AnyLaw) -> float:
     """The same for stiffnesses k = κ x_s: N Var(F/(N_c κ)) = ⟨x_s⁵⟩/(3⟨x_s⟩) - F_k², a length⁴."""

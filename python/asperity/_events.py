@@ -12,48 +12,48 @@ if TYPE_CHECKING:
 
 
 class Event(NamedTuple):
-    """A slip: at a fixed drive or, in time, from where the slider becomes ten times as fast as its top to
-    where it no longer is.
+    """A slip: at a fixed drive; or, in time, while the slider is more than ten times as fast as the load
+    point.
     """
 
     drive: float
     """The drive, a length; or the imposed force."""
     position_before: float
-    """The position X_1 at which balance was lost, a length."""
+    """The position X_1 at which the slider became unstable, a length."""
     position_after: float
-    """The position at which it was found again, a length."""
+    """The position of the next equilibrium, a length."""
     position_turn: float
-    """The position X_2 at which an inertial slip first came to rest; else the one after. A length."""
+    """The position X_2 at which an inertial slip first came to rest; otherwise the one after. A length."""
     force_before: float
-    """The force F_1 before."""
+    """The force F_1 before the slip."""
     force_after: float
-    """The force after."""
+    """The force after the slip."""
     drop: float
-    """The drop of the force."""
+    """The force drop."""
     slip: float
-    """The way of the slider, a length."""
+    """The slip of the slider, a length."""
     broken_fraction: float
     """Breaks per contact, 1 in a reset; in other slips a contact that breaks twice counts twice."""
     dissipated_breaks: float
-    """Energy lost in breaks."""
+    """Energy dissipated in breaks."""
     dissipated_slip: float
     """Energy lost by the slider, by viscous damping or otherwise."""
     time: float | None = None
-    """The time at which it begins; None where no time passes, as for all that follows."""
+    """The time at which it begins; None without motion in time, as for the fields below."""
     duration: float | None = None
-    """How long it lasts."""
+    """Its duration."""
     velocity: float | None = None
     """The highest velocity of the slider."""
     strengthening: float | None = None
-    """Energy that ageing brought by making stretched contacts stiffer."""
+    """Energy that ageing added by making stretched contacts stiffer."""
 
 
 class Events(Sequence[Event]):
     """The slips of a drive, in order: a table whose rows are Event, and whose columns are arrays.
 
     `len(events)` is their number, `events[0]` the first, `events["drop"]` an array of the drops, shape (n,).
-    Columns are named like the parts of an Event. Events of an interface have the columns of its `events.csv`,
-    and rows with parts named like these.
+    Columns have the names of the fields of an Event. Events of an interface have the columns of its
+    `events.csv`, and rows with fields of these names.
     """
 
     def __init__(self, columns: "Mapping[str, NDArray[np.float64]]") -> None:

@@ -1,4 +1,4 @@
-"""Pictures by matplotlib."""
+"""Figures by matplotlib."""
 
 import math
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def draw(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
-    """Draws the force along the pull or the drive, with the kinetic friction, where it is known."""
+    """Plots the force along the pull or the drive, with the kinetic friction, if it is known."""
     if ax is None:
         ax = new_axes()
     line = sliding(record, ax, **style) if "drive" in record else force(record, ax, **style)
@@ -22,7 +22,7 @@ def draw(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
 
 
 def force(record: "Record", ax: "Axes", **style: Any) -> "Line2D":
-    """F(X), its maximum as a dot, where it is known."""
+    """F(X), with its maximum as a dot, if it is known."""
     line = curve(record, ax, {"position": "X", "force": "F"}, **style)
     peak = getattr(record, "static_friction", None)
     if peak is not None:
@@ -31,7 +31,7 @@ def force(record: "Record", ax: "Axes", **style: Any) -> "Line2D":
 
 
 def sliding(record: "Record", ax: "Axes", **style: Any) -> "Line2D":
-    """The force of spring or interface against the drive; an imposed force against the position."""
+    """The force of the spring or the interface against the drive; an imposed force against the position."""
     if record.labels["drive"].quantity == "force":
         return curve(record, ax, {"position": "X", "drive": "F"}, **style)
     force = "spring_force" if "spring_force" in record else "force"
@@ -39,7 +39,7 @@ def sliding(record: "Record", ax: "Axes", **style: Any) -> "Line2D":
 
 
 def curve(record: "Record", ax: "Axes", names: dict[str, str], **style: Any) -> "Line2D":
-    """The second of two variables against the first, under the names that axes have."""
+    """The second of two variables against the first, with names for the axes."""
     x, y = names
     (line,) = ax.plot(record[x], record[y], **style)
     ax.set_xlabel(axis(names[x], record.labels[x].units))

@@ -1,10 +1,10 @@
-"""A bar of progress."""
+"""A progress bar."""
 
 from collections.abc import Callable
 
 
 def bar() -> Callable[[float], None]:
-    """A function that moves a bar of tqdm to the fraction done, and closes it at 1."""
+    """A function that moves a progress bar of tqdm to the completed fraction, and closes it at 1."""
     try:
         from tqdm.auto import tqdm
     except ImportError as error:

@@ -15,7 +15,7 @@ MOST = 1000
 
 
 def text(name: str, arguments: Mapping[str, object]) -> str:
-    """The Python that makes a description anew, but for lists too long to print."""
+    """The Python code that creates a description, except for lists too long to print."""
     return f"{name}({', '.join(f'{key}={item(value)}' for key, value in arguments.items())})"
 
 
@@ -52,7 +52,7 @@ def listed(caption: str, rows: Mapping[str, str]) -> str:
 
 
 def numbers(values: "NDArray[np.float64]") -> str:
-    """The first and the last of them."""
+    """The first and the last values."""
     texts = [f"{value:.6g}" for value in values]
     return " ".join([*texts[:3], "...", *texts[-3:]] if len(texts) > 7 else texts)
 
@@ -62,7 +62,7 @@ def record_html(record: "Record") -> str:
 
 
 def rows(record: "Record") -> dict[str, str]:
-    """The numbers people quote, and the variables with their shapes."""
+    """The summary, and the variables with their shapes."""
     rows: dict[str, str] = {}
     summary = getattr(record, "summary", {})
     for name in (

@@ -8,16 +8,16 @@ if TYPE_CHECKING:
 
 
 class Atoms(NamedTuple):
-    """Point masses, by rising position."""
+    """Point masses, in order of increasing position."""
 
     position: "NDArray[np.float64]"
-    """Where they are, shape (n,), a length."""
+    """Their positions, shape (n,), a length."""
     weight: "NDArray[np.float64]"
     """Their weights, shape (n,)."""
 
 
 class StaticFriction(NamedTuple):
-    """The highest force of a pull, and where it is."""
+    """Static friction: the highest force of a pull, and its position."""
 
     force: float
     """F_s, a force."""
@@ -33,35 +33,37 @@ class StretchDensity(NamedTuple):
     density: "NDArray[np.float64]"
     """The density there, per length: shape (n,), or (m, n) at a list of m positions."""
     atoms: Atoms | list[Atoms]
-    """Stretches at which contacts are together, and fractions of them; one for each position of a list."""
+    """Point masses: stretches that many contacts share, with the fractions of contacts; one for each position
+    of a list.
+    """
 
 
 class Label(NamedTuple):
-    """What a variable of a record is."""
+    """Dimensions, name and unit of a variable of a record."""
 
     dimensions: tuple[str, ...]
     """Names of its dimensions, slowest first."""
     long_name: str
-    """Its name for people."""
+    """Its descriptive name."""
     units: str
     """Its unit, "1" where there is none."""
     quantity: str
-    """What it measures: "length", "force", "stiffness", "energy", "time", "velocity", …"""
+    """The quantity that it measures: "length", "force", "stiffness", "energy", "time", "velocity", …"""
 
 
 class State(NamedTuple):
-    """A state of a slider in balance."""
+    """An equilibrium state of a slider."""
 
     drive: float
-    """The position X_T of the top, a length; or the imposed force."""
+    """The load-point displacement X_T, a length; or the imposed force."""
     position: float
-    """The position X of the bottom, a length."""
+    """The position X of the base, a length."""
     force: float
     """The friction force F."""
 
 
 class Energy(NamedTuple):
-    """Where the work of a drive went; each part is computed on its own. Energies are forces times lengths."""
+    """The energy balance of a drive; each term is computed on its own. Energies are forces times lengths."""
 
     work: float
     """The work of the drive."""
@@ -70,50 +72,50 @@ class Energy(NamedTuple):
     elastic: float
     """The change of the elastic energy of the contacts, Σ½kx²."""
     kinetic: float
-    """The change of the energy ½MẊ² of the slider, where it is followed in time."""
+    """The change of the kinetic energy ½MẊ² of the slider, for motion in time."""
     strengthening: float
-    """What ageing brought that makes stretched contacts stiffer, ∫Σ½x²dk: beside the work, not of it."""
+    """Energy that ageing adds by making stretched contacts stiffer, ∫Σ½x²dk; it is not part of the work."""
     breaks: float
-    """Lost in breaks."""
+    """Energy dissipated in breaks."""
     slip: float
-    """Lost by the slider in slips, where it has no inertia; in a reset, what the spring releases."""
+    """Energy lost by the slider in slips without inertia; in a reset, the energy released by the spring."""
     viscous: float
-    """Lost by viscous damping."""
+    """Energy dissipated by viscous damping."""
     imbalance: float
-    """Work and strengthening less all the others: 0 but for rounding and the accuracy of the forces."""
+    """Work plus strengthening minus all other terms: 0 except for rounding and the error of the forces."""
 
 
 class Stability(NamedTuple):
-    """What linear stability says of steady sliding at one velocity."""
+    """Linear stability of steady sliding at one velocity."""
 
     critical_stiffness: float
     """K_c(v; M, γ), above which steady sliding is stable; 0 where it always is, inf where it never is."""
     frequency: float
-    """Angular frequency of the oscillation that sets in there, per time; 0: none does; inf: a jump."""
+    """Angular frequency of the oscillation that sets in there, per time; 0: no instability; inf: a jump."""
     growth_rate: float
-    """Rate at which the fastest deviation grows behind the spring of the block, per time; 0: it is stable."""
+    """Growth rate of the fastest growing deviation at the stiffness of the block, per time; 0: stable."""
     growth_frequency: float
     """Its angular frequency, per time."""
 
 
 class Sizes(NamedTuple):
-    """How many events of an ensemble there were of each size: ten bins to a factor of ten, none empty."""
+    """The number of events of an ensemble by size: ten bins per decade, empty bins left out."""
 
     contacts: "NDArray[np.float64]"
     """The number of contacts broken, in the middle of the bin, shape (n,)."""
     events: "NDArray[np.float64]"
     """The number of events, shape (n,)."""
     slip: "NDArray[np.float64]"
-    """The mean way of the slider in such an event, shape (n,), a length."""
+    """The mean slip in such an event, shape (n,), a length."""
     drop: "NDArray[np.float64]"
-    """The mean drop of the force, shape (n,)."""
+    """The mean force drop, shape (n,)."""
 
 
 class Course(NamedTuple):
     """The time course of an inertial slip: arrays of shape (n,)."""
 
     time: "NDArray[np.float64]"
-    """The time since the slider had gone a hundredth of its way."""
+    """The time since the slider had covered a hundredth of its slip."""
     position: "NDArray[np.float64]"
     """The position X of the slider, a length."""
     velocity: "NDArray[np.float64]"
@@ -121,24 +123,24 @@ class Course(NamedTuple):
     force: "NDArray[np.float64]"
     """The friction force F."""
     spring_force: "NDArray[np.float64]"
-    """The force K(X_T - X) of the spring."""
+    """The spring force K(X_T - X)."""
 
 
 class Equilibria(NamedTuple):
-    """Where a slider is in balance: arrays of shape (n,), by rising position."""
+    """Equilibria of a slider: arrays of shape (n,), in order of increasing position."""
 
     drive: "NDArray[np.float64]"
-    """The drive X_T at which it is, a length."""
+    """The load-point displacement X_T, a length."""
     position: "NDArray[np.float64]"
-    """The position X of its bottom, a length."""
+    """The position X of the base, a length."""
     force: "NDArray[np.float64]"
     """The friction force F."""
     stable: "NDArray[np.bool_]"
-    """Whether it stays there when it is pushed."""
+    """Whether the equilibrium is stable."""
 
 
 class Potential(NamedTuple):
-    """The potential of a slider and its contacts at one drive or several."""
+    """The potential energy of a slider and its contacts at one drive or several."""
 
     position: "NDArray[np.float64]"
     """Positions X, shape (n,), a length."""

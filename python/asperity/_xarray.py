@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def dataset(record: "Record") -> "Dataset":
-    """The variables of a record; one that is named like its only dimension is a coordinate."""
+    """The variables of a record; a variable with the name of its only dimension is a coordinate."""
     try:
         from xarray import Dataset
     except ImportError as error:

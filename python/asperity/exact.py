@@ -1,4 +1,4 @@
-"""Closed forms: friction curves, steady states and noise that are known without solving anything.
+"""Closed forms: friction curves, steady states and variances without a numerical solution.
 
 Forces are per total stiffness, F/(N_c⟨k⟩): the mean stretch of the contacts, in the unit of the thresholds.
 """

@@ -16,11 +16,13 @@ use crate::transport::{self, Step, Transport};
 use crate::watch::watched;
 use crate::{error, values};
 
-/// The slip of a slider by its inertia, MẌ = K(X_T - X) - F - γẊ, from the loss of balance to the first arrest.
+/// The slip of a slider with mass, MẌ = K(X_T - X) - F - γẊ, from the loss of stability to the first arrest.
 ///
-/// X_T is held meanwhile; what is left of the swing then dies, and the slider comes to rest in balance.
+/// X_T is fixed during the slip. The remaining oscillation is then damped out, and the slider comes to rest in
+/// equilibrium.
 ///
-/// mass: the mass M, above 0. damping: the viscous damping γ, force per velocity, 0 or above.
+/// mass: the mass M, above 0.
+/// damping: the viscous damping γ, force per velocity, 0 or above.
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Inertial;
 
@@ -59,7 +61,7 @@ impl Inertial {
 
 /// The slip of a slider without mass against a viscous damping, γẊ = K(X_T - X) - F.
 ///
-/// Over contacts without time, at fixed X_T, it ends where "overdamped" does.
+/// Over time-independent contacts, at fixed X_T, it ends where "overdamped" does.
 ///
 /// damping: the viscous damping γ, force per velocity, above 0.
 #[pyclass(frozen, extends = Description, module = "asperity")]
@@ -132,19 +134,23 @@ fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     }
 }
 
-/// A slider block: its top is driven, its bottom is held by contacts, and its shear stiffness K joins them.
+/// A slider block: its top (the load point, at X_T) is driven, its base (at X) is held by contacts, and its
+/// shear stiffness K connects them.
 ///
-/// K(X_T - X) = F(X). Where F falls more steeply than the force of the spring, F' < -K, the slider loses its balance and
-/// slips at fixed X_T (Braun and Peyrard 2008).
+/// K(X_T - X) = F(X). Where F decreases more steeply than the spring force, F' < -K, the slider becomes
+/// unstable and slips at fixed X_T (Braun and Peyrard 2008).
 ///
-/// model: the contacts, a MasterEquation or an Ensemble, or, to be moved in time, a Transport or an Ensemble. stiffness: the stiffness K, force per length, above 0; None or
-/// inf for a rigid slider, which never loses its balance. slip: what happens in a slip:
-/// "reset" where all contacts break and re-form, and the spring is relaxed; "overdamped" where the slider moves to the
-/// next balance, contacts breaking and re-forming on the way; "arrest" where contacts that break stay free until it has
-/// stopped; Damped where it moves against a viscous damping; Inertial where it moves by its mass. slip_fraction: the
-/// share of the contacts of an ensemble that must break at one drive for an event to count as a slip, above 0, up to 1.
+/// model: the contacts: a MasterEquation or an Ensemble, or, for motion in time, a Transport or an Ensemble.
+/// stiffness: the stiffness K, force per length, above 0; None or inf for a rigid slider, which is always
+/// stable.
+/// slip: the slip rule: "reset" if all contacts break and re-form, and the spring is relaxed; "overdamped" if
+/// the slider moves to the next equilibrium while contacts break and re-form; "arrest" if contacts that break
+/// stay detached until it has stopped; Damped for motion against a viscous damping; Inertial for motion with
+/// mass.
+/// slip_fraction: an event is a slip if more than this fraction of the contacts of an ensemble break at one
+/// drive, above 0, up to 1.
 ///
-/// Raises ValueError for values that make no sense, a damping with which a slip would take forever among them.
+/// Raises ValueError for invalid values, including a damping with which a slip would never end.
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Block {
     pub model: Py<Model>,
@@ -189,23 +195,25 @@ impl Block {
         rule(Self::plain(slf).slip, slf.py())
     }
 
-    /// The share of the contacts of an ensemble that must break at one drive for an event to count as a slip.
+    /// An event is a slip if more than this fraction of the contacts of an ensemble break at one drive.
     #[getter]
     fn slip_fraction(slf: &Bound<'_, Self>) -> f64 {
         Self::plain(slf).slip_fraction
     }
 
-    /// Whether steady sliding at a velocity is stable for small deviations, with the stiffness, mass and damping of this
-    /// slider: by the linear response of the contacts of its Transport to a small step.
+    /// Linear stability of steady sliding at a velocity, with the stiffness, mass and damping of this slider, from
+    /// the linear response of the contacts of its Transport to a small displacement step.
     ///
-    /// velocity: the velocity of the top, above 0. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    /// velocity: the velocity of the load point, above 0.
+    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Returns a Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the oscillation
-    /// that sets in there, and the `growth_rate` and `growth_frequency` of the deviation that grows fastest, 0 where it is
-    /// stable. The critical stiffness is right to some 1e-3 of the stiffness of all contacts.
+    /// Returns a Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the
+    /// oscillation that sets in there, and the `growth_rate` and `growth_frequency` of the fastest growing
+    /// deviation, 0 where sliding is stable. The critical stiffness is accurate to some 1e-3 of the stiffness of
+    /// all contacts.
     ///
-    /// Raises ValueError for a rigid slider, one that slips by a word, contacts that are no Transport, and a velocity that is
-    /// not above 0.
+    /// Raises ValueError for a rigid slider, for the slip rules "reset", "overdamped" and "arrest", for a model
+    /// that is not a Transport, and for a velocity that is not above 0.
     #[pyo3(signature = (velocity, *, progress = None))]
     fn stability<'py>(
         slf: &Bound<'py, Self>,
@@ -229,17 +237,20 @@ impl Block {
         values::stability(py, found)
     }
 
-    /// Moves the top of the slider from X_T = 0, or imposes a force, and follows its bottom.
+    /// Moves the load point of the slider from X_T = 0, or imposes a force, and computes the motion of its base.
     ///
-    /// distance: how far it is moved, a length above 0; 20 if nothing else is said. turning_points: positions X_T to
-    /// which it is moved one after the other, back and forth, instead. force_to: the force, above 0, up to which a slider
-    /// of infinite stiffness is pulled whatever its position, instead. points: the number of points of the trace, evenly
-    /// spaced along the drive, both ends included; 2 or more; turning points, and points before and after every slip,
-    /// come on top. velocity: the velocity of the top, above 0, with which the slider is moved in time as by follow; needed
-    /// over a Transport, and over time-dependent contacts. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    /// distance: the load-point displacement, a length above 0; 20 by default.
+    /// turning_points: instead, successive positions X_T of the load point, for driving back and forth.
+    /// force_to: instead, an imposed force, above 0, up to which a slider of infinite stiffness is pulled, whatever
+    /// its position.
+    /// points: the number of points of the trace, evenly spaced along the drive, including both ends; 2 or more;
+    /// turning points, and points before and after every slip, are added.
+    /// velocity: the velocity of the load point, above 0, for motion in time as by follow; required over a
+    /// Transport, and over time-dependent contacts.
+    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Raises ValueError for values that make no sense, MemoryError for results that do not fit or too many point masses,
-    /// RuntimeError where the tolerance is not reached.
+    /// Raises ValueError for invalid values, MemoryError for results that do not fit or too many point masses,
+    /// RuntimeError if the tolerance is not reached.
     #[pyo3(
         signature = (
             distance = None, points = Whole::new(2001), *, velocity = None, turning_points = None, force_to = None,
@@ -275,15 +286,18 @@ impl Block {
         StickSlip::object(slf, &asked, progress)
     }
 
-    /// Moves the top of the slider from balance at t = 0 through steps one after the other, and follows its bottom in time:
-    /// MẌ = K(X_T - X) - F - γẊ.
+    /// Moves the load point of the slider from equilibrium at t = 0 through the steps, one after the other, and
+    /// integrates the motion of its base: MẌ = K(X_T - X) - F - γẊ.
     ///
-    /// The slip must be Damped or Inertial, as something must limit how fast a slip is. A slip is where the bottom is ten times
-    /// as fast as the top, and over an ensemble breaks the share slip_fraction of the contacts.
+    /// The slip rule must be Damped or Inertial, because something must limit the slip velocity. A slip is the
+    /// interval in which the base is more than ten times as fast as the load point; over an ensemble it also breaks
+    /// more than the fraction slip_fraction of the contacts.
     ///
-    /// steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    /// steps: a list of Step.
+    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Raises ValueError for no steps, another slip, a rigid slider, or a MasterEquation, which has one velocity.
+    /// Raises ValueError for no steps, another slip rule, a rigid slider, or a MasterEquation, which has one
+    /// velocity.
     #[pyo3(signature = (steps, *, progress = None))]
     fn follow(
         slf: Bound<'_, Self>,
@@ -293,11 +307,12 @@ impl Block {
         StickSlip::in_time(slf, &transport::protocol(steps)?, progress)
     }
 
-    /// The equilibria X_T(X) = X + F(X)/K of the first loading, before anything slips: drive, position, force, and whether
+    /// The equilibria X_T(X) = X + F(X)/K of the first loading, without slips: drive, position, force, and whether
     /// the slider is stable there, F' + K > 0.
     ///
-    /// distance: how far the bottom is moved, a length above 0; by default 5 mean thresholds. points: the number of
-    /// positions, evenly spaced, both ends included; 2 or more; where the force jumps, its two sides come on top.
+    /// distance: the displacement of the base, a length above 0; by default 5 mean thresholds.
+    /// points: the number of positions, evenly spaced, including both ends; 2 or more; where the force jumps, both
+    /// sides are added.
     #[pyo3(
         signature = (distance = None, points = Whole::new(2001)),
         text_signature = "($self, distance=None, points=2001)"
@@ -311,12 +326,15 @@ impl Block {
         values::equilibria(slf.py(), curve, Self::stiffness(slf))
     }
 
-    /// The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; where it is least, the slider is in balance.
+    /// The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; at its minima the slider is in stable
+    /// equilibrium.
     ///
-    /// drive: a drive X_T, or a list of m of them. distance, points: as for equilibrium. The result has `position` of shape
-    /// (n,) and `energy` of shape (n,) or (m, n).
+    /// drive: a drive X_T, or a list of m of them.
+    /// distance, points: as for equilibrium.
     ///
-    /// Raises ValueError for a rigid slider, which has none.
+    /// The result has `position` of shape (n,) and `energy` of shape (n,) or (m, n).
+    ///
+    /// Raises ValueError for a rigid slider, which has no potential.
     #[pyo3(
         signature = (drive, distance = None, points = Whole::new(2001)),
         text_signature = "($self, drive, distance=None, points=2001)"

@@ -9,12 +9,15 @@ use crate::error;
 use crate::law::{AnyLaw, given};
 use crate::rules::{Ageing, Temperature};
 
-/// Contacts described by their areas A: of stiffness k = modulus √A, they break at the force strength × A.
+/// Contacts described by their areas A: a contact has the stiffness k = modulus √A and breaks at the force
+/// strength × A.
 ///
-/// So a contact breaks at the stretch x_s = (strength/modulus) √A, and k = κ x_s with κ = modulus²/strength.
+/// Its threshold is thus x_s = (strength/modulus) √A, and k = κ x_s with κ = modulus²/strength.
 ///
-/// law: the law of areas, in units of length². modulus: stiffness per root of area, force per length² (ρc² in Braun and
-/// Peyrard 2008), above 0. strength: force per area at which a contact breaks, above 0.
+/// law: the distribution of areas, in units of length².
+/// modulus: stiffness divided by the square root of the area, force per length² (ρc² in Braun and Peyrard
+/// 2008), above 0.
+/// strength: force per area at which a contact breaks, above 0.
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Areas;
 
@@ -27,13 +30,13 @@ impl Areas {
         Ok(Description::new(Plain::Areas(areas)).add_subclass(Self))
     }
 
-    /// The law of areas, in units of length².
+    /// The distribution of areas, in units of length².
     #[getter]
     fn law<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         Plain::Law(Self::plain(slf).law.clone()).object(slf.py())
     }
 
-    /// The stiffness per root of area, force per length².
+    /// The stiffness divided by the square root of the area, force per length².
     #[getter]
     fn modulus(slf: &Bound<'_, Self>) -> f64 {
         Self::plain(slf).modulus
@@ -64,17 +67,22 @@ pub fn areas_arguments(areas: &scenario::Areas, into: &Bound<'_, PyDict>) -> PyR
 
 /// The contacts of an interface: when they break, how stiff they are, how they re-form.
 ///
-/// thresholds: the law P_c of stretches at which contacts break; or areas, from which thresholds and stiffnesses follow.
-/// reforming: the law R of stretches at which they re-form, all at 0 by default.
-/// count: the number N_c of contacts, above 0; 1 gives forces per contact.
-/// stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ of
-/// stiffnesses k = κ x_s that grow with the threshold.
-/// normal_load: the weight carried, a force; with it, results of scenarios have friction coefficients.
-/// temperature: heat that breaks contacts below their thresholds. ageing: how thresholds change with the age of a contact,
-/// thresholds being the law of the newborn. delay: how long a broken contact is free before it re-forms, 0 by default.
-/// Contacts with any of these are time-dependent: what is asked of them needs a velocity.
+/// thresholds: the distribution P_c of the stretches at which contacts break; or areas, from which thresholds
+/// and stiffnesses follow.
+/// reforming: the distribution R of the stretches at which they re-form, by default all at 0.
+/// count: the number N_c of contacts, above 0; with 1, forces are per contact.
+/// stiffness: the stiffness ⟨k⟩ of a contact, force per length, 1 by default; or stiffness_per_threshold, the κ
+/// of stiffnesses k = κ x_s that are proportional to the threshold.
+/// normal_load: the normal load, a force; with it, results of scenarios have friction coefficients.
+/// temperature: thermally activated breaking below the thresholds.
+/// ageing: change of the thresholds with the age of a contact; thresholds is then the distribution of fresh
+/// contacts.
+/// delay: time for which a broken contact is detached before it re-forms, 0 by default.
 ///
-/// Laws may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
+/// Contacts with temperature, ageing or delay are time-dependent: their friction depends on the velocity, which
+/// must be given.
+///
+/// Distributions may be those of asperity, frozen ones of scipy.stats, or samples: see asperity.law.
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Contacts;
 
@@ -114,41 +122,41 @@ impl Contacts {
         Ok(Description::new(Plain::Contacts(contacts)).add_subclass(Self))
     }
 
-    /// The law P_c of stretches at which contacts break; None for contacts described by their areas.
+    /// The distribution P_c of the stretches at which contacts break; None for contacts described by their areas.
     #[getter]
     fn thresholds<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let law = Self::plain(slf).thresholds.clone();
         law.map(|law| Plain::Law(law).object(slf.py())).transpose()
     }
 
-    /// The law R of stretches at which contacts re-form.
+    /// The distribution R of the stretches at which contacts re-form.
     #[getter]
     fn reforming<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         Plain::Law(Self::plain(slf).reforming.clone()).object(slf.py())
     }
 
-    /// The areas from which thresholds and stiffnesses follow, if they do.
+    /// The areas from which thresholds and stiffnesses follow, or None.
     #[getter]
     fn areas<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let areas = Self::plain(slf).areas.clone();
         areas.map(|areas| Plain::Areas(areas).object(slf.py())).transpose()
     }
 
-    /// The heat that breaks contacts below their thresholds, if there is any.
+    /// The temperature of thermally activated breaking, or None.
     #[getter]
     fn temperature<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let temperature = Self::plain(slf).temperature;
         temperature.map(|temperature| Plain::Temperature(temperature).object(slf.py())).transpose()
     }
 
-    /// How thresholds change with the age of a contact, if they do.
+    /// The model of ageing, or None.
     #[getter]
     fn ageing<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let ageing = Self::plain(slf).ageing.clone();
         ageing.map(|ageing| Plain::Ageing(ageing).object(slf.py())).transpose()
     }
 
-    /// How long a broken contact is free before it re-forms.
+    /// The time for which a broken contact is detached before it re-forms.
     #[getter]
     fn delay(slf: &Bound<'_, Self>) -> f64 {
         Self::plain(slf).delay.map_or(0.0, |delay| delay.time)
@@ -160,7 +168,7 @@ impl Contacts {
         Self::plain(slf).count
     }
 
-    /// The weight carried, a force, if it is known.
+    /// The normal load, a force, or None.
     #[getter]
     fn normal_load(slf: &Bound<'_, Self>) -> Option<f64> {
         Self::plain(slf).normal_load

@@ -1,4 +1,4 @@
-//! Between Python's values and those of the core: numbers and arrays, seeds, words, scenarios.
+//! Conversion between values of Python and those of the core: numbers and arrays, seeds, words, scenarios.
 
 use std::num::NonZeroU64;
 
@@ -23,10 +23,10 @@ use crate::description::Description;
 use crate::error::{self, invalid, wrong_type};
 use crate::watch::{report, watched};
 
-/// Values computed between two looks at signals.
+/// Values computed between two checks for signals.
 const PIECE: usize = 64;
 
-/// Tables, lists and objects within each other that a scenario may have; none makes sense with half as many.
+/// Largest allowed nesting depth of tables, lists and objects in a scenario; no valid one reaches half of it.
 const DEPTH: usize = 64;
 
 /// Something of a Python module, looked up once.
@@ -43,7 +43,7 @@ impl Import {
     }
 }
 
-/// The numbers that make sense somewhere.
+/// The valid range of a number.
 pub struct Domain {
     pub low: f64,
     pub high: f64,
@@ -107,7 +107,7 @@ impl<'py> Numbers<'py> {
     }
 }
 
-/// Refuses masked values: what is under a mask is no number that anyone meant.
+/// Refuses masked values, because the number under a mask is not meant as a value.
 fn unmasked(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
     if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
         let depth = deeper(key, depth)?;
@@ -387,7 +387,7 @@ fn within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> 
 fn plain(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<Value>> {
     if let Ok(described) = value.cast::<Description>() {
         let toml = described.get().toml();
-        let refused = || wrong_type(key, "a law, areas, contacts or a slip rule", value);
+        let refused = || wrong_type(key, "a distribution, areas, contacts or a slip rule", value);
         return toml.ok_or_else(refused).map(Some);
     }
     if value.is_instance_of::<PyBool>() {

@@ -1,5 +1,5 @@
-//! What laws, contacts, models and sliders have in common: each is its description in plain values, and so can be compared,
-//! printed, copied with changes, and sent to another process.
+//! What distributions, contacts, models and sliders have in common: each is its description in plain values,
+//! and so can be compared, printed, copied with changes, and sent to another process.
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash as _, Hasher as _};
@@ -14,7 +14,7 @@ use toml::Value;
 use crate::interface::Surface;
 use crate::{block, contacts, ensemble, equation, interface, law, rules, transport};
 
-/// The plain values of a description, as they stand in a scenario.
+/// The plain values of a description, as in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Plain {
@@ -32,7 +32,7 @@ pub enum Plain {
     Surface(Surface),
 }
 
-/// Contacts and how they start.
+/// Contacts and their initial state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Interface {
     pub contacts: Contacts,
@@ -40,7 +40,7 @@ pub struct Interface {
     pub start: Start,
 }
 
-/// How a master equation is solved, and at which velocity, where that matters.
+/// How a master equation is solved, and at which velocity, if it needs one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Solved {
     pub own: scenario::MasterEquation,
@@ -58,7 +58,7 @@ pub struct Slider {
 }
 
 impl Plain {
-    /// The object that is described so.
+    /// The object with this description.
     pub fn object<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.class(py).call((), Some(&self.arguments(py)?))
     }
@@ -80,7 +80,7 @@ impl Plain {
         }
     }
 
-    /// The arguments from which Python makes the same object; those that have their default are left out.
+    /// The arguments from which Python creates the same object, without those that have their default.
     fn arguments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let arguments = PyDict::new(py);
         match self {
@@ -101,7 +101,8 @@ impl Plain {
     }
 }
 
-/// A description in plain values: immutable, equal to those of equal values, printed as the Python that makes it anew.
+/// A description in plain values: immutable, comparable and hashable by its values, and printed as the Python
+/// code that creates it.
 #[pyclass(frozen, subclass, module = "asperity")]
 pub struct Description {
     plain: Plain,
@@ -116,7 +117,7 @@ impl Description {
         &self.plain
     }
 
-    /// As it stands in a scenario, if it has one place there.
+    /// The description as a part of a scenario, if it has a place there.
     pub fn toml(&self) -> Option<Value> {
         let value = match &self.plain {
             Plain::Law(law) => Value::try_from(law),
@@ -142,7 +143,7 @@ impl Description {
 
 #[pymethods]
 impl Description {
-    /// The arguments that make it anew, by name; those that have their default are left out.
+    /// The arguments that create an equal object, by name, without those that have their default.
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.plain.arguments(py)
@@ -195,14 +196,14 @@ impl Description {
     }
 }
 
-/// Name and arguments, laid out by a function of the package.
+/// Name and arguments, formatted by a function of the package.
 fn show(description: &Bound<'_, Description>, layout: &str) -> PyResult<String> {
     let arguments = description.get().plain.arguments(description.py())?;
     let name = description.get_type().name()?;
     description.py().import("asperity._show")?.call_method1(layout, (name, arguments))?.extract()
 }
 
-/// The version that writes pickles, and the only one that they are read by.
+/// The version that writes pickles; only this version reads them.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The description that was pickled.

@@ -19,14 +19,16 @@ use crate::record::Record;
 use crate::transport::{self, Step};
 use crate::watch::watched;
 
-/// Contacts drawn at random and followed one by one: the earthquake-like model.
+/// Random contacts followed one by one (Monte Carlo): the earthquake-like model.
 ///
-/// contacts, initial, start: as for MasterEquation. size: the number of contacts followed; forces are scaled to the
-/// count of the contacts. seed: a whole number below 2^63, for which the numbers are always the same, on any number of
-/// threads, or a numpy.random.Generator, from which one such number is drawn. disorder: "annealed" where a contact that
-/// re-forms gets a new threshold, as the master equation has it; "quenched" where it keeps its own.
+/// contacts, initial, start: as for MasterEquation.
+/// size: the number of simulated contacts; forces are scaled to the count of the contacts.
+/// seed: a whole number below 2^63, which always gives the same numbers, on any number of threads, or a
+/// numpy.random.Generator, from which one such number is drawn.
+/// disorder: "annealed" if a contact that re-forms gets a new threshold, as in the master equation; "quenched"
+/// if it keeps its own.
 ///
-/// Raises ValueError for laws that leave a contact nowhere to be.
+/// Raises ValueError for distributions that leave no possible stretch for a contact.
 #[pyclass(frozen, extends = Model, module = "asperity")]
 pub struct Ensemble {
     pub ensemble: ensemble::Ensemble,
@@ -62,7 +64,7 @@ impl Ensemble {
         Ok(Model::new(plain).add_subclass(Self { ensemble }))
     }
 
-    /// The number of contacts followed.
+    /// The number of simulated contacts.
     #[getter]
     fn size(slf: &Bound<'_, Self>) -> usize {
         Self::plain(slf).size()
@@ -74,20 +76,21 @@ impl Ensemble {
         Self::plain(slf).seed
     }
 
-    /// "annealed" or "quenched".
+    /// The kind of disorder, "annealed" or "quenched".
     #[getter]
     fn disorder(slf: &Bound<'_, Self>) -> &'static str {
         convert::disorder(Self::plain(slf).disorder)
     }
 
-    /// Pulls the slider's bottom from X = 0 to distance, from break to break.
+    /// Displaces the slider's base from X = 0 to distance, from break to break.
     ///
-    /// distance, points, progress: as for MasterEquation.pull. velocity: the velocity of the slider, above 0; needed only
-    /// where contacts are time-dependent. snapshots: a list of m positions, rising, at which the
-    /// stretches are counted. edges: a list of edges of the n bins to count them in, rising; by default even bins up to
-    /// where hardly any contact holds. Ctrl-C stops it.
+    /// distance, points, progress: as for MasterEquation.pull.
+    /// velocity: the velocity of the slider, above 0; required only for time-dependent contacts.
+    /// snapshots: a list of m positions, in increasing order, at which the stretches are counted.
+    /// edges: a list of edges of the n bins of these counts, in increasing order; by default bins of equal width up
+    /// to where hardly any contact holds. Ctrl-C interrupts the computation.
     ///
-    /// Raises ValueError for values that make no sense, MemoryError for results that do not fit.
+    /// Raises ValueError for invalid values, MemoryError for results that do not fit.
     #[pyo3(
         signature = (
             distance = 20.0, points = Whole::new(2001), *, velocity = None, snapshots = None, edges = None,
@@ -130,15 +133,16 @@ impl Ensemble {
         Py::new(py, record.add_subclass(EnsemblePull { ensemble: slf.unbind(), breaks }))
     }
 
-    /// Follows the contacts from t = 0 through steps one after the other.
+    /// Follows the contacts from t = 0 through the steps, one after the other.
     ///
-    /// steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    /// steps: a list of Step.
+    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Returns a Record of variables of shape (n,), n being the points of all steps, shared where steps meet: `time`,
-    /// `position`, `force`, its standard error `force_error`, and `free`, the fraction that is broken and has not yet
-    /// re-formed.
+    /// Returns a Record of variables of shape (n,), with n output points of all steps (steps share the point where
+    /// they meet): `time`, `position`, `force`, its standard error `force_error`, and `free`, the detached
+    /// fraction: contacts that are broken and have not yet re-formed.
     ///
-    /// Raises ValueError for no steps, and for ageing by MeanField, which is no rule for one contact.
+    /// Raises ValueError for no steps, and for ageing by MeanField, which is not a rule for a single contact.
     #[pyo3(signature = (steps, *, progress = None))]
     fn follow(
         slf: &Bound<'_, Self>,
@@ -191,7 +195,7 @@ fn columns(positions: Vec<f64>, snapshots: Snapshots, pull: ensemble::EnsemblePu
     let density = (0..at.len()).flat_map(|i| pull.stretch_density(i..i + 1)).collect();
     let mut record = record::Record::default();
     let along = &["position"];
-    record.push("position", "position X of the slider's bottom", Quantity::Length, along, positions);
+    record.push("position", "position X of the slider's base", Quantity::Length, along, positions);
     record.push("force", "friction force", Quantity::Force, along, pull.force);
     record.push("force_error", "its standard error", Quantity::Force, along, pull.error);
     if at.is_empty() {
@@ -206,10 +210,11 @@ fn columns(positions: Vec<f64>, snapshots: Snapshots, pull: ensemble::EnsemblePu
     record
 }
 
-/// A pull of an ensemble: the friction force with its standard error, and the stretches counted on the way.
+/// A pull of an ensemble: the friction force with its standard error, and counts of the stretches.
 ///
-/// Its variables are `position`, `force` and `force_error`; with snapshots also `snapshot` of shape (m,), `edge` of
-/// shape (n + 1,), their middles `bin` of shape (n,), and `stretch_density` of shape (m, n), per length.
+/// Its variables are `position`, `force` and `force_error`; with snapshots also `snapshot` of shape (m,),
+/// `edge` of shape (n + 1,), the middles `bin` of the bins, of shape (n,), and `stretch_density` of shape (m,
+/// n), per length.
 #[pyclass(frozen, extends = Record, module = "asperity")]
 pub struct EnsemblePull {
     ensemble: Py<Ensemble>,
@@ -224,13 +229,13 @@ impl EnsemblePull {
         self.ensemble.clone_ref(py)
     }
 
-    /// The standard error of the force, shape (points,), from the scatter of single contacts; nan for one contact.
+    /// The standard error of the force, shape (points,), from the variance between contacts; nan for one contact.
     #[getter]
     fn force_error<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.get_item("force_error")
     }
 
-    /// The number of breaks up to the end, those of a relaxed start included.
+    /// The number of breaks up to the end, including those of a relaxed start at X = 0.
     #[getter]
     fn breaks(&self) -> u64 {
         self.breaks

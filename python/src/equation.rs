@@ -18,20 +18,23 @@ use crate::pull::Pull;
 use crate::watch::watched;
 use crate::{error, values};
 
-/// The master equation of contacts and their start.
+/// The master equation of contacts and their initial state.
 ///
-/// ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ for the density Q(x; X) of stretches x, with the hazard P of the
-/// thresholds and the law R of re-formed stretches (O. M. Braun and M. Peyrard, Phys. Rev. Lett. 100, 125501 (2008),
-/// Eq. 5), solved in renewal form.
+/// ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ for the distribution Q(x; X) of stretches x, with the hazard
+/// P of the thresholds and the distribution R of re-formed stretches (O. M. Braun and M. Peyrard, Phys. Rev.
+/// Lett. 100, 125501 (2008), Eq. 5), solved as a renewal equation.
 ///
-/// contacts: the contacts. initial: the law Q_ini of stretches at X = 0, all at 0 by default.
-/// start: "conditional" where contacts hold at X = 0, so that thresholds lie above stretches; "relaxed" where stretches
-/// and thresholds are independent, so that what is above its threshold breaks at once.
-/// velocity: the velocity of the slider, above 0; needed only where contacts are time-dependent, which at X = 0 have age 0.
-/// tolerance: error allowed in the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger error raises
-/// RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` tells what is reached.
+/// contacts: the contacts.
+/// initial: the distribution Q_ini of stretches at X = 0, by default all at 0.
+/// start: "conditional" if contacts hold at X = 0, so that thresholds are above stretches; "relaxed" if
+/// stretches and thresholds are independent, so that contacts above their threshold break at once.
+/// velocity: the velocity of the slider, above 0; required only for time-dependent contacts, which have age 0
+/// at X = 0.
+/// tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger
+/// error raises RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` is the estimated error.
 ///
-/// Raises ValueError for stretches at which no contact survives, and for laws too narrow to be told from a point.
+/// Raises ValueError for stretches at which no contact survives, and for distributions too narrow to be
+/// distinguished from a point mass.
 #[pyclass(frozen, extends = Model, module = "asperity")]
 pub struct MasterEquation {
     pub equation: master::MasterEquation,
@@ -66,26 +69,28 @@ impl MasterEquation {
         Ok(Model::new(plain).add_subclass(equation))
     }
 
-    /// The velocity of the slider, if it has one.
+    /// The velocity of the slider, or None.
     #[getter]
     fn velocity(slf: &Bound<'_, Self>) -> Option<f64> {
         Self::solved(slf).velocity
     }
 
-    /// Error allowed in the force per contact and per ⟨k⟩ × mean threshold; None where 1e-10 is aimed at.
+    /// The allowed error of the force per contact and per ⟨k⟩ × mean threshold; None for the default aim of 1e-10.
     #[getter]
     fn tolerance(slf: &Bound<'_, Self>) -> Option<f64> {
         Self::plain(slf).tolerance
     }
 
-    /// Pulls the slider's bottom from X = 0 to distance.
+    /// Displaces the slider's base from X = 0 to distance.
     ///
-    /// distance: a length above 0. points: the number of positions of `position`, `force` and `breaking_rate`, evenly
-    /// spaced, both ends included; 2 or more. progress: a function that is called with the fraction done now and then,
-    /// or True for a bar (by tqdm). Ctrl-C stops it.
+    /// distance: a length above 0.
+    /// points: the number of positions of `position`, `force` and `breaking_rate`, evenly spaced, including both
+    /// ends; 2 or more.
+    /// progress: a function that is called from time to time with the completed fraction, or True for a progress
+    /// bar (by tqdm). Ctrl-C interrupts the computation.
     ///
-    /// Raises ValueError for values that make no sense, MemoryError for too many point masses or samples, RuntimeError where
-    /// the tolerance is not reached.
+    /// Raises ValueError for invalid values, MemoryError for too many point masses or samples, RuntimeError if the
+    /// tolerance is not reached.
     #[pyo3(
         signature = (distance = 20.0, points = Whole::new(2001), *, progress = None),
         text_signature = "($self, distance=20.0, points=2001, *, progress=None)"
@@ -146,7 +151,7 @@ pub fn arguments(
 
 /// Steady sliding: the solution of the master equation that does not depend on X.
 ///
-/// Q_s(x) = Γ_s S(x) ∫₀ˣ R/S and F_k = N_c⟨k⟩ ∫x Q_s dx; where contacts re-form at 0, F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩)
+/// Q_s(x) = Γ_s S(x) ∫₀ˣ R/S and F_k = N_c⟨k⟩ ∫x Q_s dx. If contacts re-form at 0, F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩)
 /// (Braun and Peyrard 2008, Eqs. 11a and 11d).
 #[pyclass(frozen, module = "asperity")]
 pub struct SteadyState {
@@ -168,15 +173,15 @@ impl SteadyState {
         self.steady.breaking_rate()
     }
 
-    /// The standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c.
+    /// The standard deviation of the force of `size` random contacts, scaled to N_c.
     fn force_std(&self, size: f64) -> PyResult<f64> {
         Ok(self.steady.force_std(convert::contacts("size", size)?))
     }
 
-    /// The density Q_s of stretches, per length.
+    /// The distribution Q_s of stretches, per length.
     ///
-    /// stretches: a list of n stretches, or None for ones close enough to show it. The result has `stretch` and
-    /// `density` of shape (n,), and `atoms`.
+    /// stretches: a list of n stretches, or None for an automatic choice that resolves it. The result has `stretch`
+    /// and `density` of shape (n,), and `atoms`.
     #[pyo3(signature = (stretches = None))]
     fn stretch_density<'py>(
         &self,
@@ -193,8 +198,8 @@ impl SteadyState {
     }
 }
 
-/// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1, φ̂ the Laplace
-/// transform of the breaking density of re-formed contacts.
+/// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), where s_j ≠ 0 are the roots of φ̂(s) = 1 and φ̂ is
+/// the Laplace transform of the breaking density of re-formed contacts.
 #[pyclass(frozen, module = "asperity")]
 pub struct Relaxation {
     relaxation: master::Relaxation,
@@ -208,22 +213,23 @@ impl Relaxation {
         self.relaxation.roots().to_pyarray(py).into_any()
     }
 
-    /// The relaxation length X* = -1/Re s_1, over which the start is forgotten; inf where the force never settles, nan
-    /// where no root is found.
+    /// The relaxation length X* = -1/Re s_1, over which the initial state is forgotten; inf if the force never
+    /// settles, nan if no root is found.
     #[getter]
     fn length(&self) -> f64 {
         self.relaxation.length()
     }
 
-    /// The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. Of time-dependent contacts, x̄
-    /// and σ are those of the ways from birth to rebirth in steady sliding.
+    /// The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. For time-dependent
+    /// contacts, x̄ and σ are the mean and the standard deviation of the displacement between successive formations
+    /// of a contact in steady sliding.
     #[getter]
     fn paper_estimate(&self) -> f64 {
         self.relaxation.paper_estimate()
     }
 
-    /// The position from which the terms left out of `force` are below 1e-12 of N_c⟨k⟩ × the mean life; inf where the
-    /// expansion does not hold.
+    /// The position from which on the neglected terms of `force` are below 1e-12 of N_c⟨k⟩ × the mean life; inf if
+    /// the expansion does not hold.
     #[getter]
     fn valid_from(&self) -> f64 {
         self.relaxation.valid_from()

@@ -1,4 +1,4 @@
-//! Rust errors as Python exceptions: the one place where it is decided which.
+//! Rust errors as Python exceptions: the only place where this is decided.
 
 use std::io::Error as IoError;
 
@@ -21,7 +21,7 @@ pub fn core(error: Error) -> PyErr {
     }
 }
 
-/// A scenario that makes no sense, `ValueError`.
+/// An invalid scenario, `ValueError`.
 pub fn scenario(diagnostic: &input::Diagnostic) -> PyErr {
     let help = diagnostic.help.as_ref().map_or(String::new(), |help| format!(" ({help})"));
     PyValueError::new_err(format!("{diagnostic}{help}"))
@@ -38,8 +38,8 @@ pub fn files(error: output::Error) -> PyErr {
     }
 }
 
-/// Checkpoints: those of something else and damaged ones are `ValueError`, those in the way `FileExistsError`, others
-/// `OSError` of the right kind.
+/// Checkpoints: those of another scenario and damaged ones are `ValueError`, those of an unfinished or running
+/// run `FileExistsError`, others `OSError` of the right kind.
 pub fn checkpoint(error: checkpoint::Error) -> PyErr {
     let text = error.to_string();
     match error {
@@ -51,7 +51,7 @@ pub fn checkpoint(error: checkpoint::Error) -> PyErr {
     }
 }
 
-/// What was expected under `key`, and what came.
+/// What was expected under `key`, and what was found.
 pub fn invalid(key: &str, expected: impl Into<String>, found: impl ToString) -> PyErr {
     core(Error::invalid(key, expected, found))
 }

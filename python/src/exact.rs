@@ -12,9 +12,10 @@ use crate::law::{AnyLaw, built};
 
 /// A friction curve F(X) in closed form, per total stiffness: F/(N_c⟨k⟩), the mean stretch, a length.
 ///
-/// All contacts start and re-form relaxed, at stretch 0, unless the form says otherwise. Positions X are lengths from 0
-/// on, up to where sums would become long. For every density p of thresholds with n-fold convolutions p_n,
-/// F'(X) = 1 - X Σ p_n(X)/n; each form is the sum of this series for one family, and none shares code with the solvers.
+/// All contacts start and re-form at stretch 0, unless the class says otherwise. Positions X are lengths from 0
+/// up to where the sums would become long. For every density p of thresholds with n-fold convolutions p_n,
+/// F'(X) = 1 - X Σ p_n(X)/n. Each closed form is the sum of this series for one family, and none shares code
+/// with the solvers.
 #[pyclass(frozen, subclass, module = "asperity.exact")]
 pub struct ClosedForm {
     form: Box<dyn exact::ClosedForm + Send + Sync>,
@@ -30,7 +31,7 @@ fn checked<F: exact::ClosedForm + Copy + Send + Sync + 'static>(
 
 #[pymethods]
 impl ClosedForm {
-    /// F(X)/(N_c⟨k⟩), a length; after the break where contacts break together.
+    /// F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break.
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.form.reach()), |x| self.form.force(x))
     }
@@ -46,7 +47,7 @@ impl ClosedForm {
         self.form.kinetic_friction()
     }
 
-    /// The maximum F_s/(N_c⟨k⟩) with its position X_s, both lengths; None where F only rises.
+    /// The maximum F_s/(N_c⟨k⟩) with its position X_s, both lengths; None if F only rises.
     #[getter]
     fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let peak = self.form.static_friction();
@@ -60,10 +61,12 @@ impl ClosedForm {
     }
 }
 
-/// Gaussian thresholds, and a Gaussian law of stretches at the start: Fig. 2 of Braun and Peyrard (2008).
+/// Gaussian thresholds, and a Gaussian distribution of initial stretches: Fig. 2 of Braun and Peyrard (2008).
 ///
-/// mean, std: of the thresholds, above 0. initial_mean, initial_std: of the stretches at X = 0, 0 or above. Masses below
-/// 0 are kept, where the laws of the solvers are cut.
+/// mean, std: of the thresholds, above 0.
+/// initial_mean, initial_std: of the stretches at X = 0, 0 or above.
+///
+/// The distributions are not truncated at 0, unlike those of the solvers.
 #[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
 pub struct Gaussian(exact::Gaussian);
 
@@ -76,8 +79,8 @@ impl Gaussian {
         Ok(checked(form)?.add_subclass(Self(form)))
     }
 
-    /// The variance of the stretch of one contact at X, a length²: the force of N_c independent contacts scatters by
-    /// N_c⟨k⟩√(variance/N_c).
+    /// The variance of the stretch of one contact at X, a length²: the force of N_c independent contacts has the
+    /// standard deviation N_c⟨k⟩√(variance/N_c).
     fn variance<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.variance(x))
     }
@@ -106,7 +109,7 @@ impl Gaussian {
     }
 }
 
-/// Thresholds of the same density everywhere from min, 0 or above, to max, above min.
+/// Thresholds uniformly distributed from min, 0 or above, to max, above min.
 #[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
 pub struct Rectangular(exact::Rectangular);
 
@@ -123,9 +126,11 @@ impl Rectangular {
     }
 }
 
-/// Erlang thresholds: sums of `shape` exponential lengths, each of mean 1/rate. shape 1 is the exponential law.
+/// Erlang thresholds: sums of `shape` exponentially distributed lengths, each of mean 1/rate. shape 1 is the
+/// exponential distribution.
 ///
-/// shape: a whole number, 1 or above. rate: per length, above 0.
+/// shape: a whole number, 1 or above.
+/// rate: per length, above 0.
 #[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
 pub struct Erlang(exact::Erlang);
 
@@ -148,7 +153,8 @@ impl Erlang {
     }
 }
 
-/// Identical thresholds: every stretch is (y + X) mod threshold for ever, and nothing relaxes.
+/// Identical thresholds: every stretch is (y + X) mod threshold for ever, with the initial stretch y, and there
+/// is no relaxation.
 ///
 /// threshold: a length above 0.
 #[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
@@ -167,9 +173,9 @@ impl Identical {
     }
 }
 
-/// Quenched thresholds of any law: each contact keeps its own for ever.
+/// Quenched thresholds of any distribution: each contact keeps its own for ever.
 ///
-/// F(X)/(N_c⟨k⟩) = ∫P_c(ξ)(X mod ξ)dξ; the master equation, which is about annealed thresholds, does not describe them.
+/// F(X)/(N_c⟨k⟩) = ∫P_c(ξ)(X mod ξ)dξ. The master equation describes annealed thresholds, so it does not apply.
 #[pyclass(frozen, module = "asperity.exact")]
 pub struct Quenched(exact::Quenched);
 
@@ -180,7 +186,7 @@ impl Quenched {
         Ok(Self(exact::Quenched { thresholds: built(thresholds)? }))
     }
 
-    /// F(X)/(N_c⟨k⟩), a length; after the break where contacts break together.
+    /// F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break.
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.force(x))
     }
@@ -191,23 +197,23 @@ impl Quenched {
         self.0.kinetic_friction()
     }
 
-    /// X_d = x̄²/(√2 πσ), a length: narrow Gaussian thresholds lose step as exp[-(X/X_d)²].
+    /// X_d = x̄²/(√2 πσ), a length: narrow Gaussian thresholds get out of step as exp[-(X/X_d)²].
     #[getter]
     fn dephasing_length(&self) -> f64 {
         self.0.dephasing_length()
     }
 }
 
-/// A share of contacts that no digit of a moment shows.
+/// A fraction of contacts too small to change any digit of a moment.
 const NEGLIGIBLE: f64 = 1e-18;
 
-/// Laws of thresholds and of re-formed stretches.
+/// Distributions of thresholds and of re-formed stretches.
 fn laws(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<(SharedLaw, SharedLaw)> {
     let reforming = reforming.unwrap_or(AnyLaw(scenario::Law::zero()));
     Ok((built(thresholds)?, built(reforming)?))
 }
 
-/// F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, where contacts re-form below all thresholds.
+/// F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, if contacts re-form below all thresholds.
 #[pyfunction]
 #[pyo3(signature = (thresholds, reforming = None))]
 pub fn kinetic_friction(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResult<f64> {
@@ -223,13 +229,13 @@ pub fn kinetic_friction(thresholds: AnyLaw, reforming: Option<AnyLaw>) -> PyResu
     Ok(exact::kinetic_friction(thresholds.as_ref(), reforming.as_ref()))
 }
 
-/// F_k/(N_c κ) = ⟨x_s³⟩/(2⟨x_s⟩), a length², for stiffnesses k = κ x_s, where contacts re-form at 0.
+/// F_k/(N_c κ) = ⟨x_s³⟩/(2⟨x_s⟩), a length², for stiffnesses k = κ x_s, if contacts re-form at 0.
 #[pyfunction]
 pub fn kinetic_friction_per_threshold(thresholds: AnyLaw) -> PyResult<f64> {
     Ok(exact::kinetic_friction_per_threshold(built(thresholds)?.as_ref()))
 }
 
-/// N Var(F/(N_c⟨k⟩)) = ⟨x_s³⟩/(3⟨x_s⟩) - F_k², a length², in steady sliding where contacts re-form at 0.
+/// N Var(F/(N_c⟨k⟩)) = ⟨x_s³⟩/(3⟨x_s⟩) - F_k², a length², in steady sliding if contacts re-form at 0.
 #[pyfunction]
 pub fn steady_variance(thresholds: AnyLaw) -> PyResult<f64> {
     Ok(exact::steady_variance(built(thresholds)?.as_ref()))

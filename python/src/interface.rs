@@ -20,7 +20,7 @@ use crate::result::{self, Result};
 use crate::watch::watched;
 use crate::{description, error, values};
 
-/// An interface whose cells move differently, and how its contacts start.
+/// A deformable interface, and the initial state of its contacts.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Surface {
     pub contacts: description::Interface,
@@ -52,7 +52,8 @@ impl Surface {
         }
     }
 
-    /// Stretches of these contacts in a cell, which know no time, once the interface has been driven so far.
+    /// Stretches of these time-independent contacts in a cell, after the interface has been driven to the given
+    /// drive.
     fn look(
         &self,
         model: scenario::Model,
@@ -86,7 +87,7 @@ impl Surface {
     }
 }
 
-/// What the kinds of interfaces have in common: a drive that moves their top.
+/// What the kinds of interfaces have in common: a drive of their load point.
 #[pyclass(frozen, subclass, extends = Description, module = "asperity")]
 pub struct Deformable;
 
@@ -94,16 +95,20 @@ pub struct Deformable;
 impl Deformable {
     /// Drives the interface from X_T = 0 to distance, from event to event.
     ///
-    /// points: the number of points of the trace, both ends included. velocity: that of the drive, above 0; needed where
-    /// contacts are time-dependent. tolerance: the error allowed in the force of a cell per mean threshold and per stiffness, 1e-10 if
-    /// nothing else is said; where contacts are time-dependent also in a step of a cell, per mean threshold, 1e-4. maps: a list of drives, rising, at which every cell
-    /// is shown; of a chain it is at every point. catalogue_from: the drive from which on events are recorded. progress:
-    /// as for MasterEquation.pull. Ctrl-C stops it.
+    /// points: the number of points of the trace, including both ends.
+    /// velocity: the velocity of the drive, above 0; required for time-dependent contacts.
+    /// tolerance: the allowed error of the force of a cell per mean threshold and per stiffness, 1e-10 by default;
+    /// for time-dependent contacts also the allowed error of a step of a cell, per mean threshold, 1e-4 by default.
+    /// maps: a list of drives, in increasing order, at which the state of every cell is stored; for a chain it is
+    /// also stored at every point.
+    /// catalogue_from: events are recorded from this drive on.
+    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Returns the Result of the scenario that this is: its `events` are the catalogue, its `summary["catalogue"]` says
-    /// how large events are and how long one waits for them. run takes such scenarios, too, and can keep checkpoints.
+    /// Returns the Result of the equivalent scenario: its `events` are the catalogue, and its
+    /// `summary["catalogue"]` describes the distributions of their sizes and intervals. run computes the same
+    /// scenarios and can write checkpoints.
     ///
-    /// Raises ValueError for values that make no sense, or for more than fits in a result file.
+    /// Raises ValueError for invalid values, or for more results than fit in a file.
     #[pyo3(
         signature = (
             distance = 20.0, points = Whole::new(2001), *, velocity = None, tolerance = None, maps = None,
@@ -166,22 +171,30 @@ impl Deformable {
     }
 }
 
-/// Cells of contacts that move together, on a slider that deforms, each connected to the drive by a spring.
+/// A deformable slider (Burridge–Knopoff, or on a half-space): elastically coupled cells of contacts, each
+/// connected to the drive by a spring. The contacts of a cell move together.
 ///
-/// contacts: those of a cell. cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
-/// initial, start: as for MasterEquation. connection: K_0, the stiffness of the spring between a cell and the drive.
-/// neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a half-space
-/// and the side of a cell. edges: "open" or "periodic". loading: "uniform", or "edge" where the drive pulls the first cell
-/// or row alone. slip: "reset", where all contacts of an unstable cell break and re-form, or "overdamped". viscosity: the
-/// drag of a moving cell, force per velocity; with it events take time. Time-dependent contacts need it, with
-/// slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j, and a cell slips while it is ten times as fast as the
-/// drive. disorder: the standard deviation of the scales of
-/// cells, which multiply all lengths of their contacts, drawn from a Gaussian of mean 1 with the seed; or a list of them.
-/// drive_tolerance: how closely the drive at which balance is lost is found, in mean thresholds, without time. size: None where contacts
-/// are so many that they follow the master equation; or the number of contacts in each cell, drawn with the seed and
-/// followed one by one, with slip="overdamped". quenched: whether these keep their thresholds.
+/// contacts: the contacts of a cell.
+/// cells: the length of a chain, such as [1000], or rows and columns, such as [512, 512].
+/// initial, start: as for MasterEquation.
+/// connection: K_0, the stiffness of the spring between a cell and the drive.
+/// neighbours: K_int, the stiffness of the spring between two neighbours; or half_space: the modulus G* of a
+/// half-space and the side of a cell.
+/// edges: "open" or "periodic".
+/// loading: "uniform", or "edge" if the drive pulls only the first cell or row.
+/// slip: the slip rule: "reset", by which all contacts of an unstable cell break and re-form, or "overdamped".
+/// viscosity: the drag on a moving cell, force per velocity; with it events have durations. Time-dependent
+/// contacts require it, with slip="overdamped": η dX_j/dt = K_0 (X_T - X_j) - (AX)_j - F_j; a cell then slips
+/// while it is more than ten times as fast as the drive.
+/// disorder: the standard deviation of the scale factors of cells, which multiply all lengths of their contacts
+/// and are drawn from a Gaussian distribution of mean 1 with the seed; or a list of the scale factors.
+/// drive_tolerance: the accuracy of the drive at which equilibrium is lost, in mean thresholds; not used for
+/// time-dependent contacts.
+/// size: None for cells of many contacts, which follow the master equation; or the number of contacts in each
+/// cell, which are drawn with the seed and followed one by one, with slip="overdamped".
+/// quenched: whether these keep their thresholds.
 ///
-/// Raises ValueError for values that make no sense.
+/// Raises ValueError for invalid values.
 #[pyclass(frozen, extends = Deformable, module = "asperity")]
 pub struct Interface;
 
@@ -242,17 +255,21 @@ impl Interface {
         Ok(Deformable::made(surface)?.add_subclass(Self))
     }
 
-    /// The density of stretches of the contacts of a cell, per length, once the interface has been driven from X_T = 0.
+    /// The distribution of the stretches of the contacts of a cell, per length, after the interface has been driven
+    /// from X_T = 0.
     ///
-    /// cell: its number, along rows. stretches: a list of n stretches. at: the drive, 0 or above. progress: as for
-    /// MasterEquation.pull. The result has `stretch` and `density` of shape (n,), and `atoms`, the stretches at which contacts
-    /// are together.
+    /// cell: its number, counted row by row.
+    /// stretches: a list of n stretches.
+    /// at: the drive, 0 or above.
+    /// velocity: the velocity of the drive, for time-dependent contacts.
+    /// edges: instead of stretches, edges of n bins, n + 1 increasing numbers; only for time-dependent contacts and
+    /// for cells with a size. The density is then the mean in each bin, and `stretch` its middle.
+    /// progress: as for MasterEquation.pull.
     ///
-    /// Where contacts are time-dependent, velocity is that of the drive. There, and where cells have a size, there may be edges of n
-    /// bins instead of stretches, n + 1 numbers that rise: the density is the mean in each bin then, and `stretch` its middle.
-    /// Contacts that are free are not counted. Without bins each of the few contacts of a cell with a size is an atom.
+    /// The result has `stretch` and `density` of shape (n,), and `atoms`, the point masses. Detached contacts are
+    /// not counted. Without bins each of the few contacts of a cell with a size is an atom.
     ///
-    /// Raises ValueError for a number of no cell, and for values that make no sense.
+    /// Raises ValueError for a cell that does not exist, and for invalid values.
     #[pyo3(
         signature = (cell, stretches = None, *, at, velocity = None, edges = None, progress = None),
         text_signature = "($self, cell, stretches=None, *, at, velocity=None, edges=None, progress=None)"
@@ -289,7 +306,7 @@ impl Interface {
     }
 }
 
-/// Where a distribution of stretches is looked at.
+/// Where a distribution of stretches is evaluated.
 enum Looked {
     /// At stretches.
     Stretches(Vec<f64>),
@@ -309,7 +326,7 @@ impl Looked {
         }
     }
 
-    /// The stretches, or the middles of the bins, with what is found of contacts there.
+    /// The stretches, or the middles of the bins, with the density of contacts there.
     fn at(self, portions: &[StretchInterval]) -> asperity::Result<(Vec<f64>, Stretches)> {
         match self {
             Self::Stretches(stretches) => {
@@ -325,7 +342,7 @@ impl Looked {
     }
 }
 
-/// Contacts that are followed one by one, if their number is given.
+/// Contacts followed one by one, if their number is given.
 fn few(size: Option<usize>, seed: u64, quenched: bool) -> PyResult<Option<scenario::Ensemble>> {
     if size.is_none() && quenched {
         let expected = "False without a size: contacts that follow the master equation are annealed";
@@ -335,7 +352,7 @@ fn few(size: Option<usize>, seed: u64, quenched: bool) -> PyResult<Option<scenar
     Ok(size.map(|size| scenario::Ensemble { size: Some(size), seed, disorder }))
 }
 
-/// A standard deviation, or the scales themselves.
+/// A standard deviation, or the scale factors themselves.
 fn scales(disorder: &Bound<'_, PyAny>, seed: u64) -> PyResult<Scales> {
     if let Ok(std) = disorder.extract::<f64>() {
         return Ok(Scales { std: Some(std), seed: Some(seed), ..Scales::default() });
@@ -343,15 +360,19 @@ fn scales(disorder: &Bound<'_, PyAny>, seed: u64) -> PyResult<Scales> {
     Ok(Scales { scale: Some(convert::list("disorder", disorder)?), ..Scales::default() })
 }
 
-/// Contacts coupled one by one, which re-form when the slide is over: the automaton of Olami, Feder and Christensen for
-/// any law of thresholds.
+/// Contacts coupled one by one, which re-form after the slip event: the cellular automaton of Olami, Feder and
+/// Christensen, for any distribution of thresholds.
 ///
-/// contacts: their laws, and the number that they stand for all together. cells: the length of a chain, or rows and
-/// columns. initial, start: as for Ensemble. neighbours, connection: the stiffness of the spring between two neighbours and
-/// of that to the drive; a neighbour gains the share neighbours/(z neighbours + connection) of what a breaking contact lets
-/// go, z being 4, or 2 on a chain. edges: "open" or "periodic". seed, disorder: as for Ensemble.
+/// contacts: the distributions of the contacts; their count is the total number that all cells represent.
+/// cells: the length of a chain, or rows and columns.
+/// initial, start: as for Ensemble.
+/// neighbours: the stiffness of the spring between two neighbours.
+/// connection: the stiffness of the spring to the drive. A neighbour gains the fraction neighbours/(z
+/// neighbours + connection) of the force that a breaking contact releases, with z = 4, or 2 on a chain.
+/// edges: "open" or "periodic".
+/// seed, disorder: as for Ensemble.
 ///
-/// Raises ValueError for values that make no sense.
+/// Raises ValueError for invalid values.
 #[pyclass(frozen, extends = Deformable, module = "asperity")]
 pub struct Lattice;
 
@@ -405,7 +426,7 @@ pub fn class<'py>(surface: &Surface, py: Python<'py>) -> Bound<'py, pyo3::types:
     }
 }
 
-/// The arguments that make an interface.
+/// The arguments that create an interface.
 pub fn arguments(surface: &Surface, into: &Bound<'_, PyDict>) -> PyResult<()> {
     let Surface { contacts, own, ensemble } = surface;
     interface_arguments(contacts, into)?;

@@ -1,4 +1,4 @@
-//! Laws, in the vocabulary of scipy.stats.
+//! Probability distributions, with the method names of scipy.stats.
 
 use asperity::Error;
 use asperity::law::{self, SharedLaw};
@@ -16,21 +16,22 @@ use crate::description::{Description, Plain};
 use crate::watch::{report, watched};
 use crate::{error, values};
 
-/// Draws between two looks at signals.
+/// Random numbers drawn between two checks for signals.
 const PIECE: usize = 1 << 14;
 
-/// A probability law on x ≥ 0: a density, and perhaps point masses.
+/// A probability distribution on x ≥ 0: a density, and possibly point masses.
 ///
-/// Methods have the names they have in scipy.stats. They take a number and return a float, or take anything that NumPy
-/// makes an array of numbers of, and return an array of the same shape. Lengths are in the unit of the parameters.
-/// A law that would have mass below 0 is cut there and renormalised: its parameters are those before the cut, its
-/// mean() and std() those after it. NaN is refused with ValueError, what is not a number with TypeError.
+/// Methods have the names of scipy.stats. They take a number and return a float, or take anything that NumPy
+/// converts to an array of numbers and return an array of the same shape. Lengths are in the unit of the
+/// parameters. A distribution with weight below 0 is truncated at 0 and renormalised: its parameters are those
+/// before truncation, its mean() and std() those after it. NaN raises ValueError; a value that is not a number
+/// raises TypeError.
 #[pyclass(frozen, subclass, extends = Description, module = "asperity")]
 pub struct Law {
     built: SharedLaw,
 }
 
-/// The start of an object for `law`, checked and built.
+/// Creates the base object for `law`, checked and built.
 fn describe(law: scenario::Law) -> PyResult<PyClassInitializer<Law>> {
     let built = law.build().map_err(error::core)?;
     Ok(Description::new(Plain::Law(law)).add_subclass(Law { built }))
@@ -49,22 +50,22 @@ impl Law {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.density(x))
     }
 
-    /// P(ξ ≤ x), with all its digits where it is small.
+    /// The cumulative distribution function P(ξ ≤ x), accurate to all digits also where it is small.
     fn cdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.cumulative(x))
     }
 
-    /// The survival S(x) = P(ξ > x), with all its digits where it is small.
+    /// The survival S(x) = P(ξ > x), accurate to all digits also where it is small.
     fn sf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.survival(x))
     }
 
-    /// ln S(x), right where S itself is too small for a number; -inf where it is 0.
+    /// ln S(x), accurate also where S underflows; -inf where S is 0.
     fn logsf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.ln_survival(x))
     }
 
-    /// The hazard p(x)/S(x), per length: of contacts of stretch x, the share that breaks per length of advance
+    /// The hazard p(x)/S(x), per length: the fraction of contacts of stretch x that break per unit displacement
     /// (Braun and Peyrard 2008, the P(x) of Eq. 3); inf where S is 0.
     fn hazard<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.hazard(x))
@@ -75,14 +76,15 @@ impl Law {
         evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.quantile(q))
     }
 
-    /// The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; right for tiny q, where ppf(1 - q) is not.
+    /// The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; accurate for tiny q, for which ppf(1 -
+    /// q) is not.
     fn isf<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.upper_quantile(q))
     }
 
-    /// Independent draws: a float for size None, an array of shape (size,) or size otherwise.
+    /// Independent random numbers: a float for size None, otherwise an array of shape (size,) or size.
     ///
-    /// The seed is a whole number below 2^63, for which the numbers are always the same, or a numpy.random.Generator,
+    /// The seed is a whole number below 2^63, which always gives the same numbers, or a numpy.random.Generator,
     /// from which one such number is drawn.
     #[pyo3(signature = (size = None, *, seed))]
     fn rvs<'py>(&self, py: Python<'py>, size: Option<Size>, seed: Seed) -> PyResult<Bound<'py, PyAny>> {
@@ -106,17 +108,17 @@ impl Law {
         Ok(array.expect("as many numbers as the shape has").into_pyarray(py).into_any())
     }
 
-    /// The mean of the law after the cut at 0, a length.
+    /// The mean after truncation at 0, a length.
     fn mean(&self) -> f64 {
         self.built.mean()
     }
 
-    /// The standard deviation of the law after the cut at 0, a length.
+    /// The standard deviation after truncation at 0, a length.
     fn std(&self) -> f64 {
         self.built.std()
     }
 
-    /// The raw moment E[ξⁿ] of the law after the cut at 0, n up to 29, in units of lengthⁿ.
+    /// The raw moment E[ξⁿ] after truncation at 0, n up to 29, in units of lengthⁿ.
     fn moment(&self, order: Whole) -> PyResult<f64> {
         let order = order.get("order")?;
         if order > 29 {
@@ -131,7 +133,7 @@ impl Law {
     }
 }
 
-/// A law as an argument: one of asperity, or one that asperity.law makes one of.
+/// A distribution as an argument: one of asperity, or anything that asperity.law converts to one.
 pub struct AnyLaw(pub scenario::Law);
 
 impl<'py> FromPyObject<'_, 'py> for AnyLaw {
@@ -147,7 +149,7 @@ impl<'py> FromPyObject<'_, 'py> for AnyLaw {
     }
 }
 
-/// The law itself.
+/// The distribution itself.
 pub fn built(law: AnyLaw) -> PyResult<SharedLaw> {
     law.0.build().map_err(error::core)
 }
@@ -159,7 +161,7 @@ fn plain(law: &Bound<'_, Law>) -> scenario::Law {
     }
 }
 
-/// The classes of laws, each the start of an object from its own arguments.
+/// The classes of distributions, each created from its own arguments.
 macro_rules! laws {
     ($($(#[doc = $doc:literal])+ $name:ident($($signature:tt)*) { $($argument:ident: $kind:ty),* } => $plain:expr;)+) => {$(
         $(#[doc = $doc])+
@@ -178,50 +180,55 @@ macro_rules! laws {
 }
 
 laws! {
-    /// The bell curve, cut at 0.
+    /// The Gaussian (normal) distribution, truncated at 0.
     ///
-    /// mean: the mean before the cut, 0 or above. std: the standard deviation before the cut, above 0.
+    /// mean: the mean before truncation, 0 or above. std: the standard deviation before truncation, above 0.
     Gaussian(mean, std) { mean: f64, std: f64 } => scenario::Law::Gaussian { mean, std };
-    /// The gamma law of the given mean and standard deviation, both above 0.
+    /// The gamma distribution of the given mean and standard deviation, both above 0.
     Gamma(mean, std) { mean: f64, std: f64 } => scenario::Law::Gamma { mean, std };
-    /// A law whose logarithm is Gaussian, of the given mean and standard deviation (its own), both above 0.
+    /// The lognormal distribution of the given mean and standard deviation (of the variable itself, not of its
+    /// logarithm), both above 0.
     Lognormal(mean, std) { mean: f64, std: f64 } => scenario::Law::Lognormal { mean, std };
-    /// The same density everywhere from min, 0 or above, to max, above min.
+    /// The uniform distribution from min, 0 or above, to max, above min.
     Rectangular(min, max) { min: f64, max: f64 } => scenario::Law::Rectangular { min, max };
-    /// One value only, 0 or above.
+    /// A point mass (delta distribution) at one value, 0 or above.
     Point(at) { at: f64 } => scenario::Law::Point { at };
-    /// The exponential law of the given mean, above 0.
+    /// The exponential distribution of the given mean, above 0.
     Exponential(mean) { mean: f64 } => scenario::Law::Exponential { mean };
-    /// The Weibull law: survival exp(-(x/scale)**shape), both above 0.
+    /// The Weibull distribution, with the survival exp(-(x/scale)**shape); shape and scale are above 0.
     Weibull(shape, scale) { shape: f64, scale: f64 } => scenario::Law::Weibull { shape, scale };
-    /// A measured law: a density given at rising stretches, or samples.
+    /// A measured distribution: a density given at increasing stretches, or samples.
     ///
-    /// stretch, density: lists of equal length, the density linear between them, 0 outside, and normalised.
-    /// samples: a list of values, each as likely; the quantiles are linear between them (numpy.quantile's).
-    /// Either the two or the one are to be given.
+    /// stretch, density: lists of equal length; the density is linear between them, 0 outside, and normalised.
+    /// samples: a list of equally likely values; quantiles are linear between them (as in numpy.quantile).
+    /// Give either stretch and density, or samples.
     Tabulated(*, stretch = None, density = None, samples = None) {
         stretch: Option<Bound<'_, PyAny>>, density: Option<Bound<'_, PyAny>>, samples: Option<Bound<'_, PyAny>>
     } => table(stretch, density, samples)?;
-    /// A density that is a polynomial on each of some cells, as Legendre series, normalised.
+    /// A density that is a polynomial in each of several cells, given as Legendre series and normalised.
     ///
-    /// boundaries: those of the cells, rising from 0 or above. coefficients: for each cell a list of up to 16, c_0 first, of
-    /// the density Σ c_n P_n(t), t from -1 to 1 across the cell. cut: the share of a tail without end that was cut off at
-    /// the last boundary; what hangs on it, such as the relaxation length, is then not told.
+    /// boundaries: the boundaries of the cells, in increasing order from 0 or above.
+    /// coefficients: for each cell a list of up to 16 coefficients c_n, c_0 first, of the density Σ c_n P_n(t),
+    /// with t from -1 to 1 across the cell.
+    /// cut: the probability of an infinite tail that was truncated at the last boundary; quantities that depend on
+    /// this tail, such as the relaxation length, are then nan.
     ///
-    /// asperity.law makes one of any distribution of scipy.stats.
+    /// asperity.law makes a Series from any distribution of scipy.stats.
     Series(boundaries, coefficients, *, cut = 0.0) {
         boundaries: Bound<'_, PyAny>, coefficients: Vec<Bound<'_, PyAny>>, cut: f64
     } => series(&boundaries, &coefficients, cut)?;
-    /// A weighted sum of laws: a list of pairs (weight, law), weights above 0 that sum to 1.
+    /// A mixture: a list of pairs (weight, distribution), with weights above 0 that sum to 1.
     Mixture(components) { components: Vec<(f64, AnyLaw)> } => scenario::Law::Mixture(
         components.into_iter().map(|(weight, law)| Component { weight, law: law.0 }).collect(),
     );
-    /// Thresholds as the drive sees them where every break stretches all other contacts, relaxed at first: of lower mean
-    /// and narrower than law, that of the thresholds, which must have no point mass above 0.
+    /// The distribution of thresholds, renormalised in mean field: every break stretches all other contacts, so
+    /// that contacts break at lower drives. Its mean is lower and it is narrower than law.
     ///
-    /// coupling: κ, the share of its stretch that a contact that breaks passes on to all others together, from 0 to below
-    /// critical_coupling(law). All that has broken by the time that the unbroken are stretched by x has passed on
-    /// κ∫ξ P_c(ξ)dξ, so that the drive has stretched them by X = x - κ∫ξ P_c(ξ)dξ, and P_eff(X) = P_c(x)/(1 - κ x P_c(x)).
+    /// law: the distribution P_c of the thresholds, without point masses above 0.
+    /// coupling: κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to
+    /// below critical_coupling(law). Contacts start at stretch 0. When the unbroken contacts have the stretch x,
+    /// breaks have contributed κ∫ξ P_c(ξ)dξ to it, and the drive X = x - κ∫ξ P_c(ξ)dξ, so that P_eff(X) = P_c(x)/(1
+    /// - κ x P_c(x)).
     Renormalised(law, coupling) { law: AnyLaw, coupling: f64 } => scenario::Law::Renormalised {
         law: Box::new(law.0), coupling,
     };
@@ -255,17 +262,17 @@ fn series(
     })
 }
 
-/// κ_c = 1/max(x P_c(x)), the coupling at which contacts with thresholds of this law break in one avalanche; 0 where some
-/// are identical.
+/// κ_c = 1/max(x P_c(x)), the coupling at which contacts with this distribution of thresholds break in one
+/// avalanche; 0 if some thresholds are identical.
 ///
-/// For a slider of stiffness K over contacts of total stiffness N⟨k⟩ the coupling is κ = N⟨k⟩/(K + N⟨k⟩), and critical
-/// where K is the critical stiffness, for narrow laws.
+/// For a slider of stiffness K over contacts of total stiffness N⟨k⟩ the coupling is κ = N⟨k⟩/(K + N⟨k⟩). For
+/// narrow distributions it is critical when K is the critical stiffness.
 #[pyfunction]
 pub fn critical_coupling(law: AnyLaw) -> PyResult<f64> {
     Ok(law::critical_coupling(built(law)?.as_ref()))
 }
 
-/// The law of a density that is called with arrays of points, as close as rounding lets it be.
+/// The distribution of a density that is called with arrays of points, accurate to rounding.
 #[pyfunction(name = "_resolve")]
 pub fn resolve<'py>(density: &Bound<'py, PyAny>, boundaries: Vec<f64>) -> PyResult<Bound<'py, Series>> {
     let py = density.py();
@@ -287,7 +294,7 @@ pub fn resolve<'py>(density: &Bound<'py, PyAny>, boundaries: Vec<f64>) -> PyResu
     Bound::new(py, describe(plain)?.add_subclass(Series))
 }
 
-/// The class of a law.
+/// The class of a distribution.
 pub fn class<'py>(law: &scenario::Law, py: Python<'py>) -> Bound<'py, PyType> {
     match law {
         scenario::Law::Gaussian { .. } => py.get_type::<Gaussian>(),
@@ -304,7 +311,7 @@ pub fn class<'py>(law: &scenario::Law, py: Python<'py>) -> Bound<'py, PyType> {
     }
 }
 
-/// The arguments of its class that make a law.
+/// The arguments of its class that create a distribution.
 pub fn arguments(law: &scenario::Law, into: &Bound<'_, PyDict>) -> PyResult<()> {
     let numbers =
         |pairs: &[(&str, f64)]| pairs.iter().try_for_each(|(name, value)| into.set_item(name, value));

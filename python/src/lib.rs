@@ -1,6 +1,5 @@
-//! The Python package of asperity: what the core and the runner do, in the words of Python and NumPy.
-//!
-//! Nothing is computed here. What is documented here is what Python shows.
+//! The Python package of asperity: the core and the runner, with the names of Python and NumPy. Nothing is
+//! computed here. The documentation here is what Python shows.
 
 mod block;
 mod contacts;
@@ -70,7 +69,7 @@ mod _core {
     #[expect(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
-    /// Closed forms have the names of laws, in a module of their own.
+    /// Closed forms have the names of distributions, in a module of their own.
     #[pymodule_init]
     fn add_closed_forms(module: &Bound<'_, PyModule>) -> PyResult<()> {
         let py = module.py();

@@ -1,4 +1,4 @@
-//! What the models have in common: contacts, and how they start.
+//! What the models have in common: contacts and their initial state.
 
 use asperity::monitor::{Aside, Monitor};
 use asperity::population::Population;
@@ -40,7 +40,7 @@ pub fn interface_arguments(interface: &Interface, into: &Bound<'_, PyDict>) -> P
     given(into, "start", (*start != scenario::Start::default()).then(|| convert::start(*start)))
 }
 
-/// Contacts and how they start, to be pulled.
+/// Contacts and their initial state.
 #[pyclass(frozen, subclass, extends = Description, module = "asperity")]
 pub struct Model;
 
@@ -90,7 +90,7 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// The number of contacts followed one by one, if they are.
+    /// The number of contacts followed one by one, for an ensemble.
     pub fn size(self) -> Option<usize> {
         match self {
             Self::MasterEquation(..) | Self::Transport(..) => None,
@@ -114,7 +114,8 @@ impl<'a> Solver<'a> {
 }
 
 impl Solver<'_> {
-    /// The contacts at t = 0, to be moved together in time, and what a step of a block over them may be off, a length.
+    /// The contacts at t = 0, to be moved together in time, and the allowed error of a time step of a block over
+    /// them, a length.
     pub fn in_time(self, monitor: &mut dyn Monitor) -> Result<(Box<dyn RateDependentContacts>, f64)> {
         let mean = self.contacts().thresholds.mean();
         match self {
@@ -140,13 +141,13 @@ impl Model {
         Plain::Contacts(Self::plain(slf).contacts.clone()).object(slf.py())
     }
 
-    /// The law Q_ini of stretches at X = 0.
+    /// The distribution Q_ini of stretches at X = 0.
     #[getter]
     fn initial<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         Plain::Law(Self::plain(slf).initial.clone()).object(slf.py())
     }
 
-    /// "conditional" or "relaxed".
+    /// The kind of the initial state, "conditional" or "relaxed".
     #[getter]
     fn start(slf: &Bound<'_, Self>) -> &'static str {
         convert::start(Self::plain(slf).start)

@@ -13,7 +13,8 @@ use crate::record::Record;
 use crate::watch::{detached, watched};
 use crate::{error, values};
 
-/// A pull of the slider's bottom from X = 0, solved by the master equation. Forces are those of all N_c contacts.
+/// A pull: the slider's base is displaced from X = 0, by the master equation. Forces are total forces of all
+/// N_c contacts.
 ///
 /// Called with positions it is F(X): `pull(5.0)`, `pull([1.0, 2.0])`.
 #[pyclass(frozen, extends = Record, module = "asperity")]
@@ -58,14 +59,13 @@ impl Pull {
         self.equation.clone_ref(py)
     }
 
-    /// The fraction of contacts breaking per length at the positions, shape (points,), without those that break
-    /// together.
+    /// The fraction of contacts breaking per length at the positions, shape (points,), without simultaneous breaks.
     #[getter]
     fn breaking_rate<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.get_item("breaking_rate")
     }
 
-    /// Positions at which contacts break together, and the fractions of them that do, each of shape (n,).
+    /// Positions at which contacts break simultaneously, and the fractions that do, each of shape (n,).
     #[getter]
     fn breaking_atoms<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         values::atoms(py, self.pull.breaking_atoms())
@@ -77,8 +77,8 @@ impl Pull {
         self.pull.distance()
     }
 
-    /// The static friction F_s, the highest force of the pull, with its position X_s; None where the force still rises
-    /// at the end, or never falls.
+    /// The static friction F_s, the highest force of the pull, with its position X_s; None if the force still rises
+    /// at the end, or never decreases.
     #[getter]
     fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let peak = detached(py, || self.pull.static_friction());
@@ -91,14 +91,14 @@ impl Pull {
         self.equation.get().equation.steady_state().kinetic_friction()
     }
 
-    /// The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips; inf where the
-    /// force jumps down, 0 where it falls by no more than ten times the tolerance leaves open.
+    /// The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips. It is inf
+    /// where the force jumps down, and 0 if the force decreases by no more than ten times the tolerance.
     #[getter]
     fn critical_stiffness(&self, py: Python<'_>) -> f64 {
         detached(py, || self.pull.critical_stiffness())
     }
 
-    /// The relaxation length X*, over which the start is forgotten; inf where the force never settles, nan where
+    /// The relaxation length X*, over which the initial state is forgotten; inf if the force never settles, nan if
     /// no root is found.
     #[getter]
     fn relaxation_length(&self, py: Python<'_>) -> PyResult<f64> {
@@ -131,10 +131,10 @@ impl Pull {
         evaluate("position", position, &self.positions(), |x| self.pull.breaking_rate(x))
     }
 
-    /// The standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c.
+    /// The standard deviation of the force of `size` random contacts, scaled to N_c.
     ///
     /// at: positions from 0 to the distance, or None for those of `position`. Contacts under a rigid drive are
-    /// independent, so that it is exact.
+    /// independent, so the result is exact.
     #[pyo3(signature = (size, at = None))]
     fn force_std<'py>(
         slf: &Bound<'py, Self>,
@@ -148,11 +148,13 @@ impl Pull {
         evaluate("at", &at, &slf.get().positions(), std)
     }
 
-    /// The density Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
+    /// The distribution Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
     ///
-    /// at: a position, or a list of m of them. stretches: a list of n stretches, or None for ones close enough to show
-    /// the densities. The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, where
-    /// contacts are together, at the position or for each of the list.
+    /// at: a position, or a list of m of them.
+    /// stretches: a list of n stretches, or None for an automatic choice that resolves the distributions.
+    ///
+    /// The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, the point masses at
+    /// the position, or a list of them for a list of positions.
     #[pyo3(signature = (at, stretches = None))]
     fn stretch_density<'py>(
         &self,

@@ -1,4 +1,4 @@
-//! Results as labelled columns, their values arrays of NumPy.
+//! Results as labelled columns, with values in NumPy arrays.
 
 use asperity::record::{self, Quantity, Variable};
 use asperity::scenario::Units;
@@ -18,7 +18,7 @@ struct Column {
     values: Py<PyAny>,
 }
 
-/// Results: a mapping from the names of variables to arrays, which cannot be changed.
+/// Results: a mapping from the names of variables to read-only arrays.
 #[pyclass(frozen, mapping, subclass, module = "asperity")]
 pub struct Record {
     columns: Vec<Column>,
@@ -116,14 +116,14 @@ impl Record {
         self.__getitem__(py, key).ok().or(default)
     }
 
-    /// Positions X of the slider's bottom: an array of shape (n,), a length.
+    /// Positions X of the slider's base: an array of shape (n,), a length.
     #[getter]
     fn position<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.__getitem__(py, "position")
     }
 
-    /// The friction force F at the positions, shape (n,): that of all N_c contacts; where contacts break together, after
-    /// the break.
+    /// The friction force F at the positions, shape (n,): the total force of all N_c contacts; where contacts break
+    /// simultaneously, after the break.
     #[getter]
     fn force<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.__getitem__(py, "force")
@@ -134,10 +134,11 @@ impl Record {
         slf.py().import("asperity._xarray")?.call_method1("dataset", (slf,))
     }
 
-    /// Draws the force along the pull or the drive (of an imposed force, that against the position), the kinetic friction,
-    /// and on a pull the static one, where they are known. Returns the axes. It needs matplotlib.
+    /// Plots the force along the pull or the drive (for an imposed force, the force against the position), with the
+    /// kinetic friction and, for a pull, the static friction, if they are known. Returns the axes. It needs
+    /// matplotlib.
     ///
-    /// ax: axes to draw on; new ones if None. Other arguments go to its plot().
+    /// ax: axes to plot on; new ones if None. Other arguments are passed to its plot().
     #[pyo3(signature = (ax = None, **style))]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
@@ -147,7 +148,7 @@ impl Record {
         slf.py().import("asperity._plot")?.call_method("draw", (slf, ax), style)
     }
 
-    /// Dimensions, name for people and unit of each variable.
+    /// Dimensions, descriptive name and unit of each variable.
     #[getter]
     fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let labels = PyDict::new(py);

@@ -1,4 +1,4 @@
-//! Scenarios computed, and results read back.
+//! Computing scenarios and reading results.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use crate::record::Record;
 use crate::watch::{detached, watched};
 use crate::{convert, error, values};
 
-/// What a scenario gives: a mapping from the names of variables to arrays, and the numbers people quote.
+/// The result of a scenario: a mapping from the names of variables to arrays, with the summary.
 ///
 /// The variables are those of `result.nc`: `position`, `force`, `breaking_rate`, `stretch_density`, …
 #[pyclass(frozen, extends = Record, module = "asperity")]
@@ -24,7 +24,7 @@ pub struct Result {
     summary: Summary,
 }
 
-/// What came of a task, as Python has it.
+/// The result of a task, for Python.
 pub fn object(py: Python<'_>, outcome: Outcome) -> PyResult<Py<Result>> {
     let Outcome { scenario, summary, record } = outcome;
     let record = Record::new(py, record, summary.units.clone())?;
@@ -39,7 +39,7 @@ impl Result {
         &self.scenario
     }
 
-    /// The numbers people quote, as in `summary.json`.
+    /// The summary: static and kinetic friction, relaxation length, …, as in `summary.json`.
     #[getter]
     fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let json = serde_json::to_string(&self.summary).expect("a summary is plain data");
@@ -52,7 +52,7 @@ impl Result {
         &self.summary.title
     }
 
-    /// The static friction F_s with its position X_s; None where the force still rises at the end, or never falls.
+    /// The static friction F_s with its position X_s; None if the force still rises at the end, or never decreases.
     #[getter]
     fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         match self.summary.numbers.friction().map(|friction| friction.static_friction) {
@@ -63,7 +63,7 @@ impl Result {
         }
     }
 
-    /// The kinetic friction F_k, the force of steady sliding; nan where the task has no one velocity.
+    /// The kinetic friction F_k, the force of steady sliding; nan if the task does not have a single velocity.
     #[getter]
     fn kinetic_friction(&self) -> f64 {
         self.friction(|friction| friction.kinetic_friction)
@@ -75,13 +75,13 @@ impl Result {
         self.friction(|friction| friction.critical_stiffness.0)
     }
 
-    /// The relaxation length X*; inf where the force never settles, nan where no root is found.
+    /// The relaxation length X*; inf if the force never settles, nan if no root is found.
     #[getter]
     fn relaxation_length(&self) -> f64 {
         self.friction(|friction| friction.relaxation_length.0)
     }
 
-    /// The events of a slider or an interface; None where the task has none.
+    /// The events of a slider or an interface; None if the task has no events.
     #[getter]
     fn events<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let columns = PyDict::new(slf.py());
@@ -93,9 +93,9 @@ impl Result {
         if columns.is_empty() { Ok(None) } else { values::events(slf.py(), columns).map(Some) }
     }
 
-    /// Writes the folder that `asperity run` would write, but for its pictures; open_result reads it.
+    /// Writes the folder that `asperity run` would write, without figures; open_result reads it.
     ///
-    /// Raises FileExistsError where a folder is in the way that asperity did not make, OSError where the system refuses.
+    /// Raises FileExistsError if there is a folder that asperity did not make, OSError for errors of the system.
     fn save(slf: &Bound<'_, Self>, folder: PathBuf) -> PyResult<()> {
         let Self { scenario, summary } = slf.get();
         let record = slf.as_super().get().copy(slf.py())?;
@@ -105,7 +105,7 @@ impl Result {
 }
 
 impl Result {
-    /// A number that only a pull at one velocity has; nan for other tasks.
+    /// A number that exists only for a pull at one velocity; nan for other tasks.
     fn friction(&self, number: impl Fn(&Friction) -> f64) -> f64 {
         self.summary.numbers.friction().map_or(f64::NAN, number)
     }
@@ -113,18 +113,20 @@ impl Result {
 
 /// Computes a scenario.
 ///
-/// scenario: the path of a file; or the text of one, told by an equals sign in it; or a dictionary of the same keys,
-/// in which laws and contacts may be objects.
-/// overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a law replaces the law that is
-/// there. progress: as for MasterEquation.pull.
-/// folder: where to write the results, as Result.save does. Beside it the drive of an interface can keep what it has come
-/// to: checkpoint: every so many events, or every so often, a datetime.timedelta or a time such as "10min". resume: whether
-/// to go on from the last checkpoint, or to begin where there is none.
-/// The checkpoints are removed once the results are written.
+/// scenario: the path of a file; or the text of a scenario, recognised by an equals sign; or a dictionary of
+/// the same keys, in which distributions and contacts may be objects.
+/// overrides: values by dotted key, such as {"contacts.thresholds.gaussian.std": 0.1}; a distribution replaces
+/// the one in the scenario.
+/// progress: as for MasterEquation.pull.
+/// folder: folder for the results, as for Result.save.
+/// checkpoint: with a folder, checkpoints of the drive of an interface are written next to it: after each
+/// number of events, or after each time interval, a datetime.timedelta or a text such as "10min". They are
+/// removed once the results are written.
+/// resume: whether to continue from the last checkpoint; without one, the run starts at the beginning.
 ///
-/// Raises ValueError for a scenario that makes no sense, with the key, what was expected and what came, and for a
-/// checkpoint of another scenario; OSError for a file that cannot be read, FileExistsError for a checkpoint of a run that
-/// was not finished or is still running; MemoryError for results that do not fit.
+/// Raises ValueError for an invalid scenario, with the key, what was expected and what was found, and for a
+/// checkpoint of another scenario; OSError for a file that cannot be read; FileExistsError for a checkpoint of
+/// a run that was not finished or is still running; MemoryError for results that do not fit.
 #[pyfunction]
 #[pyo3(signature = (scenario, overrides = None, *, progress = None, folder = None, checkpoint = None, resume = false))]
 pub fn run(
@@ -158,7 +160,7 @@ pub fn run(
     object(py, outcome)
 }
 
-/// The checkpoints that are asked for.
+/// The requested checkpoints.
 fn checkpoints(
     scenario: &Scenario,
     folder: &Path,
@@ -173,15 +175,15 @@ fn checkpoints(
     begin(folder, scenario, every).map(Some).map_err(error::checkpoint)
 }
 
-/// Reads what `asperity run` or Result.save wrote.
+/// Reads the folder that `asperity run` or Result.save wrote.
 ///
-/// Raises OSError for a file that cannot be read, ValueError for one that is not what asperity writes.
+/// Raises OSError for a file that cannot be read, ValueError for one that asperity did not write.
 #[pyfunction]
 pub fn open_result(py: Python<'_>, folder: PathBuf) -> PyResult<Py<Result>> {
     object(py, detached(py, || output::read(&folder)).map_err(error::files)?)
 }
 
-/// The text of a scenario, what messages call it, and the folder that its files are relative to.
+/// The text of a scenario, its name in messages, and the folder to which its file paths are relative.
 struct Text {
     text: String,
     name: String,

@@ -1,4 +1,4 @@
-//! What time does to contacts: temperature and ageing.
+//! Time-dependent contacts: temperature and ageing.
 
 use asperity::scenario;
 use pyo3::prelude::*;
@@ -8,13 +8,14 @@ use crate::convert;
 use crate::description::{Description, Plain};
 use crate::law::AnyLaw;
 
-/// Heat: contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
+/// Thermally activated breaking (Kramers): contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
 ///
-/// energy: the temperature T in units of energy (force × length), above 0. attempt_rate: ω, per time, above 0.
-/// barrier: ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²); "bell",
-/// E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
+/// energy: the temperature T in units of energy (force × length), above 0.
+/// attempt_rate: the attempt rate ω, per time, above 0.
+/// barrier: ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²);
+/// "bell", E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
 ///
-/// Values are checked when contacts are made of it.
+/// Values are checked when contacts are made with it.
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Temperature;
 
@@ -38,7 +39,8 @@ impl Temperature {
     }
 }
 
-/// Ageing: thresholds that change with the time a contact has held; Smoluchowski, FrozenRank, Logarithmic or MeanField.
+/// Ageing: thresholds that change with the age of a contact. Its models are Smoluchowski, FrozenRank,
+/// Logarithmic and MeanField.
 #[pyclass(frozen, subclass, extends = Description, module = "asperity")]
 pub struct Ageing;
 
@@ -55,9 +57,11 @@ impl Ageing {
     }
 }
 
-/// Thresholds diffuse in the potential U = −ln P_cf towards the mature law, each for itself.
+/// Thresholds diffuse independently in the potential U = −ln P_cf towards the mature distribution
+/// (Fokker–Planck equation).
 ///
-/// mature: the law P_cf of thresholds that never break. diffusion: D, stretch² per time, above 0.
+/// mature: the distribution P_cf of the thresholds of contacts that never break.
+/// diffusion: the diffusion coefficient D, stretch² per time, above 0.
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct Smoluchowski;
 
@@ -69,9 +73,10 @@ impl Smoluchowski {
     }
 }
 
-/// The law of thresholds matures, and every contact keeps its quantile in it.
+/// The distribution of thresholds matures, and every contact keeps its rank (quantile) in it.
 ///
-/// mature: the law P_cf. time: the time in which it matures, above 0.
+/// mature: the mature distribution P_cf.
+/// time: the time scale of maturing, above 0.
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct FrozenRank;
 
@@ -83,9 +88,10 @@ impl FrozenRank {
     }
 }
 
-/// Every threshold grows by the same fraction for each factor in age t: h = h_0 [1 + growth ln(1 + t/time)].
+/// Every threshold grows with the logarithm of the age t of the contact: h = h_0 [1 + growth ln(1 + t/time)].
 ///
-/// growth: β, 0 or above. time: τ_0, above 0.
+/// growth: β, 0 or above.
+/// time: τ_0, above 0.
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct Logarithmic;
 
@@ -97,10 +103,13 @@ impl Logarithmic {
     }
 }
 
-/// The law of thresholds in steady sliding, by the closed equations for it and the stretches: no rule for one contact.
+/// The distribution of thresholds in steady sliding, from a mean-field closure of the equations for thresholds
+/// and stretches. It is not a rule for a single contact.
 ///
-/// mature: the law P_cf. diffusion: D, stretch² per time, above 0. Not with temperature, an ensemble, or a velocity that
-/// varies.
+/// mature: the mature distribution P_cf.
+/// diffusion: the diffusion coefficient D, stretch² per time, above 0.
+///
+/// It cannot be combined with temperature, an ensemble, or a varying velocity.
 #[pyclass(frozen, extends = Ageing, module = "asperity")]
 pub struct MeanField;
 
@@ -122,7 +131,7 @@ pub fn class<'py>(ageing: &scenario::Ageing, py: Python<'py>) -> Bound<'py, PyTy
     }
 }
 
-/// The arguments that make a temperature.
+/// The arguments that create a temperature.
 pub fn temperature_arguments(temperature: &scenario::Temperature, into: &Bound<'_, PyDict>) -> PyResult<()> {
     into.set_item("energy", temperature.energy)?;
     into.set_item("attempt_rate", temperature.attempt_rate)?;
@@ -134,7 +143,7 @@ pub fn temperature_arguments(temperature: &scenario::Temperature, into: &Bound<'
     into.set_item("barrier", word)
 }
 
-/// The arguments that make a model of ageing.
+/// The arguments that create a model of ageing.
 pub fn ageing_arguments(ageing: &scenario::Ageing, into: &Bound<'_, PyDict>) -> PyResult<()> {
     let law = |law: &scenario::Law| Plain::Law(law.clone()).object(into.py());
     match ageing {

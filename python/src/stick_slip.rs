@@ -1,4 +1,4 @@
-//! A drive of a slider, computed.
+//! The result of a drive of a slider.
 
 use asperity::block::Energy;
 use asperity::scenario::{self, Units};
@@ -14,12 +14,13 @@ use crate::record::Record;
 use crate::watch::watched;
 use crate::{error, values};
 
-/// A drive of a slider: its trace, its slips, and what kind of sliding they make.
+/// The result of a drive of a slider: its trace, its slips, and the regime of sliding.
 ///
-/// Its variables are those of the trace, `drive`, `position`, `force` and `spring_force`, all states of balance; those of
-/// the slips, `event_drive`, `event_drop`, …; for an inertial slip its course, `slip_time`, `slip_position`, …; for an
-/// ensemble the sizes of events, `size`, `size_events`, …. In time the trace has `time`, `velocity` and `free` (the fraction of
-/// contacts that are free), too, and no course and no sizes.
+/// Its variables are those of the trace, `drive`, `position`, `force` and `spring_force`, at states of
+/// equilibrium; those of the slips, `event_drive`, `event_drop`, …; for an inertial slip its time course,
+/// `slip_time`, `slip_position`, …; for an ensemble the sizes of events, `size`, `size_events`, …. For motion
+/// in time the trace also has `time`, `velocity` and `free` (the detached fraction of the contacts), and there
+/// are no time course and no sizes.
 #[pyclass(frozen, extends = Record, module = "asperity")]
 pub struct StickSlip {
     block: Py<Block>,
@@ -28,7 +29,7 @@ pub struct StickSlip {
 }
 
 impl StickSlip {
-    /// Drives a block, and hands out what comes of it.
+    /// Drives a block and returns the result.
     pub fn object(
         block: Bound<'_, Block>,
         asked: &scenario::Drive,
@@ -53,7 +54,7 @@ impl StickSlip {
 }
 
 impl StickSlip {
-    /// Moves the top of a block in time, and hands out what comes of it.
+    /// Moves the load point of a block in time and returns the result.
     pub fn in_time(
         block: Bound<'_, Block>,
         protocol: &scenario::Protocol,
@@ -85,13 +86,13 @@ impl StickSlip {
         self.block.clone_ref(py)
     }
 
-    /// The drive along the trace, shape (n,): the position X_T of the top, a length; or the imposed force.
+    /// The drive along the trace, shape (n,): the load-point displacement X_T, a length; or the imposed force.
     #[getter]
     fn drive<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.get_item("drive")
     }
 
-    /// The force K(X_T - X) of the spring along the trace, shape (n,): F, where the slider is in balance.
+    /// The spring force K(X_T - X) along the trace, shape (n,); it equals F in equilibrium.
     #[getter]
     fn spring_force<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.get_item("spring_force")
@@ -109,9 +110,9 @@ impl StickSlip {
         values::events(slf.py(), columns)
     }
 
-    /// "smooth" without slips; "transient" where slips have ceased; "persistent" where they go on alike; "runaway" where
-    /// the contacts could not carry the imposed force; "undecided" where the drive was too short to tell. It is that of the
-    /// drive since it last turned.
+    /// The regime of sliding: "smooth" without slips; "transient" if slips have ceased; "persistent" if they
+    /// continue with a steady period; "runaway" if the contacts could not carry the imposed force; "undecided" if
+    /// the drive was too short. It refers to the drive since its last reversal.
     #[getter]
     fn regime(&self) -> &'static str {
         convert::regime(self.sliding.regime)
@@ -123,7 +124,8 @@ impl StickSlip {
         &self.sliding.reason
     }
 
-    /// The mean advance of the drive from slip to slip, a length; None unless slips go on alike, as for all such means.
+    /// The mean increase of the drive from one slip to the next, a length; None, as for all such means, unless
+    /// stick-slip is persistent.
     #[getter]
     fn period(&self) -> Option<f64> {
         self.sliding.period
@@ -135,44 +137,45 @@ impl StickSlip {
         self.sliding.mean_drop
     }
 
-    /// The mean way of the slider in a slip, a length.
+    /// The mean slip (displacement of the slider in a slip), a length.
     #[getter]
     fn mean_slip(&self) -> Option<f64> {
         self.sliding.mean_slip
     }
 
-    /// The scatter of the period: the standard deviation of the advances from slip to slip over their mean.
+    /// The relative standard deviation of the period: the standard deviation of the increases of the drive from one
+    /// slip to the next, divided by their mean.
     #[getter]
     fn scatter(&self) -> Option<f64> {
         self.sliding.scatter
     }
 
-    /// Where balance was first lost; None where it never was.
+    /// The state at which the slider first became unstable; None if it never did.
     #[getter]
     fn first_instability<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.sliding.first_instability.map(|place| values::state(py, &place)).transpose()
     }
 
-    /// From where the slider ran away under an imposed force; None where it did not.
+    /// The state from which the slider ran away under an imposed force; None if it did not.
     #[getter]
     fn runaway<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         self.sliding.runaway.map(|place| values::state(py, &place)).transpose()
     }
 
-    /// Where the work of the drive went, from its start to its end (of a runaway, to where it began).
+    /// The energy balance from the start of the drive to its end (for a runaway, to where it began).
     #[getter]
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         values::energy(py, &self.energy)
     }
 
-    /// How many events of each size there were, those too small for a slip among them; None for the master equation.
+    /// The number of events of each size, including those too small for a slip; None for the master equation.
     #[getter]
     fn sizes<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let names = ["size", "size_events", "size_slip", "size_drop"];
         columns(slf, names)?.map(|columns| values::sizes(slf.py(), columns)).transpose()
     }
 
-    /// The time course of the first inertial slip; None where there was none.
+    /// The time course of the first inertial slip; None if there was none.
     #[getter]
     fn slip_course<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let names = ["slip_time", "slip_position", "slip_velocity", "slip_force", "slip_spring_force"];

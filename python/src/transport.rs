@@ -19,14 +19,18 @@ use crate::model::{interface, interface_arguments};
 use crate::record::Record;
 use crate::watch::watched;
 
-/// A step of a way in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
+/// A step of a motion in time: motion at a velocity over a distance or for a duration, a ramp, or a hold.
 ///
-/// velocity: a length per time; above 0 over a distance, 0 or above for a duration. velocity_to: the velocity at the end
-/// of a ramp that begins at velocity and takes a duration, made of so many pieces of constant velocity (64 by default).
-/// hold: a time at rest, instead of all others. points: the number of points of the trace in the step, evenly spaced in
-/// time, both ends included; 2 or more.
+/// velocity: a length per time; above 0 over a distance, 0 or above for a duration.
+/// distance: the displacement in the step.
+/// duration: the time that the step takes.
+/// hold: a time at rest, instead of all others.
+/// velocity_to: the velocity at the end of a ramp that begins at velocity and takes a duration.
+/// points: the number of points of the trace in the step, evenly spaced in time, including both ends; 2 or
+/// more.
+/// pieces: the number of intervals of constant velocity that approximate a ramp, 64 by default.
 ///
-/// Raises ValueError for values that make no sense, or not together.
+/// Raises ValueError for invalid values or combinations.
 #[pyclass(frozen, extends = Description, module = "asperity")]
 pub struct Step;
 
@@ -84,19 +88,19 @@ pub fn protocol(steps: Vec<Bound<'_, Step>>) -> PyResult<scenario::Protocol> {
     Ok(protocol)
 }
 
-/// Steps as the solvers take them: the way, and the times at which to tell of it.
+/// Steps in the form for the solvers: the motion, and the output times.
 pub fn way(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
     let protocol = protocol(steps)?;
     Ok((protocol.build().map_err(error::core)?, protocol.times()))
 }
 
-/// The master equation of contacts under a slider whose velocity varies, contacts born together being followed in time.
+/// The master equation at a varying velocity: cohorts of contacts that formed together are followed in time.
 ///
-/// contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0. tolerance: error allowed in the force
-/// per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; 1e-6 by default, 1e-4 for contacts that age by
-/// Smoluchowski.
+/// contacts, initial, start: as for MasterEquation; the contacts have age 0 at t = 0.
+/// tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; by
+/// default 1e-6, and 1e-4 for ageing by Smoluchowski.
 ///
-/// Raises ValueError for values that make no sense, and for ageing by MeanField, which is no rule for one contact.
+/// Raises ValueError for invalid values, and for ageing by MeanField, which is not a rule for a single contact.
 #[pyclass(frozen, extends = Model, module = "asperity")]
 pub struct Transport {
     pub transport: master::Transport,
@@ -128,16 +132,17 @@ impl Transport {
         Ok(Model::new(plain).add_subclass(transport))
     }
 
-    /// Follows the contacts from t = 0 through steps one after the other.
+    /// Follows the contacts from t = 0 through the steps, one after the other.
     ///
-    /// steps: a list of Step. progress: as for MasterEquation.pull. Ctrl-C stops it.
+    /// steps: a list of Step.
+    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Returns a Record of variables of shape (n,), n being the points of all steps, shared where steps meet: `time`,
-    /// `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of contacts that breaks per
-    /// time), `free` (the fraction that is broken and has not yet re-formed) and `force_error` (an estimate, on the safe side,
-    /// of the largest error of the force, the same at all points).
+    /// Returns a Record of variables of shape (n,), with n output points of all steps (steps share the point where
+    /// they meet): `time`, `position`, `velocity` (from the right), `force`, `breaking_frequency` (the fraction of
+    /// contacts that break per time), `free` (the detached fraction: contacts that are broken and have not yet
+    /// re-formed) and `force_error` (an upper estimate of the largest error of the force, the same at all points).
     ///
-    /// Raises ValueError for no steps, RuntimeError where that error is larger than a tolerance that was given.
+    /// Raises ValueError for no steps, RuntimeError if that error is larger than a given tolerance.
     #[pyo3(signature = (steps, *, progress = None))]
     fn follow(
         slf: &Bound<'_, Self>,
@@ -182,12 +187,12 @@ fn columns(trace: master::Trace) -> record::Record {
     let mut record = record::Record::default();
     let mut add = |name, words, quantity, values| record.push(name, words, quantity, &["point"], values);
     add("time", "time", Quantity::Time, trace.time);
-    add("position", "position X of the slider's bottom", Quantity::Length, trace.position);
+    add("position", "position X of the slider's base", Quantity::Length, trace.position);
     add("velocity", "velocity of the slider", Quantity::Velocity, trace.velocity);
     add("force", "friction force", Quantity::Force, trace.force);
     let words = "fraction of contacts breaking per time";
     add("breaking_frequency", words, Quantity::PerTime, trace.breaking_rate);
-    add("free", "fraction of contacts that are free", Quantity::Number, trace.free);
+    add("free", "fraction of contacts that are detached", Quantity::Number, trace.free);
     let error = vec![trace.error; record.values("time").map_or(0, <[f64]>::len)];
     record.push("force_error", "estimated error of the force", Quantity::Force, &["point"], error);
     record
@@ -198,16 +203,18 @@ pub fn followed(trace: ensemble::EnsembleTrace) -> record::Record {
     let mut record = record::Record::default();
     let mut add = |name, words, quantity, values| record.push(name, words, quantity, &["point"], values);
     add("time", "time", Quantity::Time, trace.time);
-    add("position", "position X of the slider's bottom", Quantity::Length, trace.position);
+    add("position", "position X of the slider's base", Quantity::Length, trace.position);
     add("force", "friction force", Quantity::Force, trace.force);
     add("force_error", "its standard error", Quantity::Force, trace.error);
-    add("free", "fraction of contacts that are free", Quantity::Number, trace.free);
+    add("free", "fraction of contacts that are detached", Quantity::Number, trace.free);
     record
 }
 
 /// Kinetic friction F_k of contacts at velocities: an array for a list of them, a number for a number.
 ///
-/// velocities: numbers above 0, a length per time. Each is a computation of its own; Ctrl-C stops between two.
+/// velocities: numbers above 0, a length per time. Each is a separate computation; Ctrl-C stops between two of
+/// them.
+/// progress: as for MasterEquation.pull.
 ///
 /// Raises ValueError for a velocity that is not above 0.
 #[pyfunction]

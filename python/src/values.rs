@@ -49,13 +49,13 @@ pub fn evolution(py: Python<'_>, at: Vec<f64>, found: Vec<Stretches>) -> PyResul
     STRETCH_DENSITY.get(py)?.call1((row(py, at)?, array(py, &shape, density)?, masses))
 }
 
-/// What linear stability says of steady sliding.
+/// Linear stability of steady sliding.
 pub fn stability(py: Python<'_>, found: LinearStability) -> PyResult<Bound<'_, PyAny>> {
     let LinearStability { critical_stiffness, frequency, growth_rate, growth_frequency } = found;
     STABILITY.get(py)?.call1((critical_stiffness, frequency, growth_rate, growth_frequency))
 }
 
-/// What a variable of a record is.
+/// Dimensions, name and unit of a variable of a record.
 pub fn label<'py>(
     py: Python<'py>,
     dimensions: &[String],
@@ -71,14 +71,14 @@ pub fn state<'py>(py: Python<'py>, place: &SliderState) -> PyResult<Bound<'py, P
     STATE.get(py)?.call1((place.drive, place.position, place.force))
 }
 
-/// The books of a drive.
+/// The energy balance of a drive.
 pub fn energy<'py>(py: Python<'py>, energy: &Energy) -> PyResult<Bound<'py, PyAny>> {
     let Energy { work, spring, elastic, kinetic, strengthening, breaks, slip, viscous } = *energy;
     let imbalance = energy.imbalance();
     ENERGY.get(py)?.call1((work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, imbalance))
 }
 
-/// Where a slider of a stiffness is in balance.
+/// The equilibria of a slider of a given stiffness.
 pub fn equilibria<'py>(py: Python<'py>, curve: Curve, stiffness: f64) -> PyResult<Bound<'py, PyAny>> {
     let (drive, stable) = (curve.drive(stiffness), curve.stable(stiffness));
     let Curve { position, force, .. } = curve;
@@ -99,7 +99,7 @@ pub fn events<'py>(py: Python<'py>, columns: Bound<'py, PyDict>) -> PyResult<Bou
     EVENTS.get(py)?.call1((columns,))
 }
 
-/// How many events there were of each size, from columns.
+/// The number of events of each size, from columns.
 pub fn sizes<'py>(py: Python<'py>, columns: [Bound<'py, PyAny>; 4]) -> PyResult<Bound<'py, PyAny>> {
     SIZES.get(py)?.call1(PyTuple::new(py, columns)?)
 }

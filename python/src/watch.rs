@@ -1,4 +1,4 @@
-//! The watcher of long computations: Ctrl-C and progress, while other Python threads run.
+//! The monitor of long computations: Ctrl-C and progress, while other Python threads run.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use crate::{error, threads};
 
-/// How often Python is asked for signals and told of the progress.
+/// How often Python is checked for signals and informed of the progress.
 const PERIOD: Duration = Duration::from_millis(20);
 
 struct Watch {
@@ -46,8 +46,8 @@ impl Monitor for Watch {
     }
 }
 
-/// Does `work` without holding the interpreter. `progress` is None or False, a function of the fraction done, or True
-/// for a bar.
+/// Runs `work` without holding the interpreter lock. `progress` is None or False, a function of the completed
+/// fraction, or True for a bar.
 pub fn watched<T: Send>(
     progress: Option<Bound<'_, PyAny>>,
     py: Python<'_>,
@@ -68,18 +68,18 @@ pub fn watched<T: Send>(
     }
 }
 
-/// Does `work` without holding the interpreter, in a forked process too.
+/// Runs `work` without holding the interpreter lock, in a forked process too.
 pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
     threads::settle();
     py.detach(work)
 }
 
-/// Asks `monitor` whether to go on after so many of `all`.
+/// Asks `monitor` whether to continue after the given number of `all`.
 pub fn report(monitor: &mut dyn Monitor, done: usize, all: usize) -> Result<()> {
     if monitor.progress(done as f64 / all as f64).is_break() { Err(Error::Stopped) } else { Ok(()) }
 }
 
-/// The function to call with the fraction done, if any.
+/// The function to call with the completed fraction, if any.
 fn listener(wish: Bound<'_, PyAny>) -> PyResult<Option<Py<PyAny>>> {
     let py = wish.py();
     match wish.extract::<Option<bool>>() {

@@ -173,10 +173,10 @@ def test_arguments_that_are_laws_may_be_what_law_takes() -> None:
     ("wrong", "error", "text"),
     [
         (stats.norm, TypeError, "not frozen"),
-        (stats.norm(0.1, 0.025), ValueError, r"share 3.17e-05 below \(Gaussian cuts it\)"),
+        (stats.norm(0.1, 0.025), ValueError, r"fraction 3.17e-05 below \(Gaussian cuts it\)"),
         (stats.halfcauchy(), ValueError, "second moment finite"),
         (stats.norm([1.0, 2.0], 0.1), ValueError, "arrays"),
-        (stats.uniform(-0.5, 1.0), ValueError, "share 0.5 below"),
+        (stats.uniform(-0.5, 1.0), ValueError, "fraction 0.5 below"),
         (stats.poisson(1e6), ValueError, "at most 1000 values"),
         (stats.randint(-1, 3), ValueError, "randint, which begins at -1"),
         ("gaussian", TypeError, "got str"),

@@ -252,7 +252,7 @@ def test_a_run_that_was_stopped_goes_on(tmp_path: Path) -> None:
     with pytest.raises(InterruptedError):
         asp.run(OFC, folder=folder, checkpoint=1000, progress=stop)
     assert not folder.exists()
-    with pytest.raises(FileExistsError, match="not finished"):
+    with pytest.raises(FileExistsError, match="unfinished"):
         asp.run(OFC, folder=folder, checkpoint=1000)
     with pytest.raises(ValueError, match=r"interface.connection = 0.3.*interface.connection = 0.2"):
         asp.run(OFC, {"interface.connection": 0.3}, folder=folder, resume=True)

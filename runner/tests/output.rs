@@ -12,7 +12,7 @@ fn record(seed: u64) -> Record {
     let mut record = Record::default();
     let position: Vec<f64> = (0..40).map(|i| 0.1 * f64::from(i)).collect();
     let force = position.iter().map(|x| (x * (seed as f64 + 0.3)).sin() / 3.0).collect();
-    record.push("position", "position of the slider's bottom", Quantity::Length, &["position"], position);
+    record.push("position", "position of the slider's base", Quantity::Length, &["position"], position);
     record.push("force", "friction force", Quantity::Force, &["position"], force);
     record.push("breaking_rate", "breaking rate", Quantity::PerLength, &["position"], vec![1e-7 / 3.0; 40]);
     record.push("snapshot", "position", Quantity::Length, &["snapshot"], vec![0.0, 20.0]);

@@ -25,13 +25,13 @@ const REPEATS: usize = 9;
 
 const HEAD: &str = "\
 <!-- Written by `make accuracy`: change cli/examples/accuracy instead. -->
-# Accuracy and cost by default
+# Default accuracy and cost
 
-What a pull over five mean thresholds gives where no `master_equation.tolerance` is asked for: the estimated error of
-$F/(N_c\\langle k\\rangle \\bar x)$ that `summary.json` tells as `accuracy`, rounded up to a power of ten, and the cost in units of the
-pull of Gaussian thresholds with a coefficient of variation of 0.05, measured in the same go. Costs are two digits at best and
-depend on the machine; accuracies do not. Of a pull that takes more than 20 000 units, or is
-refused, there is none.
+Each entry is for a pull over five mean thresholds without `master_equation.tolerance`. The first number is the estimated
+error of $F/(N_c\\langle k\\rangle \\bar x)$ (`accuracy` in `summary.json`), rounded up to a power of ten. The second is the cost,
+in units of a pull with Gaussian thresholds of coefficient of variation 0.05, measured in the same run. Costs have at most two
+significant digits and depend on the machine; accuracies do not. There is no entry for a pull that takes more than 20 000
+units or is refused.
 ";
 
 /// What came of a scenario.
@@ -122,8 +122,8 @@ fn head(columns: &[String]) -> String {
 }
 
 fn distributions(maker: &mut Maker) -> String {
-    let mut text = "\n## Distributions of thresholds\n\nBy the coefficient of variation: accuracy, cost. A dash where a \
-                    family has none of that width; of a Gaussian it is that before the part below 0 is cut off.\n\n"
+    let mut text = "\n## Distributions of thresholds\n\nBy the coefficient of variation: accuracy, cost. A dash: no \
+                    member of the family has this width. For the Gaussian it is that before truncation at 0.\n\n"
         .to_owned();
     text += &head(
         &["distribution".to_owned()]
@@ -145,7 +145,8 @@ fn distributions(maker: &mut Maker) -> String {
 
 fn rules(maker: &mut Maker) -> String {
     let mut text =
-        "\n## Rules in time\n\nAt a velocity, in mean thresholds per time 1: accuracy, cost.\n\n".to_owned();
+        "\n## Time-dependent contacts\n\nAt a velocity, in mean thresholds per time 1: accuracy, cost.\n\n"
+            .to_owned();
     text += &head(&["rule", "contacts", "1e-6", "1e-2", "1", "100"].map(str::to_owned));
     for rule in RULES {
         let cells = cases::VELOCITIES.map(|velocity| {

@@ -100,11 +100,11 @@ pub fn section(mut page: Page) -> Page {
         "
 ## Ensemble against master equation
 
-Two answers that share the description of the contacts and nothing else. Below, {SEEDS} ensembles of {SIZE} contacts
-for each interface, each with its own seed and one position X (0.9, 2.3, 5 or 12.7): z is the difference of F to the
-master equation, over the exact standard deviation that the master equation gives for so many contacts. If both are
-right, z is standard normal: mean 0 ± {:.2}, variance 1 ± {:.2} (one standard error). √n D is Kolmogorov's distance to
-the normal law: it exceeds 1.63 in one of 100 right cases, 1.95 in one of 1000.
+The two solvers share only the description of the contacts. The table shows {SEEDS} ensembles of {SIZE} contacts for
+each interface, each with its own seed and one position X (0.9, 2.3, 5 or 12.7). z is the difference of F from the
+master equation, divided by the exact standard deviation that the master equation gives for this number of contacts. If
+both are correct, z is standard normal: mean 0 ± {:.2}, variance 1 ± {:.2} (one standard error). √n D is the Kolmogorov–Smirnov
+distance from the normal distribution: it exceeds 1.63 in one of 100 correct cases, 1.95 in one of 1000.
 ",
         1.0 / (SEEDS as f64).sqrt(),
         (2.0 / SEEDS as f64).sqrt(),
@@ -119,7 +119,7 @@ the normal law: it exceeds 1.63 in one of 100 right cases, 1.95 in one of 1000.
     summary(&mut page, "all", &all);
     page.end();
     all.sort_by(f64::total_cmp);
-    let caption = "All z of the table, in order, against what a standard normal law expects of so many; the line is equality.";
+    let caption = "All z of the table, in order, against the quantiles of the standard normal distribution; the line is equality.";
     page.picture("agreement", caption, &quantiles(&all));
     noise(&mut page);
     page
@@ -174,12 +174,12 @@ fn noise(page: &mut Page) {
     const POSITION: f64 = 5.0;
     page.text(&format!(
         "
-The scatter of F(5) of Fig. 2 between {MEMBERS} ensembles, against the exact finite-N band of the master equation. The
-scatter itself is known to ± {:.0} % (one standard error).
+The standard deviation of F(5) of Fig. 2 between {MEMBERS} ensembles, and the exact one of the master equation. The
+former has a standard error of {:.0} %.
 ",
         100.0 / (2.0 * (MEMBERS - 1) as f64).sqrt()
     ));
-    page.head(&["N", "scatter", "exact", "ratio"]);
+    page.head(&["N", "standard deviation", "exact", "ratio"]);
     let case = &cases()[0];
     let exact = case.solved();
     let (mut points, mut band) = (Vec::new(), Vec::new());
@@ -204,6 +204,6 @@ scatter itself is known to ± {:.0} % (one standard error).
         .with_tick_format(style::powers())
         .with_x_label("Number of contacts N")
         .with_y_label("Standard deviation of F(5)");
-    let caption = "Noise of the force against the number of contacts: ensembles, and the master equation at no cost in N.";
+    let caption = "Standard deviation of the force against the number of contacts: ensembles, and the master equation, whose cost does not depend on N.";
     page.picture("noise", caption, &render_multiple(plots, style::legend_below(layout, legend)));
 }

@@ -17,8 +17,8 @@ pub fn section(mut page: Page) -> Page {
 ## Closed forms
 
 R = $Q_\\mathrm{{ini}}$ = δ, tolerance {}: the largest deviation of F for X ≤ {LAST}, and of the total probability ∫Q dx from 1,
-which is found by a quadrature of its own. The closed forms share no code with the solver. The form for Gaussian
-thresholds keeps their mass below 0, the solver cannot: where σ/x̄ ≥ 0.15 the deviation is that mass and its consequences.
+which is computed by a separate quadrature. The closed forms share no code with the solver. The form for Gaussian
+thresholds keeps their mass below 0, the solver truncates it: for σ/x̄ ≥ 0.15 the deviation is the effect of that mass.
 ",
         small(TOLERANCE)
     ));

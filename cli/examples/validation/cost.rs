@@ -38,18 +38,18 @@ struct Measured {
 pub fn section(mut page: Page, quick: bool) -> Page {
     page.text(
         "
-## Error against cost
+## Error and cost
 
 The paper's Fig. 2: $P_c$ = G(1, 0.05), $Q_\\mathrm{ini}$ = G(0.1, 0.025), R = δ. Errors are against a closed form: contacts that
 all start at stretch y have F in closed form, and F of the figure is its mean over y ≥ 0. The stepping of Eq. (2),
-Q(x; X + ΔX) = Q(x − ΔX; X) − ΔQ₋ + ΔQ₊, is read in four ways:
+Q(x; X + ΔX) = Q(x − ΔX; X) − ΔQ₋ + ΔQ₊, has four variants:
 
 * *shifted*: ΔQ₋ = min(P ΔX, 1) of the shifted Q, nodes at iΔX;
 * *literal*: ΔQ₋ = P ΔX of the Q before the shift, as printed;
 * *survival ratio*: the shifted Q survives by S(x + ΔX)/S(x), cells centred;
 * *upwind*: the differential equation with first-order upwind differences, two steps of X per ΔX.
 
-*Renewal* is the solver of this program, asked for its tolerance; its time includes the lives of the contacts, the
+*Renewal* is the solver of this program with the given tolerance; its time includes the lives of the contacts, the
 solution to X = 20 and F at 1001 positions.
 ",
     );
@@ -89,7 +89,9 @@ fn errors(page: &mut Page, name: &str, step: f64, m: &Measured, force: f64) {
 }
 
 fn costs(page: &mut Page, results: &[Vec<(f64, Measured)>]) {
-    page.text("What they cost: the least time that reaches a largest error, and how many times that of the renewal solver.");
+    page.text(
+        "The cost: the shortest time for a given largest error, and its ratio to that of the renewal solver.",
+    );
     page.head(&["largest error at most", "shifted", "upwind", "survival ratio", "renewal"]);
     for limit in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-10] {
         let least = |results: &[(f64, Measured)]| {
@@ -198,9 +200,9 @@ fn picture(results: &[Vec<(f64, Measured)>]) -> Scene {
 fn unstable(page: &mut Page, exact: &[f64]) {
     page.text(
         "
-The literal reading of Eq. (2) is unstable: in the tail of $P_c$, where P ΔX > 1, more breaks than is there, and Q
-turns negative and grows. Every grid fails within the second cycle, the finest first: it resolves more of the tail.
-Only with the breaking limited to what is there, as in the shifted reading, does Eq. (2) become a method.
+The literal variant of Eq. (2) is unstable: in the tail of $P_c$, where P ΔX > 1, more contacts break than exist, and Q
+becomes negative and grows. Every grid fails within the second cycle, the finest first: it resolves more of the tail.
+Eq. (2) is a usable method only if breaking is limited to the existing contacts, as in the shifted variant.
 ",
     );
     page.head(&["ΔX", "literal: ∣F − exact∣ > 0.1 from X =", "> 10 from X ="]);
@@ -213,7 +215,7 @@ Only with the breaking limited to what is there, as in the shifted reading, does
         page.row(&[small(step), leaves(0.1), leaves(10.0)]);
     }
     page.end();
-    let caption = "F(X) of Fig. 2: closed form, and Eq. (2) with ΔX = 0.01 in three readings. The literal one leaves the picture.";
+    let caption = "F(X) of Fig. 2: closed form, and Eq. (2) with ΔX = 0.01 in three variants. The literal one leaves the range of the plot.";
     page.picture("stepping", caption, &readings(exact));
 }
 
@@ -250,9 +252,9 @@ fn truncation(page: &mut Page, exact: &[f64]) {
     let largest = differences.fold(0.0, f64::max);
     page.text(&format!(
         "
-A Gaussian $Q_\\mathrm{{ini}}$ has Φ(−4) = 3.2e-5 of its mass below 0, which no contact can have. The program leaves it out, as it must; the
-closed form of `exact::Gaussian`, which keeps it, differs from the truth of this figure by up to {}. That is the mass
-below 0 at work, not an error of either; where $Q_\\mathrm{{ini}}$ = δ they agree to rounding (below).
+A Gaussian $Q_\\mathrm{{ini}}$ has Φ(−4) = 3.2e-5 of its mass below 0, which no contact can have. The program truncates it; the
+closed form of `exact::Gaussian`, which keeps it, differs from the exact result for this figure by up to {}. This is the effect
+of the mass below 0, not an error of either; where $Q_\\mathrm{{ini}}$ = δ they agree to rounding (below).
 ",
         small(largest)
     ));

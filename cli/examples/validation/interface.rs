@@ -52,10 +52,10 @@ fn criticals(mut page: Page) -> Page {
         "
 ## Interfaces that deform
 
-Cells of many contacts on a slider that is not stiff ([theory](../theory.md#space)), with relaxed contacts that re-form at
-0. Alike and pulled alike, cells move as one slider on a spring of stiffness K each, which is stable above K_c, found by
-the master equation; in mean field a break stretches all others by the share κ = 1/(1 + K), and κ_c is the most
-without a slip, for as long as contacts break for the first time (at σ = 0.2 some break again).
+Cells of many contacts on a deformable slider ([theory](../theory.md#space)), with contacts that start and
+re-form at stretch 0. Identical cells under uniform loading move as one slider on a spring of stiffness K each, which is
+stable above K_c of the master equation. In mean field a break stretches all others by the fraction κ = 1/(1 + K), and κ_c
+is the largest value without a slip, as long as contacts break for the first time (at σ = 0.2 some break again).
 ",
     );
     page.head(&["σ", "κ_c", "1/κ_c − 1", "K_c"]);
@@ -77,9 +77,9 @@ without a slip, for as long as contacts break for the first time (at σ = 0.2 so
 fn responses(mut page: Page) -> Page {
     page.text(
         "
-What a force of 1 on one cell does to one that is r cells away, all held by springs k: on a chain of 401 cells, and on a
-half-space of 512 × 512 with periodic edges, against what the theory of [coupling](../theory.md#elastic-coupling) says of
-endless ones. The half-space is a lattice of cells, which shows at small r, and has an end, which shows at large ones.
+The displacement of a cell at a distance of r cells from a cell with the force 1, all held by springs k: on a chain of 401
+cells, and on a half-space of 512 × 512 with periodic edges, compared with the theory of [coupling](../theory.md#elastic-coupling) for
+infinite ones. The half-space is a lattice of cells, which matters at small r, and finite, which matters at large r.
 ",
     );
     page.head(&["coupling", "k", "length", "r", "response", "theory"]);
@@ -134,9 +134,9 @@ fn on_half_space(r: f64, modulus: f64, spring: f64) -> f64 {
 fn speeds(mut page: Page) -> Page {
     page.text(
         "
-Fronts on overdamped chains (σ = 0.1, η = 1): each cell is under a constant force f, 40 of 160 cells stand one generation
+Fronts on overdamped chains (σ = 0.1, η = 1): each cell is under a constant force f, 40 of 160 cells are one generation
 of contacts ahead, and slip spreads where f exceeds f_M = 0.51, the force of equal areas. Speeds in cells per time, between
-the 20th and the 60th cell reached, 0 where fewer are. The reference is an integration of its own, good to 1 %.
+the 20th and the 60th cell reached, 0 where fewer are. The reference is an independent integration, accurate to 1 %.
 ",
     );
     page.head(&["K_int", "f − f_M", "speed", "reference"]);
@@ -178,12 +178,12 @@ fn speed(stiffness: f64, above: f64) -> f64 {
 fn books(mut page: Page) -> Page {
     page.text(
         "
-Disordered chains (24 cells, K_int = 4, K_0 = 0.3, scales of σ_s = 0.1), driven to X_T = 4. After each event every cell is
-in balance, and the work of the drive is what is stored and lost: the largest force out of balance on a cell, and the
-largest difference of energies per cell.
+Disordered chains (24 cells, K_int = 4, K_0 = 0.3, scale factors with σ_s = 0.1), driven to X_T = 4. After each event every
+cell is in equilibrium, and the energy is balanced. The table shows the largest residual force on a cell, and the largest
+imbalance of the energies per cell.
 ",
     );
-    page.head(&["slip", "events", "out of balance", "energies"]);
+    page.head(&["slip", "events", "residual force", "energy imbalance"]);
     for (name, slip) in [("overdamped", Slip::Overdamped), ("reset", Slip::Reset)] {
         let (events, force, energy) = balance(slip);
         let within =
@@ -193,9 +193,9 @@ largest difference of energies per cell.
     page.end();
     page.text(
         "
-Tests hold what no table shows: one cell, and cells on a rigid slider, move as a block does; patches that weaken give way
-from the nucleation length on, to 2 %; catalogues are the same on any number of threads, and those of a run that was
-stopped and resumed.
+Tests check further results: one cell, and cells on a rigid slider, move as a block does; weakening patches become unstable
+at the nucleation length, to 2 %; catalogues do not depend on the number of threads, nor on stopping and resuming a
+run.
 ",
     );
     page

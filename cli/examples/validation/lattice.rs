@@ -138,16 +138,17 @@ pub fn section(mut page: Page, quick: bool) -> Page {
 ## Avalanches of contacts coupled one by one
 
 The automaton of [Olami, Feder and Christensen (1992)](https://doi.org/10.1103/PhysRevLett.68.1244): identical contacts
-on an L × L lattice with open edges, r = 0. The number s of breaks in an avalanche has a law P(s) ∝ s^{−(1+B)} up to a
+on an L × L lattice with open edges, r = 0. The number s of breaks in an avalanche has the distribution P(s) ∝ s^{−(1+B)} up to a
 cut-off that grows with L. They found B from 0.2 near the conservative α = 0.25 to 0.9 at α = 0.20, on small
 lattices; [Lise and Paczuski (2001)](https://doi.org/10.1103/PhysRevE.63.036111) find 1 + B to tend to 1.8 as L
 grows, for several α < 0.25, and [Hergarten and Krenn (2011)](https://doi.org/10.5194/npg-18-635-2011) derive 1.775
-from how the perimeters of what breaks grow with its area.
+from the growth of the perimeter of the broken area with the area.
 
-Below, each lattice starts from random stretches and is driven to *X before* first; its catalogue is cut into 16 parts.
-B is fitted by maximum likelihood on the window, from 10 breaks to one for every 16 contacts, short of the cut-off.
-The *error of fit* is that of independent avalanches; the *error by parts* is the standard error as the parts differ.
-*Distance* is Kolmogorov's between fit and catalogue within the window; ⟨s²⟩/⟨s⟩ moves with the cut-off.
+Each lattice starts from random stretches and is first driven to *X before*; its catalogue is divided into 16 parts.
+B is fitted by maximum likelihood on the window, from 10 breaks to one for every 16 contacts, below the cut-off.
+The *error of fit* is that of independent avalanches; the *error by parts* is the standard error from the differences of
+the parts. *Distance* is the Kolmogorov–Smirnov distance between fit and catalogue within the window; ⟨s²⟩/⟨s⟩ is
+proportional to the cut-off.
 
 Every row is held to a band as it is made: the values above, from 0.2 at α = 0.25 and from 0.775 to 0.9 at α = 0.20,
 widened by 0.05 or 0.1, as B moves by up to 0.05 from one L to the next one, twice as large: so far is a fit on such
@@ -184,15 +185,15 @@ shorter catalogues of the smallest lattices to 0.15 to 0.30 and 0.75 to 0.95.
     page.end();
     page.text(
         "
-No exponent has come to rest. At α = 0.25 B rises with L, from 0.21 to 0.26. At α = 0.20 it falls, from the 0.88 of
+No exponent has converged. At α = 0.25 B rises with L, from 0.21 to 0.26. At α = 0.20 it falls, from the 0.88 of
 small lattices, as Olami, Feder and Christensen had them, through the 0.80 that Lise and Paczuski find, to 0.75 at
-L = 512, lower by 0.03 than Hergarten and Krenn's. Chance is not the reason: parts differ by a tenth of that. The window
-grows with L, too, the law is not a pure power on it (where avalanches are many, the distance is far above what chance
-allows), and that the transient of the largest lattice is over has not been shown.
+L = 512, lower by 0.03 than Hergarten and Krenn's. This is not a random effect: parts differ by a tenth of that. The window
+also grows with L; the distribution is not a pure power law in it (for many avalanches, the distance is far above the
+random one); and it has not been shown that the transient of the largest lattice is over.
 ",
     );
     if !quick {
-        let caption = "Share of avalanches of size s, per unit of size, for α = 0.25 (circles) and 0.20 (squares); lines of slope −1.2 and −1.8 are guides.";
+        let caption = "Fraction of avalanches of size s, per unit of size, for α = 0.25 (circles) and 0.20 (squares); lines of slope −1.2 and −1.8 are guides.";
         page.picture("avalanches", caption, &picture(&curves));
     }
     page

@@ -14,9 +14,9 @@ const HEAD: &str = "\
 <!-- Written by `make validation`: change cli/examples/validation instead. -->
 # Validation
 
-How far the numbers can be trusted, and what they cost. `make validation` computes everything on this page; a test
-recomputes all of it but times, the finest grids and most ensembles in time. Lengths are in units of the mean threshold x̄, forces in
-units of N⟨k⟩x̄. Times are CPU seconds on the machine that made this page: compare them with each other.
+The accuracy of the numbers, and their cost. `make validation` computes everything on this page; a test recomputes
+all of it except times, the finest grids and most ensembles in time. Lengths are in units of the mean threshold x̄, forces in
+units of N⟨k⟩x̄. Times are CPU seconds on the machine that made this page; only their ratios are meaningful.
 ";
 
 /// What a page is made of.

@@ -71,8 +71,8 @@ pub fn section(mut page: Page) -> Page {
         "
 ## Relaxation length
 
-How far the slider moves until the memory of its start has faded by e: X* = −1/Re s₁, s₁ the slowest root of
-$\\hat P_c(s)$ = 1, against the width of the law of thresholds. The paper estimates x̄²/σ; narrow laws obey x̄³/(2π²σ²).
+The displacement over which the influence of the initial state decays by e: X* = −1/Re s₁, s₁ the slowest root of
+$\\hat P_c(s)$ = 1, against the width of the distribution of thresholds. The paper estimates x̄²/σ; for narrow ones it is x̄³/(2π²σ²).
 ",
     );
     let names: Vec<String> = FAMILIES.iter().map(|family| format!("{}, X*/x̄", family.0)).collect();
@@ -91,12 +91,12 @@ $\\hat P_c(s)$ = 1, against the width of the law of thresholds. The paper estima
     page.text(&format!(
         "
 The two estimates cross at σ/x̄ = 1/(2π²) = {CROSSING:.4}, and the paper's only figure has σ/x̄ = 0.05: there the estimate
-x̄²/σ says {:.2}, the exact X* is {figure:.2}. The agreement is that of two curves where they cross, and confirms nothing.
-In plain words: halve the width of the thresholds, and the memory of the start lasts not twice but four times as
-long; at σ/x̄ = 0.1 it lasts {:.1} mean thresholds where the paper expects {:.1}, at 0.02 it lasts {:.0} where the paper
-expects {:.0}. Each break adds an independent scatter σ to where a contact stands, so that phases spread like a random
-walk: it takes (x̄/σ)² breaks, not x̄/σ, to lose them. The estimate of the paper is right in scaling for thresholds that
-contacts keep for ever, where the scatter of a contact adds up in step.
+x̄²/σ says {:.2}, the exact X* is {figure:.2}. The agreement is only that of two curves where they cross.
+If the width of the thresholds is halved, the initial state is remembered not twice but four times as
+long; at σ/x̄ = 0.1 it is remembered for {:.1} mean thresholds, where the paper expects {:.1}, at 0.02 it lasts {:.0} where the paper
+expects {:.0}. Each break adds an independent random displacement σ to the phase of a contact, so phases spread like a
+random walk: (x̄/σ)² breaks, not x̄/σ, randomise them. The estimate of the paper has the right scaling for quenched
+thresholds, for which the deviation of a contact is the same in every cycle.
 ",
         paper(0.05),
         length(&gaussian(1.0, 0.1)),
@@ -104,14 +104,14 @@ contacts keep for ever, where the scatter of a contact adds up in step.
         length(&gaussian(1.0, 0.02)),
         paper(0.02),
     ));
-    let caption = "Relaxation length against the coefficient of variation of the thresholds; the dot is the paper's Fig. 2, where its estimate crosses the law of narrow distributions.";
+    let caption = "Relaxation length against the coefficient of variation of the thresholds; the dot is the paper's Fig. 2, where its estimate crosses the result for narrow distributions.";
     page.picture("relaxation", caption, &picture());
     let off = TABLE.map(|cv| gamma(cv).map_or(0.0, |law| (length(&law) / gamma_length(cv) - 1.0).abs()));
     page.text(&format!(
         "
 The gamma column is 1/[λ(1 − cos 2π/m)], m and λ the shape and the rate, to a relative {} throughout the table. The
-transform of the lognormal law cannot be continued to Re s < 0 without a choice; its continued pole rules until, far
-out, the tail takes over.
+analytic continuation of the transform of the lognormal distribution to Re s < 0 is not unique; its continued pole
+determines the relaxation until the tail dominates at large X.
 ",
         below(off.into_iter().fold(0.0, f64::max))
     ));

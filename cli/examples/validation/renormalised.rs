@@ -74,18 +74,18 @@ pub fn section(mut page: Page, quick: bool) -> Page {
         "
 ## Renormalised thresholds
 
-How far mean field goes: 65536 relaxed contacts with Gaussian thresholds, each of which passes on the share κ of what it
-lets go, in equal parts to two neighbours on a chain, to four on a square lattice (edges periodic), or to all others,
-contacts under one slider on a spring. *Distance* is Kolmogorov's, between the measured law of the drives at which contacts
-first break and the law P_c of their thresholds, or P_eff, which [mean field](../theory.md#renormalised-thresholds) makes of
-it; chance alone makes 0.003 of free contacts.
+The accuracy of mean field: 65536 contacts with Gaussian thresholds, at stretch 0 at first. Each transfers the fraction κ of
+the force that it releases, in equal parts to two neighbours on a chain, to four on a square lattice (periodic edges), or to
+all others (contacts under one slider on a spring). *Distance* is the Kolmogorov–Smirnov distance between the measured
+distribution of the drives at which contacts first break and the distribution P_c of their thresholds, or P_eff, which [mean field](../theory.md#renormalised-thresholds) predicts.
+For independent contacts the random distance is 0.003.
 ",
     );
     page.head(&[
         "σ",
         "κ/κ_c",
         "κ",
-        "stretches",
+        "neighbours",
         "mean",
         "std",
         "mean of P_eff",
@@ -113,15 +113,15 @@ it; chance alone makes 0.003 of free contacts.
     page.end();
     page.text(
         "
-Of contacts that stretch all others mean field is exact, but for chance, which grows towards κ_c. Of others it holds as
-long as κ is small against κ_c: at a fifth of it the measured law is nine (two neighbours) and twenty (four) times closer
-to P_eff than to P_c, at two fifths three and seven times, at four fifths hardly at all and twice. While the coupling is
-weak what is missing is about half as much with four neighbours as with two. First breaks are spread wider than in mean
-field and come later: contacts that still hold have neighbours that hold, too.
+For contacts that stretch all others mean field is exact, except for random deviations, which grow towards κ_c. For the
+others it holds as long as κ is small compared with κ_c. At a fifth of it the measured distribution is nine (two neighbours)
+and twenty (four) times closer to P_eff than to P_c, at two fifths three and seven times, at four fifths about as close and
+twice. For weak coupling the deviation with four neighbours is about half of that with two. First breaks have a broader
+distribution than in mean field and occur later: contacts that still hold tend to have neighbours that hold.
 ",
     );
     if !quick {
-        let caption = "First breaks at σ = 0.1 and κ = 0.8 κ_c, of contacts that stretch two neighbours, four, or all others, with the law of their thresholds and the mean field's.";
+        let caption = "First breaks at σ = 0.1 and κ = 0.8 κ_c, of contacts that stretch two neighbours, four, or all others, with the distribution of their thresholds and that of mean field.";
         page.picture("renormalised", caption, &picture(0.1, 0.8));
     }
     cells(page)
@@ -136,9 +136,9 @@ fn cells(mut page: Page) -> Page {
     let alone = critical_coupling(gaussian(1.0, WIDTHS.0).as_ref());
     page.text(&format!(
         "
-Cells of many contacts, with thresholds of σ = {} times a scale of the cell, on springs K_int to their neighbours and
-K_0 = {CONNECTION} N⟨k⟩ to the drive: κ = {coupling:.4}, beyond κ_c = {alone:.4} of a cell alone, below {:.4} of all contacts together.
-Scales have a standard deviation of {}; those of 256 cells are evenly spread over their law, and stand at random places, drawn
+Cells of many contacts, with thresholds of σ = {} times a scale factor of the cell, with springs K_int to their neighbours and
+K_0 = {CONNECTION} N⟨k⟩ to the drive: κ = {coupling:.4}, above κ_c = {alone:.4} of a single cell, below {:.4} of all contacts together.
+Scale factors have a standard deviation of {}; those of 256 cells are evenly spaced quantiles of their distribution at random positions, drawn
 {RUNS} times. P_eff has the mean {:.4} and the standard deviation {:.4}.
 ",
         WIDTHS.0,
@@ -160,8 +160,9 @@ Scales have a standard deviation of {}; those of 256 cells are evenly spread ove
     page.end();
     page.text(
         "
-Stiff cells are one slider, mean field itself but for the tails of the scales, which 256 cells do not have; a chain must be
-stiffer than a lattice for that. Soft cells break one by one, each in a slide, at drives that scatter as their scales do.
+Stiffly coupled cells are one slider, and mean field is exact except for the tails of the scale factors, which 256 cells do
+not have; a chain must be stiffer than a lattice for this. Softly coupled cells break one by one, each in a slip event, at
+drives that scatter as their scale factors do.
 ",
     );
     page

@@ -133,9 +133,9 @@ pub fn section(mut page: Page, quick: bool) -> Page {
         "
 ## A finite number of contacts
 
-The first slip of a slider of stiffness K = {STIFFNESS} over N contacts with Gaussian thresholds, σ = {STD}, relaxed at X = 0:
-{RUNS} ensembles for each rule and each N, less the master equation. Breaks are a random walk on the parabola that
-X + F/K is about X₁, so that the place X₁ where balance is lost scatters as $N^{{-1/3}}$, and the drive there is higher by
+The first slip of a slider of stiffness K = {STIFFNESS} over N contacts with Gaussian thresholds, σ = {STD}, at stretch 0 at X = 0:
+{RUNS} ensembles for each rule and each N, minus the master equation. Near X₁ breaks add a random walk to the parabola
+X + F/K. The position X₁ of the loss of stability therefore scatters as $N^{{-1/3}}$, and the drive there is higher by
 some $N^{{-2/3}}$ than that of the same contacts at the X₁ of the master equation
 ([theory](../theory.md#a-block-of-finite-stiffness)). Multiplied by these powers the columns are the same for all N; ± is one
 standard error.
@@ -162,14 +162,14 @@ standard error.
     page.end();
     page.text(
         "
-With inertia a slip begins earlier: a swing carries the slider over what is left of a barrier, which at X₁ is as high as
-the walk. Under the other rules it begins alike: contacts that break re-form at once, under `arrest` as long as an avalanche is no
-slip. Where a slip ends follows from the drive, and scatters as that does, by
-$N^{-1/2}$; under `arrest` it follows from X₁, too, since contacts that break from there on carry nothing.
+With inertia a slip begins earlier: the oscillation carries the slider over the rest of a barrier, which near X₁ is as
+high as the random walk. With the other rules the beginning is the same: contacts that break re-form at once, with `arrest`
+as long as an avalanche is not a slip. The end of a slip follows from the drive, and scatters as $N^{-1/2}$. With
+`arrest` it also depends on X₁, since contacts that break from there on carry no force.
 ",
     );
     if !quick {
-        let caption = "Scatter of the place where balance is lost (circles) and excess of the drive there (triangles) against the number of contacts, by rule, set apart a little; the lines are a Brownian motion on a parabola.";
+        let caption = "Standard deviation of the position of the loss of stability (circles) and excess of the drive there (triangles) against the number of contacts, by rule, slightly shifted; the lines are the theory of a Brownian motion on a parabola.";
         page.picture("scatter", caption, &picture(&all, scatter, bias));
     }
     page

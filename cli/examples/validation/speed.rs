@@ -19,14 +19,14 @@ const REPEATS: usize = 5;
 pub fn section(mut page: Page) -> Page {
     page.text(
         "
-## What time costs
+## Cost of time dependence
 
 Medians of 5. *Curve*: $F_k$ at 61 velocities over 6 decades to 1e-8, thresholds G(1, 0.1), k x̄²/2T = 10. *Steady*: $F_k$ of
-diffusing thresholds at v = 0.1 to 1e-5. *Step*: these from steady sliding at v = 1 to a tenth of it, 1.7 mean thresholds in all,
-to 1e-4. *Threads* are times of the clock; all others are CPU seconds.
+diffusing thresholds at v = 0.1 to 1e-5. *Step*: these from steady sliding at v = 1 to a tenth of it, over 1.7 mean thresholds,
+to 1e-4. *Threads* are wall-clock times; all others are CPU seconds.
 ",
     );
-    page.head(&["what", "asked", "found"]);
+    page.head(&["what", "required", "measured"]);
     let row = |page: &mut Page, what: &str, asked: &str, found: String| {
         page.timed_row(&[what.into(), asked.into(), found]);
     };
@@ -41,8 +41,8 @@ to 1e-4. *Threads* are times of the clock; all others are CPU seconds.
     let [one, two] = [1, 2].map(|threads| median(|| step(threads)));
     row(&mut page, "step, one thread", "3 s", format!("{one:.2} s"));
     row(&mut page, "step, threads: 2 against 1", "1.7 ×", format!("{:.2} ×", one / two));
-    row(&mut page, "cells a second, diffusion step", "–", small(median(cells)));
-    row(&mut page, "cells a second that memory could feed", "–", small(median(memory)));
+    row(&mut page, "cells per second, diffusion step", "–", small(median(cells)));
+    row(&mut page, "cells per second at memory bandwidth", "–", small(median(memory)));
     page.end();
     page
 }

@@ -97,9 +97,9 @@ pub fn section(mut page: Page, quick: bool) -> Page {
         "
 ## Stick-slip: for how long?
 
-A slider of stiffness K over contacts with Gaussian thresholds, relaxed at X = 0. Above $K_c$ = −min F' it slides
-smoothly. Below, by the rule `overdamped`, it slips a finite number of times; by the rule `arrest` it slips for ever
-below $K_p$ (drops after 40 slips are those after 20 to 1 %), and a finite number of times above.
+A slider of stiffness K over contacts with Gaussian thresholds, at stretch 0 at X = 0. Above $K_c$ = −min F' it slides
+smoothly. Below, with the slip rule `overdamped`, it slips a finite number of times. With the rule `arrest` it slips for
+ever below $K_p$ (drops after 40 slips equal those after 20 to 1 %), and a finite number of times above.
 ",
     );
     let stiffnesses = STIFFNESSES.map(|stiffness| format!("overdamped slips, K = {stiffness}"));
@@ -117,12 +117,12 @@ below $K_p$ (drops after 40 slips are those after 20 to 1 %), and a finite numbe
     page.end();
     page.text(
         "
-The number of slips falls as the square of the width: each round of breaks blurs the phases of the contacts a little,
-and once they are out of step no dip of F is steep enough. [The tutorial on stick-slip](../stick-slip.md) tells why.
+The number of slips decreases as the square of the width: each round of breaks spreads the phases of the contacts,
+and when they are out of step no minimum of F is steep enough. [The page on stick-slip](../stick-slip.md) explains it.
 ",
     );
     if !quick {
-        let caption = "Number of overdamped slips over the width of the thresholds and the stiffness of the slider; above the black line sliding is smooth, below the red one the rule `arrest` slips for ever.";
+        let caption = "Number of overdamped slips over the width of the thresholds and the stiffness of the slider; above the black line sliding is smooth, below the red one stick-slip by the rule `arrest` persists.";
         page.picture("stability", caption, &picture());
     }
     page

@@ -149,12 +149,12 @@ fn friction(page: &mut Page, quick: bool) {
         "
 ## Friction against velocity
 
-$F_k$ of each rule of temperature and of ageing beside {SIZE} contacts followed one by one until steady sliding, and beside
-theory where it gives a number: quadrature with 30 digits for the barriers, closed forms or a fine grid for ageing. Barriers
+$F_k$ for each rule of temperature and of ageing, compared with {SIZE} contacts followed one by one until steady sliding,
+and with theory where there is a reference value: quadrature with 30 digits for the barriers, closed forms or a fine grid for ageing. Barriers
 are those of one threshold 1 with k x̄²/2T = 20, *distributed* that of $P_c$ = G(1, 0.1) with 10; *logarithmic* has $P_c$ = G(1, 0.1),
 β = 0.02, τ₀ = 1; the others mature from G(0.5, 0.1) to G(1, 0.05) in a time of 1. Velocities are in units of x̄ω or x̄ per
-time 1. References of *mean_field* and *frozen_rank* ignore the 2.9e-7 of the newborn law below 0; *mean_field* is no rule for
-one contact and has no ensemble. ± is one standard error.
+time 1. References of *mean_field* and *frozen_rank* ignore the 2.9e-7 of the fresh distribution below 0; *mean_field* is not a
+rule for one contact and has no ensemble. ± is one standard error.
 "
     ));
     page.head(&["rule", "v", "theory", "master equation", "ensemble", "deviation in errors"]);
@@ -175,7 +175,7 @@ one contact and has no ensemble. ± is one standard error.
         }
     }
     page.end();
-    let caption = "Kinetic friction against velocity: master equation (lines) and ensembles (dots). Of thresholds as narrow as these, heat makes fast sliding strong and age makes it weak; thresholds that fluctuate lose again where sliding is slow.";
+    let caption = "Kinetic friction against velocity: master equation (lines) and ensembles (dots). For thresholds as narrow as these, temperature makes friction increase with velocity, and ageing makes it decrease; with thresholds that diffuse it decreases again at low velocity.";
     page.picture("velocity", caption, &picture(drawn, quick));
 }
 
@@ -206,16 +206,16 @@ fn varying(page: &mut Page, quick: bool) {
         "
 ## Velocities that vary
 
-Cohorts of contacts born together, followed by `Transport` to {}, against {MANY} contacts one by one: a slide with steps of
-the velocity to a tenth and to ten times, one with a hold, and one that creeps and slips in turn at velocities a thousand times
-apart. Deviations are in standard errors, at four times in each part of a way. Those of one way have contacts in common, and
-are not independent.
+Cohorts of contacts that formed together, followed by `Transport` to {}, against {MANY} contacts one by one: a motion with velocity
+steps to a tenth and to ten times, one with a hold, and one with alternate creep and slip at velocities a thousand times
+apart. Deviations are in standard errors, at four times in each part of a motion. Those of one motion share contacts, and are
+not independent.
 ",
         small(TOLERANCE)
     ));
     page.head(&[
         "rule",
-        "way",
+        "motion",
         "times",
         "smallest error",
         "largest error",

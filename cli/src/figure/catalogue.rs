@@ -86,7 +86,7 @@ fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     let (low, high) = style::range([heights.as_slice()]);
     let last = points.last()?.0;
     let layout = panel((points[0].0, last), style::heights(low, high))
-        .with_x_label(style::axis(outcome, "Drive X_T", record.get("drive")?))
+        .with_x_label(style::axis(outcome, "Load-point displacement X_T", record.get("drive")?))
         .with_y_label(style::axis(outcome, "Force F", record.get("force")?));
     Some((vec![line(thinned(points), BLUE, 1.2, None)], layout))
 }
@@ -111,7 +111,7 @@ fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout
     };
     let layout = logarithmic((0.7 * first, 1.5 * last), (0.4 * low, 2.5 * high))
         .with_x_label(style::axis(outcome, words, variable))
-        .with_y_label("Share of events per unit");
+        .with_y_label("Fraction of events per unit");
     Some((plots, layout))
 }
 
@@ -132,7 +132,7 @@ fn waiting(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> 
     let steps = (0..=FINE).map(|i| WAITING.0 * (last / WAITING.0).powf(i as f64 / FINE as f64));
     let chance = steps.map(|t| (t, (-t).exp())).filter(|point| point.1 > 0.5 * low).collect();
     let layout = logarithmic((0.7 * points[0].0, 1.5 * last), (0.4 * low, 2.5 * high.max(1.0)))
-        .with_x_label("Drive to the next event, over its mean")
+        .with_x_label("Interval to the next event / mean interval")
         .with_y_label("Density");
     Some((vec![line(chance, GREY, 1.4, Some(DASHES)), scatter(points)], layout))
 }

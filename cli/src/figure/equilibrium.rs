@@ -49,15 +49,15 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let shown = position.partition_point(|&x| x <= end);
     let column = |name| record.values(name).map(|values| &values[..shown]);
     let (position, drive, stable) = (&position[..shown], column("branch_drive")?, column("branch_stable")?);
-    let (mut plots, mut legend) = (Plots::new(), vec![style::line("stable balance", BLUE, None)]);
+    let (mut plots, mut legend) = (Plots::new(), vec![style::line("stable equilibrium", BLUE, None)]);
     if stable.contains(&0.0) {
-        legend.push(style::line("unstable balance", GREY, Some(DASHES)));
+        legend.push(style::line("unstable equilibrium", GREY, Some(DASHES)));
     }
     if let Some(slip) = first_slip(record) {
         plots.extend(excess(position, drive, slip));
         plots.push(line(vec![(slip.from, slip.drive), (slip.to, slip.drive)], RED, 2.0, None));
         legend.push(style::line("first slip", RED, None));
-        legend.push(style::area("spring force above this friction, over K", "#F6D5C4"));
+        legend.push(style::area("(spring force − friction)/K", "#F6D5C4"));
     }
     for run in stable.chunk_by(|a, b| a == b).scan(0, |from, run| {
         *from += run.len();
@@ -74,7 +74,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         .with_x_label(style::axis(outcome, "Position X", record.get("branch_position")?))
         .with_y_label(style::axis(
             outcome,
-            "Drive X_T in balance, first loading",
+            "Load-point displacement X_T, first loading",
             record.get("branch_drive")?,
         ));
     Some(render_multiple(plots, style::legend_below(layout, legend)))

@@ -51,8 +51,9 @@ fn healing(outcome: &Outcome, hold: &[f64], plots: &mut Plots, legend: &mut Vec<
         let fitted = (0..=POINTS).map(time).map(|t| (t, force(t))).collect();
         plots.push(line(fitted, GREY, 1.4, Some(DASHES)));
         let time = outcome.summary.units.label(Quantity::Time);
-        let from =
-            read.healing_cutoff.map(|cutoff| format!(" from {} on", style::with_unit(cutoff.value, &time)));
+        let from = read
+            .healing_cutoff
+            .map(|cutoff| format!(", cutoff time {}", style::with_unit(cutoff.value, &time)));
         let words = format!(
             "healing {} per decade{}",
             style::with_unit(slope.value, &unit),

@@ -32,7 +32,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         (x, at_slip[row])
     };
     for (x, color, shape, words) in [
-        (slip.from, BLACK, MarkerShape::Circle, "balance lost"),
+        (slip.from, BLACK, MarkerShape::Circle, "loss of stability"),
         (slip.to, RED, MarkerShape::TriangleDown, "first rest"),
     ] {
         let marker = ScatterPlot::new().with_data([place(x)]).with_color(color).with_size(5.0);

@@ -30,7 +30,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     ];
     let legend = vec![
         style::marker(style::sized_ensemble(outcome), ORANGE, MarkerShape::Circle),
-        style::line("slope −5/2: mean field, swept up to instability", GREY, Some(DASHES)),
+        style::line("slope −5/2: mean field, integrated up to instability", GREY, Some(DASHES)),
     ];
     let layout = style::layout((0.8 * first.0, 2.0 * last), (0.5 * low, 2.0 * high)).with_log_scale();
     let layout = style::titled(layout, &outcome.summary.title)

@@ -75,7 +75,7 @@ fn forces(outcome: &Outcome, cells: usize, ends: (f64, f64)) -> Option<(Plots, L
     plots.extend(spans(record, cells).into_iter().map(|span| line(span, BLACK, 1.2, None)));
     let layout = panel((0.0, cells as f64), (0.0, last)).with_x_label("Cell").with_y_label(style::axis(
         outcome,
-        "Drive X_T",
+        "Load-point displacement X_T",
         record.get("drive")?,
     ));
     Some((plots, layout))
@@ -147,7 +147,7 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
         .with_title(format!("Largest event, at X_T = {}{speeds}", style::digits(largest.drive)))
         .with_title_size(12)
         .with_x_label("Cell")
-        .with_y_label(style::axis(outcome, "Time until it slips", record.get("slipped_start")?));
+        .with_y_label(style::axis(outcome, "Time at which it begins to slip", record.get("slipped_start")?));
     Some((plots, layout))
 }
 

@@ -22,7 +22,7 @@ pub fn scene(outcome: &Outcome) -> (&'static str, Option<Scene>) {
     let backward = |pair: &[f64]| pair[1] < pair[0];
     let turns = drive.values.windows(2).any(backward);
     let words = if ["branch_drive", "event_time"].iter().any(|name| record.get(name).is_some()) {
-        ("Drive X_T", "Force of the spring")
+        ("Load-point displacement X_T", "Spring force")
     } else {
         ("Position X", "Friction force F")
     };

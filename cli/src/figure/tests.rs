@@ -183,7 +183,7 @@ fn a_hold_curve_shows_healing_and_what_it_grows_from() {
     for words in [
         "Hold time (s)",
         "Static friction F_s (MPa)",
-        "healing 0.01 MPa per decade from 3 s on",
+        "healing 0.01 MPa per decade, cutoff time 3 s",
         "kinetic 0.5 MPa",
     ] {
         assert!(text.contains(words), "{words}");
@@ -229,7 +229,10 @@ fn an_interface_has_a_catalogue_and_maps() {
     let names: Vec<_> = pictures.iter().map(|p| p.name.as_str()).filter(|n| n.ends_with("svg")).collect();
     assert_eq!(names, ["catalogue.svg", "stress_map.svg"]);
     for (picture, words) in [
-        ("catalogue.svg", ["Drive X_T (µm)", "Force F (MPa)", "Breaks in an event", "40 events"]),
+        (
+            "catalogue.svg",
+            ["Load-point displacement X_T (µm)", "Force F (MPa)", "Breaks in an event", "40 events"],
+        ),
         ("stress_map.svg", ["X_T = 20", "X_T = 40", "Force of a cell (MPa)", "Column"]),
     ] {
         for word in words {
@@ -291,7 +294,7 @@ fn a_protocol_has_a_picture_in_time_and_one_of_its_velocity_steps() {
         ("protocol.svg", ["Time t (s)", "Velocity v (µm/s)", "Friction force F (MPa)"]),
         (
             "velocity_step.svg",
-            ["v = 1 µm/s → 2 µm/s", "Displacement since the step (µm)", "rate and state, fitted"],
+            ["v = 1 µm/s → 2 µm/s", "Displacement since the step (µm)", "rate-and-state fit"],
         ),
     ] {
         for word in words {

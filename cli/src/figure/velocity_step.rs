@@ -46,7 +46,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
 fn legend(outcome: &Outcome) -> Vec<LegendEntry> {
     let mut entries = vec![
         style::line("master equation", BLUE, None),
-        style::line("rate and state, fitted", RED, Some(DASHES)),
+        style::line("rate-and-state fit", RED, Some(DASHES)),
     ];
     if outcome.record.get("compared_force").is_some() {
         entries.push(style::line("compared curve", GREEN, None));

@@ -19,7 +19,7 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
         let variation = catalogue.waiting_variation.map_or(String::new(), |variation| {
             format!(", coefficient of variation {} (1 for a Poisson process)", digits(variation))
         });
-        lines.push(("mean waiting", format!("{} of drive{variation}", drive(mean))));
+        lines.push(("mean interval", format!("{} in X_T{variation}", drive(mean))));
     }
     if let Some(largest) = catalogue.largest {
         let what = format!("{} {}", catalogue.magnitude, magnitude(catalogue, largest.magnitude));
@@ -41,13 +41,13 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
 fn told(catalogue: &Catalogue, law: &PowerLaw) -> String {
     let exponent = with_error(law.exponent);
     let cut_off = if !law.is_cut_off() {
-        "no cut-off seen".into()
+        "no cut-off found".into()
     } else {
         let fitted = with_error(Fitted { value: law.cut_off.0, error: law.cut_off_error.0 });
         format!("cut-off {}", with_unit(fitted, law.cut_off.0, &catalogue.magnitude_unit))
     };
     format!(
-        "τ = {exponent}, {cut_off}, of {} from {} on ({} events)",
+        "τ = {exponent}, {cut_off}, fitted to {} ≥ {} ({} events)",
         catalogue.magnitude,
         magnitude(catalogue, law.from),
         law.events

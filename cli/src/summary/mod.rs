@@ -69,7 +69,7 @@ fn rubbed(summary: &Summary, friction: &Friction) -> Vec<(&'static str, String)>
     let estimate = value(friction.relaxation_length_paper.0, Quantity::Length);
     let length = value(friction.relaxation_length.0, Quantity::Length);
     let critical = match friction.critical_stiffness.0 {
-        never if never <= 0.0 => "none: the force of this pull never falls".into(),
+        never if never <= 0.0 => "none: the force of this pull never decreases".into(),
         stiffness => format!("K_c = {}", value(stiffness, Quantity::Stiffness)),
     };
     vec![

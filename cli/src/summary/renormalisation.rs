@@ -10,7 +10,7 @@ pub fn lines(summary: &Summary, found: &FirstBreakStatistics) -> Vec<(&'static s
     let length = |number: f64| with_unit(digits(number), number, &summary.units.label(Quantity::Length));
     let law = |law: &Compared| {
         format!(
-            "mean {}, std {}; {:.4} from what is measured",
+            "mean {}, std {}; distance {:.4} from the measured distribution",
             length(law.mean),
             length(law.std),
             law.distance
@@ -18,7 +18,7 @@ pub fn lines(summary: &Summary, found: &FirstBreakStatistics) -> Vec<(&'static s
     };
     let (mean, std) =
         (fitted(summary, found.mean, Quantity::Length), fitted(summary, found.std, Quantity::Length));
-    let none = || "none: from κ_c on a share of all contacts breaks at once".to_owned();
+    let none = || "none: at κ_c and above, a finite fraction of all contacts breaks at once".to_owned();
     vec![
         ("coupling", format!("κ = {}, κ_c = {}", digits(found.coupling), digits(found.critical_coupling))),
         ("first breaks", format!("mean {mean}, std {std}; {} runs of {}", found.runs, found.size)),

@@ -20,7 +20,7 @@ pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
         lines.extend(step.rate_state.iter().map(|read| ("  rate and state", read_as(summary, read))));
     }
     if summary.numbers.steps().len() > LISTED {
-        lines.push(("", format!("and {} steps more", summary.numbers.steps().len() - LISTED)));
+        lines.push(("", format!("and {} more steps", summary.numbers.steps().len() - LISTED)));
     }
     if let Some(curve) = summary.numbers.hold_curve() {
         lines.extend(healed(summary, curve));
@@ -56,11 +56,11 @@ fn stable(summary: &Summary, found: &Stability) -> String {
         Some(unstable) => format!("of this block, unstable at {unstable} of {} velocities", found.velocities),
     };
     match stiffness {
-        _ if stiffness <= 0.0 => format!("{who}: stable behind any spring"),
+        _ if stiffness <= 0.0 => format!("{who}: stable for any stiffness K"),
         _ if stiffness.is_finite() => {
-            format!("{who}: stable behind K > {}", value(summary, stiffness, Quantity::Stiffness))
+            format!("{who}: stable for K > {}", value(summary, stiffness, Quantity::Stiffness))
         }
-        _ => format!("{who}: stable behind no spring, however stiff"),
+        _ => format!("{who}: unstable for any stiffness K"),
     }
 }
 
@@ -76,7 +76,7 @@ fn told(summary: &Summary, step: &ProtocolStep) -> String {
     let steady = step
         .kinetic_friction
         .map_or(String::new(), |f| format!(", F_k = {}", value(summary, f, Quantity::Force)));
-    format!("{motion}: F = {force} at its end, at most {peak}{steady}")
+    format!("{motion}: F = {force} at the end, maximum {peak}{steady}")
 }
 
 fn read_as(summary: &Summary, read: &RateState) -> String {
@@ -96,7 +96,7 @@ fn healed(summary: &Summary, curve: &HealingCurve) -> Vec<(&'static str, String)
         ));
     }
     if let Some(cutoff) = curve.healing_cutoff {
-        lines.push(("", format!("from a cutoff time of {} on", fitted(summary, cutoff, Quantity::Time))));
+        lines.push(("", format!("cutoff time {}", fitted(summary, cutoff, Quantity::Time))));
     }
     lines
 }

@@ -7,7 +7,7 @@ use crate::record::{Quantity, Record};
 pub struct Point {
     /// The drive: X_T, or X, or the imposed force.
     pub drive: f64,
-    /// X, position of the slider's bottom.
+    /// X, position of the slider's base.
     pub position: f64,
     /// F, friction force.
     pub force: f64,
@@ -101,7 +101,7 @@ pub(super) fn record(trace: &[Point], drive: Quantity) -> Record {
         record.push(name, long_name, quantity, &["point"], trace.iter().map(value).collect());
     };
     column("drive", "drive", drive, |p| p.drive);
-    column("position", "position of the slider's bottom", Quantity::Length, |p| p.position);
+    column("position", "position of the slider's base", Quantity::Length, |p| p.position);
     column("force", "friction force", Quantity::Force, |p| p.force);
     column("spring_force", "force of the spring", Quantity::Force, |p| p.spring_force);
     record

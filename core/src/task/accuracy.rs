@@ -50,7 +50,7 @@ impl ForceAccuracy {
         if let Some(aim) = self.aim.filter(|aim| reached > *aim) {
             output.warnings.push(format!(
                 "the estimated error of the force is {reached:.1e} of N⟨k⟩ times the mean life of a contact, more than the \
-                 {aim:e} aimed at"
+                 aim of {aim:e}"
             ));
         }
         output.accuracy = Some(self.error);

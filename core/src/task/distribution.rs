@@ -25,7 +25,7 @@ const STRETCH_ATOM_POSITION: Column =
     Column::new("stretch_atom_position", "position X of the snapshot", Quantity::Length, &["stretch_atom"]);
 const STRETCH_ATOM: Column = Column::new(
     "stretch_atom_stretch",
-    "stretch at which contacts are together",
+    "stretch that many contacts share",
     Quantity::Length,
     &["stretch_atom"],
 );
@@ -46,13 +46,13 @@ const BREAKING_STRETCH_DENSITY: Column = Column {
 };
 const HAZARD: Column = Column::new(
     "hazard",
-    "hazard P(x), the share of contacts of stretch x breaking per length",
+    "hazard P(x), the fraction of contacts of stretch x that break per length",
     Quantity::PerLength,
     &["stretch"],
 );
 const STEADY_ATOM: Column = Column::new(
     "steady_atom_stretch",
-    "stretch at which contacts are together",
+    "stretch that many contacts share",
     Quantity::Length,
     &["steady_atom"],
 );
@@ -60,7 +60,7 @@ const STEADY_ATOM_WEIGHT: Column =
     Column::new("steady_atom_weight", "fraction of contacts", Quantity::Number, &["steady_atom"]);
 const THRESHOLD_ATOM: Column = Column::new(
     "threshold_atom_stretch",
-    "threshold that contacts share",
+    "threshold that many contacts share",
     Quantity::Length,
     &["threshold_atom"],
 );

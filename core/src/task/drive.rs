@@ -23,13 +23,13 @@ const POTENTIALS: [f64; 3] = [0.9, 1.0, 1.1];
 const WIDTH: usize = 4;
 
 const BRANCH_POSITION: Column =
-    Column::new("branch_position", "position of the slider's bottom", Quantity::Length, &["branch"]);
+    Column::new("branch_position", "position of the slider's base", Quantity::Length, &["branch"]);
 const BRANCH_DRIVE: Column =
-    Column::new("branch_drive", "drive at which it is in balance there", Quantity::Length, &["branch"]);
+    Column::new("branch_drive", "drive of the equilibrium at that position", Quantity::Length, &["branch"]);
 const BRANCH_FORCE: Column =
-    Column::new("branch_force", "friction force there", Quantity::Force, &["branch"]);
+    Column::new("branch_force", "friction force at that position", Quantity::Force, &["branch"]);
 const BRANCH_STABLE: Column =
-    Column::new("branch_stable", "whether the balance is stable", Quantity::Number, &["branch"]);
+    Column::new("branch_stable", "whether the equilibrium is stable", Quantity::Number, &["branch"]);
 const POTENTIAL_DRIVE: Column = Column::new(
     "potential_drive",
     "drive at which the potential is given: before, at and after the first slip",

@@ -30,8 +30,12 @@ const MASTER: f64 = 0.5;
 const HOLD: Column = Column::new("hold", "time for which the slider was held", Quantity::Time, &["hold"]);
 const STATIC_FRICTION: Column =
     Column::new("static_friction", "highest force after the hold", Quantity::Force, &["hold"]);
-const PEAK_POSITION: Column =
-    Column::new("peak_position", "way from the hold to the highest force", Quantity::Length, &["hold"]);
+const PEAK_POSITION: Column = Column::new(
+    "peak_position",
+    "displacement from the hold to the highest force",
+    Quantity::Length,
+    &["hold"],
+);
 const HELD_FORCE: Column =
     Column::new("held_force", "force at the end of the hold", Quantity::Force, &["hold"]);
 const ENSEMBLE: [Column; 2] =

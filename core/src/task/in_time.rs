@@ -22,13 +22,13 @@ const FINITE: f64 = 0.1;
 
 const TIME: Column = of("time", "time", Quantity::Time);
 const DRIVE: Column = of("drive", "drive", Quantity::Length);
-const POSITION: Column = of("position", "position of the slider's bottom", Quantity::Length);
+const POSITION: Column = of("position", "position of the slider's base", Quantity::Length);
 const VELOCITY: Column = of("velocity", "velocity of the slider", Quantity::Velocity);
 const FORCE: Column = of("force", "friction force", Quantity::Force);
-const SPRING_FORCE: Column = of("spring_force", "force that pulls", Quantity::Force);
+const SPRING_FORCE: Column = of("spring_force", "force that pulls the slider", Quantity::Force);
 const BREAKING_FREQUENCY: Column =
     of("breaking_frequency", "fraction of contacts breaking per time", Quantity::PerTime);
-const FREE: Column = of("free", "fraction of contacts that are free", Quantity::Number);
+const FREE: Column = of("free", "fraction of contacts that are detached", Quantity::Number);
 const ENSEMBLE: [Column; 2] = ensemble::force_columns("friction force of the ensemble", &["point"]);
 
 /// The variables of a rigid slider.

@@ -17,11 +17,11 @@ const ROUND: usize = 1024;
 const LIVES: f64 = 0.5;
 
 const POSITION: Column =
-    Column::new("position", "position X of the slider's bottom", Quantity::Length, &["position"]);
+    Column::new("position", "position X of the slider's base", Quantity::Length, &["position"]);
 const FORCE: Column = Column::new("force", "friction force", Quantity::Force, &["position"]);
 const BREAKING_RATE: Column = Column::new(
     "breaking_rate",
-    "fraction of contacts breaking per length, without those that break together",
+    "fraction of contacts breaking per length, without simultaneous breaks",
     Quantity::PerLength,
     &["position"],
 );
@@ -33,7 +33,7 @@ const FORCE_STD: Column = Column::new(
 );
 const BREAKING_ATOM: Column = Column::new(
     "breaking_atom_position",
-    "position at which contacts break together",
+    "position at which contacts break simultaneously",
     Quantity::Length,
     &["breaking_atom"],
 );

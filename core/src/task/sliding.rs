@@ -5,7 +5,7 @@ use crate::record::{Column, Quantity, Record, Variable};
 
 const SLIP_TIME: Column = course_column("slip_time", "time since the first slip began", Quantity::Time);
 const SLIP_POSITION: Column =
-    course_column("slip_position", "position of the slider's bottom in the first slip", Quantity::Length);
+    course_column("slip_position", "position of the slider's base in the first slip", Quantity::Length);
 const SLIP_VELOCITY: Column =
     course_column("slip_velocity", "velocity of the slider in the first slip", Quantity::Velocity);
 const SLIP_FORCE: Column = course_column("slip_force", "friction force in the first slip", Quantity::Force);

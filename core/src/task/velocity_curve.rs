@@ -17,7 +17,7 @@ const VELOCITY: Column = Column::new("velocity", "velocity of the slider", Quant
 const TEMPERATURE: Column =
     Column::new("temperature", "temperature T, an energy", Quantity::Energy, &["temperature"]);
 const CRITICAL_STIFFNESS: Column =
-    of("critical_stiffness", "critical stiffness of a pull from the start", Quantity::Stiffness);
+    of("critical_stiffness", "critical stiffness of the first loading", Quantity::Stiffness);
 const CRITICAL_STIFFNESS_SLIDING: Column =
     of("critical_stiffness_sliding", "critical stiffness of steady sliding", Quantity::Stiffness);
 const GROWTH_RATE: Column =

@@ -30,7 +30,7 @@ pub fn refuse(path: &Path, header: &Header, scenario: &str) -> Result<()> {
             differences.iter().take(TOLD).map(|d| format!("{} = {}", d.key, pick(d))).collect();
         told.join(", ")
     };
-    let rest = if more > 0 { format!(" and {more} differences more") } else { String::new() };
+    let rest = if more > 0 { format!(" and {more} more differences") } else { String::new() };
     another(
         format!("a scenario with {}", side(|d| &d.here)),
         format!("a scenario with {}{rest}", side(|d| &d.there)),

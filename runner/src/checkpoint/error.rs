@@ -10,16 +10,14 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[non_exhaustive]
 pub enum Error {
     /// A run that begins anew would overwrite what another has come to.
-    #[error(
-        "{path}: the checkpoint of a run that was not finished; go on from it with --resume, or remove it"
-    )]
+    #[error("{path}: the checkpoint of an unfinished run; continue it with --resume, or remove it")]
     Unfinished {
         /// The file.
         path: PathBuf,
     },
     /// Another run keeps its checkpoints in the same place.
     #[error(
-        "{path}: another run{process} keeps its checkpoints beside this folder; wait for its end, or give another folder"
+        "{path}: another run{process} writes checkpoints for this folder; wait for its end, or choose another folder"
     )]
     Busy {
         /// The folder of results.

@@ -59,9 +59,9 @@ pub fn read(path: &Path) -> Result<Option<Content>> {
 
 fn decode(bytes: &[u8]) -> std::result::Result<Content, String> {
     let Some((body, checksum)) = bytes.split_last_chunk::<CHECKSUM>() else {
-        return Err(format!("it has {} bytes alone", bytes.len()));
+        return Err(format!("it has only {} bytes", bytes.len()));
     };
-    let rest = body.strip_prefix(FIRST).ok_or("it does not begin as one")?;
+    let rest = body.strip_prefix(FIRST).ok_or("its first line is wrong")?;
     if crc32fast::hash(body) != u32::from_le_bytes(*checksum) {
         return Err("its checksum is wrong".into());
     }

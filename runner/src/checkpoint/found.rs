@@ -104,7 +104,7 @@ fn read(path: &Path, extent: Extent) -> Result<Vec<Bits>> {
     if crc32fast::hash(bytes) != extent.checksum {
         return Err(damaged("its checksum is wrong"));
     }
-    let mut rest = bytes.strip_prefix(FIRST).ok_or_else(|| damaged("it does not begin as one"))?;
+    let mut rest = bytes.strip_prefix(FIRST).ok_or_else(|| damaged("its first line is wrong"))?;
     let mut columns: Vec<Bits> = Vec::new();
     while !rest.is_empty() {
         let rows: Vec<Bits> =

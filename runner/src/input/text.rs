@@ -27,7 +27,7 @@ fn bounded(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
     let file = File::open(path).map_err(|error| error.to_string())?;
     file.take(largest + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
     if bytes.len() as u64 > largest {
-        return Err(format!("more than the {} MiB that are read of a file", largest >> 20));
+        return Err(format!("more than {} MiB, the largest file that is read", largest >> 20));
     }
     Ok(bytes)
 }
@@ -40,7 +40,7 @@ fn other_encoding(bytes: &[u8]) -> Option<String> {
         }
         _ => {
             let at = bytes.iter().position(|&byte| byte == 0)?;
-            Some(misplaced(bytes, at, "is no text: the file is binary, or a text in UTF-16"))
+            Some(misplaced(bytes, at, "is not text: the file is binary, or text in UTF-16"))
         }
     }
 }
@@ -72,7 +72,7 @@ mod tests {
         );
         let wide = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
         assert!(refused(&[&[0xff, 0xfe][..], &wide("title")].concat()).starts_with("a text in UTF-16"));
-        assert!(refused(&wide("title")).starts_with("byte 0x00 at offset 1 (line 1, byte 2) is no text"));
+        assert!(refused(&wide("title")).starts_with("byte 0x00 at offset 1 (line 1, byte 2) is not text"));
     }
 
     #[test]

@@ -290,11 +290,11 @@ impl Slide {
         };
         column("time", "time", Quantity::Time, |m| m.time);
         column("drive", "drive", Quantity::Length, |m| m.drive);
-        column("position", "position of the slider's bottom", Quantity::Length, |m| m.position);
+        column("position", "position of the slider's base", Quantity::Length, |m| m.position);
         column("velocity", "velocity of the slider's bottom", Quantity::Velocity, |m| m.velocity);
         column("force", "friction force", Quantity::Force, |m| m.force);
         column("spring_force", "force of the spring", Quantity::Force, |m| m.spring_force);
-        column("free", "fraction of contacts that are free", Quantity::Number, |m| m.free);
+        column("free", "fraction of contacts that are detached", Quantity::Number, |m| m.free);
         record
     }
 

@@ -96,9 +96,9 @@ pub fn slipped(events: &[(Event, Vec<Slipped>)], first: usize, timed: bool) -> R
     let number = Quantity::Number;
     add("slipped_event", "event in which cells slipped", number, &|event, _| event as f64);
     add("slipped_cell", "cells that slipped in it", number, &|_, slipped| slipped.cell as f64);
-    add("slipped_by", "how far they slipped", Quantity::Length, &|_, slipped| slipped.slip);
+    add("slipped_by", "slip of these cells", Quantity::Length, &|_, slipped| slipped.slip);
     if timed {
-        let words = "when they began to, since the first one did";
+        let words = "time at which they began to slip, since the event began";
         add("slipped_start", words, Quantity::Time, &|_, slipped| slipped.start);
     }
     record

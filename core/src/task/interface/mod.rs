@@ -28,8 +28,12 @@ const DRIVE: Column = Column::new("drive", "drive", Quantity::Length, &["point"]
 const CELL: Column = Column::new("cell", "cell, counted from 0", Quantity::Number, &["cell"]);
 const ROW: Column = Column::new("row", "row, counted from 0", Quantity::Number, &["row"]);
 const COLUMN: Column = Column::new("column", "column, counted from 0", Quantity::Number, &["column"]);
-const MAP_DRIVE: Column =
-    Column::new("map_drive", "drive at which cells are shown", Quantity::Length, &["map_drive"]);
+const MAP_DRIVE: Column = Column::new(
+    "map_drive",
+    "drive at which the state of the cells is given",
+    Quantity::Length,
+    &["map_drive"],
+);
 
 impl Drive {
     /// Drives the interface of `model`.
@@ -127,7 +131,7 @@ fn chain(interface: &scenario::Interface) -> bool {
     interface.cells.len() == 1
 }
 
-/// Refuses before any work looks at cells that could not be written after it.
+/// Refuses before any work maps of the cells that could not be written after it.
 fn check_size<D: DrivenInterface>(
     output_points: &[OutputPoint],
     interface: &scenario::Interface,
@@ -138,10 +142,10 @@ fn check_size<D: DrivenInterface>(
     if needed <= LARGEST {
         return Ok(());
     }
-    // Of a chain every point of the trace is a look at its cells.
+    // Of a chain the cells are recorded at every point of the trace.
     let key = if chain(interface) { "drive.points" } else { "drive.maps" };
     let expected = format!(
-        "looks at the cells that fit in a result file of {} MB: {}",
+        "maps of the cells that fit in a result file of {} MB: {}",
         LARGEST / 1_000_000,
         LARGEST / each
     );

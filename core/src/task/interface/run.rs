@@ -188,7 +188,7 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
             return Ok(());
         }
         let expected =
-            format!("a drive from which on events fit in a result file of {} MB", LARGEST / 1_000_000);
+            format!("a drive after which the events fit in a result file of {} MB", LARGEST / 1_000_000);
         let found = format!("{}: {} events by the drive {}", self.from, self.count, self.model.drive());
         Err(Error::invalid("interface.catalogue_from", expected, found))
     }
