@@ -4,7 +4,7 @@
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
-.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy variables
+.PHONY: setup test rust results python lint advisories notices docs figures stubs wheel bench peers validation fuzz grid agreement fingerprint base accuracy keys variables
 
 export PYTHON ?= python3
 venv := .venv
@@ -153,9 +153,9 @@ $(venv)-peers/ready: core/benches/peers/requirements.txt
 validation:
 	cargo run --release --locked --package asperity-cli --example validation
 
-# The page docs/variables, anew.
-variables:
-	cargo run --release --locked --package asperity-cli --example variables
+# The tables of keys of docs/scenarios and the page docs/variables, anew, from the declarations in the code.
+keys variables:
+	cargo run --release --locked --package asperity-cli --example $@
 
 # The page docs/validation/accuracy, anew. It fails where a distribution or a rule has no entry.
 accuracy:

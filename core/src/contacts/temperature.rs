@@ -22,11 +22,12 @@ pub enum Barrier {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Temperature {
-    /// T, in units of energy (force × length), above 0.
+    /// T, the temperature as an energy (force times length), above 0; contacts then also break below their thresholds, at
+    /// the rate ω e^{−ΔE/T}.
     pub energy: f64,
-    /// ω, per time, above 0.
+    /// Attempt rate ω, per time, above 0.
     pub attempt_rate: f64,
-    /// The barrier ΔE.
+    /// The barrier ΔE: `"elastic"`, `"bell"` or `"catastrophe"`.
     #[serde(default)]
     pub barrier: Barrier,
 }

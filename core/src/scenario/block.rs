@@ -10,13 +10,14 @@ use crate::block::{self, Loading, Slip};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Block {
-    /// Shear stiffness K of the slider, force per length.
+    /// Shear stiffness K of the slider between its top and its base, force per length, above 0; without `[block]` the slider
+    /// is rigid.
     pub stiffness: f64,
-    /// What happens when the slider has lost its balance.
+    /// Slip rule: `"reset"`, `"overdamped"`, `"arrest"`, `damped = { damping }` or `inertial = { mass, damping }`, whose
+    /// `damping` is 0 if not given.
     #[serde(default)]
     pub slip: Slip,
-    /// Share of the contacts that must break at once, at one position of the drive, for an event of the ensemble
-    /// to count as a slip.
+    /// An event of the ensemble is a slip if more than this fraction of the contacts break at one position of the drive.
     #[serde(default = "slip_fraction")]
     pub slip_fraction: f64,
 }

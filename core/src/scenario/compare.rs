@@ -10,13 +10,13 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Compare {
-    /// CSV file with columns `position,force`; its path is relative to the scenario.
+    /// Measured curve, CSV with columns `position,force`, plotted with F(X); its path is relative to the scenario.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// Positions of the measured points, instead of `file`.
+    /// The measured positions, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<Vec<f64>>,
-    /// Forces of the measured points, instead of `file`.
+    /// The measured forces, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force: Option<Vec<f64>>,
 }

@@ -15,30 +15,33 @@ use crate::{Error, Result, contacts};
 #[serde(default, deny_unknown_fields)]
 #[schemars(extend("oneOf" = [{ "required": ["thresholds"] }, { "required": ["areas"] }]))]
 pub struct Contacts {
-    /// Number N_c of contacts, above 0; 1 gives forces per contact.
+    /// Number N_c of contacts, above 0; with 1, forces are per contact.
     pub count: f64,
-    /// Stiffness ⟨k⟩ of a contact, force per length, the same whatever its threshold; 1 by default.
+    /// Stiffness ⟨k⟩ of a contact, force per length, above 0, independent of its threshold.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1.0))]
     pub stiffness: Option<f64>,
-    /// Factor κ of stiffnesses that grow with the threshold, k = κ x_s; instead of `stiffness`.
+    /// Factor κ, above 0, for stiffnesses k = κ x_s; instead of `contacts.stiffness`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffness_per_threshold: Option<f64>,
-    /// Weight carried by the interface, a force; with it, friction coefficients appear beside forces.
+    /// Normal load carried by the interface, a force, above 0; if given, friction coefficients are reported in addition to
+    /// forces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_load: Option<f64>,
-    /// Law P_c of the stretches at which contacts break.
+    /// Distribution P_c of the stretches at which contacts break; either this or `contacts.areas` is required.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub thresholds: Option<Law>,
     /// Contacts described by their areas, instead of `thresholds` and stiffnesses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub areas: Option<Areas>,
-    /// Law R of the stretches at which contacts re-form.
+    /// Distribution R of the stretches at which contacts re-form.
     pub reforming: Law,
     /// Contacts break below their thresholds, too; without this table they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature: Option<Temperature>,
-    /// Thresholds change with the age of a contact, `thresholds` being the law of the newborn; without it they do not.
+    /// `smoluchowski = { mature, diffusion }`, `frozen_rank = { mature, time }`, `logarithmic = { growth, time }` or
+    /// `mean_field = { mature, diffusion }`: thresholds change with the age of a contact; `mature` is the distribution of
+    /// mature thresholds, `contacts.thresholds` that of fresh ones.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ageing: Option<Ageing>,
     /// A broken contact is free for a while; without this table it re-forms at once.
@@ -52,11 +55,11 @@ pub struct Contacts {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Areas {
-    /// Law of areas A, in units of length².
+    /// Distribution of the contact areas, in units of length²; instead of thresholds and stiffnesses.
     pub law: Law,
-    /// Stiffness of a contact per root of its area (ρc² in the paper), force per length².
+    /// Stiffness of a contact divided by the square root of its area, ρc², force per length², above 0.
     pub modulus: f64,
-    /// Force per area at which a contact breaks.
+    /// Force per area at which a contact breaks, above 0.
     pub strength: f64,
 }
 

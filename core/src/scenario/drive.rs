@@ -18,25 +18,27 @@ use crate::{Error, Result};
     { "required": ["force_to"], "not": { "required": ["distance"] } }
 ]))]
 pub struct Drive {
-    /// How far it is moved; 20 by default.
+    /// Load-point displacement (displacement of the slider's top), from its equilibrium at X = 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 20.0))]
     pub distance: Option<f64>,
-    /// Positions X_T to which it is moved one after the other, back and forth; instead of `distance`.
+    /// Successive load-point positions X_T for driving back and forth; instead of `drive.distance`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turning_points: Option<Vec<f64>>,
-    /// Force up to which the slider is pulled, whatever its position; instead of `distance`, and without `[block]`.
+    /// Imposed force, increased up to this value; instead of `drive.distance`, without `[block]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force_to: Option<f64>,
-    /// Number of points at which the trace is given, evenly spaced along the drive, both ends included.
+    /// Points of the trace, evenly spaced along the drive; turning points and the points before and after every slip are
+    /// added; slips of an interface are in its catalogue.
     pub points: usize,
-    /// Drives at which the cells of an interface are shown, rising.
+    /// Drives, in increasing order, at which the state of every cell of an interface is stored; for a chain it is also
+    /// stored at every point of the trace.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schemars(extend("default" = []))]
     pub maps: Vec<f64>,
-    /// How the stretches at X = 0 and the thresholds go together.
+    /// `"conditional"` or `"relaxed"`, as `pull.start`.
     pub start: Start,
-    /// Velocity of the top, above 0; needed only where contacts are time-dependent, to whom the drive goes forward only.
+    /// Velocity of the load point, above 0, as `pull.velocity`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<f64>,
 }

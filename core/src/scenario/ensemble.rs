@@ -11,13 +11,14 @@ use crate::{Error, Result, ensemble};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ensemble {
-    /// Number of contacts followed; forces are scaled to `contacts.count`. 100000 by default.
+    /// Number of simulated contacts; forces are scaled to `contacts.count`. Without `[ensemble]` there is no simulation. For
+    /// an interface, the number of contacts of each cell (required).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 100_000))]
     pub size: Option<usize>,
-    /// Seed of the random numbers; the same seed gives the same contacts.
+    /// Seed; the same seed gives the same contacts, on any number of threads.
     pub seed: u64,
-    /// Whether a contact gets a new threshold when it re-forms.
+    /// `"annealed"`: a contact gets a new threshold when it re-forms; or `"quenched"`: contacts keep their thresholds.
     pub disorder: Disorder,
 }
 

@@ -10,14 +10,15 @@ use crate::Result;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HoldCurve {
-    /// The shortest hold, above 0.
+    /// Shortest hold time of a curve of static friction against hold time (healing), above 0.
     pub from: f64,
-    /// The longest hold.
+    /// Longest hold time.
     pub to: f64,
-    /// Number of holds, both ends included.
+    /// Number of hold times, evenly spaced in their logarithm, including both ends.
     #[serde(default = "points")]
     pub points: usize,
-    /// Velocity before and after a hold, above 0.
+    /// Velocity before and after the hold (slide-hold-slide), above 0: the slider slides until sliding is steady, is held,
+    /// and slides again until the force has peaked.
     pub velocity: f64,
 }
 

@@ -17,58 +17,58 @@ use crate::{Error, Result};
 pub enum Law {
     /// The bell curve.
     Gaussian {
-        /// Its mean.
+        /// Mean before truncation at 0, 0 or above.
         mean: f64,
-        /// Its standard deviation, above 0.
+        /// Standard deviation before truncation, above 0.
         std: f64,
     },
     /// The gamma law.
     Gamma {
-        /// Its mean, above 0.
+        /// Mean, above 0.
         mean: f64,
-        /// Its standard deviation, above 0.
+        /// Standard deviation, above 0.
         std: f64,
     },
     /// A law whose logarithm is Gaussian.
     Lognormal {
-        /// Its own mean (not that of the logarithm), above 0.
+        /// Mean of the variable itself, not of its logarithm, above 0.
         mean: f64,
-        /// Its own standard deviation, above 0.
+        /// Standard deviation of the variable itself, above 0.
         std: f64,
     },
     /// The same density everywhere between two ends.
     Rectangular {
-        /// The lower end, 0 or above.
+        /// Lower end, 0 or above.
         min: f64,
-        /// The upper end, above the lower.
+        /// Upper end, above the lower.
         max: f64,
     },
     /// One value only.
     Point {
-        /// The value, 0 or above.
+        /// The single value, 0 or above.
         at: f64,
     },
     /// The exponential law.
     Exponential {
-        /// Its mean, above 0.
+        /// Mean, above 0.
         mean: f64,
     },
     /// The Weibull law: survival exp(−(x/scale)^shape).
     Weibull {
-        /// Its shape, above 0.
+        /// Shape k of e^{−(x/λ)^k}, above 0.
         shape: f64,
-        /// Its scale, above 0.
+        /// Scale λ, above 0.
         scale: f64,
     },
     /// A measured law.
     Tabulated(Tabulated),
     /// A density that is a Legendre series on each of some cells; it is normalised.
     Series {
-        /// The boundaries of the cells, rising from 0 or above.
+        /// Boundaries of cells, in increasing order, from 0 or above.
         boundaries: Vec<f64>,
-        /// For each cell its coefficients, from that of P_0 on, 16 at most.
+        /// For each cell a list of up to 16 Legendre coefficients of the density; it is normalised.
         coefficients: Vec<Vec<f64>>,
-        /// The share of a tail without end that was cut off at the last boundary: what hangs on it is not told.
+        /// Probability of an infinite tail that was truncated at the last boundary, at most 1e-9.
         #[serde(default)]
         cut: f64,
     },
@@ -76,9 +76,9 @@ pub enum Law {
     Mixture(Vec<Component>),
     /// Thresholds as the drive sees them where every break stretches all other contacts, relaxed at first.
     Renormalised {
-        /// The law of the thresholds; without identical ones.
+        /// Distribution of the thresholds, without point masses.
         law: Box<Law>,
-        /// κ, the share of its stretch that a contact that breaks passes on to all others together, 0 or above and below κ_c.
+        /// κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to below κ_c.
         coupling: f64,
     },
 }
@@ -87,16 +87,16 @@ pub enum Law {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tabulated {
-    /// CSV file with columns `stretch,density`, or one column of samples; its path is relative to the scenario.
+    /// CSV with columns `stretch,density`, or with one column of samples; its path is relative to the scenario.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// A sample of lengths, each as likely as the others.
+    /// A sample, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<Vec<f64>>,
-    /// Where the density is given, rising.
+    /// Stretches at which the density is given, in increasing order, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stretch: Option<Vec<f64>>,
-    /// The density there; it is normalised.
+    /// The density at these stretches.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<Vec<f64>>,
 }
@@ -105,9 +105,9 @@ pub struct Tabulated {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Component {
-    /// Its weight, above 0; the weights of a mixture sum to 1.
+    /// Weight of a part, above 0; weights sum to 1.
     pub weight: f64,
-    /// Its law.
+    /// Distribution of the part.
     pub law: Law,
 }
 

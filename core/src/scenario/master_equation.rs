@@ -11,9 +11,12 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MasterEquation {
-    /// Error allowed in the force per contact and per ⟨k⟩x̄, from 1e-12 to 1e-2; a larger error is refused. Where nothing is
-    /// said 1e-10 is aimed at, 1e-6 where the velocity varies, 1e-4 where thresholds diffuse besides or a block is moved in
-    /// time, and the accuracy reached is told.
+    /// Allowed error of the force, in units of N_c⟨k⟩ times the mean threshold, from 1e-12 to 1e-2; a run of any task with a
+    /// larger estimated error fails. Without this key the aim is 1e-10, and no run fails. `accuracy` in `summary.json` is
+    /// the estimated error of F/(N_c⟨k⟩), a length. Where the velocity varies, the default is 1e-6, or 1e-4 if in addition
+    /// thresholds diffuse or a block is moved in time; the estimate, an upper one, may be some ten times larger. For a block
+    /// and an interface in time, the error is estimated only if this key is given, because it takes some three times as
+    /// long.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1e-10))]
     pub tolerance: Option<f64>,

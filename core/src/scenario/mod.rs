@@ -66,12 +66,12 @@ use crate::{Error, Result};
     { "required": ["renormalisation"] }
 ]))]
 pub struct Scenario {
-    /// What the summary and the pictures are headed with.
+    /// Heading of the summary and the figures.
     #[serde(default)]
     pub title: String,
     /// The contacts of the interface.
     pub contacts: Contacts,
-    /// Law Q_ini of the stretches at X = 0; all at 0 by default.
+    /// Distribution Q_ini of the stretches at X = 0.
     #[serde(default = "Law::zero")]
     pub initial: Law,
     /// A task: the bottom of the slider is moved from X = 0.
@@ -80,11 +80,12 @@ pub struct Scenario {
     /// A task: the top of the slider is moved from X_T = 0, or a force imposed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive: Option<Drive>,
-    /// A task: the slider is moved in time, step by step; with a block its top, else its bottom.
+    /// A motion in time: steps `[[protocol]]`, one after the other, each with `velocity` and `distance`, with `velocity` and
+    /// `duration`, or with `hold`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub protocol: Option<Protocol>,
-    /// CSV file of steps, with columns `duration,velocity` or `duration,velocity,points`, instead of `protocol`; its path
-    /// is relative to the scenario.
+    /// CSV with columns `duration,velocity` or `duration,velocity,points`, a step in each row, instead of `protocol`; its
+    /// path is relative to the scenario.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub protocol_file: Option<String>,
     /// A task: kinetic friction against the velocity.

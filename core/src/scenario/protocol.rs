@@ -23,24 +23,24 @@ pub struct Protocol(pub Vec<Step>);
     { "required": ["velocity", "duration"], "not": { "required": ["distance"] } }
 ]))]
 pub struct Step {
-    /// Velocity, a length per time; above 0 over a distance, 0 or above for a duration.
+    /// Velocity; above 0 over a distance, 0 or above for a duration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<f64>,
-    /// Velocity at the end of a ramp, which begins at `velocity` and takes `duration`.
+    /// Velocity at the end of a ramp that begins at `velocity` and takes `duration`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity_to: Option<f64>,
-    /// How far the slider is moved.
+    /// Displacement in the step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance: Option<f64>,
-    /// For how long it is moved, instead of `distance`.
+    /// Duration of the step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration: Option<f64>,
-    /// For how long it is held at rest, instead of all others.
+    /// Duration of a hold at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hold: Option<f64>,
-    /// Number of points at which the trace is given, evenly spaced in time, both ends of the step included.
+    /// Points of the trace in the step, evenly spaced in time, including both ends.
     pub points: usize,
-    /// Number of pieces of constant velocity that a ramp is made of, equally long; 64 by default.
+    /// Number of intervals of constant velocity that approximate a ramp, equally long, each at the velocity of its middle.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 64))]
     pub pieces: Option<usize>,

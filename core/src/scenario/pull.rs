@@ -10,15 +10,16 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Pull {
-    /// How far it is moved.
+    /// Displacement of the slider's base.
     pub distance: f64,
-    /// Number of positions at which results are given, evenly spaced, both ends included.
+    /// Number of output positions, evenly spaced, including both ends.
     pub points: usize,
-    /// Positions X at which the distribution of stretches is given, rising.
+    /// Positions at which the distribution of stretches is stored, in increasing order.
     pub snapshots: Vec<f64>,
-    /// How the stretches at X = 0 and the thresholds go together.
+    /// `"conditional"` or `"relaxed"`: relation between initial stretches and thresholds.
     pub start: Start,
-    /// Velocity of the slider, above 0; needed only where contacts are time-dependent.
+    /// Velocity of the slider, above 0; required for time-dependent contacts (temperature, ageing, delay), without effect
+    /// for others.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity: Option<f64>,
 }

@@ -17,8 +17,9 @@ const BYTES_PER_FIRST_BREAK: f64 = 64.0;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Renormalisation {
-    /// Number of interfaces drawn, each with the next seed: of contacts coupled one by one from that of the ensemble on, of
-    /// cells from that of their disorder on.
+    /// Number of independent interfaces, each driven until every contact has broken (for cells, all but 1e-6), with
+    /// successive seeds: from `ensemble.seed` on for contacts coupled one by one, from `interface.disorder.seed` on for
+    /// cells; errors are estimated from their scatter.
     pub runs: usize,
     /// Number of equal intervals of the drive in which first breaks are counted.
     pub points: usize,

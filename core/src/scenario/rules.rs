@@ -13,7 +13,8 @@ pub type Ageing = contacts::AgeingRule<Law>;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Delay {
-    /// τ, 0 or above.
+    /// Time τ, 0 or above, for which a broken contact is detached before it re-forms; without `[contacts.delay]` it re-forms
+    /// at once.
     pub time: f64,
 }
 

@@ -9,13 +9,13 @@ use crate::record::Quantity;
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Units {
-    /// Unit of length, such as `µm`.
+    /// Label of lengths on axes and in files, such as `µm`; without it they are dimensionless; numbers are never converted.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub length: String,
-    /// Unit of force, such as `mN`.
+    /// Label of forces, such as `mN`.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub force: String,
-    /// Unit of time, such as `s`.
+    /// Label of times, such as `s`.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub time: String,
 }

@@ -10,18 +10,19 @@ use crate::Result;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VelocityCurve {
-    /// The lowest velocity, above 0.
+    /// Lowest velocity of a curve of kinetic friction against velocity, above 0.
     pub from: f64,
-    /// The highest velocity.
+    /// Highest velocity.
     pub to: f64,
-    /// Number of velocities, both ends included.
+    /// Number of velocities, evenly spaced in their logarithm, including both ends.
     #[serde(default = "points")]
     pub points: usize,
-    /// Temperatures T for each of which a curve is computed, instead of the one energy of `contacts.temperature`.
+    /// List of temperatures, with a curve for each, instead of `contacts.temperature.energy`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub temperatures: Vec<f64>,
-    /// Whether the critical stiffnesses at each velocity are computed, too, which takes about a second each; with a block, those
-    /// for its mass and damping, and how fast small deviations from steady sliding grow behind its stiffness.
+    /// Whether the critical stiffnesses at each velocity are also computed, which takes about a second each; with `[block]`
+    /// they are those for its mass and damping, and the growth rate of deviations from steady sliding is computed for its
+    /// stiffness.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     #[schemars(extend("default" = false))]
     pub stability: bool,

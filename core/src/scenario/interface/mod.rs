@@ -15,36 +15,42 @@ pub use scales::Scales;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Interface {
-    /// Length of a chain, such as `[1000]`, or rows and columns of a lattice, such as `[512, 512]`.
+    /// `[length]` of a chain or `[rows, columns]` of a lattice of elastically coupled cells; `contacts.count` is the number
+    /// of contacts of each cell, or, for contacts coupled one by one, of all together.
     pub cells: Vec<usize>,
-    /// Whether a cell has many contacts, or is one.
+    /// `"many"`: each cell has many contacts, which move together; or `"one"`: contacts are coupled one by one and re-form
+    /// after the slip event.
     #[serde(default)]
     pub contacts: PerCell,
     /// Stiffness K_0 of the spring between a cell and the drive, 0 or above.
     pub connection: f64,
-    /// What couples cells to each other.
+    /// `neighbours = { stiffness }` with K_int, or `half_space = { modulus, cell }` with G* (the shear modulus G for ν = 0,
+    /// G/(1 − ν) on a chain along the direction of sliding) and the side a of a cell.
     pub coupling: Coupling,
-    /// What is beyond the outermost cells.
+    /// Edges of the interface: `"open"` or `"periodic"`.
     #[serde(default)]
     pub edges: Edges,
-    /// Which cells the drive pulls.
+    /// `"uniform"`: the drive pulls every cell; or `"edge"`: it pulls only the first cell of a chain, the first row of a
+    /// lattice.
     #[serde(default)]
     pub loading: Loading,
-    /// What happens to cells that have lost their balance, where they have many contacts; `reset` by default.
+    /// Slip rule of unstable cells: `"reset"` or `"overdamped"`; only the latter with time-dependent contacts; not used for
+    /// contacts coupled one by one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "reset"))]
     pub slip: Option<CellSlip>,
-    /// Viscous drag of a moving cell, force per velocity, above 0: events then take time, and fronts have speeds. Needed
-    /// where contacts are time-dependent.
+    /// Viscous drag on a moving cell, force per velocity, above 0: events then have durations, and fronts have speeds;
+    /// required with time-dependent contacts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
     /// How cells of many contacts differ; without this table they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub disorder: Option<Scales>,
-    /// How closely the drive at which balance is lost is found, in mean thresholds, where contacts know no time.
+    /// Accuracy of the drive at which equilibrium is lost, in mean thresholds; with time-dependent contacts there is no such
+    /// drive, and `master_equation.tolerance` is the accuracy of a step of a cell.
     #[serde(default = "drive_tolerance")]
     pub drive_tolerance: f64,
-    /// Drive from which on events are recorded, 0 or above.
+    /// Events are recorded from this drive on, 0 or above.
     #[serde(default)]
     pub catalogue_from: f64,
 }

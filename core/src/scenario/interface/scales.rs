@@ -12,18 +12,19 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scales {
-    /// Standard deviation of s_j, drawn from a Gaussian of mean 1, 0 or above.
+    /// Standard deviation, 0 or above, of the scale factors s_j of the cells, which multiply all lengths of their contacts;
+    /// they are drawn from a Gaussian distribution of mean 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub std: Option<f64>,
-    /// Seed of the draws; 1 by default.
+    /// Seed of these random numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1))]
     pub seed: Option<u64>,
-    /// CSV file with the one column `scale`, a row for each cell, along rows, instead of `std`; its path is relative to the
-    /// scenario.
+    /// CSV with the one column `scale`, a row for each cell, row by row of the lattice, instead of `std`; its path is
+    /// relative to the scenario.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// The scales themselves, instead of `file`.
+    /// The scale factors themselves, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scale: Option<Vec<f64>>,
 }
