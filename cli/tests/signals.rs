@@ -201,7 +201,7 @@ fn a_second_signal_ends_what_does_not_stop() {
     assert!(child.try_wait().unwrap().is_none(), "it did not wait for its checkpoint");
     let output = ended_by(child, &["INT"]);
     assert_eq!(output.status.code(), Some(130));
-    assert!(errors(&output).contains("a second Ctrl-C ends the run at once"), "{}", errors(&output));
+    assert!(errors(&output).contains("a second Ctrl-C stops the run immediately"), "{}", errors(&output));
 }
 
 #[test]

@@ -167,7 +167,7 @@ fn what_has_no_end_is_refused() {
     folder.write("table.toml", "contacts.thresholds.tabulated.file = '/dev/zero'\npull.distance = 1.0\n");
     let output = folder.run(&["check", "table.toml"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(flat(&errors(&output)).contains("/dev/zero: more than the 256 MiB"), "{}", errors(&output));
+    assert!(flat(&errors(&output)).contains("/dev/zero: more than 256 MiB"), "{}", errors(&output));
 }
 
 #[test]
