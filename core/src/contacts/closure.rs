@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::ThresholdFokkerPlanck;
 use crate::Result;
-use crate::law::{Break, Series, SharedLaw};
+use crate::law::{Breakpoint, Series, SharedLaw};
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::diffusion::Diffusion;
 use crate::numerics::piecewise::{Piecewise, Resolution};
@@ -75,17 +75,17 @@ impl Closure<'_> {
         let bound = |cell: usize| low + cell as f64 * width;
         let (start, end) = (first.map_or(low, bound), last.map_or(high, |cell| bound(cell + 1)));
         let spread = mean * self.maturing.diffusion / self.velocity;
-        let breaks = self.maturing.breaks(spread);
+        let breakpoints = self.maturing.breakpoints(spread);
         let density = |h: f64| if h < start { 0.0 } else { density(masses, (h - low) / width) / width };
         let ends = [(start, density(start)), (end, -density(end))].into_iter();
-        let jumps = ends.map(|(position, amplitude)| Break { position, exponent: 0.0, amplitude });
-        let breaks: Vec<Break> = breaks.into_iter().chain(jumps).collect();
-        let edges: Vec<f64> = breaks.iter().map(|b| b.position).collect();
+        let jumps = ends.map(|(position, amplitude)| Breakpoint { position, exponent: 0.0, amplitude });
+        let breakpoints: Vec<Breakpoint> = breakpoints.into_iter().chain(jumps).collect();
+        let edges: Vec<f64> = breakpoints.iter().map(|b| b.position).collect();
         let resolution = Resolution::Relative { fraction: 1e-9, negligible: 1e-9 * most / width };
         let density = Piecewise::resolve(density, &edges, end, resolution).part(start, end);
         // No cell tells what is narrower than itself.
         let resolution = self.maturing.resolution().min(spread.sqrt().max(width));
-        Series::solved(density, breaks, resolution)
+        Series::solved(density, breakpoints, resolution)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Ageing, Contacts};
 use crate::Result;
-use crate::law::{Atom, Break, Law, SharedLaw};
+use crate::law::{Atom, Breakpoint, Law, SharedLaw};
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::diffusion::{Diffusion, Elements, Potential, Slope, continued, shared};
 use crate::numerics::legendre::{NODES, RULE};
@@ -86,8 +86,8 @@ impl ThresholdFokkerPlanck {
     /// Places at which U' is not smooth, inside the support.
     pub fn kinks(&self) -> Vec<f64> {
         let (low, high) = self.support;
-        let breaks = self.mature.breaks().into_iter().map(|b| b.position);
-        breaks.filter(|&place| place > low && place < high).collect()
+        let breakpoints = self.mature.breakpoints().into_iter().map(|b| b.position);
+        breakpoints.filter(|&place| place > low && place < high).collect()
     }
 
     /// The density of newborn thresholds above a stretch, without those that many share, on elements between the stretch, or
@@ -104,8 +104,8 @@ impl ThresholdFokkerPlanck {
             let parts = ((to - from) / (WIDTH * zone.resolution)).ceil().clamp(1.0, 1e3) as u32;
             edges.extend((0..=parts).map(|k| from + (to - from) * f64::from(k) / f64::from(parts)));
         }
-        let inside = |b: &Break| b.position >= low && b.position <= high;
-        for edge in law.breaks().iter().filter(|b| inside(b)) {
+        let inside = |b: &Breakpoint| b.position >= low && b.position <= high;
+        for edge in law.breakpoints().iter().filter(|b| inside(b)) {
             let widths = std::iter::successors(Some(finest), |width| Some(4.0 * width));
             let widths = widths.take_while(|&width| edge.exponent <= 0.0 && width < 0.1 * (high - low));
             edges.push(edge.position);
@@ -113,7 +113,7 @@ impl ThresholdFokkerPlanck {
         }
         let edges = between(edges, (low, high));
         let mut density = Elements::of(|h| law.density(h), &edges, left_out, finest);
-        for edge in law.breaks().iter().filter(|b| inside(b) && b.is_steep()) {
+        for edge in law.breakpoints().iter().filter(|b| inside(b) && b.is_steep()) {
             self.count(&mut density, edge.position);
         }
         density
@@ -192,8 +192,8 @@ impl ThresholdFokkerPlanck {
     pub fn has_edges(&self) -> bool {
         const FAINT: f64 = 1e-4;
         let mean = self.newborn.mean();
-        let jumps = |b: &Break| b.exponent <= 0.0 && b.weight(mean) * mean > FAINT;
-        !self.newborn.atoms().is_empty() || self.newborn.breaks().iter().any(jumps)
+        let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > FAINT;
+        !self.newborn.atoms().is_empty() || self.newborn.breakpoints().iter().any(jumps)
     }
 
     /// The lowest newborn threshold that many share.
@@ -208,10 +208,11 @@ impl ThresholdFokkerPlanck {
     }
 
     /// Where (1 − aL)⁻¹ P_ci is not smooth where P_ci is not: two derivatives higher, by −1/(aD); `spread` is aD.
-    pub fn breaks(&self, spread: f64) -> Vec<Break> {
-        let atoms = self.newborn.atoms().into_iter().map(Break::from);
-        let smoother = |b: Break| Break { exponent: b.exponent + 2.0, amplitude: -b.amplitude / spread, ..b };
-        self.newborn.breaks().into_iter().chain(atoms).map(smoother).collect()
+    pub fn breakpoints(&self, spread: f64) -> Vec<Breakpoint> {
+        let atoms = self.newborn.atoms().into_iter().map(Breakpoint::from);
+        let smoother =
+            |b: Breakpoint| Breakpoint { exponent: b.exponent + 2.0, amplitude: -b.amplitude / spread, ..b };
+        self.newborn.breakpoints().into_iter().chain(atoms).map(smoother).collect()
     }
 
     /// Masses of the newborn thresholds above a stretch, in cells with these middles between a floor and the upper end;
@@ -252,7 +253,7 @@ fn points<'a>(
     (low, high): (f64, f64),
 ) -> impl Iterator<Item = (f64, f64)> + 'a {
     let zones = law.zones();
-    let mut edges: Vec<f64> = law.breaks().iter().map(|b| b.position).collect();
+    let mut edges: Vec<f64> = law.breakpoints().iter().map(|b| b.position).collect();
     edges.extend(zones.iter().flat_map(|zone| [zone.low, zone.high]).chain(cuts.iter().copied()));
     edges.retain(|&edge| edge > low && edge < high);
     edges.extend([low, high]);

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use super::ThresholdFokkerPlanck;
 use super::threshold_evolution::Met;
 use crate::Result;
-use crate::law::{Break, Law, SharedLaw};
+use crate::law::{Breakpoint, Law, SharedLaw};
 use crate::monitor::{Monitor, report};
 use crate::numerics::diffusion::{Elements, Evolution, Field};
 use crate::numerics::legendre::{RULE, primitive, series};
@@ -114,8 +114,8 @@ impl Ranks {
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         let mean = newborn.mean();
-        let jumps = |b: &Break| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
-        let edged = newborn.breaks().iter().any(jumps);
+        let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
+        let edged = newborn.breakpoints().iter().any(jumps);
         let own = SOON * (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0);
         let soon = if edged { AT_ONCE } else { own };
         let ranks = Self::starting(newborn, maturing, time, soon, monitor)?;

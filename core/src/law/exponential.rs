@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use rand_distr::{Distribution, Exp1};
 
-use super::{Break, Law, Parameter, SharedLaw, onset, positive, shared, unknown};
+use super::{Breakpoint, Law, Parameter, SharedLaw, onset, positive, shared, unknown};
 use crate::Result;
 use crate::random::Stream;
 
@@ -77,7 +77,7 @@ impl Law for Exponential {
         self.mean
     }
 
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         onset(0.0, 1.0 / self.mean)
     }
 

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 use rand_distr::Distribution;
 
 use super::incomplete_gamma::{GammaShape, IncompleteGamma};
-use super::{Break, Law, Parameter, SharedLaw, crossing, onset, positive, shared, unknown};
+use super::{Breakpoint, Law, Parameter, SharedLaw, crossing, onset, positive, shared, unknown};
 use crate::random::Stream;
 use crate::{Error, Result};
 
@@ -109,7 +109,7 @@ impl Law for Gamma {
         self.std
     }
 
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         onset(self.shape.a - 1.0, self.scale.powf(-self.shape.a))
     }
 
@@ -143,7 +143,7 @@ mod tests {
             assert!((law.survival(x) / (-0.5 * x).exp() - 1.0).abs() < tolerance);
             assert!((law.hazard(x) - 0.5).abs() < 1e-15);
         }
-        assert_eq!(law.breaks(), [Break { position: 0.0, exponent: 0.0, amplitude: 0.5 }]);
+        assert_eq!(law.breakpoints(), [Breakpoint { position: 0.0, exponent: 0.0, amplitude: 0.5 }]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::f64::consts::SQRT_2;
 use num_complex::Complex64;
 
 use super::{
-    Break, Law, Parameter, SharedLaw, crossing, normal, not_negative, onset, positive, shared, unknown,
+    Breakpoint, Law, Parameter, SharedLaw, crossing, normal, not_negative, onset, positive, shared, unknown,
     ziggurat,
 };
 use crate::Result;
@@ -130,7 +130,7 @@ impl Law for Gaussian {
         self.std * (1.0 - lambda * (self.alpha + lambda)).sqrt()
     }
 
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         onset(0.0, self.density(0.0))
     }
 

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::quadrature::trapezoid;
-use super::{Break, Law, Parameter, SharedLaw, crossing, normal, positive, shared, unknown};
+use super::{Breakpoint, Law, Parameter, SharedLaw, crossing, normal, positive, shared, unknown};
 use crate::Result;
 use crate::random::Stream;
 
@@ -98,7 +98,7 @@ impl Law for Lognormal {
     }
 
     /// None: the density and all its derivatives vanish at 0.
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         Vec::new()
     }
 

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, crossing, positive, shared, unknown};
+use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, crossing, positive, shared, unknown};
 use crate::random::Stream;
 use crate::{Error, Result};
 
@@ -155,20 +155,20 @@ impl Law for Mixture {
         atoms
     }
 
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         let weighted = |(weight, law): &(f64, SharedLaw)| {
             let weight = *weight;
-            law.breaks().into_iter().map(move |b| Break { amplitude: weight * b.amplitude, ..b })
+            law.breakpoints().into_iter().map(move |b| Breakpoint { amplitude: weight * b.amplitude, ..b })
         };
-        let mut breaks: Vec<_> = self.components.iter().flat_map(weighted).collect();
-        breaks.sort_by(|a, b| a.position.total_cmp(&b.position).then(a.exponent.total_cmp(&b.exponent)));
-        breaks.dedup_by(|next, kept| {
+        let mut breakpoints: Vec<_> = self.components.iter().flat_map(weighted).collect();
+        breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position).then(a.exponent.total_cmp(&b.exponent)));
+        breakpoints.dedup_by(|next, kept| {
             let same = next.position == kept.position && next.exponent == kept.exponent;
             kept.amplitude += if same { next.amplitude } else { 0.0 };
             same
         });
-        breaks.retain(|b| b.amplitude != 0.0);
-        breaks
+        breakpoints.retain(|b| b.amplitude != 0.0);
+        breakpoints
     }
 
     /// The least of the components'.

@@ -1,6 +1,6 @@
 //! Probability laws on x ≥ 0: of thresholds, of re-formed stretches, of initial stretches.
 //!
-//! Every law is a sum of point masses ([`Atom`]) and a density that is smooth between [`Break`]s.
+//! Every law is a sum of point masses ([`Atom`]) and a density that is smooth between [`Breakpoint`]s.
 //! A law whose parent has mass below 0 is that parent conditioned on x ≥ 0: its documented
 //! parameters are the parent's, [`Law::mean`] and [`Law::std`] those of the conditioned law.
 //!
@@ -44,7 +44,7 @@ pub use series::Series;
 pub use tabulated::Tabulated;
 pub use weibull::Weibull;
 
-pub use crate::numerics::breaks::{Atom, Break};
+pub use crate::numerics::breakpoints::{Atom, Breakpoint};
 
 use std::borrow::Cow;
 use std::fmt::Debug;
@@ -153,7 +153,7 @@ pub trait Law: Debug + Send + Sync {
 
     /// Where the density is not smooth on x ≥ 0, by rising position; includes the ends of a compact support and x = 0
     /// where p(0⁺) or a low derivative there is not 0.
-    fn breaks(&self) -> Vec<Break>;
+    fn breakpoints(&self) -> Vec<Breakpoint>;
 
     /// Where the density is to be looked for, and how finely: one zone for a law of one shape, several for a mixture.
     fn zones(&self) -> Vec<Zone> {
@@ -241,10 +241,10 @@ fn crossing(ln_survival: impl Fn(f64) -> f64, level: f64) -> f64 {
 /// The break at 0 of a density that sets out as `amplitude` x^`exponent`/Γ(`exponent` + 1), if any.
 ///
 /// A high power is left out: no derivative that a method could use is broken there.
-fn onset(exponent: f64, amplitude: f64) -> Vec<Break> {
+fn onset(exponent: f64, amplitude: f64) -> Vec<Breakpoint> {
     const SMOOTH: f64 = 12.0;
     if amplitude == 0.0 || exponent > SMOOTH {
         return Vec::new();
     }
-    vec![Break { position: 0.0, exponent, amplitude }]
+    vec![Breakpoint { position: 0.0, exponent, amplitude }]
 }

@@ -10,7 +10,7 @@ const FOLDS: u32 = 46;
 pub(super) fn places(law: &dyn Law) -> Vec<f64> {
     let tails = (0..FOLDS).map(|j| 0.5 * (-f64::from(j)).exp());
     let mut ends: Vec<f64> = tails.flat_map(|tail| [law.quantile(tail), law.upper_quantile(tail)]).collect();
-    ends.extend(law.breaks().into_iter().map(|b| b.position));
+    ends.extend(law.breakpoints().into_iter().map(|b| b.position));
     ends.extend(law.atoms().into_iter().map(|atom| atom.position));
     ends.extend(law.seams());
     ends.extend(law.zones().into_iter().flat_map(cells));

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
+use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
 use crate::Result;
 use crate::random::Stream;
 
@@ -76,7 +76,7 @@ impl Law for Point {
         vec![Atom { position: self.at, weight: 1.0 }]
     }
 
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         Vec::new()
     }
 

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Break, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
+use super::{Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
 use crate::random::Stream;
 use crate::{Error, Result};
 
@@ -84,11 +84,11 @@ impl Law for Rectangular {
         self.width() / 12.0_f64.sqrt()
     }
 
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         let amplitude = 1.0 / self.width();
         vec![
-            Break { position: self.min, exponent: 0.0, amplitude },
-            Break { position: self.max, exponent: 0.0, amplitude: -amplitude },
+            Breakpoint { position: self.min, exponent: 0.0, amplitude },
+            Breakpoint { position: self.max, exponent: 0.0, amplitude: -amplitude },
         ]
     }
 

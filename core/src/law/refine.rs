@@ -71,7 +71,7 @@ struct RefinedCell {
     depth: u32,
     before: [f64; 2],
     /// Whether the density breaks here, as far as it could be closed in on: at the upper end of the cell, say.
-    breaks: bool,
+    non_smooth: bool,
     values: Nodal,
     coefficients: Nodal,
 }
@@ -79,7 +79,7 @@ struct RefinedCell {
 impl RefinedCell {
     fn new(low: f64, high: f64) -> Self {
         let (before, values) = ([f64::INFINITY; 2], Nodal::default());
-        Self { low, high, depth: 0, before, breaks: false, values, coefficients: values }
+        Self { low, high, depth: 0, before, non_smooth: false, values, coefficients: values }
     }
 
     fn half(&self) -> f64 {
@@ -117,8 +117,8 @@ impl RefinedCell {
         // function does far more.
         let rounding = size * f64::max(1e-9, 16.0 * f64::EPSILON * self.high / self.half());
         let noise = self.depth > 3 && left_out > 0.16 * self.before[1] && left_out < rounding;
-        let breaks = left_out > 1e-3 * self.before[0] && left_out > 16.0 * f64::EPSILON * size;
-        noise || left_out <= tolerance * masses.least(self.low) && !breaks
+        let non_smooth = left_out > 1e-3 * self.before[0] && left_out > 16.0 * f64::EPSILON * size;
+        noise || left_out <= tolerance * masses.least(self.low) && !non_smooth
     }
 
     /// Whether halving twice gained no more than it does where a function breaks.
@@ -139,7 +139,7 @@ impl RefinedCell {
     /// Whether one series serves two cells as well as theirs do; a part that rounding of its place may move in or out is
     /// not felt.
     fn replaces(&self, pair: &[Self], masses: &RefinedMasses, tolerance: f64) -> bool {
-        if pair[0].breaks {
+        if pair[0].non_smooth {
             return false;
         }
         let parts = |value: fn(&Self) -> f64| pair.iter().map(value).sum::<f64>();
@@ -197,12 +197,12 @@ fn halved(
         let masses = RefinedMasses::new(done.iter().chain(&pending));
         let (resolved, rest): (Vec<_>, Vec<_>) =
             pending.into_iter().partition(|cell| cell.is_resolved(&masses, tolerance));
-        done.extend(resolved.into_iter().map(|cell| RefinedCell { breaks: cell.is_slow(), ..cell }));
+        done.extend(resolved.into_iter().map(|cell| RefinedCell { non_smooth: cell.is_slow(), ..cell }));
         if rest.is_empty() {
             done.sort_by(|a, b| a.low.total_cmp(&b.low));
             // Of neighbours that hold the same break, the last.
             for i in 1..done.len() {
-                done[i - 1].breaks &= !done[i].breaks;
+                done[i - 1].non_smooth &= !done[i].non_smooth;
             }
             return Ok((done, masses));
         }
@@ -250,7 +250,7 @@ fn joined(
         let before = cells.len() + offered.len();
         for (pair, union) in offered.chunks_exact(2).zip(unions) {
             if union.replaces(pair, masses, tolerance) {
-                cells.push(RefinedCell { breaks: pair[1].breaks, ..union })
+                cells.push(RefinedCell { non_smooth: pair[1].non_smooth, ..union })
             } else {
                 cells.extend_from_slice(pair)
             }
@@ -269,7 +269,7 @@ fn settled(density: &mut impl Density, mut cells: Vec<RefinedCell>) -> Result<Ve
         let jump = series(&right.coefficients, -1.0) - series(&left.coefficients, 1.0);
         let slope = |cell: &RefinedCell, t: f64| series(&derivative(&cell.coefficients), t) / cell.half();
         let shift = jump / (slope(left, 1.0) - slope(right, -1.0));
-        if left.breaks && shift.abs() < 1e-6 * left.half().min(right.half()) {
+        if left.non_smooth && shift.abs() < 1e-6 * left.half().min(right.half()) {
             cells[i - 1].high += shift;
             cells[i].low = cells[i - 1].high;
         }

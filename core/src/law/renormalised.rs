@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::critical_coupling::critical_coupling;
 use super::drives::Drives;
-use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
+use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
 use crate::numerics::legendre::{NODES, RULE};
 use crate::random::Stream;
 use crate::{Error, Result};
@@ -275,8 +275,8 @@ impl Law for Renormalised {
 
     /// Leading terms: X − X_0 = (1 − κ x_0 p_0)(x − x_0) + …, and p/(1 − κxp) changes by that to the power −2 of a change
     /// of p; a jump from p to p', by itself.
-    fn breaks(&self) -> Vec<Break> {
-        let moved = |b: Break| {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        let moved = |b: Breakpoint| {
             let (position, after) = (self.drive(b.position), self.thresholds().density(b.position));
             if b.position == 0.0 {
                 return b;
@@ -284,12 +284,12 @@ impl Law for Renormalised {
             if b.exponent == 0.0 {
                 let renormalised = |p: f64| p / (1.0 - self.drives.coupling * b.position * p);
                 let amplitude = renormalised(after) - renormalised(after - b.amplitude);
-                return Break { position, amplitude, ..b };
+                return Breakpoint { position, amplitude, ..b };
             }
             let amplitude = b.amplitude * self.drives.slope(b.position).powf(-2.0 - b.exponent);
-            Break { position, amplitude, ..b }
+            Breakpoint { position, amplitude, ..b }
         };
-        self.thresholds().breaks().into_iter().map(moved).collect()
+        self.thresholds().breakpoints().into_iter().map(moved).collect()
     }
 
     /// Those of P_c as X, and where the slope of X(x) is low.

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::places::places;
 use super::quadrature::between;
-use super::{ALL, Atom, Break, Law, Parameter, SharedLaw, Zone, positive, shared};
+use super::{ALL, Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, positive, shared};
 use crate::Result;
 use crate::numerics::legendre::RULE;
 use crate::random::Stream;
@@ -39,7 +39,7 @@ impl Root {
     /// A factor that is not finite and above 0.
     pub fn new(factor: f64, areas: SharedLaw) -> Result<Self> {
         positive("factor", factor)?;
-        let positions = areas.breaks().into_iter().map(|b| b.position);
+        let positions = areas.breakpoints().into_iter().map(|b| b.position);
         let positions = positions.chain(areas.atoms().into_iter().map(|atom| atom.position));
         let mut marks: Vec<_> = positions.map(|area| (factor * area.sqrt(), area)).collect();
         marks.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -217,22 +217,22 @@ impl Law for Root {
     }
 
     /// Leading terms: near a mark x₀ > 0, A − A₀ = (2x₀/c²)(x − x₀) + …; near 0, A = x²/c².
-    fn breaks(&self) -> Vec<Break> {
-        let moved = |b: Break| {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        let moved = |b: Breakpoint| {
             let position = self.factor * b.position.sqrt();
             if position > 0.0 {
                 let amplitude = b.amplitude * self.slope(position).powf(b.exponent + 1.0);
-                return Break { position, amplitude, ..b };
+                return Breakpoint { position, amplitude, ..b };
             }
             let exponent = 2.0 * b.exponent + 1.0;
             let ratio = libm::tgamma(exponent + 1.0) / libm::tgamma(b.exponent + 1.0);
-            Break {
+            Breakpoint {
                 position,
                 exponent,
                 amplitude: 2.0 * b.amplitude * ratio / self.factor.powf(exponent + 1.0),
             }
         };
-        self.areas.breaks().into_iter().map(moved).collect()
+        self.areas.breakpoints().into_iter().map(moved).collect()
     }
 
     /// Those of A, δx = c δA/(2√A) in their middle.
@@ -318,7 +318,7 @@ mod tests {
         for s in [Complex64::new(1.0, 2.0), Complex64::new(-0.5, 3.0)] {
             close(law.laplace(s).re, twin.laplace(s).re);
         }
-        let (ours, theirs) = (law.breaks()[0], twin.breaks()[0]);
+        let (ours, theirs) = (law.breakpoints()[0], twin.breakpoints()[0]);
         close(ours.amplitude, theirs.amplitude);
         assert_eq!(ours.exponent, theirs.exponent);
     }

@@ -100,9 +100,9 @@ impl Product<'_> {
     fn boundaries(&self) -> Vec<f64> {
         let reach = REACH * self.std;
         let around = |x: f64| [(x * (1.0 - reach)).max(0.0), x, x * (1.0 + reach)];
-        let breaks = self.law.breaks().into_iter().map(|b| b.position);
+        let breakpoints = self.law.breakpoints().into_iter().map(|b| b.position);
         let ends = [self.places[0], self.places[self.places.len() - 1]];
-        let mut boundaries: Vec<f64> = breaks.chain(ends).flat_map(around).collect();
+        let mut boundaries: Vec<f64> = breakpoints.chain(ends).flat_map(around).collect();
         boundaries.extend(&self.places);
         boundaries.sort_by(f64::total_cmp);
         boundaries.dedup_by(|next, kept| *next - *kept <= APART * *next);

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 use super::refine::{Refined, refine};
-use super::{ALL, Break, Law, Parameter, SharedLaw, Zone, unknown};
+use super::{ALL, Breakpoint, Law, Parameter, SharedLaw, Zone, unknown};
 use crate::numerics::legendre::{NODES, Nodal, RULE, end_derivative, series};
 use crate::numerics::piecewise::{Piecewise, tail};
 use crate::random::Stream;
@@ -28,7 +28,7 @@ pub struct Series {
     below: Vec<f64>,
     std: f64,
     cut: f64,
-    breaks: Vec<Break>,
+    breakpoints: Vec<Breakpoint>,
     zones: Vec<Zone>,
 }
 
@@ -112,10 +112,10 @@ impl Series {
     ///
     /// # Errors
     /// A density below 0, or no mass at all.
-    pub(crate) fn solved(density: Piecewise, breaks: Vec<Break>, resolution: f64) -> Result<Self> {
+    pub(crate) fn solved(density: Piecewise, breakpoints: Vec<Breakpoint>, resolution: f64) -> Result<Self> {
         let law = Self::scaled(density, 0.0)?;
         let zone = Zone { low: law.start(), high: law.density.end(), resolution };
-        Ok(Self { breaks, zones: vec![zone], ..law })
+        Ok(Self { breakpoints, zones: vec![zone], ..law })
     }
 
     /// The boundaries of the cells.
@@ -147,10 +147,11 @@ impl Series {
         let (mean_below, mean_above) = (means(&density, -1.0), means(&density, 1.0));
         let cells = density.coefficients.len();
         let (above, below) = (vec![[0.0; 4]; cells + 1], vec![0.0; cells + 1]);
-        let (breaks, zones) = (Vec::new(), Vec::new());
-        let mut law = Self { density, mean_below, mean_above, above, below, std: 0.0, cut, breaks, zones };
+        let (breakpoints, zones) = (Vec::new(), Vec::new());
+        let mut law =
+            Self { density, mean_below, mean_above, above, below, std: 0.0, cut, breakpoints, zones };
         law.sum();
-        law.breaks = law.find_breaks();
+        law.breakpoints = law.find_breaks();
         law.zones = law.find_zones();
         Ok(law)
     }
@@ -240,20 +241,20 @@ impl Series {
     }
 
     /// The jump of a derivative at a boundary, where it is more than rounding.
-    fn jump(&self, boundary: usize, order: u32) -> Option<Break> {
+    fn jump(&self, boundary: usize, order: u32) -> Option<Breakpoint> {
         let cells = self.density.coefficients.len();
         let right = if boundary < cells { self.derivative(boundary, -1.0, order) } else { (0.0, 0.0) };
         let left = if boundary > 0 { self.derivative(boundary - 1, 1.0, order) } else { (0.0, 0.0) };
         let amplitude = right.0 - left.0;
         let position = self.density.boundaries[boundary];
-        let found = Break { position, exponent: f64::from(order), amplitude };
+        let found = Breakpoint { position, exponent: f64::from(order), amplitude };
         let felt = found.weight(self.std) * self.std > FELT;
         (felt && amplitude.abs() > right.1 + left.1).then_some(found)
     }
 
     /// The power with which the density sets out from the start (`side` = −1), or from the end downwards (1), where cells
     /// narrow towards it, unless a whole one.
-    fn power(&self, side: f64) -> Option<Break> {
+    fn power(&self, side: f64) -> Option<Breakpoint> {
         let edges = self.boundaries();
         let (end, next) =
             if side < 0.0 { (edges[0], edges[1]) } else { (edges[edges.len() - 1], edges[edges.len() - 2]) };
@@ -264,11 +265,11 @@ impl Series {
         let steep =
             first < 0.01 * self.std && (near - far).abs() < 0.1 && (exponent - exponent.round()).abs() > 0.01;
         let amplitude = at(1.0) * libm::tgamma(exponent + 1.0) / first.powf(exponent);
-        let set_out = Break { position: -side * end, exponent, amplitude };
+        let set_out = Breakpoint { position: -side * end, exponent, amplitude };
         steep.then(|| if side < 0.0 { set_out } else { set_out.mirrored() })
     }
 
-    fn find_breaks(&self) -> Vec<Break> {
+    fn find_breaks(&self) -> Vec<Breakpoint> {
         let last = self.density.coefficients.len();
         let end = |side: f64, boundary: usize| {
             self.power(side).map_or_else(|| self.breaks_at_end(boundary), |power| vec![power])
@@ -288,15 +289,15 @@ impl Series {
         let resolution = inside().map(|cell| cell.2).fold(self.std, f64::max);
         // Cells that narrow towards a break are halved further by rounding, near a pole to a twentieth of their distance.
         let apart = |(low, high, _): &(f64, f64, f64)| {
-            let far = |b: &Break| high - low < 0.02 * (0.5 * (low + high) - b.position).abs();
-            self.breaks.iter().all(far)
+            let far = |b: &Breakpoint| high - low < 0.02 * (0.5 * (low + high) - b.position).abs();
+            self.breakpoints.iter().all(far)
         };
         let fine = cells().filter(apart).map(|(low, high, resolution)| Zone { low, high, resolution });
         std::iter::once(Zone { low, high, resolution }).chain(fine).collect()
     }
 
     /// The breaks at an end of the support: jump and kink, or else the lowest derivative that is not 0.
-    fn breaks_at_end(&self, boundary: usize) -> Vec<Break> {
+    fn breaks_at_end(&self, boundary: usize) -> Vec<Breakpoint> {
         const HIGHEST: u32 = 4;
         let low: Vec<_> = (0..2).filter_map(|order| self.jump(boundary, order)).collect();
         if low.is_empty() {
@@ -434,8 +435,8 @@ impl Law for Series {
 
     /// Jumps and kinks at boundaries, beyond what rounding and the terms left out of the series make; at the ends, where
     /// there is neither, the power that leads there or the lowest derivative that is not 0, up to the fourth.
-    fn breaks(&self) -> Vec<Break> {
-        self.breaks.clone()
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        self.breakpoints.clone()
     }
 
     fn seams(&self) -> Vec<f64> {
@@ -472,9 +473,9 @@ mod tests {
     }
 
     /// (position, exponent, amplitude).
-    fn breaks(p: impl Fn(f64) -> f64, boundaries: &[f64]) -> Vec<(f64, f64, f64)> {
+    fn breakpoints(p: impl Fn(f64) -> f64, boundaries: &[f64]) -> Vec<(f64, f64, f64)> {
         let law = Series::resolve(each(p), boundaries, 1e-14).unwrap().0;
-        law.breaks().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect()
+        law.breakpoints().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect()
     }
 
     #[test]
@@ -486,7 +487,7 @@ mod tests {
         close(law.survival(1.5), 0.125);
         close(law.mean(), 1.0);
         close(law.std(), 6.0_f64.sqrt().recip());
-        let kinks: Vec<_> = law.breaks().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
+        let kinks: Vec<_> = law.breakpoints().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
         assert_eq!(kinks, [(0.0, 1.0, 1.0), (1.0, 1.0, -2.0), (2.0, 1.0, 1.0)]);
     }
 
@@ -500,20 +501,20 @@ mod tests {
     #[test]
     fn breaks_are_those_of_the_function_and_no_others() {
         let bell = |x: f64| (-50.0 * (x - 1.0).powi(2)).exp();
-        assert_eq!(breaks(bell, &[0.0, 1.0, 1.1, f64::INFINITY]), []);
+        assert_eq!(breakpoints(bell, &[0.0, 1.0, 1.1, f64::INFINITY]), []);
         // A bell with half of it raised, and a tent on top.
         let broken = |x: f64| bell(x) + if x < 1.0 { 0.0 } else { 0.25 } + (0.1 - (x - 1.2).abs()).max(0.0);
-        let found = breaks(broken, &[0.0, 1.0, 1.1, 1.2, 1.3, 2.0]);
+        let found = breakpoints(broken, &[0.0, 1.0, 1.1, 1.2, 1.3, 2.0]);
         let places: Vec<_> = found.iter().map(|b| (b.0, b.1)).collect();
         assert_eq!(places, [(1.0, 0.0), (1.1, 1.0), (1.2, 1.0), (1.3, 1.0), (2.0, 0.0)]);
         let ratio = found[2].2 / found[0].2;
         // Slopes have the rounding of the coefficients times 15² or so.
         assert!((ratio + 8.0).abs() < 1e-9, "{ratio}");
         // Powers at the start: one that is not whole, and a whole one.
-        let (_, exponent, amplitude) = breaks(|x| (-x).exp() / x.sqrt(), &[0.0, 1.0, f64::INFINITY])[0];
+        let (_, exponent, amplitude) = breakpoints(|x| (-x).exp() / x.sqrt(), &[0.0, 1.0, f64::INFINITY])[0];
         // p(0⁺) = x^−½/√π, times Γ(½).
         assert!((exponent + 0.5).abs() < 1e-9 && (amplitude - 1.0).abs() < 1e-9, "{exponent}, {amplitude}");
-        let (_, exponent, amplitude) = breaks(|x| x * x * (-x).exp(), &[0.0, 2.0, f64::INFINITY])[0];
+        let (_, exponent, amplitude) = breakpoints(|x| x * x * (-x).exp(), &[0.0, 2.0, f64::INFINITY])[0];
         assert!(exponent == 2.0 && (amplitude - 1.0).abs() < 1e-9, "{exponent}, {amplitude}");
     }
 
@@ -525,14 +526,14 @@ mod tests {
         // Closed in on to sixteen roundings, in which nothing is known.
         let near = |(a, b): (&f64, &f64)| (a - b).abs() < 32.0 * f64::EPSILON;
         assert!(law.boundaries().iter().zip(&expected).all(near), "{:?}", law.boundaries());
-        let orders: Vec<_> = law.breaks().iter().map(|b| b.exponent).collect();
+        let orders: Vec<_> = law.breakpoints().iter().map(|b| b.exponent).collect();
         assert_eq!(orders, [0.0, 0.0, 1.0, 1.0, 1.0, 0.0]);
     }
 
     #[test]
     fn a_power_that_ends_in_a_place_is_told() {
         let law = Series::resolve(each(|x| x * (2.0 - x).sqrt()), &[0.0, 1.0, 2.0], 1e-14).unwrap().0;
-        let &[_, end] = &law.breaks()[..] else { panic!("{:?}", law.breaks()) };
+        let &[_, end] = &law.breakpoints()[..] else { panic!("{:?}", law.breakpoints()) };
         // Its distance to the end is rounded to 1e-2 in the last cells.
         assert!(end.position == 2.0 && (end.exponent - 0.5).abs() < 0.01, "{end:?}");
     }

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, not_negative, unknown};
+use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, unknown};
 use crate::numerics::legendre::RULE;
 use crate::random::Stream;
 use crate::{Error, Result};
@@ -251,8 +251,8 @@ impl Law for Tabulated {
     }
 
     /// At each node the jump of the density and the change of its slope.
-    fn breaks(&self) -> Vec<Break> {
-        let mut breaks = Vec::new();
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        let mut breakpoints = Vec::new();
         let (mut height, mut slope) = (0.0, 0.0);
         for (i, node) in self.nodes.iter().enumerate() {
             let width = self.nodes.get(i + 1).map_or(f64::INFINITY, |next| next.position - node.position);
@@ -262,14 +262,14 @@ impl Law for Tabulated {
             let rounding = 16.0 * f64::EPSILON * (next_slope.abs() + slope.abs() + node.start / width);
             let position = node.position;
             if jump != 0.0 {
-                breaks.push(Break { position, exponent: 0.0, amplitude: jump });
+                breakpoints.push(Breakpoint { position, exponent: 0.0, amplitude: jump });
             }
             if kink.abs() > rounding {
-                breaks.push(Break { position, exponent: 1.0, amplitude: kink });
+                breakpoints.push(Breakpoint { position, exponent: 1.0, amplitude: kink });
             }
             (height, slope) = (node.end, next_slope);
         }
-        breaks
+        breakpoints
     }
 
     /// A polynomial between its breaks.
@@ -334,7 +334,7 @@ mod tests {
         assert_eq!((law.density(1.0), law.survival(1.0), law.mean()), (1.0, 0.5, 1.0));
         // Variance 1/6; a few roundings.
         assert!((law.std() - 6.0_f64.sqrt().recip()).abs() < 1e-15);
-        let kinks: Vec<_> = law.breaks().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
+        let kinks: Vec<_> = law.breakpoints().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
         assert_eq!(kinks, [(0.0, 1.0, 1.0), (1.0, 1.0, -2.0), (2.0, 1.0, 1.0)]);
     }
 

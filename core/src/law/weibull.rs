@@ -7,7 +7,7 @@ use rand_distr::{Distribution, Exp1};
 
 use super::incomplete_gamma::{GammaShape, IncompleteGamma};
 use super::quadrature::trapezoid;
-use super::{Break, Law, Parameter, SharedLaw, onset, positive, shared, unknown};
+use super::{Breakpoint, Law, Parameter, SharedLaw, onset, positive, shared, unknown};
 use crate::Result;
 use crate::random::Stream;
 
@@ -111,7 +111,7 @@ impl Law for Weibull {
         self.std
     }
 
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         onset(self.shape - 1.0, libm::tgamma(self.shape + 1.0) / self.scale.powf(self.shape))
     }
 

@@ -6,7 +6,7 @@ use super::layer::Layer;
 use super::{Life, Starts};
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
-use crate::law::{Atom, Break, SharedLaw, Zone};
+use crate::law::{Atom, Breakpoint, SharedLaw, Zone};
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
@@ -69,21 +69,22 @@ pub(super) fn of_layers(
 ) -> Life {
     let law = contacts.thresholds.as_ref();
     let breaking: Vec<_> = layers.iter().map(|layer| Breaking::new(law, layer, BULK)).collect();
-    let mut breaks: Vec<Break> = breaking.iter().flat_map(Breaking::breaks).collect();
+    let mut breakpoints: Vec<Breakpoint> = breaking.iter().flat_map(Breaking::breakpoints).collect();
     let onsets: Vec<f64> = breaking.iter().map(Breaking::onset).collect();
     let end = breaking.iter().map(Breaking::end).fold(0.0, f64::max);
-    let stops = breaks.iter().map(|b| b.position).chain(onsets.iter().copied());
+    let stops = breakpoints.iter().map(|b| b.position).chain(onsets.iter().copied());
     let stops: Vec<f64> = stops.chain(breaking.iter().flat_map(Breaking::seams)).collect();
     let edges = edges(&zones(&breaking), &stops, end);
     let mut moments =
         Piecewise::resolve_all(|u| watch.value(|| sum(&breaking, u)), &edges, end, BULK.resolution);
-    weigh_pole(&mut moments[0], &breaks, &breaking);
-    breaks.extend(broken.map(Break::from));
+    weigh_pole(&mut moments[0], &breakpoints, &breaking);
+    breakpoints.extend(broken.map(Breakpoint::from));
     let wide = 0.25 * scale(law);
-    onsets.into_iter().for_each(|onset| begin(&mut breaks, &moments[0], onset, wide));
-    breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
+    onsets.into_iter().for_each(|onset| begin(&mut breakpoints, &moments[0], onset, wide));
+    breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
     let carried = Carried::new(&breaking, &moments, end);
-    let smoother: Vec<_> = breaks.iter().map(|&b| Break { exponent: b.exponent + 1.0, ..b }).collect();
+    let smoother: Vec<_> =
+        breakpoints.iter().map(|&b| Breakpoint { exponent: b.exponent + 1.0, ..b }).collect();
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
     let survival = carried.survival();
     let LifeCurves { force, square, energy, breaking_energy } = match contacts.stiffness {
@@ -97,7 +98,7 @@ pub(super) fn of_layers(
         square: kernel(square),
         energy: kernel(energy),
         breaking_energy: kernel(breaking_energy),
-        breaking: Kernel::new(falls, breaks),
+        breaking: Kernel::new(falls, breakpoints),
         starts: Starts::Layers { layers, thresholds: contacts.thresholds.clone() },
         wait: 0.0,
         stiffness: contacts.stiffness.weight(law.mean()),
@@ -106,8 +107,8 @@ pub(super) fn of_layers(
 }
 
 /// Gives the first cell of what breaks its mass where that rises to a pole at 0, which no polynomial follows.
-fn weigh_pole(falls: &mut Piecewise, breaks: &[Break], breaking: &[Breaking<'_>]) {
-    if !breaks.iter().any(|b| b.position == 0.0 && b.is_steep() && b.exponent < 0.0) {
+fn weigh_pole(falls: &mut Piecewise, breakpoints: &[Breakpoint], breaking: &[Breaking<'_>]) {
+    if !breakpoints.iter().any(|b| b.position == 0.0 && b.is_steep() && b.exponent < 0.0) {
         return;
     }
     let unbroken = |u: f64| breaking.iter().map(|b| b.weighted(u, 0, 0)).sum::<f64>();
@@ -117,24 +118,25 @@ fn weigh_pole(falls: &mut Piecewise, breaks: &[Break], breaking: &[Breaking<'_>]
 
 /// Tells breaks at an onset by how the curve and its derivatives jump there, unless a power that is not whole does; by the
 /// value alone where a cell is not `wide`, since derivatives are lost there.
-pub(super) fn begin(breaks: &mut Vec<Break>, curve: &Piecewise, onset: f64, wide: f64) {
-    let there = |b: &Break| b.position == onset && !b.is_atom();
-    let Some(cell) = curve.find(onset).filter(|_| !breaks.iter().any(|b| there(b) && b.is_steep())) else {
+pub(super) fn begin(breakpoints: &mut Vec<Breakpoint>, curve: &Piecewise, onset: f64, wide: f64) {
+    let there = |b: &Breakpoint| b.position == onset && !b.is_atom();
+    let Some(cell) = curve.find(onset).filter(|_| !breakpoints.iter().any(|b| there(b) && b.is_steep()))
+    else {
         return;
     };
-    breaks.retain(|b| !there(b));
+    breakpoints.retain(|b| !there(b));
     let narrow =
         [Some(cell), cell.checked_sub(1)].into_iter().flatten().any(|k| 2.0 * curve.cell(k).1 < wide);
-    breaks.extend(jumps(curve, onset, if narrow { 1 } else { ORDERS }));
+    breakpoints.extend(jumps(curve, onset, if narrow { 1 } else { ORDERS }));
 }
 
 /// The jumps of a curve (order 0) and of its derivatives at one of its boundaries, of the first so many `orders`, at most
 /// [`ORDERS`]; those that are 0 are left out.
-pub(super) fn jumps(curve: &Piecewise, at: f64, orders: usize) -> Vec<Break> {
+pub(super) fn jumps(curve: &Piecewise, at: f64, orders: usize) -> Vec<Breakpoint> {
     let Some(cell) = curve.find(at) else { return Vec::new() };
     let after: [f64; ORDERS] = curve.jet_in(cell, at);
     let before = cell.checked_sub(1).map_or([0.0; ORDERS], |left| curve.jet_in(left, at));
-    let jump = |order: usize| Break {
+    let jump = |order: usize| Breakpoint {
         position: at,
         exponent: order as f64,
         amplitude: after[order] - before[order],

@@ -3,7 +3,7 @@
 use super::cells::{BULK, CELL, NEGLIGIBLE, RESOLUTION};
 use super::layer::{Layer, PointMass};
 use super::panels::{Domain, Panels};
-use crate::law::{Atom, Break};
+use crate::law::{Atom, Breakpoint};
 use crate::numerics::piecewise::Piecewise;
 
 /// Births as functions of the advance of the slider since then.
@@ -14,7 +14,7 @@ pub(crate) struct Births {
     /// … fractions born together, …
     pub(crate) atoms: Vec<Atom>,
     /// … and where the rate is not smooth.
-    pub(crate) breaks: Vec<Break>,
+    pub(crate) breakpoints: Vec<Breakpoint>,
 }
 
 impl Births {
@@ -25,9 +25,9 @@ impl Births {
             let moved = self.rate.shifted(start.position).scaled(start.weight);
             density = density.added(&moved, RESOLUTION);
         }
-        let breaks = self.breaks(starts);
+        let breakpoints = self.breakpoints(starts);
         if !starts.is_pointed() {
-            density = density.added(&self.spread(starts, &breaks), RESOLUTION);
+            density = density.added(&self.spread(starts, &breakpoints), RESOLUTION);
         }
         let lumps = self.atoms.iter().flat_map(|birth| {
             let born = |start: &PointMass| {
@@ -37,33 +37,33 @@ impl Births {
         });
         let smooth = starts.lumps.is_empty() && self.atoms.is_empty();
         let resolution = if smooth { starts.resolution } else { 0.0 };
-        Layer { density, lumps: lumps.collect(), breaks, resolution, ..Layer::default() }
+        Layer { density, lumps: lumps.collect(), breakpoints, resolution, ..Layer::default() }
     }
 
     /// Where breaks of the rate meet those of the starts.
-    fn breaks(&self, starts: &Layer) -> Vec<Break> {
-        let atoms = self.atoms.iter().map(|&a| Break::from(a));
-        let births: Vec<_> = self.breaks.iter().copied().chain(atoms).collect();
+    fn breakpoints(&self, starts: &Layer) -> Vec<Breakpoint> {
+        let atoms = self.atoms.iter().map(|&a| Breakpoint::from(a));
+        let births: Vec<_> = self.breakpoints.iter().copied().chain(atoms).collect();
         let starts = starts.all_breaks();
         let pairs = births.iter().flat_map(|birth| starts.iter().map(|start| birth.convolve(*start)));
         pairs.filter(|b| !b.is_atom()).collect()
     }
 
     /// What starts spread over a density form.
-    fn spread(&self, starts: &Layer, breaks: &[Break]) -> Piecewise {
+    fn spread(&self, starts: &Layer, breakpoints: &[Breakpoint]) -> Piecewise {
         let latest = self.atoms.iter().map(|a| a.position).fold(self.rate.end(), f64::max);
         let (low, high) = (starts.density.start(), starts.density.end());
         let width = CELL * starts.resolution;
         let even = (1..((high + latest) / width) as usize).map(|k| k as f64 * width);
-        let edges: Vec<f64> = breaks.iter().map(|b| b.position).chain(even).collect();
+        let edges: Vec<f64> = breakpoints.iter().map(|b| b.position).chain(even).collect();
         let rate = Panels::new(&self.rate, 2.0 * width, NEGLIGIBLE);
         let born = |x: f64| {
-            let place = |b: &Break| x - b.position;
+            let place = |b: &Breakpoint| x - b.position;
             let domain = Domain {
                 low: x - high,
                 high: x - low,
-                cuts: starts.breaks.iter().map(place).collect(),
-                steep: starts.breaks.iter().filter(|b| b.is_steep()).map(place).collect(),
+                cuts: starts.breakpoints.iter().map(place).collect(),
+                steep: starts.breakpoints.iter().filter(|b| b.is_steep()).map(place).collect(),
             };
             let mut sum = self.atoms.iter().map(|a| a.weight * starts.density_at(x - a.position)).sum();
             rate.each(domain, |age, weight| sum += weight * starts.density_at(x - age));

@@ -3,7 +3,7 @@
 use super::cells::{CELL, Detail, scale, top, walls, with_atoms};
 use super::layer::{Layer, PointMass};
 use super::panels::{Domain, Panels};
-use crate::law::{Atom, Break, Law, Zone};
+use crate::law::{Atom, Breakpoint, Law, Zone};
 
 /// Moments of the breaking stretches are kept up to the fourth.
 pub(super) const MOMENTS: usize = 5;
@@ -13,7 +13,7 @@ pub(super) struct Breaking<'a> {
     thresholds: &'a dyn Law,
     layer: &'a Layer,
     /// Breaks and atoms of P_c.
-    hazards: Vec<Break>,
+    hazards: Vec<Breakpoint>,
     /// Thresholds that many share.
     walls: Vec<f64>,
     /// Stretches between which contacts break, but for a negligible part.
@@ -60,10 +60,10 @@ impl<'a> Breaking<'a> {
 
     /// Breaks and atoms of the breaking density past its onset, as functions of the advance: where one of P_c meets one of
     /// ν, and where one of either is passed by those who have been further on the other side.
-    pub(super) fn breaks(&self) -> Vec<Break> {
+    pub(super) fn breakpoints(&self) -> Vec<Breakpoint> {
         let Layer { ahead, behind, .. } = *self.layer;
         let starts = self.layer.all_breaks();
-        let mut out: Vec<Break> =
+        let mut out: Vec<Breakpoint> =
             self.struck.iter().map(|(u, met)| Atom { position: *u, weight: met.weight }.into()).collect();
         for hazard in &self.hazards {
             for start in &starts {
@@ -75,9 +75,9 @@ impl<'a> Breaking<'a> {
             }
         }
         // The bound of the integral passes them at half the pace of the slider.
-        let passed = |b: &Break, position: f64, factor: f64| {
+        let passed = |b: &Breakpoint, position: f64, factor: f64| {
             let amplitude = b.amplitude * factor * 0.5_f64.powf(b.exponent + 1.0);
-            Break { position, exponent: b.exponent + 1.0, amplitude }
+            Breakpoint { position, exponent: b.exponent + 1.0, amplitude }
         };
         out.extend(starts.iter().map(|b| {
             let u = behind - 2.0 * b.position;
@@ -119,7 +119,7 @@ impl<'a> Breaking<'a> {
         let lumps = self.layer.lumps.iter();
         let together: f64 = lumps.map(|l| l.weight * weight(l.position + u, exceeded(l))).sum();
         let (forth, back) = (self.layer.ahead.max(u), self.layer.behind);
-        let places = |b: &Break| [b.position - forth, back - b.position];
+        let places = |b: &Breakpoint| [b.position - forth, back - b.position];
         let everywhere = Domain {
             low: f64::NEG_INFINITY,
             high: f64::INFINITY,
@@ -161,7 +161,7 @@ impl<'a> Breaking<'a> {
         if self.layer.is_pointed() {
             return sums;
         }
-        let place = |b: &Break| b.position - u;
+        let place = |b: &Breakpoint| b.position - u;
         let domain = Domain {
             low: lowest.max(self.window.0 - u),
             high: self.window.1 - u,

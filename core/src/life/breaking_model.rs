@@ -4,7 +4,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::cells::ROUNDING;
-use crate::law::Break;
+use crate::law::Breakpoint;
 use crate::monitor::Watch;
 
 /// A kind of contacts, moved at a constant velocity.
@@ -52,7 +52,7 @@ pub(crate) trait Cohort: Debug + Send + Sync {
     fn toll(&self, advance: f64) -> SurvivalMoments;
 
     /// Where the breaking density is not smooth past u = 0, atoms among it, as advances.
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         Vec::new()
     }
 

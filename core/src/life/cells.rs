@@ -1,6 +1,6 @@
 //! Cells to begin with: where a law's density is to be looked for, and how finely.
 
-use crate::law::{Break, Law, Zone};
+use crate::law::{Breakpoint, Law, Zone};
 use crate::numerics::piecewise::{Piecewise, Resolution};
 
 /// What a curve leaves out, of a total of 1 (or of the mean life, force, …).
@@ -64,9 +64,9 @@ pub(super) fn scale(law: &dyn Law) -> f64 {
 }
 
 /// Cell boundaries on [0, end] to begin with: the breaks, and cells as narrow as the zones that they lie in ask for.
-pub(super) fn edges(zones: &[Zone], breaks: &[f64], end: f64) -> Vec<f64> {
+pub(super) fn edges(zones: &[Zone], breakpoints: &[f64], end: f64) -> Vec<f64> {
     let mut stops: Vec<f64> =
-        zones.iter().flat_map(|z| [z.low, z.high]).chain(breaks.iter().copied()).collect();
+        zones.iter().flat_map(|z| [z.low, z.high]).chain(breakpoints.iter().copied()).collect();
     stops.retain(|&u| u > 0.0 && u < end);
     stops.push(end);
     stops.sort_by(f64::total_cmp);
@@ -92,19 +92,19 @@ pub(super) fn edges(zones: &[Zone], breaks: &[f64], end: f64) -> Vec<f64> {
 
 /// The density of a law.
 pub(super) fn resolved(law: &dyn Law, detail: Detail) -> Piecewise {
-    let breaks = with_atoms(law).into_iter().map(|b| b.position);
-    let stops: Vec<f64> = breaks.chain(detail.seams(law)).collect();
+    let breakpoints = with_atoms(law).into_iter().map(|b| b.position);
+    let stops: Vec<f64> = breakpoints.chain(detail.seams(law)).collect();
     let end = top(law, detail.negligible);
     let edges = edges(&law.zones(), &stops, end);
     Piecewise::resolve(|x| law.density(x), &edges, end, detail.resolution)
 }
 
 /// Atoms of a law, and its breaks where they are more than nothing.
-pub(super) fn with_atoms(law: &dyn Law) -> Vec<Break> {
+pub(super) fn with_atoms(law: &dyn Law) -> Vec<Breakpoint> {
     const NOTHING: f64 = 1e-40;
     let mean = law.mean();
-    let breaks = law.breaks().into_iter().filter(|b| b.weight(mean) * mean > NOTHING);
-    breaks.chain(law.atoms().into_iter().map(Break::from)).collect()
+    let breakpoints = law.breakpoints().into_iter().filter(|b| b.weight(mean) * mean > NOTHING);
+    breakpoints.chain(law.atoms().into_iter().map(Breakpoint::from)).collect()
 }
 
 /// Thresholds that many share: the atoms of a law.

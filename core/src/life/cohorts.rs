@@ -13,7 +13,7 @@ use super::layer::Layer;
 use super::panels::{Domain, Panels};
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
-use crate::law::{Atom, Break, Law, SharedLaw};
+use crate::law::{Atom, Breakpoint, Law, SharedLaw};
 use crate::monitor::Watch;
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::volterra::Kernel;
@@ -99,11 +99,11 @@ pub(super) fn of_cohorts(
     let panels = cohorts.panels();
     let at = |u: f64| watch.value(|| cohorts.sums(&panels, u, per_threshold, watch));
     let unbroken = if conditional { 1.0 } else { at(0.0).survival };
-    let mut breaks = cohorts.breaks(watch);
-    let stops = breaks.iter().map(|b| b.position).chain(cohorts.approaches(watch)).collect();
+    let mut breakpoints = cohorts.breakpoints(watch);
+    let stops = breakpoints.iter().map(|b| b.position).chain(cohorts.approaches(watch)).collect();
     let outline = Outline::new(&at, stops, contacts.thresholds.mean());
     let rounding = cohorts.model.rounding();
-    breaks.retain(|b| b.exponent != 0.0 || b.amplitude.abs() * outline.beside(b.position) >= rounding);
+    breakpoints.retain(|b| b.exponent != 0.0 || b.amplitude.abs() * outline.beside(b.position) >= rounding);
     watch.check()?;
     let edges = &outline.edges;
     let end = edges[edges.len() - 1];
@@ -133,12 +133,13 @@ pub(super) fn of_cohorts(
         Resolution::Mean(RESOLUTION.max(model.roughness())),
     );
     let [_, breaking, survival, force, square, energy, lost] = curves;
-    begin(&mut breaks, &breaking, 0.0, 0.0);
+    begin(&mut breakpoints, &breaking, 0.0, 0.0);
     if 1.0 - unbroken > NEGLIGIBLE {
-        breaks.push(Atom { position: 0.0, weight: 1.0 - unbroken }.into());
+        breakpoints.push(Atom { position: 0.0, weight: 1.0 - unbroken }.into());
     }
-    breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
-    let smoother: Vec<_> = breaks.iter().map(|&b| Break { exponent: b.exponent + 1.0, ..b }).collect();
+    breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+    let smoother: Vec<_> =
+        breakpoints.iter().map(|&b| Breakpoint { exponent: b.exponent + 1.0, ..b }).collect();
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
     let breaking_energy = lost.integrated_from_end(0.0, &cohorts.struck(per_threshold));
     watch.check()?;
@@ -148,7 +149,7 @@ pub(super) fn of_cohorts(
         square: kernel(square),
         energy: kernel(energy),
         breaking_energy: kernel(breaking_energy),
-        breaking: Kernel::new(breaking, breaks),
+        breaking: Kernel::new(breaking, breakpoints),
         error: cohorts.model.error(),
         starts: Starts::Cohorts(Box::new(cohorts)),
         stiffness: contacts.stiffness.weight(contacts.thresholds.mean()),
@@ -340,17 +341,17 @@ impl Cohorts {
     }
 
     /// Where the breaking density is not smooth past u = 0, atoms among it.
-    fn breaks(&self, watch: &Watch<'_>) -> Vec<Break> {
+    fn breakpoints(&self, watch: &Watch<'_>) -> Vec<Breakpoint> {
         let mut out = Vec::new();
         let lumps = self.starts.lumps.iter().map(|lump| lump.weight).zip(&self.together);
         for (weight, cohort) in lumps.chain(self.few.iter().map(|(weight, cohort)| (*weight, cohort))) {
-            let scaled = |b: Break| Break { amplitude: b.amplitude * weight, ..b };
-            out.extend(cohort.breaks().into_iter().map(scaled));
+            let scaled = |b: Breakpoint| Breakpoint { amplitude: b.amplitude * weight, ..b };
+            out.extend(cohort.breakpoints().into_iter().map(scaled));
         }
-        for start in &self.starts.breaks {
-            let met = self.model.cohort(start.position, watch).breaks();
+        for start in &self.starts.breakpoints {
+            let met = self.model.cohort(start.position, watch).breakpoints();
             out.extend(
-                met.into_iter().map(|b| Break { position: b.position, ..b.convolve(start.mirrored()) }),
+                met.into_iter().map(|b| Breakpoint { position: b.position, ..b.convolve(start.mirrored()) }),
             );
         }
         // At u = 0 only what no derivative tells.
@@ -360,7 +361,7 @@ impl Cohorts {
 
     /// Places before blurred edges, where the breaking density changes, which points of wide cells would miss.
     fn approaches(&self, watch: &Watch<'_>) -> impl Iterator<Item = f64> {
-        let edged = self.starts.breaks.iter().map(|start| self.model.cohort(start.position, watch));
+        let edged = self.starts.breakpoints.iter().map(|start| self.model.cohort(start.position, watch));
         let all = self.together.iter().cloned().chain(edged);
         all.flat_map(|cohort| cohort.blurred_edges()).flat_map(BlurredEdge::approach)
     }
@@ -369,7 +370,7 @@ impl Cohorts {
     fn struck(&self, per_threshold: bool) -> Vec<(f64, f64)> {
         let mut out = Vec::new();
         for (lump, cohort) in self.starts.lumps.iter().zip(&self.together) {
-            for met in cohort.breaks().into_iter().filter(Break::is_atom) {
+            for met in cohort.breakpoints().into_iter().filter(Breakpoint::is_atom) {
                 let stretch = lump.position + met.position;
                 let power = if per_threshold { 3 } else { 2 };
                 out.push((met.position, 0.5 * lump.weight * met.amplitude * stretch.powi(power)));
@@ -421,7 +422,7 @@ impl Cohorts {
     pub(super) fn met_atoms(&self) -> Vec<Atom> {
         let of = |(lump, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
             let (position, weight) = (lump.position, lump.weight);
-            let met = cohort.breaks().into_iter().filter(Break::is_atom);
+            let met = cohort.breakpoints().into_iter().filter(Breakpoint::is_atom);
             met.map(move |b| Atom { position: position + b.position, weight: weight * b.amplitude })
                 .collect::<Vec<_>>()
         };

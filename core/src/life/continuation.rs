@@ -6,7 +6,7 @@ use super::breaking::Breaking;
 use super::cells::{BULK, Detail, edges, resolved, with_atoms};
 use super::layer::Layer;
 use crate::contacts::Contacts;
-use crate::law::{Break, Law, SharedLaw, Zone};
+use crate::law::{Breakpoint, Law, SharedLaw, Zone};
 use crate::monitor::Watch;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
@@ -57,15 +57,15 @@ impl Continuation {
         let unbounded = Layer { ahead: f64::NEG_INFINITY, behind: f64::NEG_INFINITY, ..placed };
         let breaking = Breaking::new(thresholds, &unbounded, detail);
         let highest = unbounded.range().map_or(0.0, |range| range.1);
-        let faded = |b: Break| Break { amplitude: b.amplitude * (edge * b.position).exp(), ..b };
-        let breaks: Vec<_> = met_before(thresholds, &unbounded).into_iter().map(faded).collect();
+        let faded = |b: Breakpoint| Breakpoint { amplitude: b.amplitude * (edge * b.position).exp(), ..b };
+        let breakpoints: Vec<_> = met_before(thresholds, &unbounded).into_iter().map(faded).collect();
         let before = |z: Zone| Zone { low: -z.high, high: -z.low, ..z };
         let zones: Vec<_> = breaking.zones().into_iter().map(before).collect();
-        let stops: Vec<_> = breaks.iter().map(|b| b.position).collect();
+        let stops: Vec<_> = breakpoints.iter().map(|b| b.position).collect();
         let fading = |v: f64| watch.value(|| (edge * v).exp() * breaking.moments(-v)[0]);
         let curve = Piecewise::resolve(fading, &edges(&zones, &stops, highest), highest, BULK.resolution);
-        let before = Kernel::new(curve, breaks);
-        let atoms = unbounded.all_breaks().into_iter().filter(Break::is_atom).collect();
+        let before = Kernel::new(curve, breakpoints);
+        let atoms = unbounded.all_breaks().into_iter().filter(Breakpoint::is_atom).collect();
         let births = Kernel::new(unbounded.density, atoms);
         let (thresholds, known_rate) = (Thresholds::new(&contacts.thresholds), thresholds.known_rate());
         Self { thresholds, births, before, edge, known_rate }
@@ -89,7 +89,7 @@ impl Continuation {
 }
 
 /// Where breaks and atoms of P_c meet those of ν at advances u ≤ 0, as positions of −u, rising.
-fn met_before(thresholds: &dyn Law, births: &Layer) -> Vec<Break> {
+fn met_before(thresholds: &dyn Law, births: &Layer) -> Vec<Breakpoint> {
     let starts = births.all_breaks();
     let hazards = with_atoms(thresholds);
     let meetings =
@@ -104,9 +104,9 @@ impl Thresholds {
         if law.laplace_is_closed() || law.decay_rate().is_finite() {
             return Self::Law(law.clone());
         }
-        let mut breaks = with_atoms(law.as_ref());
-        breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
-        Self::Resolved(Kernel::new(resolved(law.as_ref(), Detail::tails(DEEPEST)), breaks))
+        let mut breakpoints = with_atoms(law.as_ref());
+        breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Self::Resolved(Kernel::new(resolved(law.as_ref(), Detail::tails(DEEPEST)), breakpoints))
     }
 
     /// P̂_c(s).

@@ -75,10 +75,10 @@ impl ThresholdGrid {
         rooted: bool,
     ) -> Self {
         let zones = zones(law.as_ref(), highest);
-        let breaks = with_atoms(law.as_ref());
-        let stops: Vec<f64> = breaks.iter().map(|b| b.position).collect();
+        let breakpoints = with_atoms(law.as_ref());
+        let stops: Vec<f64> = breakpoints.iter().map(|b| b.position).collect();
         let edges = edges(&zones, &stops, highest.min(law.upper_quantile(0.0)));
-        let steep: Vec<f64> = breaks.iter().filter(|b| b.is_steep()).map(|b| b.position).collect();
+        let steep: Vec<f64> = breakpoints.iter().filter(|b| b.is_steep()).map(|b| b.position).collect();
         let edges = graded(edges, &steep, law.quantile(NEGLIGIBLE));
         let inhabited = |part: &[f64; 2]| law.cumulative(part[1]) > NEGLIGIBLE && !zones.is_empty();
         let parts: Vec<_> = edges.windows(2).map(|pair| [pair[0], pair[1]]).filter(inhabited).collect();

@@ -2,7 +2,7 @@
 
 use super::cells::{Detail, edges, scale, top, with_atoms};
 use crate::contacts::Contacts;
-use crate::law::{Atom, Break, Law};
+use crate::law::{Atom, Breakpoint, Law};
 use crate::numerics::legendre::RULE;
 use crate::numerics::piecewise::Piecewise;
 
@@ -22,7 +22,7 @@ pub(crate) struct Layer {
     /// … its atoms, …
     pub(super) lumps: Vec<PointMass>,
     /// … and where the density is not smooth.
-    pub(super) breaks: Vec<Break>,
+    pub(super) breakpoints: Vec<Breakpoint>,
     /// A length over which ν varies little between its breaks.
     pub(super) resolution: f64,
     pub(super) ahead: f64,
@@ -61,25 +61,26 @@ impl Layer {
         let end = all.min(held);
         let lumps =
             starts.atoms().into_iter().map(|a| PointMass::new(a.position, a.weight / over(a.position)));
-        let mut breaks: Vec<_> = starts.breaks();
-        breaks.iter_mut().for_each(|b| b.amplitude /= over(b.position));
+        let mut breakpoints: Vec<_> = starts.breakpoints();
+        breakpoints.iter_mut().for_each(|b| b.amplitude /= over(b.position));
         if conditional {
             // Dividing by S adds its own where thresholds overlap.
-            breaks.extend(with_atoms(thresholds).into_iter().filter_map(|b| {
+            breakpoints.extend(with_atoms(thresholds).into_iter().filter_map(|b| {
                 let survival = thresholds.survival(b.position);
                 let amplitude = b.amplitude * starts.density(b.position) / (survival * survival);
-                let met = Break { exponent: b.exponent + 1.0, amplitude, ..b };
+                let met = Breakpoint { exponent: b.exponent + 1.0, amplitude, ..b };
                 (survival > 0.0 && amplitude != 0.0).then_some(met)
             }));
         }
         let mut density = Piecewise::default();
         if !starts.zones().is_empty() {
-            let stops: Vec<f64> = breaks.iter().map(|b| b.position).chain(detail.seams(starts)).collect();
+            let stops: Vec<f64> =
+                breakpoints.iter().map(|b| b.position).chain(detail.seams(starts)).collect();
             let edges = edges(&starts.zones(), &stops, end);
             density = Piecewise::resolve(|r| starts.density(r) / over(r), &edges, end, detail.resolution);
             density = density.part(starts.quantile(0.0), end);
         }
-        Self { density, lumps: lumps.collect(), breaks, resolution: scale(starts), ..Self::default() }
+        Self { density, lumps: lumps.collect(), breakpoints, resolution: scale(starts), ..Self::default() }
     }
 
     /// ν(x), its density part.
@@ -88,9 +89,9 @@ impl Layer {
     }
 
     /// Breaks of ν, atoms among them.
-    pub(super) fn all_breaks(&self) -> Vec<Break> {
+    pub(super) fn all_breaks(&self) -> Vec<Breakpoint> {
         let lumps = self.lumps.iter().map(|l| Atom { position: l.position, weight: l.weight }.into());
-        self.breaks.iter().copied().chain(lumps).collect()
+        self.breakpoints.iter().copied().chain(lumps).collect()
     }
 
     /// Whether ν is all atoms.
@@ -162,7 +163,7 @@ impl Layer {
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.density = self.density.scaled(factor);
         self.lumps.iter_mut().for_each(|l| l.weight *= factor);
-        self.breaks.iter_mut().for_each(|b| b.amplitude *= factor);
+        self.breakpoints.iter_mut().for_each(|b| b.amplitude *= factor);
         self
     }
 
@@ -172,7 +173,11 @@ impl Layer {
         Self {
             density: self.density.shifted(by),
             lumps: self.lumps.iter().map(|l| PointMass { position: l.position + by, ..*l }).collect(),
-            breaks: self.breaks.iter().map(|b| Break { position: b.position + by, ..*b }).collect(),
+            breakpoints: self
+                .breakpoints
+                .iter()
+                .map(|b| Breakpoint { position: b.position + by, ..*b })
+                .collect(),
             ahead: (self.ahead - by).max(0.0),
             behind: self.behind + by,
             ..*self
@@ -185,7 +190,7 @@ impl Layer {
         Self {
             density: self.density.mirrored(),
             lumps: self.lumps.iter().rev().map(|l| PointMass { position: -l.position, ..*l }).collect(),
-            breaks: self.breaks.iter().rev().map(|b| b.mirrored()).collect(),
+            breakpoints: self.breakpoints.iter().rev().map(|b| b.mirrored()).collect(),
             ahead: self.behind,
             behind: self.ahead,
             ..*self

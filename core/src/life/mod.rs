@@ -34,7 +34,7 @@ pub(crate) use stock::{LayerSums, life_of, strikes, tidied};
 
 use num_complex::Complex64;
 
-use crate::law::{Atom, Break, SharedLaw};
+use crate::law::{Atom, Breakpoint, SharedLaw};
 use crate::monitor::Watch;
 use crate::numerics::volterra::Kernel;
 
@@ -247,9 +247,9 @@ impl Life {
     }
 
     /// Jumps of the carried force and of its slope at the advance at which free contacts re-form; none without a delay.
-    pub(crate) fn reattachment(&self) -> Vec<Break> {
-        let begins = |b: &&Break| self.wait > 0.0 && b.position == self.wait;
-        self.force.breaks().iter().filter(begins).copied().collect()
+    pub(crate) fn reattachment(&self) -> Vec<Breakpoint> {
+        let begins = |b: &&Breakpoint| self.wait > 0.0 && b.position == self.wait;
+        self.force.breakpoints().iter().filter(begins).copied().collect()
     }
 
     /// The same contacts, each free for the advance `by` before it forms: what they carry comes by so much later.
@@ -258,16 +258,16 @@ impl Life {
         if by == 0.0 {
             return self;
         }
-        let shifted = |kernel: &Kernel| -> Vec<Break> {
-            kernel.breaks().iter().map(|b| Break { position: b.position + by, ..*b }).collect()
+        let shifted = |kernel: &Kernel| -> Vec<Breakpoint> {
+            kernel.breakpoints().iter().map(|b| Breakpoint { position: b.position + by, ..*b }).collect()
         };
         // Nothing breaks where contacts re-form, but what they carry jumps there, or its slope does.
         let late = |kernel: Kernel, before: f64| {
             let curve = kernel.curve().preceded(by, before);
-            let mut breaks = shifted(&kernel);
-            breaks.extend(jumps(&curve, by, 2));
-            breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
-            Kernel::new(curve, breaks)
+            let mut breakpoints = shifted(&kernel);
+            breakpoints.extend(jumps(&curve, by, 2));
+            breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+            Kernel::new(curve, breakpoints)
         };
         let breaking = Kernel::new(self.breaking.curve().preceded(by, 0.0), shifted(&self.breaking));
         let whole = self.survival.curve().value(0.0);

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::breaking_model::{BreakingModel, Cohort, SurvivalMoments};
 use super::cells::{ROUNDING, scale};
 use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
-use crate::law::Break;
+use crate::law::Breakpoint;
 use crate::monitor::Watch;
 use crate::numerics::diffusion::{Elements, Evolution, Field, Loss, Slope, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, derivative, series};
@@ -35,7 +35,7 @@ struct DiffusingCohort {
     /// Those whose newborn thresholds have a density, and those whose many share, each on each side of the lowest threshold.
     legs: Vec<LifeSegment>,
     /// Where breaking begins like an inverse square root.
-    onsets: Vec<Break>,
+    onsets: Vec<Breakpoint>,
 }
 
 /// A way on which what is left is followed; each curve in polynomials of the advance since `from`.
@@ -375,7 +375,7 @@ impl FokkerPlanckLife {
     }
 
     /// Where breaking begins like p √(D/πvu), as p contacts per threshold are where the stretch is when it begins to meet them.
-    fn onsets(&self, start: f64, legs: &[LifeSegment]) -> Vec<Break> {
+    fn onsets(&self, start: f64, legs: &[LifeSegment]) -> Vec<Breakpoint> {
         /// Of which there is nothing to be seen.
         const FAINT: f64 = 1e-13;
         let amplitude = |leg: &LifeSegment| {
@@ -388,7 +388,7 @@ impl FokkerPlanckLife {
         let begins =
             |leg: &&LifeSegment| leg.from + start >= low && leg.breaking.coefficients[0] != [0.0; NODES];
         let break_of =
-            |leg: &LifeSegment| Break { position: leg.from, exponent: -0.5, amplitude: amplitude(leg) };
+            |leg: &LifeSegment| Breakpoint { position: leg.from, exponent: -0.5, amplitude: amplitude(leg) };
         let length = (self.maturing.support.1 - start).sqrt();
         legs.iter().filter(begins).map(break_of).filter(|b| b.amplitude * length > FAINT).collect()
     }
@@ -461,7 +461,7 @@ impl Cohort for DiffusingCohort {
     }
 
     /// Where polynomials meet, though they do to their accuracy, and where breaking begins steeply.
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         let meet = |leg: &LifeSegment, edge: f64| {
             let curve = &leg.breaking;
             let cell = curve.nearest(edge);
@@ -471,7 +471,7 @@ impl Cohort for DiffusingCohort {
             } else {
                 -curve.value_in(cell, edge)
             };
-            Break { position: leg.from + edge, exponent: 0.0, amplitude: jump }
+            Breakpoint { position: leg.from + edge, exponent: 0.0, amplitude: jump }
         };
         let of = |leg: &LifeSegment| {
             leg.breaking.boundaries.iter().map(|&edge| meet(leg, edge)).collect::<Vec<_>>()

@@ -9,7 +9,7 @@ use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::Law;
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::breaks::same_position;
+use crate::numerics::breakpoints::same_position;
 use crate::numerics::piecewise::Piecewise;
 
 /// Breaks of which cells that resolve P_c, with points closer than a 32nd of its scale, miss no more than this per mean
@@ -67,7 +67,7 @@ pub(crate) fn tidied(layers: Vec<Layer>, thresholds: &dyn Law) -> Vec<Layer> {
         layer.trim(thresholds, &walls);
         layer.forget();
         let spacing = scale(thresholds).min(thresholds.mean()) / 32.0;
-        layer.breaks.retain(|b| b.weight(spacing) * thresholds.mean() > FAINT);
+        layer.breakpoints.retain(|b| b.weight(spacing) * thresholds.mean() > FAINT);
         if layer.range().is_none() {
             continue;
         }
@@ -107,7 +107,7 @@ impl Layer {
         let left = |l: &PointMass| l.weight * thresholds.survival(self.exceeded(l, 0.0, walls)) > NEGLIGIBLE;
         let lumps = self.lumps.iter().copied().filter(left).collect();
         let (low, high) = (density.start(), density.end());
-        self.breaks.retain(|b| b.position >= low && b.position <= high);
+        self.breakpoints.retain(|b| b.position >= low && b.position <= high);
         (self.density, self.lumps) = (density, lumps);
     }
 
@@ -131,7 +131,7 @@ impl Layer {
             a.weight += if same { b.weight } else { 0.0 };
             same
         });
-        self.breaks.extend(other.breaks);
+        self.breakpoints.extend(other.breakpoints);
         self.resolution = self.resolution.min(other.resolution);
     }
 }

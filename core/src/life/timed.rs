@@ -10,7 +10,7 @@ use super::grid::{ThresholdGrid, ThresholdShare};
 use super::running_maximum::RunningMaximum;
 use crate::Result;
 use crate::contacts::{Barrier, Contacts, Stiffness, ThresholdEvolution};
-use crate::law::{Break, SharedLaw};
+use crate::law::{Breakpoint, SharedLaw};
 use crate::monitor::Watch;
 use crate::numerics::legendre::NODES;
 use crate::numerics::piecewise::Piecewise;
@@ -25,7 +25,7 @@ use crate::numerics::roots::brent_root;
 pub(super) struct Timed {
     law: SharedLaw,
     /// Breaks and atoms of P_c.
-    hazards: Arc<[Break]>,
+    hazards: Arc<[Breakpoint]>,
     highest: f64,
     strength: ThresholdEvolution,
     velocity: f64,
@@ -74,7 +74,7 @@ impl Timed {
             || law.upper_quantile(NEGLIGIBLE),
             |exposure| exposure.highest(law.as_ref(), NEGLIGIBLE),
         );
-        let hazards: Arc<[Break]> = with_atoms(law.as_ref()).into();
+        let hazards: Arc<[Breakpoint]> = with_atoms(law.as_ref()).into();
         Ok(Self {
             resolution: resolution(contacts, &hazards),
             law: law.clone(),
@@ -100,7 +100,7 @@ impl Timed {
     }
 
     /// Breaks and atoms of P_c that results may show.
-    fn seen(&self) -> impl Iterator<Item = &Break> {
+    fn seen(&self) -> impl Iterator<Item = &Breakpoint> {
         let mean = self.law.mean();
         self.hazards.iter().filter(move |b| b.is_atom() || b.weight(mean) * mean > FAINT)
     }
@@ -132,13 +132,13 @@ const BLURRED: f64 = 1e-6;
 
 /// A length on which what is left of contacts varies with where they formed: that of P_c; where P_c has edges, that on
 /// which temperature blurs them.
-fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
+fn resolution(contacts: &Contacts, hazards: &[Breakpoint]) -> f64 {
     /// The finest blur that is followed, per mean threshold.
     const FINEST: f64 = 1e-3;
     let law = contacts.thresholds.as_ref();
     let (mean, widest) = (law.mean(), scale(law));
     let Some(temperature) = contacts.rules.temperature else { return widest };
-    let edged = |b: &Break| b.is_atom() || b.weight(mean) * mean > BLURRED;
+    let edged = |b: &Breakpoint| b.is_atom() || b.weight(mean) * mean > BLURRED;
     let blur = blur(contacts, &temperature);
     if hazards.iter().any(|b| b.position > 0.0 && edged(b)) {
         widest.min(blur.max(FINEST * mean))
@@ -181,7 +181,7 @@ impl BreakingModel for Timed {
 
     fn passing(&self, advance: f64) -> Vec<Passing> {
         let aged = self.strength.at(advance / self.velocity);
-        let pass = |hazard: &Break| {
+        let pass = |hazard: &Breakpoint| {
             let start = aged.threshold(hazard.position) - advance;
             if start < 0.0 || start >= hazard.position {
                 return None;
@@ -225,13 +225,13 @@ impl AgeingCohort {
     /// Adds contacts of one newborn threshold.
     fn add(&self, toll: &mut SurvivalMoments, share: ThresholdShare, present: f64) {
         let left = share.weight * (-share.broken).exp();
-        let breaks = left * share.rate;
+        let breakpoints = left * share.rate;
         toll.unbroken[0] += left;
-        toll.breaking[0] += breaks;
+        toll.breaking[0] += breakpoints;
         if self.of.per_threshold {
             toll.unbroken[1] += left * present;
             toll.unbroken[2] += left * present * present;
-            toll.breaking[1] += breaks * present;
+            toll.breaking[1] += breakpoints * present;
         }
     }
 
@@ -273,24 +273,24 @@ impl Cohort for AgeingCohort {
         toll
     }
 
-    fn breaks(&self) -> Vec<Break> {
-        let meet = |hazard: &Break| {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        let meet = |hazard: &Breakpoint| {
             let here = hazard.position == self.start;
             let advance = if here { 0.0 } else { self.record.meeting(hazard.position)? };
             let left = self.of.left(self.start, advance, hazard.position);
             let pace = if hazard.is_atom() { 1.0 } else { self.record.reach(advance).1 };
             let amplitude = hazard.amplitude * left * pace.powf(hazard.exponent + 1.0);
-            Some(Break { position: advance, amplitude, ..*hazard })
+            Some(Breakpoint { position: advance, amplitude, ..*hazard })
         };
         // Where contacts start, only what no derivative tells.
-        let shows = |b: &&Break| b.position > self.start || b.position == self.start && b.is_steep();
+        let shows = |b: &&Breakpoint| b.position > self.start || b.position == self.start && b.is_steep();
         let above = self.of.hazards.iter().filter(shows);
         let turns = self.record.turns().map(|advance| {
             let step = 1e-9 * advance.max(f64::MIN_POSITIVE);
             let amplitude = self.toll(advance + step).breaking[0] - self.toll(advance - step).breaking[0];
-            Break { position: advance, exponent: 0.0, amplitude }
+            Breakpoint { position: advance, exponent: 0.0, amplitude }
         });
-        let rare = |b: &Break| b.is_atom() && b.amplitude <= NEGLIGIBLE;
+        let rare = |b: &Breakpoint| b.is_atom() && b.amplitude <= NEGLIGIBLE;
         above.filter_map(meet).chain(turns).filter(|b| b.amplitude != 0.0 && !rare(b)).collect()
     }
 
@@ -298,7 +298,7 @@ impl Cohort for AgeingCohort {
         let Some(width) = self.of.blur else { return Vec::new() };
         let met = self.of.seen().filter(|hazard| hazard.position > self.start);
         let edge =
-            |hazard: &Break| Some(BlurredEdge { advance: self.record.meeting(hazard.position)?, width });
+            |hazard: &Breakpoint| Some(BlurredEdge { advance: self.record.meeting(hazard.position)?, width });
         met.filter_map(edge).collect()
     }
 }

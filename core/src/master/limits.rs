@@ -231,7 +231,7 @@ fn walls(law: &dyn Law, f: &impl Fn(f64) -> f64) -> Option<Vec<f64>> {
     const FARTHEST: f64 = 1e8;
     const MOST_PANELS: f64 = 1e5;
     let zones = law.zones();
-    let mut walls: Vec<f64> = law.breaks().iter().map(|b| b.position).collect();
+    let mut walls: Vec<f64> = law.breakpoints().iter().map(|b| b.position).collect();
     for zone in &zones {
         let panels = ((zone.high - zone.low) / zone.resolution).ceil().clamp(1.0, 1024.0);
         walls.extend((0..=panels as usize).map(|i| zone.low + (zone.high - zone.low) * i as f64 / panels));

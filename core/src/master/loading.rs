@@ -8,7 +8,7 @@ use crate::Result;
 use crate::contacts::Contacts;
 use crate::life::{Layer, Life, tidied, walls};
 use crate::monitor::Monitor;
-use crate::numerics::breaks::same_position;
+use crate::numerics::breakpoints::same_position;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 

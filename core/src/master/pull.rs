@@ -8,7 +8,7 @@ use crate::Result;
 use crate::law::Atom;
 use crate::life::Life;
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::breaks::same_position;
+use crate::numerics::breakpoints::same_position;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::{brent_minimum, brent_root};
 

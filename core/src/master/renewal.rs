@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Tolerance;
 use crate::life::{Births, Layer, Life, ORDERS};
 use crate::monitor::{Aside, Monitor, Rising};
-use crate::numerics::breaks::{Atom, Break};
+use crate::numerics::breakpoints::{Atom, Breakpoint};
 use crate::numerics::legendre::NODES;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::{Accuracy, Kernel, Solution, solve};
@@ -160,16 +160,17 @@ impl RenewalSolution {
         let done = self.force.boundaries[cell] * (1.0 + 1e-12);
         let atoms = self.solution.atoms.iter().filter(|a| a.position >= past && a.position <= done);
         let atoms = atoms.map(|a| Atom { position: (u - a.position).max(0.0), ..*a }).collect();
-        let breaks = self.solution.breaks.iter().filter(|b| b.position >= past && b.position < u);
-        let mut breaks: Vec<_> = breaks.map(|b| Break { position: u - b.position, ..b.mirrored() }).collect();
+        let breakpoints = self.solution.breakpoints.iter().filter(|b| b.position >= past && b.position < u);
+        let mut breakpoints: Vec<_> =
+            breakpoints.map(|b| Breakpoint { position: u - b.position, ..b.mirrored() }).collect();
         let end: [f64; ORDERS] = rate.jet_in(cell, u);
-        breaks.extend((0_i32..).zip(end).map(|(order, derivative)| Break {
+        breakpoints.extend((0_i32..).zip(end).map(|(order, derivative)| Breakpoint {
             position: 0.0,
             exponent: f64::from(order),
             amplitude: (-1.0_f64).powi(order) * derivative,
         }));
         let rate = rate.part(past, u).mirrored().shifted(u);
-        self.reborn.born(&Births { rate, atoms, breaks })
+        self.reborn.born(&Births { rate, atoms, breakpoints })
     }
 }
 

@@ -22,7 +22,7 @@ const GROUP: usize = 4;
 ///
 /// With t = exp(s − e^{−s}) the integrand decays at both ends at least like e^{−|s|/2}, and equal steps converge like
 /// e^{−c/step}: right to 1e-13 of w(m, n), which is 1/2πr³ at distances r ≫ 1.
-pub fn root_of_laplacian([rows, columns]: [usize; 2]) -> Vec<f64> {
+pub fn sqrt_laplacian([rows, columns]: [usize; 2]) -> Vec<f64> {
     let longest = rows.max(columns);
     let nodes: Vec<(f64, Vec<f64>)> =
         times(longest).into_par_iter().map(|(t, w)| (w, spread(2.0 * t, longest))).collect();
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn weights_are_those_of_the_inverse_transform() {
-        let weights = root_of_laplacian([5, 10]);
+        let weights = sqrt_laplacian([5, 10]);
         for (m, n) in [(0, 1), (1, 0), (1, 1), (0, 2), (2, 4), (4, 3)] {
             let (found, expected) = (weights[10 * m + n], on_tori(m, n));
             // What lies behind the edges leaves r²M⁻⁵, and sums of 4M² terms their roundings.
@@ -129,7 +129,7 @@ mod tests {
     /// √λ = q − q³(3 + cos 4φ)/96 + …, whose inverse transform is 1/2πr³ + (9 + 35 cos 4θ)/64πr⁵ + O(r⁻⁷).
     #[test]
     fn far_away_weights_fall_with_the_cube() {
-        let weights = root_of_laplacian([2000, 1500]);
+        let weights = sqrt_laplacian([2000, 1500]);
         for (m, n) in [(0, 1499), (1999, 0), (700, 900), (1200, 1200), (1999, 1499)] {
             let square = (m * m + n * n) as f64;
             let angle = (m as f64).atan2(n as f64);

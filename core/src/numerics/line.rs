@@ -16,7 +16,7 @@ pub struct Line {
 
 enum Ends {
     /// The line is a ring: cos(2πkj/n) and sin(2πkj/n), in the order 0, cos 1, sin 1, cos 2, …
-    Joined,
+    Periodic,
     /// The ends are free, and x goes on as in a mirror: cos(πk(j + ½)/n). Holds exp(−iπk/2n).
     Free(Vec<Complex64>),
 }
@@ -31,8 +31,8 @@ pub struct Scratch {
 
 impl Line {
     /// A ring of `length` numbers.
-    pub fn joined(length: usize) -> Self {
-        Self::new(length, Ends::Joined)
+    pub fn periodic(length: usize) -> Self {
+        Self::new(length, Ends::Periodic)
     }
 
     /// A line of `length` numbers with free ends.
@@ -54,7 +54,7 @@ impl Line {
     /// Eigenvalue of a mode: 4 sin²(πk/n) on a ring, 4 sin²(πk/2n) between free ends.
     pub fn eigenvalue(&self, mode: usize) -> f64 {
         let half_angle = match self.ends {
-            Ends::Joined => PI * mode.div_ceil(2) as f64 / self.length as f64,
+            Ends::Periodic => PI * mode.div_ceil(2) as f64 / self.length as f64,
             Ends::Free(_) => PI * mode as f64 / (2 * self.length) as f64,
         };
         4.0 * half_angle.sin().powi(2)
@@ -77,7 +77,7 @@ impl Line {
             return;
         }
         match &self.ends {
-            Ends::Joined => {
+            Ends::Periodic => {
                 self.transform(line, scratch);
                 pack(&scratch.complex, line);
             }
@@ -97,7 +97,7 @@ impl Line {
             return;
         }
         match &self.ends {
-            Ends::Joined => {
+            Ends::Periodic => {
                 unpack(line, &mut scratch.complex);
                 self.transform_back(scratch, line);
             }
@@ -187,7 +187,7 @@ mod tests {
     }
 
     fn lines() -> impl Iterator<Item = Line> {
-        [1, 2, 3, 4, 7, 12, 31, 128].into_iter().flat_map(|n| [Line::joined(n), Line::free(n)])
+        [1, 2, 3, 4, 7, 12, 31, 128].into_iter().flat_map(|n| [Line::periodic(n), Line::free(n)])
     }
 
     #[test]
@@ -213,7 +213,7 @@ mod tests {
             line.to_modes(&mut found, &mut scratch);
             (0..n).for_each(|k| found[k] *= line.eigenvalue(k) / n as f64);
             line.back(&mut found, &mut scratch);
-            let ring = matches!(line.ends, Ends::Joined);
+            let ring = matches!(line.ends, Ends::Periodic);
             for j in 0..n {
                 let (before, after) = if ring {
                     ((j + n - 1) % n, (j + 1) % n)

@@ -164,7 +164,7 @@ pub(super) fn coarsest(contacts: &Contacts, tolerance: f64) -> f64 {
 /// By how much the density of thresholds jumps, in units of the inverse mean one; a point mass counts as its weight.
 fn jumps(contacts: &Contacts) -> f64 {
     let law = &contacts.thresholds;
-    let jumps = law.breaks().into_iter().filter(|b| b.exponent <= 0.0 && b.position > 0.0);
+    let jumps = law.breakpoints().into_iter().filter(|b| b.exponent <= 0.0 && b.position > 0.0);
     let points = law.atoms().into_iter().map(|atom| atom.weight);
     jumps.map(|b| b.amplitude.abs() * law.mean()).chain(points).fold(0.0, f64::max)
 }

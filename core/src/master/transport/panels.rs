@@ -63,7 +63,7 @@ pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<LabelPanel> {
     let top = law.upper_quantile(0.0).min(law.upper_quantile(BEYOND));
     let zones = law.zones();
     let mut stops: Vec<f64> = zones.iter().flat_map(|zone| [zone.low, zone.high]).collect();
-    stops.extend(law.breaks().iter().map(|b| b.position));
+    stops.extend(law.breakpoints().iter().map(|b| b.position));
     stops.extend([law.quantile(BEYOND), top]);
     stops.retain(|&x| x >= 0.0 && x <= top);
     stops.sort_by(f64::total_cmp);

@@ -7,7 +7,7 @@
 mod passage;
 mod step;
 
-pub use passage::{ThresholdPassage, uniform};
+pub use passage::{LinearPassage, uniform};
 pub use step::MotionStep;
 
 /// M and γ.

@@ -5,7 +5,7 @@ use crate::numerics::roots::brent_root;
 
 /// What a body does on a straight piece of force, until it comes to its end or to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ThresholdPassage {
+pub struct LinearPassage {
     /// Time taken.
     pub time: f64,
     /// Way gone.
@@ -46,9 +46,9 @@ const MOST_STEPS: usize = 8;
 impl Body {
     /// The motion at `speed` ≥ 0 over up to `length` (which may be infinite), against the excess of force `excess` −
     /// `resistance` × way; where it is damped, not for longer than the series converges well.
-    pub fn passage(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> ThresholdPassage {
+    pub fn passage(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> LinearPassage {
         if speed == 0.0 && excess <= 0.0 {
-            ThresholdPassage { time: 0.0, way: 0.0, speed: 0.0, squared: 0.0 }
+            LinearPassage { time: 0.0, way: 0.0, speed: 0.0, squared: 0.0 }
         } else if self.damping > 0.0 {
             self.damped(speed, excess, resistance, length)
         } else {
@@ -58,7 +58,7 @@ impl Body {
 
     /// With ω² = r/M, r the resistance: Mu̇² + ru² − 2gu is conserved, g being the excess, which gives the first rest
     /// and the speed at the end; u̇ is a sine, so that tan(ωt/2) = ωu/(u̇ before + u̇ after) over any way u.
-    fn undamped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> ThresholdPassage {
+    fn undamped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> LinearPassage {
         let energy = self.mass * speed * speed;
         // Not a number where there is no rest.
         let root = (excess * excess + resistance * energy).sqrt();
@@ -71,10 +71,10 @@ impl Body {
             (length, (left.max(0.0) / self.mass).sqrt())
         };
         let time = 2.0 * arc(way, speed + end, resistance / self.mass);
-        ThresholdPassage { time, way, speed: end, squared: 0.0 }
+        LinearPassage { time, way, speed: end, squared: 0.0 }
     }
 
-    fn damped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> ThresholdPassage {
+    fn damped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> LinearPassage {
         let (rate, stiffness) = (self.damping / self.mass, resistance / self.mass);
         let begin = (excess - self.damping * speed) / self.mass;
         let fastest = rate.max(stiffness.abs().sqrt());
@@ -86,7 +86,7 @@ impl Body {
         let beta = 0.5 * rate;
         let rest = arc(speed, -(begin + beta * speed), stiffness - beta * beta) * fastest;
         let PassageEnd { time, way, speed } = series.end(length, guess, rest);
-        ThresholdPassage {
+        LinearPassage {
             time: time * unit,
             way,
             speed: speed * fastest,

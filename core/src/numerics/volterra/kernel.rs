@@ -2,14 +2,14 @@
 
 use num_complex::Complex64;
 
-use crate::numerics::breaks::{Atom, Break, same_position};
+use crate::numerics::breakpoints::{Atom, Breakpoint, same_position};
 use crate::numerics::piecewise::Piecewise;
 
 /// A density on u ≥ 0 with its breaks, atoms among them.
 #[derive(Debug, Clone, Default)]
 pub struct Kernel {
     curve: Piecewise,
-    breaks: Vec<Break>,
+    breakpoints: Vec<Breakpoint>,
     /// For each boundary of the curve: is it a break?
     hard: Vec<bool>,
     /// For each cell of the curve: what it is at most.
@@ -20,13 +20,13 @@ pub struct Kernel {
 
 impl Kernel {
     /// A kernel from its density and all its breaks, by rising position.
-    pub fn new(curve: Piecewise, breaks: Vec<Break>) -> Self {
-        let next = |x: f64| breaks.partition_point(|b| b.position < x * (1.0 - 1e-12));
-        let is_break = |x: f64| breaks.get(next(x)).is_some_and(|b| same_position(b.position, x));
+    pub fn new(curve: Piecewise, breakpoints: Vec<Breakpoint>) -> Self {
+        let next = |x: f64| breakpoints.partition_point(|b| b.position < x * (1.0 - 1e-12));
+        let is_break = |x: f64| breakpoints.get(next(x)).is_some_and(|b| same_position(b.position, x));
         let hard = curve.boundaries.iter().map(|&x| is_break(x)).collect();
         let bounds = curve.coefficients.iter().map(|c| c.iter().map(|c| c.abs()).sum()).collect();
         let size = curve.integral().abs();
-        Self { curve, breaks, hard, bounds, size }
+        Self { curve, breakpoints, hard, bounds, size }
     }
 
     /// The density.
@@ -35,13 +35,13 @@ impl Kernel {
     }
 
     /// The breaks.
-    pub fn breaks(&self) -> &[Break] {
-        &self.breaks
+    pub fn breakpoints(&self) -> &[Breakpoint] {
+        &self.breakpoints
     }
 
     /// Point masses.
     pub fn atoms(&self) -> impl Iterator<Item = Atom> + '_ {
-        let atoms = self.breaks.iter().filter(|b| b.is_atom());
+        let atoms = self.breakpoints.iter().filter(|b| b.is_atom());
         atoms.map(|b| Atom { position: b.position, weight: b.amplitude })
     }
 
@@ -83,8 +83,9 @@ impl Kernel {
 
     /// What a polynomial on cells of this width, with points spaced by `spacing`, misses of the curve on [low, high].
     pub(super) fn rough(&self, low: f64, high: f64, width: f64, spacing: f64) -> f64 {
-        let first = self.breaks.partition_point(|b| b.position <= low);
-        let inside = self.breaks[first..].iter().take_while(|b| b.position < high).filter(|b| !b.is_atom());
+        let first = self.breakpoints.partition_point(|b| b.position <= low);
+        let inside =
+            self.breakpoints[first..].iter().take_while(|b| b.position < high).filter(|b| !b.is_atom());
         let kinks = inside.map(|b| b.weight(spacing)).fold(0.0, f64::max);
         let fine = |cell: &usize| {
             2.0 * self.curve.cell(*cell).1 < 0.49 * width && !(self.hard[*cell] && self.hard[*cell + 1])
@@ -108,14 +109,14 @@ impl Kernel {
 
     /// Whether it has a steep break.
     pub(super) fn is_steep(&self) -> bool {
-        self.breaks.iter().any(Break::is_steep)
+        self.breakpoints.iter().any(Breakpoint::is_steep)
     }
 
     /// Whether a cell is as near to such a break below it as cells are that narrow towards it.
-    fn is_graded(&self, cell: usize, such: fn(&Break) -> bool) -> bool {
+    fn is_graded(&self, cell: usize, such: fn(&Breakpoint) -> bool) -> bool {
         let (low, high) = (self.curve.boundaries[cell], self.curve.boundaries[cell + 1]);
-        let near = |b: &Break| b.position <= low && low - b.position < 4.0 * (high - low);
-        self.breaks.iter().any(|b| such(b) && near(b))
+        let near = |b: &Breakpoint| b.position <= low && low - b.position < 4.0 * (high - low);
+        self.breakpoints.iter().any(|b| such(b) && near(b))
     }
 
     /// The width below which the cells hold the fraction `light` of the mass, or a tenth with those that narrow towards a
@@ -131,11 +132,12 @@ impl Kernel {
         cells.sort_by(|a, b| a.0.total_cmp(&b.0));
         let total: f64 = cells.iter().map(|cell| cell.1).sum();
         let (mut all, mut fine) = (0.0, 0.0);
-        let counted = cells.iter().filter(|cell| !self.is_graded(cell.2, Break::is_singular)).find(|cell| {
-            all += cell.1;
-            fine += if self.is_graded(cell.2, Break::is_steep) { 0.0 } else { cell.1 };
-            all > 0.1 * total || fine > light * total
-        });
+        let counted =
+            cells.iter().filter(|cell| !self.is_graded(cell.2, Breakpoint::is_singular)).find(|cell| {
+                all += cell.1;
+                fine += if self.is_graded(cell.2, Breakpoint::is_steep) { 0.0 } else { cell.1 };
+                all > 0.1 * total || fine > light * total
+            });
         let moment = |cell: &(f64, f64, usize)| cell.1 * self.curve.cell(cell.2).0;
         let whole: f64 = cells.iter().map(moment).sum();
         let mut below = 0.0;

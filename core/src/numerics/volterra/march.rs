@@ -5,7 +5,7 @@ use super::kernel::Kernel;
 use super::mesh::{Mesh, Run};
 use super::{Accuracy, Solution, struck};
 use crate::monitor::{Monitor, report};
-use crate::numerics::breaks::{Atom, Break, renewed, same_position};
+use crate::numerics::breakpoints::{Atom, Breakpoint, renewed, same_position};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::piecewise::{Piecewise, tail};
 use crate::{Error, Float, Result};
@@ -22,7 +22,7 @@ struct March<'a> {
     kernel_atoms: Vec<Atom>,
     atoms: Vec<Atom>,
     /// Breaks of g from which cells widen step by step.
-    singular: Vec<Break>,
+    singular: Vec<Breakpoint>,
     mesh: Mesh,
     values: Vec<Nodal>,
     density: Piecewise,
@@ -52,7 +52,7 @@ pub fn solve(
     source: &Kernel,
     kernel: &Kernel,
     kept: (&Piecewise, &Kernel),
-    onsets: [&[Break]; 2],
+    onsets: [&[Breakpoint]; 2],
     end: f64,
     accuracy: Accuracy,
     monitor: &mut dyn Monitor,
@@ -64,12 +64,14 @@ pub fn solve(
     let spacing = width / (2 * NODES) as f64;
     // As of cells: what a break inside one misses is allowed in the density, or in the mass. So many that show in the density
     // that they are refused would cost hours even so.
-    let shows_in_density = |b: &Break| b.weight(spacing) > 10.0 * accuracy.density;
-    let matters = |b: &Break| shows_in_density(b) && b.weight(spacing) * spacing > 10.0 * accuracy.mass;
-    renewed(source.breaks(), kernel.breaks(), end, shows_in_density, monitor)?;
-    let breaks = renewed(source.breaks(), kernel.breaks(), end, matters, monitor)?;
-    let atoms =
-        breaks.iter().filter(|b| b.is_atom()).map(|b| Atom { position: b.position, weight: b.amplitude });
+    let shows_in_density = |b: &Breakpoint| b.weight(spacing) > 10.0 * accuracy.density;
+    let matters = |b: &Breakpoint| shows_in_density(b) && b.weight(spacing) * spacing > 10.0 * accuracy.mass;
+    renewed(source.breakpoints(), kernel.breakpoints(), end, shows_in_density, monitor)?;
+    let breakpoints = renewed(source.breakpoints(), kernel.breakpoints(), end, matters, monitor)?;
+    let atoms = breakpoints
+        .iter()
+        .filter(|b| b.is_atom())
+        .map(|b| Atom { position: b.position, weight: b.amplitude });
     let mut march = March {
         source,
         kernel,
@@ -79,7 +81,7 @@ pub fn solve(
         base: width,
         kernel_atoms: kernel.atoms().collect(),
         atoms: atoms.collect(),
-        singular: breaks.iter().copied().filter(Break::is_singular).collect(),
+        singular: breakpoints.iter().copied().filter(Breakpoint::is_singular).collect(),
         mesh: Mesh { boundaries: vec![0.0], ..Mesh::default() },
         values: Vec::new(),
         density: Piecewise { boundaries: vec![0.0], coefficients: Vec::new() },
@@ -90,10 +92,10 @@ pub fn solve(
         opened: 0.0,
         graded_to: 0.0,
     };
-    let shows = |b: &Break| b.weight(spacing) > 10.0 * accuracy.carried;
-    let carried = breaks.iter().flat_map(|b| onsets[1].iter().map(|onset| b.convolve(*onset)));
+    let shows = |b: &Breakpoint| b.weight(spacing) > 10.0 * accuracy.carried;
+    let carried = breakpoints.iter().flat_map(|b| onsets[1].iter().map(|onset| b.convolve(*onset)));
     let further = onsets[0].iter().copied().chain(carried).filter(shows);
-    let all = breaks.iter().copied().chain(further).map(|b| b.position);
+    let all = breakpoints.iter().copied().chain(further).map(|b| b.position);
     let mut stops: Vec<f64> = all.filter(|&x| x > 0.0 && x < end).chain([end]).collect();
     stops.sort_by(f64::total_cmp);
     stops.dedup_by(|b, a| same_position(*a, *b));
@@ -102,8 +104,8 @@ pub fn solve(
         march.section(stop, end, &mut pace, monitor)?;
     }
     let March { mesh, values, density, atoms, tail, .. } = march;
-    let breaks = breaks.into_iter().filter(|b| !b.is_atom()).collect();
-    Ok(Solution { resolved: accuracy.density, mesh, values, density, atoms, breaks, tail })
+    let breakpoints = breakpoints.into_iter().filter(|b| !b.is_atom()).collect();
+    Ok(Solution { resolved: accuracy.density, mesh, values, density, atoms, breakpoints, tail })
 }
 
 /// The width of cells in use, and how many cells to leave it alone.
@@ -167,8 +169,8 @@ impl March<'_> {
     /// narrow as to hold a mass that is allowed to miss: a graded mesh, on which g is a polynomial in each cell to the same
     /// digits (H. Brunner, 2004, section 6.2).
     fn graded(&self, stop: f64) -> Vec<f64> {
-        let here = |b: &&Break| same_position(b.position, self.opened);
-        let Some(Break { exponent, amplitude, .. }) =
+        let here = |b: &&Breakpoint| same_position(b.position, self.opened);
+        let Some(Breakpoint { exponent, amplitude, .. }) =
             self.singular.iter().filter(here).min_by(|a, b| a.exponent.total_cmp(&b.exponent)).copied()
         else {
             return Vec::new();

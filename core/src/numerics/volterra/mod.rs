@@ -16,7 +16,7 @@ pub use march::solve;
 
 use self::block::Blocks;
 use self::mesh::Mesh;
-use super::breaks::{Atom, Break};
+use super::breakpoints::{Atom, Breakpoint};
 use super::legendre::{Nodal, RULE};
 use super::piecewise::Piecewise;
 use crate::Result;
@@ -35,7 +35,7 @@ pub struct Solution {
     /// The point masses, by rising position.
     pub atoms: Vec<Atom>,
     /// The breaks of the density that matter, by rising position.
-    pub breaks: Vec<Break>,
+    pub breakpoints: Vec<Breakpoint>,
     /// The largest tail of a cell (the last Legendre coefficients): an estimate of the error of the density.
     pub tail: f64,
 }

@@ -23,7 +23,7 @@ pub struct Atom {
 /// convolution of two breaks is a break at the sum of positions, exponents add plus one, and
 /// amplitudes multiply.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Break {
+pub struct Breakpoint {
     /// Where it is.
     pub position: f64,
     /// Its order, −1 or more.
@@ -32,7 +32,7 @@ pub struct Break {
     pub amplitude: f64,
 }
 
-impl Break {
+impl Breakpoint {
     /// The break that the convolution of two functions has where theirs meet.
     #[must_use]
     pub fn convolve(self, other: Self) -> Self {
@@ -77,7 +77,7 @@ impl Break {
     }
 }
 
-impl From<Atom> for Break {
+impl From<Atom> for Breakpoint {
     fn from(atom: Atom) -> Self {
         Self { position: atom.position, exponent: -1.0, amplitude: atom.weight }
     }
@@ -95,7 +95,7 @@ pub fn same_position(a: f64, b: f64) -> bool {
 const MOST: usize = 1_000_000;
 
 /// A break ordered by position, for the heap.
-struct Queued(Break);
+struct Queued(Breakpoint);
 
 impl PartialEq for Queued {
     fn eq(&self, other: &Self) -> bool {
@@ -123,16 +123,16 @@ impl Ord for Queued {
 /// [`Error::TooLarge`] under no key where more than a million would have to be kept; [`Error::Stopped`] by the monitor,
 /// who hears nothing but 0.
 pub fn renewed(
-    source: &[Break],
-    kernel: &[Break],
+    source: &[Breakpoint],
+    kernel: &[Breakpoint],
     end: f64,
-    matters: impl Fn(&Break) -> bool,
+    matters: impl Fn(&Breakpoint) -> bool,
     monitor: &mut dyn Monitor,
-) -> Result<Vec<Break>> {
-    let wanted = |b: &Break| b.position <= end && (b.is_atom() || matters(b));
+) -> Result<Vec<Breakpoint>> {
+    let wanted = |b: &Breakpoint| b.position <= end && (b.is_atom() || matters(b));
     let mut queue: BinaryHeap<_> =
         source.iter().copied().filter(wanted).map(|b| Reverse(Queued(b))).collect();
-    let mut found: Vec<Break> = Vec::new();
+    let mut found: Vec<Breakpoint> = Vec::new();
     while let Some(Reverse(Queued(mut next))) = queue.pop() {
         // Equal exponents at one position may be queued with others between them: gather all of the position.
         let mut aside = Vec::new();
@@ -145,7 +145,7 @@ pub fn renewed(
                 }
             }
         }
-        queue.extend(aside.into_iter().map(|b| Reverse(Queued(Break { position: next.position, ..b }))));
+        queue.extend(aside.into_iter().map(|b| Reverse(Queued(Breakpoint { position: next.position, ..b }))));
         queue.extend(kernel.iter().map(|&k| k.convolve(next)).filter(wanted).map(|b| Reverse(Queued(b))));
         found.push(next);
         if found.len().is_multiple_of(1024) {
@@ -155,8 +155,8 @@ pub fn renewed(
             return Err(Error::TooLarge {
                 key: String::new(),
                 what: format!("jumps and kinks at more than {MOST} positions"),
-                needed: (found.len() + queue.len()) as u64 * size_of::<Break>() as u64,
-                allowed: (MOST * size_of::<Break>()) as u64,
+                needed: (found.len() + queue.len()) as u64 * size_of::<Breakpoint>() as u64,
+                allowed: (MOST * size_of::<Breakpoint>()) as u64,
             });
         }
     }
@@ -167,7 +167,7 @@ pub fn renewed(
 mod tests {
     use super::*;
 
-    fn atom(position: f64, weight: f64) -> Break {
+    fn atom(position: f64, weight: f64) -> Breakpoint {
         Atom { position, weight }.into()
     }
 
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn jumps_become_kinks_and_fade_by_order() {
-        let jump = Break { position: 1.0, exponent: 0.0, amplitude: 2.0 };
+        let jump = Breakpoint { position: 1.0, exponent: 0.0, amplitude: 2.0 };
         let found = renewed(&[jump], &[jump], 10.0, |b| b.exponent < 3.0, &mut ()).unwrap();
         let expected = [(1.0, 0.0, 2.0), (2.0, 1.0, 4.0), (3.0, 2.0, 8.0)];
         let got: Vec<_> = found.iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();

@@ -6,29 +6,29 @@
 //! advanced by δ in it is αδ + `carried`.
 
 /// The fraction of a step at which the stages meet, 2 − √2: then both have the same α.
-pub const MEET: f64 = 2.0 - std::f64::consts::SQRT_2;
+pub const GAMMA: f64 = 2.0 - std::f64::consts::SQRT_2;
 
-/// (1 − MEET)²/[MEET (2 − MEET)], how much of the first advance the second backward difference goes on with.
-pub const CARRIED: f64 = (1.0 - MEET) * (1.0 - MEET) / (MEET * (2.0 - MEET));
+/// (1 − GAMMA)²/[GAMMA (2 − GAMMA)], how much of the first advance the second backward difference goes on with.
+pub const HISTORY: f64 = (1.0 - GAMMA) * (1.0 - GAMMA) / (GAMMA * (2.0 - GAMMA));
 
 /// Weights of the quadrature of second degree through the ends of the stages.
 pub const WEIGHTS: [f64; 3] =
-    [0.5 - 1.0 / (6.0 * MEET), 1.0 / (6.0 * MEET * (1.0 - MEET)), 0.5 - 1.0 / (6.0 * (1.0 - MEET))];
+    [0.5 - 1.0 / (6.0 * GAMMA), 1.0 / (6.0 * GAMMA * (1.0 - GAMMA)), 0.5 - 1.0 / (6.0 * (1.0 - GAMMA))];
 
 /// Twice the constant of the local error, times the third derivative.
-const ERROR: f64 = (-3.0 * MEET * MEET + 4.0 * MEET - 2.0) / (6.0 * (2.0 - MEET));
+const ERROR: f64 = (-3.0 * GAMMA * GAMMA + 4.0 * GAMMA - 2.0) / (6.0 * (2.0 - GAMMA));
 
 /// The largest factor by which a step grows, and the least by which it shrinks.
 pub const CHANGE: (f64, f64) = (3.0, 0.2);
 
 /// α of a step.
 pub fn alpha(duration: f64) -> f64 {
-    2.0 / (MEET * duration)
+    2.0 / (GAMMA * duration)
 }
 
 /// The estimate of the error of a step, from the rates at its start, between its stages and at its end.
 pub fn error(duration: f64, rates: [f64; 3]) -> f64 {
-    ERROR * duration * (rates[0] / MEET - rates[1] / (MEET * (1.0 - MEET)) + rates[2] / (1.0 - MEET))
+    ERROR * duration * (rates[0] / GAMMA - rates[1] / (GAMMA * (1.0 - GAMMA)) + rates[2] / (1.0 - GAMMA))
 }
 
 /// By which factor a step may grow, or has to shrink, whose error is this part of what it may be.
@@ -48,7 +48,7 @@ mod tests {
             // αδ + carried = −(X + δ).
             let stage = |x: f64, carried: f64| -(x + carried) / (1.0 + alpha);
             let first = stage(1.0, 1.0);
-            let second = stage(1.0 + first, -alpha * CARRIED * first);
+            let second = stage(1.0 + first, -alpha * HISTORY * first);
             let end = 1.0 + first + second;
             (end - (-h).exp(), error(h, [-1.0, -(1.0 + first), -end]))
         };
