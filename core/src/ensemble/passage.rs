@@ -11,7 +11,7 @@ use crate::Result;
 use crate::contacts::{Ageing, Stiffness, Temperature, ThresholdEvolution};
 use crate::history::History;
 use crate::monitor::Monitor;
-use crate::numerics::accumulation::used_up;
+use crate::numerics::accumulation::integral_reaches;
 use crate::numerics::legendre::RULE;
 use crate::numerics::roots::brent_root;
 
@@ -221,12 +221,12 @@ impl KnownThreshold {
         };
         let span = meeting.min(leg.end) - leg.start;
         if meeting.is_infinite() {
-            return used_up(rate, span, remaining_hazard).map(|elapsed| leg.start + elapsed);
+            return integral_reaches(rate, span, remaining_hazard).map(|elapsed| leg.start + elapsed);
         }
         let root = (meeting - leg.start).sqrt();
         let length = span / (root + (meeting - leg.start - span).sqrt());
         let elapsed = |y: f64| y * (2.0 * root - y);
-        let end = used_up(|y| 2.0 * (root - y) * rate(elapsed(y)), length, remaining_hazard);
+        let end = integral_reaches(|y| 2.0 * (root - y) * rate(elapsed(y)), length, remaining_hazard);
         end.map(|y| leg.start + elapsed(y))
     }
 }

@@ -1,37 +1,38 @@
-//! A step in time of two stages: the trapezoidal rule to a point within it, the second backward difference to its end.
+//! TR-BDF2: a time step of the trapezoidal rule to an intermediate time, then of the second-order backward
+//! difference formula to the end.
 //!
-//! R. E. Bank et al., *Transient simulation of silicon devices and circuits*, IEEE Trans. Electron Devices 32, 1992 (1985);
-//! the estimate of the error is that of M. E. Hosea and L. F. Shampine, Appl. Numer. Math. 20, 21 (1996). The rule is of
-//! second order and damps at once whatever is too fast for it. At the end of either stage the rate of change of what has
-//! advanced by δ in it is αδ + `carried`.
+//! R. E. Bank et al., *Transient simulation of silicon devices and circuits*, IEEE Trans. Electron Devices
+//! 32, 1992 (1985); the error estimate is that of M. E. Hosea and L. F. Shampine, Appl. Numer. Math. 20, 21
+//! (1996). The method is of second order and L-stable: it damps at once what is too fast for it. At the end
+//! of either stage the rate of change of a quantity that has changed by δ in that stage is αδ + a known part.
 
-/// The fraction of a step at which the stages meet, 2 − √2: then both have the same α.
+/// The intermediate time as a fraction of the step, γ = 2 − √2: then both stages have the same α.
 pub const GAMMA: f64 = 2.0 - std::f64::consts::SQRT_2;
 
-/// (1 − GAMMA)²/[GAMMA (2 − GAMMA)], how much of the first advance the second backward difference goes on with.
+/// (1 − γ)²/[γ (2 − γ)]: the weight of the change in the first stage in the second-order backward difference.
 pub const HISTORY: f64 = (1.0 - GAMMA) * (1.0 - GAMMA) / (GAMMA * (2.0 - GAMMA));
 
-/// Weights of the quadrature of second degree through the ends of the stages.
+/// Weights of the quadrature of degree 2 with nodes at the start, the intermediate time and the end.
 pub const WEIGHTS: [f64; 3] =
     [0.5 - 1.0 / (6.0 * GAMMA), 1.0 / (6.0 * GAMMA * (1.0 - GAMMA)), 0.5 - 1.0 / (6.0 * (1.0 - GAMMA))];
 
-/// Twice the constant of the local error, times the third derivative.
+/// Twice the error constant: the local error is the constant × the third derivative.
 const ERROR: f64 = (-3.0 * GAMMA * GAMMA + 4.0 * GAMMA - 2.0) / (6.0 * (2.0 - GAMMA));
 
-/// The largest factor by which a step grows, and the least by which it shrinks.
+/// The largest factor by which a step grows, and the smallest by which it shrinks.
 pub const CHANGE: (f64, f64) = (3.0, 0.2);
 
-/// α of a step.
+/// α of a step of this duration.
 pub fn alpha(duration: f64) -> f64 {
     2.0 / (GAMMA * duration)
 }
 
-/// The estimate of the error of a step, from the rates at its start, between its stages and at its end.
+/// The estimated local error of a step, from the rates at its start, intermediate time and end.
 pub fn error(duration: f64, rates: [f64; 3]) -> f64 {
     ERROR * duration * (rates[0] / GAMMA - rates[1] / (GAMMA * (1.0 - GAMMA)) + rates[2] / (1.0 - GAMMA))
 }
 
-/// By which factor a step may grow, or has to shrink, whose error is this part of what it may be.
+/// The factor by which the step should change, for an error given as a fraction of the tolerance.
 pub fn change(error: f64) -> f64 {
     (0.9 / error.cbrt()).clamp(CHANGE.1, CHANGE.0)
 }
