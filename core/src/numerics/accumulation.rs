@@ -48,7 +48,8 @@ mod tests {
     #[test]
     fn places_are_those_of_closed_forms() {
         for goal in [1e-6, 0.3, 2.0, 9.0] {
-            let place = |f: &dyn Fn(f64) -> f64, length| integral_reaches(f, length, &mut goal.clone()).unwrap();
+            let place =
+                |f: &dyn Fn(f64) -> f64, length| integral_reaches(f, length, &mut goal.clone()).unwrap();
             // The integral is right to 1e-10 on every panel; where it is reached, to that over the rate.
             assert!((place(&|_| 2.0, 1e9) - 0.5 * goal).abs() < 1e-10);
             let exponential = place(&|x: f64| 1e-6 * (20.0 * x).exp(), 2.0);

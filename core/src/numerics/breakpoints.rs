@@ -146,7 +146,8 @@ pub fn renewed(
                 }
             }
         }
-        queue.extend(others.into_iter().map(|b| Reverse(Queued(Breakpoint { position: next.position, ..b }))));
+        queue
+            .extend(others.into_iter().map(|b| Reverse(Queued(Breakpoint { position: next.position, ..b }))));
         queue.extend(kernel.iter().map(|&k| k.convolve(next)).filter(wanted).map(|b| Reverse(Queued(b))));
         found.push(next);
         if found.len().is_multiple_of(1024) {

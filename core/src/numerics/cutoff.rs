@@ -94,8 +94,7 @@ fn above(tail: &[f64], half: f64) -> Option<CutOff> {
     let pure = law.rate == 0.0;
     let error = if pure { (n * own).sqrt().recip() } else { (other / (n * determinant)).sqrt() };
     let scale = low / law.rate;
-    let scale_error =
-        if pure { f64::INFINITY } else { scale / law.rate * (own / (n * determinant)).sqrt() };
+    let scale_error = if pure { f64::INFINITY } else { scale / law.rate * (own / (n * determinant)).sqrt() };
     let distance = law.distance(tail, low, half);
     Some(CutOff { exponent: law.exponent, error, scale, scale_error, low: tail[0], count, distance })
 }
@@ -135,7 +134,8 @@ impl CutoffDistribution {
         let now = likelihood(self, here);
         let mut fraction = 1.0;
         while fraction > 1e-9 {
-            let law = Self { exponent: self.exponent + fraction * step[0], rate: self.rate + fraction * step[1] };
+            let law =
+                Self { exponent: self.exponent + fraction * step[0], rate: self.rate + fraction * step[1] };
             if law.rate > 0.0 {
                 let moments = law.moments();
                 // Close to the maximum likelihoods differ by rounding only.

@@ -149,7 +149,10 @@ mod tests {
         for count in [2, 50, 300] {
             let z = 100.0 + 25.0 * (count * count) as f64;
             let (by_recurrence, asymptotic) = (by_recurrence(z, count), asymptotic(z, count));
-            assert!(by_recurrence.iter().zip(&asymptotic).all(|(a, b)| (a / b - 1.0).abs() < 1e-13), "{count}");
+            assert!(
+                by_recurrence.iter().zip(&asymptotic).all(|(a, b)| (a / b - 1.0).abs() < 1e-13),
+                "{count}"
+            );
         }
     }
 }

@@ -11,35 +11,30 @@
 
 mod elements;
 mod evolution;
-mod factors;
-mod floor;
 mod moving_grid;
 mod potential;
 mod radau;
 mod slab;
-mod step;
 
 pub use elements::Elements;
 pub use evolution::{Evolution, TimeStep};
-pub use factors::Factors;
-use floor::Cut;
 pub use moving_grid::{Coefficients, MovingBoundary, MovingGrid, Sink, Workspace};
 pub use potential::{Potential, Slope, continued};
 pub use slab::{Field, Loss};
-pub use step::{DiffusionStep, Lost, Work};
 
 /// The operator L = D∂_h[U' + ∂_h] on cells.
 #[derive(Debug, Clone)]
 pub struct Diffusion {
     low: f64,
     width: f64,
-    diffusion: f64,
+    /// D.
+    pub diffusion: f64,
     /// U_{i+1} − U_i, of every cell but the last.
     rises: Vec<f64>,
     /// Rate at which mass goes from a cell to the next one up; 0 for the last.
-    up: Vec<f64>,
+    pub up: Vec<f64>,
     /// Rate at which mass goes from a cell to the next one down; 0 for the first.
-    down: Vec<f64>,
+    pub down: Vec<f64>,
 }
 
 impl Diffusion {
@@ -73,12 +68,31 @@ impl Diffusion {
         self.low + (cell as f64 + 0.5) * self.width
     }
 
-    /// Replaces the masses m by (1 − aL)⁻¹ m: masses after a time that is distributed exponentially with mean a, and one
+    /// Replaces the masses m by (1 − aL)⁻¹ m: the masses after an exponentially distributed time of mean a, or after one
     /// backward Euler step of length a.
     pub fn resolve(&self, a: f64, masses: &mut [f64]) {
-        let factors = Factors::new(self, a, None);
-        let right = masses.to_vec();
-        factors.solve(self, &Cut::none(self), None, &right, masses);
+        // The Thomas algorithm from the top down, with 1 − a l_i/d_i instead of differences: all terms are positive, so
+        // nothing cancels and mass is conserved to rounding. The lowest two cells are left as a system of their own.
+        let mut inverses = vec![1.0; masses.len()];
+        let (mut kept, mut carried, mut rest) = (0.0, 0.0, 1.0);
+        for i in (1..masses.len()).rev() {
+            let down = a * self.down[i];
+            rest = 1.0 + a * (self.up[i] * kept);
+            inverses[i] = 1.0 / (rest + down);
+            kept = rest * inverses[i];
+            masses[i] += carried;
+            carried = down * inverses[i] * masses[i];
+        }
+        let [first, second, above @ ..] = masses else { return };
+        let (up, down) = (self.up[0], a * self.down[1]);
+        let next = rest + down;
+        *first = (*first + down / next * *second) / (1.0 + a * (up * rest / next));
+        *second = (*second + a * up * *first) / next;
+        let mut lower = *second;
+        for (i, mass) in (2..).zip(above) {
+            lower = inverses[i] * *mass + a * self.up[i - 1] * inverses[i] * lower;
+            *mass = lower;
+        }
     }
 
     /// The middles of all cells.
@@ -87,14 +101,14 @@ impl Diffusion {
     }
 
     /// Slope of the potential at a cell, per length.
-    fn slope(&self, cell: usize) -> f64 {
+    pub fn slope(&self, cell: usize) -> f64 {
         let rise = self.rises.get(cell).or(self.rises.last());
         rise.map_or(0.0, |rise| rise / self.width)
     }
 }
 
 /// B(z) = z/(e^z − 1).
-fn bernoulli(z: f64) -> f64 {
+pub fn bernoulli(z: f64) -> f64 {
     /// The series misses z¹⁰/5e7 of it.
     const SMALL: f64 = 0.2;
     if z.abs() > SMALL {

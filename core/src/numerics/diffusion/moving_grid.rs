@@ -9,9 +9,14 @@
 //! meets where the layer is thinner than the lowest cell. In exchange, cells whose content is rough may turn slightly
 //! negative.
 
-use super::step::{GAMMA, SQRT_2};
 use super::{Potential, bernoulli};
 use crate::numerics::roots::brent_root;
+
+/// √2.
+const SQRT_2: f64 = std::f64::consts::SQRT_2;
+
+/// γ = 1 − 1/√2.
+const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 /// The cells, as fractions of the interval.
 #[derive(Debug, Clone)]
