@@ -4,7 +4,7 @@ use super::{Ageing, Contacts};
 use crate::Result;
 use crate::law::{Atom, Breakpoint, Law, SharedLaw};
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::diffusion::{Diffusion, Elements, Potential, Slope, continued, shared};
+use crate::numerics::diffusion::{Diffusion, Elements, Potential, Slope, cloud_in_cell, potential_values};
 use crate::numerics::legendre::{NODES, RULE};
 
 /// Thresholds above the ends of the cells are as few as that.
@@ -57,7 +57,7 @@ impl ThresholdFokkerPlanck {
             points(self.mature.as_ref(), &[], (pair[0], pair[1])).map(|point| point.1).sum()
         };
         let masses = edges.windows(2).map(mass).collect();
-        Diffusion::new(low, width, &continued(masses), self.diffusion)
+        Diffusion::new(low, width, &potential_values(masses), self.diffusion)
     }
 
     /// U.
@@ -130,7 +130,7 @@ impl ThresholdFokkerPlanck {
         }
     }
 
-    /// How wide the bells are at least that shared thresholds become: of many, they run into each other; `coarser` ones by that
+    /// How wide the bells are at least that cloud_in_cell thresholds become: of many, they run into each other; `coarser` ones by that
     /// factor.
     pub fn bell(&self, spread: f64, coarser: f64) -> f64 {
         /// Bells told apart at most, and so many that never run into each other.
@@ -230,7 +230,7 @@ impl ThresholdFokkerPlanck {
         let spread = points(law, middles, (low.max(stretch), high));
         let points = atoms.map(|atom| (atom.position, atom.weight)).chain(spread).enumerate();
         let points = points.take_while(|(number, _)| !(number.is_multiple_of(MANY) && watch.stops()));
-        let masses = shared(middles, points.map(|(_, point)| point));
+        let masses = cloud_in_cell(middles, points.map(|(_, point)| point));
         watch.check().map(|()| masses)
     }
 }

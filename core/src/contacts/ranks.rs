@@ -389,7 +389,7 @@ fn evolved(
         velocity: 0.0,
         absorbing: false,
         kinks: &kinks,
-        left_out: LEFT_OUT,
+        tolerance: LEFT_OUT,
         time: 0.0,
         next: finest * finest / maturing.diffusion,
         first: true,

@@ -55,7 +55,7 @@ const SUMS: usize = 5;
 #[derive(Debug, Clone, Copy)]
 struct Discretisation {
     /// What a step may leave out, of the contacts of a cohort.
-    left_out: f64,
+    tolerance: f64,
     /// How far shared thresholds are spread to begin with, as part of how far they will be when the stretch meets them; the same
     /// of the narrowest element at an edge.
     spread: f64,
@@ -63,9 +63,9 @@ struct Discretisation {
     layers: f64,
 }
 
-const FINE: Discretisation = Discretisation { left_out: 3e-12, spread: 1e-3, layers: 1.0 };
+const FINE: Discretisation = Discretisation { tolerance: 3e-12, spread: 1e-3, layers: 1.0 };
 /// Twice as thick layers tell what the thickest of the finer solution does to the result, which is of the first order.
-const ROUGH: Discretisation = Discretisation { left_out: 3e-10, spread: 2e-3, layers: 2.0 };
+const ROUGH: Discretisation = Discretisation { tolerance: 3e-10, spread: 2e-3, layers: 2.0 };
 
 /// The part of their way after which contacts with shared thresholds are followed at the latest.
 const EARLY: f64 = 1e-3;
@@ -141,10 +141,10 @@ impl FokkerPlanckLife {
         let spread = solved.spread * self.reach(diffusion);
         let whole = self.maturing.survival(start);
         let (wider, solved) =
-            (solved.spread / FINE.spread, Discretisation { left_out: solved.left_out * whole, ..solved });
+            (solved.spread / FINE.spread, Discretisation { tolerance: solved.tolerance * whole, ..solved });
         // What spreads that far does so in this time.
         let time = 0.5 * spread * spread / diffusion;
-        let smooth = self.maturing.spread(start, 0.1 * solved.left_out, 0.1 * spread);
+        let smooth = self.maturing.spread(start, 0.1 * solved.tolerance, 0.1 * spread);
         let mut legs = if smooth.mass() > NOTHING * whole {
             self.follow(smooth, (start, 0.0), time, solved, watch)
         } else {
@@ -154,7 +154,7 @@ impl FokkerPlanckLife {
         let latest = EARLY * self.maturing.support.1 / self.velocity;
         let time = (0.5 * spread * spread / diffusion).min(latest);
         let passed = start + self.velocity * time;
-        if let Some(together) = self.maturing.together(passed, spread, &self.slope, 0.1 * solved.left_out) {
+        if let Some(together) = self.maturing.together(passed, spread, &self.slope, 0.1 * solved.tolerance) {
             legs.extend(self.follow(together, (start, time), time, solved, watch));
         }
         legs
@@ -174,7 +174,7 @@ impl FokkerPlanckLife {
     ) -> Vec<LifeSegment> {
         const FACTORS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
         let with = |factor: f64| {
-            let solved = Discretisation { left_out: factor * solved.left_out, ..solved };
+            let solved = Discretisation { tolerance: factor * solved.tolerance, ..solved };
             self.followed(density.clone(), begun, next, solved, (factor < FACTORS[FACTORS.len() - 1], watch))
         };
         FACTORS.into_iter().find_map(with).unwrap_or_default()
@@ -186,7 +186,7 @@ impl FokkerPlanckLife {
         density: Elements,
         (start, time): (f64, f64),
         next: f64,
-        Discretisation { left_out, layers, .. }: Discretisation,
+        Discretisation { tolerance, layers, .. }: Discretisation,
         (gives_up, watch): (bool, &Watch<'_>),
     ) -> Option<Vec<LifeSegment>> {
         let (low, high) = self.maturing.support;
@@ -208,7 +208,7 @@ impl FokkerPlanckLife {
             velocity,
             absorbing: false,
             kinks: &kinks,
-            left_out,
+            tolerance,
             time,
             next,
             first: true,
@@ -219,7 +219,7 @@ impl FokkerPlanckLife {
         }
         let layer = field.diffusion / velocity;
         let met = evolution.density.value(start + velocity * time).abs();
-        if self.is_thin(layer) && met * layer < left_out {
+        if self.is_thin(layer) && met * layer < tolerance {
             legs.push(self.free(start, layer, evolution, lasting, watch));
             return Some(legs);
         }
@@ -237,7 +237,7 @@ impl FokkerPlanckLife {
                 && !watch.stops()
             {
                 steps.push(evolution.advance(end));
-                if gives_up && evolution.is_crowded() {
+                if gives_up && evolution.is_at_capacity() {
                     return None;
                 }
             }

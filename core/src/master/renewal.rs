@@ -71,22 +71,22 @@ impl RenewalSolution {
         Ok(if fine.error < usual.error { fine } else { usual })
     }
 
-    /// The solution, with cells that begin as narrow as those that hold the fraction `light` of what breaks.
+    /// The solution, with cells that begin as narrow as those that hold the fraction `narrow_fraction` of what breaks.
     fn with_cells(
         first: &Arc<Life>,
         reborn: &Arc<Life>,
         end: f64,
-        (tolerance, light): (f64, f64),
+        (tolerance, narrow_fraction): (f64, f64),
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         // Lives are resolved to about 1e-13 per mean life; what a cell leaves out grows as its width to the 16th power.
         let accuracy = Accuracy {
             density: 0.3 * tolerance / reborn.mean(),
             mass: 3e-3 * tolerance,
-            kept: tolerance,
-            carried: 0.3 * tolerance * unit_force(reborn),
-            widening: (tolerance / 1e-13).powf(1.0 / 16.0),
-            light,
+            conservation: tolerance,
+            convolved: 0.3 * tolerance * unit_force(reborn),
+            initial_width: (tolerance / 1e-13).powf(1.0 / 16.0),
+            narrow_fraction,
         };
         let kept = (first.survival().curve(), reborn.survival());
         let onsets = [first.reattachment(), reborn.reattachment()];
