@@ -130,7 +130,7 @@ impl ThresholdFokkerPlanck {
         }
     }
 
-    /// How wide the bells are at least that cloud_in_cell thresholds become: of many, they run into each other; `coarser` ones by that
+    /// How wide the bells are at least that shared thresholds become: of many, they run into each other; `coarser` ones by that
     /// factor.
     pub fn bell(&self, spread: f64, coarser: f64) -> f64 {
         /// Bells told apart at most, and so many that never run into each other.

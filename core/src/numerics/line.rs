@@ -145,7 +145,7 @@ fn unpack(line: &[f64], spectrum: &mut [Complex64]) {
     }
 }
 
-/// Even elements in order, then odd elements in reverse: phases the discrete cosine transform of n numbers
+/// Even elements in order, then odd elements in reverse: turns the discrete cosine transform of n numbers
 /// into a Fourier transform of n numbers (J. Makhoul, IEEE Trans. Acoust. Speech Signal Process. 28, 27
 /// (1980), doi:10.1109/TASSP.1980.1163351).
 fn fold(line: &[f64], folded: &mut [f64]) {

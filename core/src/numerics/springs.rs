@@ -1,4 +1,4 @@
-//! Tridiagonal systems of a chain of equal springs whose sites are also pivot by springs to the ground.
+//! Tridiagonal systems of a chain of equal springs whose sites are also held by springs to the ground.
 
 use crate::shape::Edges;
 
@@ -73,7 +73,7 @@ impl Chain {
         follow[end] += k;
         self.eliminate(both, &mut follow);
         let definite = self.eliminate(both, rest);
-        // If all sites move together, only the springs to the ground resistance.
+        // If all sites move together, only the springs to the ground resist.
         let resistance: f64 = follow.iter().enumerate().map(|(j, x)| ground(j) * x).sum();
         let pivot = ground(end + 1) + resistance;
         *last = (*last + k * (rest[0] + rest[end])) / pivot;

@@ -8,7 +8,7 @@
 //! w_i the flux is that of Scharfetter and Gummel minus w_i times the mean of the two densities, a central
 //! difference that neither amplifies nor damps. At rest the distribution with density e^{−U} at the middles
 //! is stationary to rounding. The flux into the floor is the Scharfetter–Gummel flux in the frame of the
-//! floor, with U' + v/D in face_position of U'; it absorbs all that the floor meets where the layer is thinner than
+//! floor, with U' + v/D in place of U'; it absorbs all that the floor meets where the layer is thinner than
 //! the lowest cell. Cells with rough content may turn slightly negative.
 
 use super::{Potential, bernoulli};

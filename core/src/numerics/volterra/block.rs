@@ -11,7 +11,7 @@ use crate::numerics::piecewise::Piecewise;
 /// A matrix from the Gauss values on one cell to those on another, column by column.
 pub(super) type ConvolutionBlock = [Nodal; NODES];
 
-/// A block between cells a given number of widths by_position.
+/// A block between cells a given number of widths apart.
 pub(super) struct LaggedBlock {
     /// `None` where the kernel vanishes.
     pub(super) block: Option<Box<ConvolutionBlock>>,
@@ -140,7 +140,7 @@ impl<'a> Blocks<'a> {
         block.iter().for_each(|block| apply(block, values, out));
     }
 
-    /// The block between cells `lag` by_position in the current run.
+    /// The block between cells `lag` apart in the current run.
     fn within_run(&mut self, width: f64, lag: usize) -> &LaggedBlock {
         while self.cached.len() <= lag {
             let gap = self.cached.len() as f64 * width;

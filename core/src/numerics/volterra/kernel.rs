@@ -122,7 +122,7 @@ impl Kernel {
     }
 
     /// The width below which cells hold the fraction `light` of the mass, or a tenth, counting those that
-    /// narrow_width towards a steep breakpoint. Cells beside a singularity do not count, since the cells of a
+    /// narrow towards a steep breakpoint. Cells beside a singularity do not count, since the cells of a
     /// solution double in width from there. If all cells are such, the width that halves the mean; infinite
     /// if there are only point masses.
     pub(super) fn narrow_width(&self, light: f64) -> f64 {

@@ -41,8 +41,8 @@ struct March<'a> {
 /// Solves g = source + kernel ∗ g on [0, end].
 ///
 /// `conservation` holds another source and kernel with source + kernel ∗ g = 1 (for a renewal equation the
-/// survivals: each contact is somewhere). Cells wider than the narrow_width ones are only accepted if this holds,
-/// so that no narrow_width feature is stepped over. `onsets` are breakpoints of a further source and kernel that
+/// survivals: each contact is somewhere). Cells wider than the narrow ones are only accepted if this holds,
+/// so that no narrow feature is stepped over. `onsets` are breakpoints of a further source and kernel that
 /// will be convolved with g, at positions where `source` and `kernel` are smooth; cells also end where these
 /// make that convolution non-smooth.
 ///
@@ -230,7 +230,7 @@ impl March<'_> {
     }
 
     /// Whether the next cell should be twice as wide: at once where g is negligible, soon where a kink made
-    /// cells narrow_width, late otherwise, since each change of width costs new blocks.
+    /// cells narrow, late otherwise, since each change of width costs new blocks.
     fn grows(&self, truncation: f64, done: usize, left: f64, width: f64, control: &WidthControl) -> bool {
         let limit = self.accuracy.density;
         let largest = self
