@@ -1,4 +1,5 @@
-//! A law whose density is a Legendre series on each of some cells: any density there is, nearly to rounding.
+//! A distribution whose density is a Legendre series on each of some cells: represents any density nearly to
+//! rounding.
 
 use num_complex::Complex64;
 
@@ -9,13 +10,14 @@ use crate::numerics::piecewise::{Piecewise, tail};
 use crate::random::Stream;
 use crate::{Error, Float, Result};
 
-/// A density that is a polynomial of degree 15 or less on each cell between given boundaries, 0 outside, scaled to
-/// total mass 1: p(x) = Σ_n c_n P_n(t), t from −1 to 1 across the cell, P_n the Legendre polynomials.
+/// A density that is a polynomial of degree at most 15 on each cell between given boundaries and 0 outside,
+/// normalised: p(x) = Σ_n c_n P_n(t), t from −1 to 1 across the cell, P_n the Legendre polynomials.
 ///
-/// Given by its coefficients, or made from a function ([`Series::resolve`]). Survival, moments and transform are the
-/// integrals of the series: S, its logarithm and the hazard have the accuracy of the series, relative to themselves
-/// down to the end of the last cell. Where a density falls below 0 by rounding it is taken to be 0. A tail without end
-/// that was `cut` off is not there, and the law does not claim what would hang on it ([`Law::known_rate`]).
+/// It is given by its coefficients, or computed from a function ([`Series::resolve`]). Survival, moments and
+/// transform are the integrals of the series: the relative accuracy of S, ln S and the hazard rate is that of
+/// the series, down to the end of the last cell. A density below 0 by rounding is taken as 0. An infinite
+/// tail that was `cut` off is missing, and quantities that depend on it are declared unreliable
+/// ([`Law::known_rate`]).
 #[derive(Clone, PartialEq)]
 pub struct Series {
     density: Piecewise,
@@ -32,25 +34,26 @@ pub struct Series {
     zones: Vec<Zone>,
 }
 
-/// A density below 0 by less than this fraction of the largest one is one of 0.
+/// A density below 0 by less than this fraction of its maximum counts as 0.
 const NEGATIVE: f64 = 1e-9;
 
-/// The most of a law that may be cut off.
+/// Largest fraction that may be cut off.
 const MOST_CUT: f64 = 1e-9;
 
-/// Bisection alone needs 60 steps from boundary to boundary.
+/// Largest number of steps; bisection alone needs 60.
 const MOST_STEPS: usize = 100;
 
-/// A break is one if it changes the law, over a standard deviation, by more than this.
+/// A breakpoint counts if it changes the distribution, over a standard deviation, by more than this.
 const FELT: f64 = 1e-14;
 
 impl Series {
-    /// The law of the coefficients, of any total mass, in each cell from c_0 on; those not given are 0. `cut` is the share
-    /// of a tail without end beyond the last boundary, 0 if the law ends there.
+    /// The distribution with these coefficients, c_0 first, of any total mass; missing ones are 0. `cut` is
+    /// the fraction of an infinite tail beyond the last boundary, 0 if the support ends there.
     ///
     /// # Errors
-    /// Fewer than two boundaries, boundaries not rising from 0 or above, lists of coefficients not one for each cell, an
-    /// empty one or one longer than 16, a density below 0, no mass at all, or a cut outside [0, 1e-9].
+    /// Fewer than two boundaries, boundaries not rising from 0 or above, lists of coefficients not one for
+    /// each cell, an empty list or one longer than 16, a density below 0, no mass at all, or a cut outside
+    /// [0, 1e-9].
     pub fn new(boundaries: &[f64], coefficients: &[Vec<f64>], cut: f64) -> Result<Self> {
         check_boundaries(boundaries)?;
         let cells = boundaries.len() - 1;
@@ -65,20 +68,22 @@ impl Series {
         Self::scaled(Piecewise { boundaries: boundaries.to_vec(), coefficients: padded? }, cut)
     }
 
-    /// The law of a density given by a function, of any total mass, and the share of the law that the series leaves out.
+    /// The distribution of a density given by a function, of any total mass, and the fraction of the mass
+    /// that the series misses.
     ///
-    /// `density` is called with many points at once and gives the density at each. It may jump or kink anywhere, and rise
-    /// like (x − x₀)^−¾ above the first of `boundaries`; there must be so many that no peak is missed between the 16 Gauss
-    /// points of each cell. The last may be infinite: then cells widen beyond the one before until 1e-40 of the law is
-    /// left. What is left out in a cell, in the mean, is at most `tolerance` of the mass above its lower end and of that
-    /// below its upper end, so that S and the hazard keep their digits into the tails: of a tolerance of 1e-14 and a
-    /// density right to rounding, 12 digits down to S = 1e-26.
+    /// `density` is called with many points at once and returns the density at each. It may have jumps and
+    /// kinks anywhere, and rise like (x − x₀)^−¾ above the first of the `boundaries`; these must be so close
+    /// that no peak is missed between the 16 Gauss points of each cell. The last may be infinite: cells
+    /// beyond the one before then double in width until 1e-40 of the mass is left. The truncation error of a
+    /// cell is at most `tolerance` × the mass above its lower end and × the mass below its upper end, so that
+    /// S and the hazard rate keep their digits into the tails: for a tolerance of 1e-14 and a density right
+    /// to rounding, 12 digits down to S = 1e-26.
     ///
     /// # Errors
-    /// Those of `density`; a density that is below 0 or not finite, or values not as many as points; boundaries that do
-    /// not rise from 0 or above; a tolerance outside [1e-15, 1e-3]; a tail so heavy that the second moment diverges;
-    /// [`Error::Accuracy`] where the tolerance is not reached with twenty thousand cells, as for noise, or where a density
-    /// becomes infinite other than at 0.
+    /// Those of `density`; a density that is below 0 or not finite, or a wrong number of values; boundaries
+    /// that do not rise from 0 or above; a tolerance outside [1e-15, 1e-3]; a tail so heavy that the second
+    /// moment diverges; [`Error::Accuracy`] if the tolerance is not reached with twenty thousand cells, as
+    /// for noise, or if a density becomes infinite other than at 0.
     pub fn resolve(
         density: impl FnMut(&[f64]) -> Result<Vec<f64>>,
         boundaries: &[f64],
@@ -91,24 +96,25 @@ impl Series {
         if !(1e-15..=1e-3).contains(&tolerance) {
             return Err(Error::invalid("tolerance", "a number from 1e-15 to 1e-3", tolerance));
         }
-        let Refined { series, left_out, cut } = refine(density, finite, endless, tolerance)?;
+        let Refined { series, truncation, cut } = refine(density, finite, endless, tolerance)?;
         let law = Self::scaled(series, cut)?;
-        // Rounding of the function, cell by cell, may add up to more than the tolerance.
+        // Rounding of the function may add up, cell by cell, to more than the tolerance.
         let wanted = tolerance.max(1e-11);
-        if left_out > wanted {
+        if truncation > wanted {
             let what = "the density as a series".into();
             return Err(Error::Accuracy {
                 key: String::new(),
                 what,
-                reached: Float(left_out),
+                reached: Float(truncation),
                 wanted: Float(wanted),
             });
         }
-        Ok((law, left_out))
+        Ok((law, truncation))
     }
 
-    /// The law of a density that has been solved for, of any total mass: not smooth at `breaks`, and varying on the length
-    /// `resolution` elsewhere. It is as accurate as it was solved for, so that breaks are told, not found.
+    /// The distribution of a density that is the solution of an equation, of any total mass, with known
+    /// `breakpoints`, that varies on the length `resolution` elsewhere. Its accuracy is limited, so
+    /// breakpoints are given rather than detected.
     ///
     /// # Errors
     /// A density below 0, or no mass at all.
@@ -123,17 +129,17 @@ impl Series {
         &self.density.boundaries
     }
 
-    /// The coefficients of each cell, of total mass 1.
+    /// The normalised coefficients of each cell.
     pub fn coefficients(&self) -> &[[f64; NODES]] {
         &self.density.coefficients
     }
 
-    /// The share of a tail without end that is left out beyond the last boundary.
+    /// The fraction of an infinite tail beyond the last boundary.
     pub fn cut(&self) -> f64 {
         self.cut
     }
 
-    /// Checks the sign of the density and scales its mass to 1.
+    /// Checks the sign of the density and normalises it.
     fn scaled(mut density: Piecewise, cut: f64) -> Result<Self> {
         check_sign(&density)?;
         let total = density.integral();
@@ -156,7 +162,7 @@ impl Series {
         Ok(law)
     }
 
-    /// Sums what lies above and below each boundary.
+    /// Sums masses and moments above and below each boundary.
     fn sum(&mut self) {
         let cells = self.density.coefficients.len();
         for cell in (0..cells).rev() {
@@ -205,7 +211,8 @@ impl Series {
         self.density.boundaries[0]
     }
 
-    /// The zero within a cell of a function with the density as its slope: Newton's method, kept within its bracket.
+    /// The zero within a cell of a function whose slope is the density, by Newton's method safeguarded by
+    /// bisection.
     fn invert(&self, cell: usize, excess: impl Fn(f64) -> f64) -> f64 {
         let (mut a, mut b) = (self.density.boundaries[cell], self.density.boundaries[cell + 1]);
         let mut x = 0.5 * (a + b);
@@ -225,13 +232,13 @@ impl Series {
         x
     }
 
-    /// Values, slopes, … of the density at the lower end of a cell (`side` = −1) or at the upper one (1), and what
-    /// rounding and the terms left out make of them.
+    /// A derivative of the density at the lower end of a cell (`side` = −1) or at the upper one (1), and the
+    /// error it may have from rounding and truncation.
     fn derivative(&self, cell: usize, side: f64, order: u32) -> (f64, f64) {
         let terms = &self.density.coefficients[cell];
         let (middle, half) = self.density.cell(cell);
         let scale = half.powi(-(order as i32));
-        // Of values, and of where they are taken.
+        // Of values, and of the points at which they are taken.
         let rounding = 4.0 * f64::EPSILON * (1.0 + middle / half);
         let doubt = tail(terms).max(rounding * terms.iter().map(|c| c.abs()).sum::<f64>());
         let terms = (0..NODES).map(|n| (terms[n], end_derivative(n, order, side)));
@@ -240,7 +247,7 @@ impl Series {
         (scale * value, 30.0 * scale * doubt * amplified)
     }
 
-    /// The jump of a derivative at a boundary, where it is more than rounding.
+    /// The jump of a derivative at a boundary, if it exceeds its error.
     fn jump(&self, boundary: usize, order: u32) -> Option<Breakpoint> {
         let cells = self.density.coefficients.len();
         let right = if boundary < cells { self.derivative(boundary, -1.0, order) } else { (0.0, 0.0) };
@@ -252,9 +259,9 @@ impl Series {
         (felt && amplitude.abs() > right.1 + left.1).then_some(found)
     }
 
-    /// The power with which the density sets out from the start (`side` = −1), or from the end downwards (1), where cells
-    /// narrow towards it, unless a whole one.
-    fn power(&self, side: f64) -> Option<Breakpoint> {
+    /// The power law with which the density starts at the lower end (`side` = −1) or upper end (1) of the
+    /// support, where cells narrow towards it; `None` for a whole power.
+    fn power_at_end(&self, side: f64) -> Option<Breakpoint> {
         let edges = self.boundaries();
         let (end, next) =
             if side < 0.0 { (edges[0], edges[1]) } else { (edges[edges.len() - 1], edges[edges.len() - 2]) };
@@ -272,13 +279,14 @@ impl Series {
     fn find_breaks(&self) -> Vec<Breakpoint> {
         let last = self.density.coefficients.len();
         let end = |side: f64, boundary: usize| {
-            self.power(side).map_or_else(|| self.breaks_at_end(boundary), |power| vec![power])
+            self.power_at_end(side)
+                .map_or_else(|| self.breaks_at_end(boundary), |power_at_end| vec![power_at_end])
         };
         let inner = (1..last).flat_map(|i| (0..2).filter_map(move |order| self.jump(i, order)));
         end(-1.0, 0).into_iter().chain(inner).chain(end(1.0, last)).collect()
     }
 
-    /// Zones that begin and end at seams.
+    /// Zones that begin and end at cell boundaries.
     fn find_zones(&self) -> Vec<Zone> {
         let bulk = Zone::of(self.quantile(ALL), self.upper_quantile(ALL), self.mean(), self.std);
         let joined = self.density.clone().joined(1e-14);
@@ -287,7 +295,8 @@ impl Series {
         let low = inside().map(|cell| cell.0).fold(f64::INFINITY, f64::min);
         let high = inside().map(|cell| cell.1).fold(0.0, f64::max);
         let resolution = inside().map(|cell| cell.2).fold(self.std, f64::max);
-        // Cells that narrow towards a break are halved further by rounding, near a pole to a twentieth of their distance.
+        // Cells that narrow towards a breakpoint are bisected further because of rounding, near a pole to a
+        // twentieth of their distance.
         let apart = |(low, high, _): &(f64, f64, f64)| {
             let far = |b: &Breakpoint| high - low < 0.02 * (0.5 * (low + high) - b.position).abs();
             self.breakpoints.iter().all(far)
@@ -296,7 +305,7 @@ impl Series {
         std::iter::once(Zone { low, high, resolution }).chain(fine).collect()
     }
 
-    /// The breaks at an end of the support: jump and kink, or else the lowest derivative that is not 0.
+    /// The breakpoints at an end of the support: jump and kink, or else the lowest derivative that is not 0.
     fn breaks_at_end(&self, boundary: usize) -> Vec<Breakpoint> {
         const HIGHEST: u32 = 4;
         let low: Vec<_> = (0..2).filter_map(|order| self.jump(boundary, order)).collect();
@@ -307,8 +316,8 @@ impl Series {
     }
 }
 
-/// Means of the density between x and the end of its cell at t = `side`: integrals over x − end, which divides them, so
-/// that they are series of the same degree, right where the integral vanishes too.
+/// Means of the density between x and the end of its cell at t = `side`: the integral divided by x − end.
+/// This is a series of the same degree and keeps its relative accuracy where the integral vanishes.
 fn means(density: &Piecewise, side: f64) -> Piecewise {
     let mean = |c: &Nodal, t: f64| RULE.integrate(t, side, |t| series(c, t)) / (side - t);
     let cell = |c: &Nodal| RULE.coefficients(&RULE.nodes.map(|t| mean(c, t)));
@@ -433,8 +442,8 @@ impl Law for Series {
         self.std
     }
 
-    /// Jumps and kinks at boundaries, beyond what rounding and the terms left out of the series make; at the ends, where
-    /// there is neither, the power that leads there or the lowest derivative that is not 0, up to the fourth.
+    /// Jumps and kinks at boundaries that exceed rounding and truncation. At the ends, if there is neither, the power law
+    /// that leads there or the lowest derivative up to the fourth that is not 0.
     fn breakpoints(&self) -> Vec<Breakpoint> {
         self.breakpoints.clone()
     }
@@ -443,13 +452,13 @@ impl Law for Series {
         self.density.boundaries.clone()
     }
 
-    /// The bulk, and the cells that it takes to follow the density to 1e-14 of the law, but for those that are narrow
-    /// because they are near a break.
+    /// The bulk, and the cells that are needed to represent the density to 1e-14, except those that are
+    /// narrow because a breakpoint is near.
     fn zones(&self) -> Vec<Zone> {
         self.zones.clone()
     }
 
-    /// What is cut off, lifted by e^{−sx}, is below 1e-16 of the law up to there.
+    /// The tail cut off, amplified by e^{−sx}, must stay below 1e-16.
     fn known_rate(&self) -> f64 {
         if self.cut > 0.0 { (-self.cut.ln() - 37.0).max(0.0) / self.density.end() } else { f64::INFINITY }
     }

@@ -17,9 +17,9 @@ pub struct Piecewise {
 /// cell is that of [`tail`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Resolution {
-    /// Truncation error × half width is at tolerance this: an error of integrals.
+    /// Truncation error × half width is at most this: an error of integrals.
     Mean(f64),
-    /// Truncation error is at tolerance `fraction` × the largest value on the cell, or × `negligible` if that is
+    /// Truncation error is at most `fraction` × the largest value on the cell, or × `negligible` if that is
     /// larger.
     Relative {
         /// Relative tolerance.
@@ -27,7 +27,7 @@ pub enum Resolution {
         /// Values below this need no relative accuracy.
         negligible: f64,
     },
-    /// Truncation error × half width is at tolerance `fraction` × the integral up to the end of the cell, or ×
+    /// Truncation error × half width is at most `fraction` × the integral up to the end of the cell, or ×
     /// `negligible` if that is larger. For a function of one sign.
     Cumulative {
         /// Relative tolerance.
@@ -380,7 +380,7 @@ mod tests {
     #[test]
     fn an_inverse_square_root_integrates() {
         let p = Piecewise::resolve(|x: f64| 0.5 / x.sqrt(), &[], 1.0, Resolution::Mean(1e-16));
-        // Each of about 100 graded cells leaves out at tolerance 1e-16.
+        // Each of about 100 graded cells leaves out at most 1e-16.
         assert!((p.integral() - 1.0).abs() < 1e-13, "{:e}", p.integral() - 1.0);
     }
 }
