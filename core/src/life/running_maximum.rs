@@ -80,7 +80,7 @@ impl RunningMaximum {
 
     /// h_0 and its slope, with u.
     fn meeting_at(&self, advance: f64) -> (f64, f64) {
-        let met = self.strength.at(advance / self.velocity).met(self.start + advance);
+        let met = self.strength.at(advance / self.velocity).contact_at(self.start + advance);
         (met.newborn, (1.0 - met.drift / self.velocity) / met.spread)
     }
 

@@ -144,17 +144,19 @@ impl FokkerPlanckLife {
             (solved.spread / FINE.spread, Discretisation { tolerance: solved.tolerance * whole, ..solved });
         // What spreads that far does so in this time.
         let time = 0.5 * spread * spread / diffusion;
-        let smooth = self.maturing.spread(start, 0.1 * solved.tolerance, 0.1 * spread);
+        let smooth = self.maturing.fresh_density(start, 0.1 * solved.tolerance, 0.1 * spread);
         let mut legs = if smooth.mass() > NOTHING * whole {
             self.follow(smooth, (start, 0.0), time, solved, watch)
         } else {
             Vec::new()
         };
-        let spread = self.maturing.bell(spread, wider);
+        let spread = self.maturing.point_mass_width(spread, wider);
         let latest = EARLY * self.maturing.support.1 / self.velocity;
         let time = (0.5 * spread * spread / diffusion).min(latest);
         let passed = start + self.velocity * time;
-        if let Some(together) = self.maturing.together(passed, spread, &self.slope, 0.1 * solved.tolerance) {
+        if let Some(together) =
+            self.maturing.point_mass_density(passed, spread, &self.slope, 0.1 * solved.tolerance)
+        {
             legs.extend(self.follow(together, (start, time), time, solved, watch));
         }
         legs
@@ -256,7 +258,7 @@ impl FokkerPlanckLife {
         const OF_DENSITY: f64 = 2e-5;
         /// Of the least of the thresholds that many share, around which they have spread likewise.
         const OF_SHARED: f64 = 3e-7;
-        let shared = self.maturing.lowest_shared().map_or(f64::INFINITY, |place| OF_SHARED * place);
+        let shared = self.maturing.lowest_atom().map_or(f64::INFINITY, |place| OF_SHARED * place);
         self.temperature.is_none() && layer < shared.min(OF_DENSITY * self.maturing.resolution())
     }
 
