@@ -1,4 +1,4 @@
-//! Births along a leg, and the layer that they form.
+//! Contacts formed during a motion in one direction, and the layer that they make up.
 
 use super::cells::{BULK, CELL, NEGLIGIBLE, RESOLUTION};
 use super::layer::{Layer, PointMass};
@@ -6,22 +6,23 @@ use super::panels::{Domain, Panels};
 use crate::law::{Atom, Breakpoint};
 use crate::numerics::piecewise::Piecewise;
 
-/// Births as functions of the advance of the slider since then.
+/// Formation of contacts as a function of the advance of the slider since then.
 #[derive(Debug, Clone)]
 pub(crate) struct Births {
-    /// The fraction born per unit length, …
+    /// The fraction formed per unit length.
     pub(crate) rate: Piecewise,
-    /// … fractions born together, …
+    /// Fractions formed simultaneously.
     pub(crate) atoms: Vec<Atom>,
-    /// … and where the rate is not smooth.
+    /// Breakpoints of the rate.
     pub(crate) breakpoints: Vec<Breakpoint>,
 }
 
 impl Births {
-    /// The contacts now, each of which started as in `starts`: ν(x) = ∫ν_R(r) rate(x − r) dr, atoms included.
+    /// The present layer of these contacts if each started as in `starts`: ν(x) = ∫ν_R(r) rate(x − r) dr,
+    /// point masses included.
     pub(super) fn layer(&self, starts: &Layer) -> Layer {
         let mut density = Piecewise::default();
-        for start in &starts.lumps {
+        for start in &starts.point_masses {
             let moved = self.rate.shifted(start.position).scaled(start.weight);
             density = density.added(&moved, RESOLUTION);
         }
@@ -29,18 +30,18 @@ impl Births {
         if !starts.is_pointed() {
             density = density.added(&self.spread(starts, &breakpoints), RESOLUTION);
         }
-        let lumps = self.atoms.iter().flat_map(|birth| {
+        let point_masses = self.atoms.iter().flat_map(|birth| {
             let born = |start: &PointMass| {
                 PointMass::new(birth.position + start.position, birth.weight * start.weight)
             };
-            starts.lumps.iter().map(born)
+            starts.point_masses.iter().map(born)
         });
-        let smooth = starts.lumps.is_empty() && self.atoms.is_empty();
+        let smooth = starts.point_masses.is_empty() && self.atoms.is_empty();
         let resolution = if smooth { starts.resolution } else { 0.0 };
-        Layer { density, lumps: lumps.collect(), breakpoints, resolution, ..Layer::default() }
+        Layer { density, point_masses: point_masses.collect(), breakpoints, resolution, ..Layer::default() }
     }
 
-    /// Where breaks of the rate meet those of the starts.
+    /// Breakpoints of the convolution: sums of those of the rate and of the starts.
     fn breakpoints(&self, starts: &Layer) -> Vec<Breakpoint> {
         let atoms = self.atoms.iter().map(|&a| Breakpoint::from(a));
         let births: Vec<_> = self.breakpoints.iter().copied().chain(atoms).collect();
@@ -49,7 +50,7 @@ impl Births {
         pairs.filter(|b| !b.is_atom()).collect()
     }
 
-    /// What starts spread over a density form.
+    /// The part of the layer from starts with a density.
     fn spread(&self, starts: &Layer, breakpoints: &[Breakpoint]) -> Piecewise {
         let latest = self.atoms.iter().map(|a| a.position).fold(self.rate.end(), f64::max);
         let (low, high) = (starts.density.start(), starts.density.end());

@@ -6,7 +6,7 @@ use super::Tolerance;
 use super::renewal::{RenewalSolution, slope};
 use crate::Result;
 use crate::contacts::Contacts;
-use crate::life::{Layer, Life, tidied, walls};
+use crate::life::{Layer, Life, simplified, threshold_atoms};
 use crate::monitor::Monitor;
 use crate::numerics::breakpoints::same_position;
 use crate::numerics::piecewise::Piecewise;
@@ -210,11 +210,11 @@ impl LoadingBranch {
         if let Motion::Renewed(leg) = &self.motion {
             layers.push(leg.born(u, cell));
         }
-        let walls = walls(contacts.thresholds.as_ref());
+        let threshold_atoms = threshold_atoms(contacts.thresholds.as_ref());
         let begun = self.force().boundaries.get(cell).copied().unwrap_or(u);
         let since = if crossed { 0.0 } else { (u - begun).max(0.0) };
-        layers.iter_mut().for_each(|layer| layer.pass(&walls, since));
-        tidied(layers, contacts.thresholds.as_ref())
+        layers.iter_mut().for_each(|layer| layer.mark_passed(&threshold_atoms, since));
+        simplified(layers, contacts.thresholds.as_ref())
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use super::loading::LoadingBranch;
 use super::{MasterEquation, Tolerance};
 use crate::contacts::{Contacts, Start};
-use crate::life::{Layer, LayerSums, Life, life_of, tidied};
+use crate::life::{Layer, LayerSums, Life, life_of, simplified};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 
@@ -66,7 +66,7 @@ impl SolvedBranches {
     ///
     /// All of them should be there; what the tolerance of earlier courses leaves is made up for, lest it add up.
     pub(super) fn renewed(&self, layers: Vec<Layer>, monitor: &mut dyn Monitor) -> Result<LoadingBranch> {
-        let layers = tidied(layers, self.contacts.thresholds.as_ref());
+        let layers = simplified(layers, self.contacts.thresholds.as_ref());
         let there = LayerSums::of(&layers, &self.contacts).unbroken;
         let what = || "the probability of all stretches where the slider turned".to_owned();
         self.tolerance.times(SLACK).allows((there - 1.0).abs(), what)?;
@@ -76,7 +76,7 @@ impl SolvedBranches {
 
     /// The course of contacts in these layers, whose breaking ones stay free.
     pub(super) fn held(&self, layers: Vec<Layer>) -> LoadingBranch {
-        let layers = tidied(layers, self.contacts.thresholds.as_ref());
+        let layers = simplified(layers, self.contacts.thresholds.as_ref());
         let life = life_of(&self.contacts, layers, &mut ()).expect("nobody asks to stop");
         LoadingBranch::held(Arc::new(life))
     }

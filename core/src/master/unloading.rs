@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::loading::LoadingBranch;
 use super::solved_branches::SolvedBranches;
 use crate::Result;
-use crate::life::{Layer, LayerSums, strikes};
+use crate::life::{Layer, LayerSums, reaches_threshold_atom};
 
 /// Thresholds below which there are fewer are not waited for.
 const FEW: f64 = 1e-18;
@@ -35,10 +35,16 @@ impl UnloadingBranch {
         let layers = course.layers(furthest, cell, false, contacts);
         let layers: Arc<[_]> = layers.iter().map(Layer::mirrored).collect();
         let lowest = thresholds.quantile(FEW);
-        let length = layers.iter().map(|layer| layer.way_ahead(lowest)).fold(f64::INFINITY, f64::min);
+        let length = layers.iter().map(|layer| layer.distance_to_break(lowest)).fold(f64::INFINITY, f64::min);
         let length = if length > interface.near() { length } else { 0.0 };
         let LayerSums { stiffness, .. } = LayerSums::of(&layers, contacts);
-        Self { length, stiffness, breaks: strikes(&layers, thresholds, length), layers, course: None }
+        Self {
+            length,
+            stiffness,
+            breaks: reaches_threshold_atom(&layers, thresholds, length),
+            layers,
+            course: None,
+        }
     }
 
     /// Solves the course, on which what breaks is `held` free or re-forms.
