@@ -78,14 +78,6 @@ impl ThermalHazard {
         ThermalHazardAt { thermal: self, start, advance, stretch, aged, common }
     }
 
-    /// k of a contact with the present threshold h.
-    fn stiffness(&self, threshold: f64) -> f64 {
-        match self.stiffness {
-            Stiffness::Equal(stiffness) => stiffness,
-            Stiffness::PerThreshold(factor) => factor * threshold,
-        }
-    }
-
     /// The threshold above which contacts are negligible: their contribution to ∫u² U du is, for any
     /// lifetime.
     ///
@@ -136,7 +128,7 @@ impl ThermalHazard {
         if threshold <= 0.0 {
             return 0.0;
         }
-        let whole = 0.5 * self.stiffness(threshold) * threshold * threshold / self.temperature.energy;
+        let whole = 0.5 * self.stiffness.of(threshold) * threshold * threshold / self.temperature.energy;
         whole * self.temperature.barrier.height_at(stretch, threshold)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{MasterEquation, SteadyState};
 use crate::Result;
-use crate::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiffness, Temperature};
+use crate::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Temperature};
 use crate::law::{Law, Point, SharedLaw};
 use crate::monitor::Monitor;
 use crate::numerics::legendre::RULE;
@@ -61,17 +61,9 @@ fn temperature_of_simple_contacts(contacts: &Contacts) -> Option<&Temperature> {
     contacts.rules.temperature.as_ref().filter(|_| unstretched && ageless)
 }
 
-/// The stiffness of one contact.
-fn stiffness_of(stiffness: Stiffness, threshold: f64) -> f64 {
-    match stiffness {
-        Stiffness::Equal(k) => k,
-        Stiffness::PerThreshold(kappa) => kappa * threshold,
-    }
-}
-
 fn viscosity(contacts: &Contacts) -> Option<f64> {
     let temperature = temperature_of_simple_contacts(contacts)?;
-    let stiffness = |h: f64| stiffness_of(contacts.stiffness, h);
+    let stiffness = |h: f64| contacts.stiffness.of(h);
     let life = |h: f64| temperature.exponent(0.0, h, stiffness(h)) - temperature.attempt_rate.ln();
     let law = contacts.thresholds.as_ref();
     let carried = ln_average(law, |h| stiffness(h).ln() + 2.0 * life(h))?;
@@ -100,14 +92,14 @@ fn viscosity(contacts: &Contacts) -> Option<f64> {
 pub fn creep(contacts: &Contacts, velocity: f64) -> Option<f64> {
     let temperature = temperature_of_simple_contacts(contacts)?;
     let law = contacts.thresholds.as_ref();
-    let thermal = |h: f64| Thermal::new(temperature, h, stiffness_of(contacts.stiffness, h), velocity);
+    let thermal = |h: f64| Thermal::new(temperature, h, contacts.stiffness.of(h), velocity);
     if !thermal(law.mean()).creeps() {
         return None;
     }
     let moment = |power: i32| {
         let of = |h: f64| {
             let (first, second) = thermal(h).breaking_stretch();
-            if power == 1 { first.ln() } else { stiffness_of(contacts.stiffness, h).ln() + second.ln() }
+            if power == 1 { first.ln() } else { contacts.stiffness.of(h).ln() + second.ln() }
         };
         ln_average(law, of).map(f64::exp)
     };
