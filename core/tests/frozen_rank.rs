@@ -1,17 +1,16 @@
 //! Contacts that keep their rank: the general way against the closed one, and its limits.
 
+mod common;
+
 use std::sync::Arc;
 
 use asperity::contacts::{Ageing, Contacts, Initial, Start, ThresholdFokkerPlanck};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
-use asperity::law::{Exponential, Gamma, Gaussian, Mixture, Point, Rectangular, SharedLaw};
+use asperity::law::{Exponential, Gamma, Mixture, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
 use asperity::master::MasterEquation;
-use asperity::numerics::diffusion::{DiffusionStep, Work};
-
-fn gaussian(mean: f64, std: f64) -> SharedLaw {
-    Arc::new(Gaussian::new(mean, std).unwrap())
-}
+use common::finite_volumes::{DiffusionStep, NO_FLOOR, Work};
+use common::gaussian;
 
 /// F_k, and the error that the life tells.
 fn told(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64) -> (f64, f64) {
@@ -55,12 +54,12 @@ fn friction_weakens_from_that_of_the_mature_law_to_that_of_the_newborn_one() {
 fn by_finite_volumes(newborn: &SharedLaw, mature: &SharedLaw, velocity: f64, cells: usize) -> f64 {
     let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), mature.std().powi(2));
     let operator = Arc::new(maturing.operator(cells));
-    let (width, none) = (operator.width(), (f64::NEG_INFINITY, f64::NEG_INFINITY));
+    let width = operator.width();
     let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();
     let (mut work, step) = (Work::default(), DiffusionStep::new(&operator, width / velocity));
     let (mut met, mut sums) = (0.0_f64, [0.5 * width, 0.0]);
     for cell in 1..cells {
-        step.advance(&mut masses, none, None, &mut work);
+        step.advance(&mut masses, NO_FLOOR, &mut work);
         met = met.max(masses[..cell].iter().sum());
         sums[0] += width * (1.0 - met);
         sums[1] += width * operator.edge(cell) * (1.0 - met);
@@ -113,13 +112,13 @@ fn single_contacts_break_beside_an_edge_as_soon_as_they_form() {
     let (newborn, mature): (SharedLaw, _) = (Arc::new(Exponential::new(1.0).unwrap()), gaussian(1.5, 0.1));
     let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), mature.std().powi(2));
     let operator = Arc::new(maturing.operator(cells));
-    let (width, none) = (operator.width(), (f64::NEG_INFINITY, f64::NEG_INFINITY));
+    let width = operator.width();
     let mut masses = maturing.newborn(&operator.middles(), -1.0, &mut ()).unwrap();
     let (mut work, step) = (Work::default(), DiffusionStep::new(&operator, width / velocity));
     // The largest share below the stretch so far has been met; what carried x there carries x less from then on.
     let (mut met, mut lost) = (0.0, 0.0);
     for cell in 1..(to / width) as usize {
-        step.advance(&mut masses, none, None, &mut work);
+        step.advance(&mut masses, NO_FLOOR, &mut work);
         let below: f64 = masses[..cell].iter().sum();
         lost += (below - met).max(0.0) * (cell as f64 - 0.5) * width;
         met = below.max(met);

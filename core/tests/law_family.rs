@@ -74,7 +74,7 @@ fn renormalised(thresholds: SharedLaw, coupling: f64) -> SharedLaw {
 /// which every onset of the family is a polynomial.
 fn integral(law: &dyn Law, count: u32, from: f64, to: f64, f: impl Fn(f64) -> f64) -> f64 {
     let mut ends: Vec<f64> =
-        law.breaks().iter().map(|b| b.position).filter(|x| (from..to).contains(x)).collect();
+        law.breakpoints().iter().map(|b| b.position).filter(|x| (from..to).contains(x)).collect();
     ends.extend([from, to]);
     ends.sort_by(f64::total_cmp);
     ends.dedup();
@@ -256,7 +256,7 @@ fn transforms_start_at_one_with_slope_minus_the_mean() {
 fn breaks_are_where_and_what_they_say() {
     for law in family() {
         let p = |x: f64| law.density(x);
-        for b in law.breaks() {
+        for b in law.breakpoints() {
             let h = if b.exponent == 0.0 || b.exponent == 1.0 { 1e-6 } else { 1e-12 };
             let (right, left) = (|n: f64| p(b.position + n * h), |n: f64| p(b.position - n * h));
             let height = match b.exponent {
@@ -278,7 +278,7 @@ fn breaks_are_where_and_what_they_say() {
 fn between_breaks_a_density_is_smooth() {
     for law in family() {
         let law = law.as_ref();
-        let mut ends: Vec<f64> = law.breaks().iter().map(|b| b.position).collect();
+        let mut ends: Vec<f64> = law.breakpoints().iter().map(|b| b.position).collect();
         ends.extend([1e-3, law.upper_quantile(1e-9)]);
         ends.sort_by(f64::total_cmp);
         for cell in ends.windows(2).filter(|cell| cell[0] >= 1e-3) {
@@ -306,8 +306,11 @@ fn nothing_is_ever_not_a_number() {
         vec![-f64::MAX, -1.0, -0.0, 0.0, f64::MIN_POSITIVE, 1e-200, 1e-20, 1e20, 1e200, f64::MAX];
     for law in family() {
         extremes.truncate(10);
-        let ends =
-            law.breaks().into_iter().map(|b| b.position).chain(law.atoms().into_iter().map(|a| a.position));
+        let ends = law
+            .breakpoints()
+            .into_iter()
+            .map(|b| b.position)
+            .chain(law.atoms().into_iter().map(|a| a.position));
         extremes.extend(ends.flat_map(|x| [x.next_down(), x, x.next_up()]));
         for &x in &extremes {
             let (p, s, h) = (law.density(x), law.survival(x), law.hazard(x));

@@ -1,15 +1,14 @@
 //! Lives of contacts whose thresholds diffuse: reference values, limits, and the other way to solve for them.
 
+mod common;
+
 use std::sync::Arc;
 
 use asperity::contacts::{Ageing, Barrier, Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
-use asperity::law::{Exponential, Gamma, Gaussian, Point, Rectangular, SharedLaw};
+use asperity::law::{Exponential, Gamma, Point, Rectangular, SharedLaw};
 use asperity::life::{Life, athermal, moving};
-use asperity::numerics::diffusion::{DiffusionStep, Work};
-
-fn gaussian(mean: f64, std: f64) -> SharedLaw {
-    Arc::new(Gaussian::new(mean, std).unwrap())
-}
+use common::finite_volumes::{DiffusionStep, NO_FLOOR, Work};
+use common::gaussian;
 
 /// Contacts re-formed at 0.
 fn contacts(newborn: SharedLaw, mature: SharedLaw, diffusion: f64) -> Contacts {
@@ -41,12 +40,12 @@ fn survival_at_rest(contacts: &Contacts, velocity: f64, cells: usize) -> Vec<(f6
     let mut work = Work::default();
     let before = DiffusionStep::new(&operator, operator.edge(0) / velocity / cells as f64);
     for _ in 0..if operator.edge(0) > 0.0 { cells } else { 0 } {
-        before.advance(&mut masses, (f64::NEG_INFINITY, f64::NEG_INFINITY), None, &mut work);
+        before.advance(&mut masses, NO_FLOOR, &mut work);
     }
     let step = DiffusionStep::new(&operator, operator.width() / velocity);
     let mut one = |cell: usize| {
         let floor = (operator.edge(cell), operator.edge(cell + 1));
-        step.advance(&mut masses, floor, None, &mut work);
+        step.advance(&mut masses, floor, &mut work);
         (floor.1, masses.iter().sum())
     };
     (0..cells).map(&mut one).collect()

@@ -142,7 +142,7 @@ impl Case {
             sums.iter_mut().zip(f(x)).for_each(|(sum, term)| *sum += weight * term);
         };
         law.atoms().iter().filter(|a| a.position > least).for_each(|a| add(a.position, a.weight));
-        let mut edges: Vec<f64> = law.breaks().iter().map(|b| b.position).collect();
+        let mut edges: Vec<f64> = law.breakpoints().iter().map(|b| b.position).collect();
         edges.extend(law.zones().iter().flat_map(|zone| [zone.low, zone.high]));
         let highest = edges.iter().copied().fold(0.0, f64::max);
         edges.extend(cuts.iter().filter(|&&x| x < highest));
@@ -170,7 +170,7 @@ impl Case {
             let all = Self::mean(&self.thresholds, start, &[], 6, &|newborn| self.life(start, newborn));
             all.map(|sum| sum / self.thresholds.survival(start))
         };
-        let cuts: Vec<f64> = self.thresholds.breaks().iter().map(|b| b.position).collect();
+        let cuts: Vec<f64> = self.thresholds.breakpoints().iter().map(|b| b.position).collect();
         Self::mean(&self.reforming, -1.0, &cuts, 1, &of_start)
     }
 

@@ -29,7 +29,7 @@ const GAUSS: [(f64, f64); 4] = [
 
 /// Positions of breaks and point masses.
 fn knots(law: &SharedLaw) -> Vec<f64> {
-    law.breaks().iter().map(|b| b.position).chain(law.atoms().iter().map(|a| a.position)).collect()
+    law.breakpoints().iter().map(|b| b.position).chain(law.atoms().iter().map(|a| a.position)).collect()
 }
 
 /// Intervals of x on which Q(x; X) is smooth, but for weak breaks: it is not at thresholds' breaks, R's breaks, Q_ini's

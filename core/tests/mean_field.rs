@@ -61,7 +61,7 @@ fn other_laws_fulfil_the_equation_integrated_over_thresholds() {
             for k in 1..30 {
                 let h = 0.405 + 0.04 * f64::from(k);
                 // Within some cells of a jump of the newborn law the slope is less well known.
-                let near = newborn.breaks().iter().any(|b| (b.position - h).abs() < 0.02);
+                let near = newborn.breakpoints().iter().any(|b| (b.position - h).abs() < 0.02);
                 if mature.density(h) < 1e-8 || mature.density(h + 2e-3) == 0.0 || near {
                     continue;
                 }

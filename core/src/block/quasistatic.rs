@@ -23,7 +23,7 @@ pub(super) enum Stop {
     /// Balance is lost here.
     Unstable,
     /// Contacts are about to break together.
-    Break,
+    Breakpoint,
     /// There is no balance near.
     Runaway,
 }
@@ -144,7 +144,7 @@ impl<'a> QuasistaticRun<'a> {
                 self.path.1 += (here.drive - self.leg_start.drive).abs();
                 return Ok(None);
             }
-            if stop == Stop::Runaway || !self.event(stop == Stop::Break)? {
+            if stop == Stop::Runaway || !self.event(stop == Stop::Breakpoint)? {
                 return Ok(Some(here));
             }
             self.rest = self.look.position;
@@ -173,7 +173,7 @@ impl<'a> QuasistaticRun<'a> {
             let stop = match (asked.is_empty(), turn.is_some(), self.look.way.breaks) {
                 (true, ..) => Some(Stop::Reached),
                 (_, true, _) => Some(Stop::Unstable),
-                (_, _, true) => Some(Stop::Break),
+                (_, _, true) => Some(Stop::Breakpoint),
                 _ => self.is_gone(self.drive()).then_some(Stop::Runaway),
             };
             self.glide(if asked.is_empty() { reached } else { end })?;

@@ -1,4 +1,4 @@
-//! Ageing: thresholds that drift with the time a contact has held.
+//! Ageing: thresholds that change with the time a contact has held.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,37 +9,38 @@ use crate::{Error, Result};
 /// How the thresholds of contacts age.
 pub type Ageing = AgeingRule<SharedLaw>;
 
-/// How the thresholds of contacts change with their age t, from those of new contacts, of distribution P_ci. `D` describes a
-/// distribution: it is the distribution itself, or its parameters in a scenario.
+/// How the threshold of a contact changes with its age t. Fresh contacts have the distribution P_ci. `D` is the distribution
+/// itself, or its description in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(rename = "Ageing")]
 pub enum AgeingRule<D> {
-    /// Thresholds diffuse, each for itself, in the potential U = −ln P_cf: ∂_t p = D∂_h[U' + ∂_h]p (the paper's). A contact
-    /// breaks when its threshold meets its stretch, whichever of the two moves.
+    /// Thresholds diffuse independently in the potential U = −ln P_cf: ∂_t p = D∂_h[U' + ∂_h]p (Braun and Peyrard). A contact
+    /// breaks when its threshold equals its stretch, whichever of the two moves.
     Smoluchowski {
-        /// P_cf, the law of thresholds that never break.
+        /// P_cf, the stationary distribution of thresholds if no contact breaks.
         mature: D,
         /// D, stretch² per time, above 0.
         diffusion: f64,
     },
-    /// A contact keeps its quantile while the law matures as under Smoluchowski ageing with D = σ_f²/`time`, nothing
-    /// breaking. From Gaussian to Gaussian mean and variance relax exponentially, at the rates 1/`time` and 2/`time`.
+    /// A contact keeps its quantile while the distribution evolves as under Smoluchowski ageing with D = σ_f²/`time` and no
+    /// breaking. From Gaussian to Gaussian, mean and variance relax exponentially at the rates 1/`time` and 2/`time`.
     FrozenRank {
         /// P_cf.
         mature: D,
         /// The time in which it matures, above 0.
         time: f64,
     },
-    /// h(t) = h_0[1 + β ln(1 + t/τ_0)]: strengthening without end, as measured on rock and polymers.
+    /// h(t) = h_0[1 + β ln(1 + t/τ_0)]: unlimited strengthening, as measured on rock and polymers.
     Logarithmic {
         /// β, 0 or above.
         growth: f64,
         /// τ_0, above 0.
         time: f64,
     },
-    /// The closure of the coupled equations for Q and P_c in steady sliding: P_c = ∫₀^∞ e^{−τ} P_c^{Smol}(t = τC/v) dτ, with
-    /// C the mean of P_c: ages are distributed exponentially. No rule for a single contact.
+    /// The mean-field closure of the coupled equations for Q and P_c in steady sliding: P_c = ∫₀^∞ e^{−τ}
+    /// P_c^{Smol}(t = τC/v) dτ with C the mean of P_c, i.e. exponentially distributed ages. It is no rule for
+    /// a single contact.
     MeanField {
         /// P_cf.
         mature: D,
@@ -59,7 +60,7 @@ impl<D> AgeingRule<D> {
         }
     }
 
-    /// P_cf, where there is one.
+    /// P_cf, if the rule has one.
     pub fn mature(&self) -> Option<&D> {
         match self {
             Self::Smoluchowski { mature, .. }
@@ -90,11 +91,11 @@ impl<D> AgeingRule<D> {
 }
 
 impl Ageing {
-    /// Checks the numbers, and that newborn thresholds of the law `newborn` can mature.
+    /// Checks the parameters, and that the thresholds of fresh contacts lie in the support of P_cf.
     ///
     /// # Errors
-    /// A diffusion or time that is not above 0, a growth below 0; a mature law with point masses or gaps, or one outside
-    /// whose support contacts are born.
+    /// A diffusion or time that is not above 0, a growth below 0; a mature distribution with point masses or
+    /// gaps; fresh contacts outside its support.
     pub(super) fn check(&self, newborn: &SharedLaw) -> Result<()> {
         let (key, value) = match *self {
             Self::Smoluchowski { diffusion, .. } | Self::MeanField { diffusion, .. } => {
@@ -114,9 +115,9 @@ impl Ageing {
     }
 }
 
-/// Checks that U = −ln P_cf is a potential in which all newborn thresholds can move.
+/// Checks that U = −ln P_cf is a potential in which all fresh thresholds can move.
 fn potential(mature: &SharedLaw, newborn: &SharedLaw) -> Result<()> {
-    /// A share of contacts that no result shows.
+    /// Fraction of contacts that no result shows.
     const NEGLIGIBLE: f64 = 1e-12;
     let name = mature.name();
     if !mature.atoms().is_empty() {

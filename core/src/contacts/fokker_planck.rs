@@ -1,29 +1,29 @@
-//! Thresholds that diffuse from the law of newborn contacts towards that of mature ones.
+//! The Fokker–Planck equation of thresholds: from the distribution P_ci of fresh contacts towards P_cf.
 
 use super::{Ageing, Contacts};
 use crate::Result;
-use crate::law::{Atom, Break, Law, SharedLaw};
+use crate::law::{Atom, Breakpoint, Law, SharedLaw};
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::diffusion::{Diffusion, Elements, Potential, Slope, continued, shared};
+use crate::numerics::diffusion::{Diffusion, Elements, Potential, Slope, cloud_in_cell, potential_values};
 use crate::numerics::legendre::{NODES, RULE};
 
-/// Thresholds above the ends of the cells are as few as that.
+/// Fraction of thresholds neglected above the upper end of the cells.
 const NEGLIGIBLE: f64 = 1e-15;
 
-/// ∂_t p = D∂_h[U' + ∂_h]p, U = −ln P_cf, from P_ci, reflecting at the ends of the support of P_cf.
+/// ∂_t p = D∂_h[U' + ∂_h]p with U = −ln P_cf, from p = P_ci, with reflecting ends of the support of P_cf.
 #[derive(Debug, Clone)]
 pub struct ThresholdFokkerPlanck {
     newborn: SharedLaw,
     mature: SharedLaw,
     /// D, stretch² per time.
     pub diffusion: f64,
-    /// Where thresholds are.
+    /// Lower and upper end of the thresholds.
     pub support: (f64, f64),
 }
 
 impl ThresholdFokkerPlanck {
-    /// How the thresholds of these contacts mature; `None` where ageing knows no mature law. For [`Ageing::FrozenRank`] it is
-    /// the law that does, with D = σ_f²/`time`.
+    /// The diffusion of thresholds of these contacts; `None` for ageing without a mature distribution. For
+    /// [`Ageing::FrozenRank`] D = σ_f²/`time`.
     pub fn of(contacts: &Contacts) -> Option<Self> {
         let (mature, diffusion) = match contacts.rules.ageing.as_ref()? {
             Ageing::Smoluchowski { mature, diffusion } | Ageing::MeanField { mature, diffusion } => {
@@ -35,7 +35,8 @@ impl ThresholdFokkerPlanck {
         Some(Self::new(contacts.thresholds.clone(), mature.clone(), diffusion))
     }
 
-    /// Thresholds that mature with the diffusion D. The laws are taken to have passed [`super::Contacts::check`].
+    /// Thresholds with diffusion coefficient D. The distributions are assumed to have passed
+    /// [`super::Contacts::check`].
     pub fn new(newborn: SharedLaw, mature: SharedLaw, diffusion: f64) -> Self {
         let (low, end) = (mature.quantile(0.0), mature.upper_quantile(0.0));
         let far = |law: &SharedLaw| law.upper_quantile(NEGLIGIBLE);
@@ -48,7 +49,7 @@ impl ThresholdFokkerPlanck {
         &self.newborn
     }
 
-    /// The operator on so many cells of one width. Masses of P_cf do not move.
+    /// The operator on `cells` equal cells. P_cf is stationary to rounding.
     pub fn operator(&self, cells: usize) -> Diffusion {
         let (low, high) = self.support;
         let width = (high - low) / cells as f64;
@@ -57,7 +58,7 @@ impl ThresholdFokkerPlanck {
             points(self.mature.as_ref(), &[], (pair[0], pair[1])).map(|point| point.1).sum()
         };
         let masses = edges.windows(2).map(mass).collect();
-        Diffusion::new(low, width, &continued(masses), self.diffusion)
+        Diffusion::new(low, width, &potential_values(masses), self.diffusion)
     }
 
     /// U.
@@ -66,12 +67,12 @@ impl ThresholdFokkerPlanck {
         Potential::of(|h| self.mature.density(h), self.support, POINTS)
     }
 
-    /// S of the newborn thresholds.
+    /// Survival function of fresh thresholds.
     pub fn survival(&self, stretch: f64) -> f64 {
         self.newborn.survival(stretch)
     }
 
-    /// The length on which P_cf varies.
+    /// The length scale on which P_cf varies.
     pub fn width(&self) -> f64 {
         let zones = self.mature.zones();
         zones.iter().map(|zone| zone.resolution.min(zone.high - zone.low)).fold(f64::INFINITY, f64::min)
@@ -83,18 +84,18 @@ impl ThresholdFokkerPlanck {
         Slope::of(|h| self.mature.density(h), self.support, &self.kinks(), bulk)
     }
 
-    /// Places at which U' is not smooth, inside the support.
+    /// Positions inside the support at which U' is not smooth.
     pub fn kinks(&self) -> Vec<f64> {
         let (low, high) = self.support;
-        let breaks = self.mature.breaks().into_iter().map(|b| b.position);
-        breaks.filter(|&place| place > low && place < high).collect()
+        let breakpoints = self.mature.breakpoints().into_iter().map(|b| b.position);
+        breakpoints.filter(|&place| place > low && place < high).collect()
     }
 
-    /// The density of newborn thresholds above a stretch, without those that many share, on elements between the stretch, or
-    /// the lower end, and the upper end. Elements leave out no more than `left_out`; towards edges of the law they narrow down
-    /// to `finest`.
-    pub fn spread(&self, stretch: f64, left_out: f64, finest: f64) -> Elements {
-        /// Elements begin this much narrower than a Gaussian's std times this.
+    /// The density of fresh thresholds above `stretch`, without point masses, on elements up to the end of
+    /// the support. The truncation error of an element is at most `tolerance`; elements narrow down to
+    /// `finest` towards jumps of the density.
+    pub fn fresh_density(&self, stretch: f64, left_out: f64, finest: f64) -> Elements {
+        /// Initial width of elements in standard deviations of a Gaussian.
         const WIDTH: f64 = 4.0;
         let (low, high) = (self.support.0.max(stretch), self.support.1);
         let law = self.newborn.as_ref();
@@ -104,8 +105,8 @@ impl ThresholdFokkerPlanck {
             let parts = ((to - from) / (WIDTH * zone.resolution)).ceil().clamp(1.0, 1e3) as u32;
             edges.extend((0..=parts).map(|k| from + (to - from) * f64::from(k) / f64::from(parts)));
         }
-        let inside = |b: &Break| b.position >= low && b.position <= high;
-        for edge in law.breaks().iter().filter(|b| inside(b)) {
+        let inside = |b: &Breakpoint| b.position >= low && b.position <= high;
+        for edge in law.breakpoints().iter().filter(|b| inside(b)) {
             let widths = std::iter::successors(Some(finest), |width| Some(4.0 * width));
             let widths = widths.take_while(|&width| edge.exponent <= 0.0 && width < 0.1 * (high - low));
             edges.push(edge.position);
@@ -113,14 +114,15 @@ impl ThresholdFokkerPlanck {
         }
         let edges = between(edges, (low, high));
         let mut density = Elements::of(|h| law.density(h), &edges, left_out, finest);
-        for edge in law.breaks().iter().filter(|b| inside(b) && b.is_steep()) {
-            self.count(&mut density, edge.position);
+        for edge in law.breakpoints().iter().filter(|b| inside(b) && b.is_steep()) {
+            self.set_exact_mass(&mut density, edge.position);
         }
         density
     }
 
-    /// Gives the elements beside a place where the density of newborn thresholds is steep the mass that they have.
-    fn count(&self, density: &mut Elements, place: f64) {
+    /// Sets the mass of the elements beside a breakpoint to the exact one, where the density is too steep for
+    /// a polynomial.
+    fn set_exact_mass(&self, density: &mut Elements, place: f64) {
         let beside = |i: &usize| density.edges[*i] == place || density.edges[i + 1] == place;
         for i in (0..density.count()).filter(beside).collect::<Vec<_>>() {
             let (from, to) = (density.edges[i], density.edges[i + 1]);
@@ -130,10 +132,10 @@ impl ThresholdFokkerPlanck {
         }
     }
 
-    /// How wide the bells are at least that shared thresholds become: of many, they run into each other; `coarser` ones by that
-    /// factor.
-    pub fn bell(&self, spread: f64, coarser: f64) -> f64 {
-        /// Bells told apart at most, and so many that never run into each other.
+    /// The width to which point masses are spread at least, given that each is spread by `spread`. Of many
+    /// point masses neighbours may overlap; by `coarser` times as much in the coarser of two solutions.
+    pub fn point_mass_width(&self, spread: f64, coarser: f64) -> f64 {
+        /// Largest number of point masses that are resolved one by one, and a number that always is.
         const MOST: usize = 150;
         const MANY: usize = 20;
         let atoms = self.newborn.atoms();
@@ -144,10 +146,16 @@ impl ThresholdFokkerPlanck {
         spread.max(0.5 * coarser * range / atoms.len().min(MOST) as f64)
     }
 
-    /// Newborn thresholds above a stretch that many share, after the time t in which they have spread by `spread` = √(2Dt), too
-    /// little for U' to vary: Gaussian around h − DU't.
-    pub fn together(&self, stretch: f64, spread: f64, slope: &Slope, left_out: f64) -> Option<Elements> {
-        /// How far a Gaussian reaches, and the width of its elements.
+    /// The density of the point masses above `stretch` after the short time t in which they have spread by
+    /// `spread` = √(2Dt), over which U' is constant: Gaussians around h − DU't.
+    pub fn point_mass_density(
+        &self,
+        stretch: f64,
+        spread: f64,
+        slope: &Slope,
+        left_out: f64,
+    ) -> Option<Elements> {
+        /// Half width of a Gaussian in standard deviations.
         const REACH: i32 = 9;
         let (low, high) = (self.support.0.max(stretch), self.support.1);
         let atoms: Vec<_> = self.newborn.atoms().into_iter().filter(|a| a.position > stretch).collect();
@@ -165,62 +173,65 @@ impl ThresholdFokkerPlanck {
             edges.extend(widths.flat_map(|width| [place - width, place + width]));
         }
         let mut edges = between(edges, (low, high));
-        // Of many, not each one's own.
+        // For many point masses the elements are shared.
         edges.pop();
         edges.dedup_by(|b, a| *b - *a < spread);
         edges.push(high);
-        let bell = |h: f64, atom: &Atom| {
+        let point_mass_width = |h: f64, atom: &Atom| {
             let z = (h - drifted(atom.position)) / spread;
             atom.weight * (-0.5 * z * z).exp() / (spread * (2.0 * std::f64::consts::PI).sqrt())
         };
-        let density = |h: f64| atoms.iter().map(|atom| bell(h, atom)).sum();
+        let density = |h: f64| atoms.iter().map(|atom| point_mass_width(h, atom)).sum();
         let mut density = Elements::of(density, &edges, left_out, 0.1 * spread);
-        // What a wall or the stretch has cut off.
+        // Restores the mass cut off at an end of the support or at the stretch.
         let whole: f64 = atoms.iter().map(|atom| atom.weight).sum();
         let factor = whole / density.mass();
         density.series.iter_mut().flatten().for_each(|c| *c *= factor);
         Some(density)
     }
 
-    /// The density of newborn thresholds; if they are `ageing`, that of mature ones where it is higher.
+    /// An upper bound of the density of thresholds: that of fresh ones or, if `ageing`, of mature ones where
+    /// that is higher.
     pub fn density(&self, threshold: f64, ageing: bool) -> f64 {
         let mature = if ageing { self.mature.density(threshold) } else { 0.0 };
         self.newborn.density(threshold).max(mature)
     }
 
-    /// Whether the density of newborn thresholds jumps, by more than a tail that is cut off at 0 does, or many share one.
+    /// Whether the distribution of fresh thresholds has point masses, or jumps that are larger than that of a
+    /// tail cut off at 0.
     pub fn has_edges(&self) -> bool {
         const FAINT: f64 = 1e-4;
         let mean = self.newborn.mean();
-        let jumps = |b: &Break| b.exponent <= 0.0 && b.weight(mean) * mean > FAINT;
-        !self.newborn.atoms().is_empty() || self.newborn.breaks().iter().any(jumps)
+        let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > FAINT;
+        !self.newborn.atoms().is_empty() || self.newborn.breakpoints().iter().any(jumps)
     }
 
-    /// The lowest newborn threshold that many share.
-    pub fn lowest_shared(&self) -> Option<f64> {
+    /// The lowest point mass of fresh thresholds.
+    pub fn lowest_atom(&self) -> Option<f64> {
         self.newborn.atoms().first().map(|atom| atom.position)
     }
 
-    /// A length on which both laws vary little.
+    /// A length on which both distributions vary little.
     pub fn resolution(&self) -> f64 {
         let zones = self.newborn.zones().into_iter().chain(self.mature.zones());
         zones.map(|zone| zone.resolution.min(zone.high - zone.low)).fold(f64::INFINITY, f64::min)
     }
 
-    /// Where (1 − aL)⁻¹ P_ci is not smooth where P_ci is not: two derivatives higher, by −1/(aD); `spread` is aD.
-    pub fn breaks(&self, spread: f64) -> Vec<Break> {
-        let atoms = self.newborn.atoms().into_iter().map(Break::from);
-        let smoother = |b: Break| Break { exponent: b.exponent + 2.0, amplitude: -b.amplitude / spread, ..b };
-        self.newborn.breaks().into_iter().chain(atoms).map(smoother).collect()
+    /// Breakpoints of (1 − aL)⁻¹ P_ci: at those of P_ci, two derivatives higher, with amplitudes times
+    /// −1/(aD); `spread` is aD.
+    pub fn breakpoints(&self, spread: f64) -> Vec<Breakpoint> {
+        let atoms = self.newborn.atoms().into_iter().map(Breakpoint::from);
+        let smoother =
+            |b: Breakpoint| Breakpoint { exponent: b.exponent + 2.0, amplitude: -b.amplitude / spread, ..b };
+        self.newborn.breakpoints().into_iter().chain(atoms).map(smoother).collect()
     }
 
-    /// Masses of the newborn thresholds above a stretch, in cells with these middles between a floor and the upper end;
-    /// S(stretch) in all.
+    /// Masses of fresh thresholds above `stretch` on cells with these middles, of total S(`stretch`).
     ///
     /// # Errors
     /// Stopped by the monitor.
     pub fn newborn(&self, middles: &[f64], stretch: f64, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
-        /// Points after which it is asked.
+        /// Points between two questions to the monitor.
         const MANY: usize = 1 << 16;
         let watch = Watch::new(monitor);
         let (low, high) = self.support;
@@ -229,12 +240,13 @@ impl ThresholdFokkerPlanck {
         let spread = points(law, middles, (low.max(stretch), high));
         let points = atoms.map(|atom| (atom.position, atom.weight)).chain(spread).enumerate();
         let points = points.take_while(|(number, _)| !(number.is_multiple_of(MANY) && watch.stops()));
-        let masses = shared(middles, points.map(|(_, point)| point));
+        let masses = cloud_in_cell(middles, points.map(|(_, point)| point));
         watch.check().map(|()| masses)
     }
 }
 
-/// These places between two ends, in order, with the ends; none so close to another that an element would be no element.
+/// Sorted positions between two ends, with the ends; without positions so close that an element would have no
+/// width.
 fn between(mut places: Vec<f64>, (low, high): (f64, f64)) -> Vec<f64> {
     let least = 1e-12 * (high - low);
     places.retain(|&place| place > low + least && place < high - least);
@@ -244,15 +256,15 @@ fn between(mut places: Vec<f64>, (low, high): (f64, f64)) -> Vec<f64> {
     places
 }
 
-/// Points with their masses that stand for the density of a law between two places, even where multiplied by what is
-/// not smooth at `cuts`.
+/// Gauss points (position, mass) of the density of a distribution between two positions, accurate also for
+/// products with functions that are not smooth at `cuts`.
 fn points<'a>(
     law: &'a dyn Law,
     cuts: &[f64],
     (low, high): (f64, f64),
 ) -> impl Iterator<Item = (f64, f64)> + 'a {
     let zones = law.zones();
-    let mut edges: Vec<f64> = law.breaks().iter().map(|b| b.position).collect();
+    let mut edges: Vec<f64> = law.breakpoints().iter().map(|b| b.position).collect();
     edges.extend(zones.iter().flat_map(|zone| [zone.low, zone.high]).chain(cuts.iter().copied()));
     edges.retain(|&edge| edge > low && edge < high);
     edges.extend([low, high]);

@@ -1,4 +1,5 @@
-//! What an interface is: how many contacts, how stiff, when they break, how they re-form, and what time does to them.
+//! The contacts of an interface: number, stiffness, thresholds, re-forming, initial state, and time-dependent
+//! rules.
 
 mod ageing;
 mod closure;
@@ -20,17 +21,17 @@ use serde::{Deserialize, Serialize};
 use crate::law::{Law, SharedLaw, Zone};
 use crate::{Error, Result};
 
-/// How stiff a contact is.
+/// Stiffness of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stiffness {
-    /// The same mean stiffness ⟨k⟩ whatever the threshold, force per length.
+    /// Mean stiffness ⟨k⟩, force per length, independent of the threshold.
     Equal(f64),
     /// k = κ x_s: the factor κ, force per length squared.
     PerThreshold(f64),
 }
 
 impl Stiffness {
-    /// The stiffness k of a contact with a threshold.
+    /// Stiffness k of a contact with this threshold.
     pub fn of(self, threshold: f64) -> f64 {
         match self {
             Self::Equal(stiffness) => stiffness,
@@ -38,7 +39,7 @@ impl Stiffness {
         }
     }
 
-    /// The same per unit stiffness, ⟨k⟩ or κ.
+    /// k in units of ⟨k⟩ or κ.
     pub fn weight(self, threshold: f64) -> f64 {
         match self {
             Self::Equal(_) => 1.0,
@@ -54,32 +55,33 @@ pub struct Contacts {
     pub count: f64,
     /// Stiffness of a contact.
     pub stiffness: Stiffness,
-    /// Law of thresholds P_c.
+    /// Distribution P_c of thresholds.
     pub thresholds: SharedLaw,
-    /// Law R of the stretches at which contacts re-form.
+    /// Distribution R of the stretches at which contacts re-form.
     pub reforming: SharedLaw,
-    /// What time does to them; nothing by default.
+    /// Time-dependent rules; none by default.
     pub rules: Rules,
 }
 
-/// The microscopic rules that make contacts time-dependent. All may be combined but [`Ageing::MeanField`] with temperature.
+/// The microscopic rules that make contacts time-dependent. All can be combined, except [`Ageing::MeanField`]
+/// with temperature.
 #[derive(Debug, Clone, Default)]
 pub struct Rules {
-    /// Breaking below the threshold.
+    /// Thermally activated breaking below the threshold.
     pub temperature: Option<Temperature>,
-    /// Thresholds that change with the age of the contact; P_c is then the law of newborn contacts.
+    /// Thresholds that change with the age of the contact; P_c is then the distribution of fresh contacts.
     pub ageing: Option<Ageing>,
-    /// τ: how long a broken contact is free before it re-forms.
+    /// τ: the time for which a broken contact is free before it re-forms.
     pub delay: f64,
 }
 
 impl Rules {
-    /// Whether it matters how fast the slider moves.
+    /// Whether the velocity of the slider matters.
     pub fn are_time_dependent(&self) -> bool {
         self.temperature.is_some() || self.ageing.is_some() || self.delay > 0.0
     }
 
-    /// The first rule that is there, as a key of a scenario.
+    /// The key of the first rule present, as in a scenario.
     pub fn first(&self) -> Option<&'static str> {
         let rules = [
             ("temperature", self.temperature.is_some()),
@@ -125,33 +127,33 @@ pub enum Start {
 /// The contacts at X = 0.
 #[derive(Debug, Clone)]
 pub struct Initial {
-    /// Law Q_ini of stretches.
+    /// Distribution Q_ini of stretches.
     pub law: SharedLaw,
-    /// How it is read.
+    /// Joint distribution with the thresholds.
     pub start: Start,
 }
 
-/// A share of contacts that no result shows.
+/// Fraction of contacts that no result shows.
 const NEGLIGIBLE: f64 = 1e-12;
 
-/// The smallest survival at which contacts may be placed: their thresholds are those of so few in all.
+/// The smallest survival at which contacts may be placed.
 const HELD: f64 = 1e-9;
 
-/// The narrowest law, relative to where it stands: below that, stretches differ by rounding.
+/// The narrowest distribution, relative to its position: narrower ones are blurred by rounding of stretches.
 const NARROWEST: f64 = 5e-5;
 
 impl Contacts {
-    /// One contact of stiffness 1 that knows no time: results are per contact and unit stiffness.
+    /// One time-independent contact of stiffness 1: results are per contact and unit stiffness.
     pub fn new(thresholds: SharedLaw, reforming: SharedLaw) -> Self {
         Self { count: 1.0, stiffness: Stiffness::Equal(1.0), thresholds, reforming, rules: Rules::default() }
     }
 
-    /// Checks that contacts survive where they start and where they re-form: that S > 0 there (S ≥ 1e-9, to be
-    /// computable), and that no law is too narrow to be told from a point mass.
+    /// Checks that contacts survive where they start and where they re-form (S ≥ 1e-9, to be computable), and
+    /// that no distribution is too narrow to differ from a point mass.
     ///
     /// # Errors
-    /// Thresholds at 0; stretches at or above every threshold; narrow laws; rules that make no sense, or not together. Keys
-    /// are those of a scenario.
+    /// Thresholds at 0; stretches at or above every threshold; narrow distributions; invalid rules or
+    /// combinations. Keys are those of a scenario.
     pub fn check(&self, initial: &Initial) -> Result<()> {
         self.rules.check(&self.thresholds).map_err(|e| e.under("contacts"))?;
         let at_once = 1.0 - self.thresholds.survival(0.0);

@@ -1,45 +1,48 @@
-//! Contacts that keep their rank while the law of their thresholds matures.
+//! Thresholds of contacts that keep their rank (quantile) while the distribution of thresholds evolves: a
+//! table of quantiles against age.
 
 use std::cell::Cell;
 
 use super::ThresholdFokkerPlanck;
-use super::threshold_evolution::Met;
+use super::threshold_evolution::ContactAtThreshold;
 use crate::Result;
-use crate::law::{Break, Law, SharedLaw};
+use crate::law::{Breakpoint, Law, SharedLaw};
 use crate::monitor::{Monitor, report};
 use crate::numerics::diffusion::{Elements, Evolution, Field};
 use crate::numerics::legendre::{RULE, primitive, series};
 use crate::numerics::roots::brent_root;
 use crate::numerics::stencil::{POINTS, Stencil};
 
-/// Ranks q are told by ψ = ln[q/(1 − q)], evenly from −23 to 23: all but 1e-10 of the contacts at either end.
+/// Ranks q are tabulated as ψ = ln[q/(1 − q)] at equal steps from −23 to 23: all but 1e-10 of the contacts at
+/// either end.
 const FAR: f64 = 23.0;
 const RANKS: usize = 369;
 
-/// How far ranks told are apart in ψ.
+/// Step in ψ.
 const SPREAD: f64 = 2.0 * FAR / (RANKS - 1) as f64;
 
-/// Ages t are told by ln(1 + t/s), this far apart, up to 200 τ; from there on nothing changes.
+/// Ages t are tabulated at equal steps of ln(1 + t/s) up to 200 τ; from there on nothing changes.
 const SPACING: f64 = 0.04;
 const OLDEST: f64 = 200.0;
 
-/// s over the time in which the newborn law, as narrow as it is, changes; where it has edges, these do at once.
+/// s in units of the time in which the distribution of fresh thresholds changes, given its width; if it has
+/// jumps, these change at once.
 const SOON: f64 = 0.2;
 const AT_ONCE: f64 = 1e-6;
 
-/// An error of the distribution function above which that time may have been too long.
+/// An error of the distribution function above which s may have been too long.
 const ENOUGH: f64 = 1e-9;
 
-/// What the law at an age leaves out.
+/// Tolerance of the distribution at each age.
 const LEFT_OUT: f64 = 1e-13;
 
-/// The threshold h(q, t) of rank q, G(h; t) = q, where G is the distribution function at the age t of the law that evolves
-/// as [`ThresholdFokkerPlanck`] tells, carried on by [`Evolution`].
-pub(super) struct Ranks {
+/// The threshold h(q, t) of rank q, G(h; t) = q, where G is the distribution function at age t, from
+/// [`ThresholdFokkerPlanck`] integrated by [`Evolution`].
+pub(super) struct RankTable {
     newborn: SharedLaw,
     /// s.
     time: f64,
-    /// h at even ψ, for each age.
+    /// h at equally spaced ψ, for each age.
     rows: Vec<Vec<f64>>,
     /// The means of h and of h² over the contacts above each of these ranks.
     means: Vec<Vec<[f64; 2]>>,
@@ -48,27 +51,27 @@ pub(super) struct Ranks {
 
 /// The thresholds at one age.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ranked<'a> {
-    ranks: &'a Ranks,
+pub(super) struct RanksAtAge<'a> {
+    ranks: &'a RankTable,
     ages: Stencil,
-    /// d(place among the ages)/dt; 0 beyond the oldest.
+    /// d(position among the ages)/dt; 0 beyond the oldest.
     pace: f64,
 }
 
-/// A contact that keeps its rank.
+/// The rank of a contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rank {
     ranks: Stencil,
-    /// By how much its threshold is beyond those of the ranks told.
+    /// Distance of its threshold from those of the tabulated ranks.
     beyond: f64,
 }
 
-/// A contact that keeps its rank, at many ages: what the ranks around it tell at an age is kept.
+/// The threshold of one contact at many ages; interpolated values are cached.
 #[derive(Debug)]
 pub(crate) struct RankTrajectory<'a> {
-    ranks: &'a Ranks,
+    ranks: &'a RankTable,
     rank: Rank,
-    /// Its threshold at the ages told; NaN where nobody has asked.
+    /// Its threshold at the tabulated ages; NaN where not yet computed.
     thresholds: Vec<Cell<f64>>,
 }
 
@@ -85,7 +88,7 @@ impl RankTrajectory<'_> {
     }
 }
 
-impl std::fmt::Debug for Ranks {
+impl std::fmt::Debug for RankTable {
     /// Without the table.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Ranks")
@@ -95,7 +98,7 @@ impl std::fmt::Debug for Ranks {
     }
 }
 
-impl Ranks {
+impl RankTable {
     /// Ages from s to τ, each twice the one before.
     pub(super) fn octaves(&self) -> Vec<f64> {
         let oldest = self.time * (SPACING * (self.rows.len() - 1) as f64).exp_m1();
@@ -103,7 +106,7 @@ impl Ranks {
         std::iter::successors(Some(self.time), doubled).take_while(|age| *age < oldest / OLDEST).collect()
     }
 
-    /// The thresholds of contacts of the law `newborn`, which matures in the time τ.
+    /// The thresholds of contacts with the distribution `newborn` when fresh, which matures in the time τ.
     ///
     /// # Errors
     /// Stopped by the monitor.
@@ -114,20 +117,20 @@ impl Ranks {
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         let mean = newborn.mean();
-        let jumps = |b: &Break| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
-        let edged = newborn.breaks().iter().any(jumps);
+        let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
+        let edged = newborn.breakpoints().iter().any(jumps);
         let own = SOON * (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0);
         let soon = if edged { AT_ONCE } else { own };
         let ranks = Self::starting(newborn, maturing, time, soon, monitor)?;
         if ranks.error <= ENOUGH || soon <= AT_ONCE {
             return Ok(ranks);
         }
-        // A mature law that is steep far from its bulk moves the ends of the newborn one at once.
+        // A mature distribution that is steep far from its bulk moves the ends of the fresh one at once.
         let sooner = Self::starting(newborn, maturing, time, AT_ONCE, monitor)?;
         Ok(if sooner.error < ranks.error { sooner } else { ranks })
     }
 
-    /// The same, the first age told being about `soon` τ.
+    /// The same, with the first tabulated age about `soon` τ.
     fn starting(
         newborn: &SharedLaw,
         maturing: &ThresholdFokkerPlanck,
@@ -140,14 +143,15 @@ impl Ranks {
         let age = |row: usize| scale * (SPACING * row as f64).exp_m1();
         let born = (0..RANKS).map(|rank| quantile(newborn, psi(rank))).collect();
         let ages: Vec<f64> = (1..count).map(age).collect();
-        let rows: Vec<Vec<f64>> = std::iter::once(born).chain(evolved(maturing, &ages, monitor)?).collect();
+        let rows: Vec<Vec<f64>> =
+            std::iter::once(born).chain(evolve_quantiles(maturing, &ages, monitor)?).collect();
         let means = means_above(newborn.as_ref(), &rows);
         let mut ranks = Self { newborn: newborn.clone(), time: scale, rows, means, error: 0.0 };
-        ranks.error = ranks.missed();
+        ranks.error = ranks.interpolation_error();
         Ok(ranks)
     }
 
-    /// A time in which thresholds change evenly, from birth on: that to the first age told.
+    /// A time over which thresholds change smoothly from formation on: the first tabulated age.
     pub(super) fn soon(&self) -> f64 {
         self.time * SPACING.exp_m1()
     }
@@ -157,16 +161,17 @@ impl Ranks {
         self.error
     }
 
-    /// The error of the distribution function that interpolation makes: from what every second row and rank, and every fourth,
-    /// tell of those in between.
-    fn missed(&self) -> f64 {
-        let [second, fourth] = [2, 4].map(|every| self.apart(every));
+    /// The interpolation error of the distribution function, extrapolated from the errors of interpolating
+    /// every second and every fourth row and rank.
+    fn interpolation_error(&self) -> f64 {
+        let [second, fourth] = [2, 4].map(|every| self.subsampling_error(every));
         // Rounding, and what the law leaves out.
         (second * (second / fourth.max(f64::MIN_POSITIVE)).min(1.0)).max(10.0 * LEFT_OUT)
     }
 
-    /// How far what rows and ranks tell that are so many apart is from those half way in between, as a part of the contacts.
-    fn apart(&self, every: usize) -> f64 {
+    /// The largest error, as a fraction of contacts, of interpolating the rows and ranks halfway between
+    /// every `every`-th.
+    fn subsampling_error(&self, every: usize) -> f64 {
         let (ages, ranks) = ((self.rows.len() - 1) / every, (RANKS - 1) / every);
         let (older, farther) = (ages * every, ranks * every);
         let mut most = 0.0_f64;
@@ -189,29 +194,31 @@ impl Ranks {
     }
 
     /// The thresholds at an age.
-    pub(super) fn at(&self, age: f64) -> Ranked<'_> {
+    pub(super) fn at(&self, age: f64) -> RanksAtAge<'_> {
         let place = (age / self.time).ln_1p() / SPACING;
         let last = (self.rows.len() - 1) as f64;
         let pace = if place < last { 1.0 / (SPACING * (self.time + age)) } else { 0.0 };
-        Ranked { ranks: self, ages: Stencil::at(place.min(last), self.rows.len()), pace }
+        RanksAtAge { ranks: self, ages: Stencil::at(place.min(last), self.rows.len()), pace }
     }
 
-    /// The rank of a contact born with h_0. Beyond the ranks told its threshold goes on as h_0 does.
+    /// The rank of a contact whose threshold was h_0 when fresh. Beyond the tabulated ranks its threshold
+    /// changes by as much as that of the last rank.
     pub(super) fn rank(&self, newborn: f64) -> Rank {
         let psi = self.psi(newborn);
         let beyond = end(psi).map_or(0.0, |end| newborn - self.rows[0][end]);
         Rank { ranks: stencil(psi.clamp(-FAR, FAR)), beyond }
     }
 
-    /// The contact born with h_0, to be asked for its thresholds at many ages.
+    /// The contact whose threshold was h_0 when fresh, for many ages.
     pub(super) fn followed(&self, newborn: f64) -> RankTrajectory<'_> {
         let thresholds = vec![Cell::new(f64::NAN); self.rows.len()];
         RankTrajectory { ranks: self, rank: self.rank(newborn), thresholds }
     }
 
-    /// The newborn threshold of rank ψ: from ranks told by one step of Newton, where that is as good as its quantile.
+    /// The fresh threshold of rank ψ: interpolated, then one Newton step where that is as accurate as the
+    /// quantile.
     fn born(&self, psi: f64) -> f64 {
-        /// The error of the step is about its square, in widths of the law.
+        /// Largest Newton step: its error is about its square, in widths of the distribution.
         const NEAR: f64 = 1e-7;
         let told = stencil(psi).value(|rank| self.rows[0][rank]);
         let law = &self.newborn;
@@ -220,26 +227,26 @@ impl Ranks {
         if step.abs() < NEAR * law.std() { told - step } else { quantile(law, psi) }
     }
 
-    /// ψ of a newborn threshold.
+    /// ψ of a fresh threshold.
     fn psi(&self, newborn: f64) -> f64 {
         self.newborn.cumulative(newborn).ln() - self.newborn.ln_survival(newborn)
     }
 }
 
-impl Ranked<'_> {
-    /// h of a contact born with h_0.
+impl RanksAtAge<'_> {
+    /// h of a contact whose threshold was h_0 when fresh.
     pub(super) fn threshold(&self, newborn: f64) -> f64 {
         self.threshold_of(&self.ranks.rank(newborn))
     }
 
-    /// h of a contact of a rank.
+    /// h of a contact of this rank.
     pub(super) fn threshold_of(&self, rank: &Rank) -> f64 {
         self.ages.value(|age| rank.ranks.value(|rank| self.ranks.rows[age][rank])) + rank.beyond
     }
 
-    /// ∫ h dG_i and ∫ h² dG_i over the contacts born with thresholds above h_0.
+    /// ∫ h dG_i and ∫ h² dG_i over the contacts with fresh thresholds above h_0.
     pub(super) fn moments_above(&self, newborn: f64) -> [f64; 2] {
-        let Ranks { newborn: law, rows, means, .. } = self.ranks;
+        let RankTable { newborn: law, rows, means, .. } = self.ranks;
         let psi = self.ranks.psi(newborn);
         let stencil = stencil(psi.clamp(-FAR, FAR));
         let mean = |n: usize| self.ages.value(|age| stencil.value(|rank| means[age][rank][n]));
@@ -254,21 +261,21 @@ impl Ranked<'_> {
         std::array::from_fn(|n| law.survival(born) * mean(n) + (here[n] - last[n]))
     }
 
-    /// h_0 of a contact whose threshold is h.
+    /// The fresh threshold h_0 of a contact whose threshold is h.
     pub(super) fn newborn(&self, threshold: f64) -> f64 {
         self.found(threshold).0
     }
 
     /// The contact whose threshold is h.
-    pub(super) fn met(&self, threshold: f64) -> Met {
+    pub(super) fn contact_at(&self, threshold: f64) -> ContactAtThreshold {
         let (newborn, psi) = self.found(threshold);
         let ranks = stencil(psi);
         let drift = self.pace * self.ages.slope(|age| ranks.value(|rank| self.ranks.rows[age][rank]));
         let spread = if psi.abs() < FAR { self.spread_at(newborn, psi) } else { 1.0 };
-        Met { newborn, drift, spread }
+        ContactAtThreshold { newborn, drift, spread }
     }
 
-    /// h_0 of a contact whose threshold is h, and ψ, or the end of those told beyond which it lies.
+    /// h_0 of a contact whose threshold is h, and ψ (or the end of the table beyond which it lies).
     fn found(&self, threshold: f64) -> (f64, f64) {
         let at = |rank: usize| self.ages.value(|age| self.ranks.rows[age][rank]);
         let (low, high) = (at(0), at(RANKS - 1));
@@ -278,7 +285,7 @@ impl Ranked<'_> {
         if threshold >= high {
             return (self.ranks.rows[0][RANKS - 1] + threshold - high, FAR);
         }
-        // The rank told that is just below.
+        // Bisection for the tabulated rank just below.
         let (mut below, mut above) = (0, RANKS - 1);
         while above - below > 1 {
             let middle = (below + above) / 2;
@@ -292,7 +299,7 @@ impl Ranked<'_> {
         (self.ranks.born(psi), psi)
     }
 
-    /// ∂h/∂h_0.
+    /// ∂h/∂h_0 at constant age.
     pub(super) fn spread(&self, newborn: f64) -> f64 {
         let psi = self.ranks.psi(newborn);
         if psi.abs() > FAR { 1.0 } else { self.spread_at(newborn, psi) }
@@ -319,12 +326,12 @@ fn psi(rank: usize) -> f64 {
     SPREAD * rank as f64 - FAR
 }
 
-/// The contacts per ψ, q(1 − q).
+/// Contacts per ψ: q(1 − q).
 fn contacts_at(psi: f64) -> f64 {
     1.0 / ((1.0 + psi.exp()) * (1.0 + (-psi).exp()))
 }
 
-/// The rank told beyond which ψ lies, if it lies beyond one.
+/// The tabulated rank beyond which ψ lies, if it lies beyond one.
 fn end(psi: f64) -> Option<usize> {
     (psi.abs() > FAR).then_some(if psi < 0.0 { 0 } else { RANKS - 1 })
 }
@@ -335,9 +342,11 @@ fn shifted(law: &dyn Law, above: f64, shift: f64) -> [f64; 2] {
     [first + shift * whole, second + shift * (2.0 * first + shift * whole)]
 }
 
-/// The means of h and of h² over the contacts above each rank told, for each age; the first row is that of newborn contacts.
+/// The means of h and of h² over the contacts above each tabulated rank, for each age; the first row is that
+/// of fresh contacts.
 ///
-/// They are ∫_ψ^∞ hⁿ q(1 − q) dψ/(1 − q), which is as smooth in ψ as h. Beyond the ranks told h goes on as h_0 does.
+/// They are ∫_ψ^∞ hⁿ q(1 − q) dψ/(1 − q), which is as smooth in ψ as h. Beyond the tabulated ranks h changes
+/// by as much as that of the last rank.
 fn means_above(newborn: &dyn Law, rows: &[Vec<f64>]) -> Vec<Vec<[f64; 2]>> {
     const TOP: usize = RANKS - 1;
     let points: Vec<Vec<(Stencil, f64)>> = (0..TOP).map(between).collect();
@@ -356,7 +365,7 @@ fn means_above(newborn: &dyn Law, rows: &[Vec<f64>]) -> Vec<Vec<[f64; 2]>> {
     rows.iter().map(of).collect()
 }
 
-/// Gauss points between a rank told and the next one, weighted by the contacts that they stand for.
+/// Gauss points between a tabulated rank and the next one, weighted by the contacts they represent.
 fn between(rank: usize) -> Vec<(Stencil, f64)> {
     let point = |(t, w): (&f64, &f64)| {
         let place = rank as f64 + 0.5 * (1.0 + t);
@@ -366,30 +375,30 @@ fn between(rank: usize) -> Vec<(Stencil, f64)> {
     RULE.nodes.iter().zip(&RULE.weights).map(point).collect()
 }
 
-/// The threshold of rank ψ in a law.
+/// The threshold of rank ψ.
 fn quantile(law: &SharedLaw, psi: f64) -> f64 {
     let minor = 1.0 / (1.0 + psi.abs().exp());
     if psi < 0.0 { law.quantile(minor) } else { law.upper_quantile(minor) }
 }
 
-/// The thresholds of all ranks at all these ages, which rise.
-fn evolved(
+/// The thresholds of all ranks at all these ages, which must rise.
+fn evolve_quantiles(
     maturing: &ThresholdFokkerPlanck,
     ages: &[f64],
     monitor: &mut dyn Monitor,
 ) -> Result<Vec<Vec<f64>>> {
-    /// The narrowest element at an edge, as part of the width of P_cf.
+    /// The narrowest element at a jump of the density, in units of the width of P_cf.
     const FINEST: f64 = 1e-5;
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
     let finest = FINEST * maturing.width();
     let field = Field { slope: &|h| slope.at(h), diffusion: maturing.diffusion, loss: None };
     let mut evolution = Evolution {
-        density: maturing.spread(maturing.support.0, 0.1 * LEFT_OUT, finest),
+        density: maturing.fresh_density(maturing.support.0, 0.1 * LEFT_OUT, finest),
         field,
         velocity: 0.0,
         absorbing: false,
         kinks: &kinks,
-        left_out: LEFT_OUT,
+        tolerance: LEFT_OUT,
         time: 0.0,
         next: finest * finest / maturing.diffusion,
         first: true,
@@ -399,13 +408,13 @@ fn evolved(
             report(monitor, 0.0)?;
             evolution.advance(*age);
         }
-        Ok(inverted(&evolution.density))
+        Ok(quantiles_of(&evolution.density))
     };
     ages.iter().map(&mut at).collect()
 }
 
-/// The places at which masses below and above have the ranks ψ.
-fn inverted(density: &Elements) -> Vec<f64> {
+/// The quantiles of a density: the positions below which the fractions of mass of the tabulated ranks lie.
+fn quantiles_of(density: &Elements) -> Vec<f64> {
     let masses: Vec<f64> = (0..density.count()).map(|i| density.width(i) * density.series[i][0]).collect();
     let whole: f64 = masses.iter().sum();
     let place = |rank: usize| {
@@ -413,8 +422,9 @@ fn inverted(density: &Elements) -> Vec<f64> {
         // Counted from the nearer end, in which little is lost.
         let minor = whole / (1.0 + psi.abs().exp());
         let all = || 0..masses.len();
-        let met = if psi < 0.0 { found(all(), &masses, minor) } else { found(all().rev(), &masses, minor) };
-        let Some((element, before)) = met else { return density.edges[0] };
+        let contact_at =
+            if psi < 0.0 { found(all(), &masses, minor) } else { found(all().rev(), &masses, minor) };
+        let Some((element, before)) = contact_at else { return density.edges[0] };
         let (middle, half) = density.element(element);
         let below = primitive(&density.series[element]);
         let wanted = if psi < 0.0 { minor - before } else { masses[element] - (minor - before) };
@@ -424,7 +434,7 @@ fn inverted(density: &Elements) -> Vec<f64> {
     (0..RANKS).map(place).collect()
 }
 
-/// The element in which the masses so far pass what is wanted, and those before it.
+/// The element in which the cumulative mass passes `wanted`, and the mass before it.
 fn found(mut elements: impl Iterator<Item = usize>, masses: &[f64], wanted: f64) -> Option<(usize, f64)> {
     let mut before = 0.0;
     elements.find_map(|i| {
@@ -448,7 +458,7 @@ mod tests {
             [(0.8, 0.1), (1.0, 0.05)].map(|(m, s)| Arc::new(Gaussian::new(m, s).unwrap()) as SharedLaw);
         let time = 2.0;
         let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature, 0.05_f64.powi(2) / time);
-        let ranks = Ranks::new(&newborn, &maturing, time, &mut ()).unwrap();
+        let ranks = RankTable::new(&newborn, &maturing, time, &mut ()).unwrap();
         for age in [0.0, 0.003, 0.1, 1.0, 5.0, 30.0, 1e4] {
             let (aged, left) = (ranks.at(age), (-age / time).exp());
             let (mean, std) = (1.0 - 0.2 * left, (0.0025 + 0.0075 * left * left).sqrt());

@@ -1,24 +1,24 @@
-//! Temperature: contacts below their thresholds break at a rate.
+//! Temperature: thermally activated breaking below the threshold.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
 
-/// The barrier that holds a contact of stretch x below its threshold x_s, of height E_0 at x = 0; E_0 = ½k x_s².
+/// The energy barrier ΔE of a contact of stretch x below its threshold x_s. Its height at x = 0 is E_0 = ½k x_s².
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Barrier {
-    /// ΔE = ½k(x_s² − x²): the energy that is missing.
+    /// ΔE = ½k(x_s² − x²): the missing elastic energy.
     #[default]
     Elastic,
     /// ΔE = E_0(1 − x/x_s) (G. I. Bell, Science 200, 618 (1978)).
     Bell,
-    /// ΔE = E_0(1 − x/x_s)^{3/2}: two extrema that meet, as in every fold catastrophe.
+    /// ΔE = E_0(1 − x/x_s)^{3/2}: a minimum and a maximum that merge, as in every fold catastrophe.
     Catastrophe,
 }
 
-/// Thermal breaking: at the rate w = ω e^{−ΔE/T} below the threshold, at once when the stretch reaches it.
+/// Thermal breaking at the rate w = ω e^{−ΔE/T} below the threshold, and at once at the threshold.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Temperature {
@@ -38,13 +38,14 @@ impl Barrier {
         self.continued(y.min(1.0))
     }
 
-    /// The same of a contact of the stretch x ≥ 0, from h − x: near the threshold 1 − x/h would have lost digits, of which
-    /// E_0/T makes much at low temperatures.
+    /// The same for a contact of stretch x ≥ 0 and threshold h, from h − x: near the threshold 1 − x/h would
+    /// lose digits, which E_0/T amplifies at low temperatures.
     pub(crate) fn height_at(self, stretch: f64, threshold: f64) -> f64 {
         self.of(((threshold - stretch) / threshold).max(0.0), stretch / threshold)
     }
 
-    /// The same for y < 1, and below 0 beyond: as smooth there as the barrier allows, for methods that need a neighbourhood.
+    /// The same for y < 1, continued to negative values beyond: as smooth there as the barrier allows, for
+    /// methods that need a neighbourhood.
     pub(crate) fn continued(self, y: f64) -> f64 {
         self.of(1.0 - y, y)
     }
@@ -59,7 +60,7 @@ impl Barrier {
 }
 
 impl Temperature {
-    /// Breaking rate w of a contact of the stretch x below its threshold x_s, per time; `stiffness` is its own k.
+    /// Breaking rate w of a contact of stretch x below its threshold x_s, per time; `stiffness` is its own k.
     pub fn rate(&self, stretch: f64, threshold: f64, stiffness: f64) -> f64 {
         self.attempt_rate * (-self.exponent(stretch, threshold, stiffness)).exp()
     }
@@ -70,7 +71,7 @@ impl Temperature {
         whole / self.energy * self.barrier.height(stretch.abs() / threshold)
     }
 
-    /// Checks the numbers.
+    /// Checks the parameters.
     ///
     /// # Errors
     /// An energy or a rate that is not a finite number above 0.

@@ -1,24 +1,25 @@
-//! How strong a contact is now: its threshold from the one it was born with and from its age.
+//! The present threshold of a contact from its fresh threshold and its age.
 
 use std::sync::Arc;
 
 pub(crate) use super::ranks::Rank;
-use super::ranks::{Ranked, Ranks};
+use super::ranks::{RankTable, RanksAtAge};
 use super::{Ageing, Contacts, ThresholdFokkerPlanck, ranks};
 use crate::law::{Law, SharedLaw};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 
-/// The present threshold h of a contact as a function of its newborn threshold h_0 and its age t, rising with h_0.
+/// The present threshold h of a contact as a function of its fresh threshold h_0 and its age t; h rises with
+/// h_0.
 ///
 /// | ageing | h |
 /// |---|---|
 /// | none | h_0 |
 /// | `logarithmic` | h_0 [1 + β ln(1 + t/τ_0)] |
 /// | `frozen_rank`, Gaussian to Gaussian | m(t) + s(t) (h_0 − x̄_i)/σ_i, m = x̄_f + (x̄_i − x̄_f) e^{−t/τ}, s² = σ_f² + (σ_i² − σ_f²) e^{−2t/τ} |
-/// | `frozen_rank`, other laws | G(h; t) = G_i(h_0), G the distribution function at the age t, solved for |
+/// | `frozen_rank`, other distributions | G(h; t) = G_i(h_0), G the distribution function at age t, solved numerically |
 ///
-/// x̄ and σ are the `mean` and `std` of the laws. A threshold below 0 is 0.
+/// x̄ and σ are the parameters `mean` and `std`. A threshold below 0 counts as 0.
 #[derive(Debug, Clone)]
 pub struct ThresholdEvolution {
     kind: Kind,
@@ -29,30 +30,30 @@ enum Kind {
     Constant,
     Logarithmic { growth: f64, time: f64 },
     Gaussian { newborn: Normal, mature: Normal, time: f64 },
-    Ranked(Arc<Ranks>),
+    Ranked(Arc<RankTable>),
 }
 
-/// A Gaussian's parameters.
+/// Parameters of a Gaussian.
 #[derive(Debug, Clone, Copy)]
 struct Normal {
     mean: f64,
     std: f64,
 }
 
-/// The strengths of contacts of one age.
+/// The thresholds of contacts of one age.
 #[derive(Debug, Clone, Copy)]
 pub struct ThresholdsAtAge<'a>(At<'a>);
 
 #[derive(Debug, Clone, Copy)]
 enum At<'a> {
     Affine(Affine),
-    Ranked(Ranked<'a>),
+    Ranked(RanksAtAge<'a>),
 }
 
-/// A contact whose threshold is known.
+/// A contact whose present threshold is given.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Met {
-    /// h_0; below 0 where every contact is stronger.
+pub(crate) struct ContactAtThreshold {
+    /// h_0; below 0 if every contact has a higher threshold.
     pub(crate) newborn: f64,
     /// ∂h/∂t at constant h_0.
     pub(crate) drift: f64,
@@ -60,23 +61,23 @@ pub(crate) struct Met {
     pub(crate) spread: f64,
 }
 
-/// What tells a contact from others of its age, for as long as it lasts: its newborn threshold, and its rank where it keeps that.
+/// What identifies a contact of unknown age: its fresh threshold, and its rank if it keeps that.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Label<'a> {
     /// h_0.
     pub(crate) newborn: f64,
-    /// What [`ThresholdEvolution::rank`] tells of it.
+    /// From [`ThresholdEvolution::rank`].
     pub(crate) rank: Option<&'a Rank>,
 }
 
-/// One contact, to be asked for its thresholds at many ages.
+/// One contact, for its thresholds at many ages.
 #[derive(Debug)]
 pub(crate) enum ThresholdTrajectory<'a> {
     Affine(&'a ThresholdEvolution, f64),
     Ranked(ranks::RankTrajectory<'a>),
 }
 
-/// h = `shift` + `factor` h_0, and how that grows per time.
+/// h = `shift` + `factor` h_0, and the time derivatives of both.
 #[derive(Debug, Clone, Copy)]
 struct Affine {
     shift: f64,
@@ -86,11 +87,12 @@ struct Affine {
 }
 
 impl ThresholdEvolution {
-    /// The strength of these contacts, which are taken to have passed [`Contacts::check`].
+    /// The evolution of the thresholds of these contacts, which are assumed to have passed
+    /// [`Contacts::check`].
     ///
     /// # Errors
-    /// Ageing in which the threshold is no function of age (`smoluchowski`, `mean_field`); `frozen_rank` of newborn
-    /// thresholds that many share, so that they have no ranks; stopped by the monitor.
+    /// Ageing in which the threshold is not a function of age (`smoluchowski`, `mean_field`); `frozen_rank`
+    /// with point masses of fresh thresholds, which have no ranks; stopped by the monitor.
     pub fn of(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Self> {
         let Some(ageing) = &contacts.rules.ageing else { return Ok(Self { kind: Kind::Constant }) };
         let kind = match ageing {
@@ -107,13 +109,13 @@ impl ThresholdEvolution {
         Ok(Self { kind })
     }
 
-    /// Whether it is h_0 at any age.
+    /// Whether h = h_0 at any age.
     pub fn is_constant(&self) -> bool {
         matches!(self.kind, Kind::Constant)
     }
 
-    /// Ages between which a threshold turns once at most, each twice the one before, from where the newborn law has hardly changed
-    /// to τ. None where thresholds are closed forms, which do not.
+    /// Ages, each twice the one before, between which a threshold has at most one extremum, from where the
+    /// fresh distribution has hardly changed up to τ. Empty for closed forms, which are monotonic.
     pub(crate) fn octaves(&self) -> Vec<f64> {
         if let Kind::Ranked(ranks) = &self.kind { ranks.octaves() } else { Vec::new() }
     }
@@ -126,7 +128,7 @@ impl ThresholdEvolution {
         }
     }
 
-    /// The strengths at an age t ≥ 0.
+    /// The thresholds at an age t ≥ 0.
     pub fn at(&self, age: f64) -> ThresholdsAtAge<'_> {
         let affine = match self.kind {
             Kind::Constant => Affine { shift: 0.0, factor: 1.0, shift_rate: 0.0, factor_rate: 0.0 },
@@ -156,9 +158,9 @@ impl ThresholdEvolution {
         ThresholdsAtAge(At::Affine(affine))
     }
 
-    /// A time in which thresholds change evenly, from birth on.
+    /// A time over which thresholds change smoothly from formation on.
     pub(crate) fn soon(&self) -> f64 {
-        /// As part of the time of the rule.
+        /// In units of the time constant of the rule.
         const PART: f64 = 1e-3;
         match &self.kind {
             Kind::Constant => 0.0,
@@ -167,12 +169,13 @@ impl ThresholdEvolution {
         }
     }
 
-    /// The rank of contacts born with h_0, where they keep it. Their thresholds at many ages are found sooner by it.
+    /// The rank of contacts with fresh threshold h_0, if contacts keep it. Thresholds at many ages are found
+    /// faster from it.
     pub(crate) fn rank(&self, newborn: f64) -> Option<Rank> {
         if let Kind::Ranked(ranks) = &self.kind { Some(ranks.rank(newborn)) } else { None }
     }
 
-    /// The contact born with h_0.
+    /// The contact with fresh threshold h_0.
     pub(crate) fn followed(&self, newborn: f64) -> ThresholdTrajectory<'_> {
         match &self.kind {
             Kind::Ranked(ranks) => ThresholdTrajectory::Ranked(ranks.followed(newborn)),
@@ -180,13 +183,13 @@ impl ThresholdEvolution {
         }
     }
 
-    /// h of a contact born with h_0, at an age.
+    /// h of a contact with fresh threshold h_0, at an age.
     pub fn threshold(&self, newborn: f64, age: f64) -> f64 {
         self.at(age).threshold(newborn)
     }
 
-    /// ∫ hⁿ dP(h_0) for n = 0, 1 and 2 over the contacts born with thresholds above h_0, h their thresholds at an age and P the
-    /// law of newborn ones.
+    /// ∫ hⁿ dP(h_0) for n = 0, 1 and 2 over the contacts with fresh thresholds above h_0, h their thresholds
+    /// at an age and P the distribution of fresh thresholds.
     pub(crate) fn moments_above(&self, law: &dyn Law, newborn: f64, age: f64) -> [f64; 3] {
         let whole = law.survival(newborn);
         let [first, second] = match (&self.kind, &self.at(age).0) {
@@ -199,17 +202,17 @@ impl ThresholdEvolution {
         [whole, first, second]
     }
 
-    /// h_0 of a contact whose threshold is h at an age; below 0 where every contact is stronger.
+    /// h_0 of a contact whose threshold is h at an age; below 0 if every contact has a higher threshold.
     pub fn newborn(&self, threshold: f64, age: f64) -> f64 {
         self.at(age).newborn(threshold)
     }
 }
 
 impl Affine {
-    /// ∫ h dP(h_0) and ∫ h² dP(h_0) above h_0, of the Gaussian law P cut off at 0: h is Gaussian, too, and with its mean m
-    /// and std s they are S(m + sλ) and S[m² + s² + sλ(2m + sz)], λ being the hazard at h_0 = x̄ + zσ, per σ.
+    /// ∫ h dP(h_0) and ∫ h² dP(h_0) above h_0 for a Gaussian P truncated at 0. h is Gaussian too; with its mean m and
+    /// std s they are S(m + sλ) and S[m² + s² + sλ(2m + sz)], λ the hazard rate at h_0 = x̄ + zσ, per σ.
     fn moments_of(&self, born: Normal, law: &dyn Law, newborn: f64) -> [f64; 2] {
-        // Weaker contacts have the threshold 0.
+        // Contacts with lower h_0 have the threshold 0.
         let from = newborn.max(-self.shift / self.factor).max(0.0);
         let left = law.survival(from);
         if left == 0.0 {
@@ -225,7 +228,7 @@ impl Affine {
 }
 
 impl Kind {
-    /// Closed between Gaussians, else solved for.
+    /// Closed form between Gaussians, else a table.
     fn ranked(newborn: &SharedLaw, mature: &SharedLaw, time: f64, monitor: &mut dyn Monitor) -> Result<Self> {
         if let (Some(newborn), Some(mature)) = (Normal::of(newborn.as_ref()), Normal::of(mature.as_ref())) {
             return Ok(Self::Gaussian { newborn, mature, time });
@@ -240,7 +243,7 @@ impl Kind {
         }
         let diffusion = mature.std().powi(2) / time;
         let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), diffusion);
-        Ok(Self::Ranked(Arc::new(Ranks::new(newborn, &maturing, time, monitor)?)))
+        Ok(Self::Ranked(Arc::new(RankTable::new(newborn, &maturing, time, monitor)?)))
     }
 }
 
@@ -256,7 +259,7 @@ impl ThresholdTrajectory<'_> {
 }
 
 impl ThresholdsAtAge<'_> {
-    /// h of a contact born with h_0.
+    /// h of a contact with fresh threshold h_0.
     #[inline]
     pub fn threshold(&self, newborn: f64) -> f64 {
         match &self.0 {
@@ -274,7 +277,7 @@ impl ThresholdsAtAge<'_> {
         }
     }
 
-    /// h_0 of a contact whose threshold is h; below 0 where every contact is stronger.
+    /// h_0 of a contact whose threshold is h; below 0 if every contact has a higher threshold.
     #[inline]
     pub fn newborn(&self, threshold: f64) -> f64 {
         match &self.0 {
@@ -284,17 +287,21 @@ impl ThresholdsAtAge<'_> {
     }
 
     /// The contact whose threshold is h.
-    pub(crate) fn met(&self, threshold: f64) -> Met {
+    pub(crate) fn contact_at(&self, threshold: f64) -> ContactAtThreshold {
         match &self.0 {
             At::Affine(aged) => {
                 let newborn = (threshold - aged.shift) / aged.factor;
-                Met { newborn, drift: aged.shift_rate + aged.factor_rate * newborn, spread: aged.factor }
+                ContactAtThreshold {
+                    newborn,
+                    drift: aged.shift_rate + aged.factor_rate * newborn,
+                    spread: aged.factor,
+                }
             }
-            At::Ranked(aged) => aged.met(threshold),
+            At::Ranked(aged) => aged.contact_at(threshold),
         }
     }
 
-    /// ∂h/∂h_0 at constant age, for a contact born with h_0.
+    /// ∂h/∂h_0 at constant age, for a contact with fresh threshold h_0.
     #[inline]
     pub fn spread(&self, newborn: f64) -> f64 {
         match &self.0 {
@@ -303,7 +310,7 @@ impl ThresholdsAtAge<'_> {
         }
     }
 
-    /// ∂h/∂t of a contact born with h_0: how fast it strengthens.
+    /// ∂h/∂t of a contact with fresh threshold h_0: its rate of strengthening.
     #[inline]
     pub fn drift(&self, newborn: f64) -> f64 {
         match &self.0 {
@@ -402,11 +409,11 @@ mod tests {
             let strength = ThresholdEvolution::of(&contacts(Some(ageing)), &mut ()).unwrap();
             for (newborn, age) in [(0.3, 0.01), (0.5, 0.7), (0.75, 5.0)] {
                 let aged = strength.at(age);
-                let met = aged.met(aged.threshold(newborn));
+                let contact_at = aged.contact_at(aged.threshold(newborn));
                 // Rounding of the rank of the newborn threshold.
-                assert!((met.newborn - newborn).abs() < 1e-13);
-                assert!((met.drift - aged.drift(newborn)).abs() < 1e-11);
-                assert!((met.spread - aged.spread(newborn)).abs() < 1e-11);
+                assert!((contact_at.newborn - newborn).abs() < 1e-13);
+                assert!((contact_at.drift - aged.drift(newborn)).abs() < 1e-11);
+                assert!((contact_at.spread - aged.spread(newborn)).abs() < 1e-11);
             }
         }
     }

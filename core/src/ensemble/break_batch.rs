@@ -1,23 +1,23 @@
-//! The next breaks of one contact, many at once.
+//! Many successive breaks of one contact at once, vectorised.
 
-use super::sweep::Contact;
-use super::tally::{Ruler, TallyCell};
+use super::contact::Contact;
+use super::tally::{TallyCell, UniformGrid};
 use crate::numerics::wide::wide;
 
-/// Most breaks at once.
+/// Largest number of breaks in a batch.
 const MOST: usize = 128;
 
-/// Fewer breaks are done sooner one by one.
+/// Fewer breaks are faster one by one.
 const LEAST: usize = 48;
 
-/// Breaks that go through registers together.
+/// Breaks in a row of registers.
 const ROW: usize = 16;
 
-/// Rows between that where origins are written one by one and that where they are read together: what was just written
-/// in pieces cannot be read whole before it has left the processor.
+/// Rows between writing origins one by one and reading them together: values just written in pieces cannot be
+/// read as a whole before the store has completed.
 const LAG: usize = 2;
 
-/// Breaks in columns, whole rows of them in lines of the cache.
+/// Breaks in columns, aligned to cache lines.
 #[repr(C, align(64))]
 pub(super) struct BreakBatch<C: TallyCell> {
     changes: [C::Change; MOST],
@@ -37,46 +37,47 @@ impl<C: TallyCell> BreakBatch<C> {
         }
     }
 
-    /// As many of the `coming` lives as begin by `until`, or fewer; how many they were. Nothing where it does not pay.
+    /// Processes those of the `upcoming` lives that begin by `until`, at most one batch; returns their
+    /// number. `None` if that is not worthwhile.
     #[inline]
-    pub(super) fn fire(
+    pub(super) fn advance_batch(
         &mut self,
         contact: Contact,
         until: f64,
-        coming: (&[f64], f64),
-        ruler: Option<Ruler>,
+        upcoming: (&[f64], f64),
+        grid: Option<UniformGrid>,
         cells: &mut [C],
     ) -> Option<(Contact, usize)> {
-        let ruler = ruler.filter(|_| coming.0.len() >= LEAST)?;
+        let grid = grid.filter(|_| upcoming.0.len() >= LEAST)?;
         wide(
             #[inline(always)]
-            || self.all(contact, until, coming, ruler, cells),
+            || self.process(contact, until, upcoming, grid, cells),
         )
     }
 
-    /// The same, compiled for where it is called.
+    /// The same, compiled for the features of the caller.
     #[inline(always)]
-    pub(super) fn all(
+    pub(super) fn process(
         &mut self,
         contact: Contact,
         until: f64,
-        (coming, stretch): (&[f64], f64),
-        ruler: Ruler,
+        (upcoming, stretch): (&[f64], f64),
+        grid: UniformGrid,
         cells: &mut [C],
     ) -> (Contact, usize) {
-        let coming = &coming[..coming.len().min(MOST)];
-        let rows = coming.len().div_ceil(ROW);
+        let upcoming = &upcoming[..upcoming.len().min(MOST)];
+        let rows = upcoming.len().div_ceil(ROW);
         (self.origins[0], self.thresholds[0]) = (contact.origin, contact.threshold);
-        self.thresholds[1..=coming.len()].copy_from_slice(coming);
+        self.thresholds[1..=upcoming.len()].copy_from_slice(upcoming);
         // No life begins with the threshold 0: breaks that fill the last row do not count.
-        self.thresholds[1 + coming.len()..=rows * ROW].fill(0.0);
-        let mut taken = coming.len() as u64;
+        self.thresholds[1 + upcoming.len()..=rows * ROW].fill(0.0);
+        let mut taken = upcoming.len() as u64;
         for row in 0..rows + LAG {
             if row < rows {
-                self.follow(row * ROW, stretch);
+                self.advance_origins(row * ROW, stretch);
             }
             if row >= LAG {
-                taken = taken.min(self.tell((row - LAG) * ROW, until, stretch, ruler));
+                taken = taken.min(self.tally_row((row - LAG) * ROW, until, stretch, grid));
             }
         }
         let taken = taken as usize;
@@ -88,7 +89,7 @@ impl<C: TallyCell> BreakBatch<C> {
 
     /// The origins of a row, each from the one before.
     #[inline(always)]
-    fn follow(&mut self, from: usize, stretch: f64) {
+    fn advance_origins(&mut self, from: usize, stretch: f64) {
         let mut origin = self.origins[from];
         for (next, threshold) in self.origins[from + 1..][..ROW].iter_mut().zip(&self.thresholds[from..]) {
             origin += threshold - stretch;
@@ -96,9 +97,10 @@ impl<C: TallyCell> BreakBatch<C> {
         }
     }
 
-    /// Where the breaks of a row are and what they change; the first one that does not count, or [`MOST`].
+    /// The positions of the breaks of a row and their changes; returns the index of the first one that does
+    /// not count, or [`MOST`].
     #[inline(always)]
-    fn tell(&mut self, from: usize, until: f64, stretch: f64, ruler: Ruler) -> u64 {
+    fn tally_row(&mut self, from: usize, until: f64, stretch: f64, grid: UniformGrid) -> u64 {
         let (origins, thresholds) = (&self.origins[from..][..ROW + 1], &self.thresholds[from..][..ROW + 1]);
         let (cells, changes) = (&mut self.cells[from..][..ROW], &mut self.changes[from..][..ROW]);
         let mut taken = MOST as u64;
@@ -106,7 +108,7 @@ impl<C: TallyCell> BreakBatch<C> {
             let contact = Contact { origin: origins[i], threshold: thresholds[i] };
             let next = Contact { origin: origins[i + 1], threshold: thresholds[i + 1] };
             let end = contact.end();
-            let (cell, position) = ruler.guess(end);
+            let (cell, position) = grid.guess(end);
             cells[i] = cell;
             changes[i] = C::change(contact.at(position), next.at(position));
             let last = end > until || end > position || next.threshold <= stretch;

@@ -1,44 +1,46 @@
-//! Contacts whose thresholds diffuse: dh = −D U'(h) dt + √(2D) dW, U = −ln P_cf, until stretch and threshold meet.
+//! Contacts whose thresholds diffuse, dh = −D U'(h) dt + √(2D) dW with U = −ln P_cf, up to the first passage
+//! through the stretch.
 //!
-//! On a step Δ the drift is taken as a straight line in h, its curvature only in the mean: the transition is Gaussian, and
-//! exact where P_cf is (T. Ozaki, Stat. Sin. 2, 113 (1992)). Between its ends the threshold is a Brownian bridge, which meets the stretch,
-//! a straight line, with probability exp(−2 d_0 d_1/s²) (d_0, d_1 the gaps at the ends, s² the variance) and for the first
-//! time after a fraction f of the step for which f/(1 − f) has an inverse Gaussian law of mean d_0/|d_1| and shape d_0²/s².
-//! Steps are long where nothing can meet.
+//! On a step Δ the drift is linearised in h, with its curvature in the mean only (local linearisation): the
+//! transition is Gaussian, and exact for a Gaussian P_cf (T. Ozaki, Stat. Sin. 2, 113 (1992)). Between its
+//! ends the threshold is a Brownian bridge. It crosses the stretch, a straight line, with probability exp(−2
+//! d_0 d_1/s²) (d_0, d_1 the gaps at the ends, s² the variance), for the first time after a fraction f of the
+//! step for which f/(1 − f) has an inverse Gaussian distribution of mean d_0/|d_1| and shape d_0²/s². Steps
+//! are long where no crossing is possible.
 
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
-use super::passage::{AttachedContact, Segment, legs, stiffness};
-use super::sweep::TOGETHER;
+use super::attached::{AttachedContact, Segment, segments};
+use super::contact::TOGETHER;
 use crate::contacts::{Contacts, Stiffness, Temperature};
 use crate::history::History;
 use crate::law::Law;
 use crate::random::Stream;
 
-/// Nodes in the table of a drift: for each length over which P_cf changes, and the fewest and most in all.
+/// Nodes in the table of a drift: per length over which P_cf changes, and the smallest and largest number.
 const PER_RESOLUTION: f64 = 64.0;
 const NODES: (f64, f64) = (1024.0, 1e6);
 
-/// How far thresholds go on a step where they may meet the stretch, of the length 1/√|U''| over which P_cf changes:
-/// stretches at which contacts break are then right on average to 1e-3 of that length.
+/// Largest displacement of thresholds on a step where they may meet the stretch, in units of the length
+/// 1/√|U''|: breaking stretches are then right on average to 1e-3 of that length.
 const FINEST: f64 = 0.25;
 
-/// Standard deviations beyond which a step does not reach: once in 10⁹.
+/// Standard deviations that a step does not exceed: once in 10⁹.
 const REACH: f64 = 6.0;
 
-/// By how much the breaking rate may grow on a step, for a threshold that falls by two standard deviations: Simpson's rule is
-/// then right to 4e-4.
+/// Largest growth of the breaking rate on a step, for a threshold that falls by two standard deviations:
+/// Simpson's rule is then right to 4e-4.
 const GROWTH: f64 = std::f64::consts::E;
 
-/// A probability of breaking on a step for which that is to hold only on average, and one for which it need not.
+/// Below this breaking probability on a step that limit holds only on average; below `UNLIKELY` not at all.
 const SELDOM: f64 = 1e-2;
 const UNLIKELY: f64 = 1e-7;
 
-/// An exponent of a probability that is never met.
+/// Exponent of a probability that is taken as 0.
 const NEVER: f64 = 45.0;
 
-/// The end of lives whose thresholds diffuse.
+/// Simulates contacts whose thresholds diffuse.
 #[derive(Debug, Clone)]
 pub(super) struct ThresholdDiffusion {
     /// D.
@@ -53,12 +55,12 @@ pub(super) struct ThresholdDiffusion {
     stiffness: Stiffness,
 }
 
-/// A threshold on its way.
+/// The present threshold of a contact.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct DiffusingThreshold {
     time: f64,
     threshold: f64,
-    /// The step last taken.
+    /// The last step.
     step: f64,
 }
 
@@ -68,26 +70,26 @@ impl DiffusingThreshold {
         Self { time: 0.0, threshold, step: f64::INFINITY }
     }
 
-    /// Where it is, or was when the contact broke.
+    /// The threshold now, or when the contact broke.
     pub(super) fn threshold(&self) -> f64 {
         self.threshold
     }
 }
 
-/// A step that a threshold may take.
+/// A step of a threshold.
 #[derive(Debug, Clone, Copy)]
 struct WalkStep {
     span: f64,
     /// Mean and standard deviation at the end.
     mean: f64,
     std: f64,
-    /// Variance of the bridge.
+    /// Variance of the Brownian bridge.
     bridge: f64,
-    /// Whether it is too far from the stretch to meet it.
+    /// Whether it cannot reach the stretch.
     free: bool,
 }
 
-/// Where a contact is and goes: its stretch and velocity.
+/// The stretch of a contact and its velocity.
 #[derive(Clone, Copy)]
 struct StretchPath {
     stretch: f64,
@@ -109,8 +111,9 @@ impl ThresholdDiffusion {
         Self { rate, drift, low, high, resolution, temperature: rules.temperature, stiffness }
     }
 
-    /// When a contact breaks that survives `endurance` = ∫w dt, if before the last of the `marks`, which rise; infinite if
-    /// not. Where stiffness follows the threshold, `thresholds` are those at the marks.
+    /// The time at which a contact with the hazard `remaining_hazard` left breaks, if before the last of the
+    /// `marks`, which rise; else infinite. If stiffness depends on the threshold, `thresholds` are those at
+    /// the marks.
     pub(super) fn end(
         &self,
         held: &AttachedContact,
@@ -121,19 +124,22 @@ impl ThresholdDiffusion {
         thresholds: &mut Vec<f64>,
     ) -> f64 {
         let until = marks[marks.len() - 1];
-        // Else steps do not know of them, nor do the ways of thresholds.
+        // Otherwise steps, and hence the random paths, do not depend on the marks.
         let marks = if let Stiffness::PerThreshold(_) = self.stiffness { marks } else { &[] };
         let mut state = DiffusingThreshold::newborn(held.newborn);
-        for leg in legs(history, held.birth..until) {
-            state.time = leg.start;
-            while state.time < leg.end.min(until) {
+        for segment in segments(history, held.birth..until) {
+            state.time = segment.start;
+            while state.time < segment.end.min(until) {
                 let passed = marks[thresholds.len()..].iter().take_while(|mark| **mark <= state.time).count();
                 thresholds.resize(thresholds.len() + passed, state.threshold);
                 let mark = marks.get(thresholds.len()).copied().unwrap_or(f64::INFINITY);
-                let way =
-                    StretchPath { stretch: leg.position(state.time) - held.origin, velocity: leg.velocity };
+                let path = StretchPath {
+                    stretch: segment.position(state.time) - held.origin,
+                    velocity: segment.velocity,
+                };
                 let begun = state.time;
-                if let Some(span) = self.go(&mut state, way, leg.end.min(mark), &mut remaining_hazard, stream)
+                if let Some(span) =
+                    self.advance(&mut state, path, segment.end.min(mark), &mut remaining_hazard, stream)
                 {
                     return begun + span;
                 }
@@ -143,29 +149,30 @@ impl ThresholdDiffusion {
         f64::INFINITY
     }
 
-    pub(super) fn is_hot(&self) -> bool {
+    pub(super) fn is_thermal(&self) -> bool {
         self.temperature.is_some()
     }
 
-    /// When a contact breaks on a leg, if it does; what diffusion brings it meanwhile by making it stiffer, ∫½x² dk, is added
-    /// to `gained`, with thresholds on straight lines.
+    /// The time at which a contact breaks on a segment, if it does. The work ∫½x² dk done by diffusion on a
+    /// contact that becomes stiffer is added to `gained`, with thresholds linear on each step.
     pub(super) fn on(
         &self,
         held: &AttachedContact,
         state: &mut DiffusingThreshold,
-        leg: &Segment,
+        segment: &Segment,
         remaining_hazard: &mut f64,
         stream: &mut Stream,
         gained: &mut f64,
     ) -> Option<f64> {
-        state.time = leg.start;
-        while state.time < leg.end {
+        state.time = segment.start;
+        while state.time < segment.end {
             let DiffusingThreshold { time, threshold, .. } = *state;
-            let way = StretchPath { stretch: leg.position(time) - held.origin, velocity: leg.velocity };
-            let ends = self.go(state, way, leg.end, remaining_hazard, stream);
-            let last = way.after(ends.unwrap_or(state.time - time));
-            let square = (way.stretch * (way.stretch + last) + last * last) / 3.0;
-            let [before, after] = [threshold, state.threshold].map(|h| stiffness(self.stiffness, h));
+            let path =
+                StretchPath { stretch: segment.position(time) - held.origin, velocity: segment.velocity };
+            let ends = self.advance(state, path, segment.end, remaining_hazard, stream);
+            let last = path.after(ends.unwrap_or(state.time - time));
+            let square = (path.stretch * (path.stretch + last) + last * last) / 3.0;
+            let [before, after] = [threshold, state.threshold].map(|h| self.stiffness.of(h));
             *gained += 0.5 * square * (after - before);
             if let Some(span) = ends {
                 return Some(time + span);
@@ -174,40 +181,43 @@ impl ThresholdDiffusion {
         None
     }
 
-    /// One step, up to `stop` at most; after which time the contact breaks, if it does.
-    fn go(
+    /// One step, at most up to `stop`; returns the time after which the contact breaks, if it does.
+    fn advance(
         &self,
         state: &mut DiffusingThreshold,
-        way: StretchPath,
+        path: StretchPath,
         stop: f64,
         remaining_hazard: &mut f64,
         stream: &mut Stream,
     ) -> Option<f64> {
         let DiffusingThreshold { time, threshold, step } = *state;
-        let step = self.step(threshold, way, step, stop - time);
+        let step = self.step(threshold, path, step, stop - time);
         let normal: f64 = StandardNormal.sample(stream);
         let next = step.mean + step.std * normal;
-        let end = way.after(step.span);
-        let gaps = (threshold - way.stretch, next - end);
+        let end = path.after(step.span);
+        let gaps = (threshold - path.stretch, next - end);
         let passed = gaps.1 <= 0.0 && end > self.low;
-        let meets = passed || !step.free && touches(gaps, step.bridge, stream);
-        let span = if meets { step.span * meeting(gaps, step.bridge, stream) } else { step.span };
-        let after = if meets { way.after(span) } else { self.reflected(next) };
-        if let Some(fired) = self.fires(way, (threshold, after), span, remaining_hazard, stream) {
-            state.threshold += (after - threshold) * fired / span;
-            return Some(fired);
+        let meets = passed || !step.free && bridge_reaches_zero(gaps, step.bridge, stream);
+        let span = if meets { step.span * hitting_fraction(gaps, step.bridge, stream) } else { step.span };
+        let after = if meets { path.after(span) } else { self.reflected(next) };
+        if let Some(broken_after) =
+            self.thermal_break(path, (threshold, after), span, remaining_hazard, stream)
+        {
+            state.threshold += (after - threshold) * broken_after / span;
+            return Some(broken_after);
         }
-        // Stops are met exactly, and steps below rounding go on.
+        // Stops are reached exactly, and steps below rounding still advance.
         let time = if step.span < stop - time { (time + step.span).max(time.next_up()) } else { stop };
         *state = DiffusingThreshold { time, threshold: after, step: step.span };
         meets.then_some(span)
     }
 
-    /// When heat breaks the contact on a way on which its threshold changes, by Simpson's rule: rates at points of the way
-    /// of a threshold are right on average. Between the ends the rate is taken as an exponential.
-    fn fires(
+    /// When the contact breaks thermally on a path on which its threshold changes, by Simpson's rule: rates
+    /// at random points of the path of the threshold are right on average. In between the rate is taken as
+    /// exponential.
+    fn thermal_break(
         &self,
-        way: StretchPath,
+        path: StretchPath,
         thresholds: (f64, f64),
         span: f64,
         remaining_hazard: &mut f64,
@@ -216,9 +226,9 @@ impl ThresholdDiffusion {
         self.temperature?;
         let normal: f64 = StandardNormal.sample(stream);
         let middle = 0.5 * (thresholds.0 + thresholds.1) + (0.5 * self.rate * span).sqrt() * normal;
-        let first = self.heat(way.stretch, thresholds.0);
-        let between = self.heat(way.after(0.5 * span), self.reflected(middle));
-        let last = self.heat(way.after(span), thresholds.1);
+        let first = self.breaking_rate(path.stretch, thresholds.0);
+        let between = self.breaking_rate(path.after(0.5 * span), self.reflected(middle));
+        let last = self.breaking_rate(path.after(span), thresholds.1);
         let used = span / 6.0 * (first + 4.0 * between + last);
         if used < *remaining_hazard {
             *remaining_hazard -= used;
@@ -230,52 +240,53 @@ impl ThresholdDiffusion {
         Some(span * fraction.min(1.0))
     }
 
-    /// Breaking rate.
-    fn heat(&self, stretch: f64, threshold: f64) -> f64 {
-        let own = stiffness(self.stiffness, threshold);
+    /// Thermal breaking rate.
+    fn breaking_rate(&self, stretch: f64, threshold: f64) -> f64 {
+        let own = self.stiffness.of(threshold);
         self.temperature.map_or(0.0, |temperature| temperature.rate(stretch, threshold, own))
     }
 
-    /// A step up to `most`, after one of a length `before`: as long as is right, if it is too far from the stretch to meet it
-    /// and the drift is straight, or else so short that it is right everywhere.
-    fn step(&self, threshold: f64, way: StretchPath, before: f64, most: f64) -> WalkStep {
-        // Below the support nothing can meet, whatever is reflected: a step does not go on into it.
-        let outside = way.stretch < self.low * (1.0 - TOGETHER);
-        let most = if outside { most.min((self.low - way.stretch) / way.velocity) } else { most };
-        let length = self.resolution.min(self.high - way.stretch);
+    /// A step of at most `most`, after one of length `before`: as long as accurate, if it cannot reach the
+    /// stretch and the drift is linear, otherwise so short that it is accurate everywhere.
+    fn step(&self, threshold: f64, path: StretchPath, before: f64, most: f64) -> WalkStep {
+        // Below the support no crossing is possible because of the reflection: a step ends there.
+        let outside = path.stretch < self.low * (1.0 - TOGETHER);
+        let most = if outside { most.min((self.low - path.stretch) / path.velocity) } else { most };
+        let length = self.resolution.min(self.high - path.stretch);
         let local = self.rate / self.drift.at(threshold).slope.abs();
         let fine = FINEST * FINEST * local.min(length * length) / (2.0 * self.rate);
         let mut span = if self.drift.is_straight() { most.min(2.0 * before) } else { most.min(fine) };
         loop {
             let mut step = self.drift.step(threshold, self.rate, span);
-            let end = way.after(span);
+            let end = path.after(span);
             step.free = end <= self.low || end < self.lowest(threshold, &step, REACH);
-            if (step.free || span <= fine) && self.is_cool(threshold, way, &step) {
+            if (step.free || span <= fine) && self.rate_is_smooth(threshold, path, &step) {
                 return step;
             }
             span = if span > fine { fine.max(0.5 * span) } else { 0.5 * span };
         }
     }
 
-    /// The lowest threshold on a step that goes so many standard deviations down.
+    /// The lowest threshold on a step that falls by so many standard deviations.
     fn lowest(&self, threshold: f64, step: &WalkStep, deviations: f64) -> f64 {
         (threshold.min(step.mean) - deviations * step.std).max(self.low)
     }
 
-    /// Whether the breaking rate does not change too much on a step, or hardly ever breaks the contact.
-    fn is_cool(&self, threshold: f64, way: StretchPath, step: &WalkStep) -> bool {
+    /// Whether the breaking rate does not change too much on a step, or is negligible.
+    fn rate_is_smooth(&self, threshold: f64, path: StretchPath, step: &WalkStep) -> bool {
         if self.temperature.is_none() {
             return true;
         }
-        let most = |deviations| self.heat(way.after(step.span), self.lowest(threshold, step, deviations));
-        let grown = GROWTH * self.heat(way.stretch, threshold);
+        let most =
+            |deviations| self.breaking_rate(path.after(step.span), self.lowest(threshold, step, deviations));
+        let grown = GROWTH * self.breaking_rate(path.stretch, threshold);
         let likely = most(2.0);
         likely <= grown
             || likely * step.span <= SELDOM && most(1.0) <= grown
             || most(REACH) * step.span <= UNLIKELY
     }
 
-    /// The threshold, folded back into the support of P_cf.
+    /// The threshold, reflected at the ends of the support of P_cf.
     fn reflected(&self, threshold: f64) -> f64 {
         let (above, width) = ((threshold - self.low).abs(), self.high - self.low);
         if above <= width {
@@ -285,16 +296,18 @@ impl ThresholdDiffusion {
     }
 }
 
-/// Whether a bridge between two gaps above 0 touches 0.
-fn touches((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> bool {
+/// Whether a Brownian bridge between two positive gaps reaches 0.
+fn bridge_reaches_zero((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> bool {
     let exponent = 2.0 * first * last / variance;
     exponent < NEVER && stream.uniform() < (-exponent).exp()
 }
 
-/// The fraction of the time after which a bridge, from a gap above 0 to one on either side, first touches 0, given that it does.
+/// The fraction of the time after which a Brownian bridge, from a positive gap to one of either sign, first
+/// reaches 0, given that it does.
 ///
-/// Draws of the inverse Gaussian law after J. R. Michael, W. R. Schucany and R. W. Haas, Am. Stat. 30, 88 (1976).
-fn meeting((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> f64 {
+/// Random numbers of the inverse Gaussian distribution after J. R. Michael, W. R. Schucany and R. W. Haas,
+/// Am. Stat. 30, 88 (1976).
+fn hitting_fraction((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> f64 {
     let (mean, shape) = (first / last.abs().max(f64::MIN_POSITIVE), first * first / variance);
     let normal: f64 = StandardNormal.sample(stream);
     let half = 0.5 * mean * normal * normal / shape;
@@ -303,24 +316,24 @@ fn meeting((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> f64
     if odds.is_finite() { odds / (1.0 + odds) } else { 1.0 }
 }
 
-/// A length over which the density changes, wherever it does.
+/// A length over which the density changes.
 fn resolution(law: &dyn Law) -> f64 {
     law.zones().iter().map(|zone| zone.resolution).fold(law.std(), f64::min)
 }
 
-/// Value and derivatives at a place.
+/// Value and derivatives at a point.
 struct Jet {
     value: f64,
     slope: f64,
     curvature: f64,
 }
 
-/// −D U'(h).
+/// The drift −D U'(h).
 #[derive(Debug, Clone)]
 enum Drift {
-    /// Straight, and 0 at a place: P_cf is Gaussian, or constant.
+    /// Linear: P_cf is Gaussian, or constant.
     Straight { slope: f64, zero: f64 },
-    /// At places a constant distance apart, parabolas between them and beyond.
+    /// Tabulated at equal distances, with parabolas in between and beyond.
     Table { start: f64, density: f64, values: Vec<f64> },
 }
 
@@ -334,7 +347,8 @@ impl Drift {
         }
     }
 
-    /// Where thresholds are born or mature, and the density of the mature ones can be told from 0.
+    /// The table over the range of fresh and mature thresholds in which the density of mature ones does not
+    /// underflow.
     fn table(newborn: &dyn Law, mature: &dyn Law, rate: f64) -> Self {
         let zones = || newborn.zones().into_iter().chain(mature.zones());
         let start = zones().map(|zone| zone.low).fold(f64::INFINITY, f64::min).max(mature.quantile(0.0));
@@ -375,8 +389,8 @@ impl Drift {
         }
     }
 
-    /// A step with the drift at its start as a straight line, and with what its curvature adds to the mean
-    /// (I. Shoji and T. Ozaki, Stoch. Anal. Appl. 16, 733 (1998)).
+    /// A step with the drift linearised at its start, and the contribution of its curvature to the mean (I.
+    /// Shoji and T. Ozaki, Stoch. Anal. Appl. 16, 733 (1998)).
     fn step(&self, threshold: f64, rate: f64, span: f64) -> WalkStep {
         let Jet { value, slope, curvature } = self.at(threshold);
         let growth = slope * span;

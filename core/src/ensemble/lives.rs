@@ -1,4 +1,5 @@
-//! The lives of one contact after another: where each begins and at which stretch it ends.
+//! The lives of contacts: stretches of formation and thresholds, drawn from the random streams of each
+//! contact.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,20 +8,20 @@ use crate::contacts::Start;
 use crate::law::SharedLaw;
 use crate::random::{Purpose, Stream};
 
-/// Draws that may miss a condition before the law is inverted instead; either way the law is exact.
+/// Draws by rejection before the distribution is inverted instead; both are exact.
 const TRIES: usize = 16;
 
-/// Most values drawn ahead: enough to hide the cost of a call through the trait.
+/// Largest number of values drawn ahead: enough to hide the cost of a virtual call.
 const BATCH: usize = 128;
 
-/// A life: the stretch at which a contact forms, and the one at which it breaks.
+/// A life: the stretch at which a contact forms, and its threshold.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContactLife {
     pub(super) stretch: f64,
     pub(super) threshold: f64,
 }
 
-/// How far a contact has come in its streams: the words taken from each, modulo 2³².
+/// Position of a contact in its random streams: words taken from each, modulo 2³².
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Drawn {
     thresholds: u32,
@@ -34,7 +35,7 @@ pub(super) struct Lives {
     ensemble: Ensemble,
     thresholds: Draws,
     reforming: Draws,
-    /// R, if it is a single point, where nothing need be drawn.
+    /// R, if it is a single point: then nothing is drawn.
     point: Option<f64>,
     /// The threshold of this contact, if it is quenched.
     quenched: Option<f64>,
@@ -43,12 +44,12 @@ pub(super) struct Lives {
 }
 
 impl Lives {
-    /// For contacts followed one after another, of whom each is expected to break `expected` times.
+    /// For contacts simulated one after another, each expected to break `expected` times.
     pub(super) fn new(ensemble: &Ensemble, expected: usize) -> Self {
         Self::drawing(ensemble, expected, BATCH)
     }
 
-    /// For contacts whose lives are asked for in any order: nothing is drawn ahead.
+    /// For contacts whose lives are needed in any order: nothing is drawn ahead.
     pub(super) fn in_any_order(ensemble: &Ensemble) -> Self {
         Self::drawing(ensemble, 1, 1)
     }
@@ -78,13 +79,13 @@ impl Lives {
         self.ensemble.seed
     }
 
-    /// The number by which the random streams of contact `index` of the ensemble are known.
+    /// The number that selects the random streams of contact `index`.
     #[inline]
     pub(super) fn number(&self, index: u64) -> u64 {
         self.ensemble.first + index
     }
 
-    /// Turns to contact `index`, and gives its life at X = 0.
+    /// Selects contact `index`, and returns its life at X = 0.
     pub(super) fn first(&mut self, index: u64) -> ContactLife {
         let index = self.number(index);
         let Ensemble { disorder, ref initial, .. } = self.ensemble;
@@ -105,7 +106,7 @@ impl Lives {
         ContactLife { stretch: stretch[0], threshold }
     }
 
-    /// How far the present contact has come, if nothing is drawn ahead.
+    /// Position of the present contact in its streams, if nothing is drawn ahead.
     pub(super) fn drawn(&self) -> Drawn {
         Drawn {
             thresholds: self.thresholds.stream.taken() as u32,
@@ -114,7 +115,7 @@ impl Lives {
         }
     }
 
-    /// Turns back to contact `index`, which has come to `drawn` and just broke at `threshold`.
+    /// Returns to contact `index` at the position `drawn` of its streams, after it broke at `threshold`.
     pub(super) fn resume(&mut self, index: u64, drawn: Drawn, threshold: f64) {
         let index = self.number(index);
         self.thresholds.seek(index, drawn.thresholds.into());
@@ -135,17 +136,17 @@ impl Lives {
         ContactLife { stretch, threshold }
     }
 
-    /// Thresholds drawn ahead and the stretch at which all contacts re-form, if that is a single point:
-    /// the lives that [`Lives::next`] will give, as long as the thresholds are above the stretch.
+    /// Thresholds drawn ahead, and the stretch at which all contacts re-form, if that is a single point: the
+    /// lives that [`Lives::next`] will return, as long as the thresholds are above the stretch.
     #[inline]
-    pub(super) fn plain(&mut self) -> (&[f64], f64) {
+    pub(super) fn drawn_ahead(&mut self) -> (&[f64], f64) {
         match (self.point, self.quenched) {
             (Some(stretch), None) => (self.thresholds.ahead(), stretch),
             _ => (&[], 0.0),
         }
     }
 
-    /// Passes over lives that [`Lives::plain`] has shown.
+    /// Skips lives that [`Lives::drawn_ahead`] has returned.
     #[inline]
     pub(super) fn skip(&mut self, lives: usize) {
         self.thresholds.used += lives;
@@ -174,8 +175,8 @@ impl Lives {
     }
 }
 
-/// Draws of a law from a stream, in batches. [`Law::fill`] takes draws in order, so that the sizes of
-/// batches do not change the values.
+/// Random numbers of a distribution from a stream, in batches. [`Law::fill`] draws in order, so that the
+/// sizes of batches do not change the values.
 #[derive(Clone)]
 struct Draws {
     law: SharedLaw,
@@ -183,7 +184,7 @@ struct Draws {
     batch: [f64; BATCH],
     used: usize,
     filled: usize,
-    /// Draws a contact is expected to need; how many of them are still to be drawn.
+    /// Number of draws that a contact is expected to need, and how many of them are left.
     expected: usize,
     left: usize,
     /// Most values drawn ahead.
@@ -195,7 +196,7 @@ impl Draws {
         Self { law, stream, batch: [0.0; BATCH], used: 0, filled: 0, expected, left: 0, most }
     }
 
-    /// Goes to where a contact has taken so many words.
+    /// Goes to the position of a contact in its stream.
     #[inline]
     fn seek(&mut self, index: u64, taken: u64) {
         self.stream.seek(index, taken);
@@ -203,7 +204,7 @@ impl Draws {
         (self.used, self.filled) = (0, 0);
     }
 
-    /// What has been drawn and not been used, at least one draw.
+    /// The values drawn and not used yet, at least one.
     #[inline]
     fn ahead(&mut self) -> &[f64] {
         if self.used == self.filled {

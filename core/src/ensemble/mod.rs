@@ -1,11 +1,13 @@
-//! The earthquake-like model: contacts one by one, each breaking at its own threshold.
+//! The earthquake-like model: contacts simulated one by one, each breaking at its own threshold.
 //!
-//! The answer of this module and that of the master equation share the description of the contacts and
-//! nothing else. Contacts go from break to break, so that no step of X limits the accuracy: one after another in a
-//! [`Ensemble::pull`] or, in time, when they are to [`Ensemble::follow`] a history; together in an [`Ensemble::population`] or, in
-//! time, as [`Ensemble::in_time`] gives them.
+//! It shares the description of the contacts with the master equation and nothing else. It is event-driven:
+//! contacts go from break to break, so that no step of X limits the accuracy. Contacts are independent and
+//! simulated one after another in [`Ensemble::pull`] or, in time, in [`Ensemble::follow`]; together in
+//! [`Ensemble::population`] or, in time, in [`Ensemble::in_time`].
 
+mod attached;
 mod break_batch;
+mod contact;
 mod diffusion;
 pub mod lattice;
 mod lives;
@@ -14,14 +16,16 @@ mod population;
 mod pull;
 mod queue;
 mod rate_dependent;
+mod snapshots;
 mod sums;
 mod sweep;
 mod tally;
 mod timed;
 
 pub use population::EnsemblePopulation;
-pub use pull::{EnsemblePull, Snapshots};
+pub use pull::EnsemblePull;
 pub use rate_dependent::EnsembleInTime;
+pub use snapshots::Snapshots;
 pub use timed::EnsembleTrace;
 
 use schemars::JsonSchema;
@@ -31,7 +35,7 @@ use crate::contacts::{Ageing, Contacts, Initial};
 use crate::law::Law;
 use crate::{Error, Result};
 
-/// Mass that no double-precision uniform number ever draws.
+/// Mass that no double-precision uniform random number ever hits.
 const NEGLIGIBLE: f64 = 1e-15;
 
 /// What happens to a contact's threshold when it re-forms.
@@ -57,16 +61,16 @@ pub struct Ensemble {
     size: usize,
     seed: u64,
     disorder: Disorder,
-    /// The number of its first contact, which is that of its random streams.
+    /// The number of its first contact, which selects the random streams.
     first: u64,
 }
 
 impl Ensemble {
-    /// An ensemble of `size` contacts drawn at random, which stand for the `contacts.count` real ones.
+    /// An ensemble of `size` contacts drawn at random, which represent the `contacts.count` real ones.
     ///
     /// # Errors
-    /// No contacts; or laws that leave a contact nowhere to be: R (and, for a conditional start, Q_ini)
-    /// with mass where no contact survives; quenched thresholds where no contact can re-form; ageing by mean field.
+    /// No contacts; R (or Q_ini for a conditional start) with mass where no contact survives; quenched
+    /// thresholds for which a contact cannot re-form; ageing by mean field.
     pub fn new(
         contacts: Contacts,
         initial: Initial,
@@ -90,7 +94,8 @@ impl Ensemble {
         Ok(Self { contacts, initial, size, seed, disorder, first: 0 })
     }
 
-    /// The same with contacts numbered from `first` on, in place of 0: independent of those of all lower numbers.
+    /// The same with contacts numbered from `first` on, instead of 0: independent of those with lower
+    /// numbers.
     #[must_use]
     pub fn numbered_from(self, first: u64) -> Self {
         Self { first, ..self }

@@ -1,4 +1,4 @@
-//! The contacts of an ensemble under one slider that may turn back, from break to break.
+//! The contacts of an ensemble under one slider that moves back and forth, from break to break.
 
 mod mark;
 
@@ -15,28 +15,31 @@ use crate::numerics::compensated::Compensated;
 use crate::population::{Books, Direction, Population, Response, Way};
 use crate::{Error, Result};
 
-/// Bytes of a contact: in the queue, on its way to another order, and among what is free or has broken in a slip.
+/// Bytes per contact: in the queue, in another order meanwhile, and among free contacts or those broken in a
+/// slip.
 const BYTES: u64 = 4 * size_of::<QueuedContact>() as u64;
 
 /// Contacts drawn together by one thread.
 const CHUNK: usize = 1 << 12;
 
-/// Mean thresholds that the slider may go before the sums are made anew: so rarely that it costs nothing, so often
-/// that cancellation takes no more than two digits.
+/// Distance in mean thresholds after which sums are recomputed: so rarely that it costs nothing, so often
+/// that cancellation takes at most two digits.
 const SPAN: f64 = 8.0;
 
 /// The contacts of an ensemble that move together.
 ///
-/// Under a slider that only goes forward they live the very lives of [`Ensemble::pull`]. Where it turns back,
-/// stretches shrink; a contact breaks at −x_s too, and what breaks backward re-forms at −r, r ~ R. Contacts break
-/// together where they do so at exactly the same position; positions that differ by rounding are different ones.
+/// Under a slider that only moves forward they have the same lives as in [`Ensemble::pull`]. When it turns
+/// back, stretches shrink; a contact also breaks at −x_s, and then re-forms at −r, r ~ R. Contacts break
+/// simultaneously if they do so at exactly the same position; positions that differ by rounding are
+/// different.
 ///
-/// A break takes the time of a few accesses to memory, and hardly more for more contacts, and so does a way back on
-/// which nothing breaks. Breaking on a way back and [`Population::reset`] pass over all of them, each of which takes
-/// 64 bytes, and about as many again meanwhile.
+/// A break takes a few memory accesses, nearly independent of the number of contacts; so does unloading
+/// without breaks. Breaks during unloading and [`Population::reset`] visit all contacts, each of which takes
+/// 64 bytes, and about as much again meanwhile.
 ///
-/// Limits: positions are double precision numbers, so that at X stretches are right to 1e-16 X; the sums over
-/// contacts are right to 1e-12 after any number of breaks. Random numbers of a contact repeat after some 10⁹ lives.
+/// Limits: positions are double-precision numbers, so that at X stretches are right to 1e-16 X; sums over
+/// contacts are right to 1e-12 after any number of breaks. Random numbers of a contact repeat after some 10⁹
+/// lives.
 #[derive(Clone)]
 pub struct EnsemblePopulation {
     lives: Lives,
@@ -57,15 +60,15 @@ pub struct EnsemblePopulation {
     lost: Compensated,
     breaks: u64,
     marked: Option<ReturnMark>,
-    /// From sums over the ensemble to the real contacts.
+    /// Ratio of real contacts to simulated ones, times the unit of stiffness.
     scale: f64,
 }
 
 impl Ensemble {
-    /// Refuses contacts to be moved that take more than so much `memory`.
+    /// Refuses populations that take more than `memory` bytes.
     ///
     /// # Errors
-    /// [`Error::TooLarge`], naming their number.
+    /// [`Error::TooLarge`], naming their size.
     pub fn population_fits(&self, memory: u64) -> Result<()> {
         let what = format!("a population of {} contacts", self.size);
         fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), memory)
@@ -128,7 +131,7 @@ fn newborn(lives: &Lives, size: usize, monitor: &mut dyn Monitor) -> Result<Vec<
     Ok(contacts)
 }
 
-/// Gives a contact that broke its next life, at a slider's position.
+/// Draws the next life of a broken contact, at a position of the slider.
 #[inline]
 fn reform(contact: &mut QueuedContact, lives: &mut Lives, position: f64) {
     lives.resume(contact.index.into(), contact.drawn, contact.threshold);
@@ -138,12 +141,12 @@ fn reform(contact: &mut QueuedContact, lives: &mut Lives, position: f64) {
 }
 
 impl EnsemblePopulation {
-    /// Number of contacts followed.
+    /// Number of simulated contacts.
     pub fn size(&self) -> usize {
         self.size
     }
 
-    /// Replaces what is attached.
+    /// Replaces the attached contacts.
     fn place(&mut self, contacts: Vec<QueuedContact>, monitor: &mut dyn Monitor) -> Result<()> {
         self.sums.renew(self.position, [].iter());
         self.back = f64::NEG_INFINITY;
@@ -158,13 +161,13 @@ impl EnsemblePopulation {
         Ok(())
     }
 
-    /// Finds where the next break is on the way back.
-    fn look_back(&mut self) {
+    /// Finds the next break in the backward direction.
+    fn find_break_behind(&mut self) {
         self.back = self.queue.iter().map(QueuedContact::back).fold(f64::NEG_INFINITY, f64::max);
     }
 
-    /// Looks the other way: the mirror image of all there is.
-    fn turn(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
+    /// Reverses the direction, by mirroring all contacts.
+    fn reverse(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         self.facing = self.facing.reversed();
         self.position = -self.position;
         let mut contacts = self.queue.drain(monitor)?;
@@ -175,27 +178,27 @@ impl EnsemblePopulation {
         self.place(contacts, monitor)
     }
 
-    /// Where the next break is ahead.
+    /// Position of the next break ahead.
     ///
-    /// A contact that re-formed within rounding of its threshold breaks one number further on.
+    /// A contact that re-formed within rounding of its threshold breaks at the next representable position.
     fn end(&mut self, monitor: &mut dyn Monitor) -> Result<f64> {
         let end = self.queue.first(monitor)?.map(QueuedContact::end);
         Ok(end.map_or(f64::INFINITY, |end| end.max(self.position.next_up())))
     }
 
-    /// A break, which leaves the contact free.
+    /// Breaks a contact, and leaves it free.
     #[inline]
-    fn part(&mut self, contact: &QueuedContact) {
+    fn detach(&mut self, contact: &QueuedContact) {
         self.sums.remove(contact);
         self.lost.add(self.sums.energy(contact, self.position));
         self.breaks += 1;
         if let Some(mark) = &mut self.marked {
-            mark.hear(contact, self.facing);
+            mark.record(contact, self.facing);
         }
     }
 
-    /// Re-forms what is free.
-    fn join(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
+    /// Re-forms the free contacts.
+    fn reform_free(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let (lives, position) = (&mut self.lives, self.position);
         for (done, slice) in self.free.chunks_mut(SLICE).enumerate() {
             if done > 0 {
@@ -232,12 +235,12 @@ impl Population for EnsemblePopulation {
     fn way(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<Way> {
         if direction != self.facing {
             if self.position <= self.back {
-                self.look_back();
+                self.find_break_behind();
             }
             if self.position > self.back {
                 return Ok(Way { length: self.position - self.back, straight: true, breaks: false });
             }
-            self.turn(monitor)?;
+            self.reverse(monitor)?;
         }
         let end = self.end(monitor)?;
         Ok(Way { length: end - self.position, straight: true, breaks: end < f64::INFINITY })
@@ -268,25 +271,25 @@ impl Population for EnsemblePopulation {
 
     fn cross(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         while let Some(contact) = self.queue.pop(self.position, monitor)? {
-            self.part(&contact);
+            self.detach(&contact);
             self.free.push(contact);
         }
-        if self.held { Ok(()) } else { self.join(monitor) }
+        if self.held { Ok(()) } else { self.reform_free(monitor) }
     }
 
     fn reset(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<()> {
         if direction != self.facing {
-            self.turn(monitor)?;
+            self.reverse(monitor)?;
         }
         let mut contacts = self.queue.drain(monitor)?;
         for slice in contacts.chunks(SLICE) {
             report(monitor, 0.0)?;
-            slice.iter().for_each(|contact| self.part(contact));
+            slice.iter().for_each(|contact| self.detach(contact));
         }
         contacts.append(&mut self.free);
         self.free = contacts;
         (self.back, self.moved, self.held) = (f64::NEG_INFINITY, direction, false);
-        self.join(monitor)
+        self.reform_free(monitor)
     }
 
     fn hold(&mut self) -> Result<()> {
@@ -297,9 +300,9 @@ impl Population for EnsemblePopulation {
     fn release(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         self.held = false;
         if self.moved != self.facing && !self.free.is_empty() {
-            self.turn(monitor)?;
+            self.reverse(monitor)?;
         }
-        self.join(monitor)
+        self.reform_free(monitor)
     }
 
     fn mark(&mut self) {

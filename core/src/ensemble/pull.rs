@@ -1,4 +1,4 @@
-//! The pull of an ensemble by a rigid slider, in parallel and yet the same bits on any number of threads.
+//! The pull of an ensemble by a rigid slider, in parallel, with the same bits on any number of threads.
 
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::Ensemble;
+use super::snapshots::Snapshots;
 use super::sweep::{Chunk, Sweep};
-use super::tally::{Different, Equal, HistogramGrid, Ruler, TallyCell, forces};
+use super::tally::{Different, Equal, PositionGrid, TallyCell, UniformGrid, forces};
 use crate::contacts::Stiffness;
 use crate::monitor::{Aside, Monitor, fits, report};
 use crate::{Error, Result};
@@ -18,33 +19,24 @@ const ROUND: usize = 64;
 /// Time between two reports to the monitor, if a chunk takes no longer.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// Breaks that take less than that, whatever the law.
+/// Number of breaks that take less than that, for any distribution.
 const QUICK: usize = 2_000_000;
 
-/// Breaks of a chunk between two reports, and what it may take for them to be as quick as they can be.
+/// Breaks of a chunk between two reports, and the memory of a chunk for which breaks are fastest.
 const PART: usize = 500_000;
 const CACHE: usize = 16 << 20;
 
-/// Bytes that a round of chunks may take, if it is more than one chunk.
+/// Memory of a round of more than one chunk.
 const ROUND_BYTES: usize = 512 << 20;
-
-/// Where to record the distribution of stretches.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Snapshots {
-    /// Positions X, rising, none above the last position of the pull.
-    pub positions: Vec<f64>,
-    /// Edges of the bins of stretch, rising; a stretch at an edge counts below it, at the first above it.
-    pub edges: Vec<f64>,
-}
 
 /// The outcome of a pull.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnsemblePull {
-    /// Force at each position, scaled to the number of real contacts; after the breaks at the position.
+    /// Force at each position, scaled to the number of real contacts, after the breaks at the position.
     pub force: Vec<f64>,
-    /// Its standard error, from the scatter of single contacts; not finite for an ensemble of one.
+    /// Its standard error, from the variance over contacts; not finite for an ensemble of one.
     ///
-    /// That of the ensemble: N_c real contacts scatter by √(size/N_c) of it.
+    /// It is that of the ensemble: N_c real contacts have √(size/N_c) of it.
     pub error: Vec<f64>,
     /// Breaks up to the last position, those of a relaxed start included.
     pub breaks: u64,
@@ -52,37 +44,6 @@ pub struct EnsemblePull {
     pub histograms: Vec<Vec<u64>>,
     pub(super) edges: Vec<f64>,
     pub(super) size: usize,
-}
-
-impl Snapshots {
-    /// One histogram for each position.
-    pub(super) fn histograms(&self) -> Vec<Vec<u64>> {
-        vec![vec![0; self.edges.len().saturating_sub(1)]; self.positions.len()]
-    }
-
-    /// Counts a contact of this stretch.
-    pub(super) fn count(&self, stretch: f64, histogram: &mut [u64]) {
-        // Just re-formed contacts may lie below 0 by rounding.
-        let stretch = stretch.max(0.0);
-        let above = self.edges.partition_point(|&edge| edge < stretch);
-        if let Some(bin) = histogram.get_mut(above.max(1) - 1)
-            && stretch >= self.edges[0]
-        {
-            *bin += 1;
-        }
-    }
-
-    /// Checks them for a pull through `positions`, and gives the last of these.
-    pub(super) fn check(&self, positions: &[f64]) -> Result<f64> {
-        rising("positions", positions)?;
-        let last = *positions.last().ok_or_else(|| Error::invalid("positions", "at least one", "none"))?;
-        rising("snapshots", &self.positions)?;
-        rising("edges", &self.edges)?;
-        match self.positions.last().filter(|&&x| x > last) {
-            Some(beyond) => Err(Error::invalid("snapshots", format!("positions up to {last}"), beyond)),
-            None => Ok(last),
-        }
-    }
 }
 
 impl EnsemblePull {
@@ -103,10 +64,11 @@ impl EnsemblePull {
 }
 
 impl Ensemble {
-    /// Pulls the slider through `positions` X ≥ 0, rising, and takes `snapshots` on the way.
+    /// Pulls the slider through rising `positions` X ≥ 0, with `snapshots` on the way.
     ///
     /// # Errors
-    /// Time-dependent contacts; positions or edges that do not rise, or are not finite; a job too big; stopped by `monitor`.
+    /// Time-dependent contacts; positions or edges that do not rise, or are not finite; a job too big;
+    /// stopped by `monitor`.
     pub fn pull(
         &self,
         positions: &[f64],
@@ -135,8 +97,8 @@ impl Ensemble {
         monitor: &mut dyn Monitor,
     ) -> Result<EnsemblePull> {
         let plan = self.plan::<C>(positions, snapshots, monitor.memory())?;
-        let (grid, ruler) = (HistogramGrid::new(positions), Ruler::of(positions));
-        let sweep = Sweep { ensemble: self, grid, ruler, positions, snapshots };
+        let (grid, uniform) = (PositionGrid::new(positions), UniformGrid::of(positions));
+        let sweep = Sweep { ensemble: self, grid, uniform, positions, snapshots };
         report(monitor, 0.0)?;
         let mut total = sweep.nothing::<C>();
         report(monitor, 0.0)?;
@@ -150,7 +112,7 @@ impl Ensemble {
             let mut aside = Aside { fraction: done as f64 / self.size as f64, monitor };
             report(&mut aside, 0.0)?;
             sweep.fill(&mut chunks, &plan, &mut aside)?;
-            // Summed in the order of contacts, whichever thread was first.
+            // Summed in the order of contacts, for any number of threads.
             for (_, chunk) in &chunks {
                 total.merge(chunk);
                 report(&mut aside, 0.0)?;
@@ -166,12 +128,12 @@ impl Ensemble {
         Ok(EnsemblePull { force, error, breaks, histograms, edges: snapshots.edges.clone(), size: self.size })
     }
 
-    /// Chunks with so many breaks that merging them costs little, so few that there is one for each core.
+    /// Chunks with so many breaks that merging them is cheap, but one for each core at least.
     fn plan<C: TallyCell>(&self, positions: &[f64], snapshots: &Snapshots, memory: u64) -> Result<Plan> {
         let bins = snapshots.edges.len() * snapshots.positions.len();
         let bytes = positions.len() * size_of::<C>() + bins * size_of::<u64>();
         let round = (ROUND_BYTES / bytes).clamp(1, ROUND);
-        // A round, the sums over all rounds, and what is made of them.
+        // A round, the sums over all rounds, and the results.
         let needed = (round + 1) * bytes + positions.len() * size_of::<[f64; 2]>();
         let what = format!("an ensemble at {} positions", positions.len());
         fits("pull.points", what, needed as u64, memory)?;
@@ -184,7 +146,7 @@ impl Ensemble {
         Ok(Plan { chunk, part, round, expected: expected as usize })
     }
 
-    /// Rough number of breaks of a contact on the way to `distance`, by which the work is cut up.
+    /// Rough number of breaks of a contact over `distance`, for dividing the work.
     fn expected_breaks(&self, distance: f64) -> f64 {
         let mean = self.contacts.thresholds.mean();
         let rise = (mean - self.contacts.reforming.mean()).max(0.1 * mean);
@@ -193,7 +155,7 @@ impl Ensemble {
 }
 
 impl Sweep<'_> {
-    /// Adds to each chunk the contacts it still lacks, part by part.
+    /// Adds the remaining contacts to each chunk, part by part.
     fn fill<C: TallyCell>(
         &self,
         chunks: &mut [(Range<usize>, Chunk<C>)],
@@ -212,7 +174,7 @@ impl Sweep<'_> {
     }
 }
 
-/// How the work is cut up: nothing of it depends on the machine or on threads.
+/// Division of the work; it does not depend on the machine or the number of threads.
 struct Plan {
     /// Contacts in a chunk.
     chunk: usize,
@@ -230,7 +192,8 @@ impl Plan {
         self.possible(QUICK / (self.chunk * self.expected.max(1)))
     }
 
-    /// Chunks of the next round, after one of `round` chunks that took `elapsed`; no result depends on it.
+    /// Number of chunks of the next round, after one of `round` chunks that took `elapsed`; no result depends
+    /// on it.
     fn next(&self, round: usize, elapsed: Duration) -> usize {
         match elapsed {
             short if short < PERIOD / 2 => self.possible(2 * round),
@@ -242,17 +205,5 @@ impl Plan {
     /// At least one chunk for each thread.
     fn possible(&self, round: usize) -> usize {
         round.max(rayon::current_num_threads()).min(self.round)
-    }
-}
-
-/// Whether values are finite, not negative and never fall.
-pub(super) fn rising(key: &str, values: &[f64]) -> Result<()> {
-    let expected = "finite values that rise from 0 or above";
-    if let Some(bad) = values.iter().find(|x| !x.is_finite() || **x < 0.0) {
-        return Err(Error::invalid(key, expected, bad));
-    }
-    match values.windows(2).find(|pair| pair[0] > pair[1]) {
-        Some(pair) => Err(Error::invalid(key, expected, format!("{} before {}", pair[0], pair[1]))),
-        None => Ok(()),
     }
 }

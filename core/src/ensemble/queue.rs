@@ -1,4 +1,4 @@
-//! Contacts in the order in which they break.
+//! A priority queue of contacts by the position at which they break: a ladder queue.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -8,10 +8,10 @@ use super::lives::Drawn;
 use crate::Result;
 use crate::monitor::{Monitor, report};
 
-/// Contacts on a rung, on average: so few that they are ordered in the nearest cache.
+/// Mean number of contacts on a rung: few enough to be sorted in the first-level cache.
 const PER_RUNG: usize = 32;
 
-/// Most rungs: so few that their ends stay in cache while contacts are thrown onto them.
+/// Largest number of rungs: few enough that their ends stay in cache while contacts are distributed.
 const RUNGS: usize = 1 << 14;
 
 /// Contacts dealt with between two questions to a monitor.
@@ -27,26 +27,26 @@ pub(super) struct QueuedContact {
 }
 
 impl QueuedContact {
-    /// Where it breaks.
+    /// Position at which it breaks.
     #[inline]
     pub(super) fn end(&self) -> f64 {
         self.origin + self.threshold
     }
 
-    /// Seen from the other direction.
+    /// Seen in the opposite direction.
     #[inline]
     pub(super) fn mirrored(self) -> Self {
         Self { origin: -self.origin, ..self }
     }
 
-    /// Where it breaks on the way back.
+    /// Position at which it breaks in the backward direction.
     #[inline]
     pub(super) fn back(&self) -> f64 {
         self.origin - self.threshold
     }
 }
 
-/// The greater breaks first, at the same position that of the smaller index.
+/// The greater contact breaks first; at the same position the one with the smaller index.
 impl Ord for QueuedContact {
     #[inline]
     fn cmp(&self, other: &Self) -> Ordering {
@@ -79,19 +79,19 @@ impl Eq for QueuedContact {}
 /// queue is a heap.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Queue {
-    /// The rung last taken, what breaks first the last.
+    /// The present rung, sorted, next break last.
     near: Vec<QueuedContact>,
-    /// What was added before the rungs not yet taken.
+    /// Contacts added below the remaining rungs.
     late: BinaryHeap<QueuedContact>,
     rungs: Vec<Vec<QueuedContact>>,
-    /// Rungs taken.
+    /// Number of rungs already processed.
     taken: usize,
     ladder: Ladder,
-    /// What breaks after all rungs.
+    /// Contacts beyond all rungs.
     beyond: Vec<QueuedContact>,
 }
 
-/// Where the lowest rung begins, and rungs per length.
+/// Start of the lowest rung, and rungs per length.
 #[derive(Debug, Clone, Copy, Default)]
 struct Ladder {
     low: f64,
@@ -99,7 +99,7 @@ struct Ladder {
 }
 
 impl Ladder {
-    /// The rung of a contact, if there are so many.
+    /// The rung of a contact, if it exists.
     #[inline]
     fn rung(self, contact: &QueuedContact) -> usize {
         ((contact.end() - self.low) * self.density) as usize
@@ -132,7 +132,7 @@ impl Queue {
         Ok(self.near.last().max(self.late.peek()))
     }
 
-    /// Takes the contact that breaks first, if it does so up to a position.
+    /// Removes the contact that breaks first, if it does so up to `position`.
     #[inline]
     pub(super) fn pop(&mut self, position: f64, monitor: &mut dyn Monitor) -> Result<Option<QueuedContact>> {
         if self.first(monitor)?.is_none_or(|contact| contact.end() > position) {
@@ -145,7 +145,7 @@ impl Queue {
         self.near.iter().chain(&self.late).chain(self.rungs.iter().flatten()).chain(&self.beyond)
     }
 
-    /// Takes every contact, in no order.
+    /// Removes all contacts, in no order.
     pub(super) fn drain(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<QueuedContact>> {
         let mut queue = mem::take(self);
         // What is most of it where it has been put in place and not yet been needed.
@@ -165,7 +165,7 @@ impl Queue {
         Ok(contacts)
     }
 
-    /// Takes the next rung that is not empty, unless something late breaks before.
+    /// Takes the next rung that is not empty, unless a late contact breaks before.
     #[cold]
     fn descend(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         while self.near.is_empty() && self.late.is_empty() {
@@ -182,7 +182,8 @@ impl Queue {
         Ok(())
     }
 
-    /// Throws what is beyond onto new rungs, from the first break to as far above the mean as that is above the first.
+    /// Distributes the contacts beyond onto new rungs, from the first break to as far above the mean as that
+    /// is above the first.
     fn raise(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let (mut low, mut sum) = (f64::INFINITY, 0.0);
         sliced(&self.beyond, monitor, |contact| {
@@ -191,7 +192,7 @@ impl Queue {
         })?;
         let rungs = (self.beyond.len() / PER_RUNG).clamp(1, RUNGS);
         let width = 2.0 * (sum / self.beyond.len() as f64 - low) / rungs as f64;
-        // Contacts that all break together make it infinite; the first is then on the lowest rung all the same.
+        // Infinite for contacts that all break together; the first is then on the lowest rung all the same.
         self.ladder = Ladder { low, density: width.max(0.0).recip() };
         self.taken = 0;
         let mut counts = vec![0; rungs];
@@ -214,7 +215,7 @@ impl Queue {
     }
 }
 
-/// Visits contacts; a monitor is asked after every slice of them.
+/// Visits contacts, asking the monitor after every slice.
 fn sliced(
     contacts: &[QueuedContact],
     monitor: &mut dyn Monitor,

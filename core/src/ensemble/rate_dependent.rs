@@ -1,13 +1,14 @@
-//! The contacts of an ensemble that move together in time, a way in a time after the other.
+//! The contacts of an ensemble that move together in time, step by step.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
 use super::Ensemble;
+use super::attached::{AttachedContact, Segment};
 use super::diffusion::DiffusingThreshold;
 use super::lives::{ContactLife, Drawn, Lives};
-use super::passage::{AttachedContact, Passage, Segment, stiffness};
+use super::passage::Passage;
 use crate::contacts::Stiffness;
 use crate::monitor::{Monitor, Watch, fits, report};
 use crate::random::{Purpose, Stream};
@@ -17,14 +18,14 @@ use crate::{Error, Result};
 /// Bytes of a contact, and of the copies on which a step of a block is tried.
 const BYTES: u64 = 5 * size_of::<ContactInTime>() as u64;
 
-/// Contacts that a thread goes through before it takes others; sums are made in their order.
+/// Contacts that a thread processes at once; sums are made in their order.
 const CHUNK: usize = 256;
 
 /// The contacts of an ensemble that move together in time.
 ///
-/// Under a slider that goes the way of a history they live the lives of [`Ensemble::follow`], those of thresholds that diffuse
-/// with other random numbers, as these are drawn step by step. A step takes the time of looking at every contact, and so
-/// does a copy; each takes 120 bytes.
+/// Under a slider that follows a history they have the lives of [`Ensemble::follow`]; diffusing thresholds
+/// have other random numbers, as these are drawn step by step. A step visits every contact, and so does a
+/// copy; each takes 120 bytes.
 #[derive(Clone)]
 pub struct EnsembleInTime {
     lives: Arc<Lives>,
@@ -35,17 +36,18 @@ pub struct EnsembleInTime {
     time: f64,
     position: f64,
     now: SumsInTime,
-    past: Toll,
+    past: SegmentTotals,
     /// From sums over the ensemble to the real contacts.
     scale: f64,
 }
 
 impl Ensemble {
-    /// The contacts at t = 0 and X = 0, to be moved in time. What stands at its threshold in a relaxed start has broken.
+    /// The contacts at t = 0 and X = 0, to be moved in time. Contacts at their threshold in a relaxed start
+    /// have broken.
     ///
     /// # Errors
-    /// Ageing by a rule that single contacts cannot follow; more contacts than can be numbered, or fit in memory with what a
-    /// step of a block over them takes meanwhile; stopped by the monitor.
+    /// Ageing by a rule that single contacts cannot follow; more contacts than can be numbered, or fit in
+    /// memory with the copies of a step of a block; stopped by the monitor.
     pub fn in_time(&self, monitor: &mut dyn Monitor) -> Result<EnsembleInTime> {
         let what = format!("{} contacts in time", self.size);
         fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), monitor.memory())?;
@@ -61,42 +63,42 @@ impl Ensemble {
             time: 0.0,
             position: 0.0,
             now: SumsInTime::default(),
-            past: Toll::default(),
+            past: SegmentTotals::default(),
             scale: self.contacts.count / self.size as f64,
         };
-        let mut hand = ensemble.hand();
+        let mut streams = ensemble.streams();
         ensemble.contacts.reserve_exact(size as usize);
         for index in 0..size {
             if (index as usize).is_multiple_of(CHUNK) {
                 report(monitor, 0.0)?;
             }
-            ensemble.contacts.push(ensemble.drawn(index, &mut hand));
+            ensemble.contacts.push(ensemble.drawn(index, &mut streams));
         }
-        ensemble.go(&Segment { start: 0.0, end: 0.0, position: 0.0, velocity: 0.0 }, monitor)?;
+        ensemble.advance(&Segment { start: 0.0, end: 0.0, position: 0.0, velocity: 0.0 }, monitor)?;
         // Nothing has been lost before the beginning.
-        ensemble.past = Toll { lost: 0.0, ..ensemble.past };
+        ensemble.past = SegmentTotals { lost: 0.0, ..ensemble.past };
         Ok(ensemble)
     }
 }
 
-/// A contact: its life, and how far it has come in its streams.
+/// A contact: its life, and its position in its random streams.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct ContactInTime {
     index: u32,
     drawn: Drawn,
     /// Words taken for breaking and for diffusion.
     words: [u64; 2],
-    /// Whether it holds; if not, it will form at the birth of `held`.
+    /// Whether it is attached; if not, it will form at the birth of `held`.
     holds: bool,
-    /// The stretch at which it formed, or will.
+    /// The stretch at which it formed, or will form.
     formed: f64,
     held: AttachedContact,
-    /// What is left of ∫w dt before heat breaks it.
+    /// The hazard ∫w dt left before it breaks thermally.
     remaining_hazard: f64,
     wandering: DiffusingThreshold,
 }
 
-/// Sums over the contacts that hold.
+/// Sums over the attached contacts.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 struct SumsInTime {
     count: f64,
@@ -106,26 +108,26 @@ struct SumsInTime {
     energy: f64,
 }
 
-/// What breaks and is gained on a leg.
+/// Breaks and energies on a segment.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
-struct Toll {
+struct SegmentTotals {
     broken: f64,
     lost: f64,
     gained: f64,
 }
 
-/// What the contacts have come to.
+/// The state of the contacts.
 #[derive(Serialize, Deserialize)]
 struct EnsembleSnapshot {
     time: f64,
     position: f64,
     contacts: Vec<ContactInTime>,
     now: SumsInTime,
-    past: Toll,
+    past: SegmentTotals,
 }
 
-/// What a thread draws lives with.
-struct Hand {
+/// Random streams of a thread.
+struct RandomStreams {
     lives: Lives,
     breaking: Stream,
     diffusion: Stream,
@@ -136,7 +138,7 @@ impl ContactInTime {
         position - self.held.origin
     }
 
-    /// Begins another life, at a time to come.
+    /// Begins another life, at a future time.
     fn live(&mut self, life: ContactLife, birth: f64) {
         self.holds = false;
         self.formed = life.stretch;
@@ -145,17 +147,18 @@ impl ContactInTime {
     }
 }
 
-impl Hand {
-    /// Turns to where a contact has come.
+impl RandomStreams {
+    /// Goes to the position of a contact in its streams.
     fn take(&mut self, contact: &ContactInTime) {
         let number = self.lives.number(contact.index.into());
         self.breaking.seek(number, contact.words[0]);
         self.diffusion.seek(number, contact.words[1]);
     }
 
-    /// The endurance of a life, or ∞ where nothing is hot.
-    fn remaining_hazard(&mut self, contact: &mut ContactInTime, hot: bool) -> f64 {
-        if !hot {
+    /// An exponentially distributed hazard, or ∞ without temperature: inverse-transform sampling of the time
+    /// of breaking.
+    fn remaining_hazard(&mut self, contact: &mut ContactInTime, thermal: bool) -> f64 {
+        if !thermal {
             return f64::INFINITY;
         }
         let remaining_hazard = -self.breaking.uniform().ln();
@@ -165,18 +168,18 @@ impl Hand {
 }
 
 impl EnsembleInTime {
-    fn hand(&self) -> Hand {
+    fn streams(&self) -> RandomStreams {
         let lives = (*self.lives).clone();
         let stream = |purpose| Stream::new(lives.seed(), purpose, 0);
-        Hand { breaking: stream(Purpose::Breaking), diffusion: stream(Purpose::Diffusion), lives }
+        RandomStreams { breaking: stream(Purpose::Breaking), diffusion: stream(Purpose::Diffusion), lives }
     }
 
     /// A contact as it is at t = 0, before anything breaks.
-    fn drawn(&self, index: u32, hand: &mut Hand) -> ContactInTime {
-        let life = hand.lives.first(index.into());
+    fn drawn(&self, index: u32, streams: &mut RandomStreams) -> ContactInTime {
+        let life = streams.lives.first(index.into());
         let mut contact = ContactInTime {
             index,
-            drawn: hand.lives.drawn(),
+            drawn: streams.lives.drawn(),
             words: [0; 2],
             holds: false,
             formed: 0.0,
@@ -188,17 +191,24 @@ impl EnsembleInTime {
         contact
     }
 
-    /// All contacts go a leg, unless the monitor asks to stop: then some have gone it, and no sums are made of them.
-    fn go(&mut self, leg: &Segment, monitor: &mut dyn Monitor) -> Result<()> {
+    /// Advances all contacts by a segment, unless the monitor stops it: then some have advanced, and sums are
+    /// not updated.
+    fn advance(&mut self, segment: &Segment, monitor: &mut dyn Monitor) -> Result<()> {
         let mut contacts = std::mem::take(&mut self.contacts);
         let chunks: Vec<Mutex<&mut [ContactInTime]>> = contacts.chunks_mut(CHUNK).map(Mutex::new).collect();
-        let chunk = |hand: &mut Hand, number: usize| {
+        let chunk = |streams: &mut RandomStreams, number: usize| {
             let mut contacts = chunks[number].lock().unwrap_or_else(PoisonError::into_inner);
-            contacts.iter_mut().fold((Toll::default(), SumsInTime::default()), |(toll, sums), contact| {
-                (toll.plus(self.live(contact, *leg, hand)), sums.plus(self.look(contact, leg)))
-            })
+            contacts.iter_mut().fold(
+                (SegmentTotals::default(), SumsInTime::default()),
+                |(totals, sums), contact| {
+                    (
+                        totals.plus(self.live(contact, *segment, streams)),
+                        sums.plus(self.contribution(contact, segment)),
+                    )
+                },
+            )
         };
-        let gone = Watch::new(monitor).share(chunks.len(), || self.hand(), chunk);
+        let gone = Watch::new(monitor).share(chunks.len(), || self.streams(), chunk);
         self.contacts = contacts;
         let gone = gone?;
         self.now = gone.iter().fold(SumsInTime::default(), |sum, chunk| sum.plus(chunk.1));
@@ -206,59 +216,64 @@ impl EnsembleInTime {
         Ok(())
     }
 
-    /// A contact goes a leg, in as many lives as it takes.
-    fn live(&self, contact: &mut ContactInTime, mut leg: Segment, hand: &mut Hand) -> Toll {
-        let mut toll = Toll::default();
-        hand.take(contact);
+    /// Advances a contact by a segment, in as many lives as needed.
+    fn live(
+        &self,
+        contact: &mut ContactInTime,
+        mut segment: Segment,
+        streams: &mut RandomStreams,
+    ) -> SegmentTotals {
+        let mut totals = SegmentTotals::default();
+        streams.take(contact);
         loop {
             if !contact.holds {
-                if contact.held.birth > leg.end {
-                    return toll;
+                if contact.held.birth > segment.end {
+                    return totals;
                 }
-                leg = leg.from(contact.held.birth);
-                self.form(contact, leg.position, hand);
-                toll.lost -= self.energy(contact, &leg, leg.start);
+                segment = segment.from(contact.held.birth);
+                self.form(contact, segment.position, streams);
+                totals.lost -= self.energy(contact, &segment, segment.start);
             }
-            let end = self.end(contact, &leg, hand, &mut toll.gained);
-            contact.words[1] = hand.diffusion.taken();
-            let Some(end) = end else { return toll };
-            toll.lost += self.energy(contact, &leg, end);
-            toll.broken += 1.0;
-            hand.lives.resume(contact.index.into(), contact.drawn, contact.held.newborn);
-            let next = hand.lives.next();
-            contact.drawn = hand.lives.drawn();
+            let end = self.end(contact, &segment, streams, &mut totals.gained);
+            contact.words[1] = streams.diffusion.taken();
+            let Some(end) = end else { return totals };
+            totals.lost += self.energy(contact, &segment, end);
+            totals.broken += 1.0;
+            streams.lives.resume(contact.index.into(), contact.drawn, contact.held.newborn);
+            let next = streams.lives.next();
+            contact.drawn = streams.lives.drawn();
             contact.live(next, end + self.delay);
         }
     }
 
-    fn form(&self, contact: &mut ContactInTime, position: f64, hand: &mut Hand) {
+    fn form(&self, contact: &mut ContactInTime, position: f64, streams: &mut RandomStreams) {
         contact.held.origin = position - contact.formed;
-        contact.remaining_hazard = hand.remaining_hazard(contact, self.passage.is_hot());
+        contact.remaining_hazard = streams.remaining_hazard(contact, self.passage.is_thermal());
         contact.holds = true;
     }
 
-    /// When a contact breaks on a leg, if it does; what ageing brings meanwhile is added to `gained`.
+    /// The time at which a contact breaks on a segment, if it does; the work of ageing is added to `gained`.
     fn end(
         &self,
         contact: &mut ContactInTime,
-        leg: &Segment,
-        hand: &mut Hand,
+        segment: &Segment,
+        streams: &mut RandomStreams,
         gained: &mut f64,
     ) -> Option<f64> {
-        // In a relaxed start some are beyond their thresholds.
+        // In a relaxed start some are above their thresholds.
         if contact.formed >= contact.held.newborn {
-            return Some(leg.start);
+            return Some(segment.start);
         }
         let ContactInTime { held, remaining_hazard, wandering, .. } = contact;
         match self.passage.as_ref() {
             Passage::KnownThreshold(known) => {
-                let end = known.on(held, leg, remaining_hazard);
-                *gained += known.gained(held, leg, end.unwrap_or(leg.end));
+                let end = known.on(held, segment, remaining_hazard);
+                *gained += known.gained(held, segment, end.unwrap_or(segment.end));
                 end
             }
             Passage::Diffusing(diffusion) => {
-                let stream = &mut hand.diffusion;
-                diffusion.on(held, wandering, leg, remaining_hazard, stream, gained)
+                let stream = &mut streams.diffusion;
+                diffusion.on(held, wandering, segment, remaining_hazard, stream, gained)
             }
         }
     }
@@ -270,21 +285,22 @@ impl EnsembleInTime {
             (_, Passage::KnownThreshold(known)) => known.threshold(&contact.held, time),
             (_, Passage::Diffusing(_)) => contact.wandering.threshold(),
         };
-        stiffness(self.stiffness, threshold)
+        self.stiffness.of(threshold)
     }
 
     /// ½k x² at a time of a leg.
-    fn energy(&self, contact: &ContactInTime, leg: &Segment, time: f64) -> f64 {
-        let stretch = contact.stretch(leg.position(time));
+    fn energy(&self, contact: &ContactInTime, segment: &Segment, time: f64) -> f64 {
+        let stretch = contact.stretch(segment.position(time));
         0.5 * self.stiffness(contact, time) * stretch * stretch
     }
 
-    /// What a contact adds to the sums at the end of a leg.
-    fn look(&self, contact: &ContactInTime, leg: &Segment) -> SumsInTime {
+    /// Contribution of a contact to the sums at the end of a segment.
+    fn contribution(&self, contact: &ContactInTime, segment: &Segment) -> SumsInTime {
         if !contact.holds {
             return SumsInTime::default();
         }
-        let (stiffness, stretch) = (self.stiffness(contact, leg.end), contact.stretch(leg.position(leg.end)));
+        let (stiffness, stretch) =
+            (self.stiffness(contact, segment.end), contact.stretch(segment.position(segment.end)));
         let force = stiffness * stretch;
         SumsInTime { count: 1.0, stiffness, force, energy: 0.5 * force * stretch }
     }
@@ -301,7 +317,7 @@ impl SumsInTime {
     }
 }
 
-impl Toll {
+impl SegmentTotals {
     fn plus(self, other: Self) -> Self {
         Self {
             broken: self.broken + other.broken,
@@ -329,7 +345,7 @@ impl RateDependentContacts for EnsembleInTime {
     }
 
     fn books(&self) -> Books {
-        let Toll { broken, lost, gained } = self.past;
+        let SegmentTotals { broken, lost, gained } = self.past;
         let [elastic, lost, gained] = [self.now.energy, lost, gained].map(|energy| self.scale * energy);
         Books { elastic, lost, gained, broken: broken / self.contacts.len() as f64 }
     }
@@ -356,8 +372,8 @@ impl RateDependentContacts for EnsembleInTime {
             return Err(Error::invalid("by", "a finite length, 0 or above", by));
         }
         let end = self.time + during;
-        let leg = Segment { start: self.time, end, position: self.position, velocity: by / during };
-        self.go(&leg, monitor)?;
+        let segment = Segment { start: self.time, end, position: self.position, velocity: by / during };
+        self.advance(&segment, monitor)?;
         (self.time, self.position) = (end, self.position + by);
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! What contacts that move together carry and store.
+//! Sums of force and energy over contacts that move together.
 
 use super::queue::QueuedContact;
 use crate::contacts::Stiffness;
@@ -22,7 +22,7 @@ impl Sums {
         Self { base: 0.0, per_threshold, moments: Default::default() }
     }
 
-    /// Sums anew, with X as the base.
+    /// Recomputes the sums, with X as the base.
     pub(super) fn renew<'a>(&mut self, position: f64, contacts: impl Iterator<Item = &'a QueuedContact>) {
         (self.base, self.moments) = (position, Default::default());
         contacts.for_each(|contact| self.add(contact));

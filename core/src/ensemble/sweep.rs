@@ -1,17 +1,15 @@
-//! Contacts on their way, from break to break, and what they leave behind.
+//! Contacts on their way through a pull, from break to break, and their contributions to the results.
 
 use std::ops::Range;
 
+use super::Ensemble;
 use super::break_batch::BreakBatch;
+use super::contact::Contact;
 use super::lives::{ContactLife, Lives};
-use super::tally::{HistogramGrid, Ruler, TallyCell};
-use super::{Ensemble, Snapshots};
+use super::snapshots::Snapshots;
+use super::tally::{PositionGrid, TallyCell, UniformGrid};
 
-/// Breaks closer to a position than this, relatively, are at it: contacts that break together do so
-/// where they should, whatever the rounding of sums of thresholds. Continuous laws do not notice.
-pub(super) const TOGETHER: f64 = 1e-12;
-
-/// What one chunk of contacts adds.
+/// Contribution of one chunk of contacts.
 pub(super) struct Chunk<C> {
     pub(super) cells: Vec<C>,
     pub(super) histograms: Vec<Vec<u64>>,
@@ -27,32 +25,11 @@ impl<C: TallyCell> Chunk<C> {
     }
 }
 
-/// A contact between two breaks: its stretch is X − `origin`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Contact {
-    pub(super) origin: f64,
-    pub(super) threshold: f64,
-}
-
-impl Contact {
-    /// Where it breaks, less the rounding of sums.
-    #[inline(always)]
-    pub(super) fn end(&self) -> f64 {
-        (self.origin + self.threshold) * (1.0 - TOGETHER)
-    }
-
-    /// Its stretch, and what its stiffness goes with.
-    #[inline(always)]
-    pub(super) fn at(&self, position: f64) -> (f64, f64) {
-        (position - self.origin, self.threshold)
-    }
-}
-
-/// A pull, seen by its contacts.
+/// A pull, as seen by its contacts.
 pub(super) struct Sweep<'a> {
     pub(super) ensemble: &'a Ensemble,
-    pub(super) grid: HistogramGrid<'a>,
-    pub(super) ruler: Option<Ruler>,
+    pub(super) grid: PositionGrid<'a>,
+    pub(super) uniform: Option<UniformGrid>,
     pub(super) positions: &'a [f64],
     pub(super) snapshots: &'a Snapshots,
 }
@@ -63,13 +40,13 @@ impl Sweep<'_> {
         Chunk { cells, histograms: self.snapshots.histograms(), breaks: 0 }
     }
 
-    /// Adds contacts to a chunk, each of which is expected to break so many times.
+    /// Adds contacts to a chunk, each expected to break `expected` times.
     pub(super) fn add<C: TallyCell>(&self, contacts: Range<usize>, expected: usize, chunk: &mut Chunk<C>) {
         let mut lives = Lives::new(self.ensemble, expected);
-        let mut volley = BreakBatch::new();
+        let mut batch = BreakBatch::new();
         for index in contacts {
             let first = lives.first(index as u64);
-            self.follow(first, &mut lives, &mut volley, chunk);
+            self.follow(first, &mut lives, &mut batch, chunk);
         }
     }
 
@@ -78,12 +55,12 @@ impl Sweep<'_> {
         &self,
         first: ContactLife,
         lives: &mut Lives,
-        volley: &mut BreakBatch<C>,
+        batch: &mut BreakBatch<C>,
         chunk: &mut Chunk<C>,
     ) {
         let last = self.positions[self.positions.len() - 1];
         let mut life = first;
-        // Only a relaxed start has contacts at or above their thresholds: they break where they are.
+        // Only in a relaxed start contacts are at or above their thresholds: they break at once.
         if life.stretch >= life.threshold {
             chunk.breaks += 1;
             life = lives.next();
@@ -94,7 +71,7 @@ impl Sweep<'_> {
         let mut snapshots = self.snapshots.positions.iter().zip(histograms).peekable();
         loop {
             let until = snapshots.peek().map_or(last, |(position, _)| **position);
-            contact = self.rush(contact, until, lives, volley, cells, breaks);
+            contact = self.advance_drawn(contact, until, lives, batch, cells, breaks);
             let end = contact.end();
             while let Some((position, histogram)) = snapshots.next_if(|(position, _)| **position < end) {
                 self.snapshots.count(position - contact.origin, histogram);
@@ -102,32 +79,32 @@ impl Sweep<'_> {
             if end > last {
                 return;
             }
-            contact = self.strike(contact, lives.next(), cells);
+            contact = self.break_contact(contact, lives.next(), cells);
             *breaks += 1;
         }
     }
 
-    /// As many breaks by `until` as there are lives drawn ahead.
+    /// The breaks by `until`, for the lives drawn ahead.
     #[inline(never)]
-    fn rush<C: TallyCell>(
+    fn advance_drawn<C: TallyCell>(
         &self,
         contact: Contact,
         until: f64,
         lives: &mut Lives,
-        volley: &mut BreakBatch<C>,
+        batch: &mut BreakBatch<C>,
         cells: &mut [C],
         breaks: &mut u64,
     ) -> Contact {
-        let coming = lives.plain();
-        let at_once = volley.fire(contact, until, coming, self.ruler, cells);
-        let (contact, taken) = at_once.unwrap_or_else(|| self.one_by_one(contact, until, coming, cells));
+        let upcoming = lives.drawn_ahead();
+        let at_once = batch.advance_batch(contact, until, upcoming, self.uniform, cells);
+        let (contact, taken) = at_once.unwrap_or_else(|| self.one_by_one(contact, until, upcoming, cells));
         lives.skip(taken);
         *breaks += taken as u64;
         contact
     }
 
-    /// As many of the `coming` lives as begin by `until`; how many they were. The contact stays in
-    /// registers, which is what makes this loop worth having.
+    /// Processes those of the `upcoming` lives that begin by `until`; returns their number. The contact stays
+    /// in registers, which makes this loop fast.
     #[inline(always)]
     fn one_by_one<C: TallyCell>(
         &self,
@@ -140,14 +117,14 @@ impl Sweep<'_> {
             if contact.end() > until || threshold <= stretch {
                 return (contact, taken);
             }
-            contact = self.strike(contact, ContactLife { stretch, threshold }, cells);
+            contact = self.break_contact(contact, ContactLife { stretch, threshold }, cells);
         }
         (contact, thresholds.len())
     }
 
     /// One break, and the life after it.
     #[inline(always)]
-    fn strike<C: TallyCell>(&self, contact: Contact, next: ContactLife, cells: &mut [C]) -> Contact {
+    fn break_contact<C: TallyCell>(&self, contact: Contact, next: ContactLife, cells: &mut [C]) -> Contact {
         let (cell, position) = self.grid.at_or_above(contact.end());
         let origin = contact.origin + (contact.threshold - next.stretch);
         let next = Contact { origin, threshold: next.threshold };
@@ -174,25 +151,27 @@ mod tests {
         let initial = Initial { law: point(0.1), start: Start::Conditional };
         let ensemble = Ensemble::new(contacts, initial, 1, 1, Disorder::Annealed).unwrap();
         let positions: Vec<f64> = (0..=4000).map(|i| 200.0 * (f64::from(i) / 4000.0)).collect();
-        let (grid, ruler, last) = (HistogramGrid::new(&positions), Ruler::of(&positions).unwrap(), 200.0);
+        let (grid, uniform, last) =
+            (PositionGrid::new(&positions), UniformGrid::of(&positions).unwrap(), 200.0);
         let snapshots = &Snapshots::default();
-        let sweep = Sweep { ensemble: &ensemble, grid, ruler: Some(ruler), positions: &positions, snapshots };
+        let sweep =
+            Sweep { ensemble: &ensemble, grid, uniform: Some(uniform), positions: &positions, snapshots };
         let mut thresholds = [0.0; 128];
         law.fill(&mut Stream::new(1, Purpose::Sample, 0), &mut thresholds);
         let start = Contact { origin: -0.1, threshold: 0.93 };
-        let mut volley = BreakBatch::new();
+        let mut batch = BreakBatch::new();
         // One by one; at once, compiled for any machine; at once on the widest registers of this one.
         let [one_by_one, anywhere, here] = [0, 1, 2].map(|way| {
             let mut cells = vec![C::ZERO; positions.len()];
             let jobs = [(1, last), (50, last), (64, last), (128, last), (128, 40.0)];
             let ends = jobs.map(|(length, until)| {
-                let coming = (&thresholds[..length], stretch);
+                let upcoming = (&thresholds[..length], stretch);
                 let done = match way {
                     0 => None,
-                    1 => Some(volley.all(start, until, coming, ruler, &mut cells)),
-                    _ => volley.fire(start, until, coming, Some(ruler), &mut cells),
+                    1 => Some(batch.all(start, until, upcoming, uniform, &mut cells)),
+                    _ => batch.advance_batch(start, until, upcoming, Some(uniform), &mut cells),
                 };
-                done.unwrap_or_else(|| sweep.one_by_one(start, until, coming, &mut cells))
+                done.unwrap_or_else(|| sweep.one_by_one(start, until, upcoming, &mut cells))
             });
             (ends, cells.iter().map(C::sums).collect::<Vec<_>>())
         });

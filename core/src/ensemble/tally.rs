@@ -1,13 +1,13 @@
-//! Sums over contacts at given positions, from what changes at each break.
+//! Sums over contacts at given positions, from the changes at each break.
 //!
 //! Between breaks a contact of stiffness k carries kx with dx/dX = 1. Sums of kx and (kx)² at successive
-//! positions thus follow from each other and from the jumps at the breaks in between, *both sides of
-//! which are taken at the later position*: nothing grows with X, so nothing cancels.
+//! positions therefore follow from each other and from the jumps at the breaks in between, *both sides of
+//! which are evaluated at the later position*: nothing grows with X, so nothing cancels.
 
 use crate::Result;
 use crate::monitor::{Monitor, report};
 
-/// What is remembered between two positions: jumps, summed over breaks.
+/// The jumps between two positions, summed over breaks.
 pub(super) trait TallyCell: Copy + Send + Sync {
     /// What a break adds.
     type Change: Copy + Default;
@@ -108,20 +108,20 @@ impl TallyCell for Different {
     }
 }
 
-/// Rising values, and the first of them that is not below a given one.
-pub(super) struct HistogramGrid<'a> {
+/// Rising values, with a search for the first that is not below a given one.
+pub(super) struct PositionGrid<'a> {
     values: &'a [f64],
-    /// Steps per length and where they count from, if the values are evenly spaced to a thousandth of a step.
+    /// Steps per length and the offset, if the values are evenly spaced to a thousandth of a step.
     even: Option<(f64, f64)>,
 }
 
-impl<'a> HistogramGrid<'a> {
+impl<'a> PositionGrid<'a> {
     pub(super) fn new(values: &'a [f64]) -> Self {
         let (first, last) = (values[0], values[values.len() - 1]);
         let step = (last - first) / (values.len() - 1).max(1) as f64;
         let off = |(i, x): (usize, &f64)| (x - (first + i as f64 * step)).abs() > 1e-3 * step;
         let even = step > 0.0 && !values.iter().enumerate().any(off);
-        // Never too high, as values are where they should be to a thousandth; hardly ever too low.
+        // Never too high, since values are right to a thousandth; hardly ever too low.
         Self { values, even: even.then_some((1.0 / step, 0.498 - first / step)) }
     }
 
@@ -137,28 +137,29 @@ impl<'a> HistogramGrid<'a> {
     }
 }
 
-/// Values `first` + `reach` (i/`steps`), of which the next is found without looking one up: wide registers find many at once.
+/// A uniform grid `first` + `reach` (i/`steps`); the next node is computed, not searched, so that the loop
+/// vectorises.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Ruler {
+pub(super) struct UniformGrid {
     first: f64,
     reach: f64,
     steps: f64,
-    /// Steps per length and where they count from.
+    /// Steps per length, and the offset.
     density: f64,
     offset: f64,
 }
 
-impl Ruler {
-    /// The one with these very values, if there is one.
+impl UniformGrid {
+    /// The grid with exactly these values, if there is one.
     pub(super) fn of(values: &[f64]) -> Option<Self> {
-        // In steps, more than rounding moves the place of a value.
+        // In steps: more than the rounding of a value.
         const OFF: f64 = 1e-6;
         let (first, last) = (values[0], values[values.len() - 1]);
         let (way, steps) = (last - first, (values.len() - 1) as f64);
         let (density, offset) = (steps / way, 0.5 - OFF - first * (steps / way));
-        let ruler = |reach, steps| Self { first, reach, steps, density, offset };
-        let exact = |ruler: &Self| values.iter().enumerate().all(|(i, &x)| x == ruler.value(i as f64));
-        [ruler(way, steps), ruler(way / steps, 1.0)].into_iter().find(exact).filter(|_| way > 0.0)
+        let grid = |reach, steps| Self { first, reach, steps, density, offset };
+        let exact = |grid: &Self| values.iter().enumerate().all(|(i, &x)| x == grid.value(i as f64));
+        [grid(way, steps), grid(way / steps, 1.0)].into_iter().find(exact).filter(|_| way > 0.0)
     }
 
     #[inline(always)]
@@ -166,7 +167,8 @@ impl Ruler {
         self.first + self.reach * (index / self.steps)
     }
 
-    /// The index of the first value ≥ `x`, and that value; once in a million times those before, which are below.
+    /// The index of the first value ≥ `x`, and that value; with a probability of 1e-6 the one before, which
+    /// is below.
     #[inline(always)]
     pub(super) fn guess(&self, x: f64) -> (u32, f64) {
         let whole = (x * self.density + self.offset).max(0.0) + POWER;
@@ -174,7 +176,7 @@ impl Ruler {
     }
 }
 
-/// It pushes the fraction of what it is added to out of the mantissa, and leaves the whole number next to it there.
+/// Adding this shifts the fraction out of the mantissa and leaves the nearest integer there.
 const POWER: f64 = (1u64 << 52) as f64;
 
 /// The whole number next to `x` < 2³², 0 for negative ones, in fewer instructions than a cast.
@@ -223,7 +225,7 @@ pub(super) fn forces<C: TallyCell>(
 
 #[cfg(test)]
 mod tests {
-    use super::{HistogramGrid, Ruler, nearest};
+    use super::{PositionGrid, UniformGrid, nearest};
 
     #[test]
     fn a_ruler_finds_what_the_grid_holds() {
@@ -232,16 +234,16 @@ mod tests {
         let grids: [Vec<f64>; 4] =
             [by_steps(0.0, 0.05), by_steps(3.0, 0.25), by_steps(0.0, 1e-3), to_the_end];
         for values in grids {
-            let (grid, ruler) = (HistogramGrid::new(&values), Ruler::of(&values).unwrap());
+            let (grid, grid) = (PositionGrid::new(&values), UniformGrid::of(&values).unwrap());
             let step = values[1] - values[0];
             let near =
                 values[..2000].iter().flat_map(|&x| [x - 1e-5 * step, x, x + 1e-5 * step, x + 0.6 * step]);
             for x in near.chain([-1.0]) {
-                let (index, value) = ruler.guess(x);
+                let (index, value) = grid.guess(x);
                 assert_eq!((index as usize, value), grid.at_or_above(x), "{x}");
             }
             // Nothing is compared: just above a value, it is taken for the next one.
-            let (index, value) = ruler.guess(values[7].next_up());
+            let (index, value) = grid.guess(values[7].next_up());
             assert_eq!((index, value), (7, values[7]));
         }
     }
@@ -249,7 +251,7 @@ mod tests {
     #[test]
     fn other_values_have_no_ruler() {
         for values in [&[0.0, 0.1, 0.2 + 1e-12, 0.3][..], &[0.0, 0.1, 0.5], &[1.0], &[1.0, 1.0]] {
-            assert_eq!(Ruler::of(values), None);
+            assert_eq!(UniformGrid::of(values), None);
         }
     }
 

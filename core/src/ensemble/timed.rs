@@ -1,29 +1,33 @@
-//! An ensemble followed in time, one contact after another, in parallel and yet the same bits on any number of threads.
+//! An ensemble followed in time, one contact after another, in parallel, with the same bits on any number of
+//! threads.
 
 use std::ops::Range;
 
+use super::Ensemble;
+use super::attached::AttachedContact;
+use super::contact::TOGETHER;
 use super::lives::{ContactLife, Lives};
-use super::passage::{AttachedContact, Passage};
-use super::pull::rising;
-use super::sweep::TOGETHER;
-use super::{Ensemble, EnsemblePull, Snapshots};
+use super::passage::Passage;
+use super::pull::EnsemblePull;
+use super::snapshots::{Snapshots, rising};
 use crate::contacts::{Contacts, Stiffness};
 use crate::history::{History, Piece};
 use crate::monitor::{Aside, Monitor, Watch, report};
 use crate::random::{Purpose, Stream};
 use crate::{Error, Result};
 
-/// Chunks into which a large ensemble is cut, and the fewest contacts in one: nothing of it depends on the machine.
+/// Number of chunks of a large ensemble, and the smallest number of contacts in one; independent of the
+/// machine.
 const CHUNKS: usize = 256;
 const FEWEST: usize = 16;
 
-/// Contacts after which it is asked whether to go on, and breaks.
+/// Contacts, and breaks, between two questions to the monitor.
 const ASKED: usize = 16;
 
-/// Draws made ahead for a contact.
+/// Values drawn ahead for a contact.
 const AHEAD: usize = 8;
 
-/// The outcome of following an ensemble in time; what breaks at a time has broken then.
+/// Results of an ensemble followed in time; contacts that break at a given time have broken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnsembleTrace {
     /// The times t.
@@ -32,24 +36,24 @@ pub struct EnsembleTrace {
     pub position: Vec<f64>,
     /// Force, scaled to the number of real contacts.
     pub force: Vec<f64>,
-    /// Its standard error, from the scatter of single contacts; not finite for an ensemble of one.
+    /// Its standard error, from the variance over contacts; not finite for an ensemble of one.
     pub error: Vec<f64>,
-    /// Fraction of the contacts that are broken and have not yet re-formed.
+    /// Fraction of free contacts.
     pub free: Vec<f64>,
     /// Breaks up to the last time, those of a relaxed start included.
     pub breaks: u64,
 }
 
 impl Ensemble {
-    /// Follows the contacts under a slider that moves as `history` says, and tells of them at `times`, which rise from 0 or
-    /// above and do not go beyond its end.
+    /// Follows the contacts under a slider that moves as in `history`, with results at `times`, which rise
+    /// from 0 or above and do not exceed its end.
     ///
-    /// A contact breaks when its stretch meets its present threshold, or when heat breaks it before; it is then free for the
-    /// delay, and re-forms at age 0.
+    /// A contact breaks when its stretch reaches its present threshold, or thermally before; it is then free
+    /// for the delay, and re-forms at age 0.
     ///
     /// # Errors
-    /// Times that do not rise, or lie outside the history; ageing by a rule that single contacts cannot follow; stopped by
-    /// `monitor`.
+    /// Times that do not rise, or lie outside the history; ageing by a rule that single contacts cannot
+    /// follow; stopped by `monitor`.
     pub fn follow(
         &self,
         history: &History,
@@ -99,15 +103,15 @@ impl Ensemble {
     }
 }
 
-/// A time at which contacts are looked at.
+/// A time at which contacts are observed.
 #[derive(Debug, Clone, Copy)]
-struct BreakMark {
+struct ObservationTime {
     time: f64,
     position: f64,
     look: Observation,
 }
 
-/// What is seen of a contact, and where it is added.
+/// What is observed of a contact, and the index of the result.
 #[derive(Debug, Clone, Copy)]
 enum Observation {
     Force(usize),
@@ -122,7 +126,7 @@ struct TimedSums {
     free: f64,
 }
 
-/// What one chunk of contacts adds.
+/// Contribution of one chunk of contacts.
 struct TimedChunk {
     sums: Vec<TimedSums>,
     histograms: Vec<Vec<u64>>,
@@ -148,13 +152,13 @@ struct TimedDraws {
     diffusion: Stream,
 }
 
-/// A history, seen by its contacts.
+/// A history, as seen by its contacts.
 struct Follow<'a> {
     ensemble: &'a Ensemble,
     passage: Passage,
     history: &'a History,
     snapshots: &'a Snapshots,
-    marks: Vec<BreakMark>,
+    marks: Vec<ObservationTime>,
     /// Their times.
     times: Vec<f64>,
 }
@@ -168,10 +172,10 @@ impl<'a> Follow<'a> {
         (snapshots, shots): (&'a Snapshots, &[f64]),
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let mark = |time, look| BreakMark { time, position: history.position(time), look };
+        let mark = |time, look| ObservationTime { time, position: history.position(time), look };
         let forces = times.iter().enumerate().map(|(i, &time)| mark(time, Observation::Force(i)));
         let stretches = shots.iter().enumerate().map(|(i, &time)| mark(time, Observation::Stretch(i)));
-        let mut marks: Vec<BreakMark> = forces.chain(stretches).collect();
+        let mut marks: Vec<ObservationTime> = forces.chain(stretches).collect();
         marks.sort_by(|a, b| a.time.total_cmp(&b.time));
         let times = marks.iter().map(|mark| mark.time).collect();
         Ok(Self { ensemble, passage: Passage::of(ensemble, monitor)?, history, snapshots, marks, times })
@@ -189,7 +193,7 @@ impl<'a> Follow<'a> {
                 let start = round[number];
                 self.chunk(start..all.min(start + size), &watch)
             };
-            // Summed in the order of contacts, whichever thread was first.
+            // Summed in the order of contacts, for any number of threads.
             let chunks = watch.share(round.len(), || (), chunk)?;
             watch.check()?;
             chunks.iter().for_each(|chunk| total.merge(chunk));
@@ -207,7 +211,7 @@ impl<'a> Follow<'a> {
         }
     }
 
-    /// Some contacts, or fewer once the monitor has asked to stop.
+    /// Some contacts, or fewer once the monitor has stopped it.
     fn chunk(&self, contacts: Range<usize>, watch: &Watch<'_>) -> TimedChunk {
         let mut chunk = self.nothing();
         let mut lives = Lives::new(self.ensemble, AHEAD);
@@ -243,13 +247,13 @@ impl<'a> Follow<'a> {
         }
     }
 
-    /// The marks from `next` on that come before an event, but for rounding.
+    /// The marks from `next` on before an event, up to rounding.
     fn before(&self, event: f64, next: usize) -> Range<usize> {
         let reached = |time: &&f64| **time < event * (1.0 - TOGETHER);
         next..next + self.times[next..].iter().take_while(reached).count()
     }
 
-    /// A broken contact: when it re-forms, and the next mark.
+    /// A free contact: returns when it re-forms, and the next mark.
     fn wait(&self, broken: f64, next: usize, chunk: &mut TimedChunk) -> (f64, usize) {
         chunk.breaks += 1;
         let birth = broken + self.ensemble.contacts.rules.delay;
@@ -262,7 +266,7 @@ impl<'a> Follow<'a> {
         (birth, passed.end)
     }
 
-    /// A contact that holds: when it breaks, and the next mark.
+    /// An attached contact: returns when it breaks, and the next mark.
     fn hold(
         &self,
         birth: f64,

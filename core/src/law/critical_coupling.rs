@@ -1,26 +1,26 @@
-//! The coupling at which contacts break in one avalanche.
+//! The critical coupling of a mean-field model, at which contacts break in one avalanche.
 
 use super::Law;
-use super::places::places;
+use super::panels::panel_boundaries;
 use crate::numerics::roots::brent_minimum;
 
-/// κ_c = 1/max(x p(x)), the coupling at which contacts with thresholds of this law break in one avalanche: 0 where some
-/// are identical.
+/// κ_c = 1/max(x p(x)), the coupling at which contacts with this distribution of thresholds break in one
+/// avalanche; 0 if some thresholds are identical.
 pub fn critical_coupling(law: &dyn Law) -> f64 {
     if law.atoms().iter().any(|atom| atom.position > 0.0) {
         return 0.0;
     }
-    let ends = places(law);
+    let ends = panel_boundaries(law);
     ends.windows(2).map(|cell| peak(law, cell[0], cell[1])).fold(0.0, f64::max).recip()
 }
 
-/// x p(x), 0 where either is.
+/// x p(x), with 0 × ∞ = 0.
 pub(super) fn weighted(law: &dyn Law, x: f64) -> f64 {
     let density = law.density(x);
     if x == 0.0 || density == 0.0 { 0.0 } else { x * density }
 }
 
-/// The highest x p(x) from `low` up to, not at, `high`, where p is smooth.
+/// The maximum of x p(x) on [`low`, `high`), where p is smooth.
 fn peak(law: &dyn Law, low: f64, high: f64) -> f64 {
     const PARTS: usize = 8;
     let at = |k: usize| (low + (high - low) * k as f64 / PARTS as f64).min(high.next_down()).max(low);

@@ -1,20 +1,20 @@
-//! The exponential law: contacts without memory.
+//! The exponential distribution: contacts without memory.
 
 use num_complex::Complex64;
 use rand_distr::{Distribution, Exp1};
 
-use super::{Break, Law, Parameter, SharedLaw, onset, positive, shared, unknown};
+use super::{Breakpoint, Law, Parameter, SharedLaw, breakpoint_at_zero, positive, shared, unknown};
 use crate::Result;
 use crate::random::Stream;
 
-/// Exponential of mean m: S(x) = exp(−x/m), with the constant hazard 1/m.
+/// Exponential distribution of mean m: S(x) = exp(−x/m), constant hazard rate 1/m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exponential {
     mean: f64,
 }
 
 impl Exponential {
-    /// The law.
+    /// The distribution of this mean.
     ///
     /// # Errors
     /// A mean that is not finite and above 0.
@@ -77,8 +77,8 @@ impl Law for Exponential {
         self.mean
     }
 
-    fn breaks(&self) -> Vec<Break> {
-        onset(0.0, 1.0 / self.mean)
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        breakpoint_at_zero(0.0, 1.0 / self.mean)
     }
 
     fn decay_rate(&self) -> f64 {

@@ -1,16 +1,19 @@
-//! The gamma law: sums of exponential waits, a tail between exponential and Gaussian.
+//! The gamma distribution: sums of exponential waiting times.
 
 use num_complex::Complex64;
 use rand_distr::Distribution;
 
 use super::incomplete_gamma::{GammaShape, IncompleteGamma};
-use super::{Break, Law, Parameter, SharedLaw, crossing, onset, positive, shared, unknown};
+use super::{
+    Breakpoint, Law, Parameter, SharedLaw, breakpoint_at_zero, invert_ln_survival, positive, shared, unknown,
+};
 use crate::random::Stream;
 use crate::{Error, Result};
 
-/// Gamma of mean m and standard deviation σ: p(x) = x^{k−1} e^{−x/θ}/(Γ(k) θᵏ), shape k = (m/σ)², θ = σ²/m.
+/// Gamma distribution of mean m and standard deviation σ: p(x) = x^{k−1} e^{−x/θ}/(Γ(k) θᵏ) with shape k =
+/// (m/σ)² and scale θ = σ²/m.
 ///
-/// Density, S and ln S are right to about 1e-15 (1 + |ln S|) relative, for any shape.
+/// Relative errors of density, S and ln S are about 1e-15 (1 + |ln S|), for any shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gamma {
     mean: f64,
@@ -21,7 +24,7 @@ pub struct Gamma {
 }
 
 impl Gamma {
-    /// The law.
+    /// The distribution of this mean and standard deviation.
     ///
     /// # Errors
     /// A mean or a standard deviation that is not finite and above 0.
@@ -37,7 +40,7 @@ impl Gamma {
         IncompleteGamma::new(&self.shape, x / self.scale, (x - self.mean) / self.mean)
     }
 
-    /// p(0⁺), also S there times the hazard.
+    /// p(0⁺), which is also the hazard rate there.
     fn density_at_zero(&self) -> f64 {
         match self.shape.a.total_cmp(&1.0) {
             std::cmp::Ordering::Less => f64::INFINITY,
@@ -87,11 +90,11 @@ impl Law for Gamma {
     }
 
     fn quantile(&self, p: f64) -> f64 {
-        crossing(|x| self.ln_survival(x), (-p).ln_1p())
+        invert_ln_survival(|x| self.ln_survival(x), (-p).ln_1p())
     }
 
     fn upper_quantile(&self, q: f64) -> f64 {
-        crossing(|x| self.ln_survival(x), q.ln())
+        invert_ln_survival(|x| self.ln_survival(x), q.ln())
     }
 
     /// θⁿ G_n with G_0 = Q and G_{n+1} = (k + n) G_n + yⁿ D, y = x/θ: Γ(a+1, y) = a Γ(a, y) + yᵃ e^{−y}.
@@ -109,8 +112,8 @@ impl Law for Gamma {
         self.std
     }
 
-    fn breaks(&self) -> Vec<Break> {
-        onset(self.shape.a - 1.0, self.scale.powf(-self.shape.a))
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        breakpoint_at_zero(self.shape.a - 1.0, self.scale.powf(-self.shape.a))
     }
 
     fn decay_rate(&self) -> f64 {
@@ -120,7 +123,7 @@ impl Law for Gamma {
     /// (1 + sθ)^{−k}, cut along the real axis below the singularity −1/θ.
     fn laplace(&self, s: Complex64) -> Complex64 {
         let w = s * self.scale;
-        // ln(1 + w), right where w is small and k large.
+        // ln(1 + w), accurate for small w and large k.
         let modulus = 0.5 * (2.0 * w.re + w.norm_sqr()).ln_1p();
         (-self.shape.a * Complex64::new(modulus, w.im.atan2(1.0 + w.re))).exp()
     }
@@ -143,7 +146,7 @@ mod tests {
             assert!((law.survival(x) / (-0.5 * x).exp() - 1.0).abs() < tolerance);
             assert!((law.hazard(x) - 0.5).abs() < 1e-15);
         }
-        assert_eq!(law.breaks(), [Break { position: 0.0, exponent: 0.0, amplitude: 0.5 }]);
+        assert_eq!(law.breakpoints(), [Breakpoint { position: 0.0, exponent: 0.0, amplitude: 0.5 }]);
     }
 
     #[test]

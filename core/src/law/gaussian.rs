@@ -1,22 +1,21 @@
-//! The Gaussian law conditioned on x ≥ 0.
+//! The Gaussian distribution conditioned on x ≥ 0.
 
 use std::f64::consts::SQRT_2;
 
 use num_complex::Complex64;
 
 use super::{
-    Break, Law, Parameter, SharedLaw, crossing, normal, not_negative, onset, positive, shared, unknown,
-    ziggurat,
+    Breakpoint, Law, Parameter, SharedLaw, breakpoint_at_zero, invert_ln_survival, normal, not_negative,
+    positive, shared, unknown, ziggurat,
 };
 use crate::Result;
 use crate::numerics::legendre::RULE;
 use crate::random::Stream;
 
-/// Gaussian of mean μ ≥ 0 and standard deviation σ, conditioned on x ≥ 0:
-/// p(x) = φ((x − μ)/σ) / (σ Φ(μ/σ)).
+/// Gaussian of mean μ ≥ 0 and standard deviation σ, conditioned on x ≥ 0: p(x) = φ((x − μ)/σ) / (σ Φ(μ/σ)).
 ///
-/// `mean` and `std` are μ and σ; [`Law::mean`] and [`Law::std`] are those of the conditioned law.
-/// ln S and the hazard are right to 1e-13, S to 5e-16 (1 + z²), relative, down to S = 1e-300.
+/// `mean` and `std` are μ and σ; [`Law::mean`] and [`Law::std`] are those of the conditioned distribution.
+/// Relative errors down to S = 1e-300: 1e-13 of ln S and the hazard rate, 5e-16 (1 + z²) of S.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gaussian {
     mean: f64,
@@ -28,7 +27,7 @@ pub struct Gaussian {
 }
 
 impl Gaussian {
-    /// The law.
+    /// The distribution of these parameters.
     ///
     /// # Errors
     /// A mean below 0, a standard deviation of 0 or below, or one of them not finite.
@@ -43,13 +42,13 @@ impl Gaussian {
         (x - self.mean) / self.std
     }
 
-    /// Below it P(ξ ≤ x) is the better known of the two tails.
+    /// Below this x, P(ξ ≤ x) is the smaller tail and is computed instead of S.
     fn bulk(&self) -> f64 {
         self.mean.max(self.std)
     }
 
-    /// P(ξ ≤ x) for 0 ≤ x ≤ max(μ, σ). Near 0 the difference of two Φ would cancel: there the density varies
-    /// by a factor of order e, and Gauss points are exact.
+    /// P(ξ ≤ x) for 0 ≤ x ≤ max(μ, σ). Near 0 the difference of two Φ would cancel; the density varies there
+    /// by a factor of order e, and Gauss quadrature is exact to rounding.
     fn below(&self, x: f64) -> f64 {
         if x * self.alpha.max(1.0) < self.std {
             return RULE.integrate(0.0, x, |t| self.density(t));
@@ -104,11 +103,11 @@ impl Law for Gaussian {
     }
 
     fn quantile(&self, p: f64) -> f64 {
-        crossing(|x| self.ln_survival(x), (-p).ln_1p())
+        invert_ln_survival(|x| self.ln_survival(x), (-p).ln_1p())
     }
 
     fn upper_quantile(&self, q: f64) -> f64 {
-        crossing(|x| self.ln_survival(x), q.ln())
+        invert_ln_survival(|x| self.ln_survival(x), q.ln())
     }
 
     /// M_n = μ M_{n−1} + (n−1) σ² M_{n−2} + σ² x^{n−1} p(x), by parts; no term is negative.
@@ -130,8 +129,8 @@ impl Law for Gaussian {
         self.std * (1.0 - lambda * (self.alpha + lambda)).sqrt()
     }
 
-    fn breaks(&self) -> Vec<Break> {
-        onset(0.0, self.density(0.0))
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        breakpoint_at_zero(0.0, self.density(0.0))
     }
 
     /// [exp(−sμ + s²σ²/2) − ½ exp(−α²/2) erfcx(−ζ)]/Φ(α) with ζ = (sσ − α)/√2 and erfcx(z) = exp(z²) erfc(z);
@@ -146,7 +145,7 @@ impl Law for Gaussian {
         ((0.5 * s * s * self.std * self.std - s * self.mean).exp() - tail(-zeta)) / self.above
     }
 
-    /// Rejection of draws below 0, at worst every other one.
+    /// Rejection of negative draws: at worst every other one.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
         ziggurat::fill(stream, out, |z| self.mean + self.std * z, |x| x >= 0.0);
     }

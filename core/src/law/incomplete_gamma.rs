@@ -1,8 +1,8 @@
-//! The incomplete gamma functions, right in both tails and for any shape.
+//! The incomplete gamma functions, accurate in both tails and for any shape.
 //!
-//! D(a, x) = xᵃ e⁻ˣ/Γ(a) is divided out, so that ratios stay right where P or Q underflow:
-//! the series of P/D below max(a, 1), Legendre's continued fraction of Q/D above (DLMF 8.7.1, 8.9.2), and for
-//! shapes above 20 around x = a Temme's uniform expansion, its coefficients by backward recurrence
+//! D(a, x) = xᵃ e⁻ˣ/Γ(a) is factored out, so that ratios stay accurate where P or Q underflow. Methods: the
+//! power series of P/D below max(a, 1); Legendre's continued fraction of Q/D above (DLMF 8.7.1, 8.9.2); for
+//! shapes above 20 around x = a Temme's uniform asymptotic expansion, its coefficients by backward recurrence
 //! (Gil, Segura & Temme, SIAM J. Sci. Comput. 34, A2965, 2012, §2.5).
 
 use std::f64::consts::{PI, TAU};
@@ -12,21 +12,19 @@ use puruspe::erfcx;
 /// Shapes from here on use asymptotic expansions.
 const LARGE: f64 = 20.0;
 
-/// A shape a > 0, with what follows from it alone.
+/// A shape a > 0 with Γ(a).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct GammaShape {
     pub(super) a: f64,
-    gamma: OfShape,
+    gamma: GammaOfShape,
 }
 
-/// Γ(a).
+/// Γ(a) in a form that does not overflow.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum OfShape {
-    Direct {
-        gamma: f64,
-        ln: f64,
-    },
-    /// Of a large shape, what Stirling's formula leaves of ln Γ(a).
+enum GammaOfShape {
+    /// Γ(a) and ln Γ(a).
+    Direct { gamma: f64, ln: f64 },
+    /// For a large shape: the remainder of Stirling's formula for ln Γ(a).
     Stirling(f64),
 }
 
@@ -38,7 +36,7 @@ pub(super) struct IncompleteGamma {
     tail: Tail,
 }
 
-/// The tail that does not come near 1, over D.
+/// The tail that does not approach 1, divided by D.
 #[derive(Debug, Clone, Copy)]
 enum Tail {
     Lower(f64),
@@ -47,13 +45,13 @@ enum Tail {
 
 impl GammaShape {
     pub(super) fn new(a: f64) -> Self {
-        let direct = || OfShape::Direct { gamma: libm::tgamma(a), ln: libm::lgamma(a) };
-        Self { a, gamma: if a >= LARGE { OfShape::Stirling(stirling(a)) } else { direct() } }
+        let direct = || GammaOfShape::Direct { gamma: libm::tgamma(a), ln: libm::lgamma(a) };
+        Self { a, gamma: if a >= LARGE { GammaOfShape::Stirling(stirling(a)) } else { direct() } }
     }
 }
 
 impl IncompleteGamma {
-    /// At x ≥ 0; `excess` is x/a − 1, which the caller may know better than from a and x.
+    /// At x ≥ 0. `excess` is x/a − 1, which the caller may know more accurately than a and x give it.
     pub(super) fn new(shape: &GammaShape, x: f64, excess: f64) -> Self {
         // As good as infinite, and nothing overflows.
         const FAR: f64 = 1e200;
@@ -103,13 +101,13 @@ impl IncompleteGamma {
 /// D(a, x) and its logarithm.
 fn kernel(&GammaShape { a, gamma }: &GammaShape, x: f64, excess: f64) -> (f64, f64) {
     match gamma {
-        OfShape::Stirling(rest) => {
+        GammaOfShape::Stirling(rest) => {
             // Far below x = a, 1 + excess has lost digits that x has.
             let exponent = if excess < -0.5 { (x / a).ln() - excess } else { ln_1p_minus(excess) };
             let ln = 0.5 * (a / TAU).ln() + a * exponent - rest;
             ((a / TAU).sqrt() * (a * exponent - rest).exp(), ln)
         }
-        OfShape::Direct { gamma, ln: ln_gamma } => {
+        GammaOfShape::Direct { gamma, ln: ln_gamma } => {
             let ln = a * x.ln() - x - ln_gamma;
             if x > 700.0 {
                 return (ln.exp(), ln);
@@ -120,7 +118,7 @@ fn kernel(&GammaShape { a, gamma }: &GammaShape, x: f64, excess: f64) -> (f64, f
     }
 }
 
-/// P/D = Σ xⁿ/(a (a+1) … (a+n)).
+/// Power series P/D = Σ xⁿ/(a (a+1) … (a+n)).
 fn series(a: f64, x: f64) -> f64 {
     let (mut term, mut sum, mut n) = (1.0 / a, 1.0 / a, a);
     while term > sum * 0.1 * f64::EPSILON {
@@ -150,7 +148,8 @@ fn continued_fraction(a: f64, x: f64) -> f64 {
     value
 }
 
-/// Q = ½ erfc(η√(a/2)) + e^{−aη²/2} T/√(2πa) and P = 1 − Q, over D; η²/2 = μ − ln(1 + μ), μ = x/a − 1.
+/// Temme's expansion: Q = ½ erfc(η√(a/2)) + e^{−aη²/2} T/√(2πa) and P = 1 − Q, divided by D; η²/2 = μ − ln(1
+/// + μ), μ = x/a − 1.
 ///
 /// T = (1 + β₁/a)⁻¹ Σ βₙ ηⁿ with βₙ₋₁ = (n+1) βₙ₊₁/a + fₙ, fₙ the Taylor coefficients of η/μ.
 fn uniform(a: f64, excess: f64) -> Tail {
@@ -189,7 +188,7 @@ fn ln_1p_minus(u: f64) -> f64 {
     r * (2.0 * square * sum - u)
 }
 
-/// ln Γ(a) − [(a − ½) ln a − a + ½ ln 2π], for large a.
+/// ln Γ(a) − [(a − ½) ln a − a + ½ ln 2π] for large a.
 fn stirling(a: f64) -> f64 {
     let square = 1.0 / (a * a);
     (1.0 / 12.0

@@ -1,4 +1,4 @@
-//! The lognormal law: a tail heavier than any exponential.
+//! The lognormal distribution: a tail heavier than any exponential.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -6,26 +6,26 @@ use num_complex::Complex64;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::quadrature::trapezoid;
-use super::{Break, Law, Parameter, SharedLaw, crossing, normal, positive, shared, unknown};
+use super::{Breakpoint, Law, Parameter, SharedLaw, invert_ln_survival, normal, positive, shared, unknown};
 use crate::Result;
 use crate::random::Stream;
 
-/// Lognormal of mean m and standard deviation σ, of the law itself, not of the logarithm:
-/// ln ξ is Gaussian of variance s² = ln(1 + σ²/m²) around ln M, M = m/√(1 + σ²/m²).
+/// Lognormal distribution of mean m and standard deviation σ (of ξ, not of ln ξ): ln ξ is Gaussian of
+/// variance s² = ln(1 + σ²/m²) around ln M, M = m/√(1 + σ²/m²).
 ///
-/// Density and S are right to about 1e-15 (1 + |ln S|) relative; z below is ln(x/M)/s.
+/// Relative errors of density and S are about 1e-15 (1 + |ln S|). z below is ln(x/M)/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lognormal {
     mean: f64,
     std: f64,
-    /// M, s and m − M.
+    /// The median M, the spread s of ln ξ, and m − M.
     median: f64,
     spread: f64,
     offset: f64,
 }
 
 impl Lognormal {
-    /// The law.
+    /// The distribution of this mean and standard deviation.
     ///
     /// # Errors
     /// A mean or a standard deviation that is not finite and above 0.
@@ -37,7 +37,8 @@ impl Lognormal {
         Ok(Self { mean, std, median, spread, offset: median * variation * (variation / (1.0 + ratio)) })
     }
 
-    /// z for x > 0; ln(1 + u) keeps the digits of x − M in narrow laws, whose M no double may be near enough.
+    /// z for x > 0. In narrow distributions ln(1 + u) keeps the digits of x − M, where M itself is not known
+    /// accurately enough.
     fn standard(&self, x: f64) -> f64 {
         let u = (x - self.mean + self.offset) / self.median;
         (if u.abs() < 0.5 { u.ln_1p() } else { (x / self.median).ln() }) / self.spread
@@ -79,11 +80,11 @@ impl Law for Lognormal {
     }
 
     fn quantile(&self, p: f64) -> f64 {
-        crossing(|x| self.ln_survival(x), (-p).ln_1p())
+        invert_ln_survival(|x| self.ln_survival(x), (-p).ln_1p())
     }
 
     fn upper_quantile(&self, q: f64) -> f64 {
-        crossing(|x| self.ln_survival(x), q.ln())
+        invert_ln_survival(|x| self.ln_survival(x), q.ln())
     }
 
     /// ⟨ξⁿ⟩ P(Z > z − ns) with ⟨ξⁿ⟩ = mⁿ (1 + σ²/m²)^{n(n−1)/2}.
@@ -98,7 +99,7 @@ impl Law for Lognormal {
     }
 
     /// None: the density and all its derivatives vanish at 0.
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         Vec::new()
     }
 
@@ -110,19 +111,20 @@ impl Law for Lognormal {
         0.0
     }
 
-    /// ∫ φ(v) exp(−s M e^{s_ln v}) dv. For Re s < 0 the integral diverges; its analytic continuation from
-    /// Re s > 0 is the same integral along x = t e^{∓iθ}, turned just so far, θ = atan(|Re s|/|Im s|), that
-    /// e^{−sx} no longer grows. It loses θ²/(2 s_ln²) e-folds of digits, and on the negative real axis, the
-    /// cut of the continuation, it is infinite like the transform itself.
+    /// ∫ φ(v) exp(−s M e^{s_ln v}) dv by the trapezoidal rule. For Re s < 0 the integral diverges; its
+    /// analytic continuation from Re s > 0 is the same integral along x = t e^{∓iθ}, rotated just so far, θ =
+    /// atan(|Re s|/|Im s|), that e^{−sx} no longer grows. Relative accuracy drops by a factor of e^{θ²/(2
+    /// s_ln²)}. On the negative real axis, the branch cut of the continuation, it is infinite like the
+    /// transform itself.
     fn laplace(&self, s: Complex64) -> Complex64 {
         if s.im == 0.0 && s.re < 0.0 {
             return Complex64::from(f64::INFINITY);
         }
-        let turn = (s.arg().abs() - FRAC_PI_2).max(0.0).copysign(s.im);
-        let scaled = s * self.median * Complex64::cis(-turn);
-        // Beyond, φ is below 1e-17.
+        let angle = (s.arg().abs() - FRAC_PI_2).max(0.0).copysign(s.im);
+        let scaled = s * self.median * Complex64::cis(-angle);
+        // φ is below 1e-17 beyond.
         trapezoid(-8.7, 8.7, |v| {
-            let weight = 0.5 * Complex64::new(v, -turn / self.spread).powi(2);
+            let weight = 0.5 * Complex64::new(v, -angle / self.spread).powi(2);
             (-weight - scaled * (self.spread * v).exp()).exp() / std::f64::consts::TAU.sqrt()
         })
     }

@@ -1,22 +1,24 @@
-//! Mixtures: several kinds of contacts in one interface.
+//! Mixtures of distributions: several kinds of contacts in one interface.
 
 use num_complex::Complex64;
 
-use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, crossing, positive, shared, unknown};
+use super::{
+    Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, invert_ln_survival, positive, shared, unknown,
+};
 use crate::random::Stream;
 use crate::{Error, Result};
 
-/// Weighted sum of laws, Σ w_i P_i with Σ w_i = 1; densities and point masses may be mixed.
+/// Weighted sum of distributions, Σ w_i P_i with Σ w_i = 1; densities and point masses may be mixed.
 ///
-/// Parameters are addressed by place, `0.weight`, `0.mean`, `1.weight`, …; a weight that is replaced scales
-/// the others so that the sum stays 1.
+/// Parameters are addressed by index, `0.weight`, `0.mean`, `1.weight`, …. Replacing a weight scales the
+/// others so that the sum stays 1.
 #[derive(Debug, Clone)]
 pub struct Mixture {
     components: Vec<(f64, SharedLaw)>,
 }
 
 impl Mixture {
-    /// The mixture of laws with their weights.
+    /// The mixture of distributions with their weights.
     ///
     /// # Errors
     /// No component, a weight that is not above 0, or weights whose sum is not 1 to 1e-9.
@@ -28,7 +30,7 @@ impl Mixture {
         if (sum - 1.0).abs() > 1e-9 {
             return Err(Error::invalid("weight", "weights that sum to 1", format!("a sum of {sum}")));
         }
-        // Weights that are right to rounding stay as they were given.
+        // Weights whose sum is 1 to rounding stay as they were given.
         if (sum - 1.0).abs() > 1e-15 {
             components.iter_mut().for_each(|(weight, _)| *weight /= sum);
         }
@@ -39,20 +41,21 @@ impl Mixture {
         self.components.iter().map(|(weight, law)| weight * value(law.as_ref())).sum()
     }
 
-    /// The mixture with the weight at `place` replaced, the others scaled.
-    fn with_weight(&self, place: usize, value: f64) -> Result<Self> {
-        let rest = 1.0 - self.components[place].0;
+    /// The mixture with the weight of component `index` replaced and the others scaled.
+    fn with_weight(&self, index: usize, value: f64) -> Result<Self> {
+        let rest = 1.0 - self.components[index].0;
         if !(value > 0.0 && (value < 1.0 || value == 1.0 && rest == 0.0)) {
-            return Err(Error::invalid(format!("{place}.weight"), "a weight above 0 and below 1", value));
+            return Err(Error::invalid(format!("{index}.weight"), "a weight above 0 and below 1", value));
         }
         let mut components = self.components.clone();
         for (i, (weight, _)) in components.iter_mut().enumerate() {
-            *weight = if i == place { value } else { *weight * ((1.0 - value) / rest) };
+            *weight = if i == index { value } else { *weight * ((1.0 - value) / rest) };
         }
         Self::new(components)
     }
 
-    /// Components with mass above x: weight × survival on a common scale, and the law.
+    /// The components with mass above x: ln of the largest weight × survival, and for each component weight ×
+    /// survival relative to that. Logarithms keep far tails from underflow.
     fn survivors(&self, x: f64) -> (f64, Vec<(f64, &dyn Law)>) {
         let logs =
             self.components.iter().map(|(weight, law)| (weight.ln() + law.ln_survival(x), law.as_ref()));
@@ -69,9 +72,9 @@ impl Law for Mixture {
 
     fn parameters(&self) -> Vec<Parameter> {
         let mut parameters = Vec::new();
-        for (place, (weight, law)) in self.components.iter().enumerate() {
+        for (index, (weight, law)) in self.components.iter().enumerate() {
             let named =
-                |p: Parameter| Parameter { name: format!("{place}.{}", p.name).into(), value: p.value };
+                |p: Parameter| Parameter { name: format!("{index}.{}", p.name).into(), value: p.value };
             parameters.push(named(Parameter::new("weight", *weight)));
             parameters.extend(law.parameters().into_iter().map(named));
         }
@@ -79,16 +82,16 @@ impl Law for Mixture {
     }
 
     fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw> {
-        let address = name.split_once('.').and_then(|(place, inner)| Some((place.parse().ok()?, inner)));
-        let Some((place, inner)) = address.filter(|&(place, _)| place < self.components.len()) else {
+        let address = name.split_once('.').and_then(|(index, inner)| Some((index.parse().ok()?, inner)));
+        let Some((index, inner)) = address.filter(|&(index, _)| index < self.components.len()) else {
             return Err(unknown(self, name));
         };
         if inner == "weight" {
-            return shared(self.with_weight(place, value));
+            return shared(self.with_weight(index, value));
         }
         let mut components = self.components.clone();
-        let law = &mut components[place].1;
-        *law = law.with_parameter(inner, value).map_err(|error| error.under(&place.to_string()))?;
+        let law = &mut components[index].1;
+        *law = law.with_parameter(inner, value).map_err(|error| error.under(&index.to_string()))?;
         shared(Self::new(components))
     }
 
@@ -106,17 +109,17 @@ impl Law for Mixture {
             return (-below).ln_1p();
         }
         let (top, survivors) = self.survivors(x);
-        top + survivors.iter().map(|(share, _)| share).sum::<f64>().ln()
+        top + survivors.iter().map(|(weight, _)| weight).sum::<f64>().ln()
     }
 
-    /// Mean of the hazards, weighted by what survives.
+    /// The mean of the hazard rates, weighted by survival.
     fn hazard(&self, x: f64) -> f64 {
         let (_, survivors) = self.survivors(x);
         if survivors.is_empty() {
             return f64::INFINITY;
         }
-        let sum = survivors.iter().map(|(share, _)| share).sum::<f64>();
-        survivors.iter().map(|(share, law)| share * law.hazard(x)).sum::<f64>() / sum
+        let sum = survivors.iter().map(|(weight, _)| weight).sum::<f64>();
+        survivors.iter().map(|(weight, law)| weight * law.hazard(x)).sum::<f64>() / sum
     }
 
     fn quantile(&self, p: f64) -> f64 {
@@ -124,11 +127,15 @@ impl Law for Mixture {
             let ends = self.components.iter().map(|(_, law)| law.quantile(p));
             return ends.reduce(if p <= 0.0 { f64::min } else { f64::max }).unwrap_or(0.0);
         }
-        crossing(|x| self.ln_survival(x), (-p).ln_1p())
+        invert_ln_survival(|x| self.ln_survival(x), (-p).ln_1p())
     }
 
     fn upper_quantile(&self, q: f64) -> f64 {
-        if q <= 0.0 || q >= 1.0 { self.quantile(1.0 - q) } else { crossing(|x| self.ln_survival(x), q.ln()) }
+        if q <= 0.0 || q >= 1.0 {
+            self.quantile(1.0 - q)
+        } else {
+            invert_ln_survival(|x| self.ln_survival(x), q.ln())
+        }
     }
 
     fn upper_moment(&self, order: u32, x: f64) -> f64 {
@@ -155,23 +162,23 @@ impl Law for Mixture {
         atoms
     }
 
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         let weighted = |(weight, law): &(f64, SharedLaw)| {
             let weight = *weight;
-            law.breaks().into_iter().map(move |b| Break { amplitude: weight * b.amplitude, ..b })
+            law.breakpoints().into_iter().map(move |b| Breakpoint { amplitude: weight * b.amplitude, ..b })
         };
-        let mut breaks: Vec<_> = self.components.iter().flat_map(weighted).collect();
-        breaks.sort_by(|a, b| a.position.total_cmp(&b.position).then(a.exponent.total_cmp(&b.exponent)));
-        breaks.dedup_by(|next, kept| {
+        let mut breakpoints: Vec<_> = self.components.iter().flat_map(weighted).collect();
+        breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position).then(a.exponent.total_cmp(&b.exponent)));
+        breakpoints.dedup_by(|next, kept| {
             let same = next.position == kept.position && next.exponent == kept.exponent;
             kept.amplitude += if same { next.amplitude } else { 0.0 };
             same
         });
-        breaks.retain(|b| b.amplitude != 0.0);
-        breaks
+        breakpoints.retain(|b| b.amplitude != 0.0);
+        breakpoints
     }
 
-    /// The least of the components'.
+    /// Those of all components.
     fn zones(&self) -> Vec<Zone> {
         self.components.iter().flat_map(|(_, law)| law.zones()).collect()
     }
@@ -196,7 +203,7 @@ impl Law for Mixture {
         self.components.iter().map(|(weight, law)| *weight * law.laplace(s)).sum()
     }
 
-    /// Each draw picks its component, so that a stream read in pieces gives the same numbers.
+    /// Each draw chooses its component, so that a stream read in pieces gives the same numbers.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
         let last = self.components.len() - 1;
         for i in 0..out.len() {

@@ -1,14 +1,17 @@
-//! Probability laws on x ≥ 0: of thresholds, of re-formed stretches, of initial stretches.
+//! Probability distributions on x ≥ 0: of thresholds, of the stretch of re-formed contacts, of initial
+//! stretches.
 //!
-//! Every law is a sum of point masses ([`Atom`]) and a density that is smooth between [`Break`]s.
-//! A law whose parent has mass below 0 is that parent conditioned on x ≥ 0: its documented
-//! parameters are the parent's, [`Law::mean`] and [`Law::std`] those of the conditioned law.
+//! Every distribution is a sum of point masses ([`Atom`]) and a density that is smooth between its
+//! [`Breakpoint`]s. A distribution whose parent has mass below 0 is the parent conditioned on x ≥ 0: its
+//! documented parameters are the parent's, while [`Law::mean`] and [`Law::std`] are those of the conditioned
+//! distribution.
 //!
-//! To add a law: a file of its own, shaped like its neighbours; its name in the list below; a variant
-//! of the scenario; a row of the table of laws in the documentation; a line in the tests of the family.
+//! To add a distribution: a file of its own, shaped like its neighbours; its name in the list below; a
+//! variant of the scenario; a row of the table of distributions in the documentation; a line in the tests of
+//! the family.
 
 mod critical_coupling;
-mod drives;
+mod drive_map;
 mod exponential;
 mod gamma;
 mod gaussian;
@@ -16,7 +19,7 @@ mod incomplete_gamma;
 mod lognormal;
 mod mixture;
 mod normal;
-mod places;
+mod panels;
 mod point;
 mod quadrature;
 mod rectangular;
@@ -44,7 +47,7 @@ pub use series::Series;
 pub use tabulated::Tabulated;
 pub use weibull::Weibull;
 
-pub use crate::numerics::breaks::{Atom, Break};
+pub use crate::numerics::breakpoints::{Atom, Breakpoint};
 
 use std::borrow::Cow;
 use std::fmt::Debug;
@@ -55,13 +58,13 @@ use num_complex::Complex64;
 use crate::random::Stream;
 use crate::{Error, Result};
 
-/// A law, shared.
+/// A shared distribution.
 pub type SharedLaw = Arc<dyn Law>;
 
-/// A named parameter of a law.
+/// A named parameter of a distribution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Its name, as in a scenario; in a mixture `0.weight`, `0.mean`, … by place.
+    /// Its name, as in a scenario; in a mixture with the index of the component, `0.weight`, `0.mean`, ….
     pub name: Cow<'static, str>,
     /// Its value.
     pub value: f64,
@@ -73,69 +76,71 @@ impl Parameter {
     }
 }
 
-/// A stretch of x that holds all but 1e-18 of a density or the bulk of a long tail.
+/// An interval that holds all but 1e-18 of a density or the bulk of a long tail, with the length scale on
+/// which the density varies there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zone {
-    /// Where it starts.
+    /// Lower end.
     pub low: f64,
-    /// Where it ends.
+    /// Upper end.
     pub high: f64,
-    /// A length over which the density varies little between its breaks (a Gaussian's std); infinite for polynomials.
+    /// Length over which the density varies little between its breakpoints (the standard deviation of a
+    /// Gaussian); infinite for piecewise polynomials.
     pub resolution: f64,
 }
 
-/// What a zone may leave out at either end.
+/// Mass that a zone may leave out at either end.
 const ALL: f64 = 1e-18;
 
 impl Zone {
-    /// Cells of 16 terms that are this many resolutions wide leave out 1e-14 of a Gaussian.
+    /// Width in resolutions of cells on which 16 Legendre terms represent a Gaussian to 1e-14.
     pub(crate) const CELL: f64 = 1.4;
 
-    /// The zone from `low` to `high`, at most ten standard deviations above the mean.
+    /// The zone from `low` to `high`, cut ten standard deviations above the mean.
     fn of(low: f64, high: f64, mean: f64, std: f64) -> Self {
         Self { low, high: high.min(mean + 10.0 * std), resolution: std }
     }
 }
 
-/// A probability law on x ≥ 0. Lengths are in the unit of the stretch.
+/// A probability distribution on x ≥ 0. x is in the unit of the stretch.
 pub trait Law: Debug + Send + Sync {
-    /// The law's name, as in a scenario.
+    /// The name, as in a scenario.
     fn name(&self) -> &'static str;
 
-    /// The parameters, in the order of the documentation; empty for laws given by a table.
+    /// The parameters in the order of the documentation; empty for distributions given by a table.
     fn parameters(&self) -> Vec<Parameter>;
 
-    /// The same law with one parameter replaced.
+    /// The same distribution with one parameter replaced.
     ///
     /// # Errors
-    /// An unknown name, or a value that the law cannot have.
+    /// An unknown name, or a value outside the range of the parameter.
     fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw>;
 
     /// Density p(x) of the part without point masses, per unit length; 0 for x < 0.
     fn density(&self, x: f64) -> f64;
 
-    /// Survival S(x) = P(ξ > x): 1 for x < 0, continuous from the right.
+    /// Survival function S(x) = P(ξ > x): 1 for x < 0, continuous from the right.
     fn survival(&self, x: f64) -> f64;
 
-    /// ln S(x), right far into the tail; −∞ where S = 0.
+    /// ln S(x), accurate far into the tail; −∞ where S = 0.
     fn ln_survival(&self, x: f64) -> f64;
 
-    /// P(ξ ≤ x) = 1 − S(x), without cancellation where it is small.
+    /// Distribution function P(ξ ≤ x) = 1 − S(x), without cancellation where it is small.
     fn cumulative(&self, x: f64) -> f64 {
         -self.ln_survival(x).exp_m1()
     }
 
-    /// Hazard p(x)/S(x) of the part without point masses, right far into the tail; ∞ where S = 0.
+    /// Hazard rate p(x)/S(x) of the part without point masses, accurate far into the tail; ∞ where S = 0.
     fn hazard(&self, x: f64) -> f64;
 
-    /// The smallest x with P(ξ ≤ x) ≥ p, for p in `[0, 1]`; at 0 the lower end of the support, at 1 the upper one,
-    /// perhaps infinite.
+    /// The smallest x with P(ξ ≤ x) ≥ p, for p in `[0, 1]`: the lower end of the support for p = 0, the upper
+    /// end, perhaps infinite, for p = 1.
     fn quantile(&self, p: f64) -> f64;
 
-    /// The smallest x with S(x) ≤ q, for q in `[0, 1]`: accurate for tiny q, where `quantile(1 - q)` is not.
+    /// The smallest x with S(x) ≤ q, for q in `[0, 1]`: accurate for small q, where `quantile(1 - q)` is not.
     fn upper_quantile(&self, q: f64) -> f64;
 
-    /// ∫_{(x, ∞)} ξⁿ dP(ξ); the moment of order n for x < 0.
+    /// Partial moment ∫_{(x, ∞)} ξⁿ dP(ξ) of order n; the whole moment for x < 0.
     fn upper_moment(&self, order: u32, x: f64) -> f64;
 
     /// The mean.
@@ -151,28 +156,30 @@ pub trait Law: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// Where the density is not smooth on x ≥ 0, by rising position; includes the ends of a compact support and x = 0
-    /// where p(0⁺) or a low derivative there is not 0.
-    fn breaks(&self) -> Vec<Break>;
+    /// The points x ≥ 0 at which the density is not smooth, by rising position. They include the ends of a
+    /// compact support, and x = 0 if p(0⁺) or a low derivative there is not 0.
+    fn breakpoints(&self) -> Vec<Breakpoint>;
 
-    /// Where the density is to be looked for, and how finely: one zone for a law of one shape, several for a mixture.
+    /// Where the density is not negligible, and on which length scale it varies: one zone for a unimodal
+    /// distribution, several for a mixture.
     fn zones(&self) -> Vec<Zone> {
         vec![Zone::of(self.quantile(ALL), self.upper_quantile(ALL), self.mean(), self.std())]
     }
 
-    /// Where a density that is given piece by piece goes over from one piece to the next, smoothly or not: between them it
-    /// can be followed more closely than across.
+    /// The boundaries of the pieces of a density that is given piece by piece, whether it is smooth there or
+    /// not.
     fn seams(&self) -> Vec<f64> {
         Vec::new()
     }
 
-    /// The rate λ of an exponential tail, S(x) ~ exp(−λx): infinite where S falls faster, 0 where it falls slower.
+    /// The rate λ of an exponential tail, S(x) ~ exp(−λx): infinite if S falls faster, 0 if it falls more
+    /// slowly.
     fn decay_rate(&self) -> f64 {
         f64::INFINITY
     }
 
-    /// The rate λ such that the law tells what hangs on e^{λξ}: infinite but for a law whose tail was cut off, of which
-    /// nothing is claimed that decays faster than exp(−λX).
+    /// Largest λ for which E[e^{λξ}] is reliable: infinite unless the tail was truncated. Relaxation faster
+    /// than exp(−λX) is then not determined.
     fn known_rate(&self) -> f64 {
         f64::INFINITY
     }
@@ -182,14 +189,15 @@ pub trait Law: Debug + Send + Sync {
         true
     }
 
-    /// Laplace transform E[e^{−sξ}], continued analytically to Re s < 0 as far as it goes.
+    /// Laplace transform E[e^{−sξ}], continued analytically to Re s < 0 as far as possible.
     fn laplace(&self, s: Complex64) -> Complex64;
 
-    /// Fills `out` with independent draws, taken from the stream strictly in order: filling in pieces is filling at once.
+    /// Fills `out` with independent draws. Numbers are taken from the stream strictly in order, so that
+    /// filling in pieces gives the same numbers as filling at once.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]);
 }
 
-/// `value`, if it is a finite number above 0.
+/// Returns `value` if it is a finite number above 0.
 fn positive(key: &str, value: f64) -> Result<f64> {
     if value.is_finite() && value > 0.0 {
         return Ok(value);
@@ -197,7 +205,7 @@ fn positive(key: &str, value: f64) -> Result<f64> {
     Err(Error::invalid(key, "a finite number above 0", value))
 }
 
-/// `value`, if it is a finite number, 0 or above.
+/// Returns `value` if it is a finite number, 0 or above.
 fn not_negative(key: &str, value: f64) -> Result<f64> {
     if value.is_finite() && value >= 0.0 {
         return Ok(value);
@@ -205,7 +213,7 @@ fn not_negative(key: &str, value: f64) -> Result<f64> {
     Err(Error::invalid(key, "a finite number, 0 or above", value))
 }
 
-/// A law that has no parameter `name`.
+/// The error for a parameter `name` that the distribution does not have.
 fn unknown(law: &dyn Law, name: &str) -> Error {
     let names: Vec<_> = law.parameters().into_iter().map(|p| p.name).collect();
     let expected = if names.is_empty() {
@@ -216,16 +224,17 @@ fn unknown(law: &dyn Law, name: &str) -> Error {
     Error::invalid(name, expected, name)
 }
 
-/// A law just made, to be shared.
+/// Wraps a new distribution in an `Arc`.
 fn shared<L: Law + 'static>(law: Result<L>) -> Result<SharedLaw> {
     law.map(|law| Arc::new(law) as SharedLaw)
 }
 
 /// The smallest x ≥ 0 with ln S(x) ≤ `level`; infinite for −∞.
 ///
-/// Doubles above 0 are ordered like their bits: 63 bisections end between two neighbours.
-fn crossing(ln_survival: impl Fn(f64) -> f64, level: f64) -> f64 {
-    // Its square is finite.
+/// Non-negative doubles are ordered like their bit patterns: bisection of these ends between two neighbours
+/// after 63 steps, for any scale.
+fn invert_ln_survival(ln_survival: impl Fn(f64) -> f64, level: f64) -> f64 {
+    // The square of this is finite.
     const FAR: f64 = 1e150;
     if level == f64::NEG_INFINITY {
         return f64::INFINITY;
@@ -238,13 +247,13 @@ fn crossing(ln_survival: impl Fn(f64) -> f64, level: f64) -> f64 {
     f64::from_bits(low)
 }
 
-/// The break at 0 of a density that sets out as `amplitude` x^`exponent`/Γ(`exponent` + 1), if any.
+/// The breakpoint at 0 of a density that starts as `amplitude` x^`exponent`/Γ(`exponent` + 1), if any.
 ///
-/// A high power is left out: no derivative that a method could use is broken there.
-fn onset(exponent: f64, amplitude: f64) -> Vec<Break> {
+/// High powers are omitted: derivatives of that order matter to no method.
+fn breakpoint_at_zero(exponent: f64, amplitude: f64) -> Vec<Breakpoint> {
     const SMOOTH: f64 = 12.0;
     if amplitude == 0.0 || exponent > SMOOTH {
         return Vec::new();
     }
-    vec![Break { position: 0.0, exponent, amplitude }]
+    vec![Breakpoint { position: 0.0, exponent, amplitude }]
 }

@@ -1,4 +1,4 @@
-//! The standard normal law on the whole line, right far into its upper tail.
+//! The standard normal distribution on the whole line, accurate far into its upper tail.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_2_SQRT_PI, LN_2, TAU};
 
@@ -34,17 +34,18 @@ pub(super) fn hazard(z: f64) -> f64 {
     SQRT_2_OVER_PI / erfcx(z * FRAC_1_SQRT_2)
 }
 
-/// exp(z²) erfc(z) for Re z ≥ 0.
+/// Scaled complementary error function erfcx(z) = exp(z²) erfc(z) for Re z ≥ 0.
 pub(super) fn complex_erfcx(z: Complex64) -> Complex64 {
     let at = |re: f64, im: f64| {
         let (re, im) = faddeeva(-im, re);
         Complex64::new(re, im)
     };
-    // Nearer to the imaginary axis than 1e-8 |z| the library has seven digits: a Taylor step from aside.
-    let aside = 2e-8 * z.im.abs();
-    if z.re >= aside {
+    // Closer to the imaginary axis than 1e-8 |z| the library has seven digits: a Taylor step from a point
+    // away from it.
+    let offset = 2e-8 * z.im.abs();
+    if z.re >= offset {
         return at(z.re, z.im);
     }
-    let (near, value) = (Complex64::new(aside, z.im), at(aside, z.im));
-    value + (z.re - aside) * (2.0 * near * value - FRAC_2_SQRT_PI)
+    let (near, value) = (Complex64::new(offset, z.im), at(offset, z.im));
+    value + (z.re - offset) * (2.0 * near * value - FRAC_2_SQRT_PI)
 }

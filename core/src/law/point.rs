@@ -1,21 +1,21 @@
-//! All the mass at one point: identical contacts.
+//! The point distribution (Dirac delta): identical contacts.
 
 use num_complex::Complex64;
 
-use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
+use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
 use crate::Result;
 use crate::random::Stream;
 
 /// The point mass at a ≥ 0: P(ξ = a) = 1.
 ///
-/// It has no density: the hazard is 0 below a and, as wherever S = 0, infinite from a on.
+/// It has no density: the hazard rate is 0 below a and, as wherever S = 0, infinite from a on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     at: f64,
 }
 
 impl Point {
-    /// The law.
+    /// The point mass at `at`.
     ///
     /// # Errors
     /// A position below 0 or not finite.
@@ -76,11 +76,11 @@ impl Law for Point {
         vec![Atom { position: self.at, weight: 1.0 }]
     }
 
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         Vec::new()
     }
 
-    /// Infinite: there is no density to resolve.
+    /// None: there is no density to resolve.
     fn zones(&self) -> Vec<Zone> {
         Vec::new()
     }

@@ -1,11 +1,12 @@
-//! Integrals to machine precision of functions that are analytic inside an interval.
+//! Integrals to machine precision of functions that are analytic inside an interval: the trapezoidal and the
+//! double-exponential rule.
 
 use num_complex::Complex64;
 
-/// ∫ f over [from, to] by the trapezoidal rule, the step halved until it settles: geometric convergence
-/// where f and its derivatives vanish at both ends (Trefethen & Weideman, SIAM Rev. 56, 385, 2014).
+/// ∫ f over [from, to] by the trapezoidal rule, with the step halved until it converges. Convergence is
+/// geometric if f and its derivatives vanish at both ends (Trefethen & Weideman, SIAM Rev. 56, 385, 2014).
 ///
-/// Right to a few 1e-15 of ∫|f|, for some hundred oscillations at most.
+/// The error is a few 1e-15 of ∫|f|, for some hundred oscillations at most.
 pub(super) fn trapezoid(from: f64, to: f64, f: impl Fn(f64) -> Complex64) -> Complex64 {
     const FIRST: usize = 48;
     const MOST: usize = FIRST << 10;
@@ -19,7 +20,7 @@ pub(super) fn trapezoid(from: f64, to: f64, f: impl Fn(f64) -> Complex64) -> Com
     loop {
         let step = (to - from) / points as f64;
         let estimate = total * step;
-        // The error of the finer of two estimates is about their difference squared.
+        // The error of the finer of two estimates is about the square of their difference.
         if (estimate - last).norm() <= 1e-10 * size * step || points >= MOST {
             return estimate;
         }
@@ -29,10 +30,10 @@ pub(super) fn trapezoid(from: f64, to: f64, f: impl Fn(f64) -> Complex64) -> Com
     }
 }
 
-/// ∫ f over [from, to] by the double exponential rule of Takahasi and Mori (Publ. RIMS 9, 721, 1974): f may
-/// have a power singularity at an end, above all at `from` = 0.
-pub(super) fn between(from: f64, to: f64, f: impl Fn(f64) -> Complex64) -> Complex64 {
-    // x = from + (to − from)/(1 + exp(−π sinh t)); beyond ±4.6 what is left is below 1e-60 of the interval.
+/// ∫ f over [from, to] by the double-exponential (tanh-sinh) rule of Takahasi and Mori (Publ. RIMS 9, 721,
+/// 1974). f may have a power singularity at an end, preferably at `from` = 0.
+pub(super) fn double_exponential(from: f64, to: f64, f: impl Fn(f64) -> Complex64) -> Complex64 {
+    // x = from + (to − from)/(1 + exp(−π sinh t)); what remains beyond ±4.6 is below 1e-60 of the interval.
     trapezoid(-4.6, 4.6, |t| {
         let tilt = std::f64::consts::PI * t.sinh();
         let (left, right) = (1.0 / (1.0 + (-tilt).exp()), 1.0 / (1.0 + tilt.exp()));
@@ -50,7 +51,7 @@ mod tests {
         let gauss = trapezoid(-9.0, 9.0, |x| (Complex64::new(-0.5 * x * x, 3.0 * x)).exp());
         // √(2π) e^{−9/2}, of an integrand whose modulus integrates to √(2π).
         assert!((gauss.re - (std::f64::consts::TAU).sqrt() * (-4.5_f64).exp()).abs() < 1e-15);
-        let root = between(0.0, 2.0, |x| Complex64::from(x.powf(-0.75)));
+        let root = double_exponential(0.0, 2.0, |x| Complex64::from(x.powf(-0.75)));
         // 4·2^¼, 64 roundings.
         assert!((root.re - 4.0 * 2.0_f64.powf(0.25)).abs() < 1e-14);
     }

@@ -1,12 +1,12 @@
-//! The uniform law on an interval.
+//! The uniform distribution on an interval.
 
 use num_complex::Complex64;
 
-use super::{Break, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
+use super::{Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
 use crate::random::Stream;
 use crate::{Error, Result};
 
-/// Uniform on [a, b], 0 ≤ a < b: p(x) = 1/(b − a) for a ≤ x < b.
+/// Uniform distribution on [a, b], 0 ≤ a < b: p(x) = 1/(b − a) for a ≤ x < b.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rectangular {
     min: f64,
@@ -14,7 +14,7 @@ pub struct Rectangular {
 }
 
 impl Rectangular {
-    /// The law.
+    /// The distribution on [`min`, `max`].
     ///
     /// # Errors
     /// A `min` below 0, a `max` not above it, or one of them not finite.
@@ -84,15 +84,15 @@ impl Law for Rectangular {
         self.width() / 12.0_f64.sqrt()
     }
 
-    fn breaks(&self) -> Vec<Break> {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         let amplitude = 1.0 / self.width();
         vec![
-            Break { position: self.min, exponent: 0.0, amplitude },
-            Break { position: self.max, exponent: 0.0, amplitude: -amplitude },
+            Breakpoint { position: self.min, exponent: 0.0, amplitude },
+            Breakpoint { position: self.max, exponent: 0.0, amplitude: -amplitude },
         ]
     }
 
-    /// A polynomial between its breaks.
+    /// A polynomial between its breakpoints.
     fn zones(&self) -> Vec<Zone> {
         vec![Zone { low: self.quantile(0.0), high: self.upper_quantile(0.0), resolution: f64::INFINITY }]
     }
@@ -100,7 +100,7 @@ impl Law for Rectangular {
     /// exp(−s(a+b)/2) sinh(h)/h with h = s(b − a)/2. Entire.
     fn laplace(&self, s: Complex64) -> Complex64 {
         let half = 0.5 * s * self.width();
-        // Below this sinh(h)/h is 1 to the last bit, and 0/0 is near.
+        // Below this |h|, sinh(h)/h is 1 to the last bit, and 0/0 would be near.
         let shape = if half.norm() < 1e-9 { Complex64::from(1.0) } else { half.sinh() / half };
         (-0.5 * s * (self.min + self.max)).exp() * shape
     }

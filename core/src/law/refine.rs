@@ -1,26 +1,27 @@
-//! Legendre series of a density that is called with many points at once: cells halved until they follow it, then joined.
+//! Adaptive Legendre series of a density that is evaluated at many points per call: cells are bisected until
+//! they resolve it, then merged.
 
 use crate::numerics::legendre::{Nodal, RULE, derivative, series};
 use crate::numerics::piecewise::{Piecewise, tail};
 use crate::{Error, Float, Result};
 
-/// Cells after which a function is given up: it is noise.
+/// Number of cells at which a function is rejected as noise.
 const MOST_CELLS: usize = 20_000;
 
-/// The share of the mass, and of the second moment, at which a tail without end is cut.
+/// Fractions of the mass and of the second moment at which an infinite tail is cut.
 const ENDS: (f64, f64) = (1e-40, 1e-16);
 
-/// The share of the mass below which cells at the lower end are left as they are, and, where the density is less than this
-/// of its mean, left out.
+/// Fraction of the mass below which cells at the lower end are not refined; and, relative to the mean, the
+/// density below which they are dropped.
 const STARTS: (f64, f64) = (1e-30, 1e-20);
 
-/// Where a tail ends at the latest: the third moment there is still a number.
+/// Largest x at which a tail is cut: its third power is still finite.
 const FARTHEST: f64 = 1e100;
 
-/// Halvings that reach 1e-75 of the width: of x^(−3/4), 1e-18 is left there.
+/// Bisections that reach 1e-75 of the width, where 1e-18 of x^(−3/4) is left.
 const MOST_HALVINGS: u32 = 250;
 
-/// A density called with many points at once.
+/// A density that is evaluated at many points per call.
 pub(super) trait Density: FnMut(&[f64]) -> Result<Vec<f64>> {}
 
 impl<F: FnMut(&[f64]) -> Result<Vec<f64>>> Density for F {}
@@ -28,14 +29,15 @@ impl<F: FnMut(&[f64]) -> Result<Vec<f64>>> Density for F {}
 /// A density as a series.
 pub(super) struct Refined {
     pub(super) series: Piecewise,
-    /// The share of the mass that the cells leave out.
-    pub(super) left_out: f64,
-    /// The share beyond the last cell.
+    /// Fraction of the mass that the cells miss.
+    pub(super) truncation: f64,
+    /// Fraction of the mass beyond the last cell.
     pub(super) cut: f64,
 }
 
-/// The series of a density between `boundaries`, and beyond the last one if it is `endless`: each cell leaves out, in the
-/// mean, at most `tolerance` of the mass from there on, and up to there.
+/// The series of a density between `boundaries`, and beyond the last one if it is `endless`. The truncation
+/// error of each cell is at most `tolerance` × the mass from its lower end on, and × the mass up to its upper
+/// end.
 ///
 /// # Errors
 /// Those of [`super::Series::resolve`].
@@ -51,27 +53,29 @@ pub(super) fn refine(
     if endless {
         follow_tail(&mut density, &mut cells)?;
     }
-    let (cells, masses) = halved(&mut density, cells, tolerance)?;
-    let cells = joined(&mut density, trimmed(cells, &masses), &masses, tolerance)?;
-    let cells = settled(&mut density, cells)?;
-    let cells = settled(&mut density, cells)?;
-    let left_out = cells.iter().map(RefinedCell::left_out).sum::<f64>() / masses.total();
+    let (cells, masses) = bisected(&mut density, cells, tolerance)?;
+    let cells = merged(&mut density, trimmed(cells, &masses), &masses, tolerance)?;
+    let cells = aligned(&mut density, cells)?;
+    let cells = aligned(&mut density, cells)?;
+    let truncation = cells.iter().map(RefinedCell::truncation).sum::<f64>() / masses.total();
     let cut = if endless { ENDS.0 } else { 0.0 };
     let boundaries = cells.iter().map(|cell| cell.low).chain(cells.last().map(|cell| cell.high)).collect();
     let coefficients = cells.iter().map(|cell| cell.coefficients).collect();
-    Ok(Refined { series: Piecewise { boundaries, coefficients }, left_out, cut })
+    Ok(Refined { series: Piecewise { boundaries, coefficients }, truncation, cut })
 }
 
-/// A cell and what the density is there.
+/// A cell with the density on it.
 #[derive(Debug, Clone)]
 struct RefinedCell {
     low: f64,
     high: f64,
-    /// Halvings that led to it, and what the cell that was halved left out, and the one before that.
+    /// Number of bisections that led to it.
     depth: u32,
+    /// Truncation errors of its parent and grandparent.
     before: [f64; 2],
-    /// Whether the density breaks here, as far as it could be closed in on: at the upper end of the cell, say.
-    breaks: bool,
+    /// Whether the density is not smooth at the upper end of the cell, as far as bisection could locate the
+    /// point.
+    non_smooth: bool,
     values: Nodal,
     coefficients: Nodal,
 }
@@ -79,7 +83,7 @@ struct RefinedCell {
 impl RefinedCell {
     fn new(low: f64, high: f64) -> Self {
         let (before, values) = ([f64::INFINITY; 2], Nodal::default());
-        Self { low, high, depth: 0, before, breaks: false, values, coefficients: values }
+        Self { low, high, depth: 0, before, non_smooth: false, values, coefficients: values }
     }
 
     fn half(&self) -> f64 {
@@ -97,8 +101,8 @@ impl RefinedCell {
         self.half() * terms.map(|((x, p), w)| w * p * x.powi(order)).sum::<f64>()
     }
 
-    /// Mass that the series leaves out, if its errors do not cancel.
-    fn left_out(&self) -> f64 {
+    /// The mass that the series misses, if its errors do not cancel.
+    fn truncation(&self) -> f64 {
         2.0 * tail(&self.coefficients) * self.half()
     }
 
@@ -112,23 +116,23 @@ impl RefinedCell {
         if masses.is_negligible(self.low) || narrowest || self.depth > MOST_HALVINGS {
             return true;
         }
-        let (left_out, size) = (self.left_out(), self.size());
-        // Rounding, of the function or of where it is taken, halves with the width; a kink quarters what is left out, a smooth
-        // function does far more.
+        let (truncation, size) = (self.truncation(), self.size());
+        // Rounding of the function or of its argument halves with the width; the error of a kink falls by a
+        // factor of four, that of a smooth function by far more.
         let rounding = size * f64::max(1e-9, 16.0 * f64::EPSILON * self.high / self.half());
-        let noise = self.depth > 3 && left_out > 0.16 * self.before[1] && left_out < rounding;
-        let breaks = left_out > 1e-3 * self.before[0] && left_out > 16.0 * f64::EPSILON * size;
-        noise || left_out <= tolerance * masses.least(self.low) && !breaks
+        let noise = self.depth > 3 && truncation > 0.16 * self.before[1] && truncation < rounding;
+        let non_smooth = truncation > 1e-3 * self.before[0] && truncation > 16.0 * f64::EPSILON * size;
+        noise || truncation <= tolerance * masses.least(self.low) && !non_smooth
     }
 
-    /// Whether halving twice gained no more than it does where a function breaks.
+    /// Whether the last two bisections reduced the error no more than they do at a kink or jump.
     fn is_slow(&self) -> bool {
-        self.left_out() > 1e-3 * self.before[0] && self.before[0] > 1e-3 * self.before[1]
+        self.truncation() > 1e-3 * self.before[0] && self.before[0] > 1e-3 * self.before[1]
     }
 
     fn halves(&self) -> [Self; 2] {
         let middle = 0.5 * (self.low + self.high);
-        let (depth, before) = (self.depth + 1, [self.left_out(), self.before[0]]);
+        let (depth, before) = (self.depth + 1, [self.truncation(), self.before[0]]);
         [(self.low, middle), (middle, self.high)].map(|(low, high)| Self {
             depth,
             before,
@@ -136,21 +140,21 @@ impl RefinedCell {
         })
     }
 
-    /// Whether one series serves two cells as well as theirs do; a part that rounding of its place may move in or out is
-    /// not felt.
+    /// Whether one series represents two cells as well as their own do. The effect of rounding of the
+    /// position of a jump is tolerated.
     fn replaces(&self, pair: &[Self], masses: &RefinedMasses, tolerance: f64) -> bool {
-        if pair[0].breaks {
+        if pair[0].non_smooth {
             return false;
         }
         let parts = |value: fn(&Self) -> f64| pair.iter().map(value).sum::<f64>();
-        let allowed = (tolerance * masses.least(self.low)).max(parts(Self::left_out));
+        let allowed = (tolerance * masses.least(self.low)).max(parts(Self::truncation));
         let largest = pair.iter().map(|cell| cell.size() / cell.half()).fold(0.0, f64::max);
         let moved = (self.moment(0) - parts(|cell| cell.moment(0))).abs();
-        self.left_out() <= allowed && moved <= allowed.max(32.0 * f64::EPSILON * self.high * largest)
+        self.truncation() <= allowed && moved <= allowed.max(32.0 * f64::EPSILON * self.high * largest)
     }
 }
 
-/// Fills in the density at the Gauss points of all cells, by one call.
+/// Evaluates the density at the Gauss points of all cells in one call.
 fn evaluate(density: &mut impl Density, cells: &mut [RefinedCell]) -> Result<()> {
     let points: Vec<f64> = cells.iter().flat_map(RefinedCell::points).collect();
     let values = density(&points)?;
@@ -168,7 +172,7 @@ fn evaluate(density: &mut impl Density, cells: &mut [RefinedCell]) -> Result<()>
     Ok(())
 }
 
-/// Adds cells beyond the last one, each twice as wide, until one holds next to nothing.
+/// Adds cells beyond the last one, each twice as wide as the one before, until one is negligible.
 fn follow_tail(density: &mut impl Density, cells: &mut Vec<RefinedCell>) -> Result<()> {
     let last = &cells[cells.len() - 1];
     let (mut end, mut width) = (last.high, last.high - last.low);
@@ -186,8 +190,9 @@ fn follow_tail(density: &mut impl Density, cells: &mut Vec<RefinedCell>) -> Resu
     Err(Error::invalid("density", "a tail that leaves the second moment finite", "a heavier one"))
 }
 
-/// Cells halved until each is resolved, in order; a place where the density breaks is closed in on.
-fn halved(
+/// Bisects cells until each is resolved; returns them in order. Bisection closes in on points where the
+/// density is not smooth.
+fn bisected(
     density: &mut impl Density,
     mut pending: Vec<RefinedCell>,
     tolerance: f64,
@@ -197,17 +202,17 @@ fn halved(
         let masses = RefinedMasses::new(done.iter().chain(&pending));
         let (resolved, rest): (Vec<_>, Vec<_>) =
             pending.into_iter().partition(|cell| cell.is_resolved(&masses, tolerance));
-        done.extend(resolved.into_iter().map(|cell| RefinedCell { breaks: cell.is_slow(), ..cell }));
+        done.extend(resolved.into_iter().map(|cell| RefinedCell { non_smooth: cell.is_slow(), ..cell }));
         if rest.is_empty() {
             done.sort_by(|a, b| a.low.total_cmp(&b.low));
-            // Of neighbours that hold the same break, the last.
+            // Of neighbours that contain the same point, the last.
             for i in 1..done.len() {
-                done[i - 1].breaks &= !done[i].breaks;
+                done[i - 1].non_smooth &= !done[i].non_smooth;
             }
             return Ok((done, masses));
         }
         if done.len() + 2 * rest.len() > MOST_CELLS {
-            let reached = rest.iter().map(RefinedCell::left_out).sum::<f64>() / masses.total();
+            let reached = rest.iter().map(RefinedCell::truncation).sum::<f64>() / masses.total();
             let what = "the density as a series".into();
             return Err(Error::Accuracy {
                 key: String::new(),
@@ -221,7 +226,7 @@ fn halved(
     }
 }
 
-/// The cells without those at the ends that hold next to nothing.
+/// The cells without negligible ones at the ends.
 fn trimmed(mut cells: Vec<RefinedCell>, masses: &RefinedMasses) -> Vec<RefinedCell> {
     let last = cells.partition_point(|cell| masses.from(cell.low) > ENDS.0 * masses.total());
     cells.truncate(last.max(1));
@@ -234,42 +239,43 @@ fn trimmed(mut cells: Vec<RefinedCell>, masses: &RefinedMasses) -> Vec<RefinedCe
     cells
 }
 
-/// Neighbours joined as long as one series serves both: what is left are the cells that the density needs.
-fn joined(
+/// Merges neighbours as long as one series represents both; what is left are the cells that the density
+/// needs.
+fn merged(
     density: &mut impl Density,
     mut cells: Vec<RefinedCell>,
     masses: &RefinedMasses,
     tolerance: f64,
 ) -> Result<Vec<RefinedCell>> {
-    let (mut offset, mut idle) = (0, 0);
-    while idle < 2 {
-        let offered = cells.split_off(offset.min(cells.len()));
+    let (mut offset, mut passes_without_merge) = (0, 0);
+    while passes_without_merge < 2 {
+        let candidates = cells.split_off(offset.min(cells.len()));
         let mut unions: Vec<_> =
-            offered.chunks_exact(2).map(|c| RefinedCell::new(c[0].low, c[1].high)).collect();
+            candidates.chunks_exact(2).map(|c| RefinedCell::new(c[0].low, c[1].high)).collect();
         evaluate(density, &mut unions)?;
-        let before = cells.len() + offered.len();
-        for (pair, union) in offered.chunks_exact(2).zip(unions) {
+        let before = cells.len() + candidates.len();
+        for (pair, union) in candidates.chunks_exact(2).zip(unions) {
             if union.replaces(pair, masses, tolerance) {
-                cells.push(RefinedCell { breaks: pair[1].breaks, ..union })
+                cells.push(RefinedCell { non_smooth: pair[1].non_smooth, ..union })
             } else {
                 cells.extend_from_slice(pair)
             }
         }
-        cells.extend_from_slice(offered.chunks_exact(2).remainder());
-        idle = if cells.len() < before { 0 } else { idle + 1 };
+        cells.extend_from_slice(candidates.chunks_exact(2).remainder());
+        passes_without_merge = if cells.len() < before { 0 } else { passes_without_merge + 1 };
         offset = 1 - offset;
     }
     Ok(cells)
 }
 
-/// The cells with ends at kinks moved to where their neighbours' series meet.
-fn settled(density: &mut impl Density, mut cells: Vec<RefinedCell>) -> Result<Vec<RefinedCell>> {
+/// Moves cell boundaries at kinks to where the series of their neighbours intersect.
+fn aligned(density: &mut impl Density, mut cells: Vec<RefinedCell>) -> Result<Vec<RefinedCell>> {
     for i in 1..cells.len() {
         let (left, right) = (&cells[i - 1], &cells[i]);
         let jump = series(&right.coefficients, -1.0) - series(&left.coefficients, 1.0);
         let slope = |cell: &RefinedCell, t: f64| series(&derivative(&cell.coefficients), t) / cell.half();
         let shift = jump / (slope(left, 1.0) - slope(right, -1.0));
-        if left.breaks && shift.abs() < 1e-6 * left.half().min(right.half()) {
+        if left.non_smooth && shift.abs() < 1e-6 * left.half().min(right.half()) {
             cells[i - 1].high += shift;
             cells[i].low = cells[i - 1].high;
         }
@@ -278,7 +284,7 @@ fn settled(density: &mut impl Density, mut cells: Vec<RefinedCell>) -> Result<Ve
     Ok(cells)
 }
 
-/// For each lower end of a cell, the masses up to the upper end of the cell and from its lower end on.
+/// For each cell its lower end, the mass up to its upper end, and the mass from its lower end on.
 struct RefinedMasses(Vec<(f64, f64, f64)>);
 
 impl RefinedMasses {

@@ -1,59 +1,62 @@
-//! Thresholds as a drive sees them that is helped by every break: the mean-field law of coupled contacts.
+//! The mean-field renormalised distribution of thresholds: contacts coupled so that each break stretches all
+//! others.
 
 use num_complex::Complex64;
 
 use super::critical_coupling::critical_coupling;
-use super::drives::Drives;
-use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
+use super::drive_map::DriveMap;
+use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
 use crate::numerics::legendre::{NODES, RULE};
 use crate::random::Stream;
 use crate::{Error, Result};
 
-/// Where the slope of X(x) is above, thresholds are spread over X much as over x.
+/// Where the slope of X(x) is above this, thresholds vary over X on much the same scale as over x.
 const EVEN: f64 = 0.75;
 
-/// Cells of 16 terms over a neighbourhood at whose ends the slope of X(x) has doubled.
+/// Number of 16-term cells over a neighbourhood at whose ends the slope of X(x) has doubled.
 const CELLS: f64 = 12.0;
 
-/// Change of the phase of e^{−sX}, or of its logarithm, that 16 Gauss points follow to rounding.
+/// Change of the exponent of e^{−sX} over which 16 Gauss points integrate it to rounding.
 const PHASE: f64 = 8.0;
 
-/// The drive at which contacts break that are all stretched by every break, by κξ/N where one of N contacts breaks at
-/// the stretch ξ, for thresholds of law P_c and all contacts relaxed at first.
+/// The distribution of the drive at which contacts break, where each break stretches all contacts: by κξ/N if
+/// one of N contacts breaks at the stretch ξ. Thresholds have the distribution P_c, and all contacts are
+/// relaxed at first.
 ///
-/// By the time that all unbroken contacts have the stretch x, the drive has stretched them by
-/// X(x) = x − κ ∫_0^x ξ P_c(ξ) dξ, so that they break as free contacts would whose law of thresholds is
-/// P_eff(X) = P_c(x)/[1 − κ x P_c(x)], S_eff(X) = S(x): of lower mean and narrower. At κ_c = 1/max(x P_c)
-/// ([`critical_coupling`]) a share of all contacts breaks at once.
+/// When all unbroken contacts have the stretch x, the drive has stretched them by X(x) = x − κ ∫_0^x ξ P_c(ξ)
+/// dξ. They break as uncoupled contacts would with the distribution P_eff(X) = P_c(x)/[1 − κ x P_c(x)],
+/// S_eff(X) = S(x), which has a lower mean and is narrower. At κ_c = 1/max(x P_c) ([`critical_coupling`]) a
+/// finite fraction of all contacts breaks at once.
 ///
-/// This is so until contacts break that have broken before. For a block of stiffness K pulled at its top, κ =
-/// N⟨k⟩/(K + N⟨k⟩) and the drive is (1 − κ) X_T: κ < κ_c is K > K_c then.
+/// This holds until contacts break a second time. For a block of stiffness K pulled at its top, κ = N⟨k⟩/(K +
+/// N⟨k⟩) and the drive is (1 − κ) X_T; then κ < κ_c is equivalent to K > K_c.
 ///
-/// `coupling` is κ; the law of thresholds keeps its parameters, as `law.mean`, …. S, ln S and the hazard have the
-/// accuracy of that law's over 1 − κ/κ_c, moments that of rounding.
+/// `coupling` is κ; the distribution of thresholds keeps its parameters, as `law.mean`, …. S, ln S and the
+/// hazard rate have the accuracy of those of P_c over 1 − κ/κ_c, moments that of rounding.
 #[derive(Clone)]
 pub struct Renormalised {
-    drives: Drives,
+    map: DriveMap,
     /// The Gauss points of each cell.
-    points: Vec<[Mass; NODES]>,
+    points: Vec<[MassPoint; NODES]>,
     /// Moments of order 1 to 3 of the mass above each node.
     above: Vec<[f64; 3]>,
     std: f64,
 }
 
-/// A share of the contacts, and where they break.
+/// A Gauss point: stretch, drive, and the mass it represents.
 #[derive(Debug, Clone, Copy)]
-struct Mass {
+struct MassPoint {
     stretch: f64,
     drive: f64,
     weight: f64,
 }
 
 impl Renormalised {
-    /// The law of `thresholds` under a `coupling` κ.
+    /// The renormalised distribution of `thresholds` for a `coupling` κ.
     ///
     /// # Errors
-    /// A coupling below 0 or not finite, or one of κ_c or above; identical thresholds, point masses above 0.
+    /// A coupling below 0 or not finite, or one of κ_c or above; identical thresholds, i.e. point masses
+    /// above 0.
     pub fn new(thresholds: SharedLaw, coupling: f64) -> Result<Self> {
         not_negative("coupling", coupling)?;
         if let Some(atom) = thresholds.atoms().into_iter().find(|atom| atom.position > 0.0) {
@@ -66,35 +69,35 @@ impl Renormalised {
                 format!("a number from 0 to below {critical}, where contacts break in one avalanche");
             return Err(Error::invalid("coupling", expected, coupling));
         }
-        let drives = Drives::new(coupling, thresholds);
-        let mut law = Self { drives, points: Vec::new(), above: Vec::new(), std: 0.0 };
+        let map = DriveMap::new(coupling, thresholds);
+        let mut law = Self { map, points: Vec::new(), above: Vec::new(), std: 0.0 };
         law.sum_above();
         law.std = law.variance().sqrt();
         Ok(law)
     }
 
-    /// X(x), by which the drive has stretched contacts that have the stretch x.
+    /// X(x): the drive at which unbroken contacts have the stretch x.
     pub fn drive(&self, stretch: f64) -> f64 {
-        self.drives.drive(stretch)
+        self.map.drive(stretch)
     }
 
-    /// x(X), the stretch of the unbroken contacts that the drive has stretched by X.
+    /// x(X): the stretch of the unbroken contacts at the drive X.
     pub fn stretch(&self, drive: f64) -> f64 {
-        self.drives.stretch(drive)
+        self.map.stretch(drive)
     }
 
     fn thresholds(&self) -> &dyn Law {
-        self.drives.thresholds.as_ref()
+        self.map.thresholds.as_ref()
     }
 
-    /// κx̄, what all breaks together stretch a contact.
+    /// κx̄, the stretch that all breaks together add.
     fn shift(&self) -> f64 {
-        self.drives.coupling * self.thresholds().mean()
+        self.map.coupling * self.thresholds().mean()
     }
 
-    /// Sets out Gauss points and sums what is above nodes.
+    /// Computes the Gauss points, and sums the moments above each node.
     fn sum_above(&mut self) {
-        let nodes = self.drives.nodes();
+        let nodes = self.map.nodes();
         let cell = |cell: usize| self.masses(cell, nodes[cell].stretch, nodes[cell + 1].stretch);
         self.points = (0..nodes.len() - 1).map(cell).collect();
         let mut sum = std::array::from_fn(|n| self.last_moment(n as u32 + 1));
@@ -108,22 +111,22 @@ impl Renormalised {
 
     fn variance(&self) -> f64 {
         let mean = self.mean();
-        let square = |mass: &Mass| mass.weight * (mass.drive - mean).powi(2);
+        let square = |mass: &MassPoint| mass.weight * (mass.drive - mean).powi(2);
         self.relaxed() * mean * mean + self.points.iter().flatten().map(square).sum::<f64>()
     }
 
-    /// The share of contacts whose threshold is 0.
+    /// The fraction of contacts whose threshold is 0.
     fn relaxed(&self) -> f64 {
         self.atoms().iter().map(|atom| atom.weight).sum()
     }
 
-    /// Gauss points between places of one cell.
-    fn masses(&self, cell: usize, low: f64, high: f64) -> [Mass; NODES] {
+    /// Gauss points between two stretches within a cell.
+    fn masses(&self, cell: usize, low: f64, high: f64) -> [MassPoint; NODES] {
         let half = 0.5 * (high - low);
         std::array::from_fn(|i| {
             let stretch = low + half * (1.0 + RULE.nodes[i]);
             let weight = half * RULE.weights[i] * self.thresholds().density(stretch);
-            Mass { stretch, drive: self.drives.drive_in(cell, stretch), weight }
+            MassPoint { stretch, drive: self.map.drive_in(cell, stretch), weight }
         })
     }
 
@@ -139,7 +142,7 @@ impl Renormalised {
     }
 
     fn last_moment(&self, order: u32) -> f64 {
-        self.drives.nodes().last().map_or(0.0, |last| self.tail_moment(order, last.stretch))
+        self.map.nodes().last().map_or(0.0, |last| self.tail_moment(order, last.stretch))
     }
 
     /// ∫ Xⁿ dP above a node.
@@ -151,10 +154,10 @@ impl Renormalised {
         cells.sum::<f64>() + self.last_moment(order)
     }
 
-    /// Σ g over Gauss points, in parts so small that they follow e^{−sX}.
-    fn sum(&self, s: Complex64, g: impl Fn(&Mass) -> Complex64) -> Complex64 {
+    /// Σ g over Gauss points, in panels so small that they resolve e^{−sX}.
+    fn sum(&self, s: Complex64, g: impl Fn(&MassPoint) -> Complex64) -> Complex64 {
         let cell = |cell: usize| {
-            let nodes = self.drives.nodes();
+            let nodes = self.map.nodes();
             let (low, width) = (nodes[cell].stretch, nodes[cell + 1].stretch - nodes[cell].stretch);
             let parts = (s.norm() * width / PHASE).ceil();
             if parts <= 1.0 {
@@ -167,10 +170,11 @@ impl Renormalised {
         (0..self.points.len()).map(cell).sum()
     }
 
-    /// Where the slope is low the density varies on the length on which the slope doubles.
-    fn narrow(&self) -> Vec<Zone> {
-        let nodes = self.drives.nodes();
-        let slopes: Vec<f64> = nodes.iter().map(|node| self.drives.slope(node.stretch)).collect();
+    /// Zones around minima of the slope dX/dx: the density varies there on the length on which the slope
+    /// doubles.
+    fn zones_of_low_slope(&self) -> Vec<Zone> {
+        let nodes = self.map.nodes();
+        let slopes: Vec<f64> = nodes.iter().map(|node| self.map.slope(node.stretch)).collect();
         let around = |i: usize| {
             let doubled = |slope: &f64| *slope > 2.0 * slopes[i];
             let low = slopes[..i].iter().rposition(doubled).unwrap_or(0);
@@ -185,13 +189,13 @@ impl Renormalised {
 }
 
 /// Σ Xⁿ over Gauss points.
-fn moment(points: &[Mass; NODES], order: i32) -> f64 {
+fn moment(points: &[MassPoint; NODES], order: i32) -> f64 {
     points.iter().map(|mass| mass.weight * mass.drive.powi(order)).sum()
 }
 
 impl std::fmt::Debug for Renormalised {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Renormalised by {} of {:?}", self.drives.coupling, self.thresholds())
+        write!(f, "Renormalised by {} of {:?}", self.map.coupling, self.thresholds())
     }
 }
 
@@ -202,12 +206,12 @@ impl Law for Renormalised {
 
     fn parameters(&self) -> Vec<Parameter> {
         let inner = |p: Parameter| Parameter { name: format!("law.{}", p.name).into(), value: p.value };
-        let coupling = Parameter::new("coupling", self.drives.coupling);
+        let coupling = Parameter::new("coupling", self.map.coupling);
         std::iter::once(coupling).chain(self.thresholds().parameters().into_iter().map(inner)).collect()
     }
 
     fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw> {
-        let Drives { coupling, thresholds, .. } = &self.drives;
+        let DriveMap { coupling, thresholds, .. } = &self.map;
         if name == "coupling" {
             return shared(Self::new(thresholds.clone(), value));
         }
@@ -218,7 +222,7 @@ impl Law for Renormalised {
 
     fn density(&self, x: f64) -> f64 {
         let stretch = self.stretch(x);
-        self.thresholds().density(stretch) / self.drives.slope(stretch)
+        self.thresholds().density(stretch) / self.map.slope(stretch)
     }
 
     fn survival(&self, x: f64) -> f64 {
@@ -235,7 +239,7 @@ impl Law for Renormalised {
 
     fn hazard(&self, x: f64) -> f64 {
         let stretch = self.stretch(x);
-        self.thresholds().hazard(stretch) / self.drives.slope(stretch)
+        self.thresholds().hazard(stretch) / self.map.slope(stretch)
     }
 
     fn quantile(&self, p: f64) -> f64 {
@@ -248,7 +252,7 @@ impl Law for Renormalised {
 
     /// By quadrature over P_c, up to the next node for orders from 1 to 3.
     fn upper_moment(&self, order: u32, x: f64) -> f64 {
-        let (stretch, nodes) = (self.stretch(x), self.drives.nodes());
+        let (stretch, nodes) = (self.stretch(x), self.map.nodes());
         let after = nodes.partition_point(|node| node.stretch <= stretch);
         match after.checked_sub(1) {
             _ if order == 0 => self.thresholds().survival(stretch),
@@ -273,33 +277,33 @@ impl Law for Renormalised {
         self.thresholds().atoms()
     }
 
-    /// Leading terms: X − X_0 = (1 − κ x_0 p_0)(x − x_0) + …, and p/(1 − κxp) changes by that to the power −2 of a change
-    /// of p; a jump from p to p', by itself.
-    fn breaks(&self) -> Vec<Break> {
-        let moved = |b: Break| {
+    /// Leading terms: X − X_0 = (1 − κ x_0 p_0)(x − x_0) + …, and p/(1 − κxp) changes by the change of p
+    /// times that factor to the power −2; a jump from p to p' is transformed exactly.
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        let moved = |b: Breakpoint| {
             let (position, after) = (self.drive(b.position), self.thresholds().density(b.position));
             if b.position == 0.0 {
                 return b;
             }
             if b.exponent == 0.0 {
-                let renormalised = |p: f64| p / (1.0 - self.drives.coupling * b.position * p);
+                let renormalised = |p: f64| p / (1.0 - self.map.coupling * b.position * p);
                 let amplitude = renormalised(after) - renormalised(after - b.amplitude);
-                return Break { position, amplitude, ..b };
+                return Breakpoint { position, amplitude, ..b };
             }
-            let amplitude = b.amplitude * self.drives.slope(b.position).powf(-2.0 - b.exponent);
-            Break { position, amplitude, ..b }
+            let amplitude = b.amplitude * self.map.slope(b.position).powf(-2.0 - b.exponent);
+            Breakpoint { position, amplitude, ..b }
         };
-        self.thresholds().breaks().into_iter().map(moved).collect()
+        self.thresholds().breakpoints().into_iter().map(moved).collect()
     }
 
-    /// Those of P_c as X, and where the slope of X(x) is low.
+    /// Those of P_c as X, and the neighbourhoods of low slope dX/dx.
     fn zones(&self) -> Vec<Zone> {
         let moved = |zone: Zone| {
             let (low, high) = (self.drive(zone.low), self.drive(zone.high));
             Zone { low, high, resolution: EVEN * zone.resolution.min(high - low) }
         };
         let zones = self.thresholds().zones().into_iter().filter(|zone| zone.high > zone.low).map(moved);
-        zones.chain(self.narrow()).collect()
+        zones.chain(self.zones_of_low_slope()).collect()
     }
 
     fn seams(&self) -> Vec<f64> {
@@ -310,7 +314,7 @@ impl Law for Renormalised {
         false
     }
 
-    /// Far out X is x but for a constant.
+    /// Far out X differs from x by a constant.
     fn decay_rate(&self) -> f64 {
         self.thresholds().decay_rate()
     }
@@ -319,14 +323,14 @@ impl Law for Renormalised {
         self.thresholds().known_rate()
     }
 
-    /// ∫ e^{−sX(x)} dP by quadrature; for Re s < 0 what it differs by from that of x − κx̄, which is known: the tails are
-    /// the same.
+    /// ∫ e^{−sX(x)} dP by quadrature. For Re s < 0 only the difference from the known integral of e^{−s(x −
+    /// κx̄)} is integrated, since the tails are the same.
     fn laplace(&self, s: Complex64) -> Complex64 {
         if s.re >= 0.0 {
             return self.relaxed() + self.sum(s, |mass| mass.weight * (-s * mass.drive).exp());
         }
         let shift = self.shift();
-        let gain = |mass: &Mass| (-s * mass.drive).exp() - (-s * (mass.stretch - shift)).exp();
+        let gain = |mass: &MassPoint| (-s * mass.drive).exp() - (-s * (mass.stretch - shift)).exp();
         let relaxed = self.relaxed() * (1.0 - (s * shift).exp());
         let shifted = (s * shift).exp() * self.thresholds().laplace(s);
         relaxed + shifted + self.sum(s, |mass| mass.weight * gain(mass))

@@ -1,30 +1,31 @@
-//! Thresholds of contacts that are given by their areas.
+//! The distribution of c√A: thresholds of contacts that are given by their areas.
 
 use num_complex::Complex64;
 
-use super::places::places;
-use super::quadrature::between;
-use super::{ALL, Atom, Break, Law, Parameter, SharedLaw, Zone, positive, shared};
+use super::panels::panel_boundaries;
+use super::quadrature::double_exponential;
+use super::{ALL, Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, positive, shared};
 use crate::Result;
 use crate::numerics::legendre::RULE;
 use crate::random::Stream;
 
-/// The law of c√A, A of a given law.
+/// The distribution of c√A for a given distribution of A.
 ///
-/// A contact of area A, stiffness ρc²√A and strength σ_s A breaks at the stretch σ_s √A/(ρc²): c = σ_s/(ρc²).
-/// p(x) = (2x/c²) p_A(x²/c²), S(x) = S_A(x²/c²). Its parameters are `factor` = c and those of A's law.
+/// A contact of area A, stiffness ρc²√A and strength σ_s A breaks at the stretch σ_s √A/(ρc²), so that c =
+/// σ_s/(ρc²). p(x) = (2x/c²) p_A(x²/c²), S(x) = S_A(x²/c²). Its parameters are `factor` = c and those of the
+/// distribution of A.
 #[derive(Debug, Clone)]
 pub struct Root {
     factor: f64,
     areas: SharedLaw,
-    /// Where the law of A is not smooth or has an atom, as x = c√A and as A.
-    marks: Vec<(f64, f64)>,
-    /// From x = 0 up, close enough for Gauss points.
+    /// Breakpoints and point masses of A, as x = c√A and as A.
+    breakpoints: Vec<(f64, f64)>,
+    /// Panel boundaries for Gauss quadrature, from x = 0 up.
     nodes: Vec<RootNode>,
     std: f64,
 }
 
-/// Moments of order 1 and 3, which A's law does not give, of the mass at x and above.
+/// The moments of order 1 and 3 of the mass at x and above, which the distribution of A does not give.
 #[derive(Debug, Clone, Copy)]
 struct RootNode {
     x: f64,
@@ -33,39 +34,39 @@ struct RootNode {
 }
 
 impl Root {
-    /// The law of `factor`·√A.
+    /// The distribution of `factor`·√A.
     ///
     /// # Errors
     /// A factor that is not finite and above 0.
     pub fn new(factor: f64, areas: SharedLaw) -> Result<Self> {
         positive("factor", factor)?;
-        let positions = areas.breaks().into_iter().map(|b| b.position);
+        let positions = areas.breakpoints().into_iter().map(|b| b.position);
         let positions = positions.chain(areas.atoms().into_iter().map(|atom| atom.position));
-        let mut marks: Vec<_> = positions.map(|area| (factor * area.sqrt(), area)).collect();
-        marks.sort_by(|a, b| a.0.total_cmp(&b.0));
-        marks.dedup();
-        let mut law = Self { factor, areas, marks, nodes: Vec::new(), std: 0.0 };
+        let mut breakpoints: Vec<_> = positions.map(|area| (factor * area.sqrt(), area)).collect();
+        breakpoints.sort_by(|a, b| a.0.total_cmp(&b.0));
+        breakpoints.dedup();
+        let mut law = Self { factor, areas, breakpoints, nodes: Vec::new(), std: 0.0 };
         law.nodes = law.sum_nodes();
         let mean = law.mean();
         law.std = law.integrate(-1.0, |x| Complex64::from((x - mean).powi(2))).re.sqrt();
         Ok(law)
     }
 
-    /// Moments at the places of the law, summed from above.
+    /// Moments at the panel boundaries, summed from above.
     fn sum_nodes(&self) -> Vec<RootNode> {
-        let mut places = places(self);
-        places.insert(0, 0.0);
-        places.dedup();
+        let mut panels = panel_boundaries(self);
+        panels.insert(0, 0.0);
+        panels.dedup();
         let atoms = self.atoms();
         let atom = |x: f64| match atoms.binary_search_by(|atom| atom.position.total_cmp(&x)) {
             Ok(i) => atoms[i].weight,
             Err(_) => 0.0,
         };
-        let last = places[places.len() - 1];
-        let beyond = |order: i32| self.integrate(last, |x| Complex64::from(x.powi(order))).re;
-        let (mut first, mut third, mut next) = (beyond(1), beyond(3), last);
-        let mut nodes = Vec::with_capacity(places.len());
-        for &x in places.iter().rev() {
+        let last = panels[panels.len() - 1];
+        let at_area = |order: i32| self.integrate(last, |x| Complex64::from(x.powi(order))).re;
+        let (mut first, mut third, mut next) = (at_area(1), at_area(3), last);
+        let mut nodes = Vec::with_capacity(panels.len());
+        for &x in panels.iter().rev() {
             first += self.panel(x, next, 1) + atom(x) * x;
             third += self.panel(x, next, 3) + atom(x) * x.powi(3);
             nodes.push(RootNode { x, first, third });
@@ -80,14 +81,14 @@ impl Root {
         if to <= 2.0 * x {
             return RULE.integrate(x, to, |x| x.powi(order) * self.density(x));
         }
-        between(x, to, |x| Complex64::from(x.powi(order) * self.density(x))).re
+        double_exponential(x, to, |x| Complex64::from(x.powi(order) * self.density(x))).re
     }
 
-    /// A at x ≥ 0, on the same side of every mark as x.
+    /// A at x ≥ 0, on the same side of every breakpoint as x, whatever the rounding.
     fn area(&self, x: f64) -> f64 {
-        let i = self.marks.partition_point(|mark| mark.0 <= x);
-        let low = if i > 0 { self.marks[i - 1].1 } else { 0.0 };
-        let high = self.marks.get(i).map_or(f64::MAX, |mark| mark.1.next_down().max(low));
+        let i = self.breakpoints.partition_point(|breakpoint| breakpoint.0 <= x);
+        let low = if i > 0 { self.breakpoints[i - 1].1 } else { 0.0 };
+        let high = self.breakpoints.get(i).map_or(f64::MAX, |breakpoint| breakpoint.1.next_down().max(low));
         (x / self.factor).powi(2).clamp(low, high)
     }
 
@@ -96,44 +97,47 @@ impl Root {
         2.0 * x / (self.factor * self.factor)
     }
 
-    /// A value per unit A at x as one per unit x; at 0 its limit, for a density of A that may be infinite there.
-    fn pushed(&self, x: f64, value: impl Fn(f64) -> f64) -> f64 {
+    /// Converts a quantity per unit A at x to one per unit x; at 0 its limit, since the density of A may be
+    /// infinite there.
+    fn per_stretch(&self, x: f64, value: impl Fn(f64) -> f64) -> f64 {
         if x < 0.0 {
             return 0.0;
         }
         let x = x.max(1e-150 * self.factor);
         let value = value(self.area(x));
-        // Far out 0 meets a slope that overflows.
+        // Far out, 0 would be multiplied by a slope that overflows.
         if value == 0.0 { 0.0 } else { self.slope(x) * value }
     }
 
-    fn beyond(&self, x: f64, value: impl Fn(f64) -> f64) -> f64 {
+    /// A function of A at x; at −1 for x < 0.
+    fn at_area(&self, x: f64, value: impl Fn(f64) -> f64) -> f64 {
         value(if x < 0.0 { -1.0 } else { self.area(x) })
     }
 
-    /// ∫_{(x, ∞)} g dP: point masses, and the density between marks and quantiles.
+    /// ∫_{(x, ∞)} g dP: point masses, and the density between breakpoints and quantiles.
     fn integrate(&self, x: f64, g: impl Fn(f64) -> Complex64) -> Complex64 {
-        // Of the last that can be told, 1e-20 is told as 0, which is reached nowhere.
+        // S cannot be evaluated where it underflows.
         let negligible = (1e-20 * self.survival(x)).max(f64::MIN_POSITIVE);
         self.integrate_to(x, self.upper_quantile(negligible), g)
     }
 
+    /// ∫_{(x, `top`]} g dP.
     fn integrate_to(&self, x: f64, top: f64, g: impl Fn(f64) -> Complex64) -> Complex64 {
         let atoms = self.atoms().into_iter().filter(|atom| atom.position > x);
         let atoms: Complex64 = atoms.map(|atom| atom.weight * g(atom.position)).sum();
         let from = x.max(0.0);
         let shares = [0.999, 0.9, 0.5, 0.1, 1e-3, 1e-8, 1e-20];
         let mut ends: Vec<f64> = shares.iter().map(|q| self.upper_quantile(q * self.survival(x))).collect();
-        ends.extend(self.marks.iter().map(|mark| mark.0));
+        ends.extend(self.breakpoints.iter().map(|breakpoint| breakpoint.0));
         ends.extend([from, top]);
         ends.retain(|end| (from..=top).contains(end));
         ends.sort_by(f64::total_cmp);
         ends.dedup();
-        let density = ends.windows(2).map(|w| between(w[0], w[1], |x| self.density(x) * g(x)));
+        let density = ends.windows(2).map(|w| double_exponential(w[0], w[1], |x| self.density(x) * g(x)));
         atoms + density.sum::<Complex64>()
     }
 
-    /// Beyond it e^{rate·x} p(x) is negligible; none if that is not so up to far out.
+    /// The x beyond which e^{rate·x} p(x) is negligible; `None` if there is none up to far out.
     fn top(&self, rate: f64) -> Option<f64> {
         let mut x = self.upper_quantile(1e-20);
         for _ in 0..200 {
@@ -165,19 +169,19 @@ impl Law for Root {
     }
 
     fn density(&self, x: f64) -> f64 {
-        self.pushed(x, |area| self.areas.density(area))
+        self.per_stretch(x, |area| self.areas.density(area))
     }
 
     fn survival(&self, x: f64) -> f64 {
-        self.beyond(x, |area| self.areas.survival(area))
+        self.at_area(x, |area| self.areas.survival(area))
     }
 
     fn ln_survival(&self, x: f64) -> f64 {
-        self.beyond(x, |area| self.areas.ln_survival(area))
+        self.at_area(x, |area| self.areas.ln_survival(area))
     }
 
     fn hazard(&self, x: f64) -> f64 {
-        self.pushed(x, |area| self.areas.hazard(area))
+        self.per_stretch(x, |area| self.areas.hazard(area))
     }
 
     fn quantile(&self, p: f64) -> f64 {
@@ -188,11 +192,11 @@ impl Law for Root {
         self.factor * self.areas.upper_quantile(q).sqrt()
     }
 
-    /// cⁿ times the moment n/2 of A above x²/c²; by quadrature for odd n, up to the next node for 1 and 3.
+    /// cⁿ times the moment n/2 of A above x²/c². For odd n by quadrature, up to the next node for 1 and 3.
     fn upper_moment(&self, order: u32, x: f64) -> f64 {
         if order.is_multiple_of(2) {
             return self.factor.powi(order as i32)
-                * self.beyond(x, |area| self.areas.upper_moment(order / 2, area));
+                * self.at_area(x, |area| self.areas.upper_moment(order / 2, area));
         }
         let x = x.max(0.0);
         let after = self.nodes.partition_point(|node| node.x <= x);
@@ -216,26 +220,26 @@ impl Law for Root {
         self.areas.atoms().into_iter().map(moved).collect()
     }
 
-    /// Leading terms: near a mark x₀ > 0, A − A₀ = (2x₀/c²)(x − x₀) + …; near 0, A = x²/c².
-    fn breaks(&self) -> Vec<Break> {
-        let moved = |b: Break| {
+    /// Leading terms: near a breakpoint x₀ > 0, A − A₀ = (2x₀/c²)(x − x₀) + …; near 0, A = x²/c².
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        let moved = |b: Breakpoint| {
             let position = self.factor * b.position.sqrt();
             if position > 0.0 {
                 let amplitude = b.amplitude * self.slope(position).powf(b.exponent + 1.0);
-                return Break { position, amplitude, ..b };
+                return Breakpoint { position, amplitude, ..b };
             }
             let exponent = 2.0 * b.exponent + 1.0;
             let ratio = libm::tgamma(exponent + 1.0) / libm::tgamma(b.exponent + 1.0);
-            Break {
+            Breakpoint {
                 position,
                 exponent,
                 amplitude: 2.0 * b.amplitude * ratio / self.factor.powf(exponent + 1.0),
             }
         };
-        self.areas.breaks().into_iter().map(moved).collect()
+        self.areas.breakpoints().into_iter().map(moved).collect()
     }
 
-    /// Those of A, δx = c δA/(2√A) in their middle.
+    /// Those of A, with δx = c δA/(2√A) in their middle.
     fn zones(&self) -> Vec<Zone> {
         let root = |zone: Zone| Zone {
             low: self.factor * zone.low.sqrt(),
@@ -253,14 +257,14 @@ impl Law for Root {
         false
     }
 
-    /// S(x) = S_A(x²/c²): the exponential tail of an area is a Gaussian one of its root; an area whose tail is heavier
-    /// than exponential (λ = 0) is taken to leave a root with one, too.
+    /// From S(x) = S_A(x²/c²): an exponential tail of the area gives a Gaussian tail of its root. An area
+    /// whose tail is heavier than exponential (λ = 0) is taken to give a heavy tail, too.
     fn decay_rate(&self) -> f64 {
         if self.areas.decay_rate() > 0.0 { f64::INFINITY } else { 0.0 }
     }
 
-    /// From where a tail of A is cut, at A₀, e^{λx} stays below the e^{λ_A A} up to which it is known, if
-    /// λ = λ_A A₀/x₀.
+    /// If the tail of A is cut at A₀, e^{λx} stays below the e^{λ_A A} up to which it is known if λ = λ_A
+    /// A₀/x₀.
     fn known_rate(&self) -> f64 {
         let (rate, top) = (self.areas.known_rate(), self.areas.upper_quantile(0.0));
         if rate == f64::INFINITY {
@@ -270,8 +274,9 @@ impl Law for Root {
         rate * cut.sqrt() / self.factor
     }
 
-    /// ∫ e^{−sx} dP by quadrature, where the integral converges; for Re s < 0 and a tail without end heavier
-    /// than that, NaN. A tail that only wins far out (a lognormal's) is cut there, as its continuation does.
+    /// ∫ e^{−sx} dP by quadrature where the integral converges. NaN for Re s < 0 and an infinite tail that is
+    /// too heavy. A tail that dominates only far out (that of a lognormal) is cut there, which is its
+    /// continuation.
     fn laplace(&self, s: Complex64) -> Complex64 {
         match self.top((-s.re).max(0.0)) {
             Some(top) => self.integrate_to(-1.0, top, |x| (-s * x).exp()),
@@ -318,7 +323,7 @@ mod tests {
         for s in [Complex64::new(1.0, 2.0), Complex64::new(-0.5, 3.0)] {
             close(law.laplace(s).re, twin.laplace(s).re);
         }
-        let (ours, theirs) = (law.breaks()[0], twin.breaks()[0]);
+        let (ours, theirs) = (law.breakpoints()[0], twin.breakpoints()[0]);
         close(ours.amplitude, theirs.amplitude);
         assert_eq!(ours.exponent, theirs.exponent);
     }

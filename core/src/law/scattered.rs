@@ -1,29 +1,29 @@
-//! The law of thresholds of cells that differ.
+//! The distribution of thresholds over all cells of an interface whose cells differ in scale: a product
+//! distribution.
 
-use super::places::places;
+use super::panels::panel_boundaries;
 use super::{Law, Series};
 use crate::numerics::legendre::RULE;
 use crate::{Error, Result};
 
-/// Standard deviations of the scales beyond which there are none: 1e-18 of a Gaussian.
+/// Standard deviations at which the Gaussian of the scales is cut: 1e-18 of it is beyond.
 const REACH: f64 = 9.0;
 
-/// So many of them 16 Gauss points follow to rounding.
+/// Width in standard deviations over which 16 Gauss points integrate it to rounding.
 const WIDTH: f64 = 1.4;
 
-/// What a series may leave out of each cell of its own.
+/// Tolerance of the series.
 const TOLERANCE: f64 = 1e-12;
 
-/// Places relatively nearer than this are one.
+/// Relative distance below which two positions are the same.
 const APART: f64 = 1e-12;
 
-/// The law of s ξ, ξ of a law without point masses and s an independent scale, Gaussian of mean 1 and standard deviation
-/// `std` as far as it is above 0: that of the thresholds of all contacts where cells differ in scale. With φ the standard
-/// Gaussian,
+/// The distribution of s ξ, where ξ has a distribution without point masses and s is an independent scale,
+/// Gaussian of mean 1 and standard deviation `std`, conditioned on s > 0. With φ the standard Gaussian,
 ///
 /// p(y) = ∫ φ(t) P(y/s) dt/s, s = 1 + std t.
 ///
-/// As a series, good to 1e-12 of the law; tails of 1e-20 are cut off.
+/// Returned as a series, accurate to 1e-12; tails of 1e-20 are cut off.
 ///
 /// # Errors
 /// A standard deviation that is not a finite number above 0, point masses, those of [`Series::resolve`].
@@ -33,19 +33,19 @@ pub fn scattered(law: &dyn Law, std: f64) -> Result<Series> {
         let found = format!("one at {}", atom.position);
         return Err(Error::invalid("law", "a law without point masses", found));
     }
-    let product = Product { law, std, places: places(law) };
+    let product = Product { law, std, panels: panel_boundaries(law) };
     let density = |points: &[f64]| Ok(points.iter().map(|&y| product.density(y)).collect());
     Series::resolve(density, &product.boundaries(), TOLERANCE).map(|(series, _)| series)
 }
 
-/// A scale s = 1 + std t, as t, of which little is lost near 1, and as s, of which little is lost near 0.
+/// A scale s = 1 + std t, as t, which is accurate near s = 1, and as s, which is accurate near 0.
 #[derive(Debug, Clone, Copy)]
 struct Scale {
     off: f64,
     factor: f64,
 }
 
-/// ∫f by Gauss's rule on so many equal parts, or one more.
+/// ∫f by the Gauss rule on `parts` equal panels, rounded up.
 fn summed([low, high]: [f64; 2], parts: f64, f: impl Fn(f64) -> f64) -> f64 {
     let parts = parts.ceil().max(1.0);
     let at = |k: usize| low + (high - low) * (k as f64 / parts);
@@ -55,19 +55,19 @@ fn summed([low, high]: [f64; 2], parts: f64, f: impl Fn(f64) -> f64) -> f64 {
 struct Product<'a> {
     law: &'a dyn Law,
     std: f64,
-    /// Places of the law, rising.
-    places: Vec<f64>,
+    /// Panel boundaries of the distribution of ξ, rising.
+    panels: Vec<f64>,
 }
 
 impl Product<'_> {
-    /// The density at y > 0, between places at each of which P may break.
+    /// The density at y > 0, integrated between the scales at which P(y/s) may not be smooth.
     fn density(&self, y: f64) -> f64 {
         let met = |x: f64| Scale { off: (y / x - 1.0) / self.std, factor: y / x };
         let reached = |off: f64| Scale { off, factor: 1.0 + self.std * off };
-        let (lowest, highest) = (met(self.places[self.places.len() - 1]), met(self.places[0]));
+        let (lowest, highest) = (met(self.panels[self.panels.len() - 1]), met(self.panels[0]));
         let low = if lowest.off > -REACH { lowest } else { reached(-REACH) };
         let high = if highest.off < REACH { highest } else { reached(REACH) };
-        let inner = self.places.iter().rev().map(|&x| met(x));
+        let inner = self.panels.iter().rev().map(|&x| met(x));
         let inner = inner.filter(|scale| scale.off > low.off && scale.off < high.off);
         let mut from = low;
         let mut sum = 0.0;
@@ -78,7 +78,8 @@ impl Product<'_> {
         sum
     }
 
-    /// The part of scales in an interval: of small ones over ln s, with which P(y/s) varies.
+    /// The contribution of an interval of scales; for small scales integrated over ln s, on which P(y/s)
+    /// varies evenly.
     fn between(&self, y: f64, from: Scale, to: Scale) -> f64 {
         const SMALL: f64 = 0.5;
         let widths = (to.off - from.off) / WIDTH;
@@ -96,14 +97,15 @@ impl Product<'_> {
         })
     }
 
-    /// Places between which nothing is missed: where P breaks, p changes over std times as much on both sides.
+    /// Boundaries between which nothing is missed: around a breakpoint of P, p changes over std times its
+    /// position.
     fn boundaries(&self) -> Vec<f64> {
         let reach = REACH * self.std;
         let around = |x: f64| [(x * (1.0 - reach)).max(0.0), x, x * (1.0 + reach)];
-        let breaks = self.law.breaks().into_iter().map(|b| b.position);
-        let ends = [self.places[0], self.places[self.places.len() - 1]];
-        let mut boundaries: Vec<f64> = breaks.chain(ends).flat_map(around).collect();
-        boundaries.extend(&self.places);
+        let breakpoints = self.law.breakpoints().into_iter().map(|b| b.position);
+        let ends = [self.panels[0], self.panels[self.panels.len() - 1]];
+        let mut boundaries: Vec<f64> = breakpoints.chain(ends).flat_map(around).collect();
+        boundaries.extend(&self.panels);
         boundaries.sort_by(f64::total_cmp);
         boundaries.dedup_by(|next, kept| *next - *kept <= APART * *next);
         boundaries

@@ -1,21 +1,23 @@
-//! A law whose density is a Legendre series on each of some cells: any density there is, nearly to rounding.
+//! A distribution whose density is a Legendre series on each of some cells: represents any density nearly to
+//! rounding.
 
 use num_complex::Complex64;
 
 use super::refine::{Refined, refine};
-use super::{ALL, Break, Law, Parameter, SharedLaw, Zone, unknown};
+use super::{ALL, Breakpoint, Law, Parameter, SharedLaw, Zone, unknown};
 use crate::numerics::legendre::{NODES, Nodal, RULE, end_derivative, series};
 use crate::numerics::piecewise::{Piecewise, tail};
 use crate::random::Stream;
 use crate::{Error, Float, Result};
 
-/// A density that is a polynomial of degree 15 or less on each cell between given boundaries, 0 outside, scaled to
-/// total mass 1: p(x) = Σ_n c_n P_n(t), t from −1 to 1 across the cell, P_n the Legendre polynomials.
+/// A density that is a polynomial of degree at most 15 on each cell between given boundaries and 0 outside,
+/// normalised: p(x) = Σ_n c_n P_n(t), t from −1 to 1 across the cell, P_n the Legendre polynomials.
 ///
-/// Given by its coefficients, or made from a function ([`Series::resolve`]). Survival, moments and transform are the
-/// integrals of the series: S, its logarithm and the hazard have the accuracy of the series, relative to themselves
-/// down to the end of the last cell. Where a density falls below 0 by rounding it is taken to be 0. A tail without end
-/// that was `cut` off is not there, and the law does not claim what would hang on it ([`Law::known_rate`]).
+/// It is given by its coefficients, or computed from a function ([`Series::resolve`]). Survival, moments and
+/// transform are the integrals of the series: the relative accuracy of S, ln S and the hazard rate is that of
+/// the series, down to the end of the last cell. A density below 0 by rounding is taken as 0. An infinite
+/// tail that was `cut` off is missing, and quantities that depend on it are declared unreliable
+/// ([`Law::known_rate`]).
 #[derive(Clone, PartialEq)]
 pub struct Series {
     density: Piecewise,
@@ -28,29 +30,30 @@ pub struct Series {
     below: Vec<f64>,
     std: f64,
     cut: f64,
-    breaks: Vec<Break>,
+    breakpoints: Vec<Breakpoint>,
     zones: Vec<Zone>,
 }
 
-/// A density below 0 by less than this fraction of the largest one is one of 0.
+/// A density below 0 by less than this fraction of its maximum counts as 0.
 const NEGATIVE: f64 = 1e-9;
 
-/// The most of a law that may be cut off.
+/// Largest fraction that may be cut off.
 const MOST_CUT: f64 = 1e-9;
 
-/// Bisection alone needs 60 steps from boundary to boundary.
+/// Largest number of steps; bisection alone needs 60.
 const MOST_STEPS: usize = 100;
 
-/// A break is one if it changes the law, over a standard deviation, by more than this.
+/// A breakpoint counts if it changes the distribution, over a standard deviation, by more than this.
 const FELT: f64 = 1e-14;
 
 impl Series {
-    /// The law of the coefficients, of any total mass, in each cell from c_0 on; those not given are 0. `cut` is the share
-    /// of a tail without end beyond the last boundary, 0 if the law ends there.
+    /// The distribution with these coefficients, c_0 first, of any total mass; missing ones are 0. `cut` is
+    /// the fraction of an infinite tail beyond the last boundary, 0 if the support ends there.
     ///
     /// # Errors
-    /// Fewer than two boundaries, boundaries not rising from 0 or above, lists of coefficients not one for each cell, an
-    /// empty one or one longer than 16, a density below 0, no mass at all, or a cut outside [0, 1e-9].
+    /// Fewer than two boundaries, boundaries not rising from 0 or above, lists of coefficients not one for
+    /// each cell, an empty list or one longer than 16, a density below 0, no mass at all, or a cut outside
+    /// [0, 1e-9].
     pub fn new(boundaries: &[f64], coefficients: &[Vec<f64>], cut: f64) -> Result<Self> {
         check_boundaries(boundaries)?;
         let cells = boundaries.len() - 1;
@@ -65,20 +68,22 @@ impl Series {
         Self::scaled(Piecewise { boundaries: boundaries.to_vec(), coefficients: padded? }, cut)
     }
 
-    /// The law of a density given by a function, of any total mass, and the share of the law that the series leaves out.
+    /// The distribution of a density given by a function, of any total mass, and the fraction of the mass
+    /// that the series misses.
     ///
-    /// `density` is called with many points at once and gives the density at each. It may jump or kink anywhere, and rise
-    /// like (x − x₀)^−¾ above the first of `boundaries`; there must be so many that no peak is missed between the 16 Gauss
-    /// points of each cell. The last may be infinite: then cells widen beyond the one before until 1e-40 of the law is
-    /// left. What is left out in a cell, in the mean, is at most `tolerance` of the mass above its lower end and of that
-    /// below its upper end, so that S and the hazard keep their digits into the tails: of a tolerance of 1e-14 and a
-    /// density right to rounding, 12 digits down to S = 1e-26.
+    /// `density` is called with many points at once and returns the density at each. It may have jumps and
+    /// kinks anywhere, and rise like (x − x₀)^−¾ above the first of the `boundaries`; these must be so close
+    /// that no peak is missed between the 16 Gauss points of each cell. The last may be infinite: cells
+    /// beyond the one before then double in width until 1e-40 of the mass is left. The truncation error of a
+    /// cell is at most `tolerance` × the mass above its lower end and × the mass below its upper end, so that
+    /// S and the hazard rate keep their digits into the tails: for a tolerance of 1e-14 and a density right
+    /// to rounding, 12 digits down to S = 1e-26.
     ///
     /// # Errors
-    /// Those of `density`; a density that is below 0 or not finite, or values not as many as points; boundaries that do
-    /// not rise from 0 or above; a tolerance outside [1e-15, 1e-3]; a tail so heavy that the second moment diverges;
-    /// [`Error::Accuracy`] where the tolerance is not reached with twenty thousand cells, as for noise, or where a density
-    /// becomes infinite other than at 0.
+    /// Those of `density`; a density that is below 0 or not finite, or a wrong number of values; boundaries
+    /// that do not rise from 0 or above; a tolerance outside [1e-15, 1e-3]; a tail so heavy that the second
+    /// moment diverges; [`Error::Accuracy`] if the tolerance is not reached with twenty thousand cells, as
+    /// for noise, or if a density becomes infinite other than at 0.
     pub fn resolve(
         density: impl FnMut(&[f64]) -> Result<Vec<f64>>,
         boundaries: &[f64],
@@ -91,31 +96,32 @@ impl Series {
         if !(1e-15..=1e-3).contains(&tolerance) {
             return Err(Error::invalid("tolerance", "a number from 1e-15 to 1e-3", tolerance));
         }
-        let Refined { series, left_out, cut } = refine(density, finite, endless, tolerance)?;
+        let Refined { series, truncation, cut } = refine(density, finite, endless, tolerance)?;
         let law = Self::scaled(series, cut)?;
-        // Rounding of the function, cell by cell, may add up to more than the tolerance.
+        // Rounding of the function may add up, cell by cell, to more than the tolerance.
         let wanted = tolerance.max(1e-11);
-        if left_out > wanted {
+        if truncation > wanted {
             let what = "the density as a series".into();
             return Err(Error::Accuracy {
                 key: String::new(),
                 what,
-                reached: Float(left_out),
+                reached: Float(truncation),
                 wanted: Float(wanted),
             });
         }
-        Ok((law, left_out))
+        Ok((law, truncation))
     }
 
-    /// The law of a density that has been solved for, of any total mass: not smooth at `breaks`, and varying on the length
-    /// `resolution` elsewhere. It is as accurate as it was solved for, so that breaks are told, not found.
+    /// The distribution of a density that is the solution of an equation, of any total mass, with known
+    /// `breakpoints`, that varies on the length `resolution` elsewhere. Its accuracy is limited, so
+    /// breakpoints are given rather than detected.
     ///
     /// # Errors
     /// A density below 0, or no mass at all.
-    pub(crate) fn solved(density: Piecewise, breaks: Vec<Break>, resolution: f64) -> Result<Self> {
+    pub(crate) fn solved(density: Piecewise, breakpoints: Vec<Breakpoint>, resolution: f64) -> Result<Self> {
         let law = Self::scaled(density, 0.0)?;
         let zone = Zone { low: law.start(), high: law.density.end(), resolution };
-        Ok(Self { breaks, zones: vec![zone], ..law })
+        Ok(Self { breakpoints, zones: vec![zone], ..law })
     }
 
     /// The boundaries of the cells.
@@ -123,17 +129,17 @@ impl Series {
         &self.density.boundaries
     }
 
-    /// The coefficients of each cell, of total mass 1.
+    /// The normalised coefficients of each cell.
     pub fn coefficients(&self) -> &[[f64; NODES]] {
         &self.density.coefficients
     }
 
-    /// The share of a tail without end that is left out beyond the last boundary.
+    /// The fraction of an infinite tail beyond the last boundary.
     pub fn cut(&self) -> f64 {
         self.cut
     }
 
-    /// Checks the sign of the density and scales its mass to 1.
+    /// Checks the sign of the density and normalises it.
     fn scaled(mut density: Piecewise, cut: f64) -> Result<Self> {
         check_sign(&density)?;
         let total = density.integral();
@@ -147,15 +153,16 @@ impl Series {
         let (mean_below, mean_above) = (means(&density, -1.0), means(&density, 1.0));
         let cells = density.coefficients.len();
         let (above, below) = (vec![[0.0; 4]; cells + 1], vec![0.0; cells + 1]);
-        let (breaks, zones) = (Vec::new(), Vec::new());
-        let mut law = Self { density, mean_below, mean_above, above, below, std: 0.0, cut, breaks, zones };
+        let (breakpoints, zones) = (Vec::new(), Vec::new());
+        let mut law =
+            Self { density, mean_below, mean_above, above, below, std: 0.0, cut, breakpoints, zones };
         law.sum();
-        law.breaks = law.find_breaks();
+        law.breakpoints = law.find_breaks();
         law.zones = law.find_zones();
         Ok(law)
     }
 
-    /// Sums what lies above and below each boundary.
+    /// Sums masses and moments above and below each boundary.
     fn sum(&mut self) {
         let cells = self.density.coefficients.len();
         for cell in (0..cells).rev() {
@@ -204,7 +211,8 @@ impl Series {
         self.density.boundaries[0]
     }
 
-    /// The zero within a cell of a function with the density as its slope: Newton's method, kept within its bracket.
+    /// The zero within a cell of a function whose slope is the density, by Newton's method safeguarded by
+    /// bisection.
     fn invert(&self, cell: usize, excess: impl Fn(f64) -> f64) -> f64 {
         let (mut a, mut b) = (self.density.boundaries[cell], self.density.boundaries[cell + 1]);
         let mut x = 0.5 * (a + b);
@@ -224,13 +232,13 @@ impl Series {
         x
     }
 
-    /// Values, slopes, … of the density at the lower end of a cell (`side` = −1) or at the upper one (1), and what
-    /// rounding and the terms left out make of them.
+    /// A derivative of the density at the lower end of a cell (`side` = −1) or at the upper one (1), and the
+    /// error it may have from rounding and truncation.
     fn derivative(&self, cell: usize, side: f64, order: u32) -> (f64, f64) {
         let terms = &self.density.coefficients[cell];
         let (middle, half) = self.density.cell(cell);
         let scale = half.powi(-(order as i32));
-        // Of values, and of where they are taken.
+        // Of values, and of the points at which they are taken.
         let rounding = 4.0 * f64::EPSILON * (1.0 + middle / half);
         let doubt = tail(terms).max(rounding * terms.iter().map(|c| c.abs()).sum::<f64>());
         let terms = (0..NODES).map(|n| (terms[n], end_derivative(n, order, side)));
@@ -239,21 +247,21 @@ impl Series {
         (scale * value, 30.0 * scale * doubt * amplified)
     }
 
-    /// The jump of a derivative at a boundary, where it is more than rounding.
-    fn jump(&self, boundary: usize, order: u32) -> Option<Break> {
+    /// The jump of a derivative at a boundary, if it exceeds its error.
+    fn jump(&self, boundary: usize, order: u32) -> Option<Breakpoint> {
         let cells = self.density.coefficients.len();
         let right = if boundary < cells { self.derivative(boundary, -1.0, order) } else { (0.0, 0.0) };
         let left = if boundary > 0 { self.derivative(boundary - 1, 1.0, order) } else { (0.0, 0.0) };
         let amplitude = right.0 - left.0;
         let position = self.density.boundaries[boundary];
-        let found = Break { position, exponent: f64::from(order), amplitude };
+        let found = Breakpoint { position, exponent: f64::from(order), amplitude };
         let felt = found.weight(self.std) * self.std > FELT;
         (felt && amplitude.abs() > right.1 + left.1).then_some(found)
     }
 
-    /// The power with which the density sets out from the start (`side` = −1), or from the end downwards (1), where cells
-    /// narrow towards it, unless a whole one.
-    fn power(&self, side: f64) -> Option<Break> {
+    /// The power law with which the density starts at the lower end (`side` = −1) or upper end (1) of the
+    /// support, where cells narrow towards it; `None` for a whole power.
+    fn power_at_end(&self, side: f64) -> Option<Breakpoint> {
         let edges = self.boundaries();
         let (end, next) =
             if side < 0.0 { (edges[0], edges[1]) } else { (edges[edges.len() - 1], edges[edges.len() - 2]) };
@@ -264,20 +272,21 @@ impl Series {
         let steep =
             first < 0.01 * self.std && (near - far).abs() < 0.1 && (exponent - exponent.round()).abs() > 0.01;
         let amplitude = at(1.0) * libm::tgamma(exponent + 1.0) / first.powf(exponent);
-        let set_out = Break { position: -side * end, exponent, amplitude };
+        let set_out = Breakpoint { position: -side * end, exponent, amplitude };
         steep.then(|| if side < 0.0 { set_out } else { set_out.mirrored() })
     }
 
-    fn find_breaks(&self) -> Vec<Break> {
+    fn find_breaks(&self) -> Vec<Breakpoint> {
         let last = self.density.coefficients.len();
         let end = |side: f64, boundary: usize| {
-            self.power(side).map_or_else(|| self.breaks_at_end(boundary), |power| vec![power])
+            self.power_at_end(side)
+                .map_or_else(|| self.breaks_at_end(boundary), |power_at_end| vec![power_at_end])
         };
         let inner = (1..last).flat_map(|i| (0..2).filter_map(move |order| self.jump(i, order)));
         end(-1.0, 0).into_iter().chain(inner).chain(end(1.0, last)).collect()
     }
 
-    /// Zones that begin and end at seams.
+    /// Zones that begin and end at cell boundaries.
     fn find_zones(&self) -> Vec<Zone> {
         let bulk = Zone::of(self.quantile(ALL), self.upper_quantile(ALL), self.mean(), self.std);
         let joined = self.density.clone().joined(1e-14);
@@ -286,17 +295,18 @@ impl Series {
         let low = inside().map(|cell| cell.0).fold(f64::INFINITY, f64::min);
         let high = inside().map(|cell| cell.1).fold(0.0, f64::max);
         let resolution = inside().map(|cell| cell.2).fold(self.std, f64::max);
-        // Cells that narrow towards a break are halved further by rounding, near a pole to a twentieth of their distance.
+        // Cells that narrow towards a breakpoint are bisected further because of rounding, near a pole to a
+        // twentieth of their distance.
         let apart = |(low, high, _): &(f64, f64, f64)| {
-            let far = |b: &Break| high - low < 0.02 * (0.5 * (low + high) - b.position).abs();
-            self.breaks.iter().all(far)
+            let far = |b: &Breakpoint| high - low < 0.02 * (0.5 * (low + high) - b.position).abs();
+            self.breakpoints.iter().all(far)
         };
         let fine = cells().filter(apart).map(|(low, high, resolution)| Zone { low, high, resolution });
         std::iter::once(Zone { low, high, resolution }).chain(fine).collect()
     }
 
-    /// The breaks at an end of the support: jump and kink, or else the lowest derivative that is not 0.
-    fn breaks_at_end(&self, boundary: usize) -> Vec<Break> {
+    /// The breakpoints at an end of the support: jump and kink, or else the lowest derivative that is not 0.
+    fn breaks_at_end(&self, boundary: usize) -> Vec<Breakpoint> {
         const HIGHEST: u32 = 4;
         let low: Vec<_> = (0..2).filter_map(|order| self.jump(boundary, order)).collect();
         if low.is_empty() {
@@ -306,8 +316,8 @@ impl Series {
     }
 }
 
-/// Means of the density between x and the end of its cell at t = `side`: integrals over x − end, which divides them, so
-/// that they are series of the same degree, right where the integral vanishes too.
+/// Means of the density between x and the end of its cell at t = `side`: the integral divided by x − end.
+/// This is a series of the same degree and keeps its relative accuracy where the integral vanishes.
 fn means(density: &Piecewise, side: f64) -> Piecewise {
     let mean = |c: &Nodal, t: f64| RULE.integrate(t, side, |t| series(c, t)) / (side - t);
     let cell = |c: &Nodal| RULE.coefficients(&RULE.nodes.map(|t| mean(c, t)));
@@ -432,23 +442,23 @@ impl Law for Series {
         self.std
     }
 
-    /// Jumps and kinks at boundaries, beyond what rounding and the terms left out of the series make; at the ends, where
-    /// there is neither, the power that leads there or the lowest derivative that is not 0, up to the fourth.
-    fn breaks(&self) -> Vec<Break> {
-        self.breaks.clone()
+    /// Jumps and kinks at boundaries that exceed rounding and truncation. At the ends, if there is neither, the power law
+    /// that leads there or the lowest derivative up to the fourth that is not 0.
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        self.breakpoints.clone()
     }
 
     fn seams(&self) -> Vec<f64> {
         self.density.boundaries.clone()
     }
 
-    /// The bulk, and the cells that it takes to follow the density to 1e-14 of the law, but for those that are narrow
-    /// because they are near a break.
+    /// The bulk, and the cells that are needed to represent the density to 1e-14, except those that are
+    /// narrow because a breakpoint is near.
     fn zones(&self) -> Vec<Zone> {
         self.zones.clone()
     }
 
-    /// What is cut off, lifted by e^{−sx}, is below 1e-16 of the law up to there.
+    /// The tail cut off, amplified by e^{−sx}, must stay below 1e-16.
     fn known_rate(&self) -> f64 {
         if self.cut > 0.0 { (-self.cut.ln() - 37.0).max(0.0) / self.density.end() } else { f64::INFINITY }
     }
@@ -472,9 +482,9 @@ mod tests {
     }
 
     /// (position, exponent, amplitude).
-    fn breaks(p: impl Fn(f64) -> f64, boundaries: &[f64]) -> Vec<(f64, f64, f64)> {
+    fn breakpoints(p: impl Fn(f64) -> f64, boundaries: &[f64]) -> Vec<(f64, f64, f64)> {
         let law = Series::resolve(each(p), boundaries, 1e-14).unwrap().0;
-        law.breaks().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect()
+        law.breakpoints().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect()
     }
 
     #[test]
@@ -486,7 +496,7 @@ mod tests {
         close(law.survival(1.5), 0.125);
         close(law.mean(), 1.0);
         close(law.std(), 6.0_f64.sqrt().recip());
-        let kinks: Vec<_> = law.breaks().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
+        let kinks: Vec<_> = law.breakpoints().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
         assert_eq!(kinks, [(0.0, 1.0, 1.0), (1.0, 1.0, -2.0), (2.0, 1.0, 1.0)]);
     }
 
@@ -500,20 +510,20 @@ mod tests {
     #[test]
     fn breaks_are_those_of_the_function_and_no_others() {
         let bell = |x: f64| (-50.0 * (x - 1.0).powi(2)).exp();
-        assert_eq!(breaks(bell, &[0.0, 1.0, 1.1, f64::INFINITY]), []);
+        assert_eq!(breakpoints(bell, &[0.0, 1.0, 1.1, f64::INFINITY]), []);
         // A bell with half of it raised, and a tent on top.
         let broken = |x: f64| bell(x) + if x < 1.0 { 0.0 } else { 0.25 } + (0.1 - (x - 1.2).abs()).max(0.0);
-        let found = breaks(broken, &[0.0, 1.0, 1.1, 1.2, 1.3, 2.0]);
+        let found = breakpoints(broken, &[0.0, 1.0, 1.1, 1.2, 1.3, 2.0]);
         let places: Vec<_> = found.iter().map(|b| (b.0, b.1)).collect();
         assert_eq!(places, [(1.0, 0.0), (1.1, 1.0), (1.2, 1.0), (1.3, 1.0), (2.0, 0.0)]);
         let ratio = found[2].2 / found[0].2;
         // Slopes have the rounding of the coefficients times 15² or so.
         assert!((ratio + 8.0).abs() < 1e-9, "{ratio}");
         // Powers at the start: one that is not whole, and a whole one.
-        let (_, exponent, amplitude) = breaks(|x| (-x).exp() / x.sqrt(), &[0.0, 1.0, f64::INFINITY])[0];
+        let (_, exponent, amplitude) = breakpoints(|x| (-x).exp() / x.sqrt(), &[0.0, 1.0, f64::INFINITY])[0];
         // p(0⁺) = x^−½/√π, times Γ(½).
         assert!((exponent + 0.5).abs() < 1e-9 && (amplitude - 1.0).abs() < 1e-9, "{exponent}, {amplitude}");
-        let (_, exponent, amplitude) = breaks(|x| x * x * (-x).exp(), &[0.0, 2.0, f64::INFINITY])[0];
+        let (_, exponent, amplitude) = breakpoints(|x| x * x * (-x).exp(), &[0.0, 2.0, f64::INFINITY])[0];
         assert!(exponent == 2.0 && (amplitude - 1.0).abs() < 1e-9, "{exponent}, {amplitude}");
     }
 
@@ -525,14 +535,14 @@ mod tests {
         // Closed in on to sixteen roundings, in which nothing is known.
         let near = |(a, b): (&f64, &f64)| (a - b).abs() < 32.0 * f64::EPSILON;
         assert!(law.boundaries().iter().zip(&expected).all(near), "{:?}", law.boundaries());
-        let orders: Vec<_> = law.breaks().iter().map(|b| b.exponent).collect();
+        let orders: Vec<_> = law.breakpoints().iter().map(|b| b.exponent).collect();
         assert_eq!(orders, [0.0, 0.0, 1.0, 1.0, 1.0, 0.0]);
     }
 
     #[test]
     fn a_power_that_ends_in_a_place_is_told() {
         let law = Series::resolve(each(|x| x * (2.0 - x).sqrt()), &[0.0, 1.0, 2.0], 1e-14).unwrap().0;
-        let &[_, end] = &law.breaks()[..] else { panic!("{:?}", law.breaks()) };
+        let &[_, end] = &law.breakpoints()[..] else { panic!("{:?}", law.breakpoints()) };
         // Its distance to the end is rounded to 1e-2 in the last cells.
         assert!(end.position == 2.0 && (end.exponent - 0.5).abs() < 0.01, "{end:?}");
     }

@@ -1,17 +1,17 @@
-//! Laws given by numbers: a density in rows, or samples.
+//! Distributions given by numbers: a tabulated density, or samples.
 
 use num_complex::Complex64;
 
-use super::{Atom, Break, Law, Parameter, SharedLaw, Zone, not_negative, unknown};
+use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, unknown};
 use crate::numerics::legendre::RULE;
 use crate::random::Stream;
 use crate::{Error, Result};
 
-/// A density that is linear between nodes, and point masses on nodes.
+/// A density that is linear between nodes, and point masses at nodes.
 ///
-/// From rows (stretch, density): linear between rows, 0 outside, scaled once to total mass 1. From n samples:
-/// the law whose quantile function is linear between the sorted samples (numpy's default), each of the n − 1
-/// gaps with the same mass; m equal samples make a point mass of m − 1 gaps. Moments are exact to order 29.
+/// From rows (stretch, density): linear between rows, 0 outside, normalised. From n samples: the distribution
+/// whose quantile function is linear between the sorted samples (NumPy's default), with the same mass in each
+/// of the n − 1 gaps; m equal samples make a point mass of m − 1 gaps. Moments are exact to order 29.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tabulated {
     nodes: Vec<TableNode>,
@@ -24,7 +24,7 @@ struct TableNode {
     position: f64,
     /// Point mass here.
     atom: f64,
-    /// Density at the two ends of the cell.
+    /// Density at the start and at the end of the cell.
     start: f64,
     end: f64,
     /// P(ξ ≤ position).
@@ -34,7 +34,8 @@ struct TableNode {
 }
 
 impl Tabulated {
-    /// The law of a density given by rows of stretch and density, linear between rows, of any total mass.
+    /// The distribution of a density given by rows of stretch and density, linear between rows, of any total
+    /// mass.
     ///
     /// # Errors
     /// Fewer than two rows, stretches not rising from 0 or above, a density below 0, or no mass at all.
@@ -59,7 +60,7 @@ impl Tabulated {
         Self::new((0..rows.len()).map(node).collect(), "density")
     }
 
-    /// The law of samples, in any order.
+    /// The distribution of samples, in any order.
     ///
     /// # Errors
     /// No sample, or one that is below 0 or not finite.
@@ -85,7 +86,7 @@ impl Tabulated {
         Self::new(nodes, "samples")
     }
 
-    /// Sums the masses and scales them to 1.
+    /// Sums the masses and normalises them.
     fn new(mut nodes: Vec<TableNode>, key: &str) -> Result<Self> {
         for i in (1..nodes.len()).rev() {
             let (cell, next) = (nodes[i - 1], nodes[i]);
@@ -123,7 +124,7 @@ impl Tabulated {
         self.nodes.windows(2).map(|pair| (&pair[0], pair[1].position))
     }
 
-    /// The node at or below x, and the upper end of its cell.
+    /// The node at or below x, and the next node.
     fn locate(&self, x: f64) -> Option<(&TableNode, Option<&TableNode>)> {
         let after = self.nodes.partition_point(|node| node.position <= x);
         Some((&self.nodes[after.checked_sub(1)?], self.nodes.get(after)))
@@ -158,8 +159,8 @@ impl TableNode {
     }
 }
 
-/// How far a linear density (from `start` to `end` over `width`) is to be followed to gather `mass`.
-fn advance(start: f64, end: f64, width: f64, mass: f64) -> f64 {
+/// The distance over which a density, linear from `start` to `end` over `width`, accumulates `mass`.
+fn invert_mass(start: f64, end: f64, width: f64, mass: f64) -> f64 {
     let root = (start * start + 2.0 * mass * (end - start) / width).max(0.0).sqrt();
     if mass <= 0.0 { 0.0 } else { (2.0 * mass / (start + root)).min(width) }
 }
@@ -215,7 +216,7 @@ impl Law for Tabulated {
         if p >= 1.0 || mass >= node.mass(width) {
             return self.nodes[i].position;
         }
-        node.position + advance(node.start, node.end, width, mass)
+        node.position + invert_mass(node.start, node.end, width, mass)
     }
 
     fn upper_quantile(&self, q: f64) -> f64 {
@@ -225,7 +226,7 @@ impl Law for Tabulated {
         };
         let next = self.nodes[i];
         let width = next.position - node.position;
-        next.position - advance(node.end, node.start, width, q - next.above[0] - next.atom)
+        next.position - invert_mass(node.end, node.start, width, q - next.above[0] - next.atom)
     }
 
     fn upper_moment(&self, order: u32, x: f64) -> f64 {
@@ -251,28 +252,28 @@ impl Law for Tabulated {
     }
 
     /// At each node the jump of the density and the change of its slope.
-    fn breaks(&self) -> Vec<Break> {
-        let mut breaks = Vec::new();
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        let mut breakpoints = Vec::new();
         let (mut height, mut slope) = (0.0, 0.0);
         for (i, node) in self.nodes.iter().enumerate() {
             let width = self.nodes.get(i + 1).map_or(f64::INFINITY, |next| next.position - node.position);
             let next_slope = (node.end - node.start) / width;
             let (jump, kink) = (node.start - height, next_slope - slope);
-            // A change of slope that rounding can make is none.
+            // A change of slope at the level of rounding does not count.
             let rounding = 16.0 * f64::EPSILON * (next_slope.abs() + slope.abs() + node.start / width);
             let position = node.position;
             if jump != 0.0 {
-                breaks.push(Break { position, exponent: 0.0, amplitude: jump });
+                breakpoints.push(Breakpoint { position, exponent: 0.0, amplitude: jump });
             }
             if kink.abs() > rounding {
-                breaks.push(Break { position, exponent: 1.0, amplitude: kink });
+                breakpoints.push(Breakpoint { position, exponent: 1.0, amplitude: kink });
             }
             (height, slope) = (node.end, next_slope);
         }
-        breaks
+        breakpoints
     }
 
-    /// A polynomial between its breaks.
+    /// A polynomial between its breakpoints.
     fn zones(&self) -> Vec<Zone> {
         vec![Zone { low: self.quantile(0.0), high: self.upper_quantile(0.0), resolution: f64::INFINITY }]
     }
@@ -334,7 +335,7 @@ mod tests {
         assert_eq!((law.density(1.0), law.survival(1.0), law.mean()), (1.0, 0.5, 1.0));
         // Variance 1/6; a few roundings.
         assert!((law.std() - 6.0_f64.sqrt().recip()).abs() < 1e-15);
-        let kinks: Vec<_> = law.breaks().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
+        let kinks: Vec<_> = law.breakpoints().iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
         assert_eq!(kinks, [(0.0, 1.0, 1.0), (1.0, 1.0, -2.0), (2.0, 1.0, 1.0)]);
     }
 

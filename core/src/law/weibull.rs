@@ -1,4 +1,4 @@
-//! The Weibull law: the weakest of many links.
+//! The Weibull distribution: the weakest of many links.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -7,13 +7,13 @@ use rand_distr::{Distribution, Exp1};
 
 use super::incomplete_gamma::{GammaShape, IncompleteGamma};
 use super::quadrature::trapezoid;
-use super::{Break, Law, Parameter, SharedLaw, onset, positive, shared, unknown};
+use super::{Breakpoint, Law, Parameter, SharedLaw, breakpoint_at_zero, positive, shared, unknown};
 use crate::Result;
 use crate::random::Stream;
 
-/// Weibull of shape k and scale λ: S(x) = exp(−y), y = (x/λ)ᵏ.
+/// Weibull distribution of shape k and scale λ: S(x) = exp(−y), y = (x/λ)ᵏ.
 ///
-/// Density and S are right to about 1e-15 (1 + y) relative.
+/// Relative errors of density and S are about 1e-15 (1 + y).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weibull {
     shape: f64,
@@ -22,10 +22,10 @@ pub struct Weibull {
 }
 
 impl Weibull {
-    /// The law.
+    /// The distribution of this shape and scale.
     ///
     /// # Errors
-    /// A shape or a scale that is not finite and above 0, or moments too large for a number.
+    /// A shape or a scale that is not finite and above 0, or moments that overflow.
     pub fn new(shape: f64, scale: f64) -> Result<Self> {
         let (shape, scale) = (positive("shape", shape)?, positive("scale", scale)?);
         let std = positive("shape", scale * unit_std(shape))?;
@@ -43,7 +43,7 @@ fn weight(shape: f64, u: Complex64) -> Complex64 {
     shape * (ln - ln.exp()).exp()
 }
 
-/// σ/λ: √(Γ(1 + 2/k) − Γ(1 + 1/k)²), which cancels for a large shape; there ∫ (x − x̄)² p by quadrature.
+/// σ/λ = √(Γ(1 + 2/k) − Γ(1 + 1/k)²). For a large shape this cancels; there ∫ (x − x̄)² p by quadrature.
 fn unit_std(shape: f64) -> f64 {
     let mean = libm::tgamma(1.0 + 1.0 / shape);
     if shape < 2.0 {
@@ -111,8 +111,8 @@ impl Law for Weibull {
         self.std
     }
 
-    fn breaks(&self) -> Vec<Break> {
-        onset(self.shape - 1.0, libm::tgamma(self.shape + 1.0) / self.scale.powf(self.shape))
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        breakpoint_at_zero(self.shape - 1.0, libm::tgamma(self.shape + 1.0) / self.scale.powf(self.shape))
     }
 
     fn laplace_is_closed(&self) -> bool {
@@ -127,11 +127,12 @@ impl Law for Weibull {
         }
     }
 
-    /// ∫ e^{−sx} dP over u = ln(x/λ); entire for k > 1, 1/(1 + sλ) for k = 1. For Re s < 0 along x = t e^{∓iθ},
-    /// turned until e^{−sx} no longer grows, so far as e^{−y} allows; for k < 1, where the integral diverges, that
-    /// is its analytic continuation, infinite on the negative real axis like the integral.
+    /// ∫ e^{−sx} dP over u = ln(x/λ) by the trapezoidal rule; entire for k > 1, 1/(1 + sλ) for k = 1. For Re
+    /// s < 0 along x = t e^{∓iθ}, rotated until e^{−sx} no longer grows, as far as e^{−y} allows. For k < 1,
+    /// where the integral diverges, that is its analytic continuation, infinite on the negative real axis
+    /// like the integral.
     ///
-    /// Right to 1e-14 absolute, but for k > 1 and |arg s| > π/2 + 1.2/k to 1e-14 of the largest e^{−sx} p.
+    /// The absolute error is 1e-14; for k > 1 and |arg s| > π/2 + 1.2/k it is 1e-14 of the largest e^{−sx} p.
     fn laplace(&self, s: Complex64) -> Complex64 {
         let s = s * self.scale;
         if self.shape == 1.0 {
@@ -140,11 +141,11 @@ impl Law for Weibull {
         if self.shape < 1.0 && s.im == 0.0 && s.re < 0.0 {
             return Complex64::from(f64::INFINITY);
         }
-        let turn = if s.im == 0.0 { 0.0 } else { turn(self.shape, s.arg().abs()).copysign(s.im) };
-        let turned = s * Complex64::cis(-turn);
-        let top = top(self.shape, (-turned.re).max(0.0), (self.shape * turn).cos());
-        trapezoid(-45.0 / self.shape, top, |u| {
-            weight(self.shape, Complex64::new(u, -turn)) * (-turned * u.exp()).exp()
+        let rotation = if s.im == 0.0 { 0.0 } else { rotation(self.shape, s.arg().abs()).copysign(s.im) };
+        let turned = s * Complex64::cis(-rotation);
+        let upper_limit = upper_limit(self.shape, (-turned.re).max(0.0), (self.shape * rotation).cos());
+        trapezoid(-45.0 / self.shape, upper_limit, |u| {
+            weight(self.shape, Complex64::new(u, -rotation)) * (-turned * u.exp()).exp()
         })
     }
 
@@ -156,18 +157,18 @@ impl Law for Weibull {
     }
 }
 
-/// The angle by which the contour is turned for |arg s| = `angle`.
-fn turn(shape: f64, angle: f64) -> f64 {
+/// The angle by which the contour is rotated for |arg s| = `angle`.
+fn rotation(shape: f64, angle: f64) -> f64 {
     let (needed, most) = ((angle - FRAC_PI_2).max(0.0), 1.2 / shape);
     if shape > 1.0 {
         return needed.min(most);
     }
-    // A heavy tail reaches far into the oscillation of e^{−sx}: let it decay there.
+    // A heavy tail extends far into the oscillations of e^{−sx}; a larger rotation makes it decay there.
     (angle - FRAC_PI_4).max(0.0).min(most).max(needed)
 }
 
-/// A u above which c y outweighs growth · eᵘ by 45 e-folds.
-fn top(shape: f64, growth: f64, c: f64) -> f64 {
+/// A u above which c y exceeds growth · eᵘ by 45 in the exponent.
+fn upper_limit(shape: f64, growth: f64, c: f64) -> f64 {
     let mut u = 4.0 / shape;
     while c * (shape * u).exp() - growth * u.exp() < 45.0 + shape * u {
         u += 0.25 / shape;

@@ -1,4 +1,4 @@
-//! Standard normal draws, many at a time.
+//! Standard normal random numbers, many at a time, by the ziggurat method.
 
 use std::sync::LazyLock;
 
@@ -9,12 +9,13 @@ use crate::random::Stream;
 /// Layers of the ziggurat.
 const LAYERS: usize = 256;
 
-/// Where the tail begins, and the area of a layer, as printed by Marsaglia and Tsang, J. Stat. Softw. 5 (8), 2000;
-/// the tables of `rand_distr` follow from the same digits.
+/// Start of the tail, and the area of a layer, as printed by Marsaglia and Tsang, J. Stat. Softw. 5 (8),
+/// 2000; the tables of `rand_distr` follow from the same digits.
 const TAIL: f64 = 3.654_152_885_361_009;
 const AREA: f64 = 0.004_928_673_233_99;
 
-/// Right ends of the layers: that of a rectangle of the base layer's area, the tail's, …, 0 at the top.
+/// Right ends of the layers: that of a rectangle with the area of the base layer, then the start of the tail,
+/// …, 0 at the top.
 static EDGES: LazyLock<[f64; LAYERS + 1]> = LazyLock::new(|| {
     let bell = |x: f64| libm::exp(-0.5 * x * x);
     let mut edges = [0.0; LAYERS + 1];
@@ -27,8 +28,8 @@ static EDGES: LazyLock<[f64; LAYERS + 1]> = LazyLock::new(|| {
 
 /// Fills `out` with `accept`ed values of `scale(z)`, z standard normal.
 ///
-/// The ziggurat of `rand_distr`, whose draws these are: 99 in 100 need one word, and are made here in a loop
-/// without calls; the others are left to it.
+/// The numbers are those of the ziggurat of `rand_distr`. 99 in 100 need one random word and are computed
+/// here in a loop without calls; the others are left to `rand_distr`.
 pub fn fill(stream: &mut Stream, out: &mut [f64], scale: impl Fn(f64) -> f64, accept: impl Fn(f64) -> bool) {
     let edges = &*EDGES;
     let mut done = 0;

@@ -1,4 +1,4 @@
-//! The life of contacts that know neither time nor temperature: they break when the stretch reaches the threshold.
+//! The life of time-independent contacts, which break when the stretch reaches the threshold.
 
 use super::breaking::{Breaking, MOMENTS};
 use super::cells::{BULK, CELL, NEGLIGIBLE, ORDERS, ROUNDING, edges, scale, top};
@@ -6,17 +6,17 @@ use super::layer::Layer;
 use super::{Life, Starts};
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
-use crate::law::{Atom, Break, SharedLaw, Zone};
+use crate::law::{Atom, Breakpoint, SharedLaw, Zone};
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
 /// The life of contacts that start at stretches drawn from `starts`.
 ///
-/// With `conditional`, the threshold of a contact that starts at r is drawn from P_c given x_s > r (equation:
-/// ν = R/S); otherwise stretch and threshold are independent, and the fraction ∫R(1 − S) breaks at u = 0.
+/// With `conditional`, the threshold of a contact that starts at r is drawn from P_c given x_s > r (ν = R/S).
+/// Otherwise stretch and threshold are independent, and the fraction ∫R(1 − S) breaks at u = 0.
 ///
-/// Contacts and starts are taken to have passed [`Contacts::check`].
+/// Contacts and starts are assumed to have passed [`Contacts::check`].
 ///
 /// # Errors
 /// Stopped by the monitor.
@@ -31,7 +31,7 @@ pub fn athermal(
     watch.check().map(|()| life)
 }
 
-/// The same; of no use where the monitor asks to stop.
+/// The same; invalid if the monitor asks to stop.
 pub(super) fn athermal_within(
     contacts: &Contacts,
     starts: &SharedLaw,
@@ -45,8 +45,7 @@ pub(super) fn athermal_within(
     of_layers(contacts, vec![layer], broken, watch)
 }
 
-/// How many cells of 16 terms the life of contacts that start at stretches drawn from `starts` takes, at least: those of what
-/// breaks, and those in which starts are summed.
+/// Estimate of the number of cells in the life of contacts that start at stretches drawn from `starts`.
 pub(crate) fn cells_of(contacts: &Contacts, starts: &SharedLaw) -> f64 {
     let (law, starts) = (contacts.thresholds.as_ref(), starts.as_ref());
     let range = top(starts, NEGLIGIBLE).min(top(law, NEGLIGIBLE)) - starts.quantile(0.0);
@@ -58,9 +57,10 @@ pub(crate) fn cells_of(contacts: &Contacts, starts: &SharedLaw) -> f64 {
 
 /// The life of the contacts of some layers, and of those that have just `broken`.
 ///
-/// Only the moments b_n(u) = ∫ν(x) (x+u)ⁿ P_c(x+u) dx of what breaks are computed by quadrature, over those x that go
-/// beyond where they have been; what is carried follows from what breaks later: with s the survival, m the force and q
-/// its square, s' = −b₀, m' = s − b₁, q' = 2m − b₂. For k = κ x_s, one order of ξ more: see `per_threshold`.
+/// Only the moments b_n(u) = ∫ν(x) (x+u)ⁿ P_c(x+u) dx of breaking contacts are computed by quadrature, over
+/// those x that exceed what they have reached before. The carried force follows by integration: with s the
+/// survival, m the force and q its square, s' = −b₀, m' = s − b₁, q' = 2m − b₂. For k = κ x_s the moments are
+/// of one order higher: see `per_threshold`.
 pub(super) fn of_layers(
     contacts: &Contacts,
     layers: Vec<Layer>,
@@ -69,21 +69,22 @@ pub(super) fn of_layers(
 ) -> Life {
     let law = contacts.thresholds.as_ref();
     let breaking: Vec<_> = layers.iter().map(|layer| Breaking::new(law, layer, BULK)).collect();
-    let mut breaks: Vec<Break> = breaking.iter().flat_map(Breaking::breaks).collect();
+    let mut breakpoints: Vec<Breakpoint> = breaking.iter().flat_map(Breaking::breakpoints).collect();
     let onsets: Vec<f64> = breaking.iter().map(Breaking::onset).collect();
     let end = breaking.iter().map(Breaking::end).fold(0.0, f64::max);
-    let stops = breaks.iter().map(|b| b.position).chain(onsets.iter().copied());
+    let stops = breakpoints.iter().map(|b| b.position).chain(onsets.iter().copied());
     let stops: Vec<f64> = stops.chain(breaking.iter().flat_map(Breaking::seams)).collect();
     let edges = edges(&zones(&breaking), &stops, end);
     let mut moments =
         Piecewise::resolve_all(|u| watch.value(|| sum(&breaking, u)), &edges, end, BULK.resolution);
-    weigh_pole(&mut moments[0], &breaks, &breaking);
-    breaks.extend(broken.map(Break::from));
+    weigh_pole(&mut moments[0], &breakpoints, &breaking);
+    breakpoints.extend(broken.map(Breakpoint::from));
     let wide = 0.25 * scale(law);
-    onsets.into_iter().for_each(|onset| begin(&mut breaks, &moments[0], onset, wide));
-    breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
+    onsets.into_iter().for_each(|onset| begin(&mut breakpoints, &moments[0], onset, wide));
+    breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
     let carried = Carried::new(&breaking, &moments, end);
-    let smoother: Vec<_> = breaks.iter().map(|&b| Break { exponent: b.exponent + 1.0, ..b }).collect();
+    let smoother: Vec<_> =
+        breakpoints.iter().map(|&b| Breakpoint { exponent: b.exponent + 1.0, ..b }).collect();
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
     let survival = carried.survival();
     let LifeCurves { force, square, energy, breaking_energy } = match contacts.stiffness {
@@ -97,7 +98,7 @@ pub(super) fn of_layers(
         square: kernel(square),
         energy: kernel(energy),
         breaking_energy: kernel(breaking_energy),
-        breaking: Kernel::new(falls, breaks),
+        breaking: Kernel::new(falls, breakpoints),
         starts: Starts::Layers { layers, thresholds: contacts.thresholds.clone() },
         wait: 0.0,
         stiffness: contacts.stiffness.weight(law.mean()),
@@ -105,9 +106,10 @@ pub(super) fn of_layers(
     }
 }
 
-/// Gives the first cell of what breaks its mass where that rises to a pole at 0, which no polynomial follows.
-fn weigh_pole(falls: &mut Piecewise, breaks: &[Break], breaking: &[Breaking<'_>]) {
-    if !breaks.iter().any(|b| b.position == 0.0 && b.is_steep() && b.exponent < 0.0) {
+/// Sets the mass of the first cell of the breaking density if that has a pole at 0, which no polynomial
+/// follows.
+fn weigh_pole(falls: &mut Piecewise, breakpoints: &[Breakpoint], breaking: &[Breaking<'_>]) {
+    if !breakpoints.iter().any(|b| b.position == 0.0 && b.is_steep() && b.exponent < 0.0) {
         return;
     }
     let unbroken = |u: f64| breaking.iter().map(|b| b.weighted(u, 0, 0)).sum::<f64>();
@@ -115,26 +117,28 @@ fn weigh_pole(falls: &mut Piecewise, breaks: &[Break], breaking: &[Breaking<'_>]
     falls.coefficients[0][0] += (unbroken(0.0) - unbroken(width)) / width - falls.coefficients[0][0];
 }
 
-/// Tells breaks at an onset by how the curve and its derivatives jump there, unless a power that is not whole does; by the
-/// value alone where a cell is not `wide`, since derivatives are lost there.
-pub(super) fn begin(breaks: &mut Vec<Break>, curve: &Piecewise, onset: f64, wide: f64) {
-    let there = |b: &Break| b.position == onset && !b.is_atom();
-    let Some(cell) = curve.find(onset).filter(|_| !breaks.iter().any(|b| there(b) && b.is_steep())) else {
+/// Replaces the breakpoints at an onset by the jumps of the curve and its derivatives there, unless it is a
+/// power that is not whole. Only the jump of the value is used if a cell is narrower than `wide`, since
+/// derivatives are inaccurate there.
+pub(super) fn begin(breakpoints: &mut Vec<Breakpoint>, curve: &Piecewise, onset: f64, wide: f64) {
+    let there = |b: &Breakpoint| b.position == onset && !b.is_atom();
+    let Some(cell) = curve.find(onset).filter(|_| !breakpoints.iter().any(|b| there(b) && b.is_steep()))
+    else {
         return;
     };
-    breaks.retain(|b| !there(b));
+    breakpoints.retain(|b| !there(b));
     let narrow =
         [Some(cell), cell.checked_sub(1)].into_iter().flatten().any(|k| 2.0 * curve.cell(k).1 < wide);
-    breaks.extend(jumps(curve, onset, if narrow { 1 } else { ORDERS }));
+    breakpoints.extend(jumps(curve, onset, if narrow { 1 } else { ORDERS }));
 }
 
-/// The jumps of a curve (order 0) and of its derivatives at one of its boundaries, of the first so many `orders`, at most
-/// [`ORDERS`]; those that are 0 are left out.
-pub(super) fn jumps(curve: &Piecewise, at: f64, orders: usize) -> Vec<Break> {
+/// The jumps of a curve (order 0) and of its derivatives at one of its boundaries, for the first `orders` ≤
+/// [`ORDERS`] orders; zeros are omitted.
+pub(super) fn jumps(curve: &Piecewise, at: f64, orders: usize) -> Vec<Breakpoint> {
     let Some(cell) = curve.find(at) else { return Vec::new() };
     let after: [f64; ORDERS] = curve.jet_in(cell, at);
     let before = cell.checked_sub(1).map_or([0.0; ORDERS], |left| curve.jet_in(left, at));
-    let jump = |order: usize| Break {
+    let jump = |order: usize| Breakpoint {
         position: at,
         exponent: order as f64,
         amplitude: after[order] - before[order],
@@ -163,7 +167,7 @@ fn sum(breaking: &[Breaking<'_>], u: f64) -> [f64; MOMENTS] {
     sums
 }
 
-/// What the unbroken carry.
+/// The curves of the unbroken contacts.
 struct LifeCurves {
     force: Piecewise,
     square: Piecewise,
@@ -171,25 +175,26 @@ struct LifeCurves {
     breaking_energy: Piecewise,
 }
 
-/// What is carried, from what breaks: integrals from the end of life back to u.
+/// Force and energies of the unbroken contacts, by integration of the breaking moments from the end of life
+/// back to u.
 struct Carried<'a> {
     breaking: &'a [Breaking<'a>],
     moments: &'a [Piecewise; MOMENTS],
     end: f64,
-    struck: Vec<(f64, Atom)>,
+    simultaneous: Vec<(f64, Atom)>,
 }
 
 impl<'a> Carried<'a> {
     fn new(breaking: &'a [Breaking<'a>], moments: &'a [Piecewise; MOMENTS], end: f64) -> Self {
-        let mut struck: Vec<_> = breaking.iter().flat_map(|b| b.struck.iter().copied()).collect();
-        struck.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Self { breaking, moments, end, struck }
+        let mut simultaneous: Vec<_> = breaking.iter().flat_map(|b| b.simultaneous.iter().copied()).collect();
+        simultaneous.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self { breaking, moments, end, simultaneous }
     }
 
-    /// ∫_u^∞ of `falls`, with the jumps b_order at atoms and at the end ∫ν x^power M_moment.
+    /// ∫_u^∞ of `falls`, with the jumps b_order at point masses and at the end ∫ν x^power M_moment.
     fn back(&self, falls: &Piecewise, order: i32, (power, moment): (i32, u32)) -> Piecewise {
         let jump = |(u, b): &(f64, Atom)| (*u, b.weight * b.position.powi(order));
-        let jumps: Vec<_> = self.struck.iter().map(jump).collect();
+        let jumps: Vec<_> = self.simultaneous.iter().map(jump).collect();
         let last = |b: &Breaking<'_>| b.weighted(self.end, power, moment);
         falls.integrated_from_end(self.breaking.iter().map(last).sum(), &jumps)
     }

@@ -1,27 +1,28 @@
-//! How the contacts of a layer break as the slider goes on: integrals over ν.
+//! How the contacts of a layer break as the slider advances: integrals over ν.
 
-use super::cells::{CELL, Detail, scale, top, walls, with_atoms};
+use super::cells::{CELL, Detail, scale, threshold_atoms, top, with_atoms};
 use super::layer::{Layer, PointMass};
 use super::panels::{Domain, Panels};
-use crate::law::{Atom, Break, Law, Zone};
+use crate::law::{Atom, Breakpoint, Law, Zone};
 
-/// Moments of the breaking stretches are kept up to the fourth.
+/// Moments of the breaking stretches are computed up to the fourth.
 pub(super) const MOMENTS: usize = 5;
 
-/// A layer and the law of the thresholds that its contacts have still to reach.
+/// A layer, and the distribution of the thresholds of its contacts.
 pub(super) struct Breaking<'a> {
     thresholds: &'a dyn Law,
     layer: &'a Layer,
-    /// Breaks and atoms of P_c.
-    hazards: Vec<Break>,
-    /// Thresholds that many share.
-    walls: Vec<f64>,
-    /// Stretches between which contacts break, but for a negligible part.
+    /// Breakpoints and point masses of P_c.
+    hazards: Vec<Breakpoint>,
+    /// Positions of the point masses of P_c.
+    threshold_atoms: Vec<f64>,
+    /// Stretches between which all but a negligible fraction breaks.
     window: (f64, f64),
     /// ν in parts that resolve P_c, too.
     panels: Panels<'a>,
-    /// Advances at which atoms of ν meet atoms of P_c: the threshold met, and the fraction that breaks there.
-    pub(super) struck: Vec<(f64, Atom)>,
+    /// Advances at which point masses of ν reach point masses of P_c: the threshold, and the fraction that
+    /// breaks there.
+    pub(super) simultaneous: Vec<(f64, Atom)>,
 }
 
 impl<'a> Breaking<'a> {
@@ -31,26 +32,29 @@ impl<'a> Breaking<'a> {
             thresholds,
             layer,
             hazards: with_atoms(thresholds),
-            walls: walls(thresholds),
+            threshold_atoms: threshold_atoms(thresholds),
             window: (thresholds.quantile(negligible), last_threshold(thresholds, layer, negligible)),
             panels: Panels::new(&layer.density, 2.0 * CELL * scale(thresholds), negligible),
-            struck: Vec::new(),
+            simultaneous: Vec::new(),
         };
-        breaking.struck = breaking.struck();
+        breaking.simultaneous = breaking.simultaneous();
         breaking
     }
 
-    fn struck(&self) -> Vec<(f64, Atom)> {
-        let meets = |lump: &PointMass, wall: &Atom| {
-            let met = Atom { position: wall.position, weight: lump.weight * wall.weight };
-            let unbroken = self.layer.exceeded(lump, 0.0, &self.walls) < wall.position;
-            unbroken.then_some(((wall.position - lump.position).max(0.0), met))
+    fn simultaneous(&self) -> Vec<(f64, Atom)> {
+        let meets = |point_mass: &PointMass, atom: &Atom| {
+            let met = Atom { position: atom.position, weight: point_mass.weight * atom.weight };
+            let unbroken = self.layer.exceeded(point_mass, 0.0, &self.threshold_atoms) < atom.position;
+            unbroken.then_some(((atom.position - point_mass.position).max(0.0), met))
         };
         let shared = self.thresholds.atoms();
-        let pairs = shared.iter().flat_map(|wall| self.layer.lumps.iter().map(move |lump| (lump, wall)));
-        let mut struck: Vec<_> = pairs.filter_map(|(lump, wall)| meets(lump, wall)).collect();
-        struck.sort_by(|a, b| a.0.total_cmp(&b.0));
-        struck
+        let pairs = shared
+            .iter()
+            .flat_map(|atom| self.layer.point_masses.iter().map(move |point_mass| (point_mass, atom)));
+        let mut simultaneous: Vec<_> =
+            pairs.filter_map(|(point_mass, atom)| meets(point_mass, atom)).collect();
+        simultaneous.sort_by(|a, b| a.0.total_cmp(&b.0));
+        simultaneous
     }
 
     /// The advance at which the first contacts break.
@@ -58,13 +62,17 @@ impl<'a> Breaking<'a> {
         self.layer.ahead
     }
 
-    /// Breaks and atoms of the breaking density past its onset, as functions of the advance: where one of P_c meets one of
-    /// ν, and where one of either is passed by those who have been further on the other side.
-    pub(super) fn breaks(&self) -> Vec<Break> {
+    /// Breakpoints and point masses of the breaking density after its onset, as functions of the advance:
+    /// where one of P_c meets one of ν, and where the lower bound of the integral, set by contacts that have
+    /// been stretched further in the other direction, passes one of either.
+    pub(super) fn breakpoints(&self) -> Vec<Breakpoint> {
         let Layer { ahead, behind, .. } = *self.layer;
         let starts = self.layer.all_breaks();
-        let mut out: Vec<Break> =
-            self.struck.iter().map(|(u, met)| Atom { position: *u, weight: met.weight }.into()).collect();
+        let mut out: Vec<Breakpoint> = self
+            .simultaneous
+            .iter()
+            .map(|(u, met)| Atom { position: *u, weight: met.weight }.into())
+            .collect();
         for hazard in &self.hazards {
             for start in &starts {
                 let met = hazard.convolve(start.mirrored());
@@ -74,10 +82,10 @@ impl<'a> Breaking<'a> {
                 }
             }
         }
-        // The bound of the integral passes them at half the pace of the slider.
-        let passed = |b: &Break, position: f64, factor: f64| {
+        // The lower bound moves at half the velocity of the slider.
+        let passed = |b: &Breakpoint, position: f64, factor: f64| {
             let amplitude = b.amplitude * factor * 0.5_f64.powf(b.exponent + 1.0);
-            Break { position, exponent: b.exponent + 1.0, amplitude }
+            Breakpoint { position, exponent: b.exponent + 1.0, amplitude }
         };
         out.extend(starts.iter().map(|b| {
             let u = behind - 2.0 * b.position;
@@ -91,14 +99,14 @@ impl<'a> Breaking<'a> {
         out
     }
 
-    /// The advance after which nothing is left, nor of the second moment.
+    /// The advance after which survival and second moment are negligible.
     pub(super) fn end(&self) -> f64 {
         self.layer.range().map_or(0.0, |(low, _)| self.window.1 - low)
     }
 
-    /// Where contacts break, as advances: P_c as they see it, blurred by where they are.
+    /// Where contacts break, as advances: the zones of P_c, broadened by the spread of stretches.
     pub(super) fn zones(&self) -> Vec<Zone> {
-        let blur = if self.layer.lumps.is_empty() { self.layer.resolution } else { 0.0 };
+        let blur = if self.layer.point_masses.is_empty() { self.layer.resolution } else { 0.0 };
         let seen = |z: Zone, (low, high): (f64, f64)| Zone {
             low: z.low - high,
             high: z.high - low,
@@ -108,18 +116,20 @@ impl<'a> Breaking<'a> {
         zones.filter_map(|zone| Some(seen(zone, self.layer.range()?))).collect()
     }
 
-    /// Advances at which the cells of ν end for those who reach a threshold that many share.
+    /// Advances at which cell boundaries of ν reach a point mass of P_c.
     pub(super) fn seams(&self) -> impl Iterator<Item = f64> {
-        self.walls.iter().flat_map(|wall| self.layer.density.boundaries.iter().map(move |r| wall - r))
+        self.threshold_atoms
+            .iter()
+            .flat_map(|atom| self.layer.density.boundaries.iter().map(move |r| atom - r))
     }
 
-    /// ∫ν(x) weight(x + u, y) dx with y the largest stretch, atoms included.
+    /// ∫ν(x) weight(x + u, y) dx with y the largest stretch reached, point masses included.
     fn mean(&self, u: f64, weight: impl Fn(f64, f64) -> f64) -> f64 {
-        let exceeded = |lump: &PointMass| self.layer.exceeded(lump, u, &self.walls);
-        let lumps = self.layer.lumps.iter();
-        let together: f64 = lumps.map(|l| l.weight * weight(l.position + u, exceeded(l))).sum();
+        let exceeded = |point_mass: &PointMass| self.layer.exceeded(point_mass, u, &self.threshold_atoms);
+        let point_masses = self.layer.point_masses.iter();
+        let together: f64 = point_masses.map(|l| l.weight * weight(l.position + u, exceeded(l))).sum();
         let (forth, back) = (self.layer.ahead.max(u), self.layer.behind);
-        let places = |b: &Break| [b.position - forth, back - b.position];
+        let places = |b: &Breakpoint| [b.position - forth, back - b.position];
         let everywhere = Domain {
             low: f64::NEG_INFINITY,
             high: f64::INFINITY,
@@ -140,7 +150,7 @@ impl<'a> Breaking<'a> {
         self.mean(u, |x, y| x.powi(power) * above(y))
     }
 
-    /// Moments of the stretches at which contacts break at the advance u, their density part.
+    /// Moments of the stretches at which contacts break at the advance u, without point masses.
     pub(super) fn moments(&self, u: f64) -> [f64; MOMENTS] {
         let mut sums = [0.0; MOMENTS];
         if u < self.layer.ahead {
@@ -154,14 +164,14 @@ impl<'a> Breaking<'a> {
             }
         };
         let (law, lowest) = (self.thresholds, self.layer.lowest(u));
-        let lumps = self.layer.lumps.iter().filter(|l| l.position >= lowest);
-        lumps.for_each(|l| add(l.position + u, l.weight * law.density(l.position + u)));
-        let walls = self.hazards.iter().filter(|b| b.is_atom() && b.position - u >= lowest);
-        walls.for_each(|b| add(b.position, b.amplitude * self.layer.density.value(b.position - u)));
+        let point_masses = self.layer.point_masses.iter().filter(|l| l.position >= lowest);
+        point_masses.for_each(|l| add(l.position + u, l.weight * law.density(l.position + u)));
+        let threshold_atoms = self.hazards.iter().filter(|b| b.is_atom() && b.position - u >= lowest);
+        threshold_atoms.for_each(|b| add(b.position, b.amplitude * self.layer.density.value(b.position - u)));
         if self.layer.is_pointed() {
             return sums;
         }
-        let place = |b: &Break| b.position - u;
+        let place = |b: &Breakpoint| b.position - u;
         let domain = Domain {
             low: lowest.max(self.window.0 - u),
             high: self.window.1 - u,
@@ -173,9 +183,9 @@ impl<'a> Breaking<'a> {
     }
 }
 
-/// Where S and its second moment are negligible, also for what ν weighs.
+/// The threshold beyond which S and its second moment are negligible, given the mass of ν.
 fn last_threshold(law: &dyn Law, layer: &Layer, negligible: f64) -> f64 {
-    let whole = layer.density.integral() + layer.lumps.iter().map(|l| l.weight).sum::<f64>();
+    let whole = layer.density.integral() + layer.point_masses.iter().map(|l| l.weight).sum::<f64>();
     let left = 1.0 / whole.max(1.0);
     let mut last = top(law, negligible * left);
     let second = law.upper_moment(2, -1.0);

@@ -1,46 +1,49 @@
-//! What becomes of contacts formed together at one stretch, whatever breaks them: the seam of lives that hang on time.
+//! The interface of contacts at a velocity: what becomes of contacts formed together at one stretch.
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::cells::ROUNDING;
-use crate::law::Break;
+use crate::law::Breakpoint;
 use crate::monitor::Watch;
 
 /// A kind of contacts, moved at a constant velocity.
 pub(crate) trait BreakingModel: Debug + Send + Sync {
-    /// The contacts formed at stretch r ≥ 0 whose newborn thresholds, drawn from P_c, are above r: the fraction S(r) of
-    /// all, so that what a [`SurvivalMoments`] tells is not divided by S(r). Where the monitor asks to stop, they are of no use.
+    /// The contacts formed at stretch r ≥ 0 whose thresholds, drawn from P_c, are above r. Their fraction of
+    /// all is S(r), by which [`SurvivalMoments`] are not divided. Invalid if the monitor asks to stop.
     fn cohort(&self, start: f64, watch: &Watch<'_>) -> Arc<dyn Cohort>;
 
-    /// About which part of a life's work it is to make cohorts; the rest is to ask them for their survival moments.
-    fn making(&self) -> f64;
+    /// Estimated fraction of the work that is spent on making cohorts; the rest evaluates their survival
+    /// moments.
+    fn making_fraction(&self) -> f64;
 
-    /// Estimated error of the fractions that survival moments tell, of those asked for so far.
+    /// Estimated error of the fractions in survival moments, for cohorts made so far.
     fn error(&self) -> f64 {
         ROUNDING
     }
 
-    /// Jumps of the breaking density, times the width of the narrower cell beside them, that are rounding of what is left.
+    /// Jumps of the breaking density × the width of the narrower cell beside them, below which they are
+    /// rounding.
     fn rounding(&self) -> f64 {
         0.0
     }
 
-    /// What survival moments are rough by, as fractions of all: curves that follow them more closely follow that.
+    /// Numerical noise of survival moments, as fractions of all: curves need not be resolved more closely.
     fn roughness(&self) -> f64 {
         0.0
     }
 
-    /// A length over which the survival moments at one advance vary little with the start, between the starts that
-    /// [`BreakingModel::passing`] tells.
+    /// A length over which survival moments at one advance vary little with the start, between the starts
+    /// that [`BreakingModel::passing`] returns.
     fn resolution(&self) -> f64;
 
-    /// Whether [`BreakingModel::passing`] tells of all edges of P_c that are met.
+    /// Whether [`BreakingModel::passing`] returns all edges of P_c that are reached.
     fn tells_of_edges(&self) -> bool {
         false
     }
 
-    /// The starts from which, at the advance u, a threshold is met at which P_c is not smooth, or nothing breaks any more.
+    /// The starts from which, at the advance u, contacts reach a threshold at which P_c is not smooth, or
+    /// stop breaking.
     fn passing(&self, _advance: f64) -> Vec<Passing> {
         Vec::new()
     }
@@ -48,32 +51,32 @@ pub(crate) trait BreakingModel: Debug + Send + Sync {
 
 /// Contacts formed together at a stretch r.
 pub(crate) trait Cohort: Debug + Send + Sync {
-    /// What is left, and what breaks, when they are at r + u; from the right at an atom.
-    fn toll(&self, advance: f64) -> SurvivalMoments;
+    /// What survives and what breaks at the stretch r + u; from the right at a point mass.
+    fn survival_moments(&self, advance: f64) -> SurvivalMoments;
 
-    /// Where the breaking density is not smooth past u = 0, atoms among it, as advances.
-    fn breaks(&self) -> Vec<Break> {
+    /// Breakpoints and point masses of the breaking density for u > 0, as advances.
+    fn breakpoints(&self) -> Vec<Breakpoint> {
         Vec::new()
     }
 
-    /// Where the breaking density may change just before, over lengths far shorter than the advance.
+    /// Edges before which the breaking density may change over lengths far shorter than the advance.
     fn blurred_edges(&self) -> Vec<BlurredEdge> {
         Vec::new()
     }
 }
 
-/// An edge of P_c, or a threshold that many share, as temperature blurs it: contacts break before they reach it.
+/// An edge or point mass of P_c, blurred by temperature: contacts break before they reach it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BlurredEdge {
     /// The advance at which it would be reached.
     pub(crate) advance: f64,
-    /// The shortest length on which the breaking density may change before.
+    /// The shortest length on which the breaking density may change before it.
     pub(crate) width: f64,
 }
 
 impl BlurredEdge {
-    /// Places before it, each four times as near as the one before: a change at any distance, over a length that is not far
-    /// shorter, is met by the points of the cell that it lies in.
+    /// Cell boundaries before it, each four times as close as the one before: a change at any distance, over
+    /// a length that is not far shorter, is then resolved by the points of its cell.
     pub(crate) fn approach(self) -> impl Iterator<Item = f64> {
         const RATIO: f64 = 0.25;
         let nearer = move |distance: &f64| Some(RATIO * distance).filter(|&nearer| nearer > self.width);
@@ -81,22 +84,22 @@ impl BlurredEdge {
     }
 }
 
-/// What is left of a cohort and what breaks, with powers of the present threshold h where that matters (k = κ h).
+/// What survives of a cohort and what breaks, with powers of the present threshold h (needed for k = κ h).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct SurvivalMoments {
-    /// The fraction unbroken, and its sums of h and h².
+    /// The surviving fraction, and its sums of h and h².
     pub(crate) unbroken: [f64; 3],
-    /// The fraction that breaks per unit advance, and its sum of h; atoms not counted.
+    /// The fraction that breaks per unit advance, and its sum of h; without point masses.
     pub(crate) breaking: [f64; 2],
 }
 
-/// A start from which contacts meet a threshold just now.
+/// A start from which contacts reach a threshold just now.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Passing {
     /// The stretch at which they formed.
     pub(crate) start: f64,
-    /// For a threshold that many share: how many of the contacts break there, per unit of start passed …
+    /// For a point mass of P_c: the fraction of contacts that breaks there, per unit of start passed.
     pub(crate) weight: f64,
-    /// … and how fast the start moves with the advance, |dr/du|.
-    pub(crate) pace: f64,
+    /// How fast the start moves with the advance, |dr/du|.
+    pub(crate) speed: f64,
 }

@@ -1,40 +1,41 @@
-//! Cells to begin with: where a law's density is to be looked for, and how finely.
+//! Initial cells of curves: where a distribution is not negligible, and on which scale it varies.
 
-use crate::law::{Break, Law, Zone};
+use crate::law::{Breakpoint, Law, Zone};
 use crate::numerics::piecewise::{Piecewise, Resolution};
 
-/// What a curve leaves out, of a total of 1 (or of the mean life, force, …).
+/// Tolerance of a curve of total 1 (or of the mean life, force, …).
 pub(super) const RESOLUTION: f64 = 1e-14;
 
-/// What some ten cells, each resolved to that, leave out together.
+/// Error of some ten cells of that tolerance together.
 pub(super) const ROUNDING: f64 = 1e-13;
 
-/// Survival and starting mass below this are left out.
+/// Survival and starting mass below this are neglected.
 pub(super) const NEGLIGIBLE: f64 = 1e-18;
 
-/// How closely starts and what breaks are followed.
+/// Tolerances for starts and breaking densities.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Detail {
     pub(super) resolution: Resolution,
-    /// Survival and starting mass below this are left out.
+    /// Survival and starting mass below this are neglected.
     pub(super) negligible: f64,
 }
 
-/// Curves of a total of 1 (or of the mean life, force, …).
+/// For curves of a total of 1 (or of the mean life, force, …).
 pub(super) const BULK: Detail = Detail { resolution: Resolution::Mean(RESOLUTION), negligible: NEGLIGIBLE };
 
 impl Detail {
-    /// Tails as well, each cell to 1e-13 of itself down to what is negligible.
+    /// With tails: each cell has a relative accuracy of 1e-13 down to what is negligible.
     pub(super) const fn tails(negligible: f64) -> Self {
         Self { resolution: Resolution::Relative { fraction: 1e-13, negligible }, negligible }
     }
 
-    /// Low tails as well, each cell to 1e-13 of all that lies below its end, down to what is negligible.
+    /// With low tails: each cell is accurate to 1e-13 of the integral up to its end, down to what is
+    /// negligible.
     pub(super) const fn low_tails(negligible: f64) -> Self {
         Self { resolution: Resolution::Cumulative { fraction: 1e-13, negligible }, negligible }
     }
 
-    /// Where cells have to end: across its seams a density is not itself to 1e-13.
+    /// Where cells have to end: across a piece boundary a density is not smooth to 1e-13.
     pub(super) fn seams(self, law: &dyn Law) -> Vec<f64> {
         match self.resolution {
             Resolution::Mean(_) => Vec::new(),
@@ -43,19 +44,19 @@ impl Detail {
     }
 }
 
-/// Width of the cells to begin with, in units of a zone's resolution.
+/// Initial width of cells, in units of the resolution of a zone.
 pub(super) const CELL: f64 = Zone::CELL;
 
-/// Where a smooth curve begins or ends, breaks are told of this many derivatives, the value among them.
+/// Number of derivatives, the value included, whose jumps are kept where a smooth curve begins or ends.
 pub(crate) const ORDERS: usize = 4;
 
-/// The top of a law's support where it has one, else where S falls to `left`.
+/// The upper end of a support, or the quantile at which S falls to `left`.
 pub(super) fn top(law: &dyn Law, left: f64) -> f64 {
     let end = law.upper_quantile(0.0);
     if end.is_finite() { end } else { law.upper_quantile(left) }
 }
 
-/// The least length on which a law's density varies.
+/// The smallest length on which a density varies.
 pub(super) fn scale(law: &dyn Law) -> f64 {
     law.zones()
         .iter()
@@ -63,10 +64,10 @@ pub(super) fn scale(law: &dyn Law) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Cell boundaries on [0, end] to begin with: the breaks, and cells as narrow as the zones that they lie in ask for.
-pub(super) fn edges(zones: &[Zone], breaks: &[f64], end: f64) -> Vec<f64> {
+/// Initial cell boundaries on [0, end]: the breakpoints, and cells as narrow as their zones require.
+pub(super) fn edges(zones: &[Zone], breakpoints: &[f64], end: f64) -> Vec<f64> {
     let mut stops: Vec<f64> =
-        zones.iter().flat_map(|z| [z.low, z.high]).chain(breaks.iter().copied()).collect();
+        zones.iter().flat_map(|z| [z.low, z.high]).chain(breakpoints.iter().copied()).collect();
     stops.retain(|&u| u > 0.0 && u < end);
     stops.push(end);
     stops.sort_by(f64::total_cmp);
@@ -92,22 +93,22 @@ pub(super) fn edges(zones: &[Zone], breaks: &[f64], end: f64) -> Vec<f64> {
 
 /// The density of a law.
 pub(super) fn resolved(law: &dyn Law, detail: Detail) -> Piecewise {
-    let breaks = with_atoms(law).into_iter().map(|b| b.position);
-    let stops: Vec<f64> = breaks.chain(detail.seams(law)).collect();
+    let breakpoints = with_atoms(law).into_iter().map(|b| b.position);
+    let stops: Vec<f64> = breakpoints.chain(detail.seams(law)).collect();
     let end = top(law, detail.negligible);
     let edges = edges(&law.zones(), &stops, end);
     Piecewise::resolve(|x| law.density(x), &edges, end, detail.resolution)
 }
 
-/// Atoms of a law, and its breaks where they are more than nothing.
-pub(super) fn with_atoms(law: &dyn Law) -> Vec<Break> {
+/// Point masses of a distribution, and those of its breakpoints that are not negligible.
+pub(super) fn with_atoms(law: &dyn Law) -> Vec<Breakpoint> {
     const NOTHING: f64 = 1e-40;
     let mean = law.mean();
-    let breaks = law.breaks().into_iter().filter(|b| b.weight(mean) * mean > NOTHING);
-    breaks.chain(law.atoms().into_iter().map(Break::from)).collect()
+    let breakpoints = law.breakpoints().into_iter().filter(|b| b.weight(mean) * mean > NOTHING);
+    breakpoints.chain(law.atoms().into_iter().map(Breakpoint::from)).collect()
 }
 
-/// Thresholds that many share: the atoms of a law.
-pub(crate) fn walls(law: &dyn Law) -> Vec<f64> {
+/// Positions of the point masses of a distribution of thresholds.
+pub(crate) fn threshold_atoms(law: &dyn Law) -> Vec<f64> {
     law.atoms().iter().map(|a| a.position).collect()
 }

@@ -1,4 +1,4 @@
-//! A life put together from cohorts: sums over where contacts start.
+//! The life of contacts at a velocity, as a sum of cohorts over the stretches at which contacts start.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,36 +13,36 @@ use super::layer::Layer;
 use super::panels::{Domain, Panels};
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
-use crate::law::{Atom, Break, Law, SharedLaw};
+use crate::law::{Atom, Breakpoint, Law, SharedLaw};
 use crate::monitor::Watch;
 use crate::numerics::piecewise::{Piecewise, Resolution};
 use crate::numerics::volterra::Kernel;
 
-/// The part of the work after that of making cohorts which it takes to find where cells begin.
+/// Fraction of the remaining work that it takes to find the initial cells.
 const OUTLINED: f64 = 0.1;
 
-/// Contacts of a breaking model, by where they start.
+/// Contacts of a breaking model, by starting stretch.
 #[derive(Debug, Clone)]
 pub(super) struct Cohorts {
     model: Arc<dyn BreakingModel>,
     /// ν.
     starts: Layer,
-    /// The cohorts of its atoms, in their order.
+    /// The cohorts of its point masses, in order.
     together: Vec<Arc<dyn Cohort>>,
-    /// Those of the points that resolve its density, as they are asked for.
+    /// The cohorts of the Gauss points of its density, made when first needed.
     spread: HashMap<u64, OnceLock<Arc<dyn Cohort>>>,
-    /// Those points if they are few, with their weights: what is not smooth about them shows as that of atoms does.
+    /// These cohorts with their weights, if they are few: then their breakpoints matter one by one.
     few: Vec<(f64, Arc<dyn Cohort>)>,
     reach: Reach,
 }
 
-/// On which lengths survival moments vary with the start.
+/// The lengths on which survival moments vary with the start.
 #[derive(Debug, Clone)]
 struct Reach {
     thresholds: SharedLaw,
-    /// Where P_c is not smooth above 0, and whether a [`BreakingModel`] tells from which starts they are met.
+    /// Breakpoints of P_c above 0.
     edges: Vec<f64>,
-    told: bool,
+    reported: bool,
     resolution: f64,
 }
 
@@ -51,18 +51,18 @@ impl Reach {
         let thresholds = contacts.thresholds.clone();
         let edges =
             with_atoms(thresholds.as_ref()).iter().map(|b| b.position).filter(|&at| at > 0.0).collect();
-        Self { thresholds, edges, told: model.tells_of_edges(), resolution: model.resolution() }
+        Self { thresholds, edges, reported: model.tells_of_edges(), resolution: model.resolution() }
     }
 
-    /// A length L such that survival moments of starts between two vary no faster than e^{−((r − r_0)/L)²}, between those that are told:
-    /// a part of that on which P_c varies, and of the way to where it is not smooth, 0 among those unless no threshold is as
-    /// low; 0 where that is not known.
+    /// A length L such that survival moments of starts in [`low`, `high`] vary no faster than e^{−((r −
+    /// r_0)/L)²}: a fraction of the scale of P_c, and of the distance to its breakpoints (among them 0,
+    /// unless all thresholds are higher); 0 if that is not known.
     fn length(&self, low: f64, high: f64) -> f64 {
-        /// P_c may vary so much faster than its resolution says, at its steeper side.
+        /// P_c may vary by so much faster than its resolution, on its steeper side.
         const STEEPER: f64 = 3.0;
         let beside = |&edge: &f64| match edge {
             _ if edge <= low => low - edge,
-            _ if edge >= high && self.told => edge - high,
+            _ if edge >= high && self.reported => edge - high,
             _ => 0.0,
         };
         let lowest = if self.thresholds.cumulative(high) > NEGLIGIBLE { low } else { f64::INFINITY };
@@ -70,7 +70,7 @@ impl Reach {
     }
 }
 
-/// What a life is made of at one advance, sums over all cohorts.
+/// The values of all curves of a life at one advance, summed over cohorts.
 #[derive(Debug, Clone, Copy, Default)]
 struct CohortSums {
     breaking: f64,
@@ -83,7 +83,8 @@ struct CohortSums {
     lost: f64,
 }
 
-/// The life of contacts of this breaking model whose starts are drawn from `starts`, as in [`super::athermal`].
+/// The life of contacts of this breaking model whose starts are drawn from `starts`, as in
+/// [`super::athermal`].
 ///
 /// # Errors
 /// Stopped by the monitor.
@@ -99,32 +100,32 @@ pub(super) fn of_cohorts(
     let panels = cohorts.panels();
     let at = |u: f64| watch.value(|| cohorts.sums(&panels, u, per_threshold, watch));
     let unbroken = if conditional { 1.0 } else { at(0.0).survival };
-    let mut breaks = cohorts.breaks(watch);
-    let stops = breaks.iter().map(|b| b.position).chain(cohorts.approaches(watch)).collect();
+    let mut breakpoints = cohorts.breakpoints(watch);
+    let stops = breakpoints.iter().map(|b| b.position).chain(cohorts.approaches(watch)).collect();
     let outline = Outline::new(&at, stops, contacts.thresholds.mean());
     let rounding = cohorts.model.rounding();
-    breaks.retain(|b| b.exponent != 0.0 || b.amplitude.abs() * outline.beside(b.position) >= rounding);
+    breakpoints.retain(|b| b.exponent != 0.0 || b.amplitude.abs() * outline.beside(b.position) >= rounding);
     watch.check()?;
     let edges = &outline.edges;
     let end = edges[edges.len() - 1];
-    let made = cohorts.model.making() + OUTLINED * (1.0 - cohorts.model.making());
+    let made = cohorts.model.making_fraction() + OUTLINED * (1.0 - cohorts.model.making_fraction());
     // The curves are resolved from u = 0 on, twice where the stiffness has one of its own.
     let begun = if per_threshold { 0.5 * (1.0 + made) } else { made };
-    let tell = |from: f64, to: f64, u: f64| {
+    let report_progress = |from: f64, to: f64, u: f64| {
         let passed = outline.edges.partition_point(|edge| *edge <= u) as f64 / outline.edges.len() as f64;
         watch.done(from + (to - from) * passed);
     };
-    let told = |u: f64| {
-        tell(made, begun, u);
+    let reported = |u: f64| {
+        report_progress(made, begun, u);
         at(u)
     };
     let model = &cohorts.model;
     let finer =
-        per_threshold.then(|| stiffening(&told, edges, contacts.thresholds.mean(), model.roughness()));
+        per_threshold.then(|| stiffening(&reported, edges, contacts.thresholds.mean(), model.roughness()));
     let edges = finer.as_ref().unwrap_or(edges);
     let curves = Piecewise::resolve_all(
         |u| {
-            tell(begun, 1.0, u);
+            report_progress(begun, 1.0, u);
             let CohortSums { breaking, survival, force, square, energy, lost, .. } = at(u);
             [outline.weight(u) * breaking, breaking, survival, force, square, energy, lost]
         },
@@ -133,14 +134,15 @@ pub(super) fn of_cohorts(
         Resolution::Mean(RESOLUTION.max(model.roughness())),
     );
     let [_, breaking, survival, force, square, energy, lost] = curves;
-    begin(&mut breaks, &breaking, 0.0, 0.0);
+    begin(&mut breakpoints, &breaking, 0.0, 0.0);
     if 1.0 - unbroken > NEGLIGIBLE {
-        breaks.push(Atom { position: 0.0, weight: 1.0 - unbroken }.into());
+        breakpoints.push(Atom { position: 0.0, weight: 1.0 - unbroken }.into());
     }
-    breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
-    let smoother: Vec<_> = breaks.iter().map(|&b| Break { exponent: b.exponent + 1.0, ..b }).collect();
+    breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+    let smoother: Vec<_> =
+        breakpoints.iter().map(|&b| Breakpoint { exponent: b.exponent + 1.0, ..b }).collect();
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());
-    let breaking_energy = lost.integrated_from_end(0.0, &cohorts.struck(per_threshold));
+    let breaking_energy = lost.integrated_from_end(0.0, &cohorts.simultaneous(per_threshold));
     watch.check()?;
     Ok(Life {
         survival: kernel(survival),
@@ -148,7 +150,7 @@ pub(super) fn of_cohorts(
         square: kernel(square),
         energy: kernel(energy),
         breaking_energy: kernel(breaking_energy),
-        breaking: Kernel::new(breaking, breaks),
+        breaking: Kernel::new(breaking, breakpoints),
         error: cohorts.model.error(),
         starts: Starts::Cohorts(Box::new(cohorts)),
         stiffness: contacts.stiffness.weight(contacts.thresholds.mean()),
@@ -156,18 +158,18 @@ pub(super) fn of_cohorts(
     })
 }
 
-/// Cell boundaries to begin with, and the lengths on which a life is judged.
+/// Initial cell boundaries, and the scales by which errors are judged.
 struct Outline {
     edges: Vec<f64>,
-    /// About ∫U du, …
+    /// About ∫U du, U the survival.
     mean: f64,
-    /// … and ∫u U du.
+    /// About ∫u U du.
     lived: f64,
 }
 
 impl Outline {
-    /// Boundaries from 0 to where what is left no longer matters: such that no cell loses more than a part of the contacts,
-    /// and each is at most as wide as all before it; and at `stops`.
+    /// Boundaries from 0 to where survival is negligible, with a limited loss of contacts per cell, each cell
+    /// at most as wide as all before it; and at `stops`.
     fn new(at: &impl Fn(f64) -> CohortSums, mut stops: Vec<f64>, mean: f64) -> Self {
         let start = at(0.0);
         let rate = start.breaking / start.survival;
@@ -180,7 +182,7 @@ impl Outline {
             let (before, left) = edges[edges.len() - 1];
             let stop =
                 stops[stops.partition_point(|&u| u <= before)..].first().copied().unwrap_or(f64::INFINITY);
-            // A cell that would end just beyond a break ends on it.
+            // A cell that would end just beyond a breakpoint ends on it.
             let to = if stop < 1.25 * next { stop } else { next };
             let here = at(to);
             let first = edges.len();
@@ -200,7 +202,7 @@ impl Outline {
             next = if to >= next { 2.0 * to } else { next };
         }
         let [mean, lived, ..] = sums;
-        // What has been split may have come to an end long before the cell did.
+        // What has been split may be negligible long before the end of the cell.
         let matters = |&(u, left): &(f64, f64)| {
             let rest = u * left;
             rest > NEGLIGIBLE * mean
@@ -211,26 +213,27 @@ impl Outline {
         Self { edges: edges.into_iter().map(|edge| edge.0).collect(), mean, lived }
     }
 
-    /// The width of the narrower cell beside an edge.
+    /// The width of the narrower cell beside a boundary.
     fn beside(&self, edge: f64) -> f64 {
         let next = self.edges.partition_point(|&e| e <= edge);
         let before = self.edges[..next].iter().rev().find(|&&e| e < edge).map_or(edge, |low| edge - low);
         self.edges.get(next).map_or(before, |high| before.min(high - edge))
     }
 
-    /// What a breaking density counts at the advance u: by as much as breaks there ∫U, ∫u U and U are changed.
+    /// The weight of errors of the breaking density at the advance u: breaking there changes ∫U, ∫u U and U
+    /// by as much.
     fn weight(&self, advance: f64) -> f64 {
         1.0 + advance / self.mean + 0.5 * advance * advance / self.lived
     }
 }
 
-/// Cell boundaries that resolve the stiffness too, which ageing changes while nothing breaks.
+/// Cell boundaries that also resolve the stiffness, which ageing changes while nothing breaks.
 fn stiffening(at: &impl Fn(f64) -> CohortSums, edges: &[f64], mean: f64, roughness: f64) -> Vec<f64> {
     let resolution = Resolution::Relative { fraction: roughness.max(1e-13), negligible: mean };
     Piecewise::resolve(|u| at(u).stiffness, edges, edges[edges.len() - 1], resolution).boundaries
 }
 
-/// Adds the end of a cell, and boundaries inside it wherever more is lost than a cell should lose.
+/// Adds the end of a cell, and boundaries inside it wherever the loss of contacts is too large for one cell.
 fn split(
     at: &impl Fn(f64) -> CohortSums,
     [low, high]: [(f64, f64); 2],
@@ -257,10 +260,11 @@ impl Cohorts {
         watch: &Watch<'_>,
     ) -> Result<Self> {
         let starts = Layer::placed(contacts, starts, conditional, BULK);
-        let together = starts.lumps.iter().map(|lump| model.cohort(lump.position, watch)).collect();
+        let together =
+            starts.point_masses.iter().map(|point_mass| model.cohort(point_mass.position, watch)).collect();
         let reach = Reach::new(contacts, model.as_ref());
         let mut cohorts = Self { model, starts, together, spread: HashMap::new(), few: Vec::new(), reach };
-        /// By more, breaks of the single ones are too small to be seen, and too many.
+        /// For more cohorts their breakpoints are too small to matter, and too many.
         const FEW: usize = 8;
         let everywhere =
             Domain { low: f64::NEG_INFINITY, high: f64::INFINITY, cuts: Vec::new(), steep: Vec::new() };
@@ -274,7 +278,7 @@ impl Cohorts {
         let make = |(): &mut (), number: usize| {
             let cohort = cohorts.model.cohort(points[number].0, watch);
             let finished = finished.fetch_add(1, Ordering::Relaxed) + 1;
-            watch.done(cohorts.model.making() * finished as f64 / count);
+            watch.done(cohorts.model.making_fraction() * finished as f64 / count);
             cohort
         };
         let found = watch.share(points.len(), || (), make)?;
@@ -287,27 +291,32 @@ impl Cohorts {
         Ok(cohorts)
     }
 
-    /// The density of starts in panels that resolve how survival moments vary with the start.
+    /// The density of starts on panels that resolve how survival moments vary with the start.
     fn panels(&self) -> Panels<'_> {
-        /// What a gathered panel may leave out: rounding.
+        /// Error of a merged panel: rounding.
         const LEFT_OUT: f64 = 1e-16;
         let panels = Panels::new(&self.starts.density, 2.0 * CELL * self.model.resolution(), NEGLIGIBLE);
-        panels.gathered(|low, high| self.reach.length(low, high), LEFT_OUT)
+        panels.merged(|low, high| self.reach.length(low, high), LEFT_OUT)
     }
 
     /// The sums at an advance.
     fn sums(&self, panels: &Panels<'_>, advance: f64, per_threshold: bool, watch: &Watch<'_>) -> CohortSums {
         let mut sums = CohortSums::default();
-        for (lump, cohort) in self.starts.lumps.iter().zip(&self.together) {
-            sums.add(cohort.toll(advance), lump.weight, lump.position + advance, per_threshold);
+        for (point_mass, cohort) in self.starts.point_masses.iter().zip(&self.together) {
+            sums.add(
+                cohort.survival_moments(advance),
+                point_mass.weight,
+                point_mass.position + advance,
+                per_threshold,
+            );
         }
         if self.starts.is_pointed() {
             return sums;
         }
         let passing = self.model.passing(advance);
         for pass in passing.iter().filter(|pass| pass.weight > 0.0) {
-            let weight = self.starts.density_at(pass.start) * pass.weight * pass.pace;
-            sums.strike(weight, pass.start + advance, per_threshold);
+            let weight = self.starts.density_at(pass.start) * pass.weight * pass.speed;
+            sums.add_broken(weight, pass.start + advance, per_threshold);
         }
         let domain = Domain {
             low: f64::NEG_INFINITY,
@@ -316,17 +325,17 @@ impl Cohorts {
             steep: Vec::new(),
         };
         panels.each(domain, |r, weight| {
-            sums.add(self.toll(r, advance, watch), weight, r + advance, per_threshold);
+            sums.add(self.survival_moments(r, advance, watch), weight, r + advance, per_threshold);
         });
         sums
     }
 
-    /// What becomes of contacts formed at a stretch: of a point that resolves the starts it is known.
-    fn toll(&self, start: f64, advance: f64, watch: &Watch<'_>) -> SurvivalMoments {
+    /// Survival moments of contacts formed at a stretch; cached for the Gauss points of the starts.
+    fn survival_moments(&self, start: f64, advance: f64, watch: &Watch<'_>) -> SurvivalMoments {
         let make = || self.model.cohort(start, watch);
         watch.value(|| match self.spread.get(&start.to_bits()) {
-            Some(known) => known.get_or_init(make).toll(advance),
-            None => make().toll(advance),
+            Some(known) => known.get_or_init(make).survival_moments(advance),
+            None => make().survival_moments(advance),
         })
     }
 
@@ -339,40 +348,42 @@ impl Cohorts {
         sum
     }
 
-    /// Where the breaking density is not smooth past u = 0, atoms among it.
-    fn breaks(&self, watch: &Watch<'_>) -> Vec<Break> {
+    /// Breakpoints and point masses of the breaking density for u > 0.
+    fn breakpoints(&self, watch: &Watch<'_>) -> Vec<Breakpoint> {
         let mut out = Vec::new();
-        let lumps = self.starts.lumps.iter().map(|lump| lump.weight).zip(&self.together);
-        for (weight, cohort) in lumps.chain(self.few.iter().map(|(weight, cohort)| (*weight, cohort))) {
-            let scaled = |b: Break| Break { amplitude: b.amplitude * weight, ..b };
-            out.extend(cohort.breaks().into_iter().map(scaled));
+        let point_masses =
+            self.starts.point_masses.iter().map(|point_mass| point_mass.weight).zip(&self.together);
+        for (weight, cohort) in point_masses.chain(self.few.iter().map(|(weight, cohort)| (*weight, cohort)))
+        {
+            let scaled = |b: Breakpoint| Breakpoint { amplitude: b.amplitude * weight, ..b };
+            out.extend(cohort.breakpoints().into_iter().map(scaled));
         }
-        for start in &self.starts.breaks {
-            let met = self.model.cohort(start.position, watch).breaks();
+        for start in &self.starts.breakpoints {
+            let met = self.model.cohort(start.position, watch).breakpoints();
             out.extend(
-                met.into_iter().map(|b| Break { position: b.position, ..b.convolve(start.mirrored()) }),
+                met.into_iter().map(|b| Breakpoint { position: b.position, ..b.convolve(start.mirrored()) }),
             );
         }
-        // At u = 0 only what no derivative tells.
+        // At u = 0 only those that jumps of derivatives do not describe.
         out.retain(|b| b.position > 0.0 || b.is_steep());
         out
     }
 
-    /// Places before blurred edges, where the breaking density changes, which points of wide cells would miss.
+    /// Cell boundaries before blurred edges, whose changes wide cells would miss.
     fn approaches(&self, watch: &Watch<'_>) -> impl Iterator<Item = f64> {
-        let edged = self.starts.breaks.iter().map(|start| self.model.cohort(start.position, watch));
+        let edged = self.starts.breakpoints.iter().map(|start| self.model.cohort(start.position, watch));
         let all = self.together.iter().cloned().chain(edged);
         all.flat_map(|cohort| cohort.blurred_edges()).flat_map(BlurredEdge::approach)
     }
 
-    /// Atoms of the elastic energy lost.
-    fn struck(&self, per_threshold: bool) -> Vec<(f64, f64)> {
+    /// Point masses of the energy lost.
+    fn simultaneous(&self, per_threshold: bool) -> Vec<(f64, f64)> {
         let mut out = Vec::new();
-        for (lump, cohort) in self.starts.lumps.iter().zip(&self.together) {
-            for met in cohort.breaks().into_iter().filter(Break::is_atom) {
-                let stretch = lump.position + met.position;
+        for (point_mass, cohort) in self.starts.point_masses.iter().zip(&self.together) {
+            for met in cohort.breakpoints().into_iter().filter(Breakpoint::is_atom) {
+                let stretch = point_mass.position + met.position;
                 let power = if per_threshold { 3 } else { 2 };
-                out.push((met.position, 0.5 * lump.weight * met.amplitude * stretch.powi(power)));
+                out.push((met.position, 0.5 * point_mass.weight * met.amplitude * stretch.powi(power)));
             }
         }
         out.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -383,57 +394,68 @@ impl Cohorts {
     pub(super) fn density(&self, x: f64, advance: f64, watch: &Watch<'_>) -> f64 {
         let start = x - advance;
         let density = self.starts.density_at(start);
-        if density == 0.0 { 0.0 } else { density * self.toll(start, advance, watch).unbroken[0] }
+        if density == 0.0 { 0.0 } else { density * self.survival_moments(start, advance, watch).unbroken[0] }
     }
 
-    /// Stretches of those that formed u ago at point masses, with the fraction still there.
+    /// Stretches of the contacts that formed u ago at point masses, with the surviving fraction.
     pub(super) fn atoms(&self, advance: f64) -> impl Iterator<Item = Atom> + '_ {
-        self.starts.lumps.iter().zip(&self.together).map(move |(lump, cohort)| Atom {
-            position: lump.position + advance,
-            weight: lump.weight * cohort.toll(advance).unbroken[0],
+        self.starts.point_masses.iter().zip(&self.together).map(move |(point_mass, cohort)| Atom {
+            position: point_mass.position + advance,
+            weight: point_mass.weight * cohort.survival_moments(advance).unbroken[0],
         })
     }
 
-    /// Density at stretch x of contacts that have formed at the rate `rate(advance)`, not smooth at starts in `cuts`.
+    /// Density at stretch x of contacts that have formed at the rate `rate(advance)`, not smooth at starts in
+    /// `cuts`.
     pub(super) fn standing(&self, x: f64, rate: impl Fn(f64) -> f64, cuts: &[f64], watch: &Watch<'_>) -> f64 {
-        let lumps = self.starts.lumps.iter().zip(&self.together).filter(|(lump, _)| lump.position <= x);
-        let one = |(lump, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
-            let advance = x - lump.position;
-            lump.weight * cohort.toll(advance).unbroken[0] * rate(advance)
+        let point_masses = self
+            .starts
+            .point_masses
+            .iter()
+            .zip(&self.together)
+            .filter(|(point_mass, _)| point_mass.position <= x);
+        let one = |(point_mass, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
+            let advance = x - point_mass.position;
+            point_mass.weight * cohort.survival_moments(advance).unbroken[0] * rate(advance)
         };
-        let left = |r: f64| self.toll(r, x - r, watch).unbroken[0] * rate(x - r);
-        lumps.map(one).sum::<f64>() + self.below(x, cuts, left)
+        let left = |r: f64| self.survival_moments(r, x - r, watch).unbroken[0] * rate(x - r);
+        point_masses.map(one).sum::<f64>() + self.below(x, cuts, left)
     }
 }
 
 impl Cohorts {
-    /// Density at x of the stretches at which contacts break; atoms not counted.
+    /// Density at x of the stretches at which contacts break, without point masses.
     pub(super) fn breaking(&self, x: f64, watch: &Watch<'_>) -> f64 {
-        let lumps = self.starts.lumps.iter().zip(&self.together).filter(|(lump, _)| lump.position <= x);
-        let one = |(lump, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
-            lump.weight * cohort.toll(x - lump.position).breaking[0]
+        let point_masses = self
+            .starts
+            .point_masses
+            .iter()
+            .zip(&self.together)
+            .filter(|(point_mass, _)| point_mass.position <= x);
+        let one = |(point_mass, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
+            point_mass.weight * cohort.survival_moments(x - point_mass.position).breaking[0]
         };
-        let met = |r: f64| self.toll(r, x - r, watch).breaking[0];
-        lumps.map(one).sum::<f64>() + self.below(x, &[], met)
+        let met = |r: f64| self.survival_moments(r, x - r, watch).breaking[0];
+        point_masses.map(one).sum::<f64>() + self.below(x, &[], met)
     }
 
-    /// Stretches at which contacts break together that formed at point masses.
+    /// Stretches at which contacts that formed at point masses break simultaneously.
     pub(super) fn met_atoms(&self) -> Vec<Atom> {
-        let of = |(lump, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
-            let (position, weight) = (lump.position, lump.weight);
-            let met = cohort.breaks().into_iter().filter(Break::is_atom);
+        let of = |(point_mass, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
+            let (position, weight) = (point_mass.position, point_mass.weight);
+            let met = cohort.breakpoints().into_iter().filter(Breakpoint::is_atom);
             met.map(move |b| Atom { position: position + b.position, weight: weight * b.amplitude })
                 .collect::<Vec<_>>()
         };
-        self.starts.lumps.iter().zip(&self.together).flat_map(of).collect()
+        self.starts.point_masses.iter().zip(&self.together).flat_map(of).collect()
     }
 }
 
 impl CohortSums {
-    /// Adds what is left of a cohort at the stretch x, and what breaks of it.
-    fn add(&mut self, toll: SurvivalMoments, weight: f64, x: f64, per_threshold: bool) {
-        let [unbroken, first, second] = toll.unbroken.map(|sum| weight * sum);
-        let [breaking, breaking_first] = toll.breaking.map(|sum| weight * sum);
+    /// Adds what survives of a cohort at the stretch x, and what breaks.
+    fn add(&mut self, survival_moments: SurvivalMoments, weight: f64, x: f64, per_threshold: bool) {
+        let [unbroken, first, second] = survival_moments.unbroken.map(|sum| weight * sum);
+        let [breaking, breaking_first] = survival_moments.breaking.map(|sum| weight * sum);
         let (stiffness, squared, lost) =
             if per_threshold { (first, second, breaking_first) } else { (unbroken, unbroken, breaking) };
         self.breaking += breaking;
@@ -445,8 +467,8 @@ impl CohortSums {
         self.lost += 0.5 * x * x * lost;
     }
 
-    /// Adds what breaks at the threshold x.
-    fn strike(&mut self, weight: f64, x: f64, per_threshold: bool) {
+    /// Adds contacts that break at the threshold x.
+    fn add_broken(&mut self, weight: f64, x: f64, per_threshold: bool) {
         self.breaking += weight;
         self.lost += 0.5 * x * x * weight * if per_threshold { x } else { 1.0 };
     }

@@ -1,4 +1,5 @@
-//! The transform of the breaking density far left in the complex plane, where it hangs on the tails of the laws.
+//! Analytic continuation of the Laplace transform of the breaking density far into Re s < 0, where it depends
+//! on the tails of the distributions.
 
 use num_complex::Complex64;
 
@@ -6,22 +7,23 @@ use super::breaking::Breaking;
 use super::cells::{BULK, Detail, edges, resolved, with_atoms};
 use super::layer::Layer;
 use crate::contacts::Contacts;
-use crate::law::{Break, Law, SharedLaw, Zone};
+use crate::law::{Breakpoint, Law, SharedLaw, Zone};
 use crate::monitor::Watch;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
-/// φ̂(s) of contacts that re-form, from the transform of the law of thresholds.
+/// φ̂(s) of re-formed contacts, from the transform of the distribution of thresholds.
 ///
-/// With φ(u) = ∫ν(r) P_c(r+u) dr taken for u < 0 too (starts above their thresholds), ν = R/S, the transform
-/// over all u is a product, so that φ̂(s) = P̂_c(s) ν̂(−s) − ∫_0^∞ e^{sv} φ(−v) dv.
-/// Analytic wherever P̂_c is. Where Re s ≥ 0 the difference cancels by 1/S; left of where e^{−sx} P_c(x) has its bulk
-/// above the starts it is exact to rounding.
+/// Let φ(u) = ∫ν(r) P_c(r+u) dr also for u < 0 (starts above their thresholds), ν = R/S. The transform over
+/// all u is a product, so that φ̂(s) = P̂_c(s) ν̂(−s) − ∫_0^∞ e^{sv} φ(−v) dv, analytic wherever P̂_c is. For
+/// Re s ≥ 0 the difference loses accuracy by a factor of 1/S; left of where e^{−sx} P_c(x) has its bulk above
+/// the starts it is exact to rounding.
 ///
-/// Both terms are made of the same ν, so that an error δν counts by ∫δν(r) e^{sr} ∫_r^∞ e^{−sx} P_c(x) dx dr, of which a start
-/// has at most |δν(r)| e^{r Re s} times the whole transform of P_c. Starts below r have as much of it, lifted by more: δν may
-/// be a small part of ∫^r ν at any s. Where S falls to 0 at a finite stretch and R does not, ν has a pole there, of which
-/// rounding of r leaves few digits, but its integral is logarithmic, and of the few that start there.
+/// Both terms contain the same ν, so that an error δν contributes ∫δν(r) e^{sr} ∫_r^∞ e^{−sx} P_c(x) dx dr,
+/// for each start at most |δν(r)| e^{r Re s} times the whole transform of P_c. Starts below r contribute at
+/// least as much, amplified by more: it is enough that δν is a small fraction of ∫^r ν, for any s. Where S
+/// falls to 0 at a finite stretch and R does not, ν has a pole at which rounding of r leaves few digits, but
+/// its integral is only logarithmic.
 #[derive(Debug)]
 pub(crate) struct Continuation {
     thresholds: Thresholds,
@@ -30,26 +32,27 @@ pub(crate) struct Continuation {
     /// e^{edge·v} φ(−v).
     before: Kernel,
     edge: f64,
-    /// Up to which rate the law of thresholds tells its tail.
+    /// The rate up to which the tail of P_c is known.
     known_rate: f64,
 }
 
-/// P_c as its transform is best found.
+/// P_c, in the form in which its transform is computed.
 #[derive(Debug)]
 enum Thresholds {
     Law(SharedLaw),
-    /// Density and atoms, where the law's own transform is a quadrature.
+    /// Density and point masses, if the distribution's own transform is a quadrature.
     Resolved(Kernel),
 }
 
-/// Starting mass down to which births are resolved, which e^{sr} lifts: of a Gaussian, 13 standard deviations.
+/// Starting mass down to which starts are resolved, since e^{sr} amplifies it: 13 standard deviations of a
+/// Gaussian.
 const LOWEST: f64 = 1e-40;
 
-/// Survival down to which thresholds are, which e^{−sx} lifts by far more.
+/// Survival down to which thresholds are resolved, since e^{−sx} amplifies it by far more.
 const DEEPEST: f64 = 1e-250;
 
 impl Continuation {
-    /// φ̂ for Re s ≤ `edge` < 0. Contacts are taken to have passed [`Contacts::check`].
+    /// φ̂ for Re s ≤ `edge` < 0. Contacts are assumed to have passed [`Contacts::check`].
     pub(crate) fn new(contacts: &Contacts, edge: f64, watch: &Watch<'_>) -> Self {
         let (thresholds, detail) = (contacts.thresholds.as_ref(), Detail::low_tails(LOWEST));
         let placed = Layer::placed(contacts, contacts.reforming.as_ref(), true, detail);
@@ -57,15 +60,15 @@ impl Continuation {
         let unbounded = Layer { ahead: f64::NEG_INFINITY, behind: f64::NEG_INFINITY, ..placed };
         let breaking = Breaking::new(thresholds, &unbounded, detail);
         let highest = unbounded.range().map_or(0.0, |range| range.1);
-        let faded = |b: Break| Break { amplitude: b.amplitude * (edge * b.position).exp(), ..b };
-        let breaks: Vec<_> = met_before(thresholds, &unbounded).into_iter().map(faded).collect();
+        let faded = |b: Breakpoint| Breakpoint { amplitude: b.amplitude * (edge * b.position).exp(), ..b };
+        let breakpoints: Vec<_> = met_before(thresholds, &unbounded).into_iter().map(faded).collect();
         let before = |z: Zone| Zone { low: -z.high, high: -z.low, ..z };
         let zones: Vec<_> = breaking.zones().into_iter().map(before).collect();
-        let stops: Vec<_> = breaks.iter().map(|b| b.position).collect();
+        let stops: Vec<_> = breakpoints.iter().map(|b| b.position).collect();
         let fading = |v: f64| watch.value(|| (edge * v).exp() * breaking.moments(-v)[0]);
         let curve = Piecewise::resolve(fading, &edges(&zones, &stops, highest), highest, BULK.resolution);
-        let before = Kernel::new(curve, breaks);
-        let atoms = unbounded.all_breaks().into_iter().filter(Break::is_atom).collect();
+        let before = Kernel::new(curve, breakpoints);
+        let atoms = unbounded.all_breaks().into_iter().filter(Breakpoint::is_atom).collect();
         let births = Kernel::new(unbounded.density, atoms);
         let (thresholds, known_rate) = (Thresholds::new(&contacts.thresholds), thresholds.known_rate());
         Self { thresholds, births, before, edge, known_rate }
@@ -76,7 +79,7 @@ impl Continuation {
         self.thresholds.transform(s) * self.births.transform(-s).0 - self.before.transform(self.edge - s).0
     }
 
-    /// Re s down to which it holds.
+    /// The smallest Re s for which it is valid.
     pub(crate) fn leftmost(&self) -> f64 {
         let leftmost = match &self.thresholds {
             Thresholds::Law(law) if law.decay_rate() > 0.0 => -law.decay_rate(),
@@ -88,8 +91,8 @@ impl Continuation {
     }
 }
 
-/// Where breaks and atoms of P_c meet those of ν at advances u ≤ 0, as positions of −u, rising.
-fn met_before(thresholds: &dyn Law, births: &Layer) -> Vec<Break> {
+/// Where breakpoints and point masses of P_c meet those of ν at advances u ≤ 0, as positions −u, rising.
+fn met_before(thresholds: &dyn Law, births: &Layer) -> Vec<Breakpoint> {
     let starts = births.all_breaks();
     let hazards = with_atoms(thresholds);
     let meetings =
@@ -104,9 +107,9 @@ impl Thresholds {
         if law.laplace_is_closed() || law.decay_rate().is_finite() {
             return Self::Law(law.clone());
         }
-        let mut breaks = with_atoms(law.as_ref());
-        breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
-        Self::Resolved(Kernel::new(resolved(law.as_ref(), Detail::tails(DEEPEST)), breaks))
+        let mut breakpoints = with_atoms(law.as_ref());
+        breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Self::Resolved(Kernel::new(resolved(law.as_ref(), Detail::tails(DEEPEST)), breakpoints))
     }
 
     /// P̂_c(s).

@@ -1,6 +1,6 @@
-//! The life of a contact: what becomes of it as the slider advances by u after it was formed.
+//! The life of a contact: what becomes of it as the slider advances by u after its formation.
 //!
-//! Everything that friction does follows from these curves, whatever the contacts are made of.
+//! All results on friction follow from these curves, whatever the contacts are made of.
 
 mod athermal;
 mod births;
@@ -8,40 +8,40 @@ mod breaking;
 mod breaking_model;
 mod cells;
 mod cohorts;
-mod constant;
+mod constant_threshold;
 mod continuation;
-mod exposure;
 mod grid;
 mod layer;
+mod merge;
 mod moving;
 mod panels;
 mod running_maximum;
 mod smoluchowski;
-mod stock;
+mod thermal_hazard;
 mod timed;
 
 pub use athermal::athermal;
 pub(crate) use athermal::cells_of;
 use athermal::jumps;
 pub(crate) use births::Births;
-pub(crate) use cells::{ORDERS, walls};
+pub(crate) use cells::{ORDERS, threshold_atoms};
 use cohorts::Cohorts;
 pub(crate) use continuation::Continuation;
 pub(crate) use layer::Layer;
 use layer::PointMass;
+pub(crate) use merge::{LayerSums, life_of, reaches_threshold_atom, simplified};
 pub use moving::moving;
-pub(crate) use stock::{LayerSums, life_of, strikes, tidied};
 
 use num_complex::Complex64;
 
-use crate::law::{Atom, Break, SharedLaw};
+use crate::law::{Atom, Breakpoint, SharedLaw};
 use crate::monitor::Watch;
 use crate::numerics::volterra::Kernel;
 
-/// The life of contacts that start together, as curves of the advance u, per contact started and per unit stiffness
-/// (⟨k⟩, or κ where k = κ x_s).
+/// The life of contacts that start together, as functions of the advance u, per contact and per unit
+/// stiffness (⟨k⟩, or κ for k = κ x_s).
 ///
-/// With ν the law of starting stretches over their survival, ν = R/S (ν = Q_ini where stretches and
+/// With ν the density of starting stretches over their survival, ν = R/S (ν = Q_ini if stretches and
 /// thresholds are independent), and M_n(x) = ∫_x^∞ ξⁿ P_c dξ:
 ///
 /// | curve | equation | k = κ x_s |
@@ -53,10 +53,10 @@ use crate::numerics::volterra::Kernel;
 /// | elastic energy | ½∫ν(r) x² S(x) dr | ½∫ν(r) x² M₁(x) dr |
 /// | breaking energy | ½∫ν(r) M₂(x) dr | ½∫ν(r) M₃(x) dr |
 ///
-/// Of contacts that have moved back and forth, S and M are taken at the largest |x| known, which may exceed x. Of contacts
-/// at a velocity, S(x) is what is left of those formed at r, M₁ and M₂ its sums of present thresholds, and the breaking
-/// energy is that of the stretches at which they will break. Contacts that are free before they form survive, too, but carry
-/// nothing.
+/// For contacts that have moved back and forth, S and M are taken at the largest |x| reached, which may
+/// exceed x. For contacts at a velocity, S(x) is the surviving fraction of those formed at r, M₁ and M₂ are
+/// its sums of present thresholds, and the breaking energy is that at the stretches at which they will break.
+/// Contacts that are free before they form count as surviving but carry no force.
 #[derive(Debug, Clone)]
 pub struct Life {
     survival: Kernel,
@@ -65,7 +65,7 @@ pub struct Life {
     square: Kernel,
     energy: Kernel,
     breaking_energy: Kernel,
-    /// The contacts at u = 0, or where they formed.
+    /// Where contacts start.
     starts: Starts,
     /// The advance for which contacts are free before they form.
     wait: f64,
@@ -75,47 +75,47 @@ pub struct Life {
     error: f64,
 }
 
-/// Where contacts start, and what is left of them.
+/// Where contacts start, with what is needed to compute their survival.
 #[derive(Debug, Clone)]
 enum Starts {
-    /// Contacts that know no time, in layers with a past.
+    /// Time-independent contacts, in layers with a history.
     Layers { layers: Vec<Layer>, thresholds: SharedLaw },
     /// Contacts at a velocity.
     Cohorts(Box<Cohorts>),
 }
 
 impl Life {
-    /// The fraction that is unbroken.
+    /// The fraction of unbroken contacts.
     pub fn survival(&self) -> &Kernel {
         &self.survival
     }
 
-    /// The fraction that breaks per unit advance, and the atoms where fractions break together.
+    /// The fraction that breaks per unit advance, with point masses where contacts break simultaneously.
     pub fn breaking(&self) -> &Kernel {
         &self.breaking
     }
 
-    /// The mean force of a contact, broken ones counted as 0; a length (a length squared where k = κ x_s).
+    /// The mean force of a contact, broken ones counted as 0: a length (a length squared for k = κ x_s).
     pub fn force(&self) -> &Kernel {
         &self.force
     }
 
-    /// The mean square of a contact's force.
+    /// The mean square of the force of a contact.
     pub fn square(&self) -> &Kernel {
         &self.square
     }
 
-    /// The elastic energy of the unbroken; an area (a volume where k = κ x_s).
+    /// The elastic energy of the unbroken contacts: an area (a volume for k = κ x_s).
     pub fn energy(&self) -> &Kernel {
         &self.energy
     }
 
-    /// The elastic energy that the unbroken will have lost when all have broken, each at its threshold.
+    /// The energy that the surviving contacts will dissipate when they break, each at its threshold.
     pub fn breaking_energy(&self) -> &Kernel {
         &self.breaking_energy
     }
 
-    /// The contacts at u = 0; none of time-dependent ones, which cannot be followed back.
+    /// The contacts at u = 0; empty for time-dependent contacts, which cannot be followed back.
     pub(crate) fn layers(&self) -> &[Layer] {
         match &self.starts {
             Starts::Layers { layers, .. } => layers,
@@ -123,7 +123,7 @@ impl Life {
         }
     }
 
-    /// The layer that births form now, if each starts as the contacts of this life.
+    /// The layer formed by `births` until now, if each contact starts as those of this life.
     pub(crate) fn born(&self, births: &Births) -> Layer {
         self.layers().first().map_or_else(Layer::default, |starts| births.layer(starts))
     }
@@ -133,12 +133,12 @@ impl Life {
         self.stiffness
     }
 
-    /// Estimated error of the curves: of survival, and of the carried force per mean life and mean stiffness.
+    /// Estimated error of survival, and of the carried force per mean life and mean stiffness.
     pub fn error(&self) -> f64 {
         self.error
     }
 
-    /// The mean advance after which a contact breaks, the time included for which it was free.
+    /// The mean advance after which a contact breaks, including the time for which it was free.
     pub fn mean(&self) -> f64 {
         self.survival.curve().integral()
     }
@@ -148,18 +148,18 @@ impl Life {
         -2.0 * self.survival.curve().transform(Complex64::ZERO).1.re
     }
 
-    /// The way from where a contact forms beyond which no more than a `share` of them still holds.
-    pub fn longest(&self, share: f64) -> f64 {
+    /// The advance from formation after which a fraction of at most `fraction` of the contacts survives.
+    pub fn longest(&self, fraction: f64) -> f64 {
         let survival = self.survival.curve();
         let (mut low, mut high) = (self.wait, survival.end());
         while high - low > 1e-6 * high {
             let middle = 0.5 * (low + high);
-            if survival.value(middle) > share { low = middle } else { high = middle }
+            if survival.value(middle) > fraction { low = middle } else { high = middle }
         }
         high - self.wait
     }
 
-    /// Density at x of the stretches at which contacts break, point masses not counted.
+    /// Density at x of the stretches at which contacts break, without point masses.
     pub(crate) fn met_density(&self, x: f64, watch: &Watch<'_>) -> f64 {
         match &self.starts {
             Starts::Layers { layers, thresholds } => {
@@ -170,7 +170,7 @@ impl Life {
         }
     }
 
-    /// Point masses among the stretches at which contacts break that start at point masses.
+    /// Point masses among the stretches at which contacts that start at point masses break.
     pub(crate) fn met_atoms(&self) -> Vec<Atom> {
         match &self.starts {
             Starts::Layers { layers, thresholds } => {
@@ -188,7 +188,7 @@ impl Life {
         self.energy.curve().value(self.wait)
     }
 
-    /// Density at stretch x of contacts that started u ago, per contact started; atoms not counted.
+    /// Density at stretch x of contacts that started u ago, per contact, without point masses.
     pub(crate) fn stretch_density(&self, x: f64, u: f64, watch: &Watch<'_>) -> f64 {
         let u = u - self.wait;
         if u < 0.0 {
@@ -203,7 +203,7 @@ impl Life {
         }
     }
 
-    /// Stretches of the contacts that started u ago at point masses, with the fraction still there.
+    /// Stretches of the contacts that started u ago at point masses, with the surviving fraction.
     pub fn stretch_atoms(&self, u: f64) -> Vec<Atom> {
         let u = u - self.wait;
         if u < 0.0 {
@@ -215,14 +215,16 @@ impl Life {
                     let survival = thresholds.survival(layer.largest(start.position, u));
                     Atom { position: start.position + u, weight: start.weight * survival }
                 };
-                let all = layers.iter().flat_map(|layer| layer.lumps.iter().map(move |start| (layer, start)));
+                let all = layers
+                    .iter()
+                    .flat_map(|layer| layer.point_masses.iter().map(move |start| (layer, start)));
                 all.map(|(layer, start)| unbroken(layer, start)).collect()
             }
             Starts::Cohorts(cohorts) => cohorts.atoms(u).collect(),
         }
     }
 
-    /// Density at stretch x of contacts that have been born at the rate `rate(advance)` per contact, the advance
+    /// Density at stretch x of contacts that have formed at the rate `rate(advance)` per contact, the advance
     /// counted back from now; `cuts` are advances at which that rate is not smooth.
     pub(crate) fn standing_density(
         &self,
@@ -246,28 +248,29 @@ impl Life {
         }
     }
 
-    /// Jumps of the carried force and of its slope at the advance at which free contacts re-form; none without a delay.
-    pub(crate) fn reattachment(&self) -> Vec<Break> {
-        let begins = |b: &&Break| self.wait > 0.0 && b.position == self.wait;
-        self.force.breaks().iter().filter(begins).copied().collect()
+    /// Jumps of the carried force and of its slope at the advance at which free contacts re-form; empty
+    /// without a delay.
+    pub(crate) fn reattachment(&self) -> Vec<Breakpoint> {
+        let begins = |b: &&Breakpoint| self.wait > 0.0 && b.position == self.wait;
+        self.force.breakpoints().iter().filter(begins).copied().collect()
     }
 
-    /// The same contacts, each free for the advance `by` before it forms: what they carry comes by so much later.
+    /// The same contacts, each free for the advance `by` before it forms.
     #[must_use]
     fn delayed(self, by: f64) -> Self {
         if by == 0.0 {
             return self;
         }
-        let shifted = |kernel: &Kernel| -> Vec<Break> {
-            kernel.breaks().iter().map(|b| Break { position: b.position + by, ..*b }).collect()
+        let shifted = |kernel: &Kernel| -> Vec<Breakpoint> {
+            kernel.breakpoints().iter().map(|b| Breakpoint { position: b.position + by, ..*b }).collect()
         };
-        // Nothing breaks where contacts re-form, but what they carry jumps there, or its slope does.
+        // Nothing breaks where contacts re-form, but the force jumps there, or its slope does.
         let late = |kernel: Kernel, before: f64| {
             let curve = kernel.curve().preceded(by, before);
-            let mut breaks = shifted(&kernel);
-            breaks.extend(jumps(&curve, by, 2));
-            breaks.sort_by(|a, b| a.position.total_cmp(&b.position));
-            Kernel::new(curve, breaks)
+            let mut breakpoints = shifted(&kernel);
+            breakpoints.extend(jumps(&curve, by, 2));
+            breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+            Kernel::new(curve, breakpoints)
         };
         let breaking = Kernel::new(self.breaking.curve().preceded(by, 0.0), shifted(&self.breaking));
         let whole = self.survival.curve().value(0.0);

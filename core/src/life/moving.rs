@@ -1,26 +1,27 @@
-//! The life of time-dependent contacts, on a way at constant velocity.
+//! The life of time-dependent contacts, at constant velocity.
 
 use std::sync::Arc;
 
 use super::Life;
 use super::athermal::athermal_within;
 use super::cohorts::of_cohorts;
-use super::exposure::blur;
 use super::smoluchowski::FokkerPlanckLife;
+use super::thermal_hazard::blur;
 use super::timed::Timed;
 use crate::Result;
 use crate::contacts::{Ageing, Closure, Contacts, Temperature, ThresholdFokkerPlanck};
 use crate::law::SharedLaw;
 use crate::monitor::{Monitor, Watch};
 
-/// The life, at the velocity v, of contacts that start at stretches drawn from `starts` at age 0, read as in
-/// [`super::athermal`]; with `delayed`, of contacts that have just broken and are free for the time τ before they start.
+/// The life, at velocity v, of contacts that start at stretches drawn from `starts` at age 0, with
+/// `conditional` as in [`super::athermal`]; with `delayed`, of contacts that have just broken and are free
+/// for the time τ before they start.
 ///
-/// Contacts and starts are taken to have passed [`Contacts::check`].
+/// Contacts and starts are assumed to have passed [`Contacts::check`].
 ///
 /// # Errors
-/// Ageing that has no life at a velocity; temperature that breaks contacts whose newborn thresholds have edges and hardly
-/// diffuse; stopped by the monitor.
+/// Ageing that has no life at a velocity; thermal breaking of contacts whose fresh thresholds have edges and
+/// hardly diffuse; stopped by the monitor.
 pub fn moving(
     contacts: &Contacts,
     starts: &SharedLaw,
@@ -52,9 +53,9 @@ pub fn moving(
     Ok(if delayed { life.delayed(velocity * rules.delay) } else { life })
 }
 
-/// Whether temperature breaks contacts so far below their thresholds that it shows: farther than by rounding.
+/// Whether temperature breaks contacts further below their thresholds than rounding.
 ///
-/// They break about δ ln(ωδ/v) below, or by that chance within δ = T/(k x̄).
+/// They break about δ ln(ωδ/v) below, or with that probability within δ = T/(k x̄).
 fn is_felt(temperature: &Temperature, contacts: &Contacts, velocity: f64) -> bool {
     const ROUNDING: f64 = 1e-13;
     let near = blur(contacts, temperature);

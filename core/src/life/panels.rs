@@ -1,26 +1,26 @@
-//! Gauss points of a density, between given bounds and cuts.
+//! Gauss points of a density of starts, between given bounds and cuts.
 
 use crate::numerics::gauss;
 use crate::numerics::legendre::RULE;
 use crate::numerics::piecewise::Piecewise;
 
-/// A density in parts on which Gauss points resolve it, and what it is to be multiplied by.
+/// A density on panels on which Gauss points integrate it times a smooth function.
 pub(super) struct Panels<'a> {
     density: &'a Piecewise,
     panels: Vec<StartPanel>,
 }
 
-/// A part, with its Gauss points: place and weight × density.
+/// A panel with its Gauss points: position and weight × density.
 struct StartPanel {
     low: f64,
     high: f64,
     points: Vec<(f64, f64)>,
-    /// What it was gathered from, if so.
+    /// The panels that it was merged from, if any.
     parts: Vec<StartPanel>,
 }
 
-/// Where an integral is taken: between `low` and `high`, smooth between `cuts`, but for powers of the distance to those
-/// places that are `steep`.
+/// The domain of an integral between `low` and `high`. The integrand is smooth between `cuts`, except for
+/// powers of the distance to the positions in `steep`.
 pub(super) struct Domain {
     pub(super) low: f64,
     pub(super) high: f64,
@@ -29,7 +29,8 @@ pub(super) struct Domain {
 }
 
 impl<'a> Panels<'a> {
-    /// The cells, cut into panels no wider than `widest`, without points that carry less than is `negligible`.
+    /// The cells, divided into panels no wider than `widest`, without points whose weight is below
+    /// `negligible`.
     pub(super) fn new(density: &'a Piecewise, widest: f64, negligible: f64) -> Self {
         let panels = density.boundaries.windows(2).flat_map(|cell| {
             let parts = ((cell[1] - cell[0]) / widest).ceil().max(1.0);
@@ -40,7 +41,7 @@ impl<'a> Panels<'a> {
         Self { density, panels: panels.collect() }
     }
 
-    /// Visits Gauss points in a domain, with their weights × density.
+    /// Visits the Gauss points in a domain, with their weight × density.
     pub(super) fn each(&self, mut domain: Domain, mut visit: impl FnMut(f64, f64)) {
         let (low, high) = (domain.low, domain.high);
         domain.cuts.extend([low, high]);
@@ -51,17 +52,17 @@ impl<'a> Panels<'a> {
         }
     }
 
-    /// Visits all points of all panels, and of what they were gathered from.
+    /// Visits all points of all panels, and of those they were merged from.
     pub(super) fn all(&self, mut visit: impl FnMut(f64)) {
         let parts = self.panels.iter().flat_map(|panel| &panel.parts);
         self.panels.iter().chain(parts).flat_map(|panel| &panel.points).for_each(|point| visit(point.0));
     }
 
-    /// Gathers neighbouring panels, each of which then has the fewest points that integrate to `error` what varies little over
-    /// the `length` between two places: those of a Gauss rule for the density itself. Panels are taken apart again where they
-    /// are cut.
-    pub(super) fn gathered(self, length: impl Fn(f64, f64) -> f64, error: f64) -> Self {
-        /// Widths of gathered panels, in lengths.
+    /// Merges neighbouring panels. Each merged panel has the fewest points that integrate functions varying
+    /// on the `length` between two positions to `error`: a Gauss rule for the density itself. Panels are
+    /// split again where they are cut.
+    pub(super) fn merged(self, length: impl Fn(f64, f64) -> f64, error: f64) -> Self {
+        /// Largest width of merged panels, in lengths.
         const WIDEST: f64 = 3.0;
         let mut panels = Vec::new();
         let mut rest = self.panels.into_iter().peekable();
@@ -82,7 +83,7 @@ impl<'a> Panels<'a> {
         Self { panels, ..self }
     }
 
-    /// Visits Gauss points of a panel in a domain.
+    /// Visits the Gauss points of a panel in a domain.
     fn within(&self, panel: &StartPanel, domain: &Domain, visit: &mut impl FnMut(f64, f64)) {
         let from = domain.cuts.partition_point(|&x| x <= panel.low);
         let inside = &domain.cuts[from..domain.cuts.partition_point(|&x| x < panel.high).max(from)];
@@ -102,8 +103,8 @@ impl<'a> Panels<'a> {
         }
     }
 
-    /// Gauss points on part of a panel, halved down to the width `least` as long as it is wider than its distance to what
-    /// is steep.
+    /// Gauss points on part of a panel, bisected down to the width `least` while it is wider than its
+    /// distance to a steep position.
     fn part(&self, (low, high): (f64, f64), least: f64, steep: &[f64], visit: &mut impl FnMut(f64, f64)) {
         let middle = 0.5 * (low + high);
         if high - low > least && low < middle && middle < high && near(steep, low, high) {
@@ -122,12 +123,12 @@ impl StartPanel {
     }
 }
 
-/// Whether one of the places is nearer to [low, high] than that is wide.
+/// Whether one of the positions is closer to [low, high] than its width.
 fn near(places: &[f64], low: f64, high: f64) -> bool {
     places.iter().any(|x| (low - x).max(x - high) < 0.99 * (high - low))
 }
 
-/// Gauss points and weights on [low, high].
+/// Gauss–Legendre points and weights on [low, high].
 fn legendre(low: f64, high: f64) -> impl Iterator<Item = (f64, f64)> {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     RULE.nodes.iter().zip(&RULE.weights).map(move |(t, w)| (middle + half * t, half * w))

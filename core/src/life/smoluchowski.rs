@@ -1,4 +1,5 @@
-//! Contacts whose thresholds diffuse: the stretch that grows, or a threshold that falls, catches them.
+//! Contacts whose thresholds diffuse: they break at the first passage of the threshold through the growing
+//! stretch.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,16 +7,18 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use super::breaking_model::{BreakingModel, Cohort, SurvivalMoments};
 use super::cells::{ROUNDING, scale};
 use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
-use crate::law::Break;
+use crate::law::Breakpoint;
 use crate::monitor::Watch;
 use crate::numerics::diffusion::{Elements, Evolution, Field, Loss, Slope, TimeStep};
 use crate::numerics::legendre::{NODES, Nodal, RULE, derivative, series};
 use crate::numerics::piecewise::Piecewise;
 use crate::{Error, Result};
 
-/// Contacts with v ∂_x p = D∂_h[U' + ∂_h]p − w p on h > x, p = 0 at h = x, from P_ci above where they formed.
+/// Contacts with v ∂_x p = D∂_h[U' + ∂_h]p − w p on h > x, p = 0 at h = x, from P_ci above the stretch of
+/// formation.
 ///
-/// That is solved by [`Evolution`] twice, the second time to a hundredth of the first: what both differ by is the error told.
+/// The equation is solved by [`Evolution`] twice, the second time with a hundredth of the tolerance; the
+/// difference is the error estimate.
 #[derive(Debug, Clone)]
 pub(super) struct FokkerPlanckLife {
     maturing: ThresholdFokkerPlanck,
@@ -24,21 +27,22 @@ pub(super) struct FokkerPlanckLife {
     temperature: Option<Temperature>,
     stiffness: Stiffness,
     resolution: f64,
-    /// The largest error of survival that was met, as bits.
-    missed: Arc<AtomicU64>,
+    /// The largest error of survival so far, as bits.
+    largest_error: Arc<AtomicU64>,
 }
 
-/// Those formed at one stretch.
+/// The contacts formed at one stretch.
 #[derive(Debug)]
 struct DiffusingCohort {
     start: f64,
-    /// Those whose newborn thresholds have a density, and those whose many share, each on each side of the lowest threshold.
-    legs: Vec<LifeSegment>,
+    /// Solutions for the density and for the point masses of fresh thresholds, each below and above the
+    /// lowest threshold.
+    segments: Vec<LifeSegment>,
     /// Where breaking begins like an inverse square root.
-    onsets: Vec<Break>,
+    onsets: Vec<Breakpoint>,
 }
 
-/// A way on which what is left is followed; each curve in polynomials of the advance since `from`.
+/// An interval of the solution; each curve is piecewise polynomial in the advance since `from`.
 #[derive(Debug)]
 struct LifeSegment {
     from: f64,
@@ -48,46 +52,47 @@ struct LifeSegment {
     breaking: Piecewise,
 }
 
-/// Sums over what is left: of 1, h and h², of w/v and of h w/v.
+/// Integrals over the surviving contacts: of 1, h and h², of w/v and of h w/v.
 const SUMS: usize = 5;
 
-/// How closely the equation is solved.
+/// Parameters of a solution.
 #[derive(Debug, Clone, Copy)]
 struct Discretisation {
-    /// What a step may leave out, of the contacts of a cohort.
-    left_out: f64,
-    /// How far shared thresholds are spread to begin with, as part of how far they will be when the stretch meets them; the same
-    /// of the narrowest element at an edge.
+    /// Truncation error of a step, as a fraction of the contacts of a cohort.
+    tolerance: f64,
+    /// Initial width of point masses, in units of their width when the stretch reaches them; also of the
+    /// narrowest element at an edge.
     spread: f64,
-    /// The least layers D/v, in units of those of the finer solution.
+    /// The smallest layers D/v, in units of those of the finer solution.
     layers: f64,
 }
 
-const FINE: Discretisation = Discretisation { left_out: 3e-12, spread: 1e-3, layers: 1.0 };
-/// Twice as thick layers tell what the thickest of the finer solution does to the result, which is of the first order.
-const ROUGH: Discretisation = Discretisation { left_out: 3e-10, spread: 2e-3, layers: 2.0 };
+const FINE: Discretisation = Discretisation { tolerance: 3e-12, spread: 1e-3, layers: 1.0 };
+/// Twice as thick layers reveal the first-order effect of the smallest layer of the finer solution.
+const ROUGH: Discretisation = Discretisation { tolerance: 3e-10, spread: 2e-3, layers: 2.0 };
 
-/// The part of their way after which contacts with shared thresholds are followed at the latest.
+/// Fraction of the advance after which contacts with point-mass thresholds are followed at the latest.
 const EARLY: f64 = 1e-3;
 
-/// Contacts left that no result shows.
+/// Surviving fraction that no result shows.
 const NOTHING: f64 = 1e-16;
 
-/// D/v is at least this part of all thresholds: by less, edges do not spread as far as an element is wide.
+/// D/v is at least this fraction of the range of thresholds: for less, edges do not spread over the width of
+/// an element.
 const LEAST: f64 = 1e-14;
 
-/// The same of a layer D/v above the stretch that elements have to resolve.
+/// The same for a layer D/v above the stretch that elements have to resolve.
 const RESOLVED: f64 = 1e-10;
 
-/// The same where newborn thresholds have edges besides, and temperature breaks contacts.
+/// The same for fresh thresholds with edges and thermal breaking.
 const RESOLVED_WITH_EDGES: f64 = 1e-5;
 
 impl FokkerPlanckLife {
     /// Contacts that move at a velocity.
     ///
     /// # Errors
-    /// Newborn thresholds with edges that diffuse so little that both the edges and what temperature does at the stretch would
-    /// have to be resolved in a layer of next to nothing.
+    /// Fresh thresholds with edges that diffuse so little that both the edges and thermal breaking at the
+    /// stretch would have to be resolved in a vanishing layer.
     pub(super) fn new(
         contacts: &Contacts,
         maturing: ThresholdFokkerPlanck,
@@ -113,57 +118,60 @@ impl FokkerPlanckLife {
             temperature,
             stiffness: contacts.stiffness,
             resolution: scale(contacts.thresholds.as_ref()),
-            missed: Arc::default(),
+            largest_error: Arc::default(),
         })
     }
 
-    /// D, but for a layer D/v of this part of all thresholds at least.
+    /// D, but at least that of a layer D/v of this fraction of the range of thresholds.
     fn at_least(&self, part: f64) -> f64 {
         let (low, high) = self.maturing.support;
         self.maturing.diffusion.max(part * (high - low) * self.velocity)
     }
 
     /// w/v of a contact at a stretch.
-    fn exposure(&self, temperature: Temperature, stretch: f64, threshold: f64) -> f64 {
+    fn hazard(&self, temperature: Temperature, stretch: f64, threshold: f64) -> f64 {
         temperature.rate(stretch, threshold, self.stiffness.of(threshold)) / self.velocity
     }
 
-    /// How far newborn thresholds will have spread when the stretch meets them, or where P_cf is as narrow.
+    /// How far fresh thresholds have spread when the stretch reaches them, or the width of P_cf if that is
+    /// smaller.
     fn reach(&self, diffusion: f64) -> f64 {
         let (low, high) = self.maturing.support;
         let met = (2.0 * diffusion / self.velocity * 0.5 * (low + high)).sqrt();
         met.min(self.maturing.width())
     }
 
-    /// Both kinds of contacts formed at a stretch.
-    fn legs(&self, start: f64, solved: Discretisation, watch: &Watch<'_>) -> Vec<LifeSegment> {
+    /// The solutions for density and point masses of contacts formed at a stretch.
+    fn segments(&self, start: f64, solved: Discretisation, watch: &Watch<'_>) -> Vec<LifeSegment> {
         let diffusion = self.at_least(solved.layers * LEAST);
         let spread = solved.spread * self.reach(diffusion);
         let whole = self.maturing.survival(start);
         let (wider, solved) =
-            (solved.spread / FINE.spread, Discretisation { left_out: solved.left_out * whole, ..solved });
-        // What spreads that far does so in this time.
+            (solved.spread / FINE.spread, Discretisation { tolerance: solved.tolerance * whole, ..solved });
+        // The diffusion time of that width.
         let time = 0.5 * spread * spread / diffusion;
-        let smooth = self.maturing.spread(start, 0.1 * solved.left_out, 0.1 * spread);
-        let mut legs = if smooth.mass() > NOTHING * whole {
+        let smooth = self.maturing.fresh_density(start, 0.1 * solved.tolerance, 0.1 * spread);
+        let mut segments = if smooth.mass() > NOTHING * whole {
             self.follow(smooth, (start, 0.0), time, solved, watch)
         } else {
             Vec::new()
         };
-        let spread = self.maturing.bell(spread, wider);
+        let spread = self.maturing.point_mass_width(spread, wider);
         let latest = EARLY * self.maturing.support.1 / self.velocity;
         let time = (0.5 * spread * spread / diffusion).min(latest);
         let passed = start + self.velocity * time;
-        if let Some(together) = self.maturing.together(passed, spread, &self.slope, 0.1 * solved.left_out) {
-            legs.extend(self.follow(together, (start, time), time, solved, watch));
+        if let Some(together) =
+            self.maturing.point_mass_density(passed, spread, &self.slope, 0.1 * solved.tolerance)
+        {
+            segments.extend(self.follow(together, (start, time), time, solved, watch));
         }
-        legs
+        segments
     }
 
-    /// Contacts formed at a stretch, of a density that they have after a `time`, until none is left.
+    /// The solution for contacts formed at a stretch, from their density after a `time`, until none is left.
     ///
-    /// Elements that a thin layer goes through may amplify what they leave out until there are too many of them. Then more may
-    /// be left out from the beginning: what two solutions differ by tells how much that was.
+    /// Elements that a thin layer passes through may amplify their truncation error until there are too many
+    /// of them. The tolerance is then relaxed; the difference of two solutions measures the effect.
     fn follow(
         &self,
         density: Elements,
@@ -174,27 +182,25 @@ impl FokkerPlanckLife {
     ) -> Vec<LifeSegment> {
         const FACTORS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
         let with = |factor: f64| {
-            let solved = Discretisation { left_out: factor * solved.left_out, ..solved };
+            let solved = Discretisation { tolerance: factor * solved.tolerance, ..solved };
             self.followed(density.clone(), begun, next, solved, (factor < FACTORS[FACTORS.len() - 1], watch))
         };
         FACTORS.into_iter().find_map(with).unwrap_or_default()
     }
 
-    /// The same; with `gives_up`, nothing where elements are too many.
+    /// The same; with `gives_up`, `None` if there are too many elements.
     fn followed(
         &self,
         density: Elements,
         (start, time): (f64, f64),
         next: f64,
-        Discretisation { left_out, layers, .. }: Discretisation,
+        Discretisation { tolerance, layers, .. }: Discretisation,
         (gives_up, watch): (bool, &Watch<'_>),
     ) -> Option<Vec<LifeSegment>> {
         let (low, high) = self.maturing.support;
         let (kinks, lasting) = (self.maturing.kinks(), (high - start) / self.velocity);
         let lost = self.temperature.map(|temperature| {
-            move |time: f64, h: f64| {
-                self.velocity * self.exposure(temperature, start + self.velocity * time, h)
-            }
+            move |time: f64, h: f64| self.velocity * self.hazard(temperature, start + self.velocity * time, h)
         });
         let field = Field {
             slope: &|h| self.slope.at(h),
@@ -208,20 +214,20 @@ impl FokkerPlanckLife {
             velocity,
             absorbing: false,
             kinks: &kinks,
-            left_out,
+            tolerance,
             time,
             next,
             first: true,
         };
-        let mut legs = Vec::new();
+        let mut segments = Vec::new();
         if time > 0.0 {
-            legs.push(self.waiting(start, &evolution.density, velocity * time));
+            segments.push(self.waiting(start, &evolution.density, velocity * time));
         }
         let layer = field.diffusion / velocity;
         let met = evolution.density.value(start + velocity * time).abs();
-        if self.is_thin(layer) && met * layer < left_out {
-            legs.push(self.free(start, layer, evolution, lasting, watch));
-            return Some(legs);
+        if self.is_thin(layer) && met * layer < tolerance {
+            segments.push(self.free(start, layer, evolution, lasting, watch));
+            return Some(segments);
         }
         evolution.field.diffusion = self.at_least(layers * RESOLVED);
         let begun = evolution.density.mass();
@@ -237,33 +243,35 @@ impl FokkerPlanckLife {
                 && !watch.stops()
             {
                 steps.push(evolution.advance(end));
-                if gives_up && evolution.is_crowded() {
+                if gives_up && evolution.is_at_capacity() {
                     return None;
                 }
             }
             if !steps.is_empty() {
-                legs.push(self.leg(start, &steps, watch));
+                segments.push(self.segment(start, &steps, watch));
             }
         }
-        Some(legs)
+        Some(segments)
     }
 
-    /// Whether the layer above the stretch is so thin that its mass is known by two terms; where temperature breaks contacts
-    /// their density has a kink at the stretch, unless they are caught there.
+    /// Whether the layer above the stretch is so thin that two terms of its expansion give its mass. Not with
+    /// thermal breaking, where the density has a kink at the stretch.
     fn is_thin(&self, layer: f64) -> bool {
-        /// Of the length on which the laws vary: what is left out is of the third order, and at edges, which have spread by
-        /// √(2xD/v), of the second.
+        /// In units of the length on which the distributions vary: the error is of third order, and of second
+        /// order at edges, which have spread by √(2xD/v).
         const OF_DENSITY: f64 = 2e-5;
-        /// Of the least of the thresholds that many share, around which they have spread likewise.
+        /// In units of the lowest point mass, which has spread likewise.
         const OF_SHARED: f64 = 3e-7;
-        let shared = self.maturing.lowest_shared().map_or(f64::INFINITY, |place| OF_SHARED * place);
+        let shared = self.maturing.lowest_atom().map_or(f64::INFINITY, |place| OF_SHARED * place);
         self.temperature.is_none() && layer < shared.min(OF_DENSITY * self.maturing.resolution())
     }
 
-    /// The curves of contacts whose density q would go on as it is if none were caught, but in a thin layer above the stretch.
+    /// The curves of contacts whose density q evolves as if none were absorbed, with a boundary-layer
+    /// correction above the stretch.
     ///
-    /// With λ = D/v, y = h − x and Q(u) = q(x, u), p = q − e^{−y/λ}[Q − y(Q' + U'Q) + …]: a boundary layer at an outflow, by
-    /// matched asymptotic expansions. It has the mass −λQ + λ²(Q' + U'Q), around y = λ, up to λ³Q''.
+    /// With λ = D/v, y = h − x and Q(u) = q(x, u), p = q − e^{−y/λ}[Q − y(Q' + U'Q) + …]: a boundary layer at
+    /// an outflow, by matched asymptotic expansions. Its mass is −λQ + λ²(Q' + U'Q), around y = λ, with an
+    /// error of λ³Q''.
     fn free(
         &self,
         start: f64,
@@ -302,7 +310,8 @@ impl FokkerPlanckLife {
         LifeSegment { from, to, curves, breaking }
     }
 
-    /// The sums in polynomials of the time from `low` to `high`, in which the stretch passes no edge of an element.
+    /// The integrals as polynomials of the time from `low` to `high`, in which the stretch passes no element
+    /// boundary.
     fn layered(&self, start: f64, layer: f64, step: &TimeStep, (low, high): (f64, f64)) -> [Nodal; SUMS] {
         let times = RULE.nodes.map(|t| 0.5 * (low + high) + 0.5 * (high - low) * t);
         let densities = times.map(|time| step.at(time));
@@ -314,26 +323,26 @@ impl FokkerPlanckLife {
             let bent = series(&slope, RULE.nodes[i]) + self.slope.at(x) * met[i];
             let mass = -layer * met[i] + layer * layer * bent;
             let of_layer = self.weights(x, x + layer).map(|weight| mass * weight);
-            self.note(layer * bent, met[i], layer);
+            self.record_error(layer * bent, met[i], layer);
             let whole = density.sums_above(x, |h| self.weights(x, h));
             std::array::from_fn(|k| whole[k] + of_layer[k])
         });
         std::array::from_fn(|k| RULE.coefficients(&sums.map(|sums| sums[k])))
     }
 
-    /// Takes the error of what two terms leave out, as the second one is to the first.
-    fn note(&self, second: f64, first: f64, layer: f64) {
+    /// Records the error of two terms, estimated as (second/first)² × first.
+    fn record_error(&self, second: f64, first: f64, layer: f64) {
         let third = if first == 0.0 { 0.0 } else { (layer * second * second / first).abs() };
-        self.missed.fetch_max(third.min(1.0).to_bits(), Ordering::Relaxed);
+        self.largest_error.fetch_max(third.min(1.0).to_bits(), Ordering::Relaxed);
     }
 
-    /// What sums count of a contact: 1, h, h², w/v and h w/v.
+    /// The integrands: 1, h, h², w/v and h w/v.
     fn weights(&self, stretch: f64, h: f64) -> [f64; SUMS] {
-        let exposed = self.temperature.map_or(0.0, |temperature| self.exposure(temperature, stretch, h));
+        let exposed = self.temperature.map_or(0.0, |temperature| self.hazard(temperature, stretch, h));
         [1.0, h, h * h, exposed, h * exposed]
     }
 
-    /// Those that wait to be followed.
+    /// The interval before contacts are followed.
     fn waiting(&self, start: f64, density: &Elements, to: f64) -> LifeSegment {
         let constant = |value: f64| {
             let mut series = [0.0; NODES];
@@ -344,8 +353,8 @@ impl FokkerPlanckLife {
         LifeSegment { from: 0.0, to, curves, breaking: constant(0.0) }
     }
 
-    /// The curves of so many steps.
-    fn leg(&self, start: f64, steps: &[TimeStep], watch: &Watch<'_>) -> LifeSegment {
+    /// The curves of some time steps.
+    fn segment(&self, start: f64, steps: &[TimeStep], watch: &Watch<'_>) -> LifeSegment {
         let begun = steps[0].from;
         let advance = |time: f64| self.velocity * (time - begun);
         let boundaries: Vec<f64> =
@@ -374,43 +383,49 @@ impl FokkerPlanckLife {
         sums
     }
 
-    /// Where breaking begins like p √(D/πvu), as p contacts per threshold are where the stretch is when it begins to meet them.
-    fn onsets(&self, start: f64, legs: &[LifeSegment]) -> Vec<Break> {
+    /// Where breaking begins like p √(D/πvu), p the density of thresholds at the stretch when the first are
+    /// reached.
+    fn onsets(&self, start: f64, segments: &[LifeSegment]) -> Vec<Breakpoint> {
         /// Of which there is nothing to be seen.
         const FAINT: f64 = 1e-13;
-        let amplitude = |leg: &LifeSegment| {
+        let amplitude = |segment: &LifeSegment| {
             // From the first step, in which S falls by 2p √(Du/πv).
-            let first = leg.curves[0].boundaries[1];
-            let fallen = leg.curves[0].value_in(0, 0.0) - leg.curves[0].value_in(0, first);
+            let first = segment.curves[0].boundaries[1];
+            let fallen = segment.curves[0].value_in(0, 0.0) - segment.curves[0].value_in(0, first);
             0.5 * fallen * (std::f64::consts::PI / first).sqrt()
         };
         let low = self.maturing.support.0;
-        let begins =
-            |leg: &&LifeSegment| leg.from + start >= low && leg.breaking.coefficients[0] != [0.0; NODES];
-        let break_of =
-            |leg: &LifeSegment| Break { position: leg.from, exponent: -0.5, amplitude: amplitude(leg) };
+        let begins = |segment: &&LifeSegment| {
+            segment.from + start >= low && segment.breaking.coefficients[0] != [0.0; NODES]
+        };
+        let break_of = |segment: &LifeSegment| Breakpoint {
+            position: segment.from,
+            exponent: -0.5,
+            amplitude: amplitude(segment),
+        };
         let length = (self.maturing.support.1 - start).sqrt();
-        legs.iter().filter(begins).map(break_of).filter(|b| b.amplitude * length > FAINT).collect()
+        segments.iter().filter(begins).map(break_of).filter(|b| b.amplitude * length > FAINT).collect()
     }
 }
 
 impl BreakingModel for FokkerPlanckLife {
     fn cohort(&self, start: f64, watch: &Watch<'_>) -> Arc<dyn Cohort> {
         if watch.stops() {
-            return Arc::new(DiffusingCohort { start, legs: Vec::new(), onsets: Vec::new() });
+            return Arc::new(DiffusingCohort { start, segments: Vec::new(), onsets: Vec::new() });
         }
-        let legs = self.legs(start, FINE, watch);
-        let onsets = self.onsets(start, &legs);
-        let formed = DiffusingCohort { start, legs, onsets };
-        let rough = DiffusingCohort { start, legs: self.legs(start, ROUGH, watch), onsets: Vec::new() };
-        let apart = formed.apart(&rough) / self.maturing.survival(start);
+        let segments = self.segments(start, FINE, watch);
+        let onsets = self.onsets(start, &segments);
+        let formed = DiffusingCohort { start, segments, onsets };
+        let rough =
+            DiffusingCohort { start, segments: self.segments(start, ROUGH, watch), onsets: Vec::new() };
+        let difference = formed.difference(&rough) / self.maturing.survival(start);
         // Positive numbers are in the order of their bits.
-        self.missed.fetch_max(apart.to_bits(), Ordering::Relaxed);
+        self.largest_error.fetch_max(difference.to_bits(), Ordering::Relaxed);
         Arc::new(formed)
     }
 
-    /// They are solved for; survival moments are curves.
-    fn making(&self) -> f64 {
+    /// Cohorts are solved for; survival moments only evaluate curves.
+    fn making_fraction(&self) -> f64 {
         0.9
     }
 
@@ -426,44 +441,54 @@ impl BreakingModel for FokkerPlanckLife {
     }
 
     fn error(&self) -> f64 {
-        f64::from_bits(self.missed.load(Ordering::Relaxed)).max(ROUNDING)
+        f64::from_bits(self.largest_error.load(Ordering::Relaxed)).max(ROUNDING)
     }
 }
 
 impl DiffusingCohort {
-    /// The most by which what is left differs.
-    fn apart(&self, other: &Self) -> f64 {
+    /// The largest difference of the surviving fractions.
+    fn difference(&self, other: &Self) -> f64 {
         let ends = |formed: &Self| -> Vec<f64> {
-            let of =
-                |leg: &LifeSegment| leg.curves[0].boundaries.iter().map(|u| leg.from + u).collect::<Vec<_>>();
-            formed.legs.iter().flat_map(of).collect()
+            let of = |segment: &LifeSegment| {
+                segment.curves[0].boundaries.iter().map(|u| segment.from + u).collect::<Vec<_>>()
+            };
+            formed.segments.iter().flat_map(of).collect()
         };
         let places: Vec<f64> = ends(self).into_iter().chain(ends(other)).collect();
-        let left = |formed: &Self, u: f64| formed.toll(u).unbroken[0];
+        let left = |formed: &Self, u: f64| formed.survival_moments(u).unbroken[0];
         places.iter().map(|&u| (left(self, u) - left(other, u)).abs()).fold(0.0, f64::max)
     }
 }
 
 impl Cohort for DiffusingCohort {
-    fn toll(&self, advance: f64) -> SurvivalMoments {
-        let mut toll = SurvivalMoments::default();
-        for leg in self.legs.iter().filter(|leg| advance >= leg.from && advance < leg.to) {
-            let u = advance - leg.from;
+    fn survival_moments(&self, advance: f64) -> SurvivalMoments {
+        let mut survival_moments = SurvivalMoments::default();
+        for segment in self.segments.iter().filter(|segment| advance >= segment.from && advance < segment.to)
+        {
+            let u = advance - segment.from;
             let [unbroken, first, second, exposed, exposed_first] =
-                std::array::from_fn(|k| leg.curves[k].value(u));
-            // What breaks by itself has its own threshold; the rest meets its stretch.
-            let breaking = leg.breaking.value(u);
+                std::array::from_fn(|k| segment.curves[k].value(u));
+            // A contact broken by temperature has its own threshold; for the others it equals the stretch.
+            let breaking = segment.breaking.value(u);
             let breaking_first = (self.start + advance) * (breaking - exposed) + exposed_first;
-            toll.unbroken.iter_mut().zip([unbroken, first, second]).for_each(|(sum, term)| *sum += term);
-            toll.breaking.iter_mut().zip([breaking, breaking_first]).for_each(|(sum, term)| *sum += term);
+            survival_moments
+                .unbroken
+                .iter_mut()
+                .zip([unbroken, first, second])
+                .for_each(|(sum, term)| *sum += term);
+            survival_moments
+                .breaking
+                .iter_mut()
+                .zip([breaking, breaking_first])
+                .for_each(|(sum, term)| *sum += term);
         }
-        toll
+        survival_moments
     }
 
-    /// Where polynomials meet, though they do to their accuracy, and where breaking begins steeply.
-    fn breaks(&self) -> Vec<Break> {
-        let meet = |leg: &LifeSegment, edge: f64| {
-            let curve = &leg.breaking;
+    /// Where polynomials meet, although they agree to their accuracy, and where breaking begins steeply.
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        let meet = |segment: &LifeSegment, edge: f64| {
+            let curve = &segment.breaking;
             let cell = curve.nearest(edge);
             let before = if cell > 0 { curve.value_in(cell - 1, edge) } else { 0.0 };
             let jump = if edge < curve.end() {
@@ -471,12 +496,12 @@ impl Cohort for DiffusingCohort {
             } else {
                 -curve.value_in(cell, edge)
             };
-            Break { position: leg.from + edge, exponent: 0.0, amplitude: jump }
+            Breakpoint { position: segment.from + edge, exponent: 0.0, amplitude: jump }
         };
-        let of = |leg: &LifeSegment| {
-            leg.breaking.boundaries.iter().map(|&edge| meet(leg, edge)).collect::<Vec<_>>()
+        let of = |segment: &LifeSegment| {
+            segment.breaking.boundaries.iter().map(|&edge| meet(segment, edge)).collect::<Vec<_>>()
         };
-        let meets = self.legs.iter().flat_map(of).filter(|b| b.position > 0.0);
+        let meets = self.segments.iter().flat_map(of).filter(|b| b.position > 0.0);
         meets.chain(self.onsets.iter().copied()).collect()
     }
 }

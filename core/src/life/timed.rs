@@ -1,58 +1,59 @@
-//! Contacts that temperature breaks, that age rank by rank, or both.
+//! Contacts that break thermally, whose thresholds age with a fixed rank, or both.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use super::breaking_model::{BlurredEdge, BreakingModel, Cohort, Passing, SurvivalMoments};
 use super::cells::{NEGLIGIBLE, ROUNDING, scale, with_atoms};
-use super::exposure::{Exposed, Exposure, Risk, blur};
-use super::grid::{ThresholdGrid, ThresholdShare};
+use super::grid::{ThresholdGrid, ThresholdGroup};
 use super::running_maximum::RunningMaximum;
+use super::thermal_hazard::{Hazards, ThermalHazard, ThermalHazardAt, blur};
 use crate::Result;
 use crate::contacts::{Barrier, Contacts, Stiffness, ThresholdEvolution};
-use crate::law::{Break, SharedLaw};
+use crate::law::{Breakpoint, SharedLaw};
 use crate::monitor::Watch;
 use crate::numerics::legendre::NODES;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::brent_root;
 
-/// Contacts each of which has, at any age, a threshold that follows from its newborn one, and breaks where its stretch
-/// meets it or before, at the rate w.
+/// Contacts whose threshold at any age follows from their fresh threshold, and which break when their stretch
+/// reaches it, or before at the rate w.
 ///
-/// Of those formed at r there are left at x = r + u, with y the largest newborn threshold met and h the present one,
-/// ∫_y^∞ P_c(h_0) e^{−A} dh_0, A = (1/v) ∫_r^x w(ξ; h(h_0; (ξ − r)/v)) dξ.
+/// Of those formed at r the fraction ∫_y^∞ P_c(h_0) e^{−A} dh_0 survives at x = r + u. Here y is the largest
+/// fresh threshold reached, h the present threshold, and A = (1/v) ∫_r^x w(ξ; h(h_0; (ξ − r)/v)) dξ the
+/// cumulative hazard.
 #[derive(Debug, Clone)]
 pub(super) struct Timed {
     law: SharedLaw,
-    /// Breaks and atoms of P_c.
-    hazards: Arc<[Break]>,
+    /// Breakpoints and point masses of P_c.
+    hazards: Arc<[Breakpoint]>,
     highest: f64,
-    strength: ThresholdEvolution,
+    evolution: ThresholdEvolution,
     velocity: f64,
-    exposure: Option<Exposure>,
-    /// The length on which temperature blurs where contacts break.
+    thermal_hazard: Option<ThermalHazard>,
+    /// The length over which temperature blurs the breaking of contacts.
     blur: Option<f64>,
     grid: Arc<ThresholdGrid>,
-    /// How many numbers the histories hold that are kept.
-    kept: Arc<AtomicUsize>,
+    /// Amount of numbers in cached histories.
+    cached: Arc<AtomicUsize>,
     per_threshold: bool,
     resolution: f64,
 }
 
-/// Those formed at one stretch.
+/// The contacts formed at one stretch.
 #[derive(Debug)]
 struct AgeingCohort {
     of: Timed,
     start: f64,
-    record: RunningMaximum,
-    /// A of contacts that age, at the fixed thresholds of the grid, once asked for, …
+    running_maximum: RunningMaximum,
+    /// A of ageing contacts at the fixed thresholds of the grid, computed when first needed.
     histories: OnceLock<Vec<OnceLock<Piecewise>>>,
-    /// … but not of contacts that are asked but once for their survival moments.
-    asked: AtomicBool,
+    /// Whether survival moments have been asked for before: histories are not worth it for one evaluation.
+    evaluated: AtomicBool,
 }
 
 impl Timed {
-    /// Contacts that move at `velocity`, broken by temperature if that is `thermal`.
+    /// Contacts that move at `velocity`, with thermal breaking if `thermal`.
     ///
     /// # Errors
     /// Those of [`ThresholdEvolution::of`].
@@ -63,87 +64,95 @@ impl Timed {
         mut watch: &Watch<'_>,
     ) -> Result<Self> {
         let law = &contacts.thresholds;
-        let strength = ThresholdEvolution::of(contacts, &mut watch)?;
-        let exposure = contacts
+        let evolution = ThresholdEvolution::of(contacts, &mut watch)?;
+        let thermal_hazard = contacts
             .rules
             .temperature
             .filter(|_| thermal)
-            .map(|temperature| Exposure::new(contacts, temperature, strength.clone(), velocity));
+            .map(|temperature| ThermalHazard::new(contacts, temperature, evolution.clone(), velocity));
         let rooted = contacts.rules.temperature.is_some_and(|t| t.barrier == Barrier::Catastrophe);
-        let highest = exposure.as_ref().map_or_else(
+        let highest = thermal_hazard.as_ref().map_or_else(
             || law.upper_quantile(NEGLIGIBLE),
-            |exposure| exposure.highest(law.as_ref(), NEGLIGIBLE),
+            |thermal_hazard| thermal_hazard.highest(law.as_ref(), NEGLIGIBLE),
         );
-        let hazards: Arc<[Break]> = with_atoms(law.as_ref()).into();
+        let hazards: Arc<[Breakpoint]> = with_atoms(law.as_ref()).into();
         Ok(Self {
             resolution: resolution(contacts, &hazards),
             law: law.clone(),
             hazards,
             highest,
-            strength,
+            evolution,
             velocity,
-            grid: Arc::new(ThresholdGrid::new(law, highest, exposure.as_ref(), highest / velocity, rooted)),
-            kept: Arc::default(),
+            grid: Arc::new(ThresholdGrid::new(
+                law,
+                highest,
+                thermal_hazard.as_ref(),
+                highest / velocity,
+                rooted,
+            )),
+            cached: Arc::default(),
             blur: contacts.rules.temperature.filter(|_| thermal).map(|t| blur(contacts, &t)),
-            exposure,
+            thermal_hazard,
             per_threshold: matches!(contacts.stiffness, Stiffness::PerThreshold(_)),
         })
     }
 }
 
 impl Timed {
-    /// Whether one more history may be kept.
-    fn may_keep(&self) -> bool {
+    /// Whether another history may be cached.
+    fn may_cache(&self) -> bool {
         /// 64 MB.
         const MOST: usize = 1 << 23;
-        self.kept.load(Ordering::Relaxed) < MOST
+        self.cached.load(Ordering::Relaxed) < MOST
     }
 
-    /// Breaks and atoms of P_c that results may show.
-    fn seen(&self) -> impl Iterator<Item = &Break> {
+    /// Breakpoints and point masses of P_c that results may show.
+    fn visible(&self) -> impl Iterator<Item = &Breakpoint> {
         let mean = self.law.mean();
         self.hazards.iter().filter(move |b| b.is_atom() || b.weight(mean) * mean > FAINT)
     }
 
-    fn keep(&self, history: Piecewise) -> Piecewise {
-        self.kept.fetch_add(NODES * history.coefficients.len(), Ordering::Relaxed);
+    fn cache(&self, history: Piecewise) -> Piecewise {
+        self.cached.fetch_add(NODES * history.coefficients.len(), Ordering::Relaxed);
         history
     }
 
-    /// Room for histories at all places of the grid.
+    /// Empty histories at all positions of the grid.
     fn room(&self) -> Vec<OnceLock<Piecewise>> {
         let places = self.grid.fixed().len();
-        self.kept.fetch_add(places * size_of::<OnceLock<Piecewise>>() / size_of::<f64>(), Ordering::Relaxed);
+        self.cached
+            .fetch_add(places * size_of::<OnceLock<Piecewise>>() / size_of::<f64>(), Ordering::Relaxed);
         vec![OnceLock::new(); places]
     }
 
-    /// What temperature leaves, at an advance, of contacts formed at `start` with the newborn threshold.
+    /// The fraction that survives thermal breaking, at an advance, of contacts formed at `start` with this
+    /// fresh threshold.
     fn left(&self, start: f64, advance: f64, newborn: f64) -> f64 {
-        let risk = |exposure: &Exposure| exposure.at(start, advance).risk(newborn).0;
-        self.exposure.as_ref().map_or(1.0, |exposure| (-risk(exposure)).exp())
+        let hazards = |thermal_hazard: &ThermalHazard| thermal_hazard.at(start, advance).hazards(newborn).0;
+        self.thermal_hazard.as_ref().map_or(1.0, |thermal_hazard| (-hazards(thermal_hazard)).exp())
     }
 }
 
-/// Breaks of a density, per mean threshold, that no result shows …
+/// Breakpoints of a density, per mean threshold, that no result shows.
 const FAINT: f64 = 1e-11;
 
-/// … or whose blur by temperature none shows.
+/// The same for breakpoints blurred by temperature.
 const BLURRED: f64 = 1e-6;
 
-/// A length on which what is left of contacts varies with where they formed: that of P_c; where P_c has edges, that on
+/// A length on which survival varies with the stretch of formation: that of P_c; if P_c has edges, that over
 /// which temperature blurs them.
-fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
-    /// The finest blur that is followed, per mean threshold.
+fn resolution(contacts: &Contacts, hazards: &[Breakpoint]) -> f64 {
+    /// The finest blur that is resolved, per mean threshold.
     const FINEST: f64 = 1e-3;
     let law = contacts.thresholds.as_ref();
     let (mean, widest) = (law.mean(), scale(law));
     let Some(temperature) = contacts.rules.temperature else { return widest };
-    let edged = |b: &Break| b.is_atom() || b.weight(mean) * mean > BLURRED;
+    let edged = |b: &Breakpoint| b.is_atom() || b.weight(mean) * mean > BLURRED;
     let blur = blur(contacts, &temperature);
     if hazards.iter().any(|b| b.position > 0.0 && edged(b)) {
         widest.min(blur.max(FINEST * mean))
     } else if hazards.iter().any(edged) {
-        // None meets a threshold of 0; near it contacts do not hold against temperature, where ½k h² is about T.
+        // Contacts do not reach a threshold of 0: temperature breaks them where ½k h² is about T.
         widest.min((blur * mean).sqrt().max(FINEST * mean))
     } else {
         widest
@@ -152,23 +161,23 @@ fn resolution(contacts: &Contacts, hazards: &[Break]) -> f64 {
 
 impl BreakingModel for Timed {
     fn cohort(&self, start: f64, _watch: &Watch<'_>) -> Arc<dyn Cohort> {
-        let record = RunningMaximum::new(&self.strength, self.velocity, start, self.highest);
-        let (histories, asked) = (OnceLock::new(), AtomicBool::new(false));
-        Arc::new(AgeingCohort { of: self.clone(), start, record, histories, asked })
+        let running_maximum = RunningMaximum::new(&self.evolution, self.velocity, start, self.highest);
+        let (histories, evaluated) = (OnceLock::new(), AtomicBool::new(false));
+        Arc::new(AgeingCohort { of: self.clone(), start, running_maximum, histories, evaluated })
     }
 
-    fn making(&self) -> f64 {
+    fn making_fraction(&self) -> f64 {
         0.0
     }
 
     fn error(&self) -> f64 {
-        /// Some ten cells leave out what survival moments are rough by, each.
+        /// Error of some ten cells, each as large as the noise of survival moments.
         const CELLS: f64 = 10.0;
         (CELLS * self.roughness()).max(ROUNDING)
     }
 
     fn roughness(&self) -> f64 {
-        self.strength.error()
+        self.evolution.error()
     }
 
     fn resolution(&self) -> f64 {
@@ -180,125 +189,128 @@ impl BreakingModel for Timed {
     }
 
     fn passing(&self, advance: f64) -> Vec<Passing> {
-        let aged = self.strength.at(advance / self.velocity);
-        let pass = |hazard: &Break| {
+        let aged = self.evolution.at(advance / self.velocity);
+        let pass = |hazard: &Breakpoint| {
             let start = aged.threshold(hazard.position) - advance;
             if start < 0.0 || start >= hazard.position {
                 return None;
             }
-            let record = RunningMaximum::new(&self.strength, self.velocity, start, self.highest);
+            let running_maximum = RunningMaximum::new(&self.evolution, self.velocity, start, self.highest);
             // Met before.
-            if record.met(advance) > hazard.position * (1.0 + 1e-12) {
+            if running_maximum.value(advance) > hazard.position * (1.0 + 1e-12) {
                 return None;
             }
-            let pace = (1.0 - aged.drift(hazard.position) / self.velocity).abs();
+            let speed = (1.0 - aged.drift(hazard.position) / self.velocity).abs();
             let left = self.left(start, advance, hazard.position);
             let weight = if hazard.is_atom() { hazard.amplitude * left } else { 0.0 };
-            Some(Passing { start, weight, pace })
+            Some(Passing { start, weight, speed })
         };
         let back = |start: f64| aged.threshold(start) - start - advance;
         let newest =
-            if self.strength.is_constant() { None } else { brent_root(back, 0.0, self.highest, 0.0) };
+            if self.evolution.is_constant() { None } else { brent_root(back, 0.0, self.highest, 0.0) };
         let newest = newest.filter(|&start| self.law.density(start) * self.law.mean() > FAINT);
-        let lull = newest.map(|start| Passing { start, weight: 0.0, pace: 0.0 });
-        self.seen().filter_map(pass).chain(lull).collect()
+        let lull = newest.map(|start| Passing { start, weight: 0.0, speed: 0.0 });
+        self.visible().filter_map(pass).chain(lull).collect()
     }
 }
 
 impl AgeingCohort {
-    /// The risk of contacts at a place of the grid.
-    fn risk(&self, exposed: &Exposed<'_>, place: usize, asked: bool) -> Risk {
+    /// The hazards of contacts at a position of the grid.
+    fn hazards(&self, exposed: &ThermalHazardAt<'_>, place: usize, evaluated: bool) -> Hazards {
         let newborn = self.of.grid.fixed()[place];
-        if !asked || newborn <= self.start || self.of.strength.is_constant() {
-            return exposed.risk(newborn);
+        if !evaluated || newborn <= self.start || self.of.evolution.is_constant() {
+            return exposed.hazards(newborn);
         }
         let known = self.histories.get().is_some_and(|histories| histories[place].get().is_some());
-        if !known && !self.of.may_keep() {
-            return exposed.risk(newborn);
+        if !known && !self.of.may_cache() {
+            return exposed.hazards(newborn);
         }
         let histories = self.histories.get_or_init(|| self.of.room());
-        let end = || self.record.meeting(newborn).unwrap_or(self.of.highest);
-        let history = histories[place].get_or_init(|| self.of.keep(exposed.history(newborn, end())));
-        exposed.known_risk(newborn, history)
+        let end = || self.running_maximum.advance_to(newborn).unwrap_or(self.of.highest);
+        let history = histories[place].get_or_init(|| self.of.cache(exposed.history(newborn, end())));
+        exposed.interpolated_hazards(newborn, history)
     }
 
-    /// Adds contacts of one newborn threshold.
-    fn add(&self, toll: &mut SurvivalMoments, share: ThresholdShare, present: f64) {
-        let left = share.weight * (-share.broken).exp();
-        let breaks = left * share.rate;
-        toll.unbroken[0] += left;
-        toll.breaking[0] += breaks;
+    /// Adds contacts of one fresh threshold.
+    fn add(&self, survival_moments: &mut SurvivalMoments, group: ThresholdGroup, present: f64) {
+        let left = group.weight * (-group.broken).exp();
+        let breakpoints = left * group.rate;
+        survival_moments.unbroken[0] += left;
+        survival_moments.breaking[0] += breakpoints;
         if self.of.per_threshold {
-            toll.unbroken[1] += left * present;
-            toll.unbroken[2] += left * present * present;
-            toll.breaking[1] += breaks * present;
+            survival_moments.unbroken[1] += left * present;
+            survival_moments.unbroken[2] += left * present * present;
+            survival_moments.breaking[1] += breakpoints * present;
         }
     }
 
-    /// Adds all contacts of an age with newborn thresholds above one.
-    fn add_kept(&self, toll: &mut SurvivalMoments, above: f64, age: f64) {
-        let Timed { law, strength, per_threshold, .. } = &self.of;
+    /// Adds all contacts of an age with fresh thresholds above one.
+    fn add_surviving(&self, survival_moments: &mut SurvivalMoments, above: f64, age: f64) {
+        let Timed { law, evolution, per_threshold, .. } = &self.of;
         if above.is_infinite() {
             return;
         }
         if *per_threshold {
-            let kept = strength.moments_above(law.as_ref(), above, age);
-            toll.unbroken.iter_mut().zip(kept).for_each(|(sum, moment)| *sum += moment);
+            let cached = evolution.moments_above(law.as_ref(), above, age);
+            survival_moments.unbroken.iter_mut().zip(cached).for_each(|(sum, moment)| *sum += moment);
         } else {
-            toll.unbroken[0] += law.survival(above);
+            survival_moments.unbroken[0] += law.survival(above);
         }
     }
 }
 
 impl Cohort for AgeingCohort {
-    fn toll(&self, advance: f64) -> SurvivalMoments {
-        let Timed { law, strength, velocity, .. } = &self.of;
-        let (met, pace) = self.record.reach(advance);
+    fn survival_moments(&self, advance: f64) -> SurvivalMoments {
+        let Timed { law, evolution, velocity, .. } = &self.of;
+        let (met, speed) = self.running_maximum.value_and_slope(advance);
         let (age, stretch) = (advance / velocity, self.start + advance);
-        let mut toll = SurvivalMoments::default();
-        let (mut reached, mut kept) = (law.density(met) * pace, met);
-        if let Some(exposure) = &self.of.exposure {
-            let exposed = exposure.at(self.start, advance);
-            let least = (met, exposed.risk(met));
-            let asked = self.asked.swap(true, Ordering::Relaxed);
-            let aged = strength.at(age);
-            let add = |share: ThresholdShare| self.add(&mut toll, share, aged.threshold(share.newborn));
-            let known = |exposed: &Exposed<'_>, place: usize| self.risk(exposed, place, asked);
-            kept = self.of.grid.each(least, &exposed, &known, add);
+        let mut survival_moments = SurvivalMoments::default();
+        let (mut reached, mut cached) = (law.density(met) * speed, met);
+        if let Some(thermal_hazard) = &self.of.thermal_hazard {
+            let exposed = thermal_hazard.at(self.start, advance);
+            let least = (met, exposed.hazards(met));
+            let evaluated = self.evaluated.swap(true, Ordering::Relaxed);
+            let aged = evolution.at(age);
+            let add =
+                |group: ThresholdGroup| self.add(&mut survival_moments, group, aged.threshold(group.newborn));
+            let known = |exposed: &ThermalHazardAt<'_>, place: usize| self.hazards(exposed, place, evaluated);
+            cached = self.of.grid.each(least, &exposed, &known, add);
             reached *= (-least.1.0).exp();
         }
-        self.add_kept(&mut toll, kept, age);
-        toll.breaking[0] += reached;
-        toll.breaking[1] += reached * stretch;
-        toll
+        self.add_surviving(&mut survival_moments, cached, age);
+        survival_moments.breaking[0] += reached;
+        survival_moments.breaking[1] += reached * stretch;
+        survival_moments
     }
 
-    fn breaks(&self) -> Vec<Break> {
-        let meet = |hazard: &Break| {
+    fn breakpoints(&self) -> Vec<Breakpoint> {
+        let meet = |hazard: &Breakpoint| {
             let here = hazard.position == self.start;
-            let advance = if here { 0.0 } else { self.record.meeting(hazard.position)? };
+            let advance = if here { 0.0 } else { self.running_maximum.advance_to(hazard.position)? };
             let left = self.of.left(self.start, advance, hazard.position);
-            let pace = if hazard.is_atom() { 1.0 } else { self.record.reach(advance).1 };
-            let amplitude = hazard.amplitude * left * pace.powf(hazard.exponent + 1.0);
-            Some(Break { position: advance, amplitude, ..*hazard })
+            let speed = if hazard.is_atom() { 1.0 } else { self.running_maximum.value_and_slope(advance).1 };
+            let amplitude = hazard.amplitude * left * speed.powf(hazard.exponent + 1.0);
+            Some(Breakpoint { position: advance, amplitude, ..*hazard })
         };
-        // Where contacts start, only what no derivative tells.
-        let shows = |b: &&Break| b.position > self.start || b.position == self.start && b.is_steep();
+        // Where contacts start, only breakpoints that jumps of derivatives do not describe.
+        let shows = |b: &&Breakpoint| b.position > self.start || b.position == self.start && b.is_steep();
         let above = self.of.hazards.iter().filter(shows);
-        let turns = self.record.turns().map(|advance| {
+        let turns = self.running_maximum.turns().map(|advance| {
             let step = 1e-9 * advance.max(f64::MIN_POSITIVE);
-            let amplitude = self.toll(advance + step).breaking[0] - self.toll(advance - step).breaking[0];
-            Break { position: advance, exponent: 0.0, amplitude }
+            let amplitude = self.survival_moments(advance + step).breaking[0]
+                - self.survival_moments(advance - step).breaking[0];
+            Breakpoint { position: advance, exponent: 0.0, amplitude }
         });
-        let rare = |b: &Break| b.is_atom() && b.amplitude <= NEGLIGIBLE;
+        let rare = |b: &Breakpoint| b.is_atom() && b.amplitude <= NEGLIGIBLE;
         above.filter_map(meet).chain(turns).filter(|b| b.amplitude != 0.0 && !rare(b)).collect()
     }
 
     fn blurred_edges(&self) -> Vec<BlurredEdge> {
         let Some(width) = self.of.blur else { return Vec::new() };
-        let met = self.of.seen().filter(|hazard| hazard.position > self.start);
-        let edge =
-            |hazard: &Break| Some(BlurredEdge { advance: self.record.meeting(hazard.position)?, width });
+        let met = self.of.visible().filter(|hazard| hazard.position > self.start);
+        let edge = |hazard: &Breakpoint| {
+            Some(BlurredEdge { advance: self.running_maximum.advance_to(hazard.position)?, width })
+        };
         met.filter_map(edge).collect()
     }
 }

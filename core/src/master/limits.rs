@@ -1,31 +1,33 @@
-//! What kinetic friction tends to as the slider moves very fast or very slowly, in closed form.
+//! Limits of kinetic friction for very fast and very slow sliding, and slow creep, in closed form.
 
 use super::{MasterEquation, SteadyState};
 use crate::Result;
-use crate::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiffness, Temperature};
+use crate::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Temperature};
 use crate::law::{Law, Point, SharedLaw};
 use crate::monitor::Monitor;
 use crate::numerics::legendre::RULE;
 use crate::numerics::roots::brent_root;
 
-/// The limits of F_k(v), where there are such.
+/// The limits of F_k(v), where they exist.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// F_k as v → ∞: the athermal one of newborn contacts; 0 where broken contacts are free for a while.
+    /// F_k as v → ∞: that of fresh contacts without time dependence; 0 with a delay of re-forming.
     pub fast: f64,
-    /// F_k as v → 0: that of mature contacts. `None` where there is no such plateau: thermal contacts flow, thresholds that
-    /// fluctuate are caught low for ever, logarithmic strengthening has no end.
+    /// F_k as v → 0: that of mature contacts. `None` where there is no plateau: thermal contacts flow
+    /// viscously, fluctuating thresholds are eventually caught in their lower tail, logarithmic strengthening
+    /// is unlimited.
     pub slow: Option<f64>,
-    /// F_k/v as v → 0 of thermal contacts that do not age and re-form unstretched; `None` for others, and where the
-    /// strongest contacts of a broad law hold so long that there is no viscous flow.
+    /// F_k/v as v → 0 for thermal contacts that do not age and re-form unstretched. `None` for others, and
+    /// where the strongest contacts of a broad distribution last so long that there is no viscous flow.
     pub viscosity: Option<f64>,
 }
 
 impl Limits {
     /// The limits of steady sliding of `contacts`.
     ///
-    /// With ω₀ = w(0; x_s), the rate at which an unstretched contact breaks, F_k/v → N_c⟨k ω₀⁻²⟩/(⟨ω₀⁻¹⟩ + τ). Of Gaussian
-    /// thresholds and the elastic barrier that is finite for T > 2⟨k⟩σ²: else the few strongest contacts carry ever more.
+    /// With ω₀ = w(0; x_s) the breaking rate of an unstretched contact, F_k/v → N_c⟨k ω₀⁻²⟩/(⟨ω₀⁻¹⟩ + τ). For
+    /// Gaussian thresholds and the elastic barrier this is finite for T > 2⟨k⟩σ²; otherwise the average is
+    /// dominated by ever fewer, stronger contacts.
     ///
     /// # Errors
     /// Those of [`MasterEquation::new`] for the same contacts without rules.
@@ -45,31 +47,23 @@ impl Limits {
     }
 }
 
-/// Steady sliding of the same contacts with these thresholds, without rules.
+/// Steady sliding of the same contacts with these thresholds, without time-dependent rules.
 fn athermal(contacts: &Contacts, thresholds: &SharedLaw, monitor: &mut dyn Monitor) -> Result<SteadyState> {
     let bare = Contacts { thresholds: thresholds.clone(), rules: Rules::default(), ..contacts.clone() };
     let rest = Initial { law: std::sync::Arc::new(Point::new(0.0)?), start: Start::Conditional };
     Ok(MasterEquation::new(bare, &rest, monitor)?.steady_state())
 }
 
-/// The temperature of contacts for whose slow flow there is a closed form: they do not age and re-form unstretched.
-fn simple(contacts: &Contacts) -> Option<&Temperature> {
+/// The temperature, if there is a closed form for slow flow: contacts do not age and re-form unstretched.
+fn temperature_of_simple_contacts(contacts: &Contacts) -> Option<&Temperature> {
     let unstretched = contacts.reforming.survival(0.0) == 0.0;
     let ageless = contacts.rules.ageing.is_none();
     contacts.rules.temperature.as_ref().filter(|_| unstretched && ageless)
 }
 
-/// The stiffness of one contact.
-fn own(stiffness: Stiffness, threshold: f64) -> f64 {
-    match stiffness {
-        Stiffness::Equal(k) => k,
-        Stiffness::PerThreshold(kappa) => kappa * threshold,
-    }
-}
-
 fn viscosity(contacts: &Contacts) -> Option<f64> {
-    let temperature = simple(contacts)?;
-    let stiffness = |h: f64| own(contacts.stiffness, h);
+    let temperature = temperature_of_simple_contacts(contacts)?;
+    let stiffness = |h: f64| contacts.stiffness.of(h);
     let life = |h: f64| temperature.exponent(0.0, h, stiffness(h)) - temperature.attempt_rate.ln();
     let law = contacts.thresholds.as_ref();
     let carried = ln_average(law, |h| stiffness(h).ln() + 2.0 * life(h))?;
@@ -80,29 +74,32 @@ fn viscosity(contacts: &Contacts) -> Option<f64> {
     viscosity.is_finite().then_some(viscosity)
 }
 
-/// Kinetic friction of slow creep, well below the athermal one but far from viscous flow, a force.
+/// Kinetic friction of slow creep, well below athermal friction but far from viscous flow: a force.
 ///
-/// With g = −ΔE/T a contact of one threshold has met, up to the stretch x, the integrated rate A(x) = (w/v g')(1 + g''/g'² + …).
-/// It breaks where that reaches a number drawn from the exponential distribution, whose logarithm has the mean −γ, γ = 0.577…
-/// (Euler's constant), and the variance π²/6. Around the x_b at which w/(v g') = e^{−γ} follow
+/// With g = −ΔE/T, the cumulative hazard of a contact of one threshold up to the stretch x is A(x) = (w/v
+/// g')(1 + g''/g'² + …). It breaks when A reaches an exponentially distributed number, whose logarithm has
+/// the mean −γ, γ = 0.577… (Euler's constant), and the variance π²/6. An expansion around the x_b at which
+/// w/(v g') = e^{−γ} gives
 ///
 /// ⟨x⟩ = x_b − (1 + π²/12) g''/g'³, ⟨x²⟩ = ⟨x⟩² + π²/(6 g'²), F_k ≈ ½N_c⟨k⟨x²⟩⟩/(⟨⟨x⟩⟩ + vτ),
 ///
-/// outer means being those over thresholds. The next terms are smaller by 1/(x_b g') and by T/ΔE(x_b): of identical thresholds
-/// F_k is right to 1 % where `creep` gives it, x_b g' ≥ 6 and ΔE(x_b) ≥ 3T, and nearly always to 0.3 %.
+/// where the outer means are over thresholds. The next terms are smaller by 1/(x_b g') and by T/ΔE(x_b): for
+/// identical thresholds F_k is right to 1 % wherever `creep` returns it, x_b g' ≥ 6 and ΔE(x_b) ≥ 3T, and
+/// mostly to 0.3 %.
 ///
-/// `None` for contacts that age or re-form stretched, and at velocities at which contacts of the mean threshold do not break so.
+/// `None` for contacts that age or re-form stretched, and at velocities outside this regime for the mean
+/// threshold.
 pub fn creep(contacts: &Contacts, velocity: f64) -> Option<f64> {
-    let temperature = simple(contacts)?;
+    let temperature = temperature_of_simple_contacts(contacts)?;
     let law = contacts.thresholds.as_ref();
-    let thermal = |h: f64| Thermal::new(temperature, h, own(contacts.stiffness, h), velocity);
+    let thermal = |h: f64| Thermal::new(temperature, h, contacts.stiffness.of(h), velocity);
     if !thermal(law.mean()).creeps() {
         return None;
     }
     let moment = |power: i32| {
         let of = |h: f64| {
             let (first, second) = thermal(h).breaking_stretch();
-            if power == 1 { first.ln() } else { own(contacts.stiffness, h).ln() + second.ln() }
+            if power == 1 { first.ln() } else { contacts.stiffness.of(h).ln() + second.ln() }
         };
         ln_average(law, of).map(f64::exp)
     };
@@ -110,7 +107,7 @@ pub fn creep(contacts: &Contacts, velocity: f64) -> Option<f64> {
     Some(0.5 * contacts.count * square / (mean + velocity * contacts.rules.delay))
 }
 
-/// Contacts of one threshold that heat breaks while the slider moves at a velocity.
+/// Contacts of one threshold that break thermally at a velocity.
 struct Thermal {
     barrier: Barrier,
     threshold: f64,
@@ -127,7 +124,7 @@ impl Thermal {
         Self { barrier: temperature.barrier, threshold, height, attempts }
     }
 
-    /// ΔE/T at y = x/x_s, the first derivative of −ΔE/T by y and the second.
+    /// ΔE/T at y = x/x_s, and the first and second derivatives of −ΔE/T with respect to y.
     fn barrier(&self, y: f64) -> [f64; 3] {
         let left = (1.0 - y).sqrt();
         let of_height = match self.barrier {
@@ -138,7 +135,7 @@ impl Thermal {
         of_height.map(|part| self.height * part)
     }
 
-    /// x_b/x_s: 0 where contacts flow, 1 where heat comes too late.
+    /// x_b/x_s: 0 for viscous flow, 1 where contacts break at their threshold.
     fn typical(&self) -> f64 {
         /// γ.
         const EULER: f64 = 0.577_215_664_901_532_9;
@@ -156,11 +153,11 @@ impl Thermal {
         brent_root(excess, first, last, 1e-12).unwrap_or(1.0)
     }
 
-    /// Whether contacts break by heat alone, and after they have stretched well.
+    /// Whether contacts break thermally, and after a considerable stretch.
     fn creeps(&self) -> bool {
-        /// Least x_b g' …
+        /// Smallest x_b g'.
         const STRETCHED: f64 = 6.0;
-        /// … and ΔE(x_b)/T.
+        /// Smallest ΔE(x_b)/T.
         const LEFT: f64 = 3.0;
         let y = self.typical();
         let [left, steepness, _] = self.barrier(y);
@@ -169,46 +166,48 @@ impl Thermal {
 
     /// ⟨x⟩ and ⟨x²⟩ of the stretches at which contacts break.
     fn breaking_stretch(&self) -> (f64, f64) {
-        /// π²/6, the variance of the logarithm of what is drawn from the exponential distribution.
+        /// π²/6, the variance of the logarithm of an exponentially distributed number.
         const SCATTER: f64 = std::f64::consts::PI * std::f64::consts::PI / 6.0;
         let y = self.typical();
         if y == 0.0 || y == 1.0 {
             return (y * self.threshold, (y * self.threshold).powi(2));
         }
         let [_, steepness, bend] = self.barrier(y);
-        // Where the barrier is nearly gone the threshold limits the stretch, not the expansion.
+        // Where the barrier has nearly vanished the threshold limits the stretch, not the expansion.
         let mean = (y - bend / steepness.powi(3) * (1.0 + 0.5 * SCATTER)).clamp(0.0, 1.0);
         let square = (mean * mean + SCATTER / (steepness * steepness)).min(1.0);
         (mean * self.threshold, square * self.threshold * self.threshold)
     }
 }
 
-/// What is e^−45 of the largest integrand counts no more.
+/// Contributions below e^−45 of the largest are neglected.
 const FAINT: f64 = 45.0;
 
-/// ln⟨e^g⟩ over a law; `None` where it is not finite, since its tail rules.
+/// ln⟨e^g⟩ over a distribution; `None` if it is not finite.
 ///
-/// e^g may grow by hundreds of orders of magnitude while the density falls by as many: Laplace's method finds where their
-/// product is largest, and Gauss rules sum it around there, on panels on which its logarithm changes little.
+/// e^g may grow by hundreds of orders of magnitude while the density falls by as many. As in Laplace's method
+/// the maximum of their product is located first; Gauss rules then integrate around it, on panels on which
+/// its logarithm changes little.
 fn ln_average(law: &dyn Law, g: impl Fn(f64) -> f64) -> Option<f64> {
     let ln_density = |h: f64| match law.density(h) {
         density if density > f64::MIN_POSITIVE => density.ln(),
         _ => law.hazard(h).ln() + law.ln_survival(h),
     };
-    // Beyond a compact support ∞ − ∞.
+    // ∞ − ∞ occurs beyond a compact support.
     let f = |h: f64| Some(ln_density(h) + g(h)).filter(|f| !f.is_nan()).unwrap_or(f64::NEG_INFINITY);
-    let walls = walls(law, &f)?;
+    let panel_boundaries = panel_boundaries(law, &f)?;
     let atoms = law.atoms().into_iter().map(|atom| atom.weight.ln() + g(atom.position));
-    // Inside of walls, at which a density may jump.
+    // Inside the boundaries, at which a density may jump.
     let inside = |pair: &[f64]| [1e-9, 0.5, 1.0 - 1e-9].map(|part| f(pair[0] + part * (pair[1] - pair[0])));
-    let most = atoms.clone().chain(walls.windows(2).flat_map(inside)).fold(f64::NEG_INFINITY, f64::max);
+    let most =
+        atoms.clone().chain(panel_boundaries.windows(2).flat_map(inside)).fold(f64::NEG_INFINITY, f64::max);
     let atoms: f64 = atoms.map(|atom| (atom - most).exp()).sum();
-    let panels = walls.windows(2).map(|pair| panel(&|h| f(h) - most, [pair[0], pair[1]], 0));
+    let panels = panel_boundaries.windows(2).map(|pair| panel(&|h| f(h) - most, [pair[0], pair[1]], 0));
     let sum = atoms + panels.sum::<f64>();
     (sum.is_finite() && sum > 0.0).then(|| most + sum.ln())
 }
 
-/// ∫e^f over an interval, halved until f changes little on its parts.
+/// ∫e^f over an interval, bisected until f changes little on each part.
 fn panel(f: &impl Fn(f64) -> f64, [low, high]: [f64; 2], depth: u32) -> f64 {
     const LITTLE: f64 = 3.0;
     const MOST_HALVINGS: u32 = 40;
@@ -225,18 +224,19 @@ fn panel(f: &impl Fn(f64) -> f64, [low, high]: [f64; 2], depth: u32) -> f64 {
     0.5 * (high - low) * nodes.iter().zip(&RULE.weights).map(|(f, w)| w * f.exp()).sum::<f64>()
 }
 
-/// Ends of panels that resolve a law up to where e^f has vanished; `None` where it does not.
-fn walls(law: &dyn Law, f: &impl Fn(f64) -> f64) -> Option<Vec<f64>> {
-    /// Thresholds are looked at as far as this many means.
+/// Boundaries of panels that resolve a distribution up to where e^f is negligible; `None` if it never is.
+fn panel_boundaries(law: &dyn Law, f: &impl Fn(f64) -> f64) -> Option<Vec<f64>> {
+    /// Thresholds are scanned up to this many means.
     const FARTHEST: f64 = 1e8;
     const MOST_PANELS: f64 = 1e5;
     let zones = law.zones();
-    let mut walls: Vec<f64> = law.breaks().iter().map(|b| b.position).collect();
+    let mut panel_boundaries: Vec<f64> = law.breakpoints().iter().map(|b| b.position).collect();
     for zone in &zones {
         let panels = ((zone.high - zone.low) / zone.resolution).ceil().clamp(1.0, 1024.0);
-        walls.extend((0..=panels as usize).map(|i| zone.low + (zone.high - zone.low) * i as f64 / panels));
+        panel_boundaries
+            .extend((0..=panels as usize).map(|i| zone.low + (zone.high - zone.low) * i as f64 / panels));
     }
-    let end = walls.iter().fold(0.0, |end, &wall| f64::max(end, wall));
+    let end = panel_boundaries.iter().fold(0.0, |end, &boundary| f64::max(end, boundary));
     if law.quantile(1.0).is_infinite() {
         let mean = law.mean();
         let ahead =
@@ -253,10 +253,10 @@ fn walls(law: &dyn Law, f: &impl Fn(f64) -> f64) -> Option<Vec<f64>> {
             if (far - end) / resolution > MOST_PANELS {
                 return None;
             }
-            walls.extend(std::iter::successors(Some(end), step));
+            panel_boundaries.extend(std::iter::successors(Some(end), step));
         }
     }
-    walls.sort_by(f64::total_cmp);
-    walls.dedup();
-    Some(walls)
+    panel_boundaries.sort_by(f64::total_cmp);
+    panel_boundaries.dedup();
+    Some(panel_boundaries)
 }

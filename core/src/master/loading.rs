@@ -1,4 +1,5 @@
-//! Force and energies of contacts along one way of the slider, whether what breaks re-forms or stays free.
+//! The loading branch: force and energies as the slider moves in one direction, whether broken contacts
+//! re-form or stay free.
 
 use std::sync::{Arc, OnceLock};
 
@@ -6,18 +7,18 @@ use super::Tolerance;
 use super::renewal::{RenewalSolution, slope};
 use crate::Result;
 use crate::contacts::Contacts;
-use crate::life::{Layer, Life, tidied, walls};
+use crate::life::{Layer, Life, simplified, threshold_atoms};
 use crate::monitor::Monitor;
-use crate::numerics::breaks::same_position;
+use crate::numerics::breakpoints::same_position;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
-/// What contacts do as the slider goes one way from where they are: curves of the advance u, per contact and per unit
-/// stiffness.
+/// Motion of the slider in one direction from a given state of the contacts: curves of the advance u, per
+/// contact and per unit stiffness.
 #[derive(Debug)]
 pub(super) struct LoadingBranch {
     motion: Motion,
-    ledger: OnceLock<Ledger>,
+    energy_curves: OnceLock<EnergyCurves>,
 }
 
 /// What becomes of contacts that break.
@@ -29,17 +30,17 @@ enum Motion {
     Held { first: Arc<Life>, slope: Piecewise },
 }
 
-/// Energies and breaks along a course.
+/// Curves of energies and breaks along a branch.
 #[derive(Debug)]
-struct Ledger {
+struct EnergyCurves {
     energy: Piecewise,
-    /// Elastic energy that the unbroken will have lost when all have broken.
+    /// Energy that the unbroken contacts will dissipate when they break.
     breaking_energy: Piecewise,
-    /// What breaks from u on.
+    /// Fraction that breaks from u on.
     yet_to_break: Piecewise,
 }
 
-/// Energies and breaks since the beginning of a course, per contact and per unit stiffness.
+/// Energies and breaks since the start of a branch, per contact and per unit stiffness.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BranchEnergies {
     pub(super) elastic: f64,
@@ -48,28 +49,28 @@ pub(super) struct BranchEnergies {
 }
 
 impl LoadingBranch {
-    /// The course on which what breaks re-forms, solved up to the advance `end`.
+    /// The branch on which broken contacts re-form, solved up to the advance `end`.
     ///
     /// # Errors
     /// Those of [`RenewalSolution::solve`].
     pub(super) fn renewed(
         first: Arc<Life>,
-        reborn: &Arc<Life>,
+        reformed: &Arc<Life>,
         end: f64,
         tolerance: Tolerance,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let leg = RenewalSolution::solve(&first, reborn, end, tolerance, monitor)?;
-        Ok(Self { motion: Motion::Renewed(Box::new(leg)), ledger: OnceLock::new() })
+        let renewal = RenewalSolution::solve(&first, reformed, end, tolerance, monitor)?;
+        Ok(Self { motion: Motion::Renewed(Box::new(renewal)), energy_curves: OnceLock::new() })
     }
 
-    /// The course on which what breaks stays free.
+    /// The branch on which broken contacts stay free.
     pub(super) fn held(first: Arc<Life>) -> Self {
         let slope = slope(first.force().curve(), &first);
-        Self { motion: Motion::Held { first, slope }, ledger: OnceLock::new() }
+        Self { motion: Motion::Held { first, slope }, energy_curves: OnceLock::new() }
     }
 
-    /// The same course, solved up to `end`.
+    /// The same branch solved up to `end`; `None` if nothing re-forms, where it is complete.
     ///
     /// # Errors
     /// Those of [`RenewalSolution::solve`].
@@ -80,8 +81,8 @@ impl LoadingBranch {
         monitor: &mut dyn Monitor,
     ) -> Result<Option<Self>> {
         match &self.motion {
-            Motion::Renewed(leg) => {
-                Self::renewed(leg.first.clone(), &leg.reborn, end, tolerance, monitor).map(Some)
+            Motion::Renewed(renewal) => {
+                Self::renewed(renewal.first.clone(), &renewal.reformed, end, tolerance, monitor).map(Some)
             }
             Motion::Held { .. } => Ok(None),
         }
@@ -89,46 +90,47 @@ impl LoadingBranch {
 
     fn first(&self) -> &Life {
         match &self.motion {
-            Motion::Renewed(leg) => &leg.first,
+            Motion::Renewed(renewal) => &renewal.first,
             Motion::Held { first, .. } => first,
         }
     }
 
-    /// Where the solution ends; on a course where nothing re-forms, where nothing is left.
+    /// Where the solution ends; on a branch where nothing re-forms, where no contact is left.
     pub(super) fn end(&self) -> f64 {
         self.force().end()
     }
 
-    /// Estimated error of F, per unit stiffness, mean life and mean stiffness, where the stretches at its beginning are right.
+    /// Estimated error of F, per unit stiffness, mean life and mean stiffness, given the stretches at its
+    /// start.
     pub(super) fn error(&self) -> f64 {
         match &self.motion {
-            Motion::Renewed(leg) => leg.error,
+            Motion::Renewed(renewal) => renewal.error,
             Motion::Held { first, .. } => first.error(),
         }
     }
 
-    /// Whether what breaks stays free.
+    /// Whether broken contacts stay free.
     pub(super) fn is_held(&self) -> bool {
         matches!(self.motion, Motion::Held { .. })
     }
 
-    /// The cell that holds u, the right one at a boundary; one more than there are where nothing is left.
+    /// The cell that contains u (the right one at a boundary); the number of cells where no contact is left.
     pub(super) fn cell(&self, u: f64) -> usize {
         if u < self.end() { self.force().nearest(u) } else { self.force().coefficients.len() }
     }
 
-    /// Where a cell ends; infinite where nothing is left.
+    /// End of a cell; infinite where no contact is left.
     pub(super) fn cell_end(&self, cell: usize) -> f64 {
         self.force().boundaries.get(cell + 1).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Whether contacts break together at the end of a cell.
+    /// Whether contacts break simultaneously at the end of a cell.
     pub(super) fn breaks_after(&self, cell: usize) -> bool {
         let (end, before) = (self.cell_end(cell), self.force().boundaries.get(cell).copied().unwrap_or(0.0));
         let near = |x: f64| x > before && same_position(x, end);
         match &self.motion {
-            Motion::Renewed(leg) => {
-                let atoms = &leg.solution.atoms;
+            Motion::Renewed(renewal) => {
+                let atoms = &renewal.solution.atoms;
                 let first = atoms.partition_point(|a| a.position <= before);
                 atoms.get(first).is_some_and(|a| near(a.position))
             }
@@ -136,15 +138,15 @@ impl LoadingBranch {
         }
     }
 
-    /// The share of all contacts that is there, by quadrature, where what breaks re-forms.
-    pub(super) fn kept(&self, u: f64) -> Option<f64> {
+    /// Total probability by quadrature, if broken contacts re-form.
+    pub(super) fn total_probability(&self, u: f64) -> Option<f64> {
         match &self.motion {
-            Motion::Renewed(leg) => Some(leg.sum_at(Life::survival, u)),
+            Motion::Renewed(renewal) => Some(renewal.sum_at(Life::survival, u)),
             Motion::Held { .. } => None,
         }
     }
 
-    /// Force and slope at u by the polynomials of a cell.
+    /// Force and slope at u, from the polynomials of a cell.
     pub(super) fn response(&self, u: f64, cell: usize) -> (f64, f64) {
         (at(self.force(), u, cell), at(self.slope(), u, cell))
     }
@@ -152,7 +154,7 @@ impl LoadingBranch {
     /// The force: a polynomial on each of its cells.
     fn force(&self) -> &Piecewise {
         match &self.motion {
-            Motion::Renewed(leg) => &leg.force,
+            Motion::Renewed(renewal) => &renewal.force,
             Motion::Held { first, .. } => first.force().curve(),
         }
     }
@@ -160,42 +162,46 @@ impl LoadingBranch {
     /// Its slope, on the same cells.
     fn slope(&self) -> &Piecewise {
         match &self.motion {
-            Motion::Renewed(leg) => &leg.slope,
+            Motion::Renewed(renewal) => &renewal.slope,
             Motion::Held { slope, .. } => slope,
         }
     }
 
     /// Energies and breaks up to the advance u.
     ///
-    /// What breaks at a stretch x loses ½k x² there; what re-forms brings its ½k r², booked when it breaks.
-    pub(super) fn account(&self, u: f64, cell: usize) -> BranchEnergies {
-        let ledger = self.ledger.get_or_init(|| self.ledger());
+    /// A contact that breaks at the stretch x dissipates ½k x²; one that re-forms adds its ½k r², counted
+    /// when it breaks.
+    pub(super) fn energies(&self, u: f64, cell: usize) -> BranchEnergies {
+        let energy_curves = self.energy_curves.get_or_init(|| self.energy_curves());
         let at = |curve: &Piecewise| at(curve, u, cell);
         let start = |kernel: &Kernel| self::at(kernel.curve(), 0.0, 0);
         let brought = |life: &Life| start(life.breaking_energy()) - life.newborn_energy();
-        let doomed = self::at(&ledger.breaking_energy, 0.0, 0);
+        let initial_breaking_energy = self::at(&energy_curves.breaking_energy, 0.0, 0);
         let (broken, born) = match &self.motion {
-            Motion::Renewed(leg) => {
-                let broken = self::at(&ledger.yet_to_break, 0.0, 0) - at(&ledger.yet_to_break);
-                (broken, broken * brought(&leg.reborn))
+            Motion::Renewed(renewal) => {
+                let broken = self::at(&energy_curves.yet_to_break, 0.0, 0) - at(&energy_curves.yet_to_break);
+                (broken, broken * brought(&renewal.reformed))
             }
-            Motion::Held { first, .. } => (start(first.survival()) - at(&ledger.yet_to_break), 0.0),
+            Motion::Held { first, .. } => (start(first.survival()) - at(&energy_curves.yet_to_break), 0.0),
         };
-        let lost = doomed + born - at(&ledger.breaking_energy);
-        BranchEnergies { elastic: at(&ledger.energy), lost, broken }
+        let lost = initial_breaking_energy + born - at(&energy_curves.breaking_energy);
+        BranchEnergies { elastic: at(&energy_curves.energy), lost, broken }
     }
 
-    fn ledger(&self) -> Ledger {
+    fn energy_curves(&self) -> EnergyCurves {
         match &self.motion {
-            Motion::Renewed(leg) => {
-                let atoms = leg.solution.atoms.iter().map(|a| (a.position, a.weight));
-                Ledger {
-                    energy: leg.sum(Life::energy, &mut ()).unwrap_or_default(),
-                    breaking_energy: leg.sum(Life::breaking_energy, &mut ()).unwrap_or_default(),
-                    yet_to_break: leg.solution.density.integrated_from_end(0.0, &atoms.collect::<Vec<_>>()),
+            Motion::Renewed(renewal) => {
+                let atoms = renewal.solution.atoms.iter().map(|a| (a.position, a.weight));
+                EnergyCurves {
+                    energy: renewal.sum(Life::energy, &mut ()).unwrap_or_default(),
+                    breaking_energy: renewal.sum(Life::breaking_energy, &mut ()).unwrap_or_default(),
+                    yet_to_break: renewal
+                        .solution
+                        .density
+                        .integrated_from_end(0.0, &atoms.collect::<Vec<_>>()),
                 }
             }
-            Motion::Held { first, .. } => Ledger {
+            Motion::Held { first, .. } => EnergyCurves {
                 energy: first.energy().curve().clone(),
                 breaking_energy: first.breaking_energy().curve().clone(),
                 yet_to_break: first.survival().curve().clone(),
@@ -203,22 +209,23 @@ impl LoadingBranch {
         }
     }
 
-    /// The contacts at the advance u, seen along the way; at the end of the cell, those that break together there have
-    /// `crossed` it or not, but none has re-formed.
+    /// The contacts at the advance u, seen in the direction of motion. At the end of the cell those that
+    /// break simultaneously there are still present unless they have been `crossed`; none of them has
+    /// re-formed.
     pub(super) fn layers(&self, u: f64, cell: usize, crossed: bool, contacts: &Contacts) -> Vec<Layer> {
         let mut layers: Vec<_> = self.first().layers().iter().map(|layer| layer.advanced(u)).collect();
-        if let Motion::Renewed(leg) = &self.motion {
-            layers.push(leg.born(u, cell));
+        if let Motion::Renewed(renewal) = &self.motion {
+            layers.push(renewal.born(u, cell));
         }
-        let walls = walls(contacts.thresholds.as_ref());
+        let threshold_atoms = threshold_atoms(contacts.thresholds.as_ref());
         let begun = self.force().boundaries.get(cell).copied().unwrap_or(u);
         let since = if crossed { 0.0 } else { (u - begun).max(0.0) };
-        layers.iter_mut().for_each(|layer| layer.pass(&walls, since));
-        tidied(layers, contacts.thresholds.as_ref())
+        layers.iter_mut().for_each(|layer| layer.mark_passed(&threshold_atoms, since));
+        simplified(layers, contacts.thresholds.as_ref())
     }
 }
 
-/// The value at u of the polynomial of a cell; 0 past the last.
+/// The value at u of the polynomial of a cell; 0 after the last.
 fn at(curve: &Piecewise, u: f64, cell: usize) -> f64 {
     if cell < curve.coefficients.len() { curve.value_in(cell, u) } else { 0.0 }
 }

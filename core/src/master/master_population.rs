@@ -1,4 +1,4 @@
-//! The contacts of a master equation, moved back and forth.
+//! The contacts of a master equation as a population that can be moved back and forth.
 
 use std::sync::Arc;
 
@@ -14,42 +14,45 @@ use crate::population::{Books, Direction, Population, Response, Way};
 
 /// The contacts of a master equation as a [`Population`].
 ///
-/// A course is solved from the stretches at the place where it begins. As long as the slider goes back from its furthest
-/// point on the course without breaking a contact, stretches only shift: the way back is a straight line, and so is the
-/// way forth again. Once a contact breaks on the way back, another course begins at the furthest point.
+/// A loading branch is solved from the stretches at its start. While the slider moves back from its furthest
+/// point on the branch without breaking a contact, stretches only shift: unloading and reloading follow one
+/// straight line. As soon as a contact breaks on the way back, a new branch starts from the furthest point.
 #[derive(Debug, Clone)]
 pub struct MasterPopulation {
     interface: Arc<SolvedBranches>,
-    course: Arc<LoadingBranch>,
-    /// The way of the course, and the position at its beginning.
+    /// The present branch.
+    branch: Arc<LoadingBranch>,
+    /// The direction of the branch, and the position at its start.
     direction: Direction,
     origin: f64,
-    /// The furthest advance on the course, the cell of the solution ahead of it, and how far the slider is behind it.
+    /// The largest advance on the branch, the cell of the solution ahead of it, and the distance of the
+    /// slider behind it.
     furthest: f64,
     cell: usize,
     behind: f64,
-    /// The way back from the furthest advance, once looked at.
+    /// The unloading branch from the furthest advance, once needed.
     back: Option<UnloadingBranch>,
     moved: Direction,
     looked: Direction,
-    /// Whether what is about to break together will stay free.
+    /// Whether contacts that are about to break simultaneously will stay free.
     holding: bool,
-    /// What has broken before the course and stayed free.
+    /// Fraction that broke before this branch and stayed free.
     free: f64,
-    /// Energy lost and breaks before the course, per contact and unit stiffness.
+    /// Energy dissipated and fraction broken before this branch, per contact and unit stiffness.
     lost: f64,
     broken: f64,
-    /// What the stretches at the beginning of the course are off by, as an error of the force on it, and the largest error of
-    /// the force before; both as [`LoadingBranch::error`] tells them.
+    /// Error of the force due to the stretches at the start of the branch, and the largest error of the force
+    /// before; both as in [`LoadingBranch::error`].
     inherited: f64,
     worst: f64,
-    /// The state to come back to.
+    /// The state to return to.
     marked: Option<Box<Self>>,
 }
 
 impl MasterEquation {
-    /// The contacts at X = 0 as a population to be moved, F/(N_c⟨k⟩) to about `tolerance` × the mean threshold.
-    /// What breaks at once in a relaxed start has broken before. Contacts at a velocity can be moved forward, and reset.
+    /// The contacts at X = 0 as a population, with F/(N_c⟨k⟩) accurate to about `tolerance` × the mean
+    /// threshold. Contacts that break at once in a relaxed start have broken before. Contacts at a velocity
+    /// can only be moved forward, and reset.
     ///
     /// # Errors
     /// A tolerance outside [1e-12, 1e-2]; `ageing.mean_field`; too many point masses; accuracy not reached;
@@ -63,10 +66,10 @@ impl MasterEquation {
         tolerance.check()?;
         self.has_transients()?;
         let interface = SolvedBranches::of(self, tolerance);
-        let course = interface.first(self, monitor)?;
+        let branch = interface.first(self, monitor)?;
         Ok(MasterPopulation {
             interface: Arc::new(interface),
-            course: Arc::new(course),
+            branch: Arc::new(branch),
             direction: Direction::Forward,
             origin: 0.0,
             furthest: 0.0,
@@ -87,21 +90,23 @@ impl MasterEquation {
 }
 
 impl MasterPopulation {
-    /// The share of contacts that can be told where they are or that they are free, by quadrature over stretches: 1.
+    /// ∫Q plus the fraction of free contacts, by quadrature over stretches: 1.
     pub fn total_probability(&self) -> f64 {
-        if let Some(kept) = self.course.kept(self.furthest).filter(|_| self.interface.knows_time()) {
-            return kept;
+        if let Some(total_probability) =
+            self.branch.total_probability(self.furthest).filter(|_| self.interface.is_time_dependent())
+        {
+            return total_probability;
         }
         let there = LayerSums::of(&self.layers(), &self.interface.contacts).unbroken;
-        there + self.free + if self.course.is_held() { self.account().broken } else { 0.0 }
+        there + self.free + if self.branch.is_held() { self.energies().broken } else { 0.0 }
     }
 
-    /// Whether `direction` is the way of the course.
+    /// Whether `direction` is that of the branch.
     fn is_onward(&self, direction: Direction) -> bool {
         direction == self.direction
     }
 
-    /// The direction of a move, or, of none, that last looked in.
+    /// The direction of a move; for a zero move the one last asked about.
     fn towards(&self, by: f64) -> Direction {
         match by {
             by if by > 0.0 => Direction::Forward,
@@ -110,35 +115,36 @@ impl MasterPopulation {
         }
     }
 
-    /// Looks at the way back, as far as it has not been before.
-    fn look_back(&mut self) -> Result<&UnloadingBranch> {
-        self.interface.forgets("drive", "a way back")?;
+    /// The unloading branch, solved as far as needed.
+    fn unloading_branch(&mut self) -> Result<&UnloadingBranch> {
+        self.interface.require_one_way("drive", "a way back")?;
         let back = match self.back.take() {
             Some(back) => back,
-            None => UnloadingBranch::new(&self.course, (self.furthest, self.cell), &self.interface),
+            None => UnloadingBranch::new(&self.branch, (self.furthest, self.cell), &self.interface),
         };
         let back = self.back.insert(back);
         if self.behind >= back.length {
-            back.solve(self.course.is_held(), &self.interface)?;
+            back.solve(self.branch.is_held(), &self.interface)?;
         }
         Ok(back)
     }
 
-    /// Force and slope, per unit stiffness and seen along the course, after a move on by `by`, or back by −`by`.
+    /// Force and slope, per unit stiffness and seen along the branch, after a further advance `by`, or back
+    /// by −`by`.
     fn response(&self, by: f64, onward: bool) -> (f64, f64) {
         if onward && self.behind == 0.0 {
-            return self.course.response(self.furthest + by, self.cell);
+            return self.branch.response(self.furthest + by, self.cell);
         }
-        let (force, slope) = self.course.response(self.furthest, self.cell);
+        let (force, slope) = self.branch.response(self.furthest, self.cell);
         match &self.back {
-            Some(UnloadingBranch { length, course: Some(course), .. })
+            Some(UnloadingBranch { length, branch: Some(branch), .. })
                 if !onward && self.behind >= *length =>
             {
-                let (force, slope) = course.response(self.behind - by, course.cell(self.behind));
+                let (force, slope) = branch.response(self.behind - by, branch.cell(self.behind));
                 (-force, slope)
             }
             Some(UnloadingBranch { stiffness, .. }) => (force - stiffness * (self.behind - by), *stiffness),
-            None if !onward && self.interface.knows_time() => {
+            None if !onward && self.interface.is_time_dependent() => {
                 let stiffness = self.interface.newborn_stiffness();
                 (force + stiffness * by, stiffness)
             }
@@ -146,114 +152,116 @@ impl MasterPopulation {
         }
     }
 
-    /// Moves on along the course by `by`.
-    fn go_on(&mut self, by: f64) -> Result<()> {
+    /// Advances by `by` along the branch.
+    fn advance_on_branch(&mut self, by: f64) -> Result<()> {
         self.back = None;
-        let (next, end) = (self.furthest + by, self.course.cell_end(self.cell));
-        if next < end - self.interface.near() {
+        let (next, end) = (self.furthest + by, self.branch.cell_end(self.cell));
+        if next < end - self.interface.rounding() {
             self.furthest = next;
             return Ok(());
         }
         self.furthest = end;
-        if self.course.breaks_after(self.cell) { Ok(()) } else { self.go_over(false) }
+        if self.branch.breaks_after(self.cell) { Ok(()) } else { self.enter_next_cell(false) }
     }
 
-    /// Goes over the end of a cell, where what breaks together has `crossed` or nothing is known to.
-    fn go_over(&mut self, crossed: bool) -> Result<()> {
+    /// Goes to the next cell; contacts that break simultaneously at its start have `crossed` their thresholds
+    /// or are not known to.
+    fn enter_next_cell(&mut self, crossed: bool) -> Result<()> {
         self.cell += 1;
-        if self.furthest >= self.course.end() {
-            self.look_further(crossed, &mut ())?;
+        if self.furthest >= self.branch.end() {
+            self.extend_branch(crossed, &mut ())?;
         }
         Ok(())
     }
 
-    /// Solves the course for twice the way. What breaks together where it ended is known only then.
-    fn look_further(&mut self, crossed: bool, monitor: &mut dyn Monitor) -> Result<()> {
-        let end = 2.0 * self.course.end();
-        let Some(course) = self.course.extended(end, self.interface.tolerance, monitor)? else {
+    /// Solves the branch for twice the distance. Simultaneous breaks where it ended are known only then.
+    fn extend_branch(&mut self, crossed: bool, monitor: &mut dyn Monitor) -> Result<()> {
+        let end = 2.0 * self.branch.end();
+        let Some(branch) = self.branch.extended(end, self.interface.tolerance, monitor)? else {
             return Ok(());
         };
-        self.cell = course.cell(self.furthest);
+        self.cell = branch.cell(self.furthest);
         if let Some(before) =
-            self.cell.checked_sub(1).filter(|&before| !crossed && course.breaks_after(before))
-            && (course.cell_end(before) - self.furthest).abs() <= self.interface.near()
+            self.cell.checked_sub(1).filter(|&before| !crossed && branch.breaks_after(before))
+            && (branch.cell_end(before) - self.furthest).abs() <= self.interface.rounding()
         {
-            // In front of it, for whoever moves the contacts has not been told.
-            (self.cell, self.furthest) = (before, self.furthest.min(course.cell_end(before).next_down()));
+            // Stay in front of a simultaneous break that the caller does not know of.
+            (self.cell, self.furthest) = (before, self.furthest.min(branch.cell_end(before).next_down()));
         }
-        self.course = Arc::new(course);
+        self.branch = Arc::new(branch);
         Ok(())
     }
 
-    /// Whether contacts here are about to break together.
-    fn stands(&self) -> bool {
+    /// Whether contacts are about to break simultaneously here.
+    fn is_at_simultaneous_break(&self) -> bool {
         self.behind == 0.0
-            && self.furthest == self.course.cell_end(self.cell)
-            && self.course.breaks_after(self.cell)
+            && self.furthest == self.branch.cell_end(self.cell)
+            && self.branch.breaks_after(self.cell)
     }
 
-    /// Breaks what breaks together here, and leaves it free.
-    fn part(&mut self) {
+    /// Breaks the contacts that break simultaneously here, and leaves them free.
+    fn break_without_reforming(&mut self) {
         let contacts = &self.interface.contacts;
         let [before, after] =
-            [false, true].map(|crossed| self.course.layers(self.furthest, self.cell, crossed, contacts));
-        let course = self.interface.held(after.clone());
+            [false, true].map(|crossed| self.branch.layers(self.furthest, self.cell, crossed, contacts));
+        let branch = self.interface.held(after.clone());
         let [before, after] = [before, after].map(|layers| LayerSums::of(&layers, contacts));
         let broken = before.unbroken - after.unbroken;
-        self.settle();
+        self.accumulate_energies();
         self.lost += before.breaking_energy - after.breaking_energy;
         self.broken += broken;
         self.free += broken;
-        self.begin(Arc::new(course), self.direction);
+        self.start_branch(Arc::new(branch), self.direction);
     }
 
-    /// Goes over to the course back from the furthest point, where its straight part ends.
-    fn turn(&mut self) -> Result<()> {
-        if let UnloadingBranch { course: Some(course), length, breaks, .. } = self.look_back()?.clone() {
+    /// Replaces the branch by the unloading branch from the furthest point, where its straight part ends.
+    fn start_reverse_branch(&mut self) -> Result<()> {
+        if let UnloadingBranch { branch: Some(branch), length, breaks, .. } = self.unloading_branch()?.clone()
+        {
             self.behind = 0.0;
-            self.settle();
-            self.begin(course, self.direction.reversed());
+            self.accumulate_energies();
+            self.start_branch(branch, self.direction.reversed());
             self.furthest = length;
-            self.cell = self.course.cell(length);
+            self.cell = self.branch.cell(length);
             if breaks && self.cell > 0 {
                 self.cell -= 1;
-                self.furthest = self.course.cell_end(self.cell);
+                self.furthest = self.branch.cell_end(self.cell);
             }
         }
         Ok(())
     }
 
-    /// Begins another course where the slider is.
-    fn begin(&mut self, course: Arc<LoadingBranch>, direction: Direction) {
-        self.inherited += self.course.error();
+    /// Starts another branch at the present position.
+    fn start_branch(&mut self, branch: Arc<LoadingBranch>, direction: Direction) {
+        self.inherited += self.branch.error();
         self.worst = self.worst.max(self.inherited);
         (self.origin, self.direction) = (self.position(), direction);
-        (self.course, self.furthest, self.cell, self.behind) = (course, 0.0, 0, 0.0);
+        (self.branch, self.furthest, self.cell, self.behind) = (branch, 0.0, 0, 0.0);
         self.back = None;
     }
 
-    /// Adds what has happened on the loading branch to the energies.
-    fn settle(&mut self) {
-        let account = self.account();
-        self.lost += account.lost;
-        self.broken += account.broken;
-        self.free += if self.course.is_held() { account.broken } else { 0.0 };
+    /// Adds the energies of the branch to the totals.
+    fn accumulate_energies(&mut self) {
+        let energies = self.energies();
+        self.lost += energies.lost;
+        self.broken += energies.broken;
+        self.free += if self.branch.is_held() { energies.broken } else { 0.0 };
     }
 
-    /// Energies of the loading branch.
-    fn account(&self) -> BranchEnergies {
-        let account = self.course.account(self.furthest, self.cell);
+    /// Energies of the present branch, the straight unloading included.
+    fn energies(&self) -> BranchEnergies {
+        let energies = self.branch.energies(self.furthest, self.cell);
         let Some(UnloadingBranch { stiffness, .. }) = self.back.as_ref().filter(|_| self.behind > 0.0) else {
-            return account;
+            return energies;
         };
-        let (force, _) = self.course.response(self.furthest, self.cell);
-        let elastic = account.elastic - (force - 0.5 * stiffness * self.behind) * self.behind;
-        BranchEnergies { elastic, ..account }
+        let (force, _) = self.branch.response(self.furthest, self.cell);
+        let elastic = energies.elastic - (force - 0.5 * stiffness * self.behind) * self.behind;
+        BranchEnergies { elastic, ..energies }
     }
 
-    /// The contacts as they are, seen along the course.
+    /// The present contacts, seen along the branch.
     fn layers(&self) -> Vec<Layer> {
-        let layers = self.course.layers(self.furthest, self.cell, false, &self.interface.contacts);
+        let layers = self.branch.layers(self.furthest, self.cell, false, &self.interface.contacts);
         if self.behind == 0.0 {
             return layers;
         }
@@ -268,36 +276,36 @@ impl Population for MasterPopulation {
 
     fn way(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<Way> {
         self.looked = direction;
-        if self.stands() && (self.holding || self.is_onward(direction)) {
+        if self.is_at_simultaneous_break() && (self.holding || self.is_onward(direction)) {
             self.cross(monitor)?;
         }
         if self.is_onward(direction) {
             if self.behind > 0.0 {
-                let breaks = self.furthest == self.course.cell_end(self.cell);
+                let breaks = self.furthest == self.branch.cell_end(self.cell);
                 return Ok(Way { length: self.behind, straight: true, breaks });
             }
-            if self.course.cell_end(self.cell) >= self.course.end() {
-                // Before its last cell is gone through: this may take long, and somebody listens now.
-                self.look_further(true, monitor)?;
+            if self.branch.cell_end(self.cell) >= self.branch.end() {
+                // Before its last cell is passed: this may take long, and the monitor is listening now.
+                self.extend_branch(true, monitor)?;
             }
-            let length = self.course.cell_end(self.cell) - self.furthest;
+            let length = self.branch.cell_end(self.cell) - self.furthest;
             return Ok(Way {
                 length,
                 straight: length.is_infinite(),
-                breaks: self.course.breaks_after(self.cell),
+                breaks: self.branch.breaks_after(self.cell),
             });
         }
-        if self.interface.knows_time() {
-            // It begins as a straight line; that it cannot be gone is told by whoever goes it.
+        if self.interface.is_time_dependent() {
+            // It starts as a straight line; moving along it is refused later.
             return Ok(Way { length: f64::INFINITY, straight: true, breaks: false });
         }
         let behind = self.behind;
-        let back = self.look_back()?;
-        Ok(match &back.course {
-            Some(course) if behind >= back.length => {
-                let cell = course.cell(behind);
-                let length = course.cell_end(cell) - behind;
-                Way { length, straight: length.is_infinite(), breaks: course.breaks_after(cell) }
+        let back = self.unloading_branch()?;
+        Ok(match &back.branch {
+            Some(branch) if behind >= back.length => {
+                let cell = branch.cell(behind);
+                let length = branch.cell_end(cell) - behind;
+                Way { length, straight: length.is_infinite(), breaks: branch.breaks_after(cell) }
             }
             _ => Way { length: back.length - behind, straight: true, breaks: back.breaks },
         })
@@ -316,85 +324,86 @@ impl Population for MasterPopulation {
         }
         let direction = self.towards(by);
         let way = self.way(direction, &mut ())?;
-        let (by, near) = (by.abs().min(way.length), self.interface.near());
+        let (by, rounding) = (by.abs().min(way.length), self.interface.rounding());
         self.moved = direction;
         if self.is_onward(direction) {
             if self.behind == 0.0 {
-                return self.go_on(by);
+                return self.advance_on_branch(by);
             }
-            self.behind = if by < self.behind - near { self.behind - by } else { 0.0 };
+            self.behind = if by < self.behind - rounding { self.behind - by } else { 0.0 };
             return Ok(());
         }
         let behind = self.behind + by;
-        let length = self.look_back()?.length;
-        if behind < length - near {
+        let length = self.unloading_branch()?.length;
+        if behind < length - rounding {
             self.behind = behind;
             return Ok(());
         }
         self.behind = length;
-        self.turn()?;
-        if length > 0.0 { Ok(()) } else { self.go_on(by) }
+        self.start_reverse_branch()?;
+        if length > 0.0 { Ok(()) } else { self.advance_on_branch(by) }
     }
 
     fn cross(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
-        if !self.stands() {
+        if !self.is_at_simultaneous_break() {
             return Ok(());
         }
         if std::mem::take(&mut self.holding) {
-            self.part();
+            self.break_without_reforming();
             return Ok(());
         }
-        self.go_over(true)
+        self.enter_next_cell(true)
     }
 
     fn reset(&mut self, direction: Direction, _monitor: &mut dyn Monitor) -> Result<()> {
         let fresh = self.interface.fresh()?;
-        let released = self.account().elastic - self.interface.newborn_energy();
-        self.settle();
+        let released = self.energies().elastic - self.interface.newborn_energy();
+        self.accumulate_energies();
         self.lost += released;
         self.broken += 1.0 - std::mem::take(&mut self.free);
-        self.begin(fresh, direction);
-        // Of what has been, fresh contacts know nothing.
+        self.start_branch(fresh, direction);
+        // Fresh contacts inherit no error.
         self.inherited = 0.0;
         (self.moved, self.looked, self.holding) = (direction, direction, false);
         Ok(())
     }
 
     fn hold(&mut self) -> Result<()> {
-        self.interface.forgets("block.slip", "contacts held free as they break")?;
-        self.holding = !self.course.is_held() && self.stands();
-        if !self.course.is_held() && !self.holding {
-            let course = self.interface.held(self.layers());
-            self.settle();
-            self.begin(Arc::new(course), self.direction);
+        self.interface.require_one_way("block.slip", "contacts held free as they break")?;
+        self.holding = !self.branch.is_held() && self.is_at_simultaneous_break();
+        if !self.branch.is_held() && !self.holding {
+            let branch = self.interface.held(self.layers());
+            self.accumulate_energies();
+            self.start_branch(Arc::new(branch), self.direction);
         }
         Ok(())
     }
 
     fn release(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         self.holding = false;
-        if !self.course.is_held() {
+        if !self.branch.is_held() {
             return Ok(());
         }
         self.cross(monitor)?;
         let mut layers = self.layers();
-        let free = self.free + self.account().broken;
-        let newborn = self.interface.reborn.layers().iter().map(|layer| {
+        let free = self.free + self.energies().broken;
+        let newborn = self.interface.reformed.layers().iter().map(|layer| {
             let layer = layer.clone().scaled(free);
             if self.moved == self.direction { layer } else { layer.mirrored() }
         });
         layers.extend(newborn);
-        let course = self.interface.renewed(layers, &mut ())?;
-        self.settle();
+        let branch = self.interface.renewed(layers, &mut ())?;
+        self.accumulate_energies();
         self.lost -= std::mem::take(&mut self.free) * self.interface.newborn_energy();
-        self.begin(Arc::new(course), self.direction);
+        self.start_branch(Arc::new(branch), self.direction);
         Ok(())
     }
 
-    /// That of the course, and of all since contacts last re-formed together whose stretches it began with.
+    /// The error of this branch and of all since contacts last re-formed together, whose final stretches it
+    /// started with.
     fn error(&self) -> f64 {
-        let error = self.worst.max(self.inherited + self.course.error());
-        self.interface.stiffness * unit_force(&self.interface.reborn) * error
+        let error = self.worst.max(self.inherited + self.branch.error());
+        self.interface.stiffness * unit_force(&self.interface.reformed) * error
     }
 
     fn mark(&mut self) {
@@ -410,7 +419,7 @@ impl Population for MasterPopulation {
     }
 
     fn books(&self) -> Books {
-        let BranchEnergies { elastic, lost, broken } = self.account();
+        let BranchEnergies { elastic, lost, broken } = self.energies();
         let stiffness = self.interface.stiffness;
         Books {
             elastic: stiffness * elastic,

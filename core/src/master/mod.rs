@@ -1,7 +1,7 @@
-//! The master equation: the distribution of stretches, and the friction that follows from it.
+//! The master equation: the distribution of stretches, and the friction force that follows from it.
 //!
-//! ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ, with the hazard P = P_c/S
-//! (O. M. Braun and M. Peyrard, Phys. Rev. Lett. 100, 125501 (2008), Eq. 5), solved in renewal form: see [`Pull`].
+//! ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ, with the hazard rate P = P_c/S (O. M. Braun and M.
+//! Peyrard, Phys. Rev. Lett. 100, 125501 (2008), Eq. 5), solved as a renewal equation: see [`Pull`].
 
 mod limits;
 mod loading;
@@ -40,10 +40,10 @@ use renewal::RenewalSolution;
 pub struct MasterEquation {
     contacts: Contacts,
     start: Start,
-    /// The life of the contacts that are there at X = 0 …
+    /// The life of the contacts at X = 0.
     first: Arc<Life>,
-    /// … and of those that re-form.
-    reborn: Arc<Life>,
+    /// The life of contacts that re-form.
+    reformed: Arc<Life>,
 }
 
 /// An extremum: its value and where it is.
@@ -55,17 +55,17 @@ pub struct Extremum {
     pub value: f64,
 }
 
-/// A distribution of stretches: a density on given stretches, and point masses.
+/// A distribution of stretches: a density at given stretches, and point masses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stretches {
-    /// Density at each stretch asked for, per length.
+    /// Density at each stretch, per length.
     pub density: Vec<f64>,
     /// Point masses, by rising stretch.
     pub atoms: Vec<Atom>,
 }
 
 impl Stretches {
-    /// Those of a density that may take long at each stretch.
+    /// From a density whose evaluation may take long.
     fn evaluated(
         stretches: &[f64],
         density: impl Fn(f64, &Watch<'_>) -> f64,
@@ -78,7 +78,8 @@ impl Stretches {
         Ok(Self { density, atoms })
     }
 
-    /// Those of contacts that are known portion by portion: on stretches asked for, and where portions are at one.
+    /// From contacts given as intervals of stretch: the density at the given stretches, and a point mass for
+    /// each interval of zero width.
     pub fn of(portions: &[StretchInterval], stretches: &[f64]) -> Self {
         let (points, cells): (Vec<_>, Vec<_>) = portions.iter().partition(|portion| portion.is_point());
         let at = |cell: &&StretchInterval, x: f64| {
@@ -105,20 +106,21 @@ impl MasterEquation {
         }
         affordable(&contacts, "contacts.reforming", &contacts.reforming)?;
         affordable(&contacts, "initial", &initial.law)?;
-        let reborn = athermal(&contacts, &contacts.reforming, true, monitor)?;
+        let reformed = athermal(&contacts, &contacts.reforming, true, monitor)?;
         let first = athermal(&contacts, &initial.law, initial.start == Start::Conditional, monitor)?;
-        Ok(Self { contacts, start: initial.start, first: Arc::new(first), reborn: Arc::new(reborn) })
+        Ok(Self { contacts, start: initial.start, first: Arc::new(first), reformed: Arc::new(reformed) })
     }
 
-    /// The master equation of contacts that start from `initial` at t = 0, all of age 0, while the slider moves at the
-    /// constant velocity v (a length per time); for contacts that know no time the same as [`MasterEquation::new`].
+    /// The master equation of contacts that start from `initial` at t = 0, all of age 0, while the slider
+    /// moves at the constant velocity v (length per time). For time-independent contacts the same as
+    /// [`MasterEquation::new`].
     ///
-    /// Where ageing makes contacts stiffer (k = κ x_s), the energy balance of its population does not close: what ageing brings while
-    /// contacts are stretched is told by [`Transport::books`] alone.
+    /// If ageing makes contacts stiffer (k = κ x_s), the energy balance of its population does not close: the
+    /// work done by ageing on stretched contacts is only computed by [`Transport::books`].
     ///
     /// # Errors
-    /// A velocity that is not a finite number above 0; those of [`Contacts::check`]; ageing for which no life is known;
-    /// stopped by the monitor.
+    /// A velocity that is not a finite number above 0; those of [`Contacts::check`]; ageing without a life at
+    /// a velocity; stopped by the monitor.
     pub fn at(
         contacts: Contacts,
         initial: &Initial,
@@ -135,14 +137,14 @@ impl MasterEquation {
         let conditional = initial.start == Start::Conditional;
         let alike = conditional && contacts.rules.delay == 0.0 && same(&initial.law, &contacts.reforming);
         let part = &mut Part::new(monitor, 0.0, if alike { 1.0 } else { 0.5 });
-        let reborn = Arc::new(moving(&contacts, &contacts.reforming, true, velocity, true, part)?);
+        let reformed = Arc::new(moving(&contacts, &contacts.reforming, true, velocity, true, part)?);
         let first = if alike {
-            reborn.clone()
+            reformed.clone()
         } else {
             let part = &mut Part::new(monitor, 0.5, 0.5);
             Arc::new(moving(&contacts, &initial.law, conditional, velocity, false, part)?)
         };
-        Ok(Self { contacts, start: initial.start, first, reborn })
+        Ok(Self { contacts, start: initial.start, first, reformed })
     }
 
     /// The contacts.
@@ -150,15 +152,15 @@ impl MasterEquation {
         &self.contacts
     }
 
-    /// The same contacts where all have just re-formed.
+    /// The same contacts, all of them just re-formed at X = 0.
     #[must_use]
     pub fn renewed(&self) -> Self {
-        Self { start: Start::Conditional, first: self.reborn.clone(), ..self.clone() }
+        Self { start: Start::Conditional, first: self.reformed.clone(), ..self.clone() }
     }
 
     /// The life of contacts that re-form.
     pub fn life(&self) -> &Life {
-        &self.reborn
+        &self.reformed
     }
 
     /// The life of the contacts that are there at X = 0.
@@ -166,7 +168,7 @@ impl MasterEquation {
         &self.first
     }
 
-    /// Refuses the closure of steady sliding where sliding is not steady.
+    /// Refuses the mean-field closure, which only describes steady sliding.
     fn has_transients(&self) -> Result<()> {
         if !matches!(self.contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
             return Ok(());
@@ -184,23 +186,24 @@ impl MasterEquation {
 
     /// Steady sliding.
     pub fn steady_state(&self) -> SteadyState {
-        SteadyState::new(self.reborn.clone(), self.stiffness())
+        SteadyState::new(self.reformed.clone(), self.stiffness())
     }
 
-    /// The relaxation spectrum; of `ageing.mean_field`, which closes steady sliding alone, it is not known.
+    /// The relaxation spectrum; unknown for `ageing.mean_field`, which only describes steady sliding.
     ///
     /// # Errors
     /// Stopped by the monitor.
     pub fn relaxation(&self, monitor: &mut dyn Monitor) -> Result<Relaxation> {
-        Relaxation::new(&self.contacts, &self.first, &self.reborn, self.stiffness(), monitor)
+        Relaxation::new(&self.contacts, &self.first, &self.reformed, self.stiffness(), monitor)
     }
 
-    /// Pulls the slider's bottom from X = 0 to `distance` (a length), F/(N_c⟨k⟩) to about `tolerance` × the mean
-    /// threshold. The solution reaches at least three mean lives, so that K_c is found however short the pull.
+    /// Pulls the bottom of the slider from X = 0 to `distance`, with F/(N_c⟨k⟩) accurate to about `tolerance`
+    /// × the mean threshold. The solution extends over at least three mean lives, so that K_c is found for
+    /// any distance.
     ///
     /// # Errors
-    /// A distance that is not above 0 or a tolerance outside [1e-12, 1e-2]; `ageing.mean_field`, which says nothing of sliding
-    /// that is not steady; stopped by the monitor; too many point masses; accuracy not reached.
+    /// A distance that is not above 0 or a tolerance outside [1e-12, 1e-2]; `ageing.mean_field`, which only
+    /// describes steady sliding; stopped by the monitor; too many point masses; accuracy not reached.
     pub fn pull(
         &self,
         distance: f64,
@@ -213,22 +216,22 @@ impl MasterEquation {
         let tolerance = tolerance.into();
         tolerance.check()?;
         self.has_transients()?;
-        let end = distance.max(3.0 * self.reborn.mean());
-        let leg = RenewalSolution::solve(&self.first, &self.reborn, end, tolerance, monitor)?;
-        Ok(Pull::new(leg, self.stiffness(), distance, tolerance.value()))
+        let end = distance.max(3.0 * self.reformed.mean());
+        let renewal = RenewalSolution::solve(&self.first, &self.reformed, end, tolerance, monitor)?;
+        Ok(Pull::new(renewal, self.stiffness(), distance, tolerance.value()))
     }
 }
 
-/// Whether two laws are known to be one.
+/// Whether two distributions are known to be equal.
 fn same(a: &SharedLaw, b: &SharedLaw) -> bool {
     let parameters = a.parameters();
     Arc::ptr_eq(a, b) || (!parameters.is_empty() && a.name() == b.name() && parameters == b.parameters())
 }
 
-/// Refuses contacts whose thresholds vary on lengths so much shorter than those over which they start that their life would
-/// not fit in memory.
+/// Refuses contacts whose thresholds vary on lengths so much shorter than the spread of starting stretches
+/// that their life would not fit in memory.
 fn affordable(contacts: &Contacts, key: &str, starts: &SharedLaw) -> Result<()> {
-    /// Curves of 16 terms that a life and the solution on it take.
+    /// Memory of the curves of a life and of the solution with it, per cell of 16 terms.
     const BYTES_PER_CELL: f64 = 16.0 * 8.0 * 20.0;
     const ALLOWED: u64 = 256 << 20;
     let needed = BYTES_PER_CELL * cells_of(contacts, starts);

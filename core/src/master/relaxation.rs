@@ -1,4 +1,4 @@
-//! Relaxation to steady sliding: the spectrum of exponents, and the force far out from it.
+//! Relaxation to steady sliding: the spectrum of exponents, and the force far from the start.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -10,20 +10,20 @@ use crate::contacts::{Ageing, Contacts};
 use crate::life::{Continuation, Life};
 use crate::monitor::{Monitor, Watch};
 
-/// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1 and
-/// c_j = φ̂₀(s_j) m̂(s_j)/(−φ̂'(s_j)).
+/// The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), with s_j the roots ≠ 0 of φ̂(s) = 1 and c_j =
+/// φ̂₀(s_j) m̂(s_j)/(−φ̂'(s_j)).
 ///
-/// φ is the breaking density of re-formed contacts, m their carried force, φ₀ the breaking density of the initial
-/// ones, hats are Laplace transforms. For R = δ(x), φ = P_c. The relaxation length is X* = −1/Re s₁, s₁ the slowest root.
-/// A law whose tail falls like exp(−λx), with λ < −Re s₁, rules instead: X* = 1/λ.
-/// Thresholds on a lattice (identical, or 1 and 2) never settle: X* = ∞.
-/// The transform of the lognormal law is not analytic for Re s < 0: its continued pole rules until, far out, the
-/// tail takes over.
-/// Of contacts at a velocity, roots are known as far left as their life gives φ̂, −Re s = 8/(where it ends).
+/// φ is the breaking density of re-formed contacts, m their carried force, φ₀ the breaking density of the
+/// initial ones; hats denote Laplace transforms. For R = δ(x), φ = P_c. The relaxation length is X* = −1/Re
+/// s₁, s₁ the slowest root. A distribution whose tail falls like exp(−λx), λ < −Re s₁, dominates instead: X*
+/// = 1/λ. Thresholds on a lattice (identical, or 1 and 2) never relax: X* = ∞. The transform of the lognormal
+/// distribution is not analytic for Re s < 0: its continued pole describes relaxation until, far out, the
+/// tail takes over. For contacts at a velocity, roots are known as far left as their life determines φ̂, −Re
+/// s = 8/(the end of the life).
 #[derive(Debug, Clone)]
 pub struct Relaxation {
     roots: Vec<Complex64>,
-    /// Those of the slowest roots that the lives resolve.
+    /// Terms of the slowest roots that the lives resolve.
     terms: Vec<Term>,
     length: f64,
     paper_estimate: f64,
@@ -38,25 +38,25 @@ struct Term {
     amplitude: Complex64,
 }
 
-/// |Re s|/|s| below this is 0: an oscillation that never dies.
+/// Ratio |Re s|/|s| below which an oscillation counts as undamped.
 const UNDAMPED: f64 = 1e-12;
 
 /// Highest frequency searched, in units of 2π/(mean life).
 const HARMONICS: f64 = 40.0;
 
-/// What the expansion may leave out of F/(N_c⟨k⟩ × mean life) where it is called valid.
+/// Truncation error of the expansion of F/(N_c⟨k⟩ × mean life) where it is called valid.
 const LEFT_OUT: f64 = 1e-12;
 
 /// x̄²/σ.
-fn paper_estimate(contacts: &Contacts, reborn: &Life) -> f64 {
+fn paper_estimate(contacts: &Contacts, reformed: &Life) -> f64 {
     /// σ²/x̄² of a law that is no wider than rounding.
     const IDENTICAL: f64 = 1e-12;
     let law = &contacts.thresholds;
     if !contacts.rules.are_time_dependent() {
         return law.mean() * law.mean() / law.std();
     }
-    let square = reborn.mean() * reborn.mean();
-    let variance = reborn.mean_square() - square;
+    let square = reformed.mean() * reformed.mean();
+    let variance = reformed.mean_square() - square;
     if variance > IDENTICAL * square { square / variance.sqrt() } else { f64::INFINITY }
 }
 
@@ -64,16 +64,16 @@ impl Relaxation {
     pub(super) fn new(
         contacts: &Contacts,
         first: &Life,
-        reborn: &Life,
+        reformed: &Life,
         stiffness: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let kinetic_friction = stiffness * reborn.force().curve().integral() / reborn.mean();
+        let kinetic_friction = stiffness * reformed.force().curve().integral() / reformed.mean();
         if matches!(contacts.rules.ageing, Some(Ageing::MeanField { .. })) {
             return Ok(Self::unknown(kinetic_friction));
         }
         let watch = Watch::new(monitor);
-        let transform = Transform::new(contacts, reborn, &watch);
+        let transform = Transform::new(contacts, reformed, &watch);
         let roots = transform.roots();
         let law = &contacts.thresholds;
         let rate = if contacts.rules.are_time_dependent() { f64::INFINITY } else { law.decay_rate() };
@@ -85,100 +85,102 @@ impl Relaxation {
             None => f64::NAN,
         };
         let terms = transform.terms(&roots, first);
-        let valid_from = valid_from(&terms, &roots, rate.min(law.known_rate()), first, reborn);
+        let valid_from = valid_from(&terms, &roots, rate.min(law.known_rate()), first, reformed);
         watch.check()?;
         Ok(Self {
             roots,
             terms: terms.into_iter().map(|t| Term { amplitude: stiffness * t.amplitude, ..t }).collect(),
             length: 1.0 / slowest,
-            paper_estimate: paper_estimate(contacts, reborn),
+            paper_estimate: paper_estimate(contacts, reformed),
             kinetic_friction,
             valid_from,
         })
     }
 
-    /// Of a closure that knows steady sliding alone.
+    /// For the mean-field closure, which only describes steady sliding.
     fn unknown(kinetic_friction: f64) -> Self {
         let (roots, terms) = (Vec::new(), Vec::new());
         let [length, paper_estimate] = [f64::NAN; 2];
         Self { roots, terms, length, paper_estimate, kinetic_friction, valid_from: f64::INFINITY }
     }
 
-    /// Relaxation length X*, infinite where the force never settles; NaN where no root is found, where a tail that was
-    /// cut off may rule ([`crate::law::Law::known_rate`]), and for `ageing.mean_field`.
+    /// Relaxation length X*, infinite if the force never becomes steady. NaN if no root is found, if a
+    /// truncated tail may dominate ([`crate::law::Law::known_rate`]), and for `ageing.mean_field`.
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// The paper's estimate x̄²/σ; infinite for identical thresholds. For narrow laws X* is x̄³/(2π²σ²). Of contacts that know
-    /// time, x̄ and σ are those of the ways from birth to rebirth in steady sliding, which the thresholds that they meet are
-    /// where they re-form at 0 and at once.
+    /// The paper's estimate x̄²/σ; infinite for identical thresholds. For narrow distributions X* is
+    /// x̄³/(2π²σ²). For time-dependent contacts x̄ and σ are those of the advance between formations in
+    /// steady sliding, which equals the threshold for contacts that re-form at 0 without delay.
     pub fn paper_estimate(&self) -> f64 {
         self.paper_estimate
     }
 
-    /// Roots s_j with Im s_j > 0, slowest first, per length; far from the axis some may be left out.
+    /// Roots s_j with Im s_j > 0, slowest first, per length; some far from the imaginary axis may be missing.
     pub fn roots(&self) -> &[Complex64] {
         &self.roots
     }
 
-    /// F(X) from the expansion, a force; meaningful for X ≥ [`Relaxation::valid_from`].
+    /// F(X) from the expansion, a force; valid for X ≥ [`Relaxation::valid_from`].
     pub fn force(&self, position: f64) -> f64 {
         let term = |t: &Term| 2.0 * (t.amplitude * (t.exponent * position).exp()).re;
         self.kinetic_friction + self.terms.iter().map(term).sum::<f64>()
     }
 
-    /// The position from which the terms left out are below 1e-12 of N_c⟨k⟩ × the mean life; infinite where the
+    /// The position from which the truncated terms are below 1e-12 of N_c⟨k⟩ × the mean life; infinite if the
     /// expansion does not hold (tails heavier than exponential).
     pub fn valid_from(&self) -> f64 {
         self.valid_from
     }
 }
 
-/// Where the first term left out, and an exponential tail of the thresholds or what is not known of it, have faded.
-fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, reborn: &Life) -> f64 {
+/// The position at which the first omitted term, and an exponential tail of the thresholds or the unknown
+/// part of it, have decayed.
+fn valid_from(terms: &[Term], roots: &[Complex64], rate: f64, first: &Life, reformed: &Life) -> f64 {
     let undamped = |s: &Complex64| -s.re < UNDAMPED * s.norm();
     if rate == 0.0 || roots.iter().any(undamped) {
         return f64::INFINITY;
     }
-    // Roots beyond those known have amplitudes and rates like the last; the margin is for their sum.
-    let size = terms.iter().map(|t| t.amplitude.norm() / unit_force(reborn)).fold(1.0, f64::max);
+    // Unknown roots have amplitudes and rates like the last known one; the margin accounts for their sum.
+    let size = terms.iter().map(|t| t.amplitude.norm() / unit_force(reformed)).fold(1.0, f64::max);
     let next = roots.get(terms.len()).or(roots.last()).map_or(rate, |s| -s.re);
     let fade = (1e5 * size / LEFT_OUT).ln().max(0.0) / next;
     let tail = -LEFT_OUT.ln() / rate;
     tail.max(fade).max(first.breaking().curve().end())
 }
 
-/// φ̂ and what follows from it.
+/// φ̂ and its zeros.
 struct Transform<'a, 'm> {
-    reborn: &'a Life,
+    reformed: &'a Life,
     mean: f64,
-    /// φ̂ to the left of what the life gives; none for contacts at a velocity.
+    /// φ̂ left of where the life determines it; `None` for contacts at a velocity.
     continuation: Option<Continuation>,
-    /// Whether the continuation is exact everywhere: a closed form, and no contact re-forms among the thresholds.
+    /// Whether the continuation is exact everywhere: a closed form, and no contact re-forms among the
+    /// thresholds.
     everywhere: bool,
-    /// Whether the transform exists for Re s < 0 only by continuation: then only the pole nearest to that of the
-    /// Gaussian of equal mean and variance is looked for.
+    /// Whether the transform exists for Re s < 0 only by continuation: then only the pole closest to that of
+    /// the Gaussian with the same mean and variance is computed.
     continued: bool,
-    /// Re s down to which the life, known to where S = 1e-18, gives the transform.
+    /// Smallest Re s for which the life, known to where S = 1e-18, determines the transform.
     known: f64,
-    /// Re s down to which there is a transform.
+    /// Smallest Re s for which a transform is known.
     leftmost: f64,
     watch: &'a Watch<'m>,
 }
 
 impl<'a, 'm> Transform<'a, 'm> {
-    fn new(contacts: &'a Contacts, reborn: &'a Life, watch: &'a Watch<'m>) -> Self {
+    fn new(contacts: &'a Contacts, reformed: &'a Life, watch: &'a Watch<'m>) -> Self {
         let law = &contacts.thresholds;
         let apart = 1.0 - law.survival(contacts.reforming.upper_quantile(1e-18)) < 1e-15;
         let timed = contacts.rules.are_time_dependent();
         let continued = law.decay_rate() == 0.0 && !timed;
-        // Of 1e-18 left out, e^8 times more is still 1e-14.
-        let known = -8.0 / reborn.breaking().curve().end();
+        // e^8 times the neglected 1e-18 is still below 1e-14.
+        let known = -8.0 / reformed.breaking().curve().end();
         let continuation = (!timed).then(|| Continuation::new(contacts, known, watch));
         Self {
-            reborn,
-            mean: reborn.mean(),
+            reformed,
+            mean: reformed.mean(),
             leftmost: continuation.as_ref().map_or(known, Continuation::leftmost),
             continuation,
             everywhere: apart && law.laplace_is_closed() && !timed,
@@ -188,7 +190,7 @@ impl<'a, 'm> Transform<'a, 'm> {
         }
     }
 
-    /// What gives the transform: the laws, or else the life.
+    /// The continuation, where it is used instead of the life.
     fn laws(&self, s: Complex64) -> Option<&Continuation> {
         self.continuation.as_ref().filter(|_| self.everywhere || s.re < self.known)
     }
@@ -196,32 +198,32 @@ impl<'a, 'm> Transform<'a, 'm> {
     /// φ̂(s).
     fn breaking(&self, s: Complex64) -> Complex64 {
         self.watch.value(|| {
-            self.laws(s).map_or_else(|| self.reborn.breaking().transform(s).0, |laws| laws.transform(s))
+            self.laws(s).map_or_else(|| self.reformed.breaking().transform(s).0, |laws| laws.transform(s))
         })
     }
 
-    /// φ̂'(s); of the continuation by Cauchy's formula on eight points around s, exact to the eighth order.
+    /// φ̂'(s); for the continuation by Cauchy's formula with eight points around s, exact to eighth order.
     fn slope(&self, s: Complex64) -> Complex64 {
         let Some(laws) = self.laws(s) else {
-            return self.reborn.breaking().transform(s).1;
+            return self.reformed.breaking().transform(s).1;
         };
         let radius = 0.02 / self.mean;
         let around = (0..8).map(|k| Complex64::from_polar(radius, f64::from(k) * FRAC_PI_4));
         around.map(|h| laws.transform(s + h) / h).sum::<Complex64>() / 8.0
     }
 
-    /// (1 − φ̂(s))/s, the transform of survival: its zeros are the roots, without the one at 0.
+    /// (1 − φ̂(s))/s, the transform of survival: its zeros are the roots without s = 0.
     fn survival(&self, s: Complex64) -> Complex64 {
         (1.0 - self.breaking(s)) / s
     }
 
-    /// Where terms of the expansion stop: their amplitudes would be of what the lives leave out.
+    /// Smallest Re s of terms of the expansion: amplitudes further left are below the accuracy of the lives.
     fn last_term(&self) -> f64 {
-        -25.0 / self.reborn.force().curve().end()
+        -25.0 / self.reformed.force().curve().end()
     }
 
-    /// The secant method for ln φ̂, nearly a polynomial where φ̂ is large, from a guess; a root in the upper half plane
-    /// left of the axis, right of `leftmost`.
+    /// The secant method for ln φ̂, which is nearly polynomial where φ̂ is large, from a guess. Returns a
+    /// root in the upper half plane, left of the imaginary axis and right of `leftmost`.
     fn polish(&self, guess: Complex64) -> Option<Complex64> {
         let mut before = (guess, self.breaking(guess));
         let mut s = guess + 1e-3 / self.mean;
@@ -242,8 +244,9 @@ impl<'a, 'm> Transform<'a, 'm> {
         (inside && residue < 1e-10).then_some(s)
     }
 
-    /// The roots with 0 < Im s ≤ Ω, slowest first: Newton from the dips of |1 − φ̂| on the imaginary axis and from the
-    /// roots of the Gaussian of equal mean and variance, until the argument principle finds none to their right.
+    /// The roots with 0 < Im s ≤ Ω, slowest first: from the minima of |1 − φ̂| on the imaginary axis and from
+    /// the roots of the Gaussian with the same mean and variance, until the argument principle finds no
+    /// further root to the right of the slowest.
     fn roots(&self) -> Vec<Complex64> {
         if self.continued {
             return self.harmonics(3).filter_map(|guess| self.polish(guess)).take(1).collect();
@@ -287,19 +290,20 @@ impl<'a, 'm> Transform<'a, 'm> {
     fn harmonics(&self, count: u32) -> impl Iterator<Item = Complex64> {
         let (mean, variance) = (self.mean, self.variance());
         (1..=count).map(move |j| {
-            let turn = Complex64::new(0.0, 2.0 * std::f64::consts::TAU * f64::from(j) * variance);
-            (mean - (mean * mean - turn).sqrt()) / variance
+            let argument_change = Complex64::new(0.0, 2.0 * std::f64::consts::TAU * f64::from(j) * variance);
+            (mean - (mean * mean - argument_change).sqrt()) / variance
         })
     }
 
     /// Variance of the advance survived.
     fn variance(&self) -> f64 {
-        let points = self.reborn.survival().curve().points(f64::INFINITY);
+        let points = self.reformed.survival().curve().points(f64::INFINITY);
         let second: f64 = points.iter().map(|(u, weight)| 2.0 * u * weight).sum();
         (second - self.mean * self.mean).max(1e-12 * self.mean * self.mean)
     }
 
-    /// Number of zeros of the transform of survival with Re s > `left`, 0 < Im s ≤ Ω, by the argument principle.
+    /// Number of zeros of the transform of survival with Re s > `left`, 0 < Im s ≤ Ω, by the argument
+    /// principle.
     fn zeros_right_of(&self, left: f64) -> i64 {
         let top = std::f64::consts::TAU * (HARMONICS + 0.5) / self.mean;
         let right = 1.0 / self.mean;
@@ -309,42 +313,48 @@ impl<'a, 'm> Transform<'a, 'm> {
             Complex64::new(left, top),
             Complex64::new(left, 1e-9 / self.mean),
         ];
-        let turned: f64 = corners.windows(2).map(|c| self.turn(c[0], c[1])).sum();
+        let turned: f64 = corners.windows(2).map(|c| self.argument_change(c[0], c[1])).sum();
         (turned / std::f64::consts::TAU * 2.0).round() as i64 / 2
     }
 
-    /// Change of the argument of the transform of survival on the way from a to b.
-    fn turn(&self, a: Complex64, b: Complex64) -> f64 {
+    /// Change of the argument of the transform of survival from a to b.
+    fn argument_change(&self, a: Complex64, b: Complex64) -> f64 {
         let steps = ((b - a).norm() * self.mean / 0.4).ceil() as usize;
         let at = |k: usize| a + (b - a) * (k as f64 / steps as f64);
         let mut before = self.survival(a);
         let step = |k: usize| {
             let after = self.survival(at(k + 1));
-            let turned = self.turn_within((at(k), before), (at(k + 1), after), 0);
+            let turned = self.argument_change_on_step((at(k), before), (at(k + 1), after), 0);
             before = after;
             turned
         };
         (0..steps).map(step).sum()
     }
 
-    /// The same on a step, halved until neither half turns by more than ½.
-    fn turn_within(&self, a: (Complex64, Complex64), b: (Complex64, Complex64), depth: u32) -> f64 {
+    /// The same on a step, bisected until neither half changes the argument by more than ½.
+    fn argument_change_on_step(
+        &self,
+        a: (Complex64, Complex64),
+        b: (Complex64, Complex64),
+        depth: u32,
+    ) -> f64 {
         let middle = 0.5 * (a.0 + b.0);
         let middle = (middle, self.survival(middle));
         let halves = [(middle.1 / a.1).arg(), (b.1 / middle.1).arg()];
-        if halves.iter().all(|turn| turn.abs() < 0.5) || depth > 10 {
+        if halves.iter().all(|argument_change| argument_change.abs() < 0.5) || depth > 10 {
             return halves.iter().sum();
         }
-        self.turn_within(a, middle, depth + 1) + self.turn_within(middle, b, depth + 1)
+        self.argument_change_on_step(a, middle, depth + 1)
+            + self.argument_change_on_step(middle, b, depth + 1)
     }
 
-    /// Amplitudes of the roots that the lives resolve, of F per unit stiffness.
+    /// Terms of the roots that the lives resolve, per unit stiffness.
     fn terms(&self, roots: &[Complex64], first: &Life) -> Vec<Term> {
-        let end = first.breaking().curve().end().max(self.reborn.force().curve().end());
+        let end = first.breaking().curve().end().max(self.reformed.force().curve().end());
         let resolved = roots.iter().take_while(|s| -s.re * end < 25.0);
         let term = |&s: &Complex64| {
             let source = first.breaking().transform(s).0;
-            let force = self.reborn.force().curve().transform(s).0;
+            let force = self.reformed.force().curve().transform(s).0;
             Term { exponent: s, amplitude: -source * force / self.slope(s) }
         };
         resolved.map(term).collect()

@@ -1,24 +1,25 @@
-//! One leg of motion: what breaks and what is carried on it, from the lives of its first contacts and of the re-formed.
+//! The renewal equation for motion in one direction: breaking rate and carried force from the lives of
+//! initial and re-formed contacts.
 
 use std::sync::Arc;
 
 use super::Tolerance;
 use crate::life::{Births, Layer, Life, ORDERS};
 use crate::monitor::{Aside, Monitor, Rising};
-use crate::numerics::breaks::{Atom, Break};
+use crate::numerics::breakpoints::{Atom, Breakpoint};
 use crate::numerics::legendre::NODES;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::{Accuracy, Kernel, Solution, solve};
 use crate::{Error, Result};
 
-/// The solution of the renewal equation for monotone motion, as functions of the advance u of the slider.
+/// The solution of the renewal equation for monotonic motion, as functions of the advance u of the slider.
 ///
-/// Γ(u) = φ₀(u) + ∫₀^u Γ(v) φ(u − v) dv, with φ₀ the breaking density of the contacts that are there at u = 0 and φ that
-/// of those that re-form. What contacts carry follows by the same convolution: F(u) = m₀(u) + ∫₀^u Γ(v) m(u − v) dv.
+/// Γ(u) = φ₀(u) + ∫₀^u Γ(v) φ(u − v) dv, with φ₀ the breaking density of the contacts at u = 0 and φ that of
+/// re-formed ones. The force follows by the same convolution: F(u) = m₀(u) + ∫₀^u Γ(v) m(u − v) dv.
 #[derive(Debug, Clone)]
 pub(super) struct RenewalSolution {
     pub(super) first: Arc<Life>,
-    pub(super) reborn: Arc<Life>,
+    pub(super) reformed: Arc<Life>,
     pub(super) solution: Solution,
     /// F and its slope, per unit stiffness.
     pub(super) force: Piecewise,
@@ -28,118 +29,120 @@ pub(super) struct RenewalSolution {
 }
 
 impl RenewalSolution {
-    /// Solves on [0, end], F/(N_c⟨k⟩) to `tolerance` × the mean life.
+    /// Solves on [0, end], with F/(N_c⟨k⟩) accurate to `tolerance` × the mean life.
     ///
     /// # Errors
-    /// Stopped by the monitor; too many point masses; a tolerance that was required and is not reached.
+    /// Stopped by the monitor; too many point masses; a required tolerance that is not reached.
     pub(super) fn solve(
         first: &Arc<Life>,
-        reborn: &Arc<Life>,
+        reformed: &Arc<Life>,
         end: f64,
         tolerance: Tolerance,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         let mut rising = Rising::new(monitor);
         let monitor: &mut dyn Monitor = &mut rising;
-        // What lives are off by is not solved for.
-        let known = first.error().max(reborn.error());
+        // The solution need not be more accurate than the lives.
+        let known = first.error().max(reformed.error());
         let value = tolerance.value().max(known);
-        let leg = match (Self::refined(first, reborn, end, value, monitor), tolerance.coarser()) {
+        let renewal = match (Self::refined(first, reformed, end, value, monitor), tolerance.coarser()) {
             (Err(Error::Accuracy { .. }), Some(coarser)) => {
-                return Self::solve(first, reborn, end, coarser, monitor);
+                return Self::solve(first, reformed, end, coarser, monitor);
             }
             (solved, _) => solved?,
         };
-        tolerance.allows(leg.error, || format!("the force on a pull by {end}"))?;
-        Ok(leg)
+        tolerance.allows(renewal.error, || format!("the force on a pull by {end}"))?;
+        Ok(renewal)
     }
 
-    /// The solution with cells of the usual width, or, where something narrow was stepped over, with cells that begin as fine
-    /// as the finest part of the life.
+    /// The solution with cells of the usual initial width or, if a narrow feature was stepped over, with
+    /// initial cells as narrow as the finest part of the life.
     fn refined(
         first: &Arc<Life>,
-        reborn: &Arc<Life>,
+        reformed: &Arc<Life>,
         end: f64,
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let usual = Self::with_cells(first, reborn, end, (tolerance, 0.1), monitor)?;
+        let usual = Self::with_cells(first, reformed, end, (tolerance, 0.1), monitor)?;
         if usual.error <= tolerance.max(2.0 * usual.of_lives()) {
             return Ok(usual);
         }
-        let fine = Self::with_cells(first, reborn, end, (tolerance, 1e-4), monitor)?;
+        let fine = Self::with_cells(first, reformed, end, (tolerance, 1e-4), monitor)?;
         Ok(if fine.error < usual.error { fine } else { usual })
     }
 
-    /// The solution, with cells that begin as narrow as those that hold the fraction `light` of what breaks.
+    /// The solution whose initial cells are as narrow as those that hold the fraction `narrow_fraction` of
+    /// the breaking density.
     fn with_cells(
         first: &Arc<Life>,
-        reborn: &Arc<Life>,
+        reformed: &Arc<Life>,
         end: f64,
-        (tolerance, light): (f64, f64),
+        (tolerance, narrow_fraction): (f64, f64),
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        // Lives are resolved to about 1e-13 per mean life; what a cell leaves out grows as its width to the 16th power.
+        // Lives are accurate to about 1e-13 per mean life; the truncation error of a cell grows as the 16th
+        // power of its width.
         let accuracy = Accuracy {
-            density: 0.3 * tolerance / reborn.mean(),
+            density: 0.3 * tolerance / reformed.mean(),
             mass: 3e-3 * tolerance,
-            kept: tolerance,
-            carried: 0.3 * tolerance * unit_force(reborn),
-            widening: (tolerance / 1e-13).powf(1.0 / 16.0),
-            light,
+            conservation: tolerance,
+            convolved: 0.3 * tolerance * unit_force(reformed),
+            initial_width: (tolerance / 1e-13).powf(1.0 / 16.0),
+            narrow_fraction,
         };
-        let kept = (first.survival().curve(), reborn.survival());
-        let onsets = [first.reattachment(), reborn.reattachment()];
+        let kept = (first.survival().curve(), reformed.survival());
+        let onsets = [first.reattachment(), reformed.reattachment()];
         let onsets = [onsets[0].as_slice(), onsets[1].as_slice()];
-        let solution = solve(first.breaking(), reborn.breaking(), kept, onsets, end, accuracy, monitor)
+        let solution = solve(first.breaking(), reformed.breaking(), kept, onsets, end, accuracy, monitor)
             .map_err(|error| error.under("contacts.thresholds"))?;
         let force = solution.convolve(
             first.force().curve(),
-            reborn.force(),
+            reformed.force(),
             &mut Aside { fraction: 1.0, monitor },
         )?;
-        let slope = slope(&force, reborn);
-        let mut leg =
-            Self { first: first.clone(), reborn: reborn.clone(), solution, force, slope, error: 0.0 };
-        leg.error = leg.estimated_error();
-        Ok(leg)
+        let slope = slope(&force, reformed);
+        let mut renewal =
+            Self { first: first.clone(), reformed: reformed.clone(), solution, force, slope, error: 0.0 };
+        renewal.error = renewal.estimated_error();
+        Ok(renewal)
     }
 
-    /// The error budget, of F/(N_c⟨k⟩) per mean life: that of the lives, and the larger of what ∫Q is off by and of what the
-    /// polynomials of F are off by, as two quadratures tell which share nothing with the solution but Γ.
+    /// The error of F/(N_c⟨k⟩) per mean life: that of the lives, plus the larger of the error of ∫Q and that
+    /// of the polynomials of F, measured by two quadratures that share only Γ with the solution.
     fn estimated_error(&self) -> f64 {
-        let (mut lost, mut apart) = (0.0_f64, 0.0_f64);
+        let (mut probability_error, mut force_error) = (0.0_f64, 0.0_f64);
         for (cell, x) in self.places() {
-            lost = lost.max((self.sum_at(Life::survival, x) - 1.0).abs());
-            apart = apart.max((self.sum_at(Life::force, x) - self.force.value_in(cell, x)).abs());
+            probability_error = probability_error.max((self.sum_at(Life::survival, x) - 1.0).abs());
+            force_error = force_error.max((self.sum_at(Life::force, x) - self.force.value_in(cell, x)).abs());
         }
-        self.of_lives() + lost.max(apart / unit_force(&self.reborn))
+        self.of_lives() + probability_error.max(force_error / unit_force(&self.reformed))
     }
 
-    /// What the lives themselves are off by.
+    /// The error of the lives.
     fn of_lives(&self) -> f64 {
-        self.first.error().max(self.reborn.error())
+        self.first.error().max(self.reformed.error())
     }
 
-    /// What all contacts together have of a curve of their lives.
+    /// Sum over all contacts of a curve of their lives.
     ///
     /// # Errors
     /// Stopped by the monitor.
     pub(super) fn sum(&self, curve: fn(&Life) -> &Kernel, monitor: &mut dyn Monitor) -> Result<Piecewise> {
         let first = curve(&self.first).curve();
-        self.solution.convolve(first, curve(&self.reborn), monitor)
+        self.solution.convolve(first, curve(&self.reformed), monitor)
     }
 
-    /// The same at one advance, by a quadrature that shares nothing with the solution but Γ; after the break where
-    /// contacts break together there.
+    /// The same at one advance, by a quadrature that shares only Γ with the solution; after simultaneous
+    /// breaks there.
     pub(super) fn sum_at(&self, curve: fn(&Life) -> &Kernel, advance: f64) -> f64 {
         let start = self.force.boundaries[self.force.nearest(advance)];
         let past = if advance < start * (1.0 + 1e-11) { start * (1.0 + 2e-11) } else { advance };
-        self.solution.convolve_at(curve(&self.first).curve(), curve(&self.reborn), past)
+        self.solution.convolve_at(curve(&self.first).curve(), curve(&self.reformed), past)
     }
 
-    /// Points spread over the leg, with their cells: halfway between the middle of a cell, where a polynomial is at its best,
-    /// and its end; atoms lie on boundaries. Of the last cell the end, too.
+    /// Test points with their cells: halfway between the middle of a cell, where a polynomial is most
+    /// accurate, and its end (point masses lie on boundaries); and the end of the last cell.
     fn places(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let end = self.force.end();
@@ -152,28 +155,30 @@ impl RenewalSolution {
         inside.chain([(self.force.nearest(end), end * (1.0 - 1e-12))])
     }
 
-    /// The contacts born up to the advance `u` in the given cell, and still there.
+    /// The contacts that formed up to the advance `u`, in the given cell, and may still exist.
     pub(super) fn born(&self, u: f64, cell: usize) -> Layer {
         let rate = &self.solution.density;
-        // What was born a life ago may just be about to break.
-        let past = (u - self.reborn.survival().curve().end() * (1.0 + 1e-12)).max(0.0);
+        // Contacts formed one life ago may just be about to break.
+        let past = (u - self.reformed.survival().curve().end() * (1.0 + 1e-12)).max(0.0);
         let done = self.force.boundaries[cell] * (1.0 + 1e-12);
         let atoms = self.solution.atoms.iter().filter(|a| a.position >= past && a.position <= done);
         let atoms = atoms.map(|a| Atom { position: (u - a.position).max(0.0), ..*a }).collect();
-        let breaks = self.solution.breaks.iter().filter(|b| b.position >= past && b.position < u);
-        let mut breaks: Vec<_> = breaks.map(|b| Break { position: u - b.position, ..b.mirrored() }).collect();
+        let breakpoints = self.solution.breakpoints.iter().filter(|b| b.position >= past && b.position < u);
+        let mut breakpoints: Vec<_> =
+            breakpoints.map(|b| Breakpoint { position: u - b.position, ..b.mirrored() }).collect();
         let end: [f64; ORDERS] = rate.jet_in(cell, u);
-        breaks.extend((0_i32..).zip(end).map(|(order, derivative)| Break {
+        breakpoints.extend((0_i32..).zip(end).map(|(order, derivative)| Breakpoint {
             position: 0.0,
             exponent: f64::from(order),
             amplitude: (-1.0_f64).powi(order) * derivative,
         }));
         let rate = rate.part(past, u).mirrored().shifted(u);
-        self.reborn.born(&Births { rate, atoms, breaks })
+        self.reformed.born(&Births { rate, atoms, breakpoints })
     }
 }
 
-/// What slopes of forces are told over, of a mean life: over less, they are lost in the rounding of the force.
+/// Length, in mean lives, over which slopes of forces are measured at least: over less, they are lost in the
+/// rounding of the force.
 const CHORD: f64 = 1e-6;
 
 /// The force of contacts stretched by their mean life, per unit stiffness.
@@ -181,11 +186,11 @@ pub(super) fn unit_force(life: &Life) -> f64 {
     life.mean() * life.stiffness()
 }
 
-/// The slope of a force on its own cells, of contacts with this life.
+/// The slope of a force on its own cells, for contacts with this life.
 ///
-/// Cells beside a singularity double in width from next to nothing. The derivative of a polynomial on one of them is little
-/// but the rounding of the force over its width: those that lie within [`CHORD`] together, with no jump between them, have
-/// the slope of their chord.
+/// Cells beside a singularity double in width starting from almost nothing. The derivative of a polynomial on
+/// such a cell is little more than the rounding of the force divided by its width: cells that together span
+/// less than [`CHORD`], with no jump between them, get the slope of their chord.
 pub(super) fn slope(force: &Piecewise, life: &Life) -> Piecewise {
     let (edges, count, beside) = (&force.boundaries, force.coefficients.len(), CHORD * life.mean());
     let least = 1e-12 * unit_force(life);

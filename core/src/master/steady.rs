@@ -29,9 +29,9 @@ impl SteadyState {
         self.stiffness * self.life.force().curve().integral() / self.mean
     }
 
-    /// Estimated error of F_k/(N_c⟨k⟩), a length: F_k is ∫m du/∫S du, with m the force of a contact and S what is left of it
-    /// after the advance u, each off by the error of the life (of m per mean life) over the advances at which contacts are
-    /// found.
+    /// Estimated error of F_k/(N_c⟨k⟩), a length. F_k is ∫m du/∫S du, with m the force of a contact and S its
+    /// survival after the advance u, each with the error of the life (for m per mean life) over the advances
+    /// at which contacts are found.
     pub fn error_estimate(&self) -> f64 {
         let friction = self.life.force().curve().integral() / (self.mean * self.life.stiffness());
         self.life.error() * (self.mean + friction) * self.life_found() / self.mean
@@ -42,19 +42,20 @@ impl SteadyState {
         1.0 / self.mean
     }
 
-    /// Mean way C of a contact from birth to rebirth, a length.
+    /// Mean advance C from one formation of a contact to the next, a length.
     pub fn mean_life(&self) -> f64 {
         self.mean
     }
 
-    /// The length C³/(2π²σ²) over which contacts lose step whose ways from birth to rebirth scatter by σ about their mean C:
-    /// that of relaxation where σ ≪ C.
+    /// The length C³/(2π²σ²) over which contacts dephase, σ the standard deviation of the advance between
+    /// formations and C its mean: the relaxation length for σ ≪ C.
     pub fn dephasing_length(&self) -> f64 {
         let variance = (self.life.mean_square() - self.mean * self.mean).max(0.0);
         self.mean.powi(3) / (2.0 * PI * PI * variance)
     }
 
-    /// Mean way from birth to rebirth of the contacts that are found at a moment, ⟨u²⟩/C: long lives are found more often.
+    /// Mean advance between formations of the contacts found at a moment, ⟨u²⟩/C: long lives are found more
+    /// often (length-biased sampling).
     pub fn life_found(&self) -> f64 {
         self.life.mean_square() / self.mean
     }
@@ -66,9 +67,10 @@ impl SteadyState {
         self.stiffness * ((second - first * first).max(0.0) / size).sqrt()
     }
 
-    /// The law of the stretches at which contacts break, at given stretches: P_c where contacts know no time and re-form below
-    /// all thresholds. With time it is that of the thresholds that they meet, or come near to, at this velocity. Point masses
-    /// are those of contacts that re-form at one stretch.
+    /// The distribution of the stretches at which contacts break, at given stretches: P_c for
+    /// time-independent contacts that re-form below all thresholds. For time-dependent contacts, that of the
+    /// thresholds that they reach, or break close to, at this velocity. Point masses are those of contacts
+    /// that re-form at one stretch.
     ///
     /// # Errors
     /// Stopped by the monitor.

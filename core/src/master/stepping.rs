@@ -1,8 +1,8 @@
-//! The paper's own stepping of the master equation, Eq. (2), literally: for comparison and teaching.
+//! The paper's own time stepping of the master equation, Eq. (2): for comparison and teaching.
 
 use crate::law::Law;
 
-/// Which reading of the terms of Eq. (2) a step takes.
+/// How the terms of Eq. (2) are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variant {
     /// ΔQ₋ = min(P ΔX, 1) of the *shifted* Q, nodes at iΔX: stable, first order.

@@ -1,11 +1,12 @@
-//! How accurate a solution of the master equation is to be, and whether that was asked for or is only aimed at.
+//! The accuracy required of, or aimed at by, solutions of the master equation.
 
 use crate::{Error, Float, Result};
 
 /// The error allowed in F/(N_c⟨k⟩), per mean life of a contact.
 ///
-/// A number is a promise: where the estimated error exceeds it, the solution is refused. [`Tolerance::default`] is an aim: the
-/// solution is as accurate as that or as its distributions allow, and tells its estimated error.
+/// A number is a requirement: a solution with a larger estimated error is refused. [`Tolerance::default`] is
+/// an aim: the solution is as accurate as that or as its distributions allow, and reports its estimated
+/// error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
     value: f64,
@@ -31,10 +32,10 @@ impl From<Option<f64>> for Tolerance {
 }
 
 impl Tolerance {
-    /// The error aimed at where nothing is asked for.
+    /// The error aimed at by default.
     pub const AIM: f64 = 1e-10;
 
-    /// The largest error aimed at where smaller ones cannot be reached.
+    /// The largest error aimed at if smaller ones cannot be reached.
     const COARSEST: f64 = 1e-4;
 
     /// The error allowed.
@@ -47,7 +48,7 @@ impl Tolerance {
         self.required
     }
 
-    /// Refuses a tolerance that cannot be kept, or means nothing.
+    /// Refuses a tolerance outside the range that can be met.
     pub(super) fn check(self) -> Result<()> {
         if (1e-12..=1e-2).contains(&self.value) {
             return Ok(());
@@ -55,13 +56,13 @@ impl Tolerance {
         Err(Error::invalid("tolerance", "a number from 1e-12 to 1e-2", self.value))
     }
 
-    /// The aim to try next where this one cannot be resolved.
+    /// The next aim if this one cannot be reached.
     pub(super) fn coarser(self) -> Option<Self> {
         let value = 100.0 * self.value;
         (!self.required && value <= Self::COARSEST).then_some(Self { value, ..self })
     }
 
-    /// Refuses an `error` larger than what is required; `what` has it.
+    /// Refuses an `error` larger than required, of the quantity `what`.
     ///
     /// # Errors
     /// [`Error::Accuracy`].
@@ -72,14 +73,14 @@ impl Tolerance {
         Err(Error::accuracy(what(), error, self.value))
     }
 
-    /// The same for an error that adds up: so many times as large.
+    /// The tolerance times a factor, for errors that accumulate.
     pub(super) fn times(self, factor: f64) -> Self {
         Self { value: factor * self.value, ..self }
     }
 }
 
 impl Error {
-    /// An [`Error::Accuracy`] of what the master equation was asked for.
+    /// An [`Error::Accuracy`] of a solution of the master equation.
     pub(super) fn accuracy(what: String, reached: f64, wanted: f64) -> Self {
         Self::Accuracy {
             key: "master_equation.tolerance".to_owned(),

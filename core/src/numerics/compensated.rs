@@ -1,16 +1,17 @@
-//! Sums of many terms that come and go, without drift.
+//! Compensated summation.
 
 use serde::{Deserialize, Serialize};
 
-/// A sum and what its roundings have left out: Knuth's exact sum of two numbers, cascaded once.
+/// A sum with its accumulated rounding error: Neumaier's variant of Kahan's summation, with Knuth's
+/// error-free sum of two numbers (TwoSum).
 ///
-/// After n terms of size t the error is below (2⁻⁵³ + n² 2⁻¹⁰⁶) times Σ|t| (T. Ogita, S. M. Rump and S. Oishi,
-/// *Accurate sum and dot product*, SIAM J. Sci. Comput. 26, 1955 (2005)); a term added and later subtracted leaves
-/// nothing of the first kind behind.
+/// After n terms of size t the error is below (2⁻⁵³ + n² 2⁻¹⁰⁶) times Σ|t| (Sum2 of T. Ogita, S. M. Rump and
+/// S. Oishi, *Accurate sum and dot product*, SIAM J. Sci. Comput. 26, 1955 (2005)). A term that is added and
+/// later subtracted leaves no error of first order behind.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct Compensated {
     sum: f64,
-    rest: f64,
+    error: f64,
 }
 
 impl Compensated {
@@ -19,14 +20,14 @@ impl Compensated {
     pub fn add(&mut self, term: f64) {
         let sum = self.sum + term;
         let added = sum - self.sum;
-        self.rest += (self.sum - (sum - added)) + (term - added);
+        self.error += (self.sum - (sum - added)) + (term - added);
         self.sum = sum;
     }
 
     /// The sum.
     #[inline]
     pub fn value(&self) -> f64 {
-        self.sum + self.rest
+        self.sum + self.error
     }
 }
 

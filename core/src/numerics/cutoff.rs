@@ -1,57 +1,60 @@
-//! Power laws with an exponential cut-off, fitted by maximum likelihood to the larger ones of some numbers: exponent,
-//! cut-off and beginning are all found. Within a window that is chosen, see [`super::powerlaw`].
+//! Maximum-likelihood fits of power laws with an exponential cut-off, p(x) ∝ x^{−τ} e^{−x/ξ} for x ≥ x₀: τ, ξ
+//! and x₀ are all found. For a fit within a given window see [`super::powerlaw`].
 //!
-//! p(x) ∝ x^{−τ} e^{−x/ξ} above a lowest x₀. The best τ and ξ are those by which the means of ln x and x are those of the
-//! data; ξ is infinite where a power law without end has no larger mean. x₀ is the number from which on the law fits best
-//! by Kolmogorov's distance, after A. Clauset, C. R. Shalizi and M. E. J. Newman, *Power-law distributions in empirical
-//! data*, SIAM Rev. 51, 661 (2009), doi:10.1137/070710111.
+//! At the maximum of the likelihood the means of ln x and of x under p are those of the data. ξ is infinite
+//! if a pure power law has no larger mean than the data. x₀ is the datum from which on the fit has the
+//! smallest Kolmogorov–Smirnov distance, after A. Clauset, C. R. Shalizi and M. E. J. Newman, *Power-law
+//! distributions in empirical data*, SIAM Rev. 51, 661 (2009), doi:10.1137/070710111.
 
 use super::legendre::RULE;
 
-/// Fewest data that a fit takes.
+/// Smallest number of data in a fit.
 const FEWEST: usize = 50;
-/// The next lowest x tried leaves this share of the data.
+/// Ratio of the numbers of data above two successive trial values of x₀.
 const SHRINK: f64 = 0.8;
-/// Whole numbers count as all numbers within ½ of them from here on, which moves sums by less than 1e-2 (τ²/24x²).
+/// From here on integers are treated as real numbers within ±½, which changes sums by less than 1e-2
+/// (τ²/24x²).
 const WHOLE: f64 = 6.0;
-/// Places at which the law is held against the data.
+/// Number of points at which the distribution functions are compared.
 const KNOTS: usize = 256;
-/// Exponent of e below which a density is left out.
+/// Densities below e^{−60} are neglected.
 const NEGLIGIBLE: f64 = 60.0;
-/// Width in ln x that Legendre's rule of 16 points is exact to rounding on, however steep the cut-off.
+/// Width in ln x over which the 16-point Gauss rule is exact to rounding, for any cut-off.
 const PANEL: f64 = 0.5;
+/// Largest number of Newton steps.
 const ITERATIONS: usize = 200;
 
-/// A power law with a cut-off.
+/// A fitted power law with exponential cut-off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CutOff {
-    /// τ.
+    /// Exponent τ.
     pub exponent: f64,
-    /// Its standard error if the data are independent, for the given x₀.
+    /// Standard error of τ for independent data and the given x₀.
     pub error: f64,
-    /// ξ, or infinity.
+    /// Cut-off ξ, or infinity.
     pub scale: f64,
-    /// The standard error of ξ; infinite with it.
+    /// Standard error of ξ; infinite if ξ is.
     pub scale_error: f64,
-    /// x₀.
+    /// Lower end x₀ of the fit.
     pub low: f64,
-    /// The data from x₀ on.
+    /// Number of data from x₀ on.
     pub count: usize,
-    /// Kolmogorov's distance of law and data.
+    /// Kolmogorov–Smirnov distance between fit and data.
     pub distance: f64,
 }
 
-/// Fits whole numbers; `None` where fewer than 50 are 6 or above, or all of these are the same.
+/// Fits integers. `None` if fewer than 50 are 6 or above, or all of these are equal.
 pub fn fit_whole(values: &[f64]) -> Option<CutOff> {
     fit(values.iter().copied().filter(|&x| x >= WHOLE).collect(), 0.5)
 }
 
-/// Fits numbers above 0; `None` where there are fewer than 50, or all are the same.
+/// Fits positive real numbers. `None` if there are fewer than 50, or all are equal.
 pub fn fit_real(values: &[f64]) -> Option<CutOff> {
     fit(values.iter().copied().filter(|&x| x > 0.0 && x.is_finite()).collect(), 0.0)
 }
 
-/// `half` of the distance between two numbers that can be told apart.
+/// The best fit over trial values of x₀. `half` is half the spacing of the possible values: ½ for integers, 0
+/// for real numbers.
 fn fit(mut values: Vec<f64>, half: f64) -> Option<CutOff> {
     values.sort_by(f64::total_cmp);
     let mut best: Option<CutOff> = None;
@@ -70,14 +73,14 @@ fn fit(mut values: Vec<f64>, half: f64) -> Option<CutOff> {
     best
 }
 
-/// The law on x ≥ x₀, in u = ln(x/x₀), y = x/x₀ and λ = x₀/ξ: p(u) ∝ e^{(1−τ)u − λ e^u}.
+/// The distribution on x ≥ x₀ in terms of u = ln(x/x₀), y = x/x₀ and λ = x₀/ξ: p(u) ∝ e^{(1−τ)u − λ e^u}.
 #[derive(Debug, Clone, Copy)]
-struct CutoffLaw {
+struct CutoffDistribution {
     exponent: f64,
     rate: f64,
 }
 
-/// The law that fits a `tail` of sorted numbers.
+/// The fit to a sorted `tail` of the data, with its standard errors from the inverse Fisher information.
 fn above(tail: &[f64], half: f64) -> Option<CutOff> {
     let (low, count) = (tail[0] - half, tail.len());
     if tail[count - 1] == tail[0] {
@@ -85,27 +88,27 @@ fn above(tail: &[f64], half: f64) -> Option<CutOff> {
     }
     let mean = |of: fn(f64) -> f64| tail.iter().map(|x| of(x / low)).sum::<f64>() / count as f64;
     let means = [mean(f64::ln), mean(|y| y)];
-    let law = CutoffLaw::with_means(means)?;
+    let law = CutoffDistribution::with_means(means)?;
     let [own, mixed, other] = law.moments().covariance();
     let (n, determinant) = (count as f64, own * other - mixed * mixed);
-    let endless = law.rate == 0.0;
-    let error = if endless { (n * own).sqrt().recip() } else { (other / (n * determinant)).sqrt() };
+    let pure = law.rate == 0.0;
+    let error = if pure { (n * own).sqrt().recip() } else { (other / (n * determinant)).sqrt() };
     let scale = low / law.rate;
-    let scale_error =
-        if endless { f64::INFINITY } else { scale / law.rate * (own / (n * determinant)).sqrt() };
+    let scale_error = if pure { f64::INFINITY } else { scale / law.rate * (own / (n * determinant)).sqrt() };
     let distance = law.distance(tail, low, half);
     Some(CutOff { exponent: law.exponent, error, scale, scale_error, low: tail[0], count, distance })
 }
 
-impl CutoffLaw {
-    /// The law of which ln y and y have the given means, by Newton's method on the likelihood, which is concave.
+impl CutoffDistribution {
+    /// The distribution with the given means of ln y and y: damped Newton iteration on the log-likelihood,
+    /// which is concave.
     fn with_means(means: [f64; 2]) -> Option<Self> {
-        let endless = Self { exponent: 1.0 + means[0].recip(), rate: 0.0 };
-        // ⟨y⟩ = (τ − 1)/(τ − 2) of a law without end.
-        if endless.exponent > 2.0 && (endless.exponent - 1.0) / (endless.exponent - 2.0) <= means[1] {
-            return Some(endless);
+        let pure = Self { exponent: 1.0 + means[0].recip(), rate: 0.0 };
+        // ⟨y⟩ = (τ − 1)/(τ − 2) for a pure power law.
+        if pure.exponent > 2.0 && (pure.exponent - 1.0) / (pure.exponent - 2.0) <= means[1] {
+            return Some(pure);
         }
-        let mut law = Self { exponent: 1.5_f64.min(endless.exponent), rate: means[1].recip() };
+        let mut law = Self { exponent: 1.5_f64.min(pure.exponent), rate: means[1].recip() };
         let mut moments = law.moments();
         for _ in 0..ITERATIONS {
             let off = [moments.mean(1) - means[0], moments.mean(2) - means[1]];
@@ -123,23 +126,24 @@ impl CutoffLaw {
         None
     }
 
-    /// As much of a step as makes the data more likely.
+    /// The longest of the steps `step`, `step`/2, `step`/4 … that increases the likelihood.
     fn towards(self, step: [f64; 2], here: &Moments, means: [f64; 2]) -> Option<(Self, Moments)> {
         let likelihood = |law: Self, moments: &Moments| {
             -law.exponent * means[0] - law.rate * (means[1] - 1.0) - moments.0[0].ln()
         };
         let now = likelihood(self, here);
-        let mut share = 1.0;
-        while share > 1e-9 {
-            let law = Self { exponent: self.exponent + share * step[0], rate: self.rate + share * step[1] };
+        let mut fraction = 1.0;
+        while fraction > 1e-9 {
+            let law =
+                Self { exponent: self.exponent + fraction * step[0], rate: self.rate + fraction * step[1] };
             if law.rate > 0.0 {
                 let moments = law.moments();
-                // Close to the top likelihoods differ by rounding alone.
+                // Close to the maximum likelihoods differ by rounding only.
                 if likelihood(law, &moments) >= now - 1e-13 * now.abs() {
                     return Some((law, moments));
                 }
             }
-            share *= 0.5;
+            fraction *= 0.5;
         }
         None
     }
@@ -148,13 +152,13 @@ impl CutoffLaw {
         ((1.0 - self.exponent) * u - self.rate * (u.exp() - 1.0)).exp()
     }
 
-    /// u beyond which there is next to nothing.
+    /// u beyond which the density is negligible.
     fn end(self) -> f64 {
-        let endless = NEGLIGIBLE / (self.exponent - 1.0).max(1e-3);
-        if self.rate == 0.0 { endless } else { (1.0 + NEGLIGIBLE / self.rate).ln() }
+        let pure = NEGLIGIBLE / (self.exponent - 1.0).max(1e-3);
+        if self.rate == 0.0 { pure } else { (1.0 + NEGLIGIBLE / self.rate).ln() }
     }
 
-    /// ∫ of 1, u, y, u², uy, y² over the law, not normalised.
+    /// Integrals of 1, u, y, u², uy, y² with the unnormalised density.
     fn moments(self) -> Moments {
         let powers = |u: f64| {
             let y = u.exp();
@@ -172,7 +176,7 @@ impl CutoffLaw {
         Moments(moments)
     }
 
-    /// Kolmogorov's distance of a sorted `tail` that begins at `low`.
+    /// Kolmogorov–Smirnov distance to a sorted `tail` that begins at `low`.
     fn distance(self, tail: &[f64], low: f64, half: f64) -> f64 {
         let weight = |from: f64, to: f64| {
             let to = to.min(self.end()).max(from);
@@ -185,20 +189,20 @@ impl CutoffLaw {
             (0..panels as usize).map(piece).sum::<f64>()
         };
         let all = weight(0.0, self.end());
-        let (mut from, mut law, mut farthest) = (0.0, 0.0, 0.0_f64);
+        let (mut from, mut law, mut largest) = (0.0, 0.0, 0.0_f64);
         for knot in 1..=KNOTS.min(tail.len()) {
             let x = tail[knot * tail.len() / KNOTS.min(tail.len()) - 1];
             let to = ((x + half) / low).ln();
             law += weight(from, to) / all;
             from = to.max(from);
             let data = tail.partition_point(|&other| other <= x) as f64 / tail.len() as f64;
-            farthest = farthest.max((law - data).abs());
+            largest = largest.max((law - data).abs());
         }
-        farthest
+        largest
     }
 }
 
-/// ∫ of 1, u, y, u², uy, y² over a law.
+/// Integrals of 1, u, y, u², uy, y² with the unnormalised density.
 struct Moments([f64; 6]);
 
 impl Moments {
@@ -206,7 +210,7 @@ impl Moments {
         self.0[n] / self.0[0]
     }
 
-    /// Of u, of u and y, of y.
+    /// Var u, Cov(u, y), Var y.
     fn covariance(&self) -> [f64; 3] {
         let (u, y) = (self.mean(1), self.mean(2));
         [self.mean(3) - u * u, self.mean(4) - u * y, self.mean(5) - y * y]

@@ -1,18 +1,18 @@
-//! Dawson's integral.
+//! Dawson's integral, by Rybicki's exponentially convergent sum.
 
-/// Spacing of the sum: what it leaves out is e^{−(π/2h)²} = 7e-18.
+/// Spacing h of the sum; its truncation error is e^{−(π/2h)²} = 7e-18.
 const STEP: f64 = 0.25;
 
-/// Pairs of terms: those left out are below e^{−39}.
+/// Pairs of terms; the terms left out are below e^{−39}.
 const PAIRS: usize = 13;
 
-/// Below this the power series is summed, …
+/// Below this |x| the power series is summed.
 const SMALL: f64 = 0.2;
 
-/// … and above this, where the sum's error is no longer small beside D, the asymptotic one, …
+/// Above this |x|, where the error of the sum is no longer small beside D, the asymptotic series is summed.
 const LARGE: f64 = 10.0;
 
-/// … both to this term, which is 1e-17 of the first.
+/// Terms of either series; the next is below 1e-17 of the first.
 const TERMS: u32 = 13;
 
 /// D(x) = e^{−x²} ∫₀ˣ e^{t²} dt, to a few roundings.

@@ -1,37 +1,41 @@
-//! The square root of the lattice Laplacian between two places of an infinite square lattice.
+//! The square root of the lattice Laplacian, as coupling constants between two sites of an infinite square
+//! lattice.
 
 use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-/// Step of the integration over s.
+/// Step of the trapezoidal rule in s.
 const STEP: f64 = 0.16;
 
-/// Far from underflow, and its inverse from overflow, by more than the recurrence takes in a step.
+/// Scale of Miller's recurrence: far enough from underflow, and its inverse from overflow.
 const SMALL: f64 = 1e-200;
 
 /// Rows computed by one thread.
 const GROUP: usize = 4;
 
-/// w(m, n) > 0 with (√Δ x)_i = Σ_j w(i − j)(x_i − x_j), Δ = 4 − Σ shifts the Laplacian of the square lattice with
-/// eigenvalues λ = 4 sin²(q_1/2) + 4 sin²(q_2/2); for 0 ≤ m < rows, 0 ≤ n < columns, along rows, w(0, 0) set to 0.
+/// Coupling constants w(m, n) > 0 with (√Δ x)_i = Σ_j w(i − j)(x_i − x_j), where Δ is the Laplacian of the
+/// square lattice with eigenvalues λ = 4 sin²(q_1/2) + 4 sin²(q_2/2). Returned for 0 ≤ m < rows, 0 ≤ n <
+/// columns, row by row, with w(0, 0) = 0.
 ///
-/// As √λ = ∫₀^∞ (1 − e^{−λt}) t^{−3/2} dt/(2√π), and e^{−Δt} is diffusion, which is independent in both directions,
+/// From √λ = ∫₀^∞ (1 − e^{−λt}) t^{−3/2} dt/(2√π), and because e^{−Δt} is diffusion, which factorises into
+/// the two directions,
 ///
 /// w(m, n) = (1/2√π) ∫₀^∞ t^{−3/2} g_m(t) g_n(t) dt, g_m(t) = e^{−2t} I_m(2t).
 ///
-/// With t = exp(s − e^{−s}) the integrand decays at both ends at least like e^{−|s|/2}, and equal steps converge like
-/// e^{−c/step}: right to 1e-13 of w(m, n), which is 1/2πr³ at distances r ≫ 1.
-pub fn root_of_laplacian([rows, columns]: [usize; 2]) -> Vec<f64> {
+/// The substitution t = exp(s − e^{−s}) (double-exponential quadrature) makes the integrand decay at both
+/// ends at least like e^{−|s|/2}; the trapezoidal rule then converges like e^{−c/step}. w is right to a
+/// relative 1e-13; at distances r ≫ 1 it tends to 1/2πr³.
+pub fn sqrt_laplacian([rows, columns]: [usize; 2]) -> Vec<f64> {
     let longest = rows.max(columns);
     let nodes: Vec<(f64, Vec<f64>)> =
-        times(longest).into_par_iter().map(|(t, w)| (w, spread(2.0 * t, longest))).collect();
+        nodes_in_time(longest).into_par_iter().map(|(t, w)| (w, scaled_bessel(2.0 * t, longest))).collect();
     let mut weights = vec![0.0; rows * columns];
     weights.par_chunks_mut(GROUP * columns).enumerate().for_each(|(group, weights)| {
-        for (weight, spread) in &nodes {
+        for (weight, scaled_bessel) in &nodes {
             for (m, row) in (GROUP * group..).zip(weights.chunks_mut(columns)) {
-                let factor = weight * spread[m];
-                row.iter_mut().zip(spread).for_each(|(w, g)| *w += factor * g);
+                let factor = weight * scaled_bessel[m];
+                row.iter_mut().zip(scaled_bessel).for_each(|(w, g)| *w += factor * g);
             }
         }
     });
@@ -39,9 +43,9 @@ pub fn root_of_laplacian([rows, columns]: [usize; 2]) -> Vec<f64> {
     weights
 }
 
-/// Times t and what g_m g_n at them count.
-fn times(longest: usize) -> Vec<(f64, f64)> {
-    // Beyond, what is left is below roundings of the least weight.
+/// Quadrature nodes t and their weights.
+fn nodes_in_time(longest: usize) -> Vec<(f64, f64)> {
+    // The integral beyond is below the rounding of the smallest coefficient.
     let last = 2.0 * (longest as f64).ln() + 26.0;
     let first = -4.5_f64;
     let count = ((last - first) / STEP).ceil() as usize;
@@ -53,15 +57,15 @@ fn times(longest: usize) -> Vec<(f64, f64)> {
     (0..count).map(node).collect()
 }
 
-/// e^{−z} I_m(z) for 0 ≤ m < `count`.
-fn spread(z: f64, count: usize) -> Vec<f64> {
+/// e^{−z} I_m(z) for 0 ≤ m < `count`, I_m the modified Bessel functions.
+fn scaled_bessel(z: f64, count: usize) -> Vec<f64> {
     let order = count as f64;
-    if z > 100.0 + 25.0 * order * order { late(z, count) } else { early(z, count) }
+    if z > 100.0 + 25.0 * order * order { asymptotic(z, count) } else { by_recurrence(z, count) }
 }
 
-/// By the recurrence I_{m−1} = I_{m+1} + (2m/z) I_m from far above (J. C. P. Miller), and I_0 + 2 Σ I_m = e^z.
-fn early(z: f64, count: usize) -> Vec<f64> {
-    // Above, I_m is below 1e-36 I_0.
+/// Miller's backward recurrence I_{m−1} = I_{m+1} + (2m/z) I_m, normalised by I_0 + 2 Σ I_m = e^z.
+fn by_recurrence(z: f64, count: usize) -> Vec<f64> {
+    // At higher orders I_m is below 1e-36 I_0.
     let start = 40 + (13.0 * z.sqrt()).ceil() as usize;
     let mut values = vec![0.0; count];
     let (mut above, mut here, mut sum) = (0.0, SMALL, 0.0);
@@ -80,8 +84,8 @@ fn early(z: f64, count: usize) -> Vec<f64> {
     values.iter().map(|value| value / (sum + here)).collect()
 }
 
-/// By the series in 1/z (H. Hankel): Σ_k Π_{i ≤ k} ((2i − 1)² − 4m²)/(8 i z)/√(2πz).
-fn late(z: f64, count: usize) -> Vec<f64> {
+/// Hankel's asymptotic series Σ_k Π_{i ≤ k} ((2i − 1)² − 4m²)/(8 i z)/√(2πz).
+fn asymptotic(z: f64, count: usize) -> Vec<f64> {
     let value = |m: usize| {
         let square = 4.0 * (m * m) as f64;
         let (mut term, mut sum) = (1.0, 1.0);
@@ -117,7 +121,7 @@ mod tests {
 
     #[test]
     fn weights_are_those_of_the_inverse_transform() {
-        let weights = root_of_laplacian([5, 10]);
+        let weights = sqrt_laplacian([5, 10]);
         for (m, n) in [(0, 1), (1, 0), (1, 1), (0, 2), (2, 4), (4, 3)] {
             let (found, expected) = (weights[10 * m + n], on_tori(m, n));
             // What lies behind the edges leaves r²M⁻⁵, and sums of 4M² terms their roundings.
@@ -129,7 +133,7 @@ mod tests {
     /// √λ = q − q³(3 + cos 4φ)/96 + …, whose inverse transform is 1/2πr³ + (9 + 35 cos 4θ)/64πr⁵ + O(r⁻⁷).
     #[test]
     fn far_away_weights_fall_with_the_cube() {
-        let weights = root_of_laplacian([2000, 1500]);
+        let weights = sqrt_laplacian([2000, 1500]);
         for (m, n) in [(0, 1499), (1999, 0), (700, 900), (1200, 1200), (1999, 1499)] {
             let square = (m * m + n * n) as f64;
             let angle = (m as f64).atan2(n as f64);
@@ -144,8 +148,11 @@ mod tests {
     fn both_ways_to_bessel_functions_meet() {
         for count in [2, 50, 300] {
             let z = 100.0 + 25.0 * (count * count) as f64;
-            let (early, late) = (early(z, count), late(z, count));
-            assert!(early.iter().zip(&late).all(|(a, b)| (a / b - 1.0).abs() < 1e-13), "{count}");
+            let (by_recurrence, asymptotic) = (by_recurrence(z, count), asymptotic(z, count));
+            assert!(
+                by_recurrence.iter().zip(&asymptotic).all(|(a, b)| (a / b - 1.0).abs() < 1e-13),
+                "{count}"
+            );
         }
     }
 }

@@ -1,25 +1,26 @@
-//! Gauss quadrature for any measure, with as few points as an error allows.
+//! Gauss quadrature for a discrete measure, with as few points as an error bound allows.
 //!
-//! Of the monic polynomials π_k orthogonal with respect to a measure μ, π_{k+1} = (x − α_k) π_k − β_k π_{k−1}, the n zeros of
-//! π_n are the points of the rule that is exact to the degree 2n − 1 (Stieltjes' procedure for α and β, μ being given by points:
-//! W. Gautschi, Orthogonal Polynomials: Computation and Approximation (Oxford, 2004), section 2.2.3.1). Of any other function it
-//! misses g^{(2n)}(ξ)/(2n)! ∫π_n² dμ, at some ξ between the ends of μ (A. A. Markov).
+//! The monic polynomials orthogonal with respect to a measure μ satisfy π_{k+1} = (x − α_k) π_k − β_k
+//! π_{k−1}. The n zeros of π_n are the nodes of the quadrature rule that is exact to degree 2n − 1. α and β
+//! follow from Stieltjes' procedure (W. Gautschi, OrthogonalPolynomials Polynomials: Computation and Approximation
+//! (Oxford, 2004), section 2.2.3.1). For another function g the error is g^{(2n)}(ξ)/(2n)! ∫π_n² dμ with some
+//! ξ in the support of μ (A. A. Markov).
 
 use super::roots::brent_root;
 
-/// Most points of a rule: by then the zeros of one polynomial are no longer told from those of the next by rounding alone.
+/// Largest number of nodes: beyond it rounding no longer separates the zeros of successive polynomials.
 const MOST: usize = 32;
 
-/// π_0 … π_n of a measure.
-struct Orthogonal {
-    /// α and β, …
+/// The orthogonal polynomials π_0 … π_n of a measure.
+struct OrthogonalPolynomials {
+    /// Recurrence coefficients (α_k, β_k).
     recurrence: Vec<(f64, f64)>,
-    /// … and ∫π_k² dμ, one more.
+    /// ∫π_k² dμ.
     norms: Vec<f64>,
 }
 
-impl Orthogonal {
-    /// π_0 … π_n at x.
+impl OrthogonalPolynomials {
+    /// π_0(x) … π_n(x).
     fn at(&self, x: f64) -> impl Iterator<Item = f64> + '_ {
         let mut last = (0.0, 1.0);
         let next = move |&(alpha, beta): &(f64, f64)| {
@@ -29,12 +30,12 @@ impl Orthogonal {
         std::iter::once(1.0).chain(self.recurrence.iter().map(next))
     }
 
-    /// π_n at x.
+    /// π_n(x).
     fn last(&self, x: f64) -> f64 {
         self.at(x).last().unwrap_or(1.0)
     }
 
-    /// Goes on to π_{n+1}.
+    /// Adds π_{n+1}, by Stieltjes' procedure.
     fn extend(&mut self, points: &[(f64, f64)]) {
         let [mut first, mut norm] = [0.0; 2];
         for &(x, weight) in points {
@@ -48,20 +49,21 @@ impl Orthogonal {
     }
 }
 
-/// The Gauss rule of the measure of these points with weights above 0, by rising point, with the fewest points by which it
-/// integrates g(x) = e^{−((x − x_0)/length)²}, wherever x_0, to the error `most`; the points themselves if they are no more.
+/// The Gauss rule with the fewest nodes for the discrete measure of `points`, (x, weight > 0) by rising x,
+/// that integrates g(x) = e^{−((x − x_0)/length)²} with error at most `most` for every x_0. Returns (node,
+/// weight) by rising node; the points themselves if no smaller rule is found.
 ///
-/// Of this g, |g^{(2n)}| ≤ (2n)!/(n! length^{2n}).
+/// The bound uses |g^{(2n)}| ≤ (2n)!/(n! length^{2n}).
 pub fn fewest(points: &[(f64, f64)], length: f64, most: f64) -> Vec<(f64, f64)> {
     let (Some(&(first, _)), Some(&(last, _))) = (points.first(), points.last()) else { return Vec::new() };
-    // Lengths from the middle, in units of half the width, in which no polynomial leaves the range of numbers.
+    // Scaled to [−1, 1], where no polynomial overflows or underflows.
     let (middle, half) = (0.5 * (first + last), 0.5 * (last - first));
     let scaled: Vec<_> = points.iter().map(|&(x, weight)| ((x - middle) / half, weight)).collect();
-    let mut orthogonal = Orthogonal { recurrence: Vec::new(), norms: Vec::new() };
+    let mut orthogonal = OrthogonalPolynomials { recurrence: Vec::new(), norms: Vec::new() };
     let (mut zeros, mut allowed) = (Vec::new(), most);
     for count in 1..points.len().min(MOST) {
         orthogonal.extend(&scaled);
-        zeros = between(&zeros, |x| orthogonal.last(x));
+        zeros = interlaced_zeros(&zeros, |x| orthogonal.last(x));
         if zeros.len() < count {
             break;
         }
@@ -78,8 +80,9 @@ pub fn fewest(points: &[(f64, f64)], length: f64, most: f64) -> Vec<(f64, f64)> 
     points.to_vec()
 }
 
-/// The zeros of a polynomial on [−1, 1], between which and the ends lie those of the one before.
-fn between(before: &[f64], polynomial: impl Fn(f64) -> f64) -> Vec<f64> {
+/// The zeros in [−1, 1] of a polynomial, bracketed by the zeros `before` of the previous one: zeros of
+/// orthogonal polynomials interlace.
+fn interlaced_zeros(before: &[f64], polynomial: impl Fn(f64) -> f64) -> Vec<f64> {
     let ends: Vec<f64> = [-1.0].into_iter().chain(before.iter().copied()).chain([1.0]).collect();
     ends.windows(2).filter_map(|gap| brent_root(&polynomial, gap[0], gap[1], 0.0)).collect()
 }

@@ -1,27 +1,28 @@
-//! Gauss–Legendre quadrature and interpolation on [−1, 1] at one fixed order.
+//! Gauss–Legendre quadrature, interpolation and Legendre series on [−1, 1], all with 16 nodes.
 
 use std::sync::LazyLock;
 
-/// Number of Gauss points everywhere in the crate: quadrature is exact to degree 31, interpolation to degree 15.
+/// Number of Gauss points everywhere in the crate: quadrature is exact to degree 31, interpolation to degree
+/// 15.
 pub const NODES: usize = 16;
 
-/// Values at the Gauss points of a cell, or Legendre coefficients.
+/// 16 numbers of a cell: values at the Gauss points, or Legendre coefficients.
 pub type Nodal = [f64; NODES];
 
-/// The rule of order [`NODES`].
+/// The Gauss–Legendre rule with [`NODES`] nodes.
 #[derive(Debug)]
 pub struct GaussLegendre {
-    /// Gauss points t_i on [−1, 1], ascending.
+    /// Gauss points t_i in [−1, 1], ascending.
     pub nodes: Nodal,
     /// Weights w_i.
     pub weights: Nodal,
     /// Barycentric weights of interpolation at the points.
     barycentric: Nodal,
-    /// `transform[n][i]` = (n + ½) w_i P_n(t_i): values at the points → Legendre coefficients.
+    /// `transform[n][i]` = (n + ½) w_i P_n(t_i): from values at the points to Legendre coefficients.
     transform: [Nodal; NODES],
 }
 
-/// The one rule.
+/// The rule, computed once.
 pub static RULE: LazyLock<GaussLegendre> = LazyLock::new(GaussLegendre::new);
 
 /// P_n(t) and P_n'(t).
@@ -43,6 +44,7 @@ impl GaussLegendre {
             transform: [[0.0; NODES]; NODES],
         };
         for i in 0..NODES {
+            // Newton iteration from the Chebyshev-like estimate of the zero.
             let mut t = -(std::f64::consts::PI * (i as f64 + 0.75) / (NODES as f64 + 0.5)).cos();
             for _ in 0..8 {
                 let (p, slope) = legendre(NODES, t);
@@ -64,12 +66,12 @@ impl GaussLegendre {
         rule
     }
 
-    /// Legendre coefficients of the polynomial through `values` at the points.
+    /// Legendre coefficients of the polynomial through `values` at the Gauss points.
     pub fn coefficients(&self, values: &Nodal) -> Nodal {
         self.transform.map(|row| dot(&row, values))
     }
 
-    /// The cardinal polynomials at `t`: the value there of the one that is 1 at point j and 0 at the others.
+    /// Values at `t` of the 16 cardinal (Lagrange) polynomials, by the barycentric formula.
     pub fn cardinals(&self, t: f64) -> Nodal {
         let mut row = [0.0; NODES];
         let mut sum = 0.0;
@@ -86,7 +88,8 @@ impl GaussLegendre {
         row.map(|term| term / sum)
     }
 
-    /// Σ_n `moments[n]` × the functional "n-th Legendre coefficient", as weights of the values at the points.
+    /// Weights r_i of values at the points such that Σ_i r_i f(t_i) = Σ_n `moments[n]` c_n, with c_n the
+    /// Legendre coefficients of f: the transpose of [`GaussLegendre::coefficients`].
     pub fn functional(&self, moments: &Nodal) -> Nodal {
         let mut row = [0.0; NODES];
         for (moment, transform) in moments.iter().zip(&self.transform) {
@@ -97,7 +100,7 @@ impl GaussLegendre {
         row
     }
 
-    /// ∫_a^b f by the rule.
+    /// ∫_a^b f by the 16-point rule.
     pub fn integrate(&self, a: f64, b: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
         let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
         let sum: f64 = (0..NODES).map(|i| self.weights[i] * f(middle + half * self.nodes[i])).sum();
@@ -110,7 +113,7 @@ pub fn dot(a: &Nodal, b: &Nodal) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Value at t of the Legendre series with these coefficients, by Clenshaw's recurrence.
+/// Value at t of a Legendre series, by Clenshaw's recurrence.
 #[inline]
 pub fn series(coefficients: &Nodal, t: f64) -> f64 {
     let (mut next, mut last) = (0.0, 0.0);
@@ -121,7 +124,7 @@ pub fn series(coefficients: &Nodal, t: f64) -> f64 {
     coefficients[0] + t * next - 0.5 * last
 }
 
-/// Values of a series at as many places, which costs far less than one after another.
+/// Values of a Legendre series at 16 points at once; the loop vectorises.
 #[inline]
 pub fn series_at(coefficients: &Nodal, t: &Nodal) -> Nodal {
     let (mut next, mut last) = ([0.0; NODES], [0.0; NODES]);
@@ -134,7 +137,7 @@ pub fn series_at(coefficients: &Nodal, t: &Nodal) -> Nodal {
     std::array::from_fn(|i| coefficients[0] + t[i] * next[i] - 0.5 * last[i])
 }
 
-/// `moments[n]` += weight × P_n(t).
+/// Adds weight × P_n(t) to `moments[n]`.
 #[inline]
 pub fn add_moments(t: f64, weight: f64, moments: &mut Nodal) {
     let (mut previous, mut current) = (0.0, weight);
@@ -157,7 +160,7 @@ const RECURRENCE: [(f64, f64); NODES] = {
     factors
 };
 
-/// Factors (2n+1)/(n+1) and (n+1)/(n+2) of the recurrence.
+/// Factors (2n+1)/(n+1) and (n+1)/(n+2) of Clenshaw's recurrence.
 const CLENSHAW: [(f64, f64); NODES] = {
     let mut factors = [(0.0, 0.0); NODES];
     let mut n = 0;
@@ -169,15 +172,15 @@ const CLENSHAW: [(f64, f64); NODES] = {
     factors
 };
 
-/// The derivative of P_n of the given order at t = 1 (`side` = 1) or t = −1 (`side` = −1):
-/// (±1)^{n+d} (n+d)!/(2^d d! (n−d)!).
+/// The derivative of P_n of the given order at t = 1 (`side` = 1) or t = −1 (`side` = −1): (±1)^{n+d}
+/// (n+d)!/(2^d d! (n−d)!).
 pub fn end_derivative(n: usize, order: u32, side: f64) -> f64 {
     let (n, d) = (n as i32, order as i32);
     let magnitude: f64 = (1..=d).map(|k| f64::from((n + k) * (n - k + 1)) / f64::from(2 * k)).product();
     side.powi(n + d) * magnitude
 }
 
-/// Coefficients of the derivative (with respect to t) of a Legendre series.
+/// Legendre coefficients of the derivative with respect to t.
 pub fn derivative(coefficients: &Nodal) -> Nodal {
     let mut out = [0.0; NODES];
     for n in (0..NODES - 1).rev() {
@@ -187,8 +190,8 @@ pub fn derivative(coefficients: &Nodal) -> Nodal {
     out
 }
 
-/// Coefficients of a primitive (with respect to t) of a Legendre series c: ∫₋₁^t is c_0 and its value at t. The term of
-/// degree 16 is left out: it is below what the series leaves out.
+/// Legendre coefficients of a primitive with respect to t: ∫₋₁^t is c_0 plus its value at t. The term of
+/// degree 16 is dropped; it is below the truncation error of the series.
 pub fn primitive(coefficients: &Nodal) -> Nodal {
     let c = coefficients;
     // ∫P_n = (P_{n+1} − P_{n−1})/(2n + 1).

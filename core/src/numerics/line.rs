@@ -1,4 +1,4 @@
-//! A line of numbers in the real eigenvectors of its second difference.
+//! Fourier and cosine transforms of a line of numbers: the real eigenvectors of its second difference.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -6,22 +6,27 @@ use std::sync::Arc;
 use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
-/// Real eigenvectors of the second difference 2x_j − x_{j−1} − x_{j+1} on a line of n numbers.
+/// The transform of a line of n numbers to the real eigenvectors of the second difference 2x_j − x_{j−1} −
+/// x_{j+1}.
 pub struct Line {
     length: usize,
     ends: Ends,
+    /// Real-to-complex transform of length n.
     to: Arc<dyn RealToComplex<f64>>,
+    /// Its inverse, unnormalised.
     back: Arc<dyn ComplexToReal<f64>>,
 }
 
+/// Boundary conditions.
 enum Ends {
-    /// The line is a ring: cos(2πkj/n) and sin(2πkj/n), in the order 0, cos 1, sin 1, cos 2, …
-    Joined,
-    /// The ends are free, and x goes on as in a mirror: cos(πk(j + ½)/n). Holds exp(−iπk/2n).
+    /// A ring: real Fourier modes cos(2πkj/n) and sin(2πkj/n), in the order 0, cos 1, sin 1, cos 2, …
+    Periodic,
+    /// Free (reflecting) ends: the modes cos(πk(j + ½)/n) of the discrete cosine transform DCT-II. Holds
+    /// exp(−iπk/2n).
     Free(Vec<Complex64>),
 }
 
-/// Room for the transform of a line.
+/// Work space of the transform of a line.
 #[derive(Default)]
 pub struct Scratch {
     real: Vec<f64>,
@@ -31,14 +36,14 @@ pub struct Scratch {
 
 impl Line {
     /// A ring of `length` numbers.
-    pub fn joined(length: usize) -> Self {
-        Self::new(length, Ends::Joined)
+    pub fn periodic(length: usize) -> Self {
+        Self::new(length, Ends::Periodic)
     }
 
     /// A line of `length` numbers with free ends.
     pub fn free(length: usize) -> Self {
-        let turn = |k: usize| Complex64::cis(-PI * k as f64 / (2 * length) as f64);
-        Self::new(length, Ends::Free((0..=length / 2).map(turn).collect()))
+        let phase = |k: usize| Complex64::cis(-PI * k as f64 / (2 * length) as f64);
+        Self::new(length, Ends::Free((0..=length / 2).map(phase).collect()))
     }
 
     fn new(length: usize, ends: Ends) -> Self {
@@ -51,16 +56,16 @@ impl Line {
         self.length
     }
 
-    /// Eigenvalue of a mode: 4 sin²(πk/n) on a ring, 4 sin²(πk/2n) between free ends.
+    /// Eigenvalue of the second difference: 4 sin²(πk/n) on a ring, 4 sin²(πk/2n) with free ends.
     pub fn eigenvalue(&self, mode: usize) -> f64 {
         let half_angle = match self.ends {
-            Ends::Joined => PI * mode.div_ceil(2) as f64 / self.length as f64,
+            Ends::Periodic => PI * mode.div_ceil(2) as f64 / self.length as f64,
             Ends::Free(_) => PI * mode as f64 / (2 * self.length) as f64,
         };
         4.0 * half_angle.sin().powi(2)
     }
 
-    /// Room that [`Line::to_modes`] and [`Line::back`] need.
+    /// The work space that [`Line::to_modes`] and [`Line::from_modes`] need.
     pub fn scratch(&self) -> Scratch {
         let inner = self.to.get_scratch_len().max(self.back.get_scratch_len());
         let zero = Complex64::ZERO;
@@ -77,32 +82,32 @@ impl Line {
             return;
         }
         match &self.ends {
-            Ends::Joined => {
+            Ends::Periodic => {
                 self.transform(line, scratch);
                 pack(&scratch.complex, line);
             }
-            Ends::Free(turns) => {
+            Ends::Free(phases) => {
                 let mut real = std::mem::take(&mut scratch.real);
                 fold(line, &mut real);
                 self.transform(&mut real, scratch);
                 scratch.real = real;
-                separate(&scratch.complex, turns, line);
+                separate(&scratch.complex, phases, line);
             }
         }
     }
 
-    /// The way back, times n: after [`Line::to_modes`] a line is n times what it was.
-    pub fn back(&self, line: &mut [f64], scratch: &mut Scratch) {
+    /// The inverse of [`Line::to_modes`] times n: unnormalised.
+    pub fn from_modes(&self, line: &mut [f64], scratch: &mut Scratch) {
         if self.length == 1 {
             return;
         }
         match &self.ends {
-            Ends::Joined => {
+            Ends::Periodic => {
                 unpack(line, &mut scratch.complex);
                 self.transform_back(scratch, line);
             }
-            Ends::Free(turns) => {
-                combine(line, turns, &mut scratch.complex);
+            Ends::Free(phases) => {
+                combine(line, phases, &mut scratch.complex);
                 let mut real = std::mem::take(&mut scratch.real);
                 self.transform_back(scratch, &mut real);
                 unfold(&real, line);
@@ -122,7 +127,7 @@ impl Line {
     }
 }
 
-/// Half a spectrum of real numbers as so many real numbers.
+/// Stores half the spectrum of n real numbers in n real numbers.
 fn pack(spectrum: &[Complex64], line: &mut [f64]) {
     line[0] = spectrum[0].re;
     for (pair, c) in line[1..].chunks_mut(2).zip(&spectrum[1..]) {
@@ -140,8 +145,9 @@ fn unpack(line: &[f64], spectrum: &mut [Complex64]) {
     }
 }
 
-/// Even places forth, odd places back: the cosine transform of n numbers as a Fourier transform of n numbers
-/// (J. Makhoul, IEEE Trans. Acoust. Speech Signal Process. 28, 27 (1980), doi:10.1109/TASSP.1980.1163351).
+/// Even elements in order, then odd elements in reverse: turns the discrete cosine transform of n numbers
+/// into a Fourier transform of n numbers (J. Makhoul, IEEE Trans. Acoust. Speech Signal Process. 28, 27
+/// (1980), doi:10.1109/TASSP.1980.1163351).
 fn fold(line: &[f64], folded: &mut [f64]) {
     let (forth, back) = folded.split_at_mut(line.len().div_ceil(2));
     forth.iter_mut().zip(line.iter().step_by(2)).for_each(|(to, from)| *to = *from);
@@ -155,10 +161,10 @@ fn unfold(folded: &[f64], line: &mut [f64]) {
 }
 
 /// Cosine amplitudes C_k from the spectrum V of the folded line: V_k exp(−iπk/2n) = C_k − i C_{n−k}.
-fn separate(spectrum: &[Complex64], turns: &[Complex64], line: &mut [f64]) {
+fn separate(spectrum: &[Complex64], phases: &[Complex64], line: &mut [f64]) {
     let n = line.len();
-    for (k, (v, turn)) in spectrum.iter().zip(turns).enumerate().rev() {
-        let turned = v * turn;
+    for (k, (v, phase)) in spectrum.iter().zip(phases).enumerate().rev() {
+        let turned = v * phase;
         if k > 0 {
             line[n - k] = -turned.im;
         }
@@ -166,14 +172,14 @@ fn separate(spectrum: &[Complex64], turns: &[Complex64], line: &mut [f64]) {
     }
 }
 
-fn combine(line: &[f64], turns: &[Complex64], spectrum: &mut [Complex64]) {
+fn combine(line: &[f64], phases: &[Complex64], spectrum: &mut [Complex64]) {
     let n = line.len();
     spectrum[0] = Complex64::from(line[0]);
     for k in 1..spectrum.len() {
-        spectrum[k] = Complex64::new(line[k], -line[n - k]) * turns[k].conj();
+        spectrum[k] = Complex64::new(line[k], -line[n - k]) * phases[k].conj();
     }
     if n.is_multiple_of(2) {
-        // Real but for rounding, and the transform insists on it.
+        // Real up to rounding; the inverse transform requires exactly 0.
         spectrum[n / 2].im = 0.0;
     }
 }
@@ -187,7 +193,7 @@ mod tests {
     }
 
     fn lines() -> impl Iterator<Item = Line> {
-        [1, 2, 3, 4, 7, 12, 31, 128].into_iter().flat_map(|n| [Line::joined(n), Line::free(n)])
+        [1, 2, 3, 4, 7, 12, 31, 128].into_iter().flat_map(|n| [Line::periodic(n), Line::free(n)])
     }
 
     #[test]
@@ -197,7 +203,7 @@ mod tests {
             let known = noise(n);
             let mut found = known.clone();
             line.to_modes(&mut found, &mut scratch);
-            line.back(&mut found, &mut scratch);
+            line.from_modes(&mut found, &mut scratch);
             // Some roundings per factor of the length.
             assert!(found.iter().zip(&known).all(|(a, b)| (a / n as f64 - b).abs() < 1e-14), "{n}");
         }
@@ -212,8 +218,8 @@ mod tests {
             let mut found = known.clone();
             line.to_modes(&mut found, &mut scratch);
             (0..n).for_each(|k| found[k] *= line.eigenvalue(k) / n as f64);
-            line.back(&mut found, &mut scratch);
-            let ring = matches!(line.ends, Ends::Joined);
+            line.from_modes(&mut found, &mut scratch);
+            let ring = matches!(line.ends, Ends::Periodic);
             for j in 0..n {
                 let (before, after) = if ring {
                     ((j + n - 1) % n, (j + 1) % n)

@@ -1,6 +1,6 @@
-//! Small systems of linear equations.
+//! Small dense systems of linear equations.
 
-/// The solution of `matrix` x = `right` by elimination with partial pivoting; `None` where it is not finite.
+/// Solves `matrix` x = `right` by Gaussian elimination with partial pivoting; `None` if x is not finite.
 pub fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
     for k in 0..N {
         let pivot = (k..N).max_by(|&i, &j| matrix[i][k].abs().total_cmp(&matrix[j][k].abs()))?;

@@ -1,40 +1,40 @@
-//! Functions of the second difference of numbers on a lattice.
+//! Functions of the lattice Laplacian, applied by transforms of the rows and columns of a field.
 
 use rayon::prelude::*;
 
 use super::line::{Line, Scratch};
 
-/// Lines transposed together: whole cache lines are read and written.
+/// Number of lines transposed together: whole cache lines are read and written.
 const GROUP: usize = 32;
 
-/// Rows transposed together: what is read of them stays in the first cache until whole cache lines are written.
+/// Side of a transposed tile, which stays in registers and the first-level cache.
 const BLOCK: usize = 8;
 
-/// Numbers below which work is not shared among threads.
+/// Work below this many numbers is not split among threads.
 const SHARE: usize = 1 << 12;
 
-/// Numbers on a lattice of rows and columns in the modes of its lines.
+/// Transforms of the rows and columns of a field on a lattice to the modes of a [`Line`] each way.
 ///
-/// With λ = λ_row + λ_column of the modes of a [`Line`] each way, the modes are eigenvectors of the lattice Laplacian
-/// (4 or fewer neighbours), and what multiplies them by f(λ) is that function of it. Lines may be longer than the
-/// lattice is: it is then followed by zeros, for convolutions that do not meet themselves behind the edge.
+/// Products of these modes are eigenvectors of the lattice Laplacian with eigenvalues λ = λ_row + λ_column,
+/// so multiplying the amplitudes by f(λ) applies f of the Laplacian. Lines may be longer than the lattice;
+/// the field is then padded with zeros, for convolutions without wrap-around.
 ///
-/// Every line is transformed by one thread: the same bits on any number of them.
+/// Each line is transformed by one thread, so results have the same bits on any number of threads.
 pub struct Modes {
     sides: [usize; 2],
-    /// Along columns and along rows.
+    /// Down columns and along rows.
     lines: [Line; 2],
     eigenvalues: [Vec<f64>; 2],
-    /// Rows × modes along a row, where there are more of these than columns.
+    /// Rows × modes along a row; empty if lines are no longer than the lattice.
     rows: Vec<f64>,
     /// The same, transposed.
     columns: Vec<f64>,
 }
 
 impl Modes {
-    /// A lattice of `sides` (rows, columns), with a line as long as the first side or longer down its columns, and
-    /// one as long as the second or longer along its rows. Takes 8 bytes × rows × modes of a row, and as much again where
-    /// these are longer than the lattice.
+    /// Prepares a lattice of `sides` (rows, columns): `lines[0]`, as long as the first side or longer,
+    /// transforms columns, `lines[1]` rows. Allocates 8 bytes × rows × modes of a row, and twice that if rows
+    /// are padded.
     pub fn new(sides: [usize; 2], lines: [Line; 2]) -> Self {
         let eigenvalues = [0, 1].map(|i| {
             let line: &Line = &lines[i];
@@ -45,7 +45,7 @@ impl Modes {
         Self { sides, lines, eigenvalues, rows, columns: vec![0.0; room] }
     }
 
-    /// f(Δ) of `field` in place, Δ the lattice Laplacian with eigenvalues λ ≥ 0.
+    /// Replaces `field` by f(Δ) `field`, Δ the lattice Laplacian with eigenvalues λ ≥ 0.
     pub fn apply(&mut self, field: &mut [f64], f: impl Fn(f64) -> f64 + Sync) {
         let [down, along] = std::mem::take(&mut self.eigenvalues);
         self.multiply(field, |mode, column| {
@@ -54,15 +54,15 @@ impl Modes {
         self.eigenvalues = [down, along];
     }
 
-    /// Multiplies `field` in place by a factor for each mode: `factor` gets the mode along rows and the amplitudes of
-    /// all modes down its column.
+    /// Multiplies each mode of `field` by a factor. `factor(mode, column)` receives a mode along the rows and
+    /// the amplitudes of all modes down that column.
     pub fn multiply(&mut self, field: &mut [f64], factor: impl Fn(usize, &mut [f64]) + Sync) {
         self.along_rows(field);
         self.down_columns(field, factor);
         self.back_along_rows(field);
     }
 
-    /// In place where lines are no longer than the lattice.
+    /// Transforms all rows, in place if they are not padded.
     fn along_rows(&mut self, field: &mut [f64]) {
         let (line, width) = (&self.lines[1], self.sides[1]);
         let share = SHARE.div_ceil(line.length());
@@ -91,7 +91,7 @@ impl Modes {
                 let mut filter = |column: &mut [f64]| {
                     line.to_modes(column, scratch);
                     factor(mode, column);
-                    line.back(column, scratch);
+                    line.from_modes(column, scratch);
                 };
                 if height == padded.len() {
                     filter(column);
@@ -115,7 +115,7 @@ impl Modes {
         let step = |(scratch, lines): &mut (Scratch, Vec<f64>), (group, field): (usize, &mut [f64])| {
             transpose(columns, height, GROUP * group, &mut lines[..field.len() / width * modes], modes);
             for (row, line_of) in field.chunks_mut(width).zip(lines.chunks_mut(modes)) {
-                line.back(line_of, scratch);
+                line.from_modes(line_of, scratch);
                 row.iter_mut().zip(line_of).for_each(|(to, from)| *to = scale * *from);
             }
         };
@@ -124,7 +124,8 @@ impl Modes {
     }
 }
 
-/// Columns of `from`, a matrix of so many columns, from the `first` on, as rows of the given length.
+/// Writes columns `first`, `first` + 1, … of the matrix `from` (with `columns` columns) as rows of `to`,
+/// `length` apart.
 fn transpose(from: &[f64], columns: usize, first: usize, to: &mut [f64], length: usize) {
     let count = to.len() / length;
     for (from, at) in from.chunks(BLOCK * columns).zip((0..).step_by(BLOCK)) {
@@ -141,7 +142,7 @@ fn transpose(from: &[f64], columns: usize, first: usize, to: &mut [f64], length:
     }
 }
 
-/// A whole tile, through registers.
+/// Transposes a full tile through registers.
 fn transpose_tile(from: &[f64], columns: usize, to: &mut [f64], length: usize) {
     let mut tile = [[0.0; BLOCK]; BLOCK];
     for (row, from) in tile.iter_mut().zip(from.chunks(columns)) {

@@ -1,70 +1,75 @@
-//! A function given cell by cell as Legendre series: lives of contacts, breaking rates, forces.
+//! Functions given cell by cell as Legendre series of degree 15, with adaptive bisection.
 
 use num_complex::Complex64;
 
 use super::legendre::{NODES, Nodal, RULE, derivative, primitive, series, series_at};
 
-/// A function on [start, end], a polynomial of degree 15 on each cell, 0 elsewhere.
+/// A function that is a polynomial of degree 15 on each cell of [start, end] and 0 elsewhere.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Piecewise {
-    /// Cell boundaries, one more than cells.
+    /// Boundaries of the cells, one more than cells.
     pub boundaries: Vec<f64>,
     /// Legendre coefficients of each cell.
     pub coefficients: Vec<Nodal>,
 }
 
-/// How closely cells follow a function.
+/// Tolerance of an interpolation: the condition under which a cell is not bisected. The truncation error of a
+/// cell is that of [`tail`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Resolution {
-    /// What a cell leaves out, times its half width, is at most this.
+    /// Truncation error × half width is at most this: an error of integrals.
     Mean(f64),
-    /// What a cell leaves out is at most a fraction of its largest value, or of a value that is negligible.
+    /// Truncation error is at most `fraction` × the largest value on the cell, or × `negligible` if that is
+    /// larger.
     Relative {
-        /// The fraction.
+        /// Relative tolerance.
         fraction: f64,
-        /// The value.
+        /// Values below this need no relative accuracy.
         negligible: f64,
     },
-    /// What a cell leaves out, times its half width, is at most a fraction of the integral up to its end, or of an integral
-    /// that is negligible. For a function of one sign.
+    /// Truncation error × half width is at most `fraction` × the integral up to the end of the cell, or ×
+    /// `negligible` if that is larger. For a function of one sign.
     Cumulative {
-        /// The fraction.
+        /// Relative tolerance.
         fraction: f64,
-        /// The integral.
+        /// Integrals below this need no relative accuracy.
         negligible: f64,
     },
 }
 
 impl Resolution {
-    /// What a cell misses by, with the integral up to its end: at most `self.most()` where it is resolved.
-    fn missing(self, values: &Nodal, left_out: f64, half: f64, integral: f64) -> f64 {
+    /// The error of a cell, to be compared with [`Resolution::tolerance`]. `values` are those at the Gauss points,
+    /// `truncation` the truncation error, `integral` the integral up to the end of the cell.
+    fn error(self, values: &Nodal, truncation: f64, half: f64, integral: f64) -> f64 {
         match self {
-            Self::Mean(_) => left_out * half,
+            Self::Mean(_) => truncation * half,
             Self::Relative { negligible, .. } => {
-                left_out / values.iter().fold(negligible, |largest, v| largest.max(v.abs()))
+                truncation / values.iter().fold(negligible, |largest, v| largest.max(v.abs()))
             }
-            Self::Cumulative { negligible, .. } => left_out * half / integral.abs().max(negligible),
+            Self::Cumulative { negligible, .. } => truncation * half / integral.abs().max(negligible),
         }
     }
 
-    fn most(self) -> f64 {
-        let (Self::Mean(most)
-        | Self::Relative { fraction: most, .. }
-        | Self::Cumulative { fraction: most, .. }) = self;
-        most
+    /// The tolerance.
+    fn tolerance(self) -> f64 {
+        let (Self::Mean(tolerance)
+        | Self::Relative { fraction: tolerance, .. }
+        | Self::Cumulative { fraction: tolerance, .. }) = self;
+        tolerance
     }
 
-    /// Whether what is missing after so many bisections may be rounding.
-    fn may_be_rounding(self, missing: f64, depth: u32) -> bool {
+    /// Whether an error this small after `depth` bisections can be due to rounding of the function.
+    fn may_be_rounding(self, error: f64, depth: u32) -> bool {
         match self {
-            // What the whole cell would miss: no length stands alone.
-            Self::Mean(_) => depth > 6 && missing < 1e-9 * 0.5_f64.powi(depth as i32),
-            Self::Relative { .. } | Self::Cumulative { .. } => depth > 1 && missing < 1e-9,
+            // Scaled back to the undivided cell, since an integral has no natural width.
+            Self::Mean(_) => depth > 6 && error < 1e-9 * 0.5_f64.powi(depth as i32),
+            Self::Relative { .. } | Self::Cumulative { .. } => depth > 1 && error < 1e-9,
         }
     }
 }
 
-/// Magnitude of what a series leaves out: its last two terms, and one more step of the decay from the two before.
+/// Estimate of the truncation error of a Legendre series: its last two coefficients, times the decay from the
+/// two before if they decay.
 pub fn tail(coefficients: &Nodal) -> f64 {
     let pair = |n: usize| coefficients[n].abs().max(coefficients[n - 1].abs());
     let (last, before) = (pair(NODES - 1), pair(NODES - 3));
@@ -72,8 +77,8 @@ pub fn tail(coefficients: &Nodal) -> f64 {
 }
 
 impl Piecewise {
-    /// Interpolates `f` on [0, end], cells bisected until each is resolved, or no longer gains by bisection. `edges` are
-    /// cell boundaries from the first.
+    /// Interpolates `f` on [0, end]. Cells are bisected until each satisfies `resolution`, or bisection no
+    /// longer reduces the error. `edges` are cell boundaries from the start.
     pub fn resolve(f: impl Fn(f64) -> f64, edges: &[f64], end: f64, resolution: Resolution) -> Self {
         let [out] = Self::resolve_all(|x| [f(x)], edges, end, resolution);
         out
@@ -98,7 +103,8 @@ impl Piecewise {
         out
     }
 
-    /// ∫_x^∞ of the function, plus `beyond`, its value at the end, plus the `jumps` above x, which lie on boundaries.
+    /// `beyond` + ∫_x^end of the function + the jumps above x, given as (position, height) at cell
+    /// boundaries.
     #[must_use]
     pub fn integrated_from_end(&self, beyond: f64, jumps: &[(f64, f64)]) -> Self {
         let mut out = self.clone();
@@ -117,7 +123,7 @@ impl Piecewise {
         out
     }
 
-    /// The function plus `factor` times another one on the same cells.
+    /// The function plus `factor` × another one on the same cells.
     #[must_use]
     pub fn plus(&self, factor: f64, other: &Self) -> Self {
         let mut out = self.clone();
@@ -127,7 +133,7 @@ impl Piecewise {
         out
     }
 
-    /// Where the function ends.
+    /// Upper end of the last cell.
     pub fn end(&self) -> f64 {
         self.boundaries.last().copied().unwrap_or(0.0)
     }
@@ -139,21 +145,21 @@ impl Piecewise {
         (0.5 * (a + b), 0.5 * (b - a))
     }
 
-    /// The cell that holds x, the right one at a boundary; `None` outside.
+    /// The cell that contains x (the right one at a boundary); `None` outside.
     #[inline]
     pub fn find(&self, x: f64) -> Option<usize> {
         let above = self.above(x);
         (above > 0 && above < self.boundaries.len()).then(|| above - 1)
     }
 
-    /// The cell that holds x, the right one at a boundary and within rounding below it, the last one at the end and
-    /// beyond, the first below the start.
+    /// The cell that contains x (the right one at a boundary, and within rounding below one); the first cell
+    /// below the start, the last one from the end on.
     pub fn nearest(&self, x: f64) -> usize {
         let reach = x + 1e-12 * x.abs();
         self.above(reach).saturating_sub(1).min(self.coefficients.len() - 1)
     }
 
-    /// Number of boundaries at or below x: guessed for even cells, else searched.
+    /// Number of boundaries at or below x. Guessed for equal cells, else found by bisection.
     #[inline]
     fn above(&self, x: f64) -> usize {
         let cells = self.coefficients.len();
@@ -170,7 +176,7 @@ impl Piecewise {
         self.find(x).map_or(0.0, |cell| self.value_in(cell, x))
     }
 
-    /// Values at rising or falling places; 0 outside the cells.
+    /// Values at 16 points in rising or falling order; 0 outside the cells.
     pub fn values(&self, x: &Nodal) -> Nodal {
         let (mut values, mut done) = ([0.0; NODES], 0);
         while done < NODES {
@@ -186,7 +192,7 @@ impl Piecewise {
         values
     }
 
-    /// Values of the polynomial of a cell.
+    /// Values of the polynomial of a cell at 16 points.
     pub fn values_in(&self, cell: usize, x: &Nodal) -> Nodal {
         let (middle, half) = self.cell(cell);
         series_at(&self.coefficients[cell], &x.map(|x| (x - middle) / half))
@@ -199,7 +205,7 @@ impl Piecewise {
         series(&self.coefficients[cell], (x - middle) / half)
     }
 
-    /// Value and first derivatives at x of the polynomial of a cell.
+    /// Value and first K − 1 derivatives at x of the polynomial of a cell.
     pub fn jet_in<const K: usize>(&self, cell: usize, x: f64) -> [f64; K] {
         let (middle, half) = self.cell(cell);
         let mut coefficients = self.coefficients[cell];
@@ -223,7 +229,8 @@ impl Piecewise {
         (0..self.coefficients.len()).map(|cell| 2.0 * self.cell(cell).1 * self.coefficients[cell][0]).sum()
     }
 
-    /// The Gauss points of all cells, cut into parts no wider than `widest`: u and weight × value.
+    /// Gauss points of all cells as (u, quadrature weight × value), with cells cut into parts no wider than
+    /// `widest`.
     pub fn points(&self, widest: f64) -> Vec<(f64, f64)> {
         let mut points = Vec::new();
         for (cell, coefficients) in self.coefficients.iter().enumerate() {
@@ -241,7 +248,7 @@ impl Piecewise {
         points
     }
 
-    /// ∫e^{−su} f(u) du and its derivative by s.
+    /// The Laplace transform ∫e^{−su} f(u) du and its derivative with respect to s.
     pub fn transform(&self, s: Complex64) -> (Complex64, Complex64) {
         let cells = (0..self.coefficients.len()).map(|cell| {
             let (middle, half) = self.cell(cell);
@@ -253,12 +260,12 @@ impl Piecewise {
     }
 }
 
-/// ∫e^{−zt} f(t) dt and ∫t e^{−zt} f(t) dt over [−1, 1] of a Legendre series, over e^ρ, and ρ.
+/// ∫e^{−zt} f(t) dt and ∫t e^{−zt} f(t) dt over [−1, 1] of a Legendre series, both divided by e^ρ; and ρ.
 fn cell_transform(coefficients: &Nodal, z: Complex64) -> ([Complex64; 2], f64) {
     if z.norm() > 20.0 {
         return (far_transform(coefficients, z), z.re.abs());
     }
-    // Sixteen Gauss points integrate six radians to rounding.
+    // 16 Gauss points integrate six radians to rounding.
     let parts = (z.norm() / 3.0).ceil().max(1.0);
     let (part, mut sums) = (1.0 / parts, [Complex64::ZERO; 2]);
     for k in 0..parts as usize {
@@ -273,8 +280,8 @@ fn cell_transform(coefficients: &Nodal, z: Complex64) -> ([Complex64; 2], f64) {
     (sums, 0.0)
 }
 
-/// The same for many oscillations or large z, over e^{|Re z|}: J_n = ∫e^{−zt} P_n dt by
-/// J_{n+1} = J_{n−1} + (2n+1) J_n/z, stable for n < |z|.
+/// The same for large |z|, divided by e^{|Re z|}. The integrals J_n = ∫e^{−zt} P_n dt satisfy J_{n+1} =
+/// J_{n−1} + (2n+1) J_n/z, which is stable for n < |z|.
 fn far_transform(coefficients: &Nodal, z: Complex64) -> [Complex64; 2] {
     let (up, down) = ((-z - z.re.abs()).exp(), (z - z.re.abs()).exp());
     let mut last = (down - up) / z;
@@ -294,6 +301,7 @@ fn far_transform(coefficients: &Nodal, z: Complex64) -> [Complex64; 2] {
     sums
 }
 
+/// Interpolates on [a, b], bisecting where needed. `before` is the error of the parent cell.
 fn bisect<const K: usize>(
     f: &impl Fn(f64) -> [f64; K],
     (a, b): (f64, f64),
@@ -307,25 +315,26 @@ fn bisect<const K: usize>(
     let coefficients = |k: usize| RULE.coefficients(&values.map(|v| v[k]));
     let first = coefficients(0);
     let up_to_here = *integral + 2.0 * half * first[0];
-    let missing = resolution.missing(&values.map(|v| v[0]), tail(&first), half, up_to_here);
-    // Rounding in f halves with the width, at best; anything that converges gains far more.
-    let noise = missing > 0.4 * before && resolution.may_be_rounding(missing, depth);
+    let error = resolution.error(&values.map(|v| v[0]), tail(&first), half, up_to_here);
+    // Where the rounding of f dominates, the error at best halves with the width; converging series gain far
+    // more.
+    let noise = error > 0.4 * before && resolution.may_be_rounding(error, depth);
     let narrowest = half <= 16.0 * f64::EPSILON * b;
-    // What is no number is none on any part either.
-    let unknown = missing.is_nan();
-    if missing <= resolution.most() || noise || narrowest || unknown || depth > MOST_BISECTIONS {
+    // Bisection does not help where f is not a number.
+    let unknown = error.is_nan();
+    if error <= resolution.tolerance() || noise || narrowest || unknown || depth > MOST_BISECTIONS {
         *integral = up_to_here;
         for (k, piecewise) in out.iter_mut().enumerate() {
             piecewise.boundaries.push(b);
             piecewise.coefficients.push(coefficients(k));
         }
     } else {
-        bisect(f, (a, middle), (missing, depth + 1), resolution, integral, out);
-        bisect(f, (middle, b), (missing, depth + 1), resolution, integral, out);
+        bisect(f, (a, middle), (error, depth + 1), resolution, integral, out);
+        bisect(f, (middle, b), (error, depth + 1), resolution, integral, out);
     }
 }
 
-/// Bisections that reach 1e-30 of the width: u^(−1/2) integrates to 1e-15 there.
+/// Bisections that reach 1e-30 of the width: there u^(−1/2) integrates to 1e-15.
 const MOST_BISECTIONS: u32 = 100;
 
 #[cfg(test)]

@@ -1,33 +1,34 @@
-//! Power laws p(x) ∝ x^{−τ} between two given ends, fitted by maximum likelihood: exponents of what lies within a chosen
-//! window, whatever cuts the law off beyond it. Where the cut-off itself is asked for, see [`super::cutoff`].
+//! Maximum-likelihood fits of power laws p(x) ∝ x^{−τ} within a given window, whatever the cut-off outside of
+//! it. To fit the cut-off see [`super::cutoff`].
 //!
-//! After A. Clauset, C. R. Shalizi and M. E. J. Newman, *Power-law distributions in empirical data*, SIAM Rev. 51, 661
-//! (2009), doi:10.1137/070710111: the best τ is the one by which the mean of ln x is that of the data.
+//! After A. Clauset, C. R. Shalizi and M. E. J. Newman, *Power-law distributions in empirical data*, SIAM
+//! Rev. 51, 661 (2009), doi:10.1137/070710111: at the maximum of the likelihood the mean of ln x is that of
+//! the data.
 
 use super::legendre::RULE;
 use super::roots::brent_root;
 
-/// Exponents are looked for on both sides of 0 up to here.
+/// Exponents are searched for in [−30, 30].
 const STEEPEST: f64 = 30.0;
 
-/// Terms summed one by one before the sum is taken for an integral.
+/// Terms of a sum over integers before the rest is replaced by an integral.
 const TERMS: f64 = 1000.0;
 
-/// A power law fitted to data.
+/// A fitted power law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
-    /// τ of p(x) ∝ x^{−τ}.
+    /// Exponent τ of p(x) ∝ x^{−τ}.
     pub exponent: f64,
-    /// Its standard error, 1/√(n Var ln x): that of independent data, too small for correlated ones.
+    /// Standard error of τ for independent data, 1/√(n Var ln x); too small for correlated data.
     pub error: f64,
-    /// n, the data within the window.
+    /// Number n of data in the window.
     pub count: u64,
-    /// Kolmogorov's distance between the data and the fit, the largest difference of their cumulative shares.
+    /// Kolmogorov–Smirnov distance between data and fit.
     pub distance: f64,
 }
 
-/// Fits whole numbers, given as (number, how often) by rising number; `None` where fewer than two different ones are in
-/// the window. Sums over the law are right to 1e-7.
+/// Fits integers, given as (number, count) by rising number. `None` if the window contains fewer than two
+/// different numbers. Sums over the distribution are right to 1e-7.
 pub fn fit_counts(counts: &[(u64, u64)], low: u64, high: u64) -> Option<Fit> {
     let low = low.max(1);
     let inside = counts.iter().filter(|count| (low..=high).contains(&count.0));
@@ -36,7 +37,7 @@ pub fn fit_counts(counts: &[(u64, u64)], low: u64, high: u64) -> Option<Fit> {
     window.fit(&inside)
 }
 
-/// Fits numbers above 0; `None` where fewer than two different ones are in the window.
+/// Fits positive real numbers. `None` if the window contains fewer than two different numbers.
 pub fn fit_values(values: &[f64], low: f64, high: f64) -> Option<Fit> {
     let inside = values.iter().copied().filter(|&x| x > 0.0 && (low..=high).contains(&x));
     let mut inside: Vec<f64> = inside.collect();
@@ -45,12 +46,12 @@ pub fn fit_values(values: &[f64], low: f64, high: f64) -> Option<Fit> {
     Window { low, below: low, high, moments: real }.fit(&counts)
 }
 
-/// Where a law lives: above `below`, up to `high`.
+/// The support of the distribution: above `below`, up to `high`.
 struct Window {
     low: f64,
     below: f64,
     high: f64,
-    /// ∑ or ∫ of y^{−τ} lnⁿ y, y = x/low, n = 0, 1, 2, over a < x ≤ b: a function of τ, low, a, b.
+    /// ∑ or ∫ of y^{−τ} lnⁿ y, y = x/low, n = 0, 1, 2, over a < x ≤ b, as a function of τ, low, a, b.
     moments: fn(f64, f64, f64, f64) -> [f64; 3],
 }
 
@@ -81,7 +82,7 @@ impl Window {
         let discrete = self.below < self.low;
         let (mut from, mut law, mut data, mut largest) = (self.below, 0.0, 0.0, 0.0_f64);
         for &(x, times) in counts {
-            // Just below x the law of whole numbers has not come to it, that of others has.
+            // Just below x the distribution function of integers has not jumped yet.
             let before = weight(from, if discrete { x - 1.0 } else { x }) / all;
             largest = largest.max((law + before - data).abs());
             law += weight(from, x) / all;
@@ -93,7 +94,8 @@ impl Window {
     }
 }
 
-/// Whole numbers: long sums are integrals by the midpoint rule, right to τ²/24x².
+/// Sums over integers. Beyond the first thousand terms the midpoint rule replaces the sum by an integral,
+/// right to τ²/24x².
 fn whole(exponent: f64, low: f64, above: f64, to: f64) -> [f64; 3] {
     let summed = to.min(low + TERMS).max(above);
     let mut moments = [0.0; 3];
@@ -106,7 +108,7 @@ fn whole(exponent: f64, low: f64, above: f64, to: f64) -> [f64; 3] {
     [0, 1, 2].map(|n| moments[n] + low * rest[n])
 }
 
-/// All numbers.
+/// Integrals over real numbers.
 fn real(exponent: f64, low: f64, above: f64, to: f64) -> [f64; 3] {
     integral(exponent, (above / low).ln(), (to / low).ln())
 }

@@ -1,14 +1,14 @@
-//! Scalar products with the same bits on any number of threads.
+//! Scalar products of long vectors, with the same bits on any number of threads.
 
 use rayon::prelude::*;
 
 /// Terms summed by one thread.
 const CHUNK: usize = 1 << 14;
 
-/// Sums that go on side by side, so that an addition need not wait for the one before.
+/// Number of partial sums, so that an addition does not wait for the previous one and the loop vectorises.
 const LANES: usize = 8;
 
-/// Σ a_j b_j.
+/// Σ a_j b_j. Chunks are of fixed size and summed in order.
 pub fn product(a: &[f64], b: &[f64]) -> f64 {
     if a.len() <= CHUNK {
         return in_lanes(a, b);

@@ -1,40 +1,40 @@
-//! Functions given cell by cell: moved, mirrored, cut out and added.
+//! Operations on piecewise functions: shift, mirror, restrict, add.
 
 use super::legendre::{NODES, Nodal, RULE};
 use super::piecewise::Piecewise;
 
 impl Piecewise {
-    /// Where the function starts.
+    /// Lower end of the first cell.
     pub fn start(&self) -> f64 {
         self.boundaries.first().copied().unwrap_or(0.0)
     }
 
-    /// f(x − by). Cells too narrow for where they go leave their integral to a neighbour.
+    /// f(x − by). A cell that rounding makes too narrow at its new place adds its integral to a neighbour.
     #[must_use]
     pub fn shifted(&self, by: f64) -> Self {
         let mut out = Self { boundaries: vec![self.start() + by], coefficients: Vec::new() };
-        let mut swallowed = 0.0;
+        let mut leftover = 0.0;
         for (cell, coefficients) in self.coefficients.iter().enumerate() {
             let (low, high) = (out.end(), self.boundaries[cell + 1] + by);
             let half = self.cell(cell).1;
             let mass = 2.0 * half * coefficients[0];
             if high - low < half {
-                swallowed += mass;
+                leftover += mass;
                 continue;
             }
             let mut moved = *coefficients;
-            moved[0] = (mass + std::mem::take(&mut swallowed)) / (high - low);
+            moved[0] = (mass + std::mem::take(&mut leftover)) / (high - low);
             out.boundaries.push(high);
             out.coefficients.push(moved);
         }
         let last = out.coefficients.len().saturating_sub(1);
-        if swallowed != 0.0 && !out.coefficients.is_empty() {
-            out.coefficients[last][0] += swallowed / (2.0 * out.cell(last).1);
+        if leftover != 0.0 && !out.coefficients.is_empty() {
+            out.coefficients[last][0] += leftover / (2.0 * out.cell(last).1);
         }
         out
     }
 
-    /// f(x − by) for a function that starts at 0, and the constant `before` on [0, by].
+    /// f(x − by) for a function that starts at 0, with the constant `before` on [0, by].
     #[must_use]
     pub fn preceded(&self, by: f64, before: f64) -> Self {
         let mut out = self.shifted(by);
@@ -62,7 +62,7 @@ impl Piecewise {
         self
     }
 
-    /// The function on [low, high] alone.
+    /// The function restricted to [low, high].
     #[must_use]
     pub fn part(&self, low: f64, high: f64) -> Self {
         let mut out = Self::default();
@@ -80,7 +80,7 @@ impl Piecewise {
         out
     }
 
-    /// The polynomial of a cell as a series on [low, high].
+    /// The polynomial of a cell as a Legendre series on [low, high].
     fn expanded(&self, cell: usize, low: f64, high: f64) -> Nodal {
         if (self.boundaries[cell], self.boundaries[cell + 1]) == (low, high) {
             return self.coefficients[cell];
@@ -89,7 +89,8 @@ impl Piecewise {
         RULE.coefficients(&RULE.nodes.map(|t| self.value_in(cell, middle + half * t)))
     }
 
-    /// The sum with another function, cells joined where one polynomial serves both to `tolerance` (in the mean).
+    /// The sum with another function; cells are joined where one polynomial serves both within `tolerance`
+    /// (an integral).
     #[must_use]
     pub fn added(&self, other: &Self, tolerance: f64) -> Self {
         if self.coefficients.is_empty() {
@@ -109,7 +110,8 @@ impl Piecewise {
         Self { boundaries, coefficients }.joined(tolerance)
     }
 
-    /// The function on fewer cells, neighbours joined as long as that changes no integral by more than `tolerance`.
+    /// The function on fewer cells: neighbours are joined as long as that changes no integral by more than
+    /// `tolerance`.
     #[must_use]
     pub fn joined(mut self, tolerance: f64) -> Self {
         loop {
@@ -129,7 +131,7 @@ impl Piecewise {
         }
     }
 
-    /// One series for a cell and the next, if it serves both.
+    /// One series for a cell and the next, if it represents both.
     fn pair(&self, cell: usize, tolerance: f64) -> Option<Nodal> {
         let (low, high) = (self.boundaries[cell], *self.boundaries.get(cell + 2)?);
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));

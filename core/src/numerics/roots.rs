@@ -1,14 +1,15 @@
-//! Roots and minima of functions of one variable, after Brent.
+//! Roots and minima of functions of one variable: Brent's methods.
 //!
 //! R. P. Brent, *Algorithms for Minimization without Derivatives* (1973), chapters 4 and 5.
 
-/// Steps after which either search gives up: bisection alone needs 60.
+/// Largest number of steps; bisection alone needs 60.
 const MOST_STEPS: usize = 200;
 
-/// A zero of `f` between `a` and `b`, to within `tolerance` (or rounding), where `f` changes sign.
+/// A zero of `f` between `a` and `b`, to within `tolerance` (or rounding), by bisection, secants and inverse
+/// quadratic interpolation.
 ///
-/// `None` if `f(a)` and `f(b)` have the same sign or one of them is not a number. Where `f` jumps
-/// across 0, the place of the jump.
+/// Returns `None` if `f(a)` and `f(b)` have the same sign or one of them is not a number. If `f` jumps across
+/// 0, returns the position of the jump.
 pub fn brent_root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> Option<f64> {
     // b is the best estimate, a the one before, [b, c] brackets the root.
     let (mut a, mut b, mut c) = (a, b, a);
@@ -50,7 +51,7 @@ pub fn brent_root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64)
     Some(b)
 }
 
-/// The step from b by inverse quadratic interpolation, or by a secant where two points coincide.
+/// The step from b by inverse quadratic interpolation, or by the secant method where two points coincide.
 fn interpolate((a, fa): (f64, f64), (b, fb): (f64, f64), (c, fc): (f64, f64)) -> Option<f64> {
     if fa.abs() <= fb.abs() {
         return None;
@@ -65,10 +66,11 @@ fn interpolate((a, fa): (f64, f64), (b, fb): (f64, f64), (c, fc): (f64, f64)) ->
     Some(-p / q)
 }
 
-/// A minimum of `f` on `[a, b]` as (place, value), the place to within `tolerance`.
+/// A minimum of `f` on `[a, b]` as (position, value), the position to within `tolerance`, by golden sections
+/// and parabolas.
 ///
-/// The place of a smooth minimum cannot be known better than √ε of its size, its value can. Where `f`
-/// has several minima, one of them; where it is monotonic, a point near the lower end.
+/// The position of a smooth minimum cannot be known better than √ε of its size; its value can. If `f` has
+/// several minima, one of them; if it is monotonic, a point near the lower end.
 pub fn brent_minimum(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64) -> (f64, f64) {
     const GOLDEN: f64 = 0.381_966_011_250_105_2;
     let (mut a, mut b) = (a.min(b), a.max(b));

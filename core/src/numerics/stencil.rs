@@ -1,16 +1,16 @@
-//! Interpolation between even points, by the polynomial through the ten around.
+//! Lagrange interpolation between equally spaced points, of degree 9.
 
-/// Points of a stencil.
+/// Number of points of a stencil.
 pub const POINTS: usize = 10;
 
-/// Weights of values at even points in the value at a place in between, and in the slope there.
+/// Weights of the values at ten equally spaced points in the interpolated value and slope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stencil {
-    /// The first point that counts.
+    /// Index of the first point.
     pub first: usize,
-    /// The place, as spacings from there.
+    /// Position in units of the spacing, from the first point.
     place: f64,
-    /// Weights in the value.
+    /// Weights of the value.
     weights: [f64; POINTS],
 }
 
@@ -32,7 +32,8 @@ const SCALES: [f64; POINTS] = {
 };
 
 impl Stencil {
-    /// The stencil for a `place` in units of the spacing, of `count` points, ten or more; towards an end it is not centred.
+    /// The stencil for a position `place` in units of the spacing, among `count` ≥ 10 points; not centred
+    /// near the ends.
     pub fn at(place: f64, count: usize) -> Self {
         let first = (place - 0.5 * (POINTS - 2) as f64).floor().clamp(0.0, (count - POINTS) as f64);
         Self::from(first as usize, place)
@@ -53,17 +54,18 @@ impl Stencil {
         Self { first, place: t, weights }
     }
 
-    /// The value there of what `known` tells at the points.
+    /// The interpolated value of `known`(point).
     pub fn value(&self, known: impl Fn(usize) -> f64) -> f64 {
         self.weights.iter().zip(self.first..).map(|(weight, point)| weight * known(point)).sum()
     }
 
-    /// The slope there, per spacing.
+    /// The interpolated derivative of `known`(point), per spacing.
     pub fn slope(&self, known: impl Fn(usize) -> f64) -> f64 {
         self.slopes().iter().zip(self.first..).map(|(weight, point)| weight * known(point)).sum()
     }
 
-    /// Weights in the slope: Π_{j ≠ k} (t − j) is the product of those below and above, each with its derivative.
+    /// Weights of the slope: Π_{j ≠ k} (t − j) is the product of the factors below and above k, each with its
+    /// derivative.
     fn slopes(&self) -> [f64; POINTS] {
         let (mut below, mut above) = ([(1.0, 0.0); POINTS], [(1.0, 0.0); POINTS]);
         let longer = |(value, slope): (f64, f64), j: usize| {

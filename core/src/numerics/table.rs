@@ -1,9 +1,9 @@
-//! A smooth function of one number, looked up.
+//! A look-up table for a smooth function of one variable.
 
 use super::legendre::{NODES, RULE};
 
-/// A function on x ≥ 0, polynomials on even cells of 1/(1 + x): nearly all digits of a function that is smooth, a power series in
-/// 1/x at infinity, and of one size throughout.
+/// A function on x ≥ 0 as polynomials on equal cells of 1/(1 + x). Accurate to nearly all digits for a smooth
+/// function of one order of magnitude with a power series in 1/x at infinity.
 #[derive(Debug)]
 pub struct Table {
     cells: [[f64; TERMS]; CELLS],
@@ -13,7 +13,7 @@ const CELLS: usize = 64;
 const TERMS: usize = 11;
 
 impl Table {
-    /// Looks at the function at 16 places of each cell.
+    /// Tabulates the function from its values at 16 points of each cell.
     pub fn of(f: impl Fn(f64) -> f64) -> Self {
         let cell = |cell: usize| {
             let place = |t: f64| (cell as f64 + 0.5 * (1.0 + t)) / CELLS as f64;
@@ -23,7 +23,7 @@ impl Table {
         Self { cells: std::array::from_fn(cell) }
     }
 
-    /// Its value at x ≥ 0.
+    /// The function at x ≥ 0, by Horner's rule.
     #[inline]
     pub fn value(&self, x: f64) -> f64 {
         let place = CELLS as f64 / (1.0 + x);
@@ -33,7 +33,7 @@ impl Table {
     }
 }
 
-/// The powers of t in a Legendre series.
+/// The coefficients of powers of t of a Legendre series.
 fn monomials(series: &[f64]) -> [f64; TERMS] {
     let (mut previous, mut current, mut sum) = ([0.0; TERMS], [0.0; TERMS], [0.0; TERMS]);
     current[0] = 1.0;

@@ -1,9 +1,9 @@
-//! Loops on registers of 512 bits, where the machine has them.
+//! Loops compiled for 512-bit registers, where the machine has them.
 
-/// What `work` gives, compiled for AVX-512; nothing on a machine without it.
+/// Runs `work` compiled for AVX-512; `None` on a machine without it.
 ///
-/// The compiler neither fuses operations nor puts sums in another order, so the bits are those of any other machine. What
-/// `work` calls must be inlined into it to be compiled so, too.
+/// The compiler neither fuses operations nor reorders sums, so the bits are those of any other machine.
+/// Functions that `work` calls must be inlined into it to be compiled for AVX-512.
 #[inline]
 pub(crate) fn wide<T>(work: impl FnOnce() -> T) -> Option<T> {
     #[cfg(target_arch = "x86_64")]
@@ -17,7 +17,7 @@ pub(crate) fn wide<T>(work: impl FnOnce() -> T) -> Option<T> {
             && is_x86_feature_detected!("avx512vl")
         {
             #[expect(unsafe_code, reason = "safe Rust cannot call what not every machine can run")]
-            // SAFETY: this machine can, as it has just said.
+            // SAFETY: the machine supports these instructions, as has just been tested.
             return Some(unsafe { compiled(work) });
         }
     }

@@ -76,7 +76,7 @@ fn jumps<'a>(
     initial: &'a dyn Law,
     snapshots: &'a [f64],
 ) -> impl Iterator<Item = f64> + 'a {
-    let at = |law: &'a dyn Law| law.breaks().into_iter().map(|b| b.position);
+    let at = |law: &'a dyn Law| law.breakpoints().into_iter().map(|b| b.position);
     let carried = snapshots.iter().flat_map(move |x| at(initial).chain([0.0]).map(move |y| x + y));
     let left = snapshots.iter().flat_map(move |x| at(thresholds).map(move |y| x - y));
     at(thresholds).chain(at(reforming)).chain(carried).chain(left)

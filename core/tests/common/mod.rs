@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod curve;
+pub mod finite_volumes;
 pub mod polyline;
 pub mod pulled;
 pub mod sliders;

@@ -11,7 +11,7 @@ mod stage;
 use super::{Block, Energy, Loading, Slip};
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, report};
-use crate::numerics::two_stages::{CHANGE, MEET, WEIGHTS, change};
+use crate::numerics::tr_bdf2::{CHANGE, GAMMA, WEIGHTS, change};
 use crate::rate_dependent::{ErrorEstimator, RateDependentContacts};
 use crate::{Error, Float, Result};
 use log::Log;
@@ -289,7 +289,7 @@ impl Rider {
     fn accept(&mut self, tried: stage::Tried, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let states = [&self.state, &tried.middle, &tried.end];
         if let Some(estimator) = &mut self.estimator {
-            for (pair, share) in states.windows(2).zip([MEET, 1.0 - MEET]) {
+            for (pair, share) in states.windows(2).zip([GAMMA, 1.0 - GAMMA]) {
                 let by = pair[1].position() - pair[0].position();
                 self.error = self.error.max(estimator.step(by, share * duration, pair[1].force, monitor)?);
             }
@@ -310,7 +310,7 @@ impl Dynamics {
     /// What comes and goes in a step that is right to second order.
     fn on_the_way(&self, states: [&State; 3], pulled: Pulled, duration: f64) -> Energy {
         let mut energy = Energy::default();
-        let times = [0.0, MEET * duration, duration];
+        let times = [0.0, GAMMA * duration, duration];
         for ((state, time), weight) in states.into_iter().zip(times).zip(WEIGHTS) {
             let pull = self.stiffness * (pulled.after(time) - state.position());
             energy.work += weight * duration * pulled.velocity * pull;

@@ -1,9 +1,9 @@
-//! One step of a slider in time, of two stages ([`two_stages`]), so that it may be as long as a stick. Between their ends
+//! One step of a slider in time, of two stages ([`tr_bdf2`]), so that it may be as long as a stick. Between their ends
 //! contacts move at constant velocities.
 
 use crate::Result;
 use crate::monitor::Monitor;
-use crate::numerics::two_stages::{self, CARRIED, MEET};
+use crate::numerics::tr_bdf2::{self, GAMMA, HISTORY};
 use crate::rate_dependent::RateDependentContacts;
 
 /// Equations of stages are solved to this share of the tolerance.
@@ -120,10 +120,10 @@ impl Dynamics {
         duration: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Option<Tried>> {
-        let alpha = two_stages::alpha(duration);
+        let alpha = tr_bdf2::alpha(duration);
         let (v0, a0) = (from.velocity, self.acceleration(from, pulled.drive));
         let rule = Rule { alpha, velocity: -v0, acceleration: -alpha * v0 - a0 };
-        let time = MEET * duration;
+        let time = GAMMA * duration;
         let Some(middle) = self.stage(from, pulled.after(time), time, &rule, monitor)? else {
             return Ok(None);
         };
@@ -131,15 +131,15 @@ impl Dynamics {
         let a1 = rule.acceleration(v1);
         let rule = Rule {
             alpha,
-            velocity: -alpha * CARRIED * advance,
-            acceleration: -alpha * (v1 + CARRIED * (v1 - v0)),
+            velocity: -alpha * HISTORY * advance,
+            acceleration: -alpha * (v1 + HISTORY * (v1 - v0)),
         };
         let time = duration - time;
         let Some(end) = self.stage(&middle, pulled.after(duration), time, &rule, monitor)? else {
             return Ok(None);
         };
         let a2 = rule.acceleration(end.velocity);
-        let error = |rates| two_stages::error(duration, rates);
+        let error = |rates| tr_bdf2::error(duration, rates);
         let of_velocity = if self.mass > 0.0 { error([a0, a1, a2]) } else { 0.0 };
         let swing = (self.mass / self.resistance(from)).sqrt();
         let error = error([v0, v1, end.velocity]).abs().max(swing * of_velocity.abs());

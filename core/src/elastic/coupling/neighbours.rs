@@ -46,7 +46,7 @@ impl Neighbours {
         fits(shape, 16)?;
         let line = match edges {
             Edges::Open => Line::free,
-            Edges::Periodic => Line::joined,
+            Edges::Periodic => Line::periodic,
         };
         let solver = match shape {
             Shape::Chain(_) => Solver::Chain(Chain::new(edges, stiffness)),

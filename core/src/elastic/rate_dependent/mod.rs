@@ -16,7 +16,7 @@ pub use state::StateInTime;
 
 use super::{Coupling, Energy, Event, Loading, Slipped, event};
 use crate::monitor::{Aside, Monitor, Watch, report};
-use crate::numerics::two_stages::{CHANGE, MEET, change};
+use crate::numerics::tr_bdf2::{CHANGE, GAMMA, change};
 use crate::rate_dependent::{Books, ErrorEstimator, RateDependentContacts, StretchInterval};
 use crate::record::Record;
 use crate::{Error, Float, Result};
@@ -330,7 +330,7 @@ impl InterfaceInTime {
 
     /// Moves the error estimators in the same step; if the monitor stops that, nothing has moved.
     fn estimate_error(&mut self, tried: &Tried, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        let (cells, time) = (&self.cells, MEET * duration);
+        let (cells, time) = (&self.cells, GAMMA * duration);
         let Some(estimators) = &mut self.estimators else { return Ok(()) };
         let watch = &Watch::new(monitor);
         let follow = |(): &mut (), j: usize| {

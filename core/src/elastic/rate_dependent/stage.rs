@@ -1,10 +1,10 @@
-//! One step of all cells in time, of two stages ([`two_stages`]). Between their ends contacts move at constant velocities.
+//! One step of all cells in time, of two stages ([`tr_bdf2`]). Between their ends contacts move at constant velocities.
 
 use crate::Result;
 use crate::elastic::Coupling;
 use crate::elastic::batch::{largest, sum};
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::two_stages::{self, CARRIED, MEET, WEIGHTS};
+use crate::numerics::tr_bdf2::{self, GAMMA, HISTORY, WEIGHTS};
 use crate::rate_dependent::RateDependentContacts;
 
 /// Equations of stages are solved to this share of the tolerance.
@@ -171,19 +171,19 @@ impl Dynamics {
         monitor: &mut dyn Monitor,
     ) -> Result<Option<Tried>> {
         let watch = &Watch::new(monitor);
-        let (alpha, time) = (two_stages::alpha(duration), MEET * duration);
+        let (alpha, time) = (tr_bdf2::alpha(duration), GAMMA * duration);
         let carried: Vec<f64> = from.iter().map(|cell| -cell.velocity).collect();
         let rule = Rule { alpha, carried: &carried };
         let Some(middle) = self.stage(from, pulled.after(time), time, &rule, watch)? else { return Ok(None) };
         let way = |j: usize| middle[j].position - from[j].position;
-        let carried: Vec<f64> = (0..from.len()).map(|j| -alpha * CARRIED * way(j)).collect();
+        let carried: Vec<f64> = (0..from.len()).map(|j| -alpha * HISTORY * way(j)).collect();
         let (rule, rest) = (Rule { alpha, carried: &carried }, duration - time);
         let Some(mut end) = self.stage(&middle, pulled.after(duration), rest, &rule, watch)? else {
             return Ok(None);
         };
         let error = |j: usize| {
             let rates = [&from[j], &middle[j], &end[j]].map(|cell| cell.velocity);
-            two_stages::error(duration, rates).abs()
+            tr_bdf2::error(duration, rates).abs()
         };
         let error = (0..from.len()).map(error).fold(0.0, f64::max);
         end.iter_mut().for_each(|cell| cell.velocity = cell.velocity.max(0.0));
@@ -195,7 +195,8 @@ impl Dynamics {
     /// Work of the drive in a step through these states, and what each cell loses by viscous drag.
     fn taken(&self, states: [&[State]; 3], pulled: Pulled, duration: f64) -> (f64, Vec<f64>) {
         let (mut work, mut viscous) = (0.0, vec![0.0; states[0].len()]);
-        for ((cells, time), weight) in states.into_iter().zip([0.0, MEET * duration, duration]).zip(WEIGHTS) {
+        for ((cells, time), weight) in states.into_iter().zip([0.0, GAMMA * duration, duration]).zip(WEIGHTS)
+        {
             let drive = pulled.after(time);
             let pull = sum(self.connected, |j| self.connection * (drive - cells[j].position));
             work += weight * duration * pulled.velocity * pull;

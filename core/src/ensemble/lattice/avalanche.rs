@@ -1,10 +1,10 @@
-//! What one break sets off, and catalogues of it.
+//! Avalanches and their catalogue.
 
 use serde::{Deserialize, Serialize};
 
 use crate::record::{Quantity, Record};
 
-/// All that happens at one drive.
+/// One avalanche: all breaks at one drive.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Avalanche {
     /// X, by which the drive has stretched every contact when the first one breaks.
@@ -17,7 +17,7 @@ pub struct Avalanche {
     pub area: u64,
     /// Generations of breaks.
     pub duration: u64,
-    /// Σ(f − k r) of all breaks: what contacts let go, to neighbours, edges and drive.
+    /// Σ(f − k r) over all breaks: the force released to neighbours, edges and drive.
     pub released: f64,
     /// Force of all contacts when the first one breaks.
     pub force_before: f64,
@@ -26,7 +26,7 @@ pub struct Avalanche {
 }
 
 impl Avalanche {
-    /// By how much the force falls: what edges and drive have taken of what contacts let go.
+    /// The drop of the force: what edges and drive have absorbed.
     pub fn drop(&self) -> f64 {
         self.force_before - self.force_after
     }

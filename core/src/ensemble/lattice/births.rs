@@ -1,22 +1,22 @@
-//! The lives of contacts on a lattice: those of the ensemble, or one and the same.
+//! The lives of contacts on a lattice: those of the ensemble, or identical ones.
 
 use serde::{Deserialize, Serialize};
 
 use crate::ensemble::Ensemble;
 use crate::ensemble::lives::{ContactLife, Drawn, Lives};
 
-/// What a contact was born with, and how far it has come in its random streams.
+/// The threshold of a contact, and its position in its random streams.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct BirthRecord {
     pub(super) threshold: f64,
     drawn: Drawn,
 }
 
-/// Gives contacts their lives, those that [`Ensemble::pull`] gives them.
+/// Draws the lives of contacts: those of [`Ensemble::pull`].
 #[derive(Clone)]
 pub(super) struct LatticeBirths {
     lives: Lives,
-    /// The life after every break, where both laws are points and nothing need be drawn or kept.
+    /// The life after every break, if both distributions are points: then nothing is drawn or stored.
     identical: Option<ContactLife>,
 }
 
@@ -36,7 +36,7 @@ impl LatticeBirths {
         self.identical.is_some()
     }
 
-    /// Contact `number` at the start: its stretch, and what it was born with.
+    /// Contact `number` at the start: its stretch and its record.
     pub(super) fn first(&mut self, number: usize) -> (f64, BirthRecord) {
         let life = self.lives.first(number as u64);
         (life.stretch, BirthRecord { threshold: life.threshold, drawn: self.lives.drawn() })
@@ -47,7 +47,7 @@ impl LatticeBirths {
         self.identical.map_or_else(|| born[number].threshold, |life| life.threshold)
     }
 
-    /// Gives the contact that `number` tells its next life; the threshold it had, and the new life.
+    /// Draws the next life of the contact `number`(); returns its previous threshold, and the new life.
     #[inline]
     pub(super) fn next(
         &mut self,

@@ -1,4 +1,4 @@
-//! How contacts on a lattice hang together, and on the drive.
+//! Springs between contacts on a lattice, and to the drive.
 
 use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
@@ -8,7 +8,7 @@ use crate::{Error, Result};
 pub struct LatticeCoupling {
     /// How contacts lie.
     pub shape: Shape,
-    /// What is beyond the outermost; open edges are rigid, and take the outward share of a break.
+    /// What is beyond the outermost contacts; open edges are rigid, and absorb the outward share of a break.
     pub edges: Edges,
     /// K_int, stiffness of the spring between two neighbours.
     pub neighbours: f64,
@@ -17,27 +17,29 @@ pub struct LatticeCoupling {
 }
 
 impl LatticeCoupling {
-    /// Springs by which each neighbour gains the share α of what a breaking contact lets go: K_int = α, K_0 = 1 − zα.
+    /// Springs for which each neighbour gains the fraction α of the force that a breaking contact releases:
+    /// K_int = α, K_0 = 1 − zα.
     pub fn sharing(shape: Shape, edges: Edges, share: f64) -> Self {
         Self { shape, edges, neighbours: share, connection: 1.0 - shape.neighbours() as f64 * share }
     }
 
-    /// α = K_int/(z K_int + K_0), what each neighbour gains of the force that a breaking contact lets go.
+    /// α = K_int/(z K_int + K_0): the fraction of the force released by a breaking contact that each
+    /// neighbour gains.
     pub fn share(&self) -> f64 {
         self.neighbours / self.stiffness()
     }
 
-    /// κ = zα = zK_int/(z K_int + K_0), what all neighbours of a contact inside gain together.
+    /// κ = zα: the fraction that all neighbours of an inner contact gain together.
     pub fn total_share(&self) -> f64 {
         self.shape.neighbours() as f64 * self.share()
     }
 
-    /// 1 − zα = K_0/(z K_int + K_0), what the drive takes of it.
+    /// 1 − zα = K_0/(z K_int + K_0): the fraction that the drive absorbs.
     pub fn dissipated(&self) -> f64 {
         self.connection / self.stiffness()
     }
 
-    /// All springs of a contact together.
+    /// Total stiffness of the springs of a contact.
     fn stiffness(&self) -> f64 {
         self.shape.neighbours() as f64 * self.neighbours + self.connection
     }

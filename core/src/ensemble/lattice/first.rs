@@ -1,14 +1,15 @@
-//! When each contact of a lattice breaks for the first time.
+//! First breaks: the drive at which each contact of a lattice breaks for the first time.
 
 use super::{Lattice, REPORT};
 use crate::Result;
 use crate::monitor::{Monitor, report};
 
 impl Lattice {
-    /// Drives the contacts until each has broken, and gives the drives at which they did so first, along rows.
+    /// Drives the contacts until each has broken; returns the drives of their first breaks, along rows.
     ///
     /// # Errors
-    /// The monitor, who hears the share that has broken, says stop. The lattice is then between two avalanches.
+    /// Stopped by the monitor, which is told the fraction that has broken; the lattice is then between two
+    /// avalanches.
     pub fn first_breaks(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         let mut first = vec![f64::INFINITY; self.size()];
         let (mut broken, mut events) = (0, 0);

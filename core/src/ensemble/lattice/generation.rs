@@ -1,15 +1,15 @@
-//! One generation of breaks: all that have reached their thresholds let go, then their neighbours gain.
+//! One generation of an avalanche: contacts at their thresholds break, then their neighbours gain force.
 
 use super::Lattice;
 
 impl Lattice {
-    /// Contacts whose ends are up to here break.
+    /// Contacts that break up to this drive break now.
     fn limit(&self) -> f64 {
         self.drive + self.together
     }
 
-    /// Finds what breaks first, and gives its epicentre.
-    pub(super) fn ignite(&mut self) -> usize {
+    /// Finds the first contacts that break, and returns the epicentre.
+    pub(super) fn start_avalanche(&mut self) -> usize {
         self.scar.drain(..).for_each(|place| self.broken[place as usize] = false);
         self.front.clear();
         self.minima.up_to(self.limit(), &self.ends, &mut self.front);
@@ -18,8 +18,8 @@ impl Lattice {
         self.grid.number(first.expect("the least end is below the limit") as usize)
     }
 
-    /// Contacts of the front break and re-form; what they let go in all.
-    pub(super) fn part(&mut self) -> f64 {
+    /// Contacts of the front break and re-form; returns the force they release.
+    pub(super) fn break_front(&mut self) -> f64 {
         let limit = self.limit();
         let Self { grid, births, born, ends, front, following, released, broken, scar, drive, .. } = self;
         released.clear();
@@ -42,8 +42,9 @@ impl Lattice {
         all
     }
 
-    /// Neighbours of the front gain their shares, which may make them follow; what open edges take.
-    pub(super) fn share(&mut self) -> f64 {
+    /// Distributes the released force to the neighbours, which may reach their thresholds; returns what open
+    /// edges absorb.
+    pub(super) fn distribute(&mut self) -> f64 {
         let limit = self.limit();
         let Self { grid, ends, front, following, released, share, .. } = self;
         let mut outward = 0.0;
@@ -68,8 +69,8 @@ impl Lattice {
         outward
     }
 
-    /// Finds the next break: ends have changed at what broke, and next to it.
-    pub(super) fn mend(&mut self) {
+    /// Updates the tree of minima for broken contacts and their neighbours.
+    pub(super) fn update_minima(&mut self) {
         for &place in &self.scar {
             self.minima.touch(place as usize);
             for near in self.grid.around(place as usize) {
@@ -79,6 +80,6 @@ impl Lattice {
                 self.minima.touch(near);
             }
         }
-        self.minima.mend(&self.ends);
+        self.minima.update(&self.ends);
     }
 }

@@ -1,4 +1,4 @@
-//! Places on a lattice with a rim of empty places around it, so that no neighbour is missing.
+//! Indexing of sites of a lattice with a rim of empty sites around it, so that every site has all neighbours.
 
 use super::coupling::LatticeCoupling;
 use crate::shape::Edges;

@@ -1,16 +1,17 @@
-//! The least of many numbers of which a few change at a time: a tree of minima.
+//! The minimum of many numbers of which few change at a time: a tournament tree (tree of minima).
 
-/// Numbers below one node: as many as are looked at in the time of one access to memory.
+/// Children of a node: as many as are compared in the time of one memory access.
 const ARITY: usize = 16;
 
-/// Minima of runs of numbers, of runs of these, and so on, up to few.
+/// Minima of runs of 16 numbers, of 16 runs, and so on.
 ///
-/// The numbers themselves are kept elsewhere. Which of them have changed is told one by one by [`Minima::touch`], and
-/// [`Minima::mend`] does the rest at once: in proportion to the runs touched, whatever the number of numbers.
+/// The numbers are stored elsewhere. Changes are announced one by one by [`Minima::touch`]; [`Minima::update`]
+/// then updates the tree, in a time proportional to the runs touched, for any number of numbers.
 #[derive(Debug, Clone)]
 pub(super) struct Minima {
     /// From runs of numbers upward; the last has at most `ARITY`.
     levels: Vec<Vec<f64>>,
+    /// Whether a run has been touched; the list of these runs.
     touched: Vec<bool>,
     /// The runs touched.
     runs: Vec<u32>,
@@ -25,7 +26,7 @@ impl Minima {
         Self { touched: vec![false; levels[0].len()], runs: Vec::new(), levels }
     }
 
-    /// Says that the number at `index` has changed.
+    /// Announces that the number at `index` has changed.
     #[inline]
     pub(super) fn touch(&mut self, index: usize) {
         let run = index / ARITY;
@@ -35,13 +36,13 @@ impl Minima {
         }
     }
 
-    /// Finds the minima anew where numbers have been touched.
-    pub(super) fn mend(&mut self, values: &[f64]) {
+    /// Updates the minima.
+    pub(super) fn update(&mut self, values: &[f64]) {
         self.runs.iter().for_each(|&run| self.touched[run as usize] = false);
         for level in 0..self.levels.len() {
             let (below, above) = self.levels.split_at_mut(level);
             let below = below.last().map_or(values, Vec::as_slice);
-            mend_level(below, &mut above[0], &mut self.runs);
+            update_level(below, &mut above[0], &mut self.runs);
         }
         self.runs.clear();
     }
@@ -51,13 +52,13 @@ impl Minima {
         least(&self.levels[self.levels.len() - 1])
     }
 
-    /// Adds to `found` where numbers are at most `bound`, by rising place, in proportion to what is found.
+    /// Appends the indices of all numbers up to `bound`, rising, in a time proportional to their number.
     pub(super) fn up_to(&self, bound: f64, values: &[f64], found: &mut Vec<u32>) {
         let top = self.levels.len();
         self.search(top, 0..self.levels[top - 1].len(), bound, values, found);
     }
 
-    /// Looks through some places of what lies below `level`, and further down where it is worth while.
+    /// Searches some children at `level`, descending where the minimum is below the bound.
     fn search(
         &self,
         level: usize,
@@ -80,8 +81,8 @@ impl Minima {
     }
 }
 
-/// Finds the minima `above` of some `runs` anew; what is left in `runs` is what has to be looked at above.
-fn mend_level(below: &[f64], above: &mut [f64], runs: &mut Vec<u32>) {
+/// Updates the minima `above` of some `runs`; on return `runs` holds the nodes to update on the next level.
+fn update_level(below: &[f64], above: &mut [f64], runs: &mut Vec<u32>) {
     let mut kept = 0;
     for i in 0..runs.len() {
         let run = runs[i] as usize;
@@ -103,7 +104,7 @@ fn runs(values: &[f64]) -> Vec<f64> {
     values.chunks(ARITY).map(least).collect()
 }
 
-/// The comparison is the one that processors have an instruction for.
+/// The minimum, with the comparison that compiles to one instruction.
 #[inline]
 fn least(values: &[f64]) -> f64 {
     values.iter().fold(f64::INFINITY, |low, &value| if value < low { value } else { low })
@@ -127,7 +128,7 @@ mod tests {
                     values[index] = stream.uniform();
                     minima.touch(index);
                 }
-                minima.mend(&values);
+                minima.update(&values);
                 assert_eq!(minima.levels, Minima::new(&values).levels);
                 let bound = minima.least() + 0.01;
                 let mut found = Vec::new();

@@ -1,4 +1,5 @@
-//! Contacts coupled one by one on a lattice, broken in avalanches.
+//! Contacts on a lattice coupled one by one, which break in avalanches: the Olami–Feder–Christensen
+//! automaton.
 
 mod avalanche;
 mod births;
@@ -28,20 +29,21 @@ use crate::monitor::{MEMORY, Monitor, fits, report};
 use crate::numerics::compensated::Compensated;
 use crate::{Error, Result};
 
-/// Bytes of a place: what its contact keeps, what it takes as it is drawn, and where all contacts break together.
+/// Bytes per site: the state of its contact, drawing it, and an avalanche of all contacts.
 const BYTES: u64 = 72;
 
 /// Contacts drawn together by one thread.
 const CHUNK: usize = 1 << 12;
 
-/// Mean thresholds within which contacts break together: some tens of roundings, which equal contacts that went equal
-/// ways differ by, and so little that it joins others once in 10⁷ avalanches of 10⁶ contacts.
+/// Distance in mean thresholds within which contacts break simultaneously: some tens of roundings, by which
+/// equal contacts with equal histories differ, and so little that it joins others once in 10⁷ avalanches of
+/// 10⁶ contacts.
 const TOGETHER: f64 = 1e-13;
 
 /// Avalanches between two reports to the monitor.
 const REPORT: u64 = 1 << 10;
 
-/// How far a lattice is driven.
+/// When to stop driving a lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Until {
     /// To this drive X, counted from the start of all.
@@ -50,39 +52,44 @@ pub enum Until {
     Events(u64),
 }
 
-/// Contacts of equal stiffness k, each on springs of its own to the drive and to its neighbours, that re-form only when
-/// the slide is over: the automaton of Z. Olami, H. J. S. Feder and K. Christensen (Phys. Rev. Lett. 68, 1244 (1992),
-/// doi:10.1103/PhysRevLett.68.1244) for any laws of thresholds and re-forming. Theirs has identical thresholds and R = δ.
+/// Contacts of equal stiffness k, each connected by springs to the drive and to its neighbours, that re-form
+/// only after the slide: the automaton of Z. Olami, H. J. S. Feder and K. Christensen (Phys. Rev. Lett. 68,
+/// 1244 (1992), doi:10.1103/PhysRevLett.68.1244) for any distributions of thresholds and re-forming. The
+/// original has identical thresholds and R = δ.
 ///
-/// The drive stretches every contact alike, f = k x → k(x + dX), at K_0 = 0 too, until one reaches its threshold k x_s.
-/// All that have reached theirs break together, f → k r, and each neighbour of one gains α(f − k r), α =
-/// [`LatticeCoupling::share`]; this makes a generation, and the next one follows until none is left. Re-forming stretches r and
-/// thresholds are drawn as in the [`Ensemble`]: at α = 0 contacts live the very lives of [`Ensemble::pull`].
+/// The drive stretches all contacts equally, f = k x → k(x + dX), also for K_0 = 0, until one reaches its
+/// threshold k x_s. All contacts at their thresholds break simultaneously, f → k r, and each neighbour gains
+/// α(f − k r), α = [`LatticeCoupling::share`]. This is one generation; the next one follows until no contact
+/// is at its threshold. Stretches r and thresholds are drawn as in the [`Ensemble`]: for α = 0 contacts have
+/// the lives of [`Ensemble::pull`].
 ///
-/// *Together* is within 1e-13 mean thresholds: contacts that are equal but for rounding stay so. In an identical lattice
-/// they often are, and what becomes of its avalanches depends on it (B. Drossel, Phys. Rev. Lett. 89, 238701 (2002)).
+/// *Simultaneous* means within 1e-13 mean thresholds: contacts that are equal up to rounding stay so. In an
+/// identical lattice they often are, and its avalanches depend on it (B. Drossel, Phys. Rev. Lett. 89, 238701
+/// (2002)).
 ///
-/// An avalanche takes a time in proportion to its breaks, whatever the number of contacts. A contact takes 10 bytes, 34
-/// where laws are not points, and up to 20 more where it breaks with all others. Stretches are right to 1e-15 however far the drive has come.
+/// The time of an avalanche is proportional to its breaks, for any number of contacts. A contact takes 10
+/// bytes, 34 if distributions are not points, and up to 20 more in an avalanche of all contacts. Stretches
+/// are right to 1e-15 for any drive.
 #[derive(Clone)]
 pub struct Lattice {
     grid: ContactGrid,
     share: f64,
     dissipated: f64,
     births: LatticeBirths,
-    /// What contacts were born with, along rows; empty where all are the same.
+    /// Present thresholds and positions in the random streams, along rows; empty if all contacts are the
+    /// same.
     born: Vec<BirthRecord>,
-    /// The drive since `base` at which the contact at a place breaks; infinite on the rim.
+    /// The drive since `base` at which the contact at a site breaks; infinite on the rim.
     ends: Vec<f64>,
     minima: Minima,
-    /// Where `drive` is counted from, so near that stretches keep their digits.
+    /// Origin of `drive`, so close that stretches keep their digits.
     base: f64,
     drive: f64,
     /// The sum of all stretches, had the drive stayed at `base`.
     stretch: Compensated,
-    /// Stretches that count as the same.
+    /// Difference within which breaks are simultaneous.
     together: f64,
-    /// The drive at which `base` follows.
+    /// The drive after which `base` is updated.
     span: f64,
     /// From a stretch to the force of all real contacts that one contact stands for.
     scale: f64,
@@ -91,19 +98,19 @@ pub struct Lattice {
     following: Vec<u32>,
     /// What those that break now let go.
     released: Vec<f64>,
-    /// Whether the contact at a place broke in the last avalanche; where.
+    /// Whether the contact at a site broke in the last avalanche; the list of these sites.
     broken: Vec<bool>,
     scar: Vec<u32>,
 }
 
 impl Lattice {
-    /// Contacts at X = 0, one on each place of the lattice, which stand for the `contacts.count` real ones.
+    /// Contacts at X = 0, one on each site of the lattice, which represent the `contacts.count` real ones.
     ///
-    /// What stands at its threshold in a relaxed start breaks in the first avalanche, at X = 0.
+    /// Contacts at their threshold in a relaxed start break in the first avalanche, at X = 0.
     ///
     /// # Errors
-    /// What [`LatticeCoupling::check`] and [`Ensemble::new`] refuse; stiffness per threshold; rules of time; more contacts than
-    /// fit in 16 GiB.
+    /// Those of [`LatticeCoupling::check`] and [`Ensemble::new`]; stiffness per threshold; time-dependent
+    /// rules; more contacts than fit in 16 GiB.
     pub fn new(
         contacts: Contacts,
         initial: Initial,
@@ -160,7 +167,7 @@ impl Lattice {
         Ok(lattice)
     }
 
-    /// Refuses what [`Lattice::new`] would, but for what the laws of contacts leave no room for.
+    /// The checks of [`Lattice::new`], except those of the distributions.
     ///
     /// # Errors
     /// The first thing refused, with the path of its key in a scenario.
@@ -169,7 +176,7 @@ impl Lattice {
         stiffness(contacts).map(drop)
     }
 
-    /// Bytes that contacts so placed take at most.
+    /// Largest memory of so many contacts.
     pub fn bytes(shape: Shape) -> u64 {
         let [rows, columns] = shape.sides().map(|side| side.saturating_add(2) as u64);
         rows.saturating_mul(columns).saturating_mul(BYTES)
@@ -205,10 +212,10 @@ impl Lattice {
         self.scar.iter().map(|&place| self.grid.number(place as usize))
     }
 
-    /// Drives the contacts, and tells `each` avalanche; up to a drive, or for a number of avalanches.
+    /// Drives the contacts up to a drive or for a number of avalanches, and passes each avalanche to `each`.
     ///
     /// # Errors
-    /// The monitor says stop. The lattice is then between two avalanches, and can go on.
+    /// Stopped by the monitor, between two avalanches; the lattice can continue.
     pub fn run(
         &mut self,
         until: Until,
@@ -222,7 +229,7 @@ impl Lattice {
                     Until::Events(all) => events as f64 / all as f64,
                     Until::Drive(end) => (self.drive() - start) / (end - start),
                 };
-                // Not a number where there is no way to go.
+                // Not a number for an empty interval.
                 report(monitor, done.max(0.0))?;
             }
             each(&self.next_event());
@@ -242,25 +249,25 @@ impl Lattice {
         }
     }
 
-    /// Drives the contacts to where the next one breaks, and follows what it sets off to the end.
+    /// Drives the contacts to the next break, and runs its avalanche.
     pub fn next_event(&mut self) -> Avalanche {
         if self.drive > self.span {
             self.rebase();
         }
         self.drive = self.minima.least().max(self.drive);
         let force_before = self.force();
-        let epicentre = self.ignite();
+        let epicentre = self.start_avalanche();
         let (mut size, mut duration, mut released, mut lost) = (0, 0, 0.0, 0.0);
         while !self.front.is_empty() {
             size += self.front.len() as u64;
             duration += 1;
-            let all = self.part();
+            let all = self.break_front();
             released += all;
-            lost += self.dissipated * all + self.share();
+            lost += self.dissipated * all + self.distribute();
             mem::swap(&mut self.front, &mut self.following);
             self.following.clear();
         }
-        self.mend();
+        self.update_minima();
         self.stretch.add(-lost);
         Avalanche {
             drive: self.drive(),
@@ -275,7 +282,7 @@ impl Lattice {
     }
 }
 
-/// The stiffness that all contacts have.
+/// The stiffness of all contacts.
 fn stiffness(contacts: &Contacts) -> Result<f64> {
     if let Some(rule) = contacts.rules.first() {
         let expected = format!("no {rule} where contacts are coupled one by one: they know no time");

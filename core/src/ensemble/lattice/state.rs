@@ -1,4 +1,4 @@
-//! All that changes as a lattice is driven, to be kept and taken up again.
+//! Snapshots of a lattice, to resume from.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use super::{Lattice, Minima};
 use crate::numerics::compensated::Compensated;
 use crate::{Error, Result};
 
-/// What a lattice has come to. One of the same description goes on from it as if it had never stopped, bit for bit.
+/// The state of a lattice. One with the same description continues from it bit for bit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct State {
     base: f64,
@@ -19,16 +19,17 @@ pub struct State {
 }
 
 impl Lattice {
-    /// What it has come to.
+    /// The present state.
     pub fn state(&self) -> State {
         let ends = (0..self.size()).map(|number| self.ends[self.grid.place(number)]).collect();
         State { base: self.base, drive: self.drive, stretch: self.stretch, ends, born: self.born.clone() }
     }
 
-    /// Goes to what a lattice of the same description has come to; the scar is empty then.
+    /// Restores a state of a lattice with the same description; the list of contacts in the last avalanche is
+    /// then empty.
     ///
     /// # Errors
-    /// A state of another number of contacts, or of contacts that have thresholds of another kind.
+    /// A state with another number of contacts, or with another kind of thresholds.
     pub fn restore(&mut self, state: State) -> Result<()> {
         let State { base, drive, stretch, ends, born } = state;
         if (ends.len(), born.len()) != (self.size(), self.born.len()) {
@@ -46,7 +47,8 @@ impl Lattice {
         Ok(())
     }
 
-    /// Counts drives from the present one: without it stretches would lose digits as the drive grows.
+    /// Moves the origin of the drive to the present one: otherwise stretches would lose digits as the drive
+    /// grows.
     pub(super) fn rebase(&mut self) {
         self.base += self.drive;
         self.ends.iter_mut().for_each(|end| *end -= self.drive);

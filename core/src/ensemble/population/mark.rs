@@ -1,4 +1,4 @@
-//! What it takes to come back to where a population was: its energies, and the contacts that have broken since.
+//! A mark to which a population can return: its energies, and the contacts that have broken since.
 
 use super::EnsemblePopulation;
 use crate::Result;
@@ -8,7 +8,7 @@ use crate::monitor::{Monitor, report};
 use crate::numerics::compensated::Compensated;
 use crate::population::Direction;
 
-/// A state to come back to, at a cost of memory in proportion to the breaks since.
+/// A state to return to; memory grows with the number of breaks since.
 #[derive(Clone)]
 pub(super) struct ReturnMark {
     facing: Direction,
@@ -20,12 +20,12 @@ pub(super) struct ReturnMark {
     lost: Compensated,
     breaks: u64,
     free: Vec<QueuedContact>,
-    /// What has broken since, as it was before, again for each time that it did.
+    /// The contacts broken since, as they were before, once per break.
     broken: Vec<QueuedContact>,
 }
 
 impl ReturnMark {
-    /// The present state of a population, in the memory of the mark before.
+    /// The present state of a population, reusing the memory of the previous mark.
     pub(super) fn of(population: &EnsemblePopulation, before: Option<Self>) -> Self {
         let mut broken = before.map(|mark| mark.broken).unwrap_or_default();
         broken.clear();
@@ -46,13 +46,13 @@ impl ReturnMark {
         }
     }
 
-    /// Hears of a break, seen in a direction.
+    /// Records a break, seen in a direction.
     #[inline]
-    pub(super) fn hear(&mut self, contact: &QueuedContact, facing: Direction) {
+    pub(super) fn record(&mut self, contact: &QueuedContact, facing: Direction) {
         self.broken.push(if facing == self.facing { *contact } else { contact.mirrored() });
     }
 
-    /// Brings the population back.
+    /// Restores the population.
     pub(super) fn restore(
         self,
         population: &mut EnsemblePopulation,
@@ -62,7 +62,7 @@ impl ReturnMark {
         let attached = population.queue.drain(monitor)?;
         let mut changed = vec![false; population.size];
         self.free.iter().for_each(|contact| changed[contact.index as usize] = true);
-        // What was free and has broken since was not attached.
+        // Contacts that were free and have broken since were not attached.
         let first = |contact: &QueuedContact| !std::mem::replace(&mut changed[contact.index as usize], true);
         let mut contacts = self.broken;
         contacts.retain(first);

@@ -1,64 +1,88 @@
-//! How much has broken, as a function of time, and what is born of it after the delay.
+//! The number of broken contacts as a function of time, and the contacts that re-form from them after the
+//! delay.
 
 use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
+use super::path::GAUSS;
 use crate::numerics::compensated::Compensated;
 
-/// What breaks in a step: N(t) − N(t₀) in the middle and at the end, N being quadratic in between and rising.
+/// The fraction that breaks in a step: N(t) − N(t₀) in the middle and at the end of the step. N is quadratic
+/// in between and rises.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct BrokenShare {
     pub(super) middle: f64,
     pub(super) end: f64,
 }
 
-/// What is born in a step: how much, and its first moment about the middle in units of the duration.
+/// Contacts that form in a step: their fraction, and its first moment about the middle in units of the
+/// duration.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct BirthMoments {
     pub(super) mass: f64,
     pub(super) moment: f64,
 }
 
-/// A step that is done.
+/// A finished step.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 struct BreakHistory {
     start: f64,
     duration: f64,
-    /// N at the start, without what broke together.
+    /// N at its start, without simultaneous breaks.
     before: f64,
     share: BrokenShare,
 }
 
-/// Contacts that broke at one moment.
+/// Contacts that broke simultaneously.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct DelayedPointMass {
     pub(super) time: f64,
     pub(super) mass: f64,
 }
 
-/// N(t), the fraction of contacts broken until t, kept as long as the delay τ asks for; point masses are kept apart.
+/// N(t), the fraction of contacts broken until t, kept for the delay τ; simultaneous breaks are kept
+/// separately.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Broken {
     #[serde(skip)]
     delay: f64,
     past: VecDeque<BreakHistory>,
     waiting: VecDeque<DelayedPointMass>,
-    /// All that broke one by one, and what has been born of it.
+    /// All that broke one by one, and all that has re-formed from it.
     broken: Compensated,
     born: Compensated,
-    /// All that broke together.
+    /// All that broke simultaneously.
     struck: f64,
 }
 
+/// The fractions of the contacts formed at the two Gauss nodes of a step that break in it.
+///
+/// The fraction broken at an age of a steps is αa + βa² through both.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EarlyBreaks {
+    pub(super) early: f64,
+    pub(super) late: f64,
+}
+
+impl EarlyBreaks {
+    /// α and β.
+    pub(super) fn curve(self) -> (f64, f64) {
+        let [short, long] = GAUSS;
+        let (old, young) = (self.early / long, self.late / short);
+        let beta = (old - young) / (long - short);
+        (young - beta * short, beta)
+    }
+}
+
 impl BrokenShare {
-    /// The share as near as N can rise everywhere.
+    /// The closest share for which N rises throughout the step.
     pub(super) fn rising(self) -> Self {
         let end = self.end.max(0.0);
         Self { middle: self.middle.clamp(0.25 * end, 0.75 * end), end }
     }
 
-    /// Both together.
+    /// The sum of two.
     pub(super) fn plus(self, other: Self) -> Self {
         Self { middle: self.middle + other.middle, end: self.end + other.end }
     }
@@ -68,7 +92,8 @@ impl BrokenShare {
         4.0 * s * (1.0 - s) * self.middle + s * (2.0 * s - 1.0) * self.end
     }
 
-    /// dN/dt at the end of a step, of the polynomial through all that is known of N in it and in the step before, if any.
+    /// dN/dt at the end of a step, of the polynomial through the known values of N in it and in the step
+    /// before, if any.
     pub(super) fn slope(self, duration: f64, before: Option<(f64, Self)>) -> f64 {
         let mut points = vec![(-duration, -self.end), (-0.5 * duration, self.middle - self.end)];
         if let Some((earlier, share)) = before {
@@ -90,27 +115,27 @@ impl Broken {
         Self { delay, ..Self::default() }
     }
 
-    /// The same, kept without its delay.
+    /// The same with this delay, which is not serialised.
     pub(super) fn of(self, delay: f64) -> Self {
         Self { delay, ..self }
     }
 
-    /// N, with what broke together.
+    /// N, simultaneous breaks included.
     pub(super) fn all(&self) -> f64 {
         self.broken.value() + self.struck
     }
 
-    /// The fraction that has broken and is not born yet.
+    /// The fraction that has broken and has not re-formed yet.
     pub(super) fn free(&self) -> f64 {
-        let waiting: f64 = self.waiting.iter().map(|lump| lump.mass).sum();
+        let waiting: f64 = self.waiting.iter().map(|point_mass| point_mass.mass).sum();
         let mut free = self.broken;
         free.add(-self.born.value());
         (free.value() + waiting).max(0.0)
     }
 
-    /// What is born in a step from `start`, in which `share` breaks.
+    /// Contacts that form in a step from `start`, in which `share` breaks.
     ///
-    /// ∫(t − t_m) dN(t − τ) = ½h[N(t₀ − τ) + N(t₁ − τ)] − ∫N, with N above what has been born.
+    /// ∫(t − t_m) dN(t − τ) = ½h[N(t₀ − τ) + N(t₁ − τ)] − ∫N, with N counted above what has re-formed.
     pub(super) fn births(&self, start: f64, duration: f64, share: BrokenShare) -> BirthMoments {
         let (from, to) = (-self.delay, duration - self.delay);
         let now = BreakHistory { start, duration, before: self.broken.value(), share };
@@ -118,7 +143,7 @@ impl Broken {
         let mut integral = 0.0;
         let (mut first, mut last) = (None, 0.0);
         for past in self.past.iter().chain([&now]) {
-            // Times since the start, which a long past would blur.
+            // Times relative to the start, which keep their digits after a long history.
             let begun = past.start - start;
             let (low, high) = (begun.max(from), (begun + past.duration).min(to));
             if low >= high {
@@ -137,7 +162,7 @@ impl Broken {
         BirthMoments { mass, moment }
     }
 
-    /// Keeps a step.
+    /// Stores a step.
     pub(super) fn keep(&mut self, start: f64, duration: f64, share: BrokenShare, born: f64) {
         let before = self.broken.value();
         if self.delay > 0.0 {
@@ -151,23 +176,23 @@ impl Broken {
         self.born.add(born);
     }
 
-    /// Contacts break together, to be born after the delay.
-    pub(super) fn strike(&mut self, time: f64, mass: f64) {
+    /// Contacts break simultaneously; they re-form after the delay.
+    pub(super) fn add_simultaneous(&mut self, time: f64, mass: f64) {
         self.waiting.push_back(DelayedPointMass { time: time + self.delay, mass });
         self.struck += mass;
     }
 
-    /// When the next point mass is born.
-    pub(super) fn next_lump(&self) -> Option<f64> {
-        self.waiting.front().map(|lump| lump.time)
+    /// Time at which the next point mass re-forms.
+    pub(super) fn next_point_mass(&self) -> Option<f64> {
+        self.waiting.front().map(|point_mass| point_mass.time)
     }
 
-    /// The point masses born until now.
+    /// The next point mass that has re-formed by now.
     pub(super) fn due(&mut self, time: f64) -> Option<DelayedPointMass> {
-        if self.next_lump()? <= time { self.waiting.pop_front() } else { None }
+        if self.next_point_mass()? <= time { self.waiting.pop_front() } else { None }
     }
 
-    /// Steady breaking at a rate, for as long as the delay asks for.
+    /// Steady breaking at a rate for the duration of the delay.
     pub(super) fn steadily(delay: f64, rate: f64) -> Self {
         let mut broken = Self::new(delay);
         if delay > 0.0 {

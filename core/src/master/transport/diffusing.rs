@@ -1,20 +1,19 @@
-//! Thresholds that diffuse: a cohort carries the distribution of its thresholds above its stretch, on cells that follow it.
+//! Diffusing thresholds: a cohort carries the distribution of its thresholds above its stretch, on cells that
+//! move with it.
 //!
-//! It does so twice, with twice as many cells and steps the second time: both errors are of second order, and
-//! (4 fine − coarse)/3 is free of them.
+//! It does so on two levels, with twice as many cells and steps on the second. Both errors are of second
+//! order and are removed by Richardson extrapolation, (4 fine − coarse)/3.
 
 use serde::{Deserialize, Serialize};
 
-use super::cohort::Place;
-use super::model::Tools;
-use super::path::{Path, StepPart};
+use super::path::{Path, Place, StepContext, StepPart};
 use super::seeds::Seed;
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness, Temperature, ThresholdFokkerPlanck};
 use crate::monitor::{Monitor, Watch};
 use crate::numerics::diffusion::{Coefficients, MovingBoundary, MovingGrid, Potential, Sink, Workspace};
 
-/// Thresholds that diffuse.
+/// Diffusing thresholds.
 #[derive(Debug)]
 pub(super) struct Diffusing {
     maturing: ThresholdFokkerPlanck,
@@ -24,25 +23,26 @@ pub(super) struct Diffusing {
     stiffness: Stiffness,
     /// Newborn contacts where they re-form, in the order of their stretches.
     newborn: Vec<ThresholdMasses>,
-    /// The shortest time in which newborn thresholds change much.
+    /// The shortest time in which fresh thresholds change much.
     time: f64,
-    /// The share of its age (and of that time) that a coarse step of a cohort may take, …
-    share: f64,
-    /// … and how far it may stretch in it.
+    /// Longest coarse step of a cohort, as a fraction of its age (plus that time).
+    age_fraction: f64,
+    /// Largest stretching in a coarse step.
     reach: f64,
 }
 
-/// Coarse and fine.
+/// Number of levels: coarse and fine.
 const LEVELS: usize = 2;
 
-/// The masses of a cohort in the cells of each level, as shares of its contacts, above a stretch.
+/// The masses of a cohort in the cells of each level, as fractions of its contacts, above a stretch.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct ThresholdMasses {
     stretch: f64,
     levels: [Vec<f64>; LEVELS],
 }
 
-/// Contacts that hold, and those that heat breaks per time: how many, and their stiffness.
+/// Surviving contacts: their number, the number that breaks thermally per time, and the stiffness of the
+/// latter.
 #[derive(Debug, Clone, Copy, Default)]
 struct StandingContacts {
     count: f64,
@@ -51,14 +51,15 @@ struct StandingContacts {
 }
 
 impl StandingContacts {
-    /// The stiffness of what broke from here to `after`; what heat did not break met its threshold at a stretch.
+    /// The stiffness of contacts that broke between this state and `after`; those that did not break
+    /// thermally reached their threshold at `stretch`.
     fn broken(&self, after: &Self, time: f64, stretch: f64) -> f64 {
         let by_heat = 0.5 * time * (self.heated + after.heated);
         0.5 * time * (self.stiffness + after.stiffness) + (self.count - after.count - by_heat) * stretch
     }
 }
 
-/// A way that a cohort goes at one velocity, on one side of the lowest threshold.
+/// A motion of a cohort at one velocity, on one side of the lowest threshold.
 #[derive(Debug, Clone, Copy)]
 struct PathSegment {
     /// Stretches at both ends.
@@ -68,13 +69,13 @@ struct PathSegment {
 }
 
 impl PathSegment {
-    /// The k-th of so many equal parts.
+    /// The k-th of `parts` equal parts.
     fn part(&self, k: u32, parts: u32) -> Self {
         let at = |k: u32| self.from + (self.to - self.from) * f64::from(k) / f64::from(parts);
         Self { from: at(k), to: at(k + 1), duration: self.duration / f64::from(parts) }
     }
 
-    /// The first of so many equal parts, and the others.
+    /// The first of `parts` equal parts, and the rest.
     fn split(&self, parts: f64) -> (Self, Option<Self>) {
         if parts <= 1.0 {
             return (*self, None);
@@ -86,21 +87,22 @@ impl PathSegment {
     }
 }
 
-/// Coarse cells in the width of the narrower law, if they were even, at the tolerance 1.
+/// Coarse cells per width of the narrower distribution, if they were equal, for a tolerance of 1.
 const CELLS: f64 = 0.6;
 
-/// Width of the lowest cell, relative to even ones: it holds what is near the stretch of fast contacts.
+/// Width of the lowest cell relative to equal ones: it resolves the neighbourhood of the stretch for fast
+/// contacts.
 const FINEST: f64 = 0.05;
 
-/// The share of its age that a coarse step may take, and how far contacts may stretch in it, in units of the width of the
-/// narrower law; both times the fourth root of the tolerance.
+/// Longest coarse step as a fraction of the age, and largest stretching in it in units of the width of the
+/// narrower distribution; both times the fourth root of the tolerance.
 const SHARE: f64 = 2.0;
 const REACH: f64 = 4.0;
 
-/// Cells that a step goes through without asking whether to go on, at most.
+/// Largest number of cells of a step between two questions to the monitor.
 const MANY: usize = 1 << 16;
 
-/// Cells below which no law is resolved at all.
+/// Smallest number of cells.
 const FEWEST: f64 = 16.0;
 
 impl Diffusing {
@@ -126,7 +128,7 @@ impl Diffusing {
             temperature: contacts.rules.temperature,
             stiffness: contacts.stiffness,
             time: scale * scale / maturing.diffusion,
-            share: (SHARE * coarser).min(0.5),
+            age_fraction: (SHARE * coarser).min(0.5),
             reach: REACH * coarser * scale,
             newborn: Vec::new(),
             maturing,
@@ -138,13 +140,13 @@ impl Diffusing {
         Ok(Some(diffusing))
     }
 
-    /// How many numbers a step of a cohort goes through at least, in its two halves.
+    /// Amount of work of a step of a cohort: cells in both its halves.
     pub(super) fn cells(&self) -> usize {
         let numbers = |(level, cells): (usize, &MovingGrid)| (cells.cells() << level) * 2;
         self.levels.iter().enumerate().map(numbers).sum()
     }
 
-    /// Whether there is a mass in each cell of each level.
+    /// Whether there is one mass for each cell of each level.
     pub(super) fn fits(&self, masses: &ThresholdMasses) -> bool {
         self.levels.iter().zip(&masses.levels).all(|(level, masses)| level.cells() == masses.len())
     }
@@ -158,7 +160,7 @@ impl Diffusing {
     /// P_ci above a stretch.
     fn above(&self, stretch: f64, watch: &Watch<'_>) -> ThresholdMasses {
         let (floor, ceiling) = (self.floor(stretch), self.maturing.support.1);
-        let share = |level: &MovingGrid| {
+        let age_fraction = |level: &MovingGrid| {
             let middles: Vec<f64> = level.middles(floor, ceiling).collect();
             let mut masses = self
                 .maturing
@@ -168,42 +170,43 @@ impl Diffusing {
             masses.iter_mut().for_each(|mass| *mass /= whole);
             masses
         };
-        ThresholdMasses { stretch, levels: self.levels.each_ref().map(share) }
+        ThresholdMasses { stretch, levels: self.levels.each_ref().map(age_fraction) }
     }
 
     fn floor(&self, stretch: f64) -> f64 {
         stretch.abs().max(self.maturing.support.0)
     }
 
-    /// Time passes, in steps that grow with the age. By how much diffusion makes those stiffer that do not break.
+    /// Advances in time, in steps that grow with the age. Returns the stiffness that surviving contacts gain
+    /// by diffusion of their thresholds.
     pub(super) fn advance(
         &self,
         place: Place,
         masses: &mut ThresholdMasses,
         path: &Path,
         part: StepPart,
-        tools: &mut Tools<'_, '_>,
+        context: &mut StepContext<'_, '_>,
     ) -> f64 {
         let stiffness = self.measure(masses).1;
         let mut broken = [0.0; LEVELS];
         let mut age = place.age;
-        for leg in self.legs(place, path, part) {
-            let mut left = Some(leg);
-            while let Some(leg) = left {
-                let (step, rest) = leg.split(self.steps(&leg, age));
+        for segment in self.segments(place, path, part) {
+            let mut left = Some(segment);
+            while let Some(segment) = left {
+                let (step, rest) = segment.split(self.steps(&segment, age));
                 for (level, broken) in broken.iter_mut().enumerate() {
                     let parts = 1 << level;
                     let part = |k| {
-                        let stops = self.levels[level].cells() > MANY && tools.watch.stops();
+                        let stops = self.levels[level].cells() > MANY && context.watch.stops();
                         if stops {
                             0.0
                         } else {
-                            self.step(&step.part(k, parts), level, masses, &mut tools.room)
+                            self.step(&step.part(k, parts), level, masses, &mut context.room)
                         }
                     };
                     *broken += (0..parts).map(part).sum::<f64>();
                 }
-                if tools.watch.stops() {
+                if context.watch.stops() {
                     return 0.0;
                 }
                 age += step.duration;
@@ -215,8 +218,8 @@ impl Diffusing {
         if self.is_equal() { 0.0 } else { self.measure(masses).1 - stiffness + extrapolated(broken) }
     }
 
-    /// The ways of a part, between where the stretch meets the lowest threshold.
-    fn legs(&self, place: Place, path: &Path, part: StepPart) -> Vec<PathSegment> {
+    /// The motion, divided where the stretch reaches the lowest threshold.
+    fn segments(&self, place: Place, path: &Path, part: StepPart) -> Vec<PathSegment> {
         let low = self.maturing.support.0;
         let (from, to) = part.ends();
         let (start, by, time) = (place.stretch, path.advance(from, to), path.time(part));
@@ -224,36 +227,37 @@ impl Diffusing {
         let mut ends: Vec<f64> = [-low, low].map(meets).into_iter().filter(|&s| s > 0.0 && s < 1.0).collect();
         ends.extend([0.0, 1.0]);
         ends.sort_by(f64::total_cmp);
-        let leg = |ends: &[f64]| PathSegment {
+        let segment = |ends: &[f64]| PathSegment {
             from: start + by * ends[0],
             to: start + by * ends[1],
             duration: time * (ends[1] - ends[0]),
         };
-        ends.windows(2).map(leg).collect()
+        ends.windows(2).map(segment).collect()
     }
 
-    /// In how many coarse steps a way may be gone at an age.
-    fn steps(&self, leg: &PathSegment, age: f64) -> f64 {
-        let longest = self.share * (self.time + age);
-        (leg.duration / longest).max((leg.to - leg.from).abs() / self.reach)
+    /// Number of coarse steps for a segment at an age.
+    fn steps(&self, segment: &PathSegment, age: f64) -> f64 {
+        let longest = self.age_fraction * (self.time + age);
+        (segment.duration / longest).max((segment.to - segment.from).abs() / self.reach)
     }
 
-    /// A step of one level: the stiffness of what breaks.
+    /// A step of one level; returns the stiffness of what breaks.
     fn step(
         &self,
-        leg: &PathSegment,
+        segment: &PathSegment,
         level: usize,
         masses: &mut ThresholdMasses,
         room: &mut Workspace,
     ) -> f64 {
         let (low, ceiling) = self.maturing.support;
         let (cells, masses) = (&self.levels[level], &mut masses.levels[level]);
-        let [start, end] = [leg.from, leg.to].map(f64::abs);
+        let [start, end] = [segment.from, segment.to].map(f64::abs);
         let middle = 0.5 * (start + end);
         let before = self.standing(start, cells, masses);
         if end < ceiling {
             let floor = (self.floor(start), self.floor(end));
-            let rise = MovingBoundary { floor, ceiling, duration: leg.duration, absorbing: middle >= low };
+            let rise =
+                MovingBoundary { floor, ceiling, duration: segment.duration, absorbing: middle >= low };
             let heat =
                 |temperature: Temperature| move |h: f64| temperature.rate(middle, h, self.stiffness.of(h));
             let heat = self.temperature.map(heat);
@@ -264,14 +268,15 @@ impl Diffusing {
         } else {
             masses.fill(0.0);
         }
-        before.broken(&self.standing(end, cells, masses), leg.duration, middle)
+        before.broken(&self.standing(end, cells, masses), segment.duration, middle)
     }
 
     fn is_equal(&self) -> bool {
         matches!(self.stiffness, Stiffness::Equal(_))
     }
 
-    /// What stands, and what heat breaks of it; not counted where all are equally stiff, as nothing hangs on it.
+    /// Surviving contacts and their thermal breaking; not computed for equal stiffness, where nothing depends
+    /// on it.
     fn standing(&self, stretch: f64, cells: &MovingGrid, masses: &[f64]) -> StandingContacts {
         if self.is_equal() {
             return StandingContacts::default();
@@ -288,7 +293,7 @@ impl Diffusing {
         })
     }
 
-    /// The share that is left, and its stiffness.
+    /// The surviving fraction, and its stiffness.
     pub(super) fn measure(&self, masses: &ThresholdMasses) -> (f64, f64) {
         let count = extrapolated(masses.levels.each_ref().map(|masses| masses.iter().sum()));
         if self.is_equal() {
@@ -303,7 +308,7 @@ impl Diffusing {
     }
 }
 
-/// What coarse and fine cells tell, without their error of second order.
+/// Richardson extrapolation of coarse and fine results: removes the error of second order.
 fn extrapolated([coarse, fine]: [f64; LEVELS]) -> f64 {
     fine + (fine - coarse) / 3.0
 }

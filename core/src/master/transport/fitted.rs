@@ -1,9 +1,9 @@
-//! Gauss's rule of two points with the weight e^{−cz} on [0, 1]: rates that fall exponentially from an end of a step, by however
-//! much.
+//! The two-point Gauss rule with the weight e^{−cz} on [0, 1], for rates that fall exponentially from one end
+//! of a step by any amount.
 
-/// Points z with weights of ∫₀¹ f dz, exact for f = e^{−cz} times a polynomial of degree 3; c ≥ 0.
+/// Nodes z with weights of ∫₀¹ f dz, exact for f = e^{−cz} times a polynomial of degree 3; c ≥ 0.
 pub(super) fn fitted(c: f64) -> [(f64, f64); 2] {
-    // In units of t = z max(c, 1), of which neither moment is too small to be told.
+    // In units of t = z max(c, 1), in which no moment underflows.
     let unit = c.max(1.0);
     let [m0, m1, m2, m3] = moments(c);
     // t² + at + b is orthogonal to polynomials of degree 1.

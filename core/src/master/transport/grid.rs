@@ -1,17 +1,17 @@
-//! The labels of contacts that temperature breaks: newborn thresholds on panels on which the rate falls by few e-folds.
+//! A grid in fresh thresholds for thermal breaking: panels on which the rate falls by a few factors of e.
 //!
-//! The lower the temperature, the more of these panels there are; only some of them matter at a time. They are told by
-//! formula: the panels of the law, each cut into parts of equal [`Folds`].
+//! The lower the temperature, the more panels there are, of which only some matter at a time. They are
+//! therefore given by a formula: the panels of the distribution, each divided into parts of equal [`Folds`].
 
 use super::panels::{LabelPanel, panels};
 use crate::contacts::{Barrier, Contacts, Stiffness, Temperature};
 use crate::law::Law;
 
-/// A measure u(h) of thresholds: between two of them ln w falls by no more e-folds than u grows by.
+/// A measure u(h) of thresholds: between two of them ln w falls by at most as much as u grows.
 ///
-/// Over the elastic and the bell barrier, u = E_0/T. Over the catastrophe barrier ln w = −E_0/T (1 − x/h)^{3/2} is less steep
-/// the nearer it is to 0: u = E_0/T up to L, and L + (3/2) L^{1/3} [(E_0/T)^{2/3} − L^{2/3}] beyond is right where
-/// ln w > −L, and by a factor of 2 where ln w > −8L.
+/// For the elastic and the Bell barrier u = E_0/T. For the catastrophe barrier ln w = −E_0/T (1 − x/h)^{3/2}
+/// is less steep close to 0: u = E_0/T up to L, and L + (3/2) L^{1/3} [(E_0/T)^{2/3} − L^{2/3}] beyond, which
+/// is exact for ln w > −L and right to a factor of 2 for ln w > −8L.
 #[derive(Debug, Clone, Copy)]
 struct Folds {
     /// E_0/T at h = 1.
@@ -20,38 +20,39 @@ struct Folds {
     power: f64,
     /// L.
     deepest: f64,
-    /// The e-folds on a panel, and the octaves of the threshold, at most.
+    /// The largest change of u on a panel, and the largest number of octaves of the threshold.
     most: f64,
     octaves: f64,
 }
 
-/// The panels of a law at a temperature.
+/// The panels of a distribution at a temperature.
 #[derive(Debug)]
 pub(super) struct LabelGrid {
     pieces: Vec<GridPiece>,
     folds: Folds,
 }
 
-/// A panel of the law, cut into parts.
+/// A panel of the distribution, divided into parts.
 #[derive(Debug)]
 struct GridPiece {
     whole: LabelPanel,
-    /// u at its lower end, and by how much it grows on a part.
+    /// u at its lower end, and its increase per part.
     low: f64,
     step: f64,
-    /// Among all parts, the number of the first.
+    /// Index of its first part among all parts.
     first: u64,
     count: u64,
 }
 
 impl Folds {
     fn new(contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> Self {
-        /// A barrier eight times as high, in T, lasts 10³⁵ of 1/ω.
+        /// A barrier eight times as high, in T, lasts 10³⁵/ω.
         const DEEPEST: f64 = 10.0;
-        /// Ten times what panels of one e-fold and one octave miss of the force over the catastrophe barrier.
+        /// Ten times the error of the force for the catastrophe barrier with panels of one e-fold and one
+        /// octave.
         const CATASTROPHE: f64 = 1e-8;
         let (most, octaves, deepest) = match temperature.barrier {
-            // Sixteen points integrate exp(−e^{−t}) over three to 1e-12.
+            // Sixteen points integrate exp(−e^{−t}) over three e-folds to 1e-12.
             Barrier::Elastic | Barrier::Bell => (3.0, 1.0, f64::INFINITY),
             // A has a singularity |h − x|^{5/2} where the threshold is met, of which a panel misses the power 7/2 of its width.
             Barrier::Catastrophe => {
@@ -90,7 +91,7 @@ impl Folds {
 
 impl LabelGrid {
     pub(super) fn new(law: &dyn Law, contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> Self {
-        /// So many parts of a panel are more than its ends have digits for.
+        /// More parts of a panel than this would have equal ends.
         const FINEST: f64 = 1e15;
         let folds = Folds::new(contacts, temperature, tolerance);
         let mut first = 0;
@@ -105,19 +106,19 @@ impl LabelGrid {
         Self { pieces: wholes.map(piece).collect(), folds }
     }
 
-    /// How many panels there are.
+    /// Number of panels.
     pub(super) fn count(&self) -> u64 {
         self.pieces.last().map_or(0, |piece| piece.first + piece.count)
     }
 
-    /// The panel of a number.
+    /// The panel of this index.
     pub(super) fn panel(&self, number: u64) -> LabelPanel {
         let piece = &self.pieces[self.pieces.partition_point(|piece| piece.first <= number) - 1];
         let part = number - piece.first;
         LabelPanel { low: self.edge(piece, part), high: self.edge(piece, part + 1) }
     }
 
-    /// The number of the first panel that reaches above a label.
+    /// The index of the first panel that extends above a threshold.
     pub(super) fn above(&self, label: f64) -> u64 {
         let Some(piece) = self.pieces.get(self.pieces.partition_point(|piece| piece.whole.high <= label))
         else {
@@ -127,7 +128,7 @@ impl LabelGrid {
             return piece.first;
         }
         let mut part = (((self.folds.at(label) - piece.low) / piece.step) as u64).min(piece.count - 1);
-        // Rounding.
+        // Corrects for rounding.
         while part > 0 && self.edge(piece, part) > label {
             part -= 1;
         }

@@ -1,13 +1,15 @@
-//! The master equation for a velocity that varies: contacts born together, followed through time.
+//! The master equation for variable velocity: cohorts of contacts followed through time.
 //!
-//! Where contacts are time-dependent, the state of a contact is its stretch x with its threshold h, or with its age. Contacts born
-//! together at a stretch r share their stretch, x = r + X(t) − X(t_b), for ever: a *cohort* is exact in stretch, and only
-//! its thresholds have to be followed. With s(t, t_b) the share left of what was born at t_b, and N(t) the fraction broken
-//! until t,
+//! The state of a time-dependent contact is its stretch x together with its threshold h or its age. Contacts
+//! that form together at a stretch r share their stretch x = r + X(t) − X(t_b) for ever. For such a *cohort*
+//! the stretch is exact, and only its thresholds have to be followed. With s(t, t_b) the surviving fraction
+//! of contacts formed at t_b, and N(t) the fraction broken until t,
 //!
-//! N(t) = 1 − s(t, 0) + ∫₀^t [1 − s(t, t_b)] dN(t_b − τ), F(t) = N_c⟨k⟩ [x s(t, 0) + ∫₀^t x s(t, t_b) dN(t_b − τ)].
+//! N(t) = 1 − s(t, 0) + ∫₀^t [1 − s(t, t_b)] dN(t_b − τ), F(t) = N_c⟨k⟩ [x s(t, 0) + ∫₀^t x s(t, t_b) dN(t_b
+//! − τ)].
 //!
-//! What breaks is counted as what old cohorts lose, what is born as what has broken: attached and free contacts add to one.
+//! Broken contacts are counted as what cohorts lose, re-formed ones as what has broken, so that attached and
+//! free contacts always add up to one.
 
 mod broken;
 mod cohort;
@@ -15,7 +17,7 @@ mod diffusing;
 mod fitted;
 mod grid;
 mod model;
-mod pace;
+
 mod panels;
 mod path;
 mod ranked;
@@ -24,6 +26,7 @@ mod seeds;
 mod stability;
 mod state;
 mod steady;
+mod step_control;
 mod thermal;
 mod trial;
 
@@ -36,28 +39,29 @@ use crate::monitor::{Aside, Monitor, Part, Watch, report};
 use crate::rate_dependent::{Books, RateDependentContacts, State, StretchInterval};
 use crate::{Error, Result};
 use broken::Broken;
-use cohort::{Cohort, Spent};
+use cohort::{Cohort, EnergyChange};
 use diffusing::Diffusing;
 use model::CohortModel;
-use pace::Pace;
 use path::Path;
 use ranked::RankedThresholds;
 pub use response::StepResponse;
 use seeds::{Seed, seeds};
 pub use stability::Slider;
-use trial::Stage;
+use step_control::StepControl;
+use trial::StepAttempt;
 
 /// Contacts under a slider whose velocity varies.
 ///
-/// Births are right to fourth order in the time step where laws are smooth, to second order where their densities jump or
-/// where contacts that spread in stretch meet a threshold that many share; so are thresholds that diffuse, in the width of
-/// their cells.
+/// Formation of contacts is accurate to fourth order in the time step for smooth distributions; to second
+/// order where densities jump or where contacts spread in stretch reach a point mass of the thresholds.
+/// Diffusing thresholds are of fourth order in the width of their cells after extrapolation.
 #[derive(Debug, Clone)]
 pub struct Transport {
     model: Arc<CohortModel>,
-    /// Where contacts re-form.
+    /// Stretches at which contacts re-form.
     seeds: Arc<[Seed]>,
-    /// The cells of the law that each of these stands for, relative to its stretch, as shares of it; none of a point.
+    /// The cells of the distribution that each seed represents, relative to its stretch, as fractions of it;
+    /// empty for a point mass.
     cells: Arc<[Vec<StretchInterval>]>,
     /// Force of all contacts per stretch.
     stiffness: f64,
@@ -70,18 +74,18 @@ pub struct Transport {
     cohorts: Vec<Cohort>,
     broken: Broken,
     dropped: f64,
-    /// Energies since the beginning, per unit of the stiffness of all.
-    spent: Spent,
-    pace: Pace,
-    /// Fraction broken per time, now.
+    /// Energies since the start, in units of the total stiffness.
+    spent: EnergyChange,
+    pace: StepControl,
+    /// Present breaking rate, a fraction of contacts per time.
     rate: f64,
-    /// Times at which the births have a kink, because the breaks had one.
+    /// Times at which the rate of formation has a kink, because the breaking rate had one.
     kinks: Vec<f64>,
-    /// The same at a larger tolerance, to tell the error from.
+    /// A second solution with a larger tolerance, for the error estimate.
     rough: Option<Box<Self>>,
 }
 
-/// What was seen at given times. Where contacts break together, the force is that after the break.
+/// Results at given times. At simultaneous breaks the force is that after the break.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trace {
     /// Time t.
@@ -92,24 +96,26 @@ pub struct Trace {
     pub velocity: Vec<f64>,
     /// Force F.
     pub force: Vec<f64>,
-    /// The fraction of contacts that breaks per time, without those that break together.
+    /// Breaking rate, a fraction of contacts per time, without simultaneous breaks.
     pub breaking_rate: Vec<f64>,
-    /// The fraction of contacts that is free.
+    /// The fraction of free contacts.
     pub free: Vec<f64>,
-    /// An estimate of the largest error of F, on the safe side: how far it is from F at sixteen times the tolerance.
+    /// Estimate of the largest error of F, on the safe side: the difference to F at sixteen times the
+    /// tolerance.
     pub error: f64,
 }
 
-/// Tolerance of the rough follower: with steps of fourth order, twice as long.
+/// Ratio of the tolerance of the second solution to that of the first: for steps of fourth order, twice the
+/// length.
 const ROUGH: f64 = 16.0;
 
 impl Transport {
-    /// Contacts at t = 0 and X = 0, all of age 0. Forces are followed to about `tolerance` times N_c⟨k⟩ times the mean
-    /// threshold.
+    /// Contacts at t = 0 and X = 0, all of age 0. Forces are accurate to about `tolerance` × N_c⟨k⟩ × the
+    /// mean threshold.
     ///
     /// # Errors
-    /// Those of [`Contacts::check`]; `ageing.mean_field`, which is no rule for one contact; a tolerance outside
-    /// [1e-12, 1e-2]; stopped by the monitor.
+    /// Those of [`Contacts::check`]; `ageing.mean_field`, which is no rule for one contact; a tolerance
+    /// outside [1e-12, 1e-2]; stopped by the monitor.
     pub fn new(
         contacts: Contacts,
         initial: &Initial,
@@ -140,11 +146,11 @@ impl Transport {
         let held: f64 = first.iter().map(|seed| seed.weight).sum();
         transport.cohorts = transport.formed(&first, monitor)?;
         if initial.start == Start::Relaxed {
-            transport.broken.strike(0.0, 1.0 - held);
+            transport.broken.add_simultaneous(0.0, 1.0 - held);
             let watch = Watch::new(monitor);
-            transport.deliver(&watch);
+            transport.reform_due_point_masses(&watch);
             watch.check()?;
-            transport.spent = Spent::default();
+            transport.spent = EnergyChange::default();
         }
         Ok(transport)
     }
@@ -179,15 +185,15 @@ impl Transport {
             cohorts: Vec::new(),
             broken: Broken::new(contacts.rules.delay),
             dropped: 0.0,
-            spent: Spent::default(),
-            pace: Pace::new(contacts, tolerance),
+            spent: EnergyChange::default(),
+            pace: StepControl::new(contacts, tolerance),
             rate: 0.0,
             kinks: Vec::new(),
             rough: None,
         })
     }
 
-    /// The cohorts of contacts that form at seeds.
+    /// The cohorts of contacts that form at these seeds.
     fn formed(&self, seeds: &[Seed], monitor: &mut dyn Monitor) -> Result<Vec<Cohort>> {
         let watch = Watch::new(monitor);
         let born = |seed: &Seed| {
@@ -197,7 +203,7 @@ impl Transport {
         seeds.iter().map(born).collect()
     }
 
-    /// N_c⟨k⟩ times the mean threshold, the force that tolerances are counted in.
+    /// N_c⟨k⟩ × the mean threshold: the unit of force of tolerances.
     pub fn unit(&self) -> f64 {
         self.unit
     }
@@ -207,13 +213,14 @@ impl Transport {
         self.stiffness * self.cohorts.iter().map(Cohort::force).sum::<f64>()
     }
 
-    /// dF/dX if the slider moved at once: what holds, stretched.
+    /// dF/dX for an instantaneous motion: the stiffness of the attached contacts.
     pub fn tangent(&self) -> f64 {
         self.stiffness * self.cohorts.iter().map(Cohort::tangent).sum::<f64>()
     }
 
-    /// Energies and breaks. What is lost is right to fourth order in the time step, as births are; how ageing and breaks
-    /// share a change of the stiffness to second order, which the energy balance does not need.
+    /// Energies and breaks. Losses are accurate to fourth order in the time step, like the formation of
+    /// contacts; the division of a change of stiffness between ageing and breaks to second order, which the
+    /// energy balance does not depend on.
     pub fn books(&self) -> Books {
         let stored = self.cohorts.iter().map(Cohort::energy).sum::<f64>();
         let [elastic, lost, gained] =
@@ -221,12 +228,12 @@ impl Transport {
         Books { elastic, lost, gained, broken: self.broken.all() }
     }
 
-    /// The fraction of contacts that hold.
+    /// The fraction of attached contacts.
     pub fn attached(&self) -> f64 {
         self.cohorts.iter().map(Cohort::attached).sum()
     }
 
-    /// The fraction of contacts that are free, counted as what has broken and not re-formed.
+    /// The fraction of free contacts, counted as those that have broken and not re-formed.
     pub fn free(&self) -> f64 {
         self.broken.free() + self.dropped
     }
@@ -241,38 +248,40 @@ impl Transport {
         self.time
     }
 
-    /// The fraction of contacts that breaks per time, without those that break together.
+    /// Breaking rate, a fraction of contacts per time, without simultaneous breaks.
     pub fn breaking_rate(&self) -> f64 {
         self.rate
     }
 
-    /// Q(x) as the mean over the cells of the cohorts, and what stands at one stretch; both without the free.
+    /// Q(x) as the mean over the cells of the cohorts, and point masses; both without free contacts.
     pub fn stretch_density(&self, stretches: &[f64]) -> Stretches {
         Stretches::of(&self.stretches(), stretches)
     }
 
-    /// Follows a history that begins here and now, at rising times since now.
+    /// Follows a history that begins at the present time, at rising times since now.
     ///
     /// # Errors
-    /// Times that do not rise or lie outside the history; stopped by the monitor; steps that would have to be too short.
+    /// Times that do not rise or lie outside the history; stopped by the monitor; steps that would have to be
+    /// too short.
     pub fn follow(&mut self, history: &History, times: &[f64], monitor: &mut dyn Monitor) -> Result<Trace> {
-        /// The part of the work that the rough follower takes.
+        /// Fraction of the work for the second solution.
         const ASIDE: f64 = 0.2;
         rising(times, history.duration())?;
         let mut rough = self.rough.take();
-        let aside = rough.as_mut().map(|rough| rough.go(history, times, &mut Part::new(monitor, 0.0, ASIDE)));
+        let coarse =
+            rough.as_mut().map(|rough| rough.run(history, times, &mut Part::new(monitor, 0.0, ASIDE)));
         self.rough = rough;
-        let aside = aside.transpose()?;
-        let mut trace = self.go(history, times, &mut Part::new(monitor, ASIDE, 1.0 - ASIDE))?;
-        if let Some(aside) = aside {
-            let off = trace.force.iter().zip(&aside.force).map(|(fine, rough)| (fine - rough).abs());
+        let coarse = coarse.transpose()?;
+        let mut trace = self.run(history, times, &mut Part::new(monitor, ASIDE, 1.0 - ASIDE))?;
+        if let Some(coarse) = coarse {
+            let off = trace.force.iter().zip(&coarse.force).map(|(fine, rough)| (fine - rough).abs());
             trace.error = off.fold(0.0, f64::max);
         }
         Ok(trace)
     }
 
-    /// Follows a history, telling which part of it is done.
-    fn go(&mut self, history: &History, times: &[f64], monitor: &mut dyn Monitor) -> Result<Trace> {
+    /// Follows a history and reports progress.
+    fn run(&mut self, history: &History, times: &[f64], monitor: &mut dyn Monitor) -> Result<Trace> {
         let (begun, origin) = (self.time, self.position);
         let mut trace = Trace::default();
         let mut stops: Vec<f64> = times.iter().copied().chain(history.knots().iter().map(|k| k.0)).collect();
@@ -282,14 +291,14 @@ impl Transport {
         let mut now = 0.0;
         for stop in stops {
             if history.knots().iter().any(|knot| knot.0 == now) {
-                self.turn();
+                self.mark_kink();
             }
             if stop > now {
-                // Times summed step by step are off by rounding.
+                // Sums of time steps are off by rounding.
                 let part = |time: f64| (time - begun).clamp(now, stop) / history.duration();
-                // The distance is known better than a short time late in a long history.
+                // The distance is more accurate than a short time late in a long history.
                 let velocity = (history.position(stop) - history.position(now)) / (stop - now);
-                self.glide(velocity, stop - now, &part, monitor)?;
+                self.advance_steadily(velocity, stop - now, &part, monitor)?;
                 now = stop;
                 (self.time, self.position) = (begun + now, origin + history.position(now));
             }
@@ -300,7 +309,7 @@ impl Transport {
         Ok(trace)
     }
 
-    /// Moves the slider by `by` in the time `during`, at one velocity.
+    /// Moves the slider by `by` in the time `during`, at constant velocity.
     ///
     /// # Errors
     /// A time that is not above 0; steps that would have to be too short; stopped by the monitor.
@@ -312,46 +321,47 @@ impl Transport {
         if let Some(rough) = &mut self.rough {
             rough.step(by, during, &mut Aside { fraction: 0.0, monitor })?;
         }
-        self.turn();
-        self.glide(by / during, during, &|_| 0.0, monitor)
+        self.mark_kink();
+        self.advance_steadily(by / during, during, &|_| 0.0, monitor)
     }
 
-    /// The breaking rate may have a kink here, and again where what breaks now is born.
-    fn turn(&mut self) {
-        self.pace.turn();
+    /// Marks a possible kink of the breaking rate, here and where the contacts that break now re-form.
+    fn mark_kink(&mut self) {
+        self.pace.restart();
         if self.delay > 0.0 {
             self.kinks.push(self.time + self.delay);
         }
     }
 
-    /// Moves at one velocity for a time; `part` tells which part of the whole is done at a time.
-    fn glide(
+    /// Moves at constant velocity for a time; `part` returns the fraction of the whole work that is done at a
+    /// time.
+    fn advance_steadily(
         &mut self,
         velocity: f64,
         during: f64,
         part: &dyn Fn(f64) -> f64,
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
-        // Kept apart from the time, which after a long hold no longer tells short durations apart.
+        // Kept separately: after a long hold the time no longer resolves short durations.
         let mut left = during;
         loop {
-            let aside = &mut Aside { fraction: part(self.time), monitor };
-            self.happen(aside)?;
+            let coarse = &mut Aside { fraction: part(self.time), monitor };
+            self.process_events(coarse)?;
             if left <= SAME * during {
                 return Ok(());
             }
             let duration = self.pace.propose(velocity, self.until_event(velocity, left));
-            if self.advance(&Path::steady(velocity, duration), aside)? {
+            if self.advance(&Path::steady(velocity, duration), coarse)? {
                 left -= duration;
             }
             report(monitor, part(self.time))?;
         }
     }
 
-    /// Tries a step, and takes it if it is good enough; whether it did.
+    /// Tries a step and accepts it if it is accurate enough; returns whether it was.
     fn advance(&mut self, path: &Path, monitor: &mut dyn Monitor) -> Result<bool> {
         let Self { model, seeds, broken, time, dropped, .. } = self;
-        let stage = Stage { model, seeds, broken, time: *time, dropped: *dropped };
+        let stage = StepAttempt { model, seeds, broken, time: *time, dropped: *dropped };
         let trial = stage.attempt(&self.cohorts, path, monitor)?;
         let before = self.pace.last();
         if !self.pace.judge(path.duration, trial.share, trial.deaths) {
@@ -368,9 +378,10 @@ impl Transport {
         Ok(true)
     }
 
-    /// Breaks cohorts of which next to nothing is left; what they still held breaks in the next step.
+    /// Removes cohorts of which almost nothing is left; what they still held counts as broken in the next
+    /// step.
     fn drop_negligible(&mut self) {
-        /// A share of all contacts that no result shows.
+        /// Fraction of all contacts that no result shows.
         const NOTHING: f64 = 1e-17;
         let least = LEAST * self.tolerance;
         let Self { cohorts, dropped, spent, .. } = self;
@@ -385,41 +396,43 @@ impl Transport {
         });
     }
 
-    /// How long nothing happens at once, up to `limit`.
+    /// Time until the next simultaneous event, up to `limit`.
     fn until_event(&self, velocity: f64, limit: f64) -> f64 {
-        let strikes = self.cohorts.iter().filter_map(|cohort| cohort.strikes(&self.model, velocity, limit));
-        let births = self.broken.next_lump().into_iter().chain(self.kinks.iter().copied());
-        strikes.chain(births.map(|time| time - self.time)).fold(limit, f64::min)
+        let time_to_atom =
+            self.cohorts.iter().filter_map(|cohort| cohort.time_to_atom(&self.model, velocity, limit));
+        let births = self.broken.next_point_mass().into_iter().chain(self.kinks.iter().copied());
+        time_to_atom.chain(births.map(|time| time - self.time)).fold(limit, f64::min)
     }
 
-    /// What happens at once, here: contacts break where many have their thresholds, and point masses are born.
-    fn happen(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
-        let mut struck = 0.0;
+    /// Simultaneous events at the present time: contacts at a point mass of the thresholds break, and point
+    /// masses re-form.
+    fn process_events(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
+        let mut simultaneous = 0.0;
         for cohort in &mut self.cohorts {
-            let (broken, lost) = cohort.strike(&self.model);
-            struck += broken;
+            let (broken, lost) = cohort.break_at_atom(&self.model);
+            simultaneous += broken;
             self.spent.lost += lost;
         }
-        if struck > 0.0 {
-            self.broken.strike(self.time, struck);
-            self.turn();
+        if simultaneous > 0.0 {
+            self.broken.add_simultaneous(self.time, simultaneous);
+            self.mark_kink();
         }
         let watch = Watch::new(monitor);
-        self.deliver(&watch);
+        self.reform_due_point_masses(&watch);
         watch.check()?;
         let now = self.time * (1.0 + SAME);
         if self.kinks.iter().any(|&kink| kink <= now) {
             self.kinks.retain(|&kink| kink > now);
-            self.pace.turn();
+            self.pace.restart();
         }
         Ok(())
     }
 
-    /// Point masses are born that are due.
-    fn deliver(&mut self, watch: &Watch<'_>) {
-        while let Some(lump) = self.broken.due(self.time * (1.0 + SAME)) {
+    /// Point masses whose delay is over re-form.
+    fn reform_due_point_masses(&mut self, watch: &Watch<'_>) {
+        while let Some(point_mass) = self.broken.due(self.time * (1.0 + SAME)) {
             for seed in self.seeds.iter() {
-                let born = Cohort::born(&self.model, seed, lump.mass * seed.weight, watch);
+                let born = Cohort::born(&self.model, seed, point_mass.mass * seed.weight, watch);
                 self.spent.lost -= born.energy();
                 self.cohorts.push(born);
             }
@@ -464,7 +477,7 @@ impl RateDependentContacts for Transport {
         self.rough.as_ref().map(|rough| rough.copy())
     }
 
-    /// Without the rough follower, by which [`Transport::follow`] tells its error and steps tell nothing.
+    /// Without the second solution, which only [`Transport::follow`] uses.
     fn copy(&self) -> Box<dyn RateDependentContacts> {
         let Self { model, seeds, cells, cohorts, broken, pace, kinks, .. } = self;
         Box::new(Self {
@@ -481,24 +494,24 @@ impl RateDependentContacts for Transport {
     }
 
     fn state(&self) -> State {
-        self.kept()
+        self.snapshot()
     }
 
-    /// Without the rough follower, as a copy.
+    /// Without the second solution, as for a copy.
     fn restore(&mut self, state: &State) -> Result<()> {
         self.resume(state)
     }
 }
 
-/// The share of its contacts that a cohort is kept for, in units of the tolerance.
+/// Surviving fraction at which a cohort is removed, in units of the tolerance.
 const LEAST: f64 = 1e-5;
 
-/// Times that differ by less than this fraction are the same.
+/// Relative difference below which times are equal.
 const SAME: f64 = 4.0 * f64::EPSILON;
 
 impl Trace {
-    /// Refuses a trace whose estimated error is larger than what is required of F/(N_c⟨k⟩) per mean threshold, `unit` being that
-    /// force.
+    /// Refuses a trace whose estimated error exceeds the required one of F/(N_c⟨k⟩) per mean threshold;
+    /// `unit` is N_c⟨k⟩ × the mean threshold.
     ///
     /// # Errors
     /// [`Error::Accuracy`].
@@ -517,12 +530,12 @@ impl Trace {
     }
 }
 
-/// The tolerance of the rough follower beside one.
+/// The tolerance of the second solution.
 fn rough(tolerance: f64) -> f64 {
     (ROUGH * tolerance).min(1e-2)
 }
 
-/// How strong contacts are by their age, unless their thresholds diffuse.
+/// The thresholds as a function of age; `None` if they diffuse.
 fn strength(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Option<ThresholdEvolution>> {
     match &contacts.rules.ageing {
         Some(Ageing::MeanField { .. }) => {
@@ -534,7 +547,7 @@ fn strength(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Option<Thr
     }
 }
 
-/// The rules of the thresholds of these contacts, which re-form at the seeds and have the [`strength`].
+/// The rules of the thresholds of these contacts, which re-form at the seeds.
 fn model(
     contacts: &Contacts,
     strength: Option<ThresholdEvolution>,
@@ -546,23 +559,23 @@ fn model(
     if let Some(strength) = strength {
         return Ok(CohortModel::Ranked(Box::new(RankedThresholds::new(contacts, strength, tolerance))));
     }
-    let diffusing = Diffusing::new(contacts, seeds, pace::scale(contacts), tolerance, monitor)?;
+    let diffusing = Diffusing::new(contacts, seeds, step_control::scale(contacts), tolerance, monitor)?;
     Ok(CohortModel::Diffusing(Box::new(diffusing.expect("thresholds that diffuse have a mature law"))))
 }
 
-/// Where contacts re-form. What becomes of them varies with it as with the steps that they are born in: smoothly, and where
-/// densities jump as much as in half a step, which either of its two points of birth stands for.
+/// The seeds of re-formed contacts. Results depend on the stretch of formation as on the time of formation
+/// within a step: smoothly, and where densities jump by as much as over half a step.
 fn reforming(contacts: &Contacts, tolerance: f64) -> Vec<(Seed, Vec<StretchInterval>)> {
-    /// Of the tolerance.
+    /// In units of the tolerance.
     const PART: f64 = 0.01;
-    let widest = widest(contacts).min(0.5 * pace::coarsest(contacts, tolerance));
+    let widest = widest(contacts).min(0.5 * step_control::coarsest(contacts, tolerance));
     let law = contacts.reforming.as_ref();
-    seeds::fewest(law, contacts.highest_start(), widest, pace::scale(contacts), PART * tolerance)
+    seeds::fewest(law, contacts.highest_start(), widest, step_control::scale(contacts), PART * tolerance)
 }
 
-/// The widest cell of a law of stretches: no wider than the thresholds can see.
+/// The widest cell of a distribution of stretches, limited by the scale of the thresholds.
 fn widest(contacts: &Contacts) -> f64 {
-    4.0 * pace::scale(contacts)
+    4.0 * step_control::scale(contacts)
 }
 
 /// Refuses what is not a finite number above 0.

@@ -1,14 +1,12 @@
-//! What time does to the thresholds of a cohort.
+//! The rules of the thresholds of a cohort.
 
 use serde::{Deserialize, Serialize};
 
-use super::cohort::Place;
 use super::diffusing::{Diffusing, ThresholdMasses};
-use super::path::{Path, StepPart};
-use super::ranked::{Left, RankedThresholds};
+use super::path::{Path, Place, StepContext, StepPart};
+use super::ranked::{RankedThresholds, SurvivingRanks};
 use super::seeds::Seed;
 use crate::monitor::Watch;
-use crate::numerics::diffusion::Workspace;
 
 /// The rules of the thresholds.
 #[derive(Debug)]
@@ -19,27 +17,15 @@ pub(super) enum CohortModel {
     Diffusing(Box<Diffusing>),
 }
 
-/// What steps of cohorts take: memory to work in, and who may stop them, after which they are of no use.
-pub(super) struct Tools<'a, 'm> {
-    pub(super) room: Workspace,
-    pub(super) watch: &'a Watch<'m>,
-}
-
-impl<'a, 'm> Tools<'a, 'm> {
-    pub(super) fn new(watch: &'a Watch<'m>) -> Self {
-        Self { room: Workspace::default(), watch }
-    }
-}
-
 /// The thresholds of a cohort.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) enum CohortThresholds {
-    Ranked(Left),
+    Ranked(SurvivingRanks),
     Diffusing(ThresholdMasses),
 }
 
 impl CohortModel {
-    /// The thresholds of contacts born at a seed.
+    /// The thresholds of contacts that form at a seed.
     pub(super) fn newborn(&self, seed: &Seed, watch: &Watch<'_>) -> CohortThresholds {
         match self {
             Self::Ranked(ranks) => CohortThresholds::Ranked(ranks.newborn(seed)),
@@ -47,7 +33,7 @@ impl CohortModel {
         }
     }
 
-    /// Whether these thresholds are told as this model tells them.
+    /// Whether these thresholds are of the kind of this model.
     pub(super) fn fits(&self, state: &CohortThresholds) -> bool {
         match (self, state) {
             (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => ranks.fits(left),
@@ -56,28 +42,28 @@ impl CohortModel {
         }
     }
 
-    /// Time passes; `place` is where the contacts are at the beginning. By how much ageing makes those stiffer that do not
-    /// break, per contact born.
+    /// Advances in time from `place`. Returns the stiffness that surviving contacts gain by ageing, per
+    /// formed contact.
     pub(super) fn advance(
         &self,
         state: &mut CohortThresholds,
         place: Place,
         path: &Path,
         part: StepPart,
-        tools: &mut Tools<'_, '_>,
+        context: &mut StepContext<'_, '_>,
     ) -> f64 {
         match (self, state) {
             (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => {
                 ranks.advance(place, left, path, part.ends())
             }
             (Self::Diffusing(diffusing), CohortThresholds::Diffusing(masses)) => {
-                diffusing.advance(place, masses, path, part, tools)
+                diffusing.advance(place, masses, path, part, context)
             }
             _ => unreachable!("cohorts are made by the model that moves them"),
         }
     }
 
-    /// The share of the contacts that is left, and their stiffness per contact born.
+    /// The surviving fraction, and its stiffness per formed contact.
     pub(super) fn measure(&self, state: &CohortThresholds, age: f64) -> (f64, f64) {
         match (self, state) {
             (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => ranks.measure(left, age),
@@ -87,15 +73,16 @@ impl CohortModel {
     }
 
     /// Lets go those that stand at a threshold that many share; whether there may be such.
-    pub(super) fn strike(&self, state: &mut CohortThresholds, place: Place) -> bool {
+    pub(super) fn break_at_atom(&self, state: &mut CohortThresholds, place: Place) -> bool {
         match (self, state) {
-            (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => ranks.strike(place, left),
+            (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => ranks.break_at_atom(place, left),
             _ => false,
         }
     }
 
-    /// When contacts at one stretch that move at `velocity` meet a threshold that many share, up to `limit`.
-    pub(super) fn strikes(
+    /// The time at which contacts at one stretch that move at `velocity` reach a point mass of the
+    /// thresholds, up to `limit`.
+    pub(super) fn time_to_atom(
         &self,
         state: &CohortThresholds,
         place: Place,
@@ -104,13 +91,13 @@ impl CohortModel {
     ) -> Option<f64> {
         match (self, state) {
             (Self::Ranked(ranks), CohortThresholds::Ranked(left)) => {
-                ranks.strikes(place, left, velocity, limit)
+                ranks.time_to_atom(place, left, velocity, limit)
             }
             _ => None,
         }
     }
 
-    /// How many numbers a step of a cohort goes through.
+    /// Amount of work of a step of a cohort.
     pub(super) fn cells(&self) -> usize {
         match self {
             Self::Ranked(ranks) => ranks.cells(),

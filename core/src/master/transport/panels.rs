@@ -1,18 +1,19 @@
-//! Where a law is looked at: panels on which its density is smooth, with Gauss points.
+//! Gauss panels of a distribution, on which its density is smooth.
 
 use crate::law::Law;
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 
-/// Width of a panel in units of a zone's resolution: skewed laws vary faster than that at their steeper side.
+/// Width of a panel in units of the resolution of a zone: skewed distributions vary faster than that on their
+/// steeper side.
 const WIDTH: f64 = 1.0;
 
-/// Width of a panel in a tail, in e-folds of the stretch.
+/// Width of a panel in a tail, in factors e of the stretch.
 const TAIL: f64 = 0.25;
 
-/// What lies beyond the last panel.
+/// Mass beyond the last panel.
 const BEYOND: f64 = 1e-17;
 
-/// A part of the stretches, with no break of the density inside.
+/// A panel without breakpoints of the density inside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LabelPanel {
     pub(super) low: f64,
@@ -20,7 +21,8 @@ pub(super) struct LabelPanel {
 }
 
 impl LabelPanel {
-    /// The panel, cut so that no part spans more than so many octaves: Gauss points follow any power of the stretch on one.
+    /// The panel divided so that no part spans more than `octaves` octaves: Gauss points then integrate any
+    /// power.
     pub(super) fn graded(self, octaves: f64) -> impl Iterator<Item = Self> {
         let all = if self.low > 0.0 { (self.high / self.low).log2() } else { octaves };
         let count = (all / octaves).ceil().max(1.0);
@@ -40,12 +42,12 @@ impl LabelPanel {
         (RULE.nodes.map(|node| middle + half * node), RULE.weights.map(|weight| half * weight))
     }
 
-    /// ∫_from^high of `density` times e^{−A}, with A at the Gauss points.
+    /// ∫_from^high of `density` × e^{−A}, with A at the Gauss points.
     ///
-    /// e^{−A} of a rate that falls by e³ on the panel is no polynomial of degree 15 to better than 1e-6, ln A is one to rounding;
-    /// where contacts have just formed, A is one.
+    /// e^{−A} for a rate that falls by e³ on the panel is a polynomial of degree 15 only to 1e-6, but ln A is
+    /// one to rounding; for contacts that have just formed, A is one.
     pub(super) fn above(self, from: f64, exponents: &Nodal, density: impl Fn(f64) -> f64) -> f64 {
-        /// Of as small an A, e^{−A} differs from a polynomial by nothing.
+        /// For A this small, e^{−A} is a polynomial to rounding.
         const SMALL: f64 = 1e-6;
         let (middle, half) = (0.5 * (self.low + self.high), 0.5 * (self.high - self.low));
         let logarithmic = exponents.iter().any(|a| *a > SMALL) && exponents.iter().all(|a| *a > 0.0);
@@ -58,12 +60,12 @@ impl LabelPanel {
     }
 }
 
-/// The panels that hold the density of a law, none wider than `widest`.
+/// The panels that contain the density of a distribution, none wider than `widest`.
 pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<LabelPanel> {
     let top = law.upper_quantile(0.0).min(law.upper_quantile(BEYOND));
     let zones = law.zones();
     let mut stops: Vec<f64> = zones.iter().flat_map(|zone| [zone.low, zone.high]).collect();
-    stops.extend(law.breaks().iter().map(|b| b.position));
+    stops.extend(law.breakpoints().iter().map(|b| b.position));
     stops.extend([law.quantile(BEYOND), top]);
     stops.retain(|&x| x >= 0.0 && x <= top);
     stops.sort_by(f64::total_cmp);
@@ -73,7 +75,7 @@ pub(super) fn panels(law: &dyn Law, widest: f64) -> Vec<LabelPanel> {
         let (low, high) = (ends[0], ends[1]);
         let over: Vec<_> = zones.iter().filter(|zone| zone.low < high && zone.high > low).collect();
         let scale = over.iter().map(|zone| WIDTH * zone.resolution).fold(widest, f64::min);
-        // Tails beyond all zones fall by no more than a power.
+        // Tails outside all zones fall like a power.
         let tail = low > 0.0 && over.is_empty();
         let folds = if tail { (high / low).ln() / TAIL } else { 1.0 };
         let count = ((high - low) / scale).max(folds).ceil().max(1.0);

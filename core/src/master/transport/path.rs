@@ -1,29 +1,65 @@
-//! The slider's way during a step.
+//! The motion during a time step, and what cohorts need to follow it.
 
-use super::trial::GAUSS;
+use serde::{Deserialize, Serialize};
 
-/// Motion at one velocity during a step, `by` a length.
+use crate::monitor::Watch;
+use crate::numerics::diffusion::Workspace;
+
+/// Nodes of the two-point Gauss rule on [0, 1].
+pub(super) const GAUSS: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_812_9];
+
+/// Where the contacts of a cohort are: at one stretch, or spread evenly over a cell around it.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub(super) struct Place {
+    pub(super) stretch: f64,
+    /// Extent of the cell below the stretch.
+    pub(super) below: f64,
+    /// Extent of the cell above the stretch.
+    pub(super) above: f64,
+    pub(super) age: f64,
+}
+
+impl Place {
+    /// Whether all have one stretch.
+    pub(super) fn is_point(&self) -> bool {
+        self.below + self.above == 0.0
+    }
+}
+
+/// Work space of steps of cohorts, and the monitor that may stop them, after which they are invalid.
+pub(super) struct StepContext<'a, 'm> {
+    pub(super) room: Workspace,
+    pub(super) watch: &'a Watch<'m>,
+}
+
+impl<'a, 'm> StepContext<'a, 'm> {
+    pub(super) fn new(watch: &'a Watch<'m>) -> Self {
+        Self { room: Workspace::default(), watch }
+    }
+}
+
+/// Motion at constant velocity over the distance `by`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Path {
     pub(super) duration: f64,
     pub(super) by: f64,
 }
 
-/// A part of a step that a cohort goes in one go.
+/// A part of a step that a cohort covers at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum StepPart {
     /// To the middle.
     First,
     /// From the middle to the end.
     Second,
-    /// To the end, from the first point of the two-point Gauss rule …
+    /// From the first node of the two-point Gauss rule to the end.
     Early,
-    /// … and from the second.
+    /// From the second node to the end.
     Late,
 }
 
 impl StepPart {
-    /// The fractions between which it lies.
+    /// Its ends, as fractions of the step.
     pub(super) fn ends(self) -> (f64, f64) {
         match self {
             Self::First => (0.0, 0.5),
@@ -40,12 +76,12 @@ impl Path {
         Self { duration, by: velocity * duration }
     }
 
-    /// X(to) − X(from).
+    /// X(to) − X(from), for fractions of the step.
     pub(super) fn advance(&self, from: f64, to: f64) -> f64 {
         (to - from) * self.by
     }
 
-    /// How long a part lasts.
+    /// Duration of a part.
     pub(super) fn time(&self, part: StepPart) -> f64 {
         let (from, to) = part.ends();
         (to - from) * self.duration

@@ -1,21 +1,22 @@
-//! Thresholds that follow from the age of a contact: who is left is told by their newborn thresholds.
+//! Thresholds that follow from the age of a contact: the surviving contacts are described by their fresh
+//! thresholds.
 //!
-//! A contact born with the threshold h_0 ~ P_ci, above its stretch then, is left with the probability e^{−A}, A = ∫w dt,
-//! while its present threshold has stayed above its stretch: while h_0 > c, the largest newborn threshold that the stretch
-//! has met. The share left is ∫_c^∞ P_ci e^{−A} dh_0 over that at birth. A falls with h_0, by e at least where E_0 grows by T:
-//! it is kept on a *band* of thresholds only, at Gauss points of the panels of a [`LabelGrid`]. Contacts below the band are gone,
-//! those above it untouched. The lower the temperature, the narrower the band; of no width, it is c. On the panel where c
-//! lies ln A is the polynomial through its values there, for which the rate is continued past y = 1.
+//! A contact with fresh threshold h_0 ~ P_ci, above its stretch at formation, survives with probability
+//! e^{−A}, A = ∫w dt, as long as h_0 > c, the largest fresh threshold that the stretch has reached. The
+//! surviving fraction is ∫_c^∞ P_ci e^{−A} dh_0 over that at formation. A falls with h_0, at least by a
+//! factor of e where E_0 grows by T. It is stored only on a *band* of thresholds, at Gauss points of the
+//! panels of a [`LabelGrid`]: below the band no contacts are left, above it all are. The lower the
+//! temperature the narrower the band; without temperature it reduces to c. On the panel that contains c, ln A
+//! is the polynomial through its values, for which the rate is continued beyond y = 1.
 
 use std::collections::HashMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use serde::{Deserialize, Serialize};
 
-use super::cohort::Place;
 use super::grid::LabelGrid;
 use super::panels::panels;
-use super::path::Path;
+use super::path::{Path, Place};
 use super::seeds::Seed;
 use super::thermal::{QuadratureMoment, StepPassage, ThermalBreaking};
 use crate::contacts::{Barrier, Contacts, Label, Rank, Stiffness, Temperature, ThresholdEvolution};
@@ -27,53 +28,54 @@ use crate::numerics::roots::{brent_minimum, brent_root};
 #[derive(Debug)]
 pub(super) struct RankedThresholds {
     law: SharedLaw,
-    strength: ThresholdEvolution,
+    evolution: ThresholdEvolution,
     stiffness: Stiffness,
-    /// Where temperature is felt.
+    /// Thermal breaking, if it matters.
     thermal: Option<(ThermalBreaking, LabelGrid)>,
     atoms: Vec<Atom>,
-    /// Ranks on panels of the grid: they take long to find, and all cohorts have the same.
+    /// Ranks on panels of the grid: expensive, and the same for all cohorts.
     ranks: RwLock<HashMap<u64, Arc<PanelRanks>>>,
-    /// The strongest contacts.
+    /// The highest threshold.
     strongest: (f64, Option<Rank>),
-    /// Ages between which thresholds turn once at most, where a step may go over some of them.
+    /// Ages between which thresholds have at most one extremum, if a step may span some of them.
     octaves: Vec<f64>,
 }
 
 /// Ranks at the Gauss points of a panel, and at its upper end.
 type PanelRanks = [Rank; NODES + 1];
 
-/// Who is left of a place.
+/// The surviving contacts of a cohort.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Left {
+pub(super) struct SurvivingRanks {
     /// c.
     met: f64,
-    /// Of each atom, the share whose cell has not been passed by its threshold, and A.
+    /// For each point mass the fraction of the cell that its threshold has not passed, and A.
     atoms: Vec<(f64, f64)>,
-    /// None where temperature breaks none.
+    /// `None` without thermal breaking.
     band: Option<Band>,
-    /// The share of P_ci above the stretch at birth.
+    /// The fraction of P_ci above the stretch at formation.
     newborn: f64,
 }
 
-/// Thresholds at which some contacts are left and some are not; empty until temperature breaks any.
+/// Thresholds at which some contacts survive and some do not; empty until any have broken thermally.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Band {
-    /// The number of its lowest panel.
+    /// Index of its lowest panel.
     first: u64,
-    /// A at the Gauss points of its panels, …
+    /// A at the Gauss points of its panels.
     exponents: Vec<Nodal>,
-    /// … and the share of the newborn at each.
+    /// The fraction of fresh contacts at each.
     weights: Vec<Nodal>,
 }
 
-/// Contacts with a larger A are gone.
+/// Contacts with a larger A have broken.
 const GONE: f64 = 60.0;
 
-/// Point masses meet a threshold this near.
+/// Relative distance at which point masses reach a threshold.
 const MET: f64 = 1e-12;
 
-/// How far, in mean thresholds, temperature moves places of breaking in e^`folds` times 1/ω: to where the barrier is so many T.
+/// How far below their thresholds, in mean thresholds, contacts break in a time of e^`folds`/ω: where the
+/// barrier is `folds` × T.
 fn moved(contacts: &Contacts, temperature: &Temperature, folds: f64) -> f64 {
     let mean = contacts.thresholds.mean();
     let part = folds * temperature.energy / (0.5 * contacts.stiffness.of(mean) * mean * mean);
@@ -84,8 +86,8 @@ fn moved(contacts: &Contacts, temperature: &Temperature, folds: f64) -> f64 {
     }
 }
 
-/// Whether temperature moves places of breaking by more than the tolerance of the follower beside which a rough one has this
-/// tolerance: both feel it, or the difference is below the finer tolerance.
+/// Whether temperature shifts breaking by more than the tolerance of the first of two solutions, of which the
+/// second has this tolerance: both then include temperature, or the difference is below the finer tolerance.
 fn is_felt(contacts: &Contacts, temperature: &Temperature, tolerance: f64) -> bool {
     /// E-folds of time over 1/ω, of which there are no more.
     const MOST: f64 = 50.0;
@@ -97,12 +99,12 @@ impl Band {
         self.exponents.is_empty()
     }
 
-    /// The number of the first panel above it.
+    /// Index of the first panel above it.
     fn end(&self) -> u64 {
         self.first + self.exponents.len() as u64
     }
 
-    /// Leaves out its panels below this one.
+    /// Removes panels below this one.
     fn rise(&mut self, first: u64) {
         let below = (first.saturating_sub(self.first) as usize).min(self.exponents.len());
         self.exponents.drain(..below);
@@ -113,7 +115,7 @@ impl Band {
 
 impl RankedThresholds {
     /// Contacts of a [`ThresholdEvolution`].
-    pub(super) fn new(contacts: &Contacts, strength: ThresholdEvolution, tolerance: f64) -> Self {
+    pub(super) fn new(contacts: &Contacts, evolution: ThresholdEvolution, tolerance: f64) -> Self {
         let law = contacts.thresholds.clone();
         let felt = contacts.rules.temperature.filter(|t| is_felt(contacts, t, tolerance));
         let thermal = felt.map(|t| {
@@ -125,9 +127,9 @@ impl RankedThresholds {
         let highest = highest.into_iter().chain(atoms.last().map(|atom| atom.position)).fold(0.0, f64::max);
         Self {
             law,
-            strongest: (highest, strength.rank(highest)),
-            octaves: strength.octaves(),
-            strength,
+            strongest: (highest, evolution.rank(highest)),
+            octaves: evolution.octaves(),
+            evolution,
             stiffness: contacts.stiffness,
             thermal,
             atoms,
@@ -135,7 +137,7 @@ impl RankedThresholds {
         }
     }
 
-    /// About how many numbers a step of a cohort goes through.
+    /// Approximate amount of work of a step of a cohort.
     pub(super) fn cells(&self) -> usize {
         /// Panels of a band.
         const BAND: u64 = 16;
@@ -143,17 +145,18 @@ impl RankedThresholds {
         1 + self.atoms.len() + band
     }
 
-    pub(super) fn newborn(&self, seed: &Seed) -> Left {
+    pub(super) fn newborn(&self, seed: &Seed) -> SurvivingRanks {
         let above = |atom: &Atom| (uncovered(atom.position, seed.stretch, seed.below, seed.above), 0.0);
         let atoms = self.atoms.iter().map(above).collect();
         let band = self.thermal.as_ref().map(|_| Band::default());
-        let mut left = Left { met: seed.stretch.abs(), atoms, band, newborn: 1.0 };
+        let mut left = SurvivingRanks { met: seed.stretch.abs(), atoms, band, newborn: 1.0 };
         left.newborn = self.count(&left);
         left
     }
 
-    /// Whether there is a share of each atom, and a band on panels that there are if temperature breaks any.
-    pub(super) fn fits(&self, left: &Left) -> bool {
+    /// Whether there is an entry for each point mass, and a band on existing panels if there is thermal
+    /// breaking.
+    pub(super) fn fits(&self, left: &SurvivingRanks) -> bool {
         let fits = |band: &Band, grid: &LabelGrid| {
             band.exponents.len() == band.weights.len() && (band.is_empty() || band.end() <= grid.count())
         };
@@ -164,25 +167,32 @@ impl RankedThresholds {
             }
     }
 
-    /// Time passes: thermal breaks, and thresholds that are met. By how much ageing makes the others stiffer.
-    pub(super) fn advance(&self, place: Place, left: &mut Left, path: &Path, ends: (f64, f64)) -> f64 {
+    /// Advances in time: thermal breaking, and thresholds that are reached. Returns the stiffness that the
+    /// others gain by ageing.
+    pub(super) fn advance(
+        &self,
+        place: Place,
+        left: &mut SurvivingRanks,
+        path: &Path,
+        ends: (f64, f64),
+    ) -> f64 {
         let older = place.age + path.duration * (ends.1 - ends.0);
         let before = self.stiffening(left, place.age, older);
-        self.go(place, left, path, ends);
+        self.apply(place, left, path, ends);
         0.5 * (before + self.stiffening(left, place.age, older))
     }
 
-    /// By how much these contacts get stiffer from one age to another.
-    fn stiffening(&self, left: &Left, age: f64, older: f64) -> f64 {
-        if self.strength.is_constant() || matches!(self.stiffness, Stiffness::Equal(_)) {
+    /// Stiffness that these contacts gain from one age to another.
+    fn stiffening(&self, left: &SurvivingRanks, age: f64, older: f64) -> f64 {
+        if self.evolution.is_constant() || matches!(self.stiffness, Stiffness::Equal(_)) {
             return 0.0;
         }
         self.measure(left, older).1 - self.measure(left, age).1
     }
 
-    fn go(&self, place: Place, left: &mut Left, path: &Path, ends: (f64, f64)) {
+    fn apply(&self, place: Place, left: &mut SurvivingRanks, path: &Path, ends: (f64, f64)) {
         let passage =
-            StepPassage { strength: &self.strength, stretch: place.stretch, age: place.age, path, ends };
+            StepPassage { evolution: &self.evolution, stretch: place.stretch, age: place.age, path, ends };
         let (stretch, aged) = passage.at(ends.1);
         left.met = left.met.max(aged.newborn(stretch)).max(self.met_between(&passage));
         let (below, above) = (place.below, place.above);
@@ -194,10 +204,10 @@ impl RankedThresholds {
         }
     }
 
-    /// The largest newborn threshold that the stretch meets at a time inside of a step: those beside an edge of the law may fall,
-    /// and rise again, long before the step is over. Below 0 where it meets none.
+    /// The largest fresh threshold that the stretch reaches inside a step: thresholds beside an edge of the
+    /// distribution may fall and rise again long before the step is over. Below 0 if it reaches none.
     fn met_between(&self, passage: &StepPassage<'_>) -> f64 {
-        /// The share of the time of meeting that does not matter: the threshold is a maximum.
+        /// Relative accuracy of the time: the threshold is a maximum there.
         const PRECISE: f64 = 1e-6;
         let &StepPassage { age, path, ends: (from, to), .. } = passage;
         let older = age + path.duration * (to - from);
@@ -222,9 +232,9 @@ impl RankedThresholds {
         thermal: &ThermalBreaking,
         grid: &LabelGrid,
         passage: &StepPassage<'a>,
-        left: &mut Left,
+        left: &mut SurvivingRanks,
     ) {
-        let Left { met, atoms, band: Some(band), .. } = left else { return };
+        let SurvivingRanks { met, atoms, band: Some(band), .. } = left else { return };
         let shared =
             thermal.shared(passage, Label { newborn: self.strongest.0, rank: self.strongest.1.as_ref() });
         let mut room = Vec::new();
@@ -236,7 +246,7 @@ impl RankedThresholds {
             }
         };
         for ((_, exponent), atom) in atoms.iter_mut().zip(&self.atoms) {
-            let rank = self.strength.rank(atom.position);
+            let rank = self.evolution.rank(atom.position);
             let label = Label { newborn: atom.position, rank: rank.as_ref() };
             fitted(label, &mut |moments| *exponent += thermal.added_to(moments, label));
         }
@@ -249,7 +259,7 @@ impl RankedThresholds {
         };
         let (lowest, count) = (grid.above(*met), grid.count());
         if band.is_empty() || lowest >= band.end() {
-            let first = first_not(lowest, count.saturating_sub(1), &mut gone);
+            let first = first_remaining(lowest, count.saturating_sub(1), &mut gone);
             *band = Band { first, ..Band::default() };
         } else {
             band.rise(lowest);
@@ -272,12 +282,12 @@ impl RankedThresholds {
             }
             band.exponents[place].iter_mut().zip(added).for_each(|(exponent, added)| *exponent += added);
         }
-        // The last panel tells that all below its end are gone.
+        // The last panel is kept: it shows that all contacts below its end have broken.
         let gone = band.exponents.iter().take_while(|exponents| exponents[NODES - 1] > GONE).count();
         band.rise(band.first + gone.min(band.exponents.len().saturating_sub(1)) as u64);
     }
 
-    /// The ranks on a panel of the grid, where contacts keep them.
+    /// The ranks on a panel of the grid, if contacts keep their rank.
     fn ranks(&self, grid: &LabelGrid, number: u64) -> Option<Arc<PanelRanks>> {
         /// Panels whose ranks are kept: 32 MB.
         const MOST: usize = 1 << 14;
@@ -287,7 +297,7 @@ impl RankedThresholds {
         }
         let panel = grid.panel(number);
         let thresholds: Vec<f64> = panel.nodes().0.into_iter().chain([panel.high]).collect();
-        let found: Vec<Rank> = thresholds.into_iter().filter_map(|h| self.strength.rank(h)).collect();
+        let found: Vec<Rank> = thresholds.into_iter().filter_map(|h| self.evolution.rank(h)).collect();
         let ranks: Arc<PanelRanks> = Arc::new(found.try_into().ok()?);
         let mut known = self.ranks.write().unwrap_or_else(PoisonError::into_inner);
         if known.len() < MOST {
@@ -296,13 +306,13 @@ impl RankedThresholds {
         Some(ranks)
     }
 
-    /// The share that is left, and its stiffness.
-    pub(super) fn measure(&self, left: &Left, age: f64) -> (f64, f64) {
+    /// The surviving fraction, and its stiffness.
+    pub(super) fn measure(&self, left: &SurvivingRanks, age: f64) -> (f64, f64) {
         let count = self.count(left) / left.newborn;
         let stiffness = match self.stiffness {
             Stiffness::Equal(_) => count,
             Stiffness::PerThreshold(_) => {
-                let aged = self.strength.at(age);
+                let aged = self.evolution.at(age);
                 let threshold = |h: f64| aged.threshold(h);
                 (self.touched(left, threshold) + self.untouched(self.top(left), age)) / left.newborn
             }
@@ -310,30 +320,30 @@ impl RankedThresholds {
         (count, stiffness)
     }
 
-    fn count(&self, left: &Left) -> f64 {
+    fn count(&self, left: &SurvivingRanks) -> f64 {
         let top = self.top(left);
         let beyond = |atom: &&Atom| atom.position > top;
         let atoms: f64 = self.atoms.iter().filter(beyond).map(|atom| atom.weight).sum();
         (self.law.survival(top) - atoms).max(0.0) + self.touched(left, |_| 1.0)
     }
 
-    /// The label from which on A = 0.
-    fn top(&self, left: &Left) -> f64 {
+    /// The fresh threshold above which A = 0.
+    fn top(&self, left: &SurvivingRanks) -> f64 {
         match (&self.thermal, &left.band) {
             (Some((_, grid)), Some(band)) if !band.is_empty() => grid.panel(band.end() - 1).high,
             _ => left.met,
         }
     }
 
-    /// ∫ P_ci h dh_0 above a label, without atoms.
+    /// ∫ P_ci h dh_0 above a fresh threshold, without point masses.
     fn untouched(&self, from: f64, age: f64) -> f64 {
         let beyond = self.atoms.iter().filter(|atom| atom.position > from);
-        let atoms: f64 = beyond.map(|atom| atom.weight * self.strength.threshold(atom.position, age)).sum();
-        (self.strength.moments_above(self.law.as_ref(), from, age)[1] - atoms).max(0.0)
+        let atoms: f64 = beyond.map(|atom| atom.weight * self.evolution.threshold(atom.position, age)).sum();
+        (self.evolution.moments_above(self.law.as_ref(), from, age)[1] - atoms).max(0.0)
     }
 
-    /// ∫ P_ci `weight`(h_0) e^{−A} dh_0 of the band above c, and that of the atoms.
-    fn touched(&self, left: &Left, weight: impl Fn(f64) -> f64) -> f64 {
+    /// ∫ P_ci `weight`(h_0) e^{−A} dh_0 over the band above c, and over point masses.
+    fn touched(&self, left: &SurvivingRanks, weight: impl Fn(f64) -> f64) -> f64 {
         let term = |(atom, (share, exponent)): (&Atom, &(f64, f64))| {
             atom.weight * weight(atom.position) * share * (-exponent).exp()
         };
@@ -352,14 +362,22 @@ impl RankedThresholds {
         atoms + panels.map(share).sum::<f64>()
     }
 
-    /// When a point mass that moves at `velocity` meets the next threshold that many share, up to `limit`.
-    pub(super) fn strikes(&self, place: Place, left: &Left, velocity: f64, limit: f64) -> Option<f64> {
+    /// The time at which contacts at one stretch that move at `velocity` reach the next point mass of the
+    /// thresholds, up to `limit`.
+    pub(super) fn time_to_atom(
+        &self,
+        place: Place,
+        left: &SurvivingRanks,
+        velocity: f64,
+        limit: f64,
+    ) -> Option<f64> {
         let ahead = |atom: &Atom, time: f64| {
-            self.strength.threshold(atom.position, place.age + time) - (place.stretch + velocity * time).abs()
+            self.evolution.threshold(atom.position, place.age + time)
+                - (place.stretch + velocity * time).abs()
         };
         let standing = self.atoms.iter().zip(&left.atoms).filter(|(_, (share, _))| *share > 0.0);
         let times = standing.filter_map(|(atom, _)| {
-            if self.strength.is_constant() {
+            if self.evolution.is_constant() {
                 let time = (atom.position - place.stretch) / velocity;
                 return (time >= 0.0 && time <= limit).then_some(time);
             }
@@ -371,9 +389,9 @@ impl RankedThresholds {
         times.reduce(f64::min)
     }
 
-    /// Lets the atoms go that a point mass has met.
-    pub(super) fn strike(&self, place: Place, left: &mut Left) -> bool {
-        let aged = self.strength.at(place.age);
+    /// Breaks the point masses of thresholds that contacts at one stretch have reached.
+    pub(super) fn break_at_atom(&self, place: Place, left: &mut SurvivingRanks) -> bool {
+        let aged = self.evolution.at(place.age);
         for ((share, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
             if place.stretch.abs() >= aged.threshold(atom.position) * (1.0 - MET) {
                 *share = 0.0;
@@ -383,8 +401,8 @@ impl RankedThresholds {
     }
 }
 
-/// The first number from `low` on that is not gone, or `high`; near `low`, mostly.
-fn first_not(low: u64, high: u64, gone: &mut impl FnMut(u64) -> bool) -> u64 {
+/// The first index from `low` on that is not `gone`, or `high`: exponential search, then bisection.
+fn first_remaining(low: u64, high: u64, gone: &mut impl FnMut(u64) -> bool) -> u64 {
     if low >= high || !gone(low) {
         return low;
     }
@@ -403,7 +421,8 @@ fn first_not(low: u64, high: u64, gone: &mut impl FnMut(u64) -> bool) -> u64 {
     first
 }
 
-/// The share of a cell around a stretch that lies below a threshold; of a point mass, all until it has passed.
+/// The fraction of a cell around a stretch that lies below a threshold; of a point mass, all of it until it
+/// has passed.
 fn uncovered(threshold: f64, stretch: f64, below: f64, above: f64) -> f64 {
     if below + above > 0.0 {
         return ((threshold - (stretch - below)) / (below + above)).clamp(0.0, 1.0);

@@ -1,11 +1,13 @@
-//! How steady sliding answers to a small step: linear response, and the complex dynamic stiffness of the contacts.
+//! The linear response of steady sliding to a small step of the slider, and the complex dynamic stiffness of
+//! the contacts.
 //!
-//! Contacts slide steadily at v. With the response r(t) of F, per length, to a small step of X at t = 0, a displacement δX e^{st}
-//! of the slider changes the force by F̂(s) δX e^{st},
+//! Contacts slide steadily at v. Let r(t) be the response of F, per length, to a small step of X at t = 0.
+//! Then a displacement δX e^{st} of the slider changes the force by F̂(s) δX e^{st},
 //!
 //! F̂(s) = s ∫₀^∞ r e^{−st} dt = r(0) + ∫₀^∞ r' e^{−st} dt.
 //!
-//! F̂(iω) is the complex dynamic stiffness at the angular frequency ω. At small ω, F̂ ≈ iω ∫r dt = iω dF_k/dv.
+//! F̂(iω) is the complex dynamic stiffness at the angular frequency ω. At small ω, F̂ ≈ iω ∫r dt = iω
+//! dF_k/dv.
 
 use num_complex::Complex64;
 
@@ -26,18 +28,18 @@ pub struct StepResponse {
     pub response: Vec<f64>,
 }
 
-/// The step, in units of the length on which lives vary.
+/// Size of the step, in units of the length on which lives vary.
 const STEP: f64 = 0.01;
 
-/// Times in the longest step of the follower.
+/// Number of times in the longest time step.
 const FINER: f64 = 2.0;
 
-/// The step is taken this much faster than the slider slides.
+/// Velocity of the step, in units of the sliding velocity.
 const FAST: f64 = 1e4;
 
 impl Transport {
-    /// The response of steady sliding at a velocity to a small step, for so many mean lives of a contact; 0 where contacts know no
-    /// time.
+    /// The response of steady sliding at a velocity to a small step, over `lives` mean lives of a contact; 0
+    /// for time-independent contacts.
     ///
     /// # Errors
     /// Those of [`Transport::steady`]; a number of lives that is not above 0; stopped by the monitor.
@@ -58,7 +60,7 @@ impl Transport {
         }
         let mut steady = Self::steady(contacts, velocity, tolerance, &mut Aside { fraction: 0.0, monitor })?;
         steady.rough = None;
-        let by = STEP * super::pace::scale(contacts);
+        let by = STEP * super::step_control::scale(contacts);
         let during = by / (FAST * velocity);
         let duration = lives / steady.breaking_rate();
         let spacing = steady.pace.longest(velocity) / FINER;
@@ -75,8 +77,8 @@ impl Transport {
 }
 
 impl StepResponse {
-    /// F̂(s), Re s ≥ 0, with r straight between the times. Beyond the frequencies that these resolve it is r(0) + ρ/s, as it is
-    /// for |s| → ∞, with the ρ that Im F̂ has at the last of them.
+    /// F̂(s), Re s ≥ 0, with r linear between the times. Beyond the frequencies that these resolve it is r(0)
+    /// + ρ/s, as for |s| → ∞, with ρ from Im F̂ at the last resolved frequency.
     pub fn at(&self, s: Complex64) -> Complex64 {
         if s.norm() <= self.resolved() {
             return self.sum(s);
@@ -90,7 +92,7 @@ impl StepResponse {
         1.0 / self.time[1]
     }
 
-    /// How long the response is known.
+    /// Duration for which the response is known.
     pub(super) fn known(&self) -> f64 {
         self.time[self.time.len() - 1]
     }

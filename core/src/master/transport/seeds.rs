@@ -1,34 +1,35 @@
-//! A law of stretches at which contacts start, as cells that each hold a share of them.
+//! Quadrature of a distribution of starting stretches: cells that each represent a fraction of the contacts.
 
 use super::panels::panels;
 use crate::law::{Atom, Law};
 use crate::numerics::gauss;
 use crate::rate_dependent::StretchInterval;
 
-/// Contacts that start together: a share at a stretch, spread evenly over a cell around it.
+/// Contacts that start together: a fraction at one stretch, spread evenly over a cell around it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Seed {
     pub(super) stretch: f64,
     pub(super) weight: f64,
-    /// How far the cell reaches below the stretch …
+    /// Extent of the cell below the stretch.
     pub(super) below: f64,
-    /// … and above it; both 0 for a point mass.
+    /// Extent of the cell above the stretch; both are 0 for a point mass.
     pub(super) above: f64,
-    /// Its number among the seeds of contacts that re-form.
+    /// Its index among the seeds of contacts that re-form.
     pub(super) number: Option<u32>,
 }
 
-/// Shares below this are left to the others.
+/// Fractions below this are dropped.
 const NEGLIGIBLE: f64 = 1e-14;
 
-/// The seeds of a law below `top`, in panels no wider than `widest`, each weighted by `held` at its stretch: so many that the
-/// density of the law can be seen in them.
+/// The seeds of a distribution below `top`, on panels no wider than `widest`, each weighted by `held` at its
+/// stretch: so many that they show the density.
 ///
-/// Cells of a panel end at the partial sums of the Gauss weights, between which the points lie (P. L. Chebyshev,
-/// A. A. Markov and T. J. Stieltjes).
+/// Cells of a panel end at the partial sums of the Gauss weights, between which the nodes lie (P. L.
+/// Chebyshev, A. A. Markov and T. J. Stieltjes).
 pub(super) fn seeds(law: &dyn Law, top: f64, widest: f64, held: impl Fn(f64) -> f64) -> Vec<Seed> {
-    let lump = |a: Atom| Seed { stretch: a.position, weight: a.weight, below: 0.0, above: 0.0, number: None };
-    let mut seeds: Vec<Seed> = law.atoms().into_iter().map(lump).collect();
+    let point_mass =
+        |a: Atom| Seed { stretch: a.position, weight: a.weight, below: 0.0, above: 0.0, number: None };
+    let mut seeds: Vec<Seed> = law.atoms().into_iter().map(point_mass).collect();
     for panel in panels(law, widest) {
         let mut edge = panel.low;
         for (stretch, width) in panel.points() {
@@ -44,12 +45,13 @@ pub(super) fn seeds(law: &dyn Law, top: f64, widest: f64, held: impl Fn(f64) -> 
     seeds
 }
 
-/// The fewest seeds of a law below `top` that tell sums of what varies over a length to an error, and none of which stands for
-/// more than a stretch that is `widest`.
+/// The fewest seeds of a distribution below `top` that integrate functions varying over `length` to `error`,
+/// none of them representing an interval longer than `widest`.
 ///
-/// They are the points of Gauss rules for the law itself, one on every such stretch. Their cells end where the law has the
-/// partial sums of the weights, between which the points lie, too; the outer ones as far beyond the points as they begin
-/// before them. With each seed come the cells of the law that it stands for, relative to its stretch, as shares of it.
+/// They are the nodes of Gauss rules for the distribution itself, one rule on each such interval. Their cells
+/// end where the distribution function equals the partial sums of the weights, between which the nodes lie;
+/// the outer cells extend as far outward as inward. Each seed comes with the cells of the distribution that
+/// it represents, relative to its stretch, as fractions of it.
 pub(super) fn fewest(
     law: &dyn Law,
     top: f64,
@@ -65,14 +67,14 @@ pub(super) fn fewest(
     while let Some(first) = rest.first() {
         let end = first.stretch - first.below + widest;
         let count = rest.partition_point(|seed| seed.stretch + seed.above <= end).max(1);
-        seeds.extend(gathered(&rest[..count], length, error));
+        seeds.extend(merged(&rest[..count], length, error));
         rest = &rest[count..];
     }
     seeds
 }
 
-/// Neighbouring seeds, gathered into the fewest that tell sums of what varies over a length to an error.
-fn gathered(fine: &[Seed], length: f64, error: f64) -> Vec<(Seed, Vec<StretchInterval>)> {
+/// Neighbouring seeds merged into the fewest that integrate functions varying over `length` to `error`.
+fn merged(fine: &[Seed], length: f64, error: f64) -> Vec<(Seed, Vec<StretchInterval>)> {
     let points: Vec<_> = fine.iter().map(|seed| (seed.stretch, seed.weight)).collect();
     let rule = gauss::fewest(&points, length, error);
     if rule.len() == fine.len() {
@@ -94,7 +96,7 @@ fn gathered(fine: &[Seed], length: f64, error: f64) -> Vec<(Seed, Vec<StretchInt
             until(seed, seed.stretch + seed.above, (passed + seed.weight) - passed.max(before));
             passed += seed.weight;
         }
-        // The cell in which the partial sum is reached is cut in proportion.
+        // The cell in which the partial sum is reached is divided in proportion.
         if let Some(seed) = fine.peek() {
             let part = (sum - passed) / seed.weight;
             until(
@@ -109,7 +111,7 @@ fn gathered(fine: &[Seed], length: f64, error: f64) -> Vec<(Seed, Vec<StretchInt
         ));
     }
     if let [(seed, _)] = &mut seeds[..] {
-        // As wide as they are spread.
+        // A single seed is as wide as the standard deviation requires.
         let square: f64 = points.iter().map(|(x, weight)| weight * (x - seed.stretch).powi(2)).sum();
         (seed.below, seed.above) = ((3.0 * square / seed.weight).sqrt(), (3.0 * square / seed.weight).sqrt());
     } else if let [(first, _), .., (last, _)] = &mut seeds[..] {

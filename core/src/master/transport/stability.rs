@@ -1,15 +1,18 @@
-//! Whether steady sliding of a slider with mass and damping is stable: the roots of its characteristic equation.
+//! Linear stability of steady sliding of a slider with mass and damping: the roots of its characteristic
+//! equation.
 //!
-//! M Ẍ = K(X_T − X) − F − γẊ, the top at X_T = vt + const. Small deviations from steady sliding go as e^{st} with
+//! M Ẍ = K(X_T − X) − F − γẊ with the top at X_T = vt + const. Small deviations from steady sliding vary as
+//! e^{st} with
 //!
 //! D(s) = M s² + γ s + K + F̂(s) = 0,
 //!
-//! F̂ being the dynamic stiffness of the contacts ([`StepResponse`]). Steady sliding is stable if no root has Re s > 0. K is real:
-//! on a line Re s = a roots lie only at the ω with Im[D(a + iω)] = 0, and only for K = K_j(a) = −Re[D(a + iω_j) − K]. By the
-//! argument principle (Nyquist's criterion for a = 0) the number of roots to the right of the line is, conjugate ones counted
-//! each, twice the number of K_j > K at which Im D rises with ω less the number of those at which it falls; ω = 0 counts once.
-//! All of them are on the left where K is above the largest K_j(0), the critical stiffness K_c(v; M, γ).
-//! (J. R. Rice and A. L. Ruina, J. Appl. Mech. 50, 343 (1983), for friction with a memory.)
+//! F̂ being the dynamic stiffness of the contacts ([`StepResponse`]). Steady sliding is stable if no root has
+//! Re s > 0. Since K is real, roots on a line Re s = a occur only at the ω with Im[D(a + iω)] = 0, and only
+//! for K = K_j(a) = −Re[D(a + iω_j) − K]. By the argument principle (Nyquist's criterion for a = 0) the
+//! number of roots to the right of the line, conjugate ones both counted, is twice the number of K_j > K at
+//! which Im D rises with ω minus the number of those at which it falls; ω = 0 counts once. All roots are on
+//! the left if K exceeds the largest K_j(0), the critical stiffness K_c(v; M, γ). (J. R. Rice and A. L.
+//! Ruina, J. Appl. Mech. 50, 343 (1983), for friction with memory.)
 
 use num_complex::Complex64;
 
@@ -29,25 +32,26 @@ pub struct Slider {
     pub damping: f64,
 }
 
-/// A place at which a root crosses a line Re s = a as K falls.
+/// A crossing of the line Re s = a by a root as K decreases.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Crossing {
     frequency: f64,
     stiffness: f64,
-    /// By how many roots on the right there are more below `stiffness` than above it.
+    /// By how many the number of roots on the right grows below `stiffness`.
     roots: i32,
 }
 
-/// Frequencies looked at per e-fold.
+/// Frequencies evaluated per factor e.
 const PER_FOLD: f64 = 50.0;
 
 impl StepResponse {
-    /// K_c(v; M, γ) of a slider with a mass and a damping, either 0 or above, above which steady sliding is stable, and the ω of
-    /// the oscillation that sets in there. Infinite where no spring makes steady sliding stable, as without damping wherever
-    /// contacts feed high frequencies, Im F̂ < 0; its ω then is, too. `None` where steady sliding is stable for every K > 0.
+    /// K_c(v; M, γ) for a mass and a damping ≥ 0, above which steady sliding is stable, and the angular
+    /// frequency of the oscillation that sets in there. Infinite if no spring makes steady sliding stable, as
+    /// without damping whenever contacts feed high frequencies, Im F̂ < 0; its ω is then infinite, too.
+    /// `None` if steady sliding is stable for every K > 0.
     ///
-    /// Without mass and damping the limit −r(0) at ω → ∞ counts as well: there a step lowers the force by more than it relaxes
-    /// the spring.
+    /// Without mass and damping the limit −r(0) at ω → ∞ counts as well: there a step lowers the force by
+    /// more than it relaxes the spring.
     ///
     /// # Errors
     /// Stopped by the monitor.
@@ -74,14 +78,14 @@ impl StepResponse {
         watch.check().map(|()| roots)
     }
 
-    /// The root s = a + iω, ω ≥ 0, of the fastest growing deviation from steady sliding, which grows as e^{at}; `None` where
-    /// steady sliding is stable.
+    /// The root s = a + iω, ω ≥ 0, of the fastest growing deviation from steady sliding, which grows as
+    /// e^{at}; `None` if steady sliding is stable.
     ///
     /// # Errors
-    /// A slider without mass and damping, whose deviations may grow at any rate; the root is not found; stopped by
-    /// the monitor.
+    /// A slider without mass and damping, whose deviations may grow at any rate; the root is not found;
+    /// stopped by the monitor.
     pub fn growth(&self, slider: &Slider, monitor: &mut dyn Monitor) -> Result<Option<Complex64>> {
-        /// Halvings of the interval of rates before Newton's method.
+        /// Bisections of the interval of rates before Newton's method.
         const HALVINGS: usize = 20;
         if !(slider.mass > 0.0 || slider.damping > 0.0) {
             return Err(Error::invalid("mass", "a mass or a damping above 0", slider.mass));
@@ -112,7 +116,8 @@ impl StepResponse {
         (slider.mass * s + slider.damping) * s + self.at(s)
     }
 
-    /// All |s| of roots with Re s ≥ 0 are below it: |M s + γ| is no less than M|s| and than γ there, |F̂| no more than r varies.
+    /// An upper bound of |s| for roots with Re s ≥ 0: there |M s + γ| is at least M|s| and at least γ, and
+    /// |F̂| at most the total variation of r.
     fn bound(&self, slider: &Slider) -> f64 {
         let varies: f64 = self.response.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
         let most = slider.stiffness + self.response[0].abs() + varies;
@@ -152,7 +157,8 @@ impl StepResponse {
         crossings
     }
 
-    /// The crossing at a frequency that is not resolved, where Im D has the value `last` at the highest that is.
+    /// The crossing at a frequency that is not resolved, where Im D has the value `last` at the highest
+    /// resolved one.
     fn beyond(&self, slider: &Slider, rate: f64, last: f64) -> Option<Crossing> {
         let Slider { mass, damping, .. } = *slider;
         if mass == 0.0 && damping == 0.0 {
@@ -175,7 +181,7 @@ impl StepResponse {
         Some(Crossing { frequency, stiffness, roots: 2 })
     }
 
-    /// Newton's method for D(s) = 0, D' by differences.
+    /// Newton's method for D(s) = 0, with D' by finite differences.
     fn polish(&self, slider: &Slider, guess: Complex64) -> Option<Complex64> {
         let value = |s| self.rest(slider, s) + slider.stiffness;
         let mut s = guess;

@@ -1,15 +1,15 @@
-//! All that changes as contacts are followed, to be kept and taken up again.
+//! Snapshots of contacts followed through time.
 
 use serde::{Deserialize, Serialize};
 
 use super::Transport;
 use super::broken::Broken;
-use super::cohort::{Cohort, Spent};
-use super::pace::Pace;
+use super::cohort::{Cohort, EnergyChange};
+use super::step_control::StepControl;
 use crate::Result;
 use crate::rate_dependent::State;
 
-/// What contacts have come to, without the rough follower beside them.
+/// The state of the contacts, without the second solution.
 #[derive(Serialize, Deserialize)]
 struct TransportSnapshot {
     time: f64,
@@ -17,21 +17,21 @@ struct TransportSnapshot {
     cohorts: Vec<Cohort>,
     broken: Broken,
     dropped: f64,
-    spent: Spent,
-    pace: Pace,
+    spent: EnergyChange,
+    pace: StepControl,
     rate: f64,
     kinks: Vec<f64>,
 }
 
 impl Transport {
-    /// What the contacts have come to.
-    pub(super) fn kept(&self) -> State {
+    /// The present state.
+    pub(super) fn snapshot(&self) -> State {
         let &Self { time, position, dropped, spent, rate, .. } = self;
         let Self { cohorts, broken, pace, kinks, .. } = self.clone();
         State::of(&TransportSnapshot { time, position, cohorts, broken, dropped, spent, pace, rate, kinks })
     }
 
-    /// Goes to what contacts of the same description have come to.
+    /// Restores a state of contacts with the same description.
     pub(super) fn resume(&mut self, state: &State) -> Result<()> {
         let TransportSnapshot { time, position, cohorts, broken, dropped, spent, pace, rate, kinks } =
             state.read()?;

@@ -1,43 +1,43 @@
-//! What temperature adds to the exponents A = ∫w dt of contacts in a part of a time step.
+//! Thermal breaking in a part of a time step: quadrature of A = ∫w dt.
 //!
-//! Where ln w changes little in it, Gauss–Legendre rules on time do for all contacts alike. Else w falls about exponentially
-//! from one end, by a rate that depends on the threshold: the [`fitted`] rule does for contacts of similar thresholds, on
-//! halves of the step where w falls otherwise.
+//! If ln w changes little, one Gauss–Legendre rule in time serves all contacts. Otherwise w falls about
+//! exponentially from one end, at a rate that depends on the threshold: the [`fitted`] rule then serves
+//! contacts of similar thresholds, on halves of the step where w does not fall exponentially.
 
 use super::fitted::fitted;
 use super::path::Path;
 use crate::contacts::{Contacts, Label, Stiffness, Temperature, ThresholdEvolution, ThresholdsAtAge};
 use crate::numerics::legendre::{NODES, Nodal};
 
-/// Breaking by temperature.
+/// Thermal breaking.
 #[derive(Debug)]
 pub(super) struct ThermalBreaking {
     temperature: Temperature,
     stiffness: Stiffness,
-    /// By how much ln w may change in a step that one of the [`RULES`] is to sum.
+    /// Largest change of ln w in a step that each of the [`RULES`] integrates.
     most_change: [f64; RULES.len()],
-    /// By how much ln w may differ from a straight line at a point of the fitted rule.
+    /// Largest deviation of ln w from a straight line at a node of the fitted rule.
     most_bend: f64,
-    /// What adds less to A is nothing.
+    /// Contributions to A below this are neglected.
     pub(super) nothing: f64,
 }
 
 /// A part of a time step of contacts of one age.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StepPassage<'a> {
-    pub(super) strength: &'a ThresholdEvolution,
+    pub(super) evolution: &'a ThresholdEvolution,
     pub(super) stretch: f64,
     pub(super) age: f64,
     pub(super) path: &'a Path,
     pub(super) ends: (f64, f64),
 }
 
-/// A point of a rule on time.
+/// A node of a quadrature rule in time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct QuadratureMoment<'a> {
     stretch: f64,
     aged: ThresholdsAtAge<'a>,
-    /// The time that it stands for.
+    /// Its weight.
     time: f64,
 }
 
@@ -47,7 +47,8 @@ const RULES: [&[(f64, f64)]; 2] = [
     &[(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)],
 ];
 
-/// The change c of ln w over which a rule of n points misses the tolerance: ∫₀¹ e^{cs} ds to c²ⁿ (n!)⁴/[(2n + 1)((2n)!)³].
+/// The largest change c of ln w for which a rule of n nodes meets the tolerance: its error of ∫₀¹ e^{cs} ds
+/// is c²ⁿ (n!)⁴/[(2n + 1)((2n)!)³].
 fn most_change(rule: &[(f64, f64)], tolerance: f64) -> f64 {
     let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
     let n = rule.len();
@@ -56,10 +57,10 @@ fn most_change(rule: &[(f64, f64)], tolerance: f64) -> f64 {
 }
 
 impl<'a> StepPassage<'a> {
-    /// Where contacts are, and how strong, at a fraction of the step.
+    /// Stretch and thresholds at a fraction of the step.
     pub(super) fn at(&self, s: f64) -> (f64, ThresholdsAtAge<'a>) {
         let stretch = (self.stretch + self.path.advance(self.ends.0, s)).abs();
-        (stretch, self.strength.at(self.age + self.path.duration * (s - self.ends.0)))
+        (stretch, self.evolution.at(self.age + self.path.duration * (s - self.ends.0)))
     }
 
     fn moment(&self, s: f64, weight: f64) -> QuadratureMoment<'a> {
@@ -69,13 +70,16 @@ impl<'a> StepPassage<'a> {
 }
 
 impl ThermalBreaking {
-    /// The temperature of these contacts, which moves places of breaking by about `blur` mean thresholds per e-fold of time.
+    /// Thermal breaking of these contacts, which shifts breaking by about `blur` mean thresholds per factor e
+    /// of time.
     pub(super) fn new(contacts: &Contacts, temperature: Temperature, blur: f64, tolerance: f64) -> Self {
-        /// The fitted rule misses this times the square of the bend at its farther point: e^{qz²} to 2q², z = 3.4.
+        /// Error of the fitted rule over the square of the deviation at its farther node: 2q² for e^{qz²}, z
+        /// = 3.4.
         const MISSED: f64 = 0.015;
-        /// The error of A that never matters.
+        /// An error of A that never matters.
         const ROUGH: f64 = 0.01;
-        /// The error of A in tolerances that does not matter where many steps add it to all, and the least that is told.
+        /// Error of A, in tolerances, that does not matter even if many steps add it for all contacts; and
+        /// the smallest value used.
         const FAINT: f64 = 1e-6;
         const LEAST: f64 = 1e-15;
         Self {
@@ -88,15 +92,15 @@ impl ThermalBreaking {
         }
     }
 
-    /// The moments of a rule that does for all labels up to `top`, if one of the [`RULES`] does.
+    /// The nodes of a rule that serves all labels up to `top`, if one of the [`RULES`] does.
     pub(super) fn shared<'a>(
         &self,
         passage: &StepPassage<'a>,
         top: Label<'_>,
     ) -> Option<Vec<QuadratureMoment<'a>>> {
-        let &StepPassage { strength, age, path, ends: (from, to), .. } = passage;
+        let &StepPassage { evolution, age, path, ends: (from, to), .. } = passage;
         let time = path.duration * (to - from);
-        let [before, after] = [age, age + time].map(|age| strength.at(age).threshold_of(top));
+        let [before, after] = [age, age + time].map(|age| evolution.at(age).threshold_of(top));
         let moved = path.advance(from, to).abs() + (after - before).abs();
         let top = before.max(after);
         let change = self.stiffness.of(top) * top * moved / self.temperature.energy;
@@ -107,7 +111,7 @@ impl ThermalBreaking {
         Some(rule.iter().map(moment).collect())
     }
 
-    /// The moments of a rule that does for labels like this one.
+    /// The nodes of a rule that serves labels like this one.
     pub(super) fn fit<'a>(
         &self,
         passage: &StepPassage<'a>,
@@ -119,7 +123,7 @@ impl ThermalBreaking {
         self.fit_part(passage, label, whole, DEEPEST, moments);
     }
 
-    /// The fitted rule on a part, or on its halves, which may be halved so many times.
+    /// The fitted rule on a part or on its halves, bisected at most `halvings` times.
     fn fit_part<'a>(
         &self,
         passage: &StepPassage<'a>,
@@ -139,7 +143,7 @@ impl ThermalBreaking {
         {
             return;
         }
-        // From the end where the rate is higher, z from 0 to 1.
+        // z from 0 to 1, from the end with the higher rate.
         let place = |z: f64| if ends[1] >= ends[0] { to - z * width } else { from + z * width };
         let fall = highest - ends[0].min(ends[1]);
         let step = if fall > 2.0 { 1.0 / fall } else { 0.5 };
@@ -170,20 +174,20 @@ impl ThermalBreaking {
         exponents
     }
 
-    /// What the moments add to A of a label.
+    /// Contribution of the nodes to A of one label.
     pub(super) fn added_to(&self, moments: &[QuadratureMoment], label: Label<'_>) -> f64 {
         moments.iter().map(|moment| self.over(moment, label)).sum()
     }
 
     #[inline]
     fn over(&self, moment: &QuadratureMoment, label: Label<'_>) -> f64 {
-        /// Contacts far below the stretch are gone, with exponents that can be counted with.
+        /// Contacts far below the stretch have broken; their exponents must not overflow.
         const MOST: f64 = 1e300;
         let rate = self.ln_rate(moment.stretch, moment.aged.threshold_of(label)).exp();
         (moment.time * self.temperature.attempt_rate * rate).min(MOST)
     }
 
-    /// ln(w/ω), continued past the threshold.
+    /// ln(w/ω), continued beyond the threshold.
     #[inline]
     fn ln_rate(&self, stretch: f64, threshold: f64) -> f64 {
         /// Where the stretch is so many thresholds there is no barrier, and its continuation overflows.
@@ -196,11 +200,12 @@ impl ThermalBreaking {
     }
 }
 
-/// How often a step is halved at most.
+/// Largest number of bisections of a step.
 const DEEPEST: u32 = 30;
 
-/// Where the rate is lower by so many e-folds, it adds nothing.
+/// Where ln w is lower by this, the contribution is negligible.
 const GONE_BY: f64 = 16.0;
 
-/// At the far end, the bend may be larger by this: there it is largest, and the rule knows parabolas.
+/// At the far end the deviation may be larger by this factor: it is largest there, and the rule is exact for
+/// parabolas.
 const FARTHER: f64 = 4.0;

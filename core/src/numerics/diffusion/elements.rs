@@ -1,38 +1,39 @@
-//! A density on spectral elements: a polynomial of degree 15 on each, as a Legendre series (A. T. Patera, J. Comput. Phys. 54,
-//! 468 (1984); in Galerkin form, with hats at the ends and integrated Legendre polynomials in between, I. Babuška, B. A. Szabó
-//! and I. N. Katz, SIAM J. Numer. Anal. 18, 515 (1981)).
+//! Spectral elements: a density as a Legendre series of degree 15 on each element (A. T. Patera, J. Comput.
+//! Phys. 54, 468 (1984)). The Galerkin basis is that of the p-version: hat functions at the ends, integrated
+//! Legendre polynomials inside (I. Babuška, B. A. Szabó and I. N. Katz, SIAM J. Numer. Anal. 18, 515 (1981)).
 
 use std::sync::LazyLock;
 
 use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments, series};
 use crate::numerics::piecewise::tail;
 
-/// A number for each pair of functions of an element.
+/// A number for each pair of basis functions of an element.
 pub(super) type Matrix = [Nodal; NODES];
 
-/// A density on [x, H], element by element; it may jump between them.
+/// A density on [x, H], element by element; it may jump between elements.
 #[derive(Debug, Clone, Default)]
 pub struct Elements {
-    /// Ends of the elements, one more than these.
+    /// Ends of the elements, one more than elements.
     pub edges: Vec<f64>,
-    /// Legendre coefficients on each.
+    /// Legendre coefficients on each element.
     pub series: Vec<Nodal>,
 }
 
-/// The functions that continuous densities are made of: (1 ∓ t)/2, and (P_k − P_{k−2})/√(4k − 2) for k ≥ 2.
+/// The basis functions of an element, of which continuous densities consist: (1 ∓ t)/2, and (P_k −
+/// P_{k−2})/√(4k − 2) for k ≥ 2.
 #[derive(Debug)]
 pub(super) struct Basis {
-    /// Values at the Gauss points, …
+    /// Values at the Gauss points.
     pub(super) values: Matrix,
-    /// … and slopes.
+    /// Slopes at the Gauss points.
     pub(super) slopes: Matrix,
-    /// ∫ of the product of two of them, …
+    /// Mass matrix: ∫ of products of two basis functions.
     pub(super) mass: Matrix,
-    /// … and of their slopes.
+    /// Stiffness matrix: ∫ of products of two slopes.
     pub(super) stiffness: Matrix,
 }
 
-/// The one basis.
+/// The basis, computed once.
 pub(super) static BASIS: LazyLock<Basis> = LazyLock::new(Basis::new);
 
 /// √(4k − 2).
@@ -52,7 +53,7 @@ impl Basis {
         for (q, &t) in RULE.nodes.iter().enumerate() {
             let p = legendre(t);
             let unit = |k: usize| -> Nodal { std::array::from_fn(|i| f64::from(u8::from(i == k))) };
-            let all = Self::split(&p);
+            let all = Self::in_basis(&p);
             for k in 0..NODES {
                 values[k][q] = all[k];
                 slopes[k][q] = match k {
@@ -69,8 +70,8 @@ impl Basis {
         Self { mass: product(&values), stiffness: product(&slopes), values, slopes }
     }
 
-    /// What is known of Legendre polynomials, linearly, told of these functions.
-    fn split(of: &Nodal) -> Nodal {
+    /// A linear functional of the Legendre polynomials, as one of the basis functions.
+    fn in_basis(of: &Nodal) -> Nodal {
         std::array::from_fn(|k| match k {
             0 => 0.5 * (of[0] - of[1]),
             1 => 0.5 * (of[0] + of[1]),
@@ -78,12 +79,12 @@ impl Basis {
         })
     }
 
-    /// ∫ of each function times a Legendre series, on an element of this half width.
+    /// ∫ of each basis function times a Legendre series, on an element of this half width.
     pub(super) fn moments(series: &Nodal, half: f64) -> Nodal {
-        Self::split(&std::array::from_fn(|n| 2.0 * half * series[n] / (2.0 * n as f64 + 1.0)))
+        Self::in_basis(&std::array::from_fn(|n| 2.0 * half * series[n] / (2.0 * n as f64 + 1.0)))
     }
 
-    /// The Legendre series of a sum of these functions.
+    /// The Legendre series of a sum of basis functions.
     pub(super) fn series(amplitudes: &Nodal) -> Nodal {
         let mut out = [0.0; NODES];
         out[0] = 0.5 * (amplitudes[0] + amplitudes[1]);
@@ -97,12 +98,12 @@ impl Basis {
 }
 
 impl Elements {
-    /// A density between the first and the last of the `edges`, on elements that are halved until each leaves out less than
-    /// `left_out` in the mean, or is narrower than `finest`.
-    pub fn of(density: impl Fn(f64) -> f64, edges: &[f64], left_out: f64, finest: f64) -> Self {
+    /// A density between the first and last of the `edges`, on elements that are halved until each has a
+    /// truncation error × half width below `tolerance`, or a half width below `finest`.
+    pub fn of(density: impl Fn(f64) -> f64, edges: &[f64], tolerance: f64, finest: f64) -> Self {
         let mut out = Self { edges: vec![edges[0]], series: Vec::new() };
         for pair in edges.windows(2) {
-            out.resolve(&density, (pair[0], pair[1]), left_out, finest);
+            out.resolve(&density, (pair[0], pair[1]), tolerance, finest);
         }
         out
     }
@@ -111,14 +112,14 @@ impl Elements {
         &mut self,
         density: &impl Fn(f64) -> f64,
         (low, high): (f64, f64),
-        left_out: f64,
+        tolerance: f64,
         finest: f64,
     ) {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let series = RULE.coefficients(&RULE.nodes.map(|t| density(middle + half * t)));
-        if tail(&series) * half > left_out && half > finest {
-            self.resolve(density, (low, middle), left_out, finest);
-            return self.resolve(density, (middle, high), left_out, finest);
+        if tail(&series) * half > tolerance && half > finest {
+            self.resolve(density, (low, middle), tolerance, finest);
+            return self.resolve(density, (middle, high), tolerance, finest);
         }
         self.edges.push(high);
         self.series.push(series);
@@ -149,7 +150,7 @@ impl Elements {
         self.sums_above(f64::NEG_INFINITY, weights)
     }
 
-    /// ∫ of p times several functions, above a place.
+    /// ∫ of p times several functions, above a position.
     pub fn sums_above<const K: usize>(&self, place: f64, weights: impl Fn(f64) -> [f64; K]) -> [f64; K] {
         let mut sums = [0.0; K];
         for i in self.edges[1..].partition_point(|&edge| edge <= place)..self.count() {
@@ -165,7 +166,7 @@ impl Elements {
         sums
     }
 
-    /// p at a place, from the right; 0 outside.
+    /// p at a position, from the right; 0 outside.
     pub fn value(&self, place: f64) -> f64 {
         let above = self.edges.partition_point(|&edge| edge <= place);
         if above == 0 || above > self.count() {
@@ -175,8 +176,8 @@ impl Elements {
         series(&self.series[above - 1], (place - middle) / half)
     }
 
-    /// The projection on other elements of the same interval: exact where they are parts of these, and all moments up to the
-    /// degree stay.
+    /// The L² projection on other elements of the same interval. It is exact where they are parts of these,
+    /// and conserves all moments up to the degree.
     #[must_use]
     pub fn on(&self, edges: &[f64]) -> Self {
         let mut first = 0;
@@ -189,7 +190,7 @@ impl Elements {
         Self { edges: edges.to_vec(), series: edges.windows(2).map(&mut part).collect() }
     }
 
-    /// The projection on [low, high], of which `first` is the first element that reaches into it.
+    /// The projection on [low, high]; `first` is the first element that overlaps it.
     fn projected(&self, (low, high): (f64, f64), first: usize) -> Nodal {
         if (self.edges[first], self.edges[first + 1]) == (low, high) {
             return self.series[first];
@@ -208,13 +209,13 @@ impl Elements {
         std::array::from_fn(|n| moments[n] * (n as f64 + 0.5) / half)
     }
 
-    /// What the element leaves out.
-    pub fn left_out(&self, i: usize) -> f64 {
+    /// The truncation error of an element.
+    pub fn truncation(&self, i: usize) -> f64 {
         tail(&self.series[i])
     }
 
-    /// Neighbours joined where one element serves both, to what is `allowed` to one from a place on and of a half width; never
-    /// across the places `kept`.
+    /// Joins neighbours where one element represents both to `allowed`(lower end, half width), but never
+    /// across the positions `kept`.
     #[must_use]
     pub fn coarsened(mut self, allowed: impl Fn(f64, f64) -> f64, kept: &[f64]) -> Self {
         let mut i = 0;
@@ -231,9 +232,9 @@ impl Elements {
         self
     }
 
-    /// One series for an element and the next, if it serves both.
+    /// One series for an element and the next, if it represents both.
     fn joint(&self, i: usize, allowed: &impl Fn(f64, f64) -> f64) -> Option<Nodal> {
-        /// The widest next to the narrowest.
+        /// Largest ratio of the widths of two elements to be joined.
         const RATIO: f64 = 16.1;
         let [a, b] = [self.width(i), self.width(i + 1)];
         if a.max(b) > RATIO * a.min(b) {
@@ -241,14 +242,14 @@ impl Elements {
         }
         let (low, high) = (self.edges[i], self.edges[i + 2]);
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let (joint, left_out) = (self.projected((low, high), i), allowed(low, half));
+        let (joint, truncation) = (self.projected((low, high), i), allowed(low, half));
         let serves = |k: usize| {
             let (m, h) = self.element(k);
             let off =
                 |t: &f64| (series(&joint, (m + h * t - middle) / half) - series(&self.series[k], *t)).abs();
-            RULE.nodes.iter().chain(&[-1.0, 1.0]).map(off).fold(0.0, f64::max) <= left_out
+            RULE.nodes.iter().chain(&[-1.0, 1.0]).map(off).fold(0.0, f64::max) <= truncation
         };
-        (tail(&joint) <= left_out && serves(i) && serves(i + 1)).then_some(joint)
+        (tail(&joint) <= truncation && serves(i) && serves(i + 1)).then_some(joint)
     }
 }
 

@@ -1,71 +1,74 @@
-//! A density followed in time above a floor that rises steadily, on elements and in steps that fit it.
+//! Time integration of a Fokker–Planck equation above a rising floor, on adaptive spectral elements in
+//! adaptive time steps.
 
 use super::elements::Elements;
 use super::radau::{RADAU, STAGES};
-use super::slab::{EdgeMotion, Field, Loss, left_out, slab};
+use super::slab::{EdgeMotion, Field, Loss, slab, truncation_in_time};
 use crate::numerics::legendre::{Nodal, series};
 
-/// ∂_t p = D∂_h[U' + ∂_h]p − wp on [x, H], H reflecting.
+/// ∂_t p = D∂_h[U' + ∂_h]p − wp on [x, H], with a reflecting end at H.
 ///
-/// Elements are halved where they leave out too much and joined where they need not; steps are as long as what their
-/// polynomials in time leave out allows. Where the floor absorbs, the elements next to it go with it, up to the first that is
-/// wide enough to be squeezed, so that the layer D/v above it rests in them; all others rest.
+/// Elements are halved where their truncation error is too large, and joined where possible. The length of a
+/// step follows from the truncation error of its polynomials in time. Above an absorbing floor the lowest
+/// elements move with it, up to the first that is wide enough to be squeezed, so that the boundary layer of
+/// width D/v is at rest in them; all other elements are at rest.
 pub struct Evolution<'a> {
     /// p.
     pub density: Elements,
-    /// What it moves in; the first argument of its loss is the time.
+    /// Drift, diffusion and loss; the first argument of the loss is the time.
     pub field: Field<'a>,
-    /// v of the floor.
+    /// Velocity v of the floor.
     pub velocity: f64,
-    /// Whether the floor absorbs; else it reflects, and rests.
+    /// Whether the floor absorbs; if not, it reflects and is at rest.
     pub absorbing: bool,
-    /// Places at which U' is not smooth.
+    /// Positions at which U' is not smooth.
     pub kinks: &'a [f64],
-    /// What an element, or a step, may leave out.
-    pub left_out: f64,
-    /// The time.
+    /// Tolerance on the truncation error of an element, and of a step.
+    pub tolerance: f64,
+    /// The present time.
     pub time: f64,
-    /// How long the next step may be.
+    /// Largest duration of the next step.
     pub next: f64,
-    /// Whether it is the first, in which edges of the density become smooth over less than anything to come tells apart: what its
-    /// polynomials in time leave out does not matter.
+    /// Whether the next step is the first, in which edges of the density become smooth on a scale that does
+    /// not matter later: the truncation error of its polynomials in time is not controlled.
     pub first: bool,
 }
 
-/// A step done: the density at its beginning and at Radau's points.
+/// A finished step: the density at its start and at the Radau points.
 #[derive(Debug)]
 pub struct TimeStep {
-    /// When it began, …
+    /// Time at its start.
     pub from: f64,
-    /// … and ended.
+    /// Time at its end.
     pub to: f64,
     points: Vec<Elements>,
-    /// What its polynomials left out.
-    pub left_out: f64,
+    /// Its truncation error.
+    pub error: f64,
 }
 
-/// The narrowest element, per length of all.
+/// The narrowest element, relative to the whole length.
 const NARROWEST: f64 = 1e-13;
 
-/// Elements, and tries of a step, at most: where these are not enough, what is left out says so.
+/// Largest number of elements; where it is not enough, the error of the step says so.
 const MOST_ELEMENTS: usize = 400;
+/// Largest number of attempts at a step.
 const MOST_TRIES: usize = 60;
 
-/// A step may grow by this factor.
+/// Largest factor by which the step grows.
 const GROWTH: f64 = 3.0;
 
 impl Evolution<'_> {
-    /// Cuts the lowest elements so that they hold the layer above an absorbing floor at which there is a density, and shortens
-    /// the next step to the time in which no more is lost there than may be left out.
+    /// Divides the lowest elements so that they resolve the layer above an absorbing floor at which the
+    /// density is not 0, and shortens the next step to the time in which a negligible mass is lost there.
     pub fn begin(&mut self) {
         self.first = true;
         let (floor, diffusion) = (self.density.edges[0], self.field.diffusion);
         let there = self.density.value(floor).abs();
         let length = self.density.edges[self.density.count()] - floor;
-        if !self.absorbing || there * length < self.left_out {
+        if !self.absorbing || there * length < self.tolerance {
             return;
         }
-        let unseen = self.left_out / there;
+        let unseen = self.tolerance / there;
         self.next = self.next.min((unseen * unseen / diffusion).max(1e-26 * length * length / diffusion));
         let layer = (diffusion * self.next).sqrt();
         let layer = if self.velocity > 0.0 { layer.min(diffusion / self.velocity) } else { layer };
@@ -78,16 +81,16 @@ impl Evolution<'_> {
         self.density = self.density.on(&edges);
     }
 
-    /// Whether elements are so many that none is cut any more.
-    pub fn is_crowded(&self) -> bool {
+    /// Whether there are so many elements that none is divided any more.
+    pub fn is_at_capacity(&self) -> bool {
         self.density.count() >= MOST_ELEMENTS
     }
 
-    /// Goes on, up to a time.
+    /// Makes one step, at most up to the time `limit`.
     pub fn advance(&mut self, limit: f64) -> TimeStep {
         let density = std::mem::take(&mut self.density);
         let ends = (density.edges[0], density.edges[density.count()]);
-        let allowed = |low: f64, half: f64| 0.1 * self.left_out / self.counted(ends, low, half);
+        let allowed = |low: f64, half: f64| 0.1 * self.tolerance / self.effective_half_width(ends, low, half);
         let mut start = density.coarsened(allowed, self.kinks);
         for tries in 0.. {
             let motion = self.motion(&start, limit - self.time);
@@ -95,29 +98,29 @@ impl Evolution<'_> {
                 self.field.loss.map_or(0.0, |loss| loss(self.time + done * motion.duration, place))
             };
             let field = Field { loss: self.field.loss.map(|_| &lost as Loss<'_>), ..self.field };
-            let slab = slab(&start, &motion, &field, 0.02 * self.left_out);
-            let missed = left_out(&start, &slab.stages, &RADAU);
+            let slab = slab(&start, &motion, &field, 0.02 * self.tolerance);
+            let missed = truncation_in_time(&start, &slab.stages, &RADAU);
             let last = tries >= MOST_TRIES;
-            let rough: Vec<f64> = (0..start.count()).map(|i| self.rough(i, &slab.stages)).collect();
-            if !last && start.count() < MOST_ELEMENTS && rough.iter().any(|rough| *rough > 1.0) {
-                start = start.on(&refined(&start.edges, &rough, self.absorbing));
+            let roughness: Vec<f64> = (0..start.count()).map(|i| self.roughness(i, &slab.stages)).collect();
+            if !last && start.count() < MOST_ELEMENTS && roughness.iter().any(|roughness| *roughness > 1.0) {
+                start = start.on(&refined(&start.edges, &roughness, self.absorbing));
                 continue;
             }
-            let factor = 0.9 * (self.left_out / missed.max(f64::MIN_POSITIVE)).powf(1.0 / STAGES as f64);
-            let unsettled = slab.unsettled > self.left_out;
-            if !last && (missed > GROWTH * self.left_out && !self.first || unsettled) {
+            let factor = 0.9 * (self.tolerance / missed.max(f64::MIN_POSITIVE)).powf(1.0 / STAGES as f64);
+            let unsettled = slab.iteration_error > self.tolerance;
+            if !last && (missed > GROWTH * self.tolerance && !self.first || unsettled) {
                 self.next = motion.duration * factor.clamp(0.1, 0.6);
                 continue;
             }
             let whole = motion.duration >= limit - self.time;
             let to = if whole { limit } else { self.time + motion.duration };
             self.next = motion.duration * factor.clamp(0.6, GROWTH);
-            let missing: f64 = rough.iter().map(|rough| rough * self.left_out).sum();
+            let missing: f64 = roughness.iter().map(|roughness| roughness * self.tolerance).sum();
             let step = TimeStep {
                 from: std::mem::replace(&mut self.time, to),
                 to,
                 points: std::iter::once(start).chain(slab.stages).collect(),
-                left_out: missed + slab.unsettled + missing,
+                error: missed + slab.iteration_error + missing,
             };
             self.density = step.points[STAGES].clone();
             self.first = false;
@@ -126,7 +129,7 @@ impl Evolution<'_> {
         unreachable!("the last try is accepted")
     }
 
-    /// The next step, no longer than `limit`.
+    /// The motion of the edges in the next step, no longer than `limit`.
     fn motion(&self, density: &Elements, limit: f64) -> EdgeMotion {
         let duration = self.next.min(limit);
         let rests = EdgeMotion { by: 0.0, duration, absorbing: self.absorbing, last: 0 };
@@ -134,7 +137,7 @@ impl Evolution<'_> {
             return rests;
         }
         let widths = || (0..density.count()).map(|i| density.width(i));
-        // The element that is squeezed keeps half its width.
+        // The element that is squeezed keeps at least half its width.
         let widest = widths().fold(0.0, f64::max);
         let by = (duration * self.velocity).min(0.5 * widest);
         let last = widths().position(|width| width >= 2.0 * by).unwrap_or(0);
@@ -142,22 +145,24 @@ impl Evolution<'_> {
         EdgeMotion { by, duration, last, ..rests }
     }
 
-    /// What an element leaves out over what it may; 0 for one that is too narrow to be cut.
-    fn rough(&self, i: usize, stages: &[Elements]) -> f64 {
+    /// The truncation error of an element over the tolerance; 0 for one that is too narrow to be divided.
+    fn roughness(&self, i: usize, stages: &[Elements]) -> f64 {
         let of = |stage: &Elements| {
             let ends = (stage.edges[0], stage.edges[stage.count()]);
             if stage.width(i) < NARROWEST * ends.1 {
                 return 0.0;
             }
-            stage.left_out(i) * self.counted(ends, stage.edges[i], stage.element(i).1) / self.left_out
+            stage.truncation(i) * self.effective_half_width(ends, stage.edges[i], stage.element(i).1)
+                / self.tolerance
         };
         of(&stages[STAGES / 2]).max(of(&stages[STAGES - 1]))
     }
 
-    /// The half width by which what an element leaves out counts: its own, but for the narrow ones above a floor that rises fast.
-    /// What is not resolved there is not smoothed either, but carried into wide ones.
-    fn counted(&self, (floor, ceiling): (f64, f64), low: f64, half: f64) -> f64 {
-        /// How far that reaches, as part of all.
+    /// The half width with which the truncation error of an element counts: its own, except for narrow
+    /// elements above a floor that rises fast. What is not resolved there is not smoothed either, but is
+    /// carried into wide elements.
+    fn effective_half_width(&self, (floor, ceiling): (f64, f64), low: f64, half: f64) -> f64 {
+        /// Extent of that region, as a fraction of the whole length.
         const NEAR: f64 = 0.02;
         let near = NEAR * (ceiling - floor);
         let fast = self.absorbing && self.field.diffusion < near * self.velocity;
@@ -165,19 +170,20 @@ impl Evolution<'_> {
     }
 }
 
-/// The edges with the roughest elements cut. Rough ones disturb their neighbours: those that are far less so have to wait.
-fn refined(edges: &[f64], rough: &[f64], absorbing: bool) -> Vec<f64> {
-    /// The share of the roughest that need not wait.
-    const SHARE: f64 = 0.01;
-    let least = (SHARE * rough.iter().fold(0.0, |a: f64, &b| a.max(b))).max(1.0);
+/// The edges with the roughest elements divided. Rough elements disturb their neighbours: those with a far
+/// smaller error wait.
+fn refined(edges: &[f64], roughness: &[f64], absorbing: bool) -> Vec<f64> {
+    /// Elements with at least this fraction of the largest error do not wait.
+    const FRACTION: f64 = 0.01;
+    let least = (FRACTION * roughness.iter().fold(0.0, |a: f64, &b| a.max(b))).max(1.0);
     let mut out = vec![edges[0]];
     for (i, pair) in edges.windows(2).enumerate() {
         let width = pair[1] - pair[0];
-        if rough[i] >= least {
+        if roughness[i] >= least {
             if i == 0 && absorbing {
                 out.extend([pair[0] + width / 16.0, pair[0] + width / 4.0]);
             } else {
-                let parts = (1.3 * rough[i].powf(1.0 / 16.0)).ceil().clamp(2.0, 4.0);
+                let parts = (1.3 * roughness[i].powf(1.0 / 16.0)).ceil().clamp(2.0, 4.0);
                 out.extend((1..parts as u32).map(|k| pair[0] + width * f64::from(k) / parts));
             }
         }
@@ -187,7 +193,7 @@ fn refined(edges: &[f64], rough: &[f64], absorbing: bool) -> Vec<f64> {
 }
 
 impl TimeStep {
-    /// The density at a time of the step, where elements rested.
+    /// The density at a time of the step, if elements were at rest.
     pub fn at(&self, time: f64) -> Elements {
         let done = (time - self.from) / (self.to - self.from);
         let weight = |m: usize| {
@@ -202,13 +208,13 @@ impl TimeStep {
         Elements { series: (0..edges.len() - 1).map(sum).collect(), edges }
     }
 
-    /// A number that follows from the density at each time, as a Legendre series in time on the step.
+    /// A functional of the density at each time, as a Legendre series in time on the step.
     pub fn series(&self, of: impl Fn(f64, &Elements) -> f64) -> Nodal {
         let [series] = self.all(|time, density| [of(time, density)]);
         series
     }
 
-    /// Several numbers.
+    /// Several functionals.
     pub fn all<const K: usize>(&self, of: impl Fn(f64, &Elements) -> [f64; K]) -> [Nodal; K] {
         let time = |m: usize| {
             let done = if m == 0 { 0.0 } else { RADAU.nodes[m - 1] };

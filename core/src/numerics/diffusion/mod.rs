@@ -1,50 +1,47 @@
-//! Diffusion in a potential on one axis, ∂_t p = D∂_h[U' + ∂_h]p (Smoluchowski), by finite volumes.
+//! The Fokker–Planck (Smoluchowski) equation ∂_t p = D∂_h[U' + ∂_h]p on an interval, with reflecting ends or
+//! above an absorbing boundary that rises (the *floor*).
 //!
-//! Cells of one width Δ hold masses. Between neighbours the flux is that of D. L. Scharfetter and H. K. Gummel, IEEE Trans.
-//! Electron Devices 16, 64 (1969), and J. S. Chang and G. Cooper, J. Comput. Phys. 6, 1 (1970),
-//! J_{i+½} = (D/Δ²)[B(δ) m_i − B(−δ) m_{i+1}], B(z) = z/(e^z − 1), δ = U_{i+1} − U_i,
-//! with U_i = −ln of the mass that cell i has in the stationary law. B(−δ) = e^δ B(δ), so that this law carries no flux at
-//! all, to rounding, however coarse the cells; otherwise the error is of second order in Δ. Both ends reflect.
+//! Three discretisations: [`Diffusion`], finite volumes on equal cells, for mean times; [`MovingGrid`],
+//! finite volumes on cells that follow the floor, for many cohorts in steps of any kind; [`Evolution`],
+//! spectral [`Elements`], to rounding where a density is smooth, for one cohort at a time.
 //!
-//! [`Evolution`] solves the same on spectral [`Elements`]: to rounding where a density is smooth, and for one cohort at a time; the cells
-//! are for steps of any kind, many at once, and for a law's mean time.
+//! All finite volumes use the flux of D. L. Scharfetter and H. K. Gummel, IEEE Trans. Electron Devices 16, 64
+//! (1969), and J. S. Chang and G. Cooper, J. Comput. Phys. 6, 1 (1970): for cells of width Δ with masses m_i,
+//! J_{i+½} = (D/Δ²)[B(δ) m_i − B(−δ) m_{i+1}], B(z) = z/(e^z − 1), δ = U_{i+1} − U_i. U_i is −ln of the
+//! stationary mass of cell i. Because B(−δ) = e^δ B(δ), the stationary distribution carries no flux, to
+//! rounding, however coarse the cells; otherwise the error is of second order in Δ.
 
 mod elements;
 mod evolution;
-mod factors;
-mod floor;
 mod moving_grid;
 mod potential;
 mod radau;
 mod slab;
-mod step;
 
 pub use elements::Elements;
 pub use evolution::{Evolution, TimeStep};
-pub use factors::Factors;
-use floor::Cut;
 pub use moving_grid::{Coefficients, MovingBoundary, MovingGrid, Sink, Workspace};
-pub use potential::{Potential, Slope, continued};
+pub use potential::{Potential, Slope, potential_values};
 pub use slab::{Field, Loss};
-pub use step::{DiffusionStep, Lost, Work};
 
-/// The operator L = D∂_h[U' + ∂_h] on cells.
+/// The operator L = D∂_h[U' + ∂_h] on equal cells, with reflecting ends.
 #[derive(Debug, Clone)]
 pub struct Diffusion {
     low: f64,
     width: f64,
-    diffusion: f64,
-    /// U_{i+1} − U_i, of every cell but the last.
+    /// D.
+    pub diffusion: f64,
+    /// U_{i+1} − U_i, for each cell but the last.
     rises: Vec<f64>,
     /// Rate at which mass goes from a cell to the next one up; 0 for the last.
-    up: Vec<f64>,
+    pub up: Vec<f64>,
     /// Rate at which mass goes from a cell to the next one down; 0 for the first.
-    down: Vec<f64>,
+    pub down: Vec<f64>,
 }
 
 impl Diffusion {
-    /// The operator on cells of one `width` from `low` on, one for each value of the `potential`: −ln of the mass that the
-    /// cell has in the stationary law, up to a constant. All values are finite, the diffusion D is above 0.
+    /// The operator on cells of one `width` from `low` on, one for each value of the `potential`: −ln of the
+    /// stationary mass of the cell, up to a constant. All values must be finite, and D > 0.
     pub fn new(low: f64, width: f64, potential: &[f64], diffusion: f64) -> Self {
         let rises: Vec<f64> = potential.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let rate = diffusion / (width * width);
@@ -63,7 +60,7 @@ impl Diffusion {
         self.width
     }
 
-    /// The lower edge of a cell; that of the one after the last is the upper end.
+    /// The lower edge of a cell; `edge(cells())` is the upper end.
     pub fn edge(&self, cell: usize) -> f64 {
         self.low + cell as f64 * self.width
     }
@@ -73,12 +70,31 @@ impl Diffusion {
         self.low + (cell as f64 + 0.5) * self.width
     }
 
-    /// Replaces the masses m by (1 − aL)⁻¹ m: masses after a time that is distributed exponentially with mean a, and one
+    /// Replaces the masses m by (1 − aL)⁻¹ m: the masses after an exponentially distributed time of mean a, or after one
     /// backward Euler step of length a.
     pub fn resolve(&self, a: f64, masses: &mut [f64]) {
-        let factors = Factors::new(self, a, None);
-        let right = masses.to_vec();
-        factors.solve(self, &Cut::none(self), None, &right, masses);
+        // The Thomas algorithm from the top down, with 1 − a l_i/d_i instead of differences: all terms are positive, so
+        // nothing cancels and mass is conserved to rounding. The lowest two cells are left as a system of their own.
+        let mut inverses = vec![1.0; masses.len()];
+        let (mut kept, mut carried, mut rest) = (0.0, 0.0, 1.0);
+        for i in (1..masses.len()).rev() {
+            let down = a * self.down[i];
+            rest = 1.0 + a * (self.up[i] * kept);
+            inverses[i] = 1.0 / (rest + down);
+            kept = rest * inverses[i];
+            masses[i] += carried;
+            carried = down * inverses[i] * masses[i];
+        }
+        let [first, second, above @ ..] = masses else { return };
+        let (up, down) = (self.up[0], a * self.down[1]);
+        let next = rest + down;
+        *first = (*first + down / next * *second) / (1.0 + a * (up * rest / next));
+        *second = (*second + a * up * *first) / next;
+        let mut lower = *second;
+        for (i, mass) in (2..).zip(above) {
+            lower = inverses[i] * *mass + a * self.up[i - 1] * inverses[i] * lower;
+            *mass = lower;
+        }
     }
 
     /// The middles of all cells.
@@ -86,16 +102,16 @@ impl Diffusion {
         (0..self.cells()).map(|cell| self.centre(cell)).collect()
     }
 
-    /// Slope of the potential at a cell, per length.
-    fn slope(&self, cell: usize) -> f64 {
+    /// Slope U' of the potential at a cell.
+    pub fn slope(&self, cell: usize) -> f64 {
         let rise = self.rises.get(cell).or(self.rises.last());
         rise.map_or(0.0, |rise| rise / self.width)
     }
 }
 
-/// B(z) = z/(e^z − 1).
-fn bernoulli(z: f64) -> f64 {
-    /// The series misses z¹⁰/5e7 of it.
+/// The Bernoulli function B(z) = z/(e^z − 1).
+pub fn bernoulli(z: f64) -> f64 {
+    /// Below this |z| a series is summed, with a relative error of z¹⁰/5e7.
     const SMALL: f64 = 0.2;
     if z.abs() > SMALL {
         return z / z.exp_m1();
@@ -104,9 +120,10 @@ fn bernoulli(z: f64) -> f64 {
     1.0 - 0.5 * z + square / 12.0 * (1.0 - square / 60.0 * (1.0 - square / 42.0 * (1.0 - square / 40.0)))
 }
 
-/// Masses on cells with these `middles`, of points with masses: each is shared between the two cells whose middles it lies
-/// between, so that the mean is kept however rough the law that they stand for.
-pub fn shared(middles: &[f64], points: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+/// Masses on cells with these `middles` from points (position, mass), by linear weighting (cloud in cell):
+/// each mass is divided between the two nearest middles, which conserves the mean, however rough the
+/// distribution of the points.
+pub fn cloud_in_cell(middles: &[f64], points: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
     let mut masses = vec![0.0; middles.len()];
     for (place, mass) in points {
         let above = middles.partition_point(|&middle| middle <= place);
@@ -114,9 +131,9 @@ pub fn shared(middles: &[f64], points: impl Iterator<Item = (f64, f64)>) -> Vec<
             masses[above.min(middles.len() - 1)] += mass;
             continue;
         }
-        let part = (place - middles[above - 1]) / (middles[above] - middles[above - 1]);
-        masses[above - 1] += mass * (1.0 - part);
-        masses[above] += mass * part;
+        let fraction = (place - middles[above - 1]) / (middles[above] - middles[above - 1]);
+        masses[above - 1] += mass * (1.0 - fraction);
+        masses[above] += mass * fraction;
     }
     masses
 }

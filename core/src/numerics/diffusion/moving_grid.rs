@@ -1,17 +1,24 @@
-//! Diffusion above a floor that rises steadily, on cells that follow it.
+//! Finite volumes above a floor that rises steadily, on cells that move with it (an arbitrary
+//! Lagrangian–Eulerian grid).
 //!
-//! On [x, H], H at rest, the faces are h_i = x + (H − x)φ_i with fixed fractions φ_i, denser towards the floor, so that the
-//! layer of width D/v above it is resolved however thin, and nothing ever jumps: errors are even powers of the width of the
-//! cells and whole ones of the length of a step, from the second on, and can be extrapolated away. Through a face that
-//! moves at the speed w_i the flux is that of Scharfetter and Gummel less w_i times the mean of the two densities, by which
-//! what is carried neither grows nor decays: while the floor rests, the law of density e^{−U} at the middles stays to
-//! rounding. Into the floor the flux is theirs in the frame of the floor, U' + v/D for U', which takes all that the floor
-//! meets where the layer is thinner than the lowest cell. In exchange, cells whose content is rough may turn slightly
-//! negative.
+//! On [x, H], H at rest, the faces are h_i = x + (H − x)φ_i with fixed fractions φ_i, denser towards the
+//! floor, so that the layer of width D/v above it is resolved however thin it is, and nothing jumps from cell
+//! to cell. The error is a series in even powers of the cell width and whole powers of the time step, from
+//! the second on, and can be removed by Richardson extrapolation. Through a face that moves at the velocity
+//! w_i the flux is that of Scharfetter and Gummel minus w_i times the mean of the two densities, a central
+//! difference that neither amplifies nor damps. At rest the distribution with density e^{−U} at the middles
+//! is stationary to rounding. The flux into the floor is the Scharfetter–Gummel flux in the frame of the
+//! floor, with U' + v/D in place of U'; it absorbs all that the floor meets where the layer is thinner than
+//! the lowest cell. Cells with rough content may turn slightly negative.
 
-use super::step::{GAMMA, SQRT_2};
 use super::{Potential, bernoulli};
 use crate::numerics::roots::brent_root;
+
+/// √2.
+const SQRT_2: f64 = std::f64::consts::SQRT_2;
+
+/// γ = 1 − 1/√2.
+const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 /// The cells, as fractions of the interval.
 #[derive(Debug, Clone)]
@@ -19,25 +26,25 @@ pub struct MovingGrid {
     cells: Vec<GridCell>,
 }
 
-/// Room for eliminations, used again and again.
+/// Work space of a step.
 #[derive(Debug, Clone, Default)]
 pub struct Workspace {
     rows: Vec<Row>,
     stage: Vec<f64>,
 }
 
-/// A cell of width 1/`inverse` with its upper face; all relative to the interval.
+/// A cell of width 1/`inverse` with its upper face, relative to the interval.
 #[derive(Debug, Clone, Copy)]
 struct GridCell {
     middle: f64,
     inverse: f64,
-    /// 1/(distance of the next middle).
+    /// 1/(distance to the next middle).
     next: f64,
-    /// 1 − φ of the upper face: its speed over that of the floor.
+    /// 1 − φ of the upper face: its velocity over that of the floor.
     lag: f64,
 }
 
-/// Rates up and down from a cell, times a; and of the elimination 1/d, and what it hands down.
+/// A row of the elimination: the rates down and up times a, 1/d, and the fraction handed down.
 #[derive(Debug, Clone, Copy, Default)]
 struct Row {
     down: f64,
@@ -46,39 +53,40 @@ struct Row {
     handed: f64,
 }
 
-/// A step from one place of the floor to another.
+/// The motion of the floor in a step.
 #[derive(Debug, Clone, Copy)]
 pub struct MovingBoundary {
-    /// Where the floor is before and after.
+    /// Position of the floor before and after.
     pub floor: (f64, f64),
-    /// Where the axis ends, and reflects.
+    /// Upper end of the axis, which reflects.
     pub ceiling: f64,
-    /// How long it takes.
+    /// Duration.
     pub duration: f64,
     /// Whether the floor absorbs; else it reflects.
     pub absorbing: bool,
 }
 
-/// A rate per time at which mass is taken away at the place h, half way through the step.
+/// A loss rate as a function of the position h, at the middle of the step.
 pub type Sink<'a> = &'a dyn Fn(f64) -> f64;
 
-/// What masses move in.
+/// Drift, diffusion and loss.
 #[derive(Clone, Copy)]
 pub struct Coefficients<'a> {
     /// U.
     pub potential: &'a Potential,
     /// D, above 0.
     pub diffusion: f64,
-    /// What takes mass away besides the floor.
+    /// Loss rate besides the floor.
     pub sink: Option<Sink<'a>>,
 }
 
 impl MovingGrid {
-    /// So many cells, the lowest about `finest` times as wide as even ones. Half of them lie evenly, half crowd towards the
-    /// floor: ξ = ½φ + ½ ln(1 + φ/δ)/ln(1 + 1/δ) for the fraction ξ of the cells below φ.
+    /// A grid whose lowest cell is about `finest` times as wide as equal ones. Half of the cells are spaced
+    /// evenly, half are concentrated towards the floor: ξ = ½φ + ½ ln(1 + φ/δ)/ln(1 + 1/δ) for the fraction ξ
+    /// of the cells below φ.
     pub fn new(cells: usize, finest: f64) -> Self {
-        let crowd = crowd(finest);
-        let face = |i: usize| place(i as f64 / cells as f64, crowd);
+        let grading = grading(finest);
+        let face = |i: usize| face_position(i as f64 / cells as f64, grading);
         let width = |i: usize| face(i + 1) - face(i);
         let middle = |i: usize| 0.5 * (face(i) + face(i + 1));
         let cell = |i: usize| GridCell {
@@ -95,12 +103,14 @@ impl MovingGrid {
         self.cells.len()
     }
 
-    /// The middles of the cells between a floor and a ceiling.
+    /// Middles of the cells between a floor and a ceiling.
     pub fn middles(&self, floor: f64, ceiling: f64) -> impl Iterator<Item = f64> + '_ {
         self.cells.iter().map(move |cell| floor + (ceiling - floor) * cell.middle)
     }
 
-    /// Moves masses on: the two stages of [`super::DiffusionStep`], with the rates half way.
+    /// Advances masses by one step of the two-stage SDIRK method of R. Alexander, SIAM J. Numer. Anal. 14,
+    /// 1006 (1977): u₁ = Am, then A[(1 + √2)u₁ − √2m] with A = (1 − γtL)⁻¹, γ = 1 − 1/√2, of second order and
+    /// L-stable. The rates are those at the middle of the step.
     pub fn advance(
         &self,
         rise: &MovingBoundary,
@@ -119,7 +129,7 @@ impl MovingGrid {
         solve(rows, stage, masses);
     }
 
-    /// The elimination of (1 − aL + aw), from the top down.
+    /// Factorises (1 − aL + aw) by the Thomas algorithm, from the top down.
     fn eliminate(&self, rise: &MovingBoundary, medium: &Coefficients<'_>, rows: &mut [Row]) {
         let (start, end) = rise.floor;
         let (a, x) = (GAMMA * rise.duration, 0.5 * (start + end));
@@ -133,7 +143,7 @@ impl MovingGrid {
         }
     }
 
-    /// Rates times a between the cells, of a `spread` aD and a `travel` av.
+    /// Rates between cells times a, for `spread` = aD and `travel` = av.
     fn rates(
         &self,
         x: f64,
@@ -181,8 +191,8 @@ fn solve(rows: &[Row], right: &[f64], out: &mut [f64]) {
     }
 }
 
-/// δ for a lowest cell of `finest` times the width of even ones; infinite for even cells.
-fn crowd(finest: f64) -> f64 {
+/// δ for a lowest cell of `finest` times the width of equal cells; infinite for equal cells.
+fn grading(finest: f64) -> f64 {
     let wanted = finest / (2.0 - finest);
     let over = |log: f64| log.exp() * (-log).exp().ln_1p() - wanted;
     if finest >= 1.0 {
@@ -192,12 +202,12 @@ fn crowd(finest: f64) -> f64 {
     }
 }
 
-/// φ of a fraction ξ of the cells.
-fn place(part: f64, crowd: f64) -> f64 {
-    if !crowd.is_finite() || part == 0.0 {
+/// φ for a fraction ξ of the cells.
+fn face_position(part: f64, grading: f64) -> f64 {
+    if !grading.is_finite() || part == 0.0 {
         return part;
     }
-    let whole = crowd.recip().ln_1p();
-    let over = |place: f64| 0.5 * (place + (place / crowd).ln_1p() / whole) - part;
+    let whole = grading.recip().ln_1p();
+    let over = |face_position: f64| 0.5 * (face_position + (face_position / grading).ln_1p() / whole) - part;
     brent_root(over, 0.0, 2.0, 0.0).unwrap_or(part)
 }

@@ -1,41 +1,41 @@
-//! A potential known at points.
+//! The potential U = −ln p of a stationary density p, and its slope.
 
 use crate::numerics::piecewise::{Piecewise, Resolution};
 
-/// Below this a density, in units of the inverse of the interval, is continued instead: U is kept quadratic, as that of a
-/// Gaussian is.
+/// Below this density, in units of the inverse length of the interval, U is extrapolated as a parabola, as
+/// for a Gaussian.
 const FAINTEST: f64 = 1e-280;
 
-/// A potential U on an interval, cubic between points at equal distances.
+/// A potential U on an interval, by cubic interpolation between equally spaced points.
 #[derive(Debug, Clone)]
 pub struct Potential {
     /// The first point.
     first: f64,
     /// Points per length.
     per_length: f64,
-    /// The cubic from each point to the next, in the part of the way.
+    /// The cubic from each point to the next, in the fraction of the distance.
     cubics: Vec<[f64; 4]>,
 }
 
 impl Potential {
-    /// U = −ln of a `density` on [low, high], at so many points, 4 or more.
+    /// U = −ln of a `density` on [low, high], at `points` ≥ 4 points.
     pub fn of(density: impl Fn(f64) -> f64, (low, high): (f64, f64), points: usize) -> Self {
         let spacing = (high - low) / points as f64;
         let first = low + 0.5 * spacing;
-        let share = |h: f64| (high - low) * density(h);
-        let densities = (0..points).map(|i| share(first + i as f64 * spacing)).collect();
+        let scaled = |h: f64| (high - low) * density(h);
+        let densities = (0..points).map(|i| scaled(first + i as f64 * spacing)).collect();
         Self {
             first,
             per_length: spacing.recip(),
-            cubics: continued(densities).windows(4).map(cubic).collect(),
+            cubics: potential_values(densities).windows(4).map(cubic).collect(),
         }
     }
 
-    /// U(h); beyond the last points the cubic goes on.
+    /// U(h); beyond the last points the last cubic continues.
     #[inline]
     pub fn at(&self, h: f64) -> f64 {
         let place = (h - self.first) * self.per_length;
-        // The first and the last cubic reach to the points beyond.
+        // The first and last cubics also cover the end intervals.
         let cell = (place as usize).clamp(1, self.cubics.len());
         let t = place - cell as f64;
         let [value, slope, square, cube] = self.cubics[cell - 1];
@@ -43,20 +43,21 @@ impl Potential {
     }
 }
 
-/// U', to the accuracy of the density that it is of.
+/// U', to the accuracy of the density.
 #[derive(Debug, Clone)]
 pub struct Slope {
-    /// Where the density is no longer faint.
+    /// Start of the range in which the density is not negligible.
     low: f64,
     high: f64,
-    /// U' from there on …
+    /// U' on that range.
     curve: Piecewise,
-    /// … and at both ends, with the derivative; there U is continued as a parabola.
+    /// U' and U'' at both ends, beyond which U is extrapolated as a parabola.
     ends: [[f64; 2]; 2],
 }
 
 impl Slope {
-    /// U' of U = −ln of a `density` on [low, high] that is smooth between the `edges`, and has its bulk at `bulk`.
+    /// U' of U = −ln of a `density` on [low, high] that is smooth between the `edges` and largest around
+    /// `bulk`.
     pub fn of(density: impl Fn(f64) -> f64, (low, high): (f64, f64), edges: &[f64], bulk: f64) -> Self {
         let density = |h: f64| (high - low) * density(h);
         let faint = |end: f64| {
@@ -67,7 +68,7 @@ impl Slope {
             }
             if density(outside) > FAINTEST { outside } else { inside }
         };
-        // An end at which the density vanishes is no place to begin.
+        // U is singular at an end at which the density vanishes.
         let [low, high] = [low, high].map(faint);
         let edges: Vec<f64> = edges.iter().map(|edge| edge - low).collect();
         let potential = |u: f64| -density(low + u).max(FAINTEST).ln();
@@ -92,7 +93,7 @@ impl Slope {
     }
 }
 
-/// The polynomial through values at −1, 0, 1 and 2.
+/// The cubic through values at −1, 0, 1 and 2.
 fn cubic(values: &[f64]) -> [f64; 4] {
     let [a, b, c, d] = std::array::from_fn(|i| values[i]);
     let square = 0.5 * (a + c) - b;
@@ -100,8 +101,9 @@ fn cubic(values: &[f64]) -> [f64; 4] {
     [b, c - b - square - cube, square, cube]
 }
 
-/// −ln of densities (or masses) along an axis, quadratic where they are too faint for it.
-pub fn continued(densities: Vec<f64>) -> Vec<f64> {
+/// −ln of densities (or masses) on equally spaced points, extrapolated as a parabola where they are too
+/// small.
+pub fn potential_values(densities: Vec<f64>) -> Vec<f64> {
     let inside = |&density: &f64| density > FAINTEST;
     let (first, last) = (densities.iter().position(inside), densities.iter().rposition(inside));
     let (first, last) = (first.unwrap_or(0), last.unwrap_or(0));

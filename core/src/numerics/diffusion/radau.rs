@@ -1,29 +1,29 @@
-//! Radau's points on (0, 1], at which ordinary differential equations are collocated (Radau IIA: E. Hairer and G. Wanner,
-//! *Solving Ordinary Differential Equations II*, IV.5), and the sweeps by which the collocation is solved: spectral deferred
-//! correction (A. Dutt, L. Greengard and V. Rokhlin, BIT 40, 241 (2000)) with the triangular matrix of M. Weiser, BIT 55, 1219
+//! Radau IIA collocation with 8 stages (E. Hairer and G. Wanner, *Solving Ordinary Differential Equations
+//! II*, IV.5), and the coefficients of the sweeps that solve it: spectral deferred correction (A. Dutt, L.
+//! Greengard and V. Rokhlin, BIT 40, 241 (2000)) with the triangular matrix of M. Weiser, BIT 55, 1219
 //! (2015).
 
 use std::sync::LazyLock;
 
 use crate::numerics::legendre::{NODES, Nodal, RULE, series};
 
-/// Points.
+/// Number of collocation points.
 pub const STAGES: usize = 8;
 
-/// The rule.
+/// The coefficients of the method.
 #[derive(Debug)]
 pub(super) struct Radau {
-    /// τ_j, rising to 1.
+    /// Radau points τ_j on (0, 1], rising to 1.
     pub(super) nodes: [f64; STAGES],
-    /// ∫₀^{τ_j} of the cardinal polynomials.
+    /// Butcher matrix: ∫₀^{τ_j} of the cardinal polynomials.
     pub(super) weights: [[f64; STAGES]; STAGES],
-    /// Uᵀ of weightsᵀ = LU.
+    /// Uᵀ of the factorisation weightsᵀ = LU: the implicit part of a sweep.
     pub(super) sweep: [[f64; STAGES]; STAGES],
-    /// Values at 0 and the points → Legendre coefficients on [0, 1].
+    /// From values at 0 and the points to Legendre coefficients on [0, 1].
     transform: [[f64; STAGES + 1]; STAGES + 1],
 }
 
-/// The one rule.
+/// The coefficients, computed once.
 pub(super) static RADAU: LazyLock<Radau> = LazyLock::new(Radau::new);
 
 /// The cardinal polynomial of the k-th of some points.
@@ -47,7 +47,7 @@ impl Radau {
         Self { nodes, sweep: sweep(&weights), weights, transform }
     }
 
-    /// The Legendre coefficients of the polynomial through values at 0 and the points.
+    /// Legendre coefficients of the polynomial through values at 0 and the points.
     pub(super) fn coefficients(&self, values: &[f64; STAGES + 1]) -> Nodal {
         let mut out = [0.0; NODES];
         for (out, row) in out.iter_mut().zip(&self.transform) {
@@ -61,7 +61,7 @@ fn unit(n: usize) -> Nodal {
     std::array::from_fn(|k| if k == n { 1.0 } else { 0.0 })
 }
 
-/// The zeros of P_n − P_{n−1} on [−1, 1], moved to [0, 1].
+/// The zeros of P_n − P_{n−1} on [−1, 1], mapped to [0, 1].
 fn nodes() -> [f64; STAGES] {
     let excess = |t: f64| series(&unit(STAGES), t) - series(&unit(STAGES - 1), t);
     let mut nodes = [1.0; STAGES];
@@ -78,6 +78,7 @@ fn nodes() -> [f64; STAGES] {
     nodes
 }
 
+/// LU factorisation of the transpose, without pivoting.
 fn sweep(weights: &[[f64; STAGES]; STAGES]) -> [[f64; STAGES]; STAGES] {
     let mut upper: [[f64; STAGES]; STAGES] = std::array::from_fn(|i| std::array::from_fn(|j| weights[j][i]));
     for k in 0..STAGES {

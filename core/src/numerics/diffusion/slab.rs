@@ -1,57 +1,60 @@
-//! A step in time of a density on elements, of which the lowest follow a floor.
+//! One time step of a density on spectral elements, of which the lowest move with the floor (a space–time
+//! slab).
 //!
-//! With c the velocity at which a place of an element moves, ∫ψp dh of each function ψ that moves with the elements changes at
-//! the rate −∫[ψ'(Dp' + (DU' + c)p) + ψwp] dh, where nothing passes the ends or p = 0 there: the Galerkin form, on a moving mesh
-//! (J. Donea et al., *Encyclopedia of Computational Mechanics*, ch. 14, 2004). It is collocated at Radau's points; each solution for
-//! one of them is an elimination, element by element, of all but the values at the edges.
+//! Let c be the velocity of a point of an element and ψ a basis function that moves with the elements. Then
+//! ∫ψp dh changes at the rate −∫[ψ'(Dp' + (DU' + c)p) + ψwp] dh where no flux passes the ends, or p = 0
+//! there: the Galerkin form on a moving mesh (J. Donea et al., *Encyclopedia of Computational Mechanics*, ch.
+//! 14, 2004). It is collocated at the Radau points and solved by spectral deferred corrections. Each implicit
+//! Euler step eliminates the inner basis functions element by element (static condensation) and leaves a
+//! tridiagonal system for the values at the edges.
 
 use super::elements::{BASIS, Basis, Elements, Matrix};
 use super::radau::{RADAU, Radau, STAGES};
 use crate::numerics::legendre::{NODES, Nodal, RULE};
 
-/// A rate per time at which mass is taken away at a part of the step and a place.
+/// A loss rate as a function of the fraction of the step done and the position.
 pub type Loss<'a> = &'a dyn Fn(f64, f64) -> f64;
 
-/// What a density moves in.
+/// Drift, diffusion and loss.
 #[derive(Clone, Copy)]
 pub struct Field<'a> {
     /// U'.
     pub slope: &'a dyn Fn(f64) -> f64,
     /// D, above 0.
     pub diffusion: f64,
-    /// What takes mass away besides the floor.
+    /// Loss rate besides the floor.
     pub loss: Option<Loss<'a>>,
 }
 
-/// How elements move in a step.
+/// The motion of the elements in a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeMotion {
-    /// How far the floor rises, …
+    /// Distance by which the floor rises.
     pub(super) by: f64,
-    /// … in this time.
+    /// Duration of the step.
     pub(super) duration: f64,
     /// Whether the floor absorbs; else it reflects.
     pub(super) absorbing: bool,
-    /// The last edge that goes with the floor; those above rest.
+    /// The last edge that moves with the floor; those above are at rest.
     pub(super) last: usize,
 }
 
-/// A step, solved.
+/// The solution of a step.
 #[derive(Debug)]
 pub(super) struct Slab {
-    /// The density at Radau's points.
+    /// The density at the Radau points.
     pub(super) stages: Vec<Elements>,
-    /// By how much the last sweep changed it, in the mean.
-    pub(super) unsettled: f64,
+    /// Change in the last sweep, in the mean: the error of the iteration.
+    pub(super) iteration_error: f64,
 }
 
-/// Sweeps, at most.
+/// Largest number of sweeps.
 const MOST_SWEEPS: usize = 60;
 
-/// Functions of an element that vanish at its ends.
+/// Number of basis functions of an element that vanish at its ends.
 const INNER: usize = NODES - 2;
 
-/// An element at one of Radau's points.
+/// An element at one of the Radau points.
 #[derive(Debug)]
 struct SlabElement {
     half: f64,
@@ -60,15 +63,17 @@ struct SlabElement {
     inner: Elimination,
 }
 
-/// ∫ψφ + a × the operator, without the inner functions.
+/// Static condensation of ∫ψφ + a × the operator: its inner part factorised, and the Schur complement for the
+/// two ends.
 #[derive(Debug)]
 struct Elimination {
     factors: [[f64; INNER]; INNER],
     pivots: [usize; INNER],
-    /// What the inner functions take from the two at the ends, …
+    /// Inner part⁻¹ × (columns of the ends).
     down: [[f64; 2]; INNER],
-    /// … and those at the ends from the inner ones.
+    /// Rows of the ends × inner functions.
     up: [[f64; INNER]; 2],
+    /// The Schur complement.
     ends: [[f64; 2]; 2],
 }
 
@@ -90,7 +95,7 @@ impl Elimination {
         out
     }
 
-    /// Gaussian elimination with rows exchanged.
+    /// LU factorisation with partial pivoting.
     fn factorise(&mut self) {
         for k in 0..INNER {
             let size = |&i: &usize| self.factors[i][k].abs();
@@ -125,8 +130,8 @@ impl Elimination {
 }
 
 impl SlabElement {
-    /// The element between two edges that move at these speeds, `done` of the step being done; `a` is the length of an implicit
-    /// Euler step. `still` is the operator, where it is known.
+    /// The element between two edges that move at these velocities, at the fraction `done` of the step; `a`
+    /// is the length of an implicit Euler step. `still` is the operator, if already known.
     fn new(
         (edges, speeds): ([f64; 2], [f64; 2]),
         field: &Field<'_>,
@@ -162,15 +167,15 @@ fn operator((edges, speeds): ([f64; 2], [f64; 2]), field: &Field<'_>, done: f64)
     })
 }
 
-/// Moves a density on, until sweeps change it by no more than `settled`.
-pub(super) fn slab(density: &Elements, motion: &EdgeMotion, field: &Field<'_>, settled: f64) -> Slab {
+/// Advances a density by a step, with sweeps until they change it by no more than `tolerance`.
+pub(super) fn slab(density: &Elements, motion: &EdgeMotion, field: &Field<'_>, tolerance: f64) -> Slab {
     let mesh = SlabMesh::new(density, motion, field);
     let start: Vec<Nodal> =
         (0..density.count()).map(|i| Basis::moments(&density.series[i], density.element(i).1)).collect();
     let nothing = vec![[0.0; NODES]; density.count()];
     let (mut rates, mut amplitudes) = (vec![nothing.clone(); STAGES], vec![nothing; STAGES]);
     let rounding = 2.0 * f64::EPSILON * density.mass().abs();
-    let mut unsettled = f64::INFINITY;
+    let mut iteration_error = f64::INFINITY;
     for sweep in 0..MOST_SWEEPS {
         let fixed: Vec<Vec<Nodal>> = (0..STAGES)
             .map(|m| {
@@ -179,18 +184,18 @@ pub(super) fn slab(density: &Elements, motion: &EdgeMotion, field: &Field<'_>, s
                 if sweep == 0 { start.clone() } else { added(&start, &rates, weights) }
             })
             .collect();
-        let before = std::mem::take(&mut unsettled);
+        let before = std::mem::take(&mut iteration_error);
         for (m, fixed) in fixed.iter().enumerate() {
             let weights =
                 std::array::from_fn(|l| if l < m { motion.duration * RADAU.sweep[m][l] } else { 0.0 });
             let next = mesh.solve(m, added(fixed, &rates, weights));
-            unsettled = unsettled.max(mesh.apart(m, &next, &amplitudes[m]));
+            iteration_error = iteration_error.max(mesh.distance(m, &next, &amplitudes[m]));
             rates[m] = mesh.rates(m, &next);
             amplitudes[m] = next;
         }
-        // What rounding leaves does not get less.
-        if unsettled < settled.max(rounding)
-            || (sweep > 12 && unsettled > 0.5 * before && unsettled < 10.0 * settled)
+        // Changes at the level of rounding do not decrease further.
+        if iteration_error < tolerance.max(rounding)
+            || (sweep > 12 && iteration_error > 0.5 * before && iteration_error < 10.0 * tolerance)
         {
             break;
         }
@@ -199,10 +204,10 @@ pub(super) fn slab(density: &Elements, motion: &EdgeMotion, field: &Field<'_>, s
         edges: mesh.edges(RADAU.nodes[m]),
         series: amplitudes[m].iter().map(Basis::series).collect(),
     };
-    Slab { stages: (0..STAGES).map(stage).collect(), unsettled }
+    Slab { stages: (0..STAGES).map(stage).collect(), iteration_error }
 }
 
-/// Moments, and rates of all stages times weights.
+/// `moments` plus the rates of all stages times weights.
 fn added(moments: &[Nodal], rates: &[Vec<Nodal>], weights: [f64; STAGES]) -> Vec<Nodal> {
     let mut out = moments.to_vec();
     for (rates, weight) in rates.iter().zip(weights).filter(|(_, weight)| *weight != 0.0) {
@@ -213,11 +218,11 @@ fn added(moments: &[Nodal], rates: &[Vec<Nodal>], weights: [f64; STAGES]) -> Vec
     out
 }
 
-/// The elements in a step.
+/// The elements during a step.
 struct SlabMesh<'a> {
     start: &'a [f64],
     motion: &'a EdgeMotion,
-    /// At each of Radau's points.
+    /// At each of the Radau points.
     cells: Vec<Vec<SlabElement>>,
 }
 
@@ -228,7 +233,7 @@ impl<'a> SlabMesh<'a> {
             let edges = mesh.edges(RADAU.nodes[m]);
             let times = (RADAU.nodes[m], motion.duration * RADAU.sweep[m][m]);
             let cell = |i: usize| {
-                let speeds = [i, i + 1].map(|i| mesh.share(i) * motion.by / motion.duration);
+                let speeds = [i, i + 1].map(|i| mesh.relative_velocity(i) * motion.by / motion.duration);
                 let rests = speeds == [0.0; 2] && field.loss.is_none();
                 let still = mesh.cells.first().filter(|_| rests).map(|cells| &cells[i].operator);
                 SlabElement::new(([edges[i], edges[i + 1]], speeds), field, times, still)
@@ -239,18 +244,18 @@ impl<'a> SlabMesh<'a> {
         mesh
     }
 
-    /// The speed of an edge over that of the floor.
-    fn share(&self, edge: usize) -> f64 {
+    /// The velocity of an edge over that of the floor.
+    fn relative_velocity(&self, edge: usize) -> f64 {
         if edge <= self.motion.last { 1.0 } else { 0.0 }
     }
 
     fn edges(&self, done: f64) -> Vec<f64> {
-        let at = |(i, edge): (usize, &f64)| edge + self.share(i) * done * self.motion.by;
+        let at = |(i, edge): (usize, &f64)| edge + self.relative_velocity(i) * done * self.motion.by;
         self.start.iter().enumerate().map(at).collect()
     }
 
-    /// How far two densities are apart, in the mean, as seen by the two lowest moments of each element.
-    fn apart(&self, m: usize, one: &[Nodal], other: &[Nodal]) -> f64 {
+    /// Distance of two densities in the mean, from the two lowest moments of each element.
+    fn distance(&self, m: usize, one: &[Nodal], other: &[Nodal]) -> f64 {
         let of = |((cell, a), b): ((&SlabElement, &Nodal), &Nodal)| {
             let [a, b] = [Basis::series(a), Basis::series(b)];
             cell.half * ((a[0] - b[0]).abs() + (a[1] - b[1]).abs())
@@ -258,7 +263,7 @@ impl<'a> SlabMesh<'a> {
         self.cells[m].iter().zip(one).zip(other).map(of).sum()
     }
 
-    /// How fast the moments change.
+    /// Rates of change of the moments.
     fn rates(&self, m: usize, amplitudes: &[Nodal]) -> Vec<Nodal> {
         let rate = |(cell, density): (&SlabElement, &Nodal)| {
             cell.operator.map(|row| -row.iter().zip(density).map(|(a, b)| a * b).sum::<f64>())
@@ -266,7 +271,7 @@ impl<'a> SlabMesh<'a> {
         self.cells[m].iter().zip(amplitudes).map(rate).collect()
     }
 
-    /// The amplitudes of which these are the moments after an implicit Euler step.
+    /// The amplitudes with these moments after an implicit Euler step.
     fn solve(&self, m: usize, mut moments: Vec<Nodal>) -> Vec<Nodal> {
         let count = moments.len();
         let mut rows = vec![[0.0; 3]; count + 1];
@@ -295,7 +300,7 @@ impl<'a> SlabMesh<'a> {
     }
 }
 
-/// Solves the equation with these rows (below, diagonal, above) from the row `first` on; what comes before is 0.
+/// Thomas algorithm for rows (below, diagonal, above) from the row `first` on; earlier unknowns are 0.
 fn tridiagonal(rows: &mut [[f64; 3]], right: &mut [f64], first: usize) {
     let last = right.len() - 1;
     for i in first + 1..=last {
@@ -310,8 +315,8 @@ fn tridiagonal(rows: &mut [[f64; 3]], right: &mut [f64], first: usize) {
     right[..first].fill(0.0);
 }
 
-/// What the polynomials of mass and first moment of each element in time leave out, together.
-pub(super) fn left_out(start: &Elements, stages: &[Elements], radau: &Radau) -> f64 {
+/// The truncation error of the polynomials in time of the mass and first moment of each element, summed.
+pub(super) fn truncation_in_time(start: &Elements, stages: &[Elements], radau: &Radau) -> f64 {
     let of = |i: usize, n: usize| {
         let mut values = [start.series[i][n] * start.element(i).1; STAGES + 1];
         for (value, stage) in values[1..].iter_mut().zip(stages) {

@@ -1,21 +1,21 @@
-//! Motion of a body in time under a force that depends on where it is, and viscous damping: M ü = f(u) − γ u̇.
+//! Motion of a body under a position-dependent force f with viscous damping: M ü = f(u) − γ u̇.
 //!
-//! Where f is smooth, collocation at the Gauss points of a step, of order 32 and stable whatever the damping
-//! (E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*, 1993, II.7 and II.14);
-//! where f is a straight line, the closed form, or with damping the power series of u in time.
+//! Where f is smooth, Gauss collocation with 16 stages, of order 32 and A-stable (E. Hairer, S. P. Nørsett
+//! and G. Wanner, *Solving Ordinary Differential Equations I*, 1993, II.7 and II.14). Where f is linear in u,
+//! the closed form, or with damping the power series of u in time.
 
 mod passage;
 mod step;
 
-pub use passage::{ThresholdPassage, uniform};
+pub use passage::{LinearPassage, uniform};
 pub use step::MotionStep;
 
-/// M and γ.
+/// Mass and damping of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
     /// M > 0.
     pub mass: f64,
-    /// γ ≥ 0, force per speed.
+    /// γ ≥ 0, force per velocity.
     pub damping: f64,
 }
 

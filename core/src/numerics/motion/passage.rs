@@ -1,18 +1,19 @@
-//! A motion over a straight piece of force: in closed form where nothing damps it, else by power series in time.
+//! Motion of a body under a linear force: in closed form without damping, as a power series in time with
+//! damping.
 
 use super::Body;
 use crate::numerics::roots::brent_root;
 
-/// What a body does on a straight piece of force, until it comes to its end or to rest.
+/// The motion under a linear force up to the end of the given interval, or to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ThresholdPassage {
-    /// Time taken.
+pub struct LinearPassage {
+    /// Duration.
     pub time: f64,
-    /// Way gone.
+    /// Distance.
     pub way: f64,
-    /// Speed at the end, exactly 0 at rest.
+    /// Velocity at the end; exactly 0 at rest.
     pub speed: f64,
-    /// ∫u̇² dt where the body is damped, else 0.
+    /// ∫u̇² dt with damping, else 0.
     pub squared: f64,
 }
 
@@ -27,28 +28,29 @@ static INVERSE: [f64; 48] = {
     inverse
 };
 
-/// Most terms of the power series of a passage.
+/// Largest number of terms of the power series.
 const TERMS: usize = 24;
 
-/// How long a passage may be, in the shortest time of the motion: the last term is then 1e-19, and a motion from
-/// rest to rest takes two of them.
+/// Longest passage in units of the shortest time scale of the motion: the last term is then 1e-19, and a
+/// motion from rest to rest takes two passages.
 const LONGEST: f64 = 1.6;
 
-/// A term of the power series, of the first ones, that is left out.
+/// Terms below this, relative to the first ones, are dropped.
 const NEGLIGIBLE: f64 = 1e-17;
 
-/// A last step of Newton's method, relative: the next one would be its square.
+/// Relative size of the last Newton step: the next one would be its square.
 const LAST: f64 = 1e-9;
 
-/// Newton steps after which a zero is searched for otherwise.
+/// Newton steps before Brent's method is used.
 const MOST_STEPS: usize = 8;
 
 impl Body {
-    /// The motion at `speed` ≥ 0 over up to `length` (which may be infinite), against the excess of force `excess` −
-    /// `resistance` × way; where it is damped, not for longer than the series converges well.
-    pub fn passage(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> ThresholdPassage {
+    /// The motion from velocity `speed` ≥ 0 over a distance of at most `length` (which may be infinite) under
+    /// the force `excess` − `resistance` × distance. With damping it ends early where the series would
+    /// converge slowly.
+    pub fn passage(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> LinearPassage {
         if speed == 0.0 && excess <= 0.0 {
-            ThresholdPassage { time: 0.0, way: 0.0, speed: 0.0, squared: 0.0 }
+            LinearPassage { time: 0.0, way: 0.0, speed: 0.0, squared: 0.0 }
         } else if self.damping > 0.0 {
             self.damped(speed, excess, resistance, length)
         } else {
@@ -56,11 +58,12 @@ impl Body {
         }
     }
 
-    /// With ω² = r/M, r the resistance: Mu̇² + ru² − 2gu is conserved, g being the excess, which gives the first rest
-    /// and the speed at the end; u̇ is a sine, so that tan(ωt/2) = ωu/(u̇ before + u̇ after) over any way u.
-    fn undamped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> ThresholdPassage {
+    /// Without damping Mu̇² + ru² − 2gu is conserved (g the excess, r the resistance), which gives the
+    /// distance to rest and the velocity at the end. u̇ is a sine with ω² = r/M, so that tan(ωt/2) = ωu/(u̇
+    /// before + u̇ after) for any distance u.
+    fn undamped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> LinearPassage {
         let energy = self.mass * speed * speed;
-        // Not a number where there is no rest.
+        // Not a number if the body does not come to rest.
         let root = (excess * excess + resistance * energy).sqrt();
         let rest =
             if excess > 0.0 { (excess + root) / resistance.max(0.0) } else { energy / (root - excess) };
@@ -71,10 +74,10 @@ impl Body {
             (length, (left.max(0.0) / self.mass).sqrt())
         };
         let time = 2.0 * arc(way, speed + end, resistance / self.mass);
-        ThresholdPassage { time, way, speed: end, squared: 0.0 }
+        LinearPassage { time, way, speed: end, squared: 0.0 }
     }
 
-    fn damped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> ThresholdPassage {
+    fn damped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> LinearPassage {
         let (rate, stiffness) = (self.damping / self.mass, resistance / self.mass);
         let begin = (excess - self.damping * speed) / self.mass;
         let fastest = rate.max(stiffness.abs().sqrt());
@@ -86,7 +89,7 @@ impl Body {
         let beta = 0.5 * rate;
         let rest = arc(speed, -(begin + beta * speed), stiffness - beta * beta) * fastest;
         let PassageEnd { time, way, speed } = series.end(length, guess, rest);
-        ThresholdPassage {
+        LinearPassage {
             time: time * unit,
             way,
             speed: speed * fastest,
@@ -95,8 +98,8 @@ impl Body {
     }
 }
 
-/// The least t ≥ 0 with tan(√s t)/√s = y/x, y ≥ 0; with tanh and √−s where s < 0, negative or not a number where
-/// there is none.
+/// The smallest t ≥ 0 with tan(√s t)/√s = y/x, y ≥ 0. For s < 0 with tanh and √−s; negative or not a number
+/// if there is none.
 fn arc(y: f64, x: f64, s: f64) -> f64 {
     let root = s.abs().sqrt();
     match s {
@@ -107,17 +110,17 @@ fn arc(y: f64, x: f64, s: f64) -> f64 {
     }
 }
 
-/// The motion as a power series Σ d_n sⁿ/n! in time, in units of its shortest time.
+/// The motion as a power series Σ d_n sⁿ/n! in time, in units of the shortest time scale.
 struct PassageSeries {
     derivatives: [f64; TERMS],
     count: usize,
     /// ∂ü/∂u̇ and ∂ü/∂u.
     slopes: [f64; 2],
-    /// How far it goes.
+    /// Largest s.
     longest: f64,
 }
 
-/// How a motion ends in its series: when, where and at which speed.
+/// Time, distance and velocity at the end of a motion.
 struct PassageEnd {
     time: f64,
     way: f64,
@@ -125,12 +128,12 @@ struct PassageEnd {
 }
 
 impl PassageSeries {
-    /// From the first and the second derivative; no slope is above 1.
+    /// The series from the first and second derivatives. No slope is above 1 in magnitude.
     fn new([first, second]: [f64; 2], slopes: [f64; 2], longest: f64) -> Self {
         let mut derivatives = [0.0; TERMS];
         (derivatives[1], derivatives[2]) = (first, second);
         let (mut before, mut last, mut count) = (first, second, 3);
-        // Terms fall as longestⁿ/n!.
+        // Terms are bounded by longestⁿ/n!.
         let mut bound = 1.0;
         for (derivative, inverse) in derivatives[3..].iter_mut().zip(&INVERSE[3..]) {
             if bound <= NEGLIGIBLE {
@@ -144,7 +147,7 @@ impl PassageSeries {
         Self { derivatives, count, slopes, longest }
     }
 
-    /// Place and speed.
+    /// Distance and velocity at s.
     fn motion(&self, s: f64) -> (f64, f64) {
         let terms = self.derivatives[1..self.count].iter().zip(&INVERSE[1..]).rev();
         terms.fold((0.0, 0.0), |(place, speed), (d, inverse)| {
@@ -153,7 +156,8 @@ impl PassageSeries {
         })
     }
 
-    /// The end of the motion: where it comes to `length` or, some time above 0, to `rest`; else when the series ends.
+    /// The end of the motion: at the distance `length`, or at the time `rest` > 0 of rest, or where the
+    /// series ends.
     fn end(&self, length: f64, guess: f64, rest: f64) -> PassageEnd {
         let rests = rest > 0.0 && rest <= self.longest;
         let last = if rests { rest } else { self.longest };
@@ -164,7 +168,7 @@ impl PassageSeries {
         PassageEnd { time: last, way, speed: if rests { 0.0 } else { speed.max(0.0) } }
     }
 
-    /// Where the way, rising up to `last`, comes to `length`.
+    /// The time at which the distance, rising up to `last`, reaches `length`: Newton's method, then Brent's.
     fn arrival(&self, length: f64, guess: f64, last: f64) -> PassageEnd {
         let mut time = guess;
         for _ in 0..MOST_STEPS {
@@ -185,7 +189,7 @@ impl PassageSeries {
         second + self.slopes[0] * (speed - first) + self.slopes[1] * place
     }
 
-    /// ∫u̇² dt up to s, from the derivatives of u̇², u̇ü and ü² at 0.
+    /// ∫u̇² dt up to s, from the Taylor series of u̇², u̇ü and ü² at 0.
     fn squared(&self, s: f64) -> f64 {
         let [_, first, second, ..] = self.derivatives;
         let [by_speed, by_place] = self.slopes;
@@ -204,7 +208,8 @@ impl PassageSeries {
     }
 }
 
-/// The time to go `length`, or to come to rest before, at uniform acceleration; infinite where neither happens.
+/// The time to cover `length`, or to come to rest before, at constant acceleration; infinite if neither
+/// happens.
 pub fn uniform(speed: f64, acceleration: f64, length: f64) -> f64 {
     let square = speed * speed + 2.0 * acceleration * length;
     if acceleration < 0.0 && square <= 0.0 {

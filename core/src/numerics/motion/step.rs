@@ -1,4 +1,4 @@
-//! A step of a motion under a smooth force, by Gauss collocation.
+//! A time step of a motion under a smooth force, by Gauss collocation.
 
 use std::sync::LazyLock;
 
@@ -7,21 +7,21 @@ use crate::numerics::legendre::{NODES, Nodal, RULE, dot, series};
 use crate::numerics::linear::solve;
 use crate::numerics::piecewise::tail;
 
-/// A step in time from u = `place` at `speed`; the acceleration is a polynomial of degree 15.
+/// A time step from u = `place` with velocity `speed`; the acceleration is a polynomial of degree 15 in time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionStep {
-    /// Its duration.
+    /// Duration.
     pub time: f64,
-    /// u at the beginning.
+    /// u at the start.
     pub place: f64,
-    /// u̇ at the beginning.
+    /// u̇ at the start.
     pub speed: f64,
     /// ü at the Gauss points.
     pub acceleration: Nodal,
 }
 
-/// Integrals of the cardinal polynomials of the Gauss points c_i of `[0, 1]`: `once[i][j]` = ∫_0^{c_i} l_j and
-/// `twice[i][j]` = ∫_0^{c_i} (c_i − s) l_j.
+/// Integrals of the cardinal polynomials l_j of the Gauss points c_i of `[0, 1]`: `once[i][j]` = ∫_0^{c_i}
+/// l_j, the Butcher matrix of the method, and `twice[i][j]` = ∫_0^{c_i} (c_i − s) l_j.
 struct Integrals {
     once: [Nodal; NODES],
     twice: [Nodal; NODES],
@@ -36,17 +36,17 @@ static INTEGRALS: LazyLock<Integrals> = LazyLock::new(|| {
     Integrals { once: matrix(&|_| 1.0), twice: matrix(&|gap| gap) }
 });
 
-/// Gauss point of `[0, 1]`.
+/// Gauss point on `[0, 1]`.
 fn point(i: usize) -> f64 {
     0.5 * (1.0 + RULE.nodes[i])
 }
 
-/// Iterations after which a step is taken to be too long.
+/// Newton iterations before a step counts as too long.
 const MOST_ITERATIONS: usize = 12;
 
 impl Body {
-    /// The step of that duration, `force` giving f and f'; `None` where Newton's method does not converge, or the
-    /// step leaves out more than `tolerance` of the speed.
+    /// A step of the given duration; `force` returns f and f'. `None` if Newton's method does not converge,
+    /// or the truncation error of the velocity exceeds `tolerance`.
     pub fn step(
         &self,
         (place, speed): (f64, f64),
@@ -74,7 +74,7 @@ impl Body {
             for (a, change) in step.acceleration.iter_mut().zip(&change) {
                 *a += change;
             }
-            // The next change would be smaller than the square of this one.
+            // Quadratic convergence: the next change would be smaller than the square of this one.
             if time * change.iter().fold(0.0, |most: f64, a| most.max(a.abs())) <= tolerance {
                 return (step.error() <= tolerance).then_some(step);
             }
@@ -95,12 +95,12 @@ impl MotionStep {
         std::array::from_fn(|i| self.speed + self.time * dot(&INTEGRALS.once[i], &self.acceleration))
     }
 
-    /// Times of the Gauss points since the beginning.
+    /// Times of the Gauss points since the start.
     pub fn times(&self) -> Nodal {
         std::array::from_fn(|i| self.time * point(i))
     }
 
-    /// u and u̇ after the fraction s of the step.
+    /// u and u̇ at the fraction s of the step.
     pub fn at(&self, s: f64) -> (f64, f64) {
         let coefficients = RULE.coefficients(&self.acceleration);
         let a = |r: f64| series(&coefficients, 2.0 * r - 1.0);
@@ -114,7 +114,7 @@ impl MotionStep {
         0.5 * self.time * dot(&RULE.weights, &self.speeds().map(|v| v * v))
     }
 
-    /// What the polynomial leaves out of the speed.
+    /// Truncation error of the velocity.
     fn error(&self) -> f64 {
         self.time * tail(&RULE.coefficients(&self.acceleration))
     }

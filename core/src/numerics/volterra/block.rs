@@ -1,55 +1,57 @@
-//! What the density on one cell adds to the convolution on another: a small matrix, computed once per run and lag.
+//! Convolution blocks: the matrices that take the density on one cell to its contribution to the convolution
+//! on another.
 
 use std::collections::HashMap;
 
 use super::kernel::Kernel;
-use super::mesh::{Mesh, Past, SHORT_RUN};
+use super::mesh::{Mesh, Resampled, SHORT_RUN};
 use crate::numerics::legendre::{NODES, Nodal, RULE, add_moments};
 use crate::numerics::piecewise::Piecewise;
 
-/// A matrix from the Gauss values of one cell to those of another, column by column.
+/// A matrix from the Gauss values on one cell to those on another, column by column.
 pub(super) type ConvolutionBlock = [Nodal; NODES];
 
 /// A block between cells a given number of widths apart.
-pub(super) struct Lagged {
+pub(super) struct LaggedBlock {
     /// `None` where the kernel vanishes.
     pub(super) block: Option<Box<ConvolutionBlock>>,
-    /// What the kernel has over the block beyond a smooth function, which would see of a source no more than a
-    /// polynomial.
-    pub(super) rough: f64,
+    /// Magnitude of the part of the kernel that is not smooth on the scale of the cells: a smooth kernel only
+    /// sees a polynomial part of the density.
+    pub(super) roughness: f64,
 }
 
-/// How two cells lie to each other: the distance of their middles in units of 1e-11 of the target's width, and the widths.
-type Apart = (i64, u64, u64);
+/// Relative position of two cells: the distance of their middles in units of 1e-11 of the target's width, and
+/// the two widths.
+type RelativePosition = (i64, u64, u64);
 
-fn apart(target: (f64, f64), source: (f64, f64)) -> Apart {
+fn by_position(target: (f64, f64), source: (f64, f64)) -> RelativePosition {
     // But for the last 16 bits, 1e-11 of the number.
     let rounded = |width: f64| (width.to_bits() + (1 << 15)) >> 16;
     let gap = (target.0 - source.0) / (2e-11 * target.1);
     (gap.round() as i64, rounded(target.1), rounded(source.1))
 }
 
-/// The most blocks kept between cells of any runs: 32 MB.
-const MOST_APART: usize = 1 << 14;
+/// Largest number of blocks cached between cells of different runs: 32 MB.
+const MOST_CACHED: usize = 1 << 14;
 
 /// The blocks of one kernel on the latest run of a mesh, each computed once.
 pub(super) struct Blocks<'a> {
     kernel: &'a Kernel,
-    /// What the past may be rounded by.
+    /// Error allowed when the history is replaced by its fit.
     slack: f64,
-    /// By lag.
-    cached: Vec<Lagged>,
-    /// Between cells of any runs, most of them alike where breaks lie on a lattice.
-    apart: HashMap<Apart, Option<Box<ConvolutionBlock>>>,
+    /// By distance in cells.
+    cached: Vec<LaggedBlock>,
+    /// Between cells of different runs; many coincide where breakpoints lie on a lattice.
+    by_position: HashMap<RelativePosition, Option<Box<ConvolutionBlock>>>,
     run: u32,
-    past: Option<Vec<Past>>,
+    past: Option<Vec<Resampled>>,
 }
 
 impl<'a> Blocks<'a> {
-    /// Blocks for a convolution that may miss some 1e-4 of `density`, per unit kernel.
+    /// Blocks for a convolution with an allowed error of some 1e-4 of `density`, per unit of the kernel.
     pub(super) fn new(kernel: &'a Kernel, density: f64) -> Self {
         let slack = 1e-4 * density * kernel.size();
-        Self { kernel, slack, cached: Vec::new(), apart: HashMap::new(), run: u32::MAX, past: None }
+        Self { kernel, slack, cached: Vec::new(), by_position: HashMap::new(), run: u32::MAX, past: None }
     }
 
     pub(super) fn reset(&mut self, run: u32) {
@@ -58,8 +60,8 @@ impl<'a> Blocks<'a> {
         self.past = None;
     }
 
-    /// Adds ∫ over the cells that have values of k(X_i − Y) g(Y) dY to the values at the points of `cell`, one of
-    /// them or the next. `density` holds the same cells as series.
+    /// Adds ∫ k(X_i − Y) g(Y) dY over all cells with known `values` at the Gauss points X_i of `cell`, which
+    /// is one of them or the next. `density` holds the same values as Legendre series.
     pub(super) fn add_history(
         &mut self,
         mesh: &Mesh,
@@ -80,7 +82,7 @@ impl<'a> Blocks<'a> {
             }
         }
         if self.past.is_none() && ahead >= SHORT_RUN && run.first > 0 {
-            self.past = Past::of(run, density, end);
+            self.past = Resampled::of(run, density, end);
         }
         let slack = self.slack;
         let Some(past) = self.past.take() else {
@@ -89,18 +91,18 @@ impl<'a> Blocks<'a> {
         for (k, source) in past.iter().enumerate().take_while(|(k, _)| near(ahead + 1 + k)) {
             let lagged = self.within_run(run.width, ahead + 1 + k);
             match &lagged.block {
-                block if source.rough * lagged.rough * run.width <= slack => {
+                block if source.roughness * lagged.roughness * run.width <= slack => {
                     block.iter().for_each(|block| apply(block, &source.values, out));
                 }
                 _ => source.parts.iter().for_each(|(middle, half, values)| {
-                    self.add_apart(mesh.cell(cell), (*middle, *half), values, out);
+                    self.add_cell(mesh.cell(cell), (*middle, *half), values, out);
                 }),
             }
         }
         self.past = Some(past);
     }
 
-    /// Adds ∫ over `cell` itself, which has these values, at its points.
+    /// Adds the integral over `cell` itself, which has these values.
     pub(super) fn add_own(&mut self, mesh: &Mesh, cell: usize, values: &Nodal, out: &mut Nodal) {
         if mesh.run_of[cell] != self.run {
             self.reset(mesh.run_of[cell]);
@@ -111,33 +113,35 @@ impl<'a> Blocks<'a> {
         }
     }
 
-    /// The contributions of cells of other runs, one by one.
+    /// Adds the contributions of cells of other runs, one by one.
     fn add_cells(&mut self, mesh: &Mesh, cell: usize, values: &[Nodal], out: &mut Nodal) {
         let (start, end) = (mesh.boundaries[cell], self.kernel.curve().end());
         let near = |source: &usize| start - mesh.boundaries[source + 1] < end;
         for source in (0..values.len()).rev().take_while(near) {
-            self.add_apart(mesh.cell(cell), mesh.cell(source), &values[source], out);
+            self.add_cell(mesh.cell(cell), mesh.cell(source), &values[source], out);
         }
     }
 
-    /// The contribution of a cell of any run. A kernel that is steep somewhere feels places that are closer together than
-    /// the cache tells apart.
-    fn add_apart(&mut self, target: (f64, f64), source: (f64, f64), values: &Nodal, out: &mut Nodal) {
+    /// Adds the contribution of a cell of any run. A kernel with steep breakpoints bypasses the cache, which
+    /// does not separate positions that close.
+    fn add_cell(&mut self, target: (f64, f64), source: (f64, f64), values: &Nodal, out: &mut Nodal) {
         let kernel = self.kernel;
         if kernel.is_steep() {
             block(kernel, target, source).block.iter().for_each(|block| apply(block, values, out));
             return;
         }
-        if self.apart.len() >= MOST_APART {
-            self.apart.clear();
+        if self.by_position.len() >= MOST_CACHED {
+            self.by_position.clear();
         }
-        let block =
-            self.apart.entry(apart(target, source)).or_insert_with(|| block(kernel, target, source).block);
+        let block = self
+            .by_position
+            .entry(by_position(target, source))
+            .or_insert_with(|| block(kernel, target, source).block);
         block.iter().for_each(|block| apply(block, values, out));
     }
 
     /// The block between cells `lag` apart in the current run.
-    fn within_run(&mut self, width: f64, lag: usize) -> &Lagged {
+    fn within_run(&mut self, width: f64, lag: usize) -> &LaggedBlock {
         while self.cached.len() <= lag {
             let gap = self.cached.len() as f64 * width;
             self.cached.push(block(self.kernel, (gap, 0.5 * width), (0.0, 0.5 * width)));
@@ -158,17 +162,18 @@ pub(super) fn apply(block: &ConvolutionBlock, values: &Nodal, out: &mut Nodal) {
     *out = sums;
 }
 
-/// Where the kernel is below this, of its mean, a block is left out: a thousand of them add 1e-16 of the mass of the source,
-/// which a narrow cell may hold as well as a wide one.
+/// Where the kernel is below this fraction of its mean, a block is neglected: a thousand of them add 1e-16 of
+/// the mass of the source, which a narrow cell may hold as well as a wide one.
 const NEGLIGIBLE: f64 = 1e-20;
 
-/// The block ∫_source ℓ_j(Y) k(X_i − Y) dY for the Gauss points X_i of the cell `target`.
-pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> Lagged {
+/// The block ∫_source ℓ_j(Y) k(X_i − Y) dY for the Gauss points X_i of the cell `target`; ℓ_j are the
+/// cardinal polynomials.
+pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> LaggedBlock {
     let gap = target.0 - source.0;
     let reach = target.1 + source.1;
     let negligible = NEGLIGIBLE * kernel.size() / kernel.curve().end();
     if kernel.bound(gap - reach, gap + reach) < negligible {
-        return Lagged { block: None, rough: 0.0 };
+        return LaggedBlock { block: None, roughness: 0.0 };
     }
     let mut out = Box::new([[0.0; NODES]; NODES]);
     let (mut largest, mut split) = (0.0_f64, false);
@@ -198,17 +203,17 @@ pub(super) fn block(kernel: &Kernel, target: (f64, f64), source: (f64, f64)) -> 
     }
     let width = 2.0 * source.1;
     let spacing = width / (2 * NODES) as f64;
-    let rough = if split { kernel.rough(gap - reach, gap + reach, width, spacing) } else { 0.0 };
-    Lagged { block: (largest > width * negligible).then_some(out), rough }
+    let roughness = if split { kernel.roughness(gap - reach, gap + reach, width, spacing) } else { 0.0 };
+    LaggedBlock { block: (largest > width * negligible).then_some(out), roughness }
 }
 
-/// One row of a block whose integrand is smooth only between `cuts` in u.
+/// One row of a block whose integrand is smooth only between the `cuts` in u.
 fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64]) -> Nodal {
     let (curve, mut moments) = (kernel.curve(), [0.0; NODES]);
     for pair in cuts.windows(2) {
         let (middle, part) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
         let Some(cell) = curve.find(middle) else { continue };
-        // One lookup serves the whole part where it lies in one cell.
+        // One look-up serves the whole part if it lies in one cell.
         let inside = curve.boundaries[cell] <= pair[0] && pair[1] <= curve.boundaries[cell + 1];
         let places = RULE.nodes.map(|t| middle + part * t);
         let values = if inside { curve.values_in(cell, &places) } else { curve.values(&places) };
@@ -220,7 +225,8 @@ fn split_row(kernel: &Kernel, offset: f64, half: f64, cuts: &[f64]) -> Nodal {
     RULE.functional(&moments)
 }
 
-/// Inverse of a small matrix by Gauss–Jordan elimination with row pivoting (the matrices are near the identity).
+/// The inverse of a small matrix by Gauss–Jordan elimination with pivoting. The matrices are near the
+/// identity.
 pub(super) fn inverted(mut a: ConvolutionBlock) -> ConvolutionBlock {
     let mut out = [[0.0; NODES]; NODES];
     (0..NODES).for_each(|i| out[i][i] = 1.0);

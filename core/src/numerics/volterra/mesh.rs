@@ -1,4 +1,5 @@
-//! The cells of a solution, in runs of equal width, and the past of a run in its own step.
+//! The mesh of a solution: runs of cells of equal width, and the earlier solution resampled on the cells of a
+//! run.
 
 use super::kernel::Kernel;
 use crate::numerics::legendre::{NODES, Nodal, RULE, series, series_at};
@@ -31,7 +32,7 @@ impl Mesh {
         (run.start + ((cell - run.first) as f64 + 0.5) * run.width, 0.5 * run.width)
     }
 
-    /// Gauss points of a cell, each as the start of its run and how far it is from there.
+    /// Gauss points of a cell, each as the start of its run and the distance from there.
     pub(super) fn points(&self, cell: usize) -> [(f64, f64); NODES] {
         let run = self.runs[self.run_of[cell] as usize];
         let middle = (cell - run.first) as f64 + 0.5;
@@ -46,7 +47,7 @@ impl Mesh {
         cells.map(|cell| self.convolve_cell(cell, &density.coefficients[cell], kernel, x)).sum()
     }
 
-    /// The part of that from a cell on which the density has the Legendre coefficients `density`.
+    /// The part of that integral from a cell on which the density has the Legendre coefficients `density`.
     pub(super) fn convolve_cell(&self, cell: usize, density: &Nodal, kernel: &Kernel, x: f64) -> f64 {
         let (middle, half) = self.cell(cell);
         let (low, high) = ((x - middle - half).max(0.0), x - middle + half);
@@ -54,7 +55,7 @@ impl Mesh {
         kernel.splits(low, high, 2.0 * half, &mut cuts);
         cuts.push(high);
         if cuts.len() == 2 && low > 0.0 {
-            // Far from a tiny cell, x − u would lose the place in it.
+            // Far from a narrow cell, x − u would lose the digits of the position within the cell.
             let part = |t: f64| series(density, t) * kernel.curve().value(x - middle - half * t);
             return half * (0..NODES).map(|i| RULE.weights[i] * part(RULE.nodes[i])).sum::<f64>();
         }
@@ -63,24 +64,26 @@ impl Mesh {
     }
 }
 
-/// Part of the past of a run, as wide as its cells and in step with them.
-pub(super) struct Past {
-    /// Gauss values of the least-squares fit to the density there: all that a kernel smooth over it can see.
+/// The solution before a run on one cell as wide as those of the run and aligned with them.
+pub(super) struct Resampled {
+    /// Gauss values of the least-squares fit to the density: all that a kernel that is smooth on this scale
+    /// can see.
     pub(super) values: Nodal,
-    /// The cells it is made of, cut at its ends: middle, half width, Gauss values. Empty if the fit is the density.
+    /// The cells that it consists of, cut at its ends: middle, half width, Gauss values. Empty if the fit is
+    /// exact.
     pub(super) parts: Vec<(f64, f64, Nodal)>,
-    /// What the fit misses of the density.
-    pub(super) rough: f64,
+    /// Largest difference between density and fit.
+    pub(super) roughness: f64,
 }
 
-/// Runs longer than this have their past made ready in their own step.
+/// Longer runs resample the earlier solution.
 pub(super) const SHORT_RUN: usize = 3;
 
-/// Pasts of more cells than this are not made.
+/// Largest number of resampled cells.
 const LONGEST_PAST: usize = 16_384;
 
-impl Past {
-    /// The past of a run back to 0 or `reach`, latest first; `None` where it would be too long.
+impl Resampled {
+    /// The solution before a run, back to 0 or `reach`, latest cell first; `None` if there would be too many.
     pub(super) fn of(run: Run, density: &Piecewise, reach: f64) -> Option<Vec<Self>> {
         let count = (run.start.min(reach) / run.width - 1e-9).ceil();
         let back = |k: usize| run.start - k as f64 * run.width;
@@ -97,14 +100,14 @@ impl Past {
             let (centre, whole) = density.cell(cell);
             let (a, b) = (edges[cell].max(low), edges[cell + 1].min(high));
             let (m, h) = (0.5 * (a + b), 0.5 * (b - a));
-            // What reaches in by rounding alone is none of its own; the narrowest cell that lies inside is.
+            // Overlaps due to rounding do not count.
             if h > 1e-9 * whole {
                 let within = RULE.nodes.map(|t| ((m - centre) + h * t) / whole);
                 parts.push((m, h, series_at(&density.coefficients[cell], &within)));
             }
         }
         if parts.len() == 1 && parts[0].1 > half * (1.0 - 1e-6) {
-            return Self { values: parts[0].2, parts: Vec::new(), rough: 0.0 };
+            return Self { values: parts[0].2, parts: Vec::new(), roughness: 0.0 };
         }
         let mut values = [0.0; NODES];
         for (m, h, part) in &parts {
@@ -120,7 +123,7 @@ impl Past {
             let at = |i: usize| part[i] - series(&fit, (m + h * RULE.nodes[i] - middle) / half);
             (0..NODES).map(|i| at(i).abs()).fold(0.0, f64::max)
         };
-        let rough = parts.iter().map(missed).fold(0.0, f64::max);
-        Self { values, parts, rough }
+        let roughness = parts.iter().map(missed).fold(0.0, f64::max);
+        Self { values, parts, roughness }
     }
 }

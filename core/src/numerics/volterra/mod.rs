@@ -1,10 +1,12 @@
-//! Volterra equations of the second kind of convolution type, g = source + kernel ∗ g, to high order.
+//! Volterra equations of the second kind of convolution type, g = source + kernel ∗ g, by piecewise
+//! collocation.
 //!
-//! g is a sum of atoms and of a density that is a polynomial on each cell of a mesh, collocated at the Gauss points
-//! (H. Brunner, *Collocation Methods for Volterra Integral and Related Functional Differential Equations*, 2004).
-//! Cell boundaries lie on every break of g that matters, so jumps cost no accuracy; cells are halved where the
-//! polynomial is not resolved and grow again where it is. In a run of equal cells the history is a block
-//! Toeplitz product whose blocks are computed once; between runs blocks are kept, too, for cells that lie alike.
+//! g is a sum of point masses and a density that is a polynomial of degree 15 on each cell of a mesh,
+//! collocated at the Gauss points (H. Brunner, *Collocation Methods for Volterra Integral and Related
+//! Functional Differential Equations*, 2004). Cell boundaries lie on every breakpoint of g that matters, so
+//! that jumps cost no accuracy. Cells are halved where the polynomial does not resolve g, and doubled where
+//! it does. In a run of equal cells the history is a block Toeplitz product whose blocks are computed once;
+//! between runs, blocks are cached for pairs of cells with the same relative position.
 
 mod block;
 mod kernel;
@@ -16,7 +18,7 @@ pub use march::solve;
 
 use self::block::Blocks;
 use self::mesh::Mesh;
-use super::breaks::{Atom, Break};
+use super::breakpoints::{Atom, Breakpoint};
 use super::legendre::{Nodal, RULE};
 use super::piecewise::Piecewise;
 use crate::Result;
@@ -25,7 +27,7 @@ use crate::monitor::{Monitor, report};
 /// The solution g of g = source + kernel ∗ g on [0, end].
 #[derive(Debug, Clone)]
 pub struct Solution {
-    /// To what the density was to be resolved.
+    /// The tolerance of the density.
     resolved: f64,
     mesh: Mesh,
     /// Gauss values of the density, cell by cell.
@@ -34,32 +36,34 @@ pub struct Solution {
     pub density: Piecewise,
     /// The point masses, by rising position.
     pub atoms: Vec<Atom>,
-    /// The breaks of the density that matter, by rising position.
-    pub breaks: Vec<Break>,
-    /// The largest tail of a cell (the last Legendre coefficients): an estimate of the error of the density.
+    /// The breakpoints of the density that matter, by rising position.
+    pub breakpoints: Vec<Breakpoint>,
+    /// The largest truncation error of a cell, from the last Legendre coefficients: an estimate of the error
+    /// of the density.
     pub tail: f64,
 }
 
-/// How fine the density is resolved.
+/// Tolerances of a solution.
 #[derive(Debug, Clone, Copy)]
 pub struct Accuracy {
-    /// A cell's tail may be this large (per unit of g) …
+    /// A cell is resolved if its truncation error is at most this …
     pub density: f64,
-    /// … or this large times the cell's width.
+    /// … or at most this divided by the width of the cell.
     pub mass: f64,
-    /// How far source + kernel ∗ g may be from 1 where it should be 1.
-    pub kept: f64,
-    /// Error that a break inside a cell may cause in the convolution of another kernel with g.
-    pub carried: f64,
-    /// Width of cells to begin with, in units of the narrow cells of source and kernel …
-    pub widening: f64,
-    /// … which together hold this fraction of their mass; a tenth, where they narrow towards a steep break.
-    pub light: f64,
+    /// Tolerance on the conservation law source + kernel ∗ g = 1 (conservation of probability).
+    pub conservation: f64,
+    /// Error allowed in the convolution of another kernel with g because of a breakpoint inside a cell.
+    pub convolved: f64,
+    /// Initial width of cells, in units of the width of the narrow cells of source and kernel.
+    pub initial_width: f64,
+    /// Narrow cells are those that together hold this fraction of the mass; a tenth where they narrow towards
+    /// a steep breakpoint.
+    pub narrow_fraction: f64,
 }
 
-/// Σ over atoms at or before x of weight × curve(x − position), x = start + offset: the distance to an atom at the start
-/// keeps its digits.
-pub fn struck(curve: &Piecewise, atoms: &[Atom], (start, offset): (f64, f64)) -> f64 {
+/// Σ over point masses at or before x of weight × curve(x − position), for x = start + offset: given
+/// separately, so that the distance to a point mass at `start` keeps its digits.
+pub fn convolve_atoms(curve: &Piecewise, atoms: &[Atom], (start, offset): (f64, f64)) -> f64 {
     let end = curve.end();
     let last = atoms.partition_point(|a| a.position <= start + offset);
     let distances = atoms[..last].iter().rev().map(|a| (a.weight, (start - a.position) + offset));
@@ -67,7 +71,7 @@ pub fn struck(curve: &Piecewise, atoms: &[Atom], (start, offset): (f64, f64)) ->
 }
 
 impl Solution {
-    /// source + kernel ∗ g on the mesh of g, atoms of g included; the kernel must have none of its own.
+    /// source + kernel ∗ g on the mesh of g, point masses of g included. The kernel must have none.
     ///
     /// # Errors
     /// [`crate::Error::Stopped`] by the monitor.
@@ -81,7 +85,7 @@ impl Solution {
         let mut coefficients = Vec::with_capacity(self.values.len());
         for cell in 0..self.values.len() {
             let mut values = self.mesh.points(cell).map(|(start, offset)| {
-                source.value(start + offset) + struck(kernel.curve(), &self.atoms, (start, offset))
+                source.value(start + offset) + convolve_atoms(kernel.curve(), &self.atoms, (start, offset))
             });
             blocks.add_history(&self.mesh, cell, &self.values[..=cell], &self.density, &mut values);
             coefficients.push(RULE.coefficients(&values));
@@ -92,10 +96,10 @@ impl Solution {
         Ok(Piecewise { boundaries: self.mesh.boundaries.clone(), coefficients })
     }
 
-    /// (source + kernel ∗ g)(x) at one x by quadrature over the density, not by blocks.
+    /// (source + kernel ∗ g)(x) by quadrature over the density instead of blocks: an independent check.
     pub fn convolve_at(&self, source: &Piecewise, kernel: &Kernel, x: f64) -> f64 {
         source.value(x)
-            + struck(kernel.curve(), &self.atoms, (x, 0.0))
+            + convolve_atoms(kernel.curve(), &self.atoms, (x, 0.0))
             + self.mesh.convolve_at(&self.density, kernel, x)
     }
 }

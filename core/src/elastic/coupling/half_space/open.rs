@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use super::{from_first, sides};
-use crate::numerics::fractional::root_of_laplacian;
+use crate::numerics::fractional::sqrt_laplacian;
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::shape::Shape;
@@ -32,7 +32,7 @@ impl OpenEdges {
         let sides = sides(shape);
         let mut weights = match shape {
             Shape::Chain(length) => (0..length).map(along_a_chain).collect(),
-            Shape::Square(sides) => root_of_laplacian(sides),
+            Shape::Square(sides) => sqrt_laplacian(sides),
         };
         weights.iter_mut().for_each(|weight| *weight *= scale);
         Self { scale, pairs: Pairs::new(sides, &weights), free: Modes::new(sides, sides.map(Line::free)) }
@@ -62,7 +62,7 @@ fn along_a_chain(distance: usize) -> f64 {
 
 impl Pairs {
     fn new(sides: [usize; 2], weights: &[f64]) -> Self {
-        let lines = sides.map(|side| Line::joined(padded(side)));
+        let lines = sides.map(|side| Line::periodic(padded(side)));
         let height = lines[0].length() / 2 + 1;
         let spectrum = spectrum(weights, sides, &lines);
         let mut pairs = Self { modes: Modes::new(sides, lines), spectrum, height, own: Vec::new() };

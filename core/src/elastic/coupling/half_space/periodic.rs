@@ -14,7 +14,7 @@ pub(super) struct Periodic {
 
 impl Periodic {
     pub(super) fn new(shape: Shape, scale: f64) -> Self {
-        let lines = super::sides(shape).map(Line::joined);
+        let lines = super::sides(shape).map(Line::periodic);
         let own = scale * mean_root(&lines);
         Self { scale, modes: Modes::new(super::sides(shape), lines), own }
     }

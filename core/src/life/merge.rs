@@ -1,22 +1,21 @@
-//! Layers put together: what has broken is left out, and what has been outdone is forgotten.
+//! Simplification of layers: negligible parts are dropped, and layers with the same history are merged.
 
 use super::Life;
 use super::athermal::of_layers;
 use super::breaking::Breaking;
-use super::cells::{BULK, NEGLIGIBLE, RESOLUTION, scale, walls};
+use super::cells::{BULK, NEGLIGIBLE, RESOLUTION, scale, threshold_atoms};
 use super::layer::{Layer, PointMass, SAME};
 use crate::Result;
 use crate::contacts::{Contacts, Stiffness};
 use crate::law::Law;
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::breaks::same_position;
+use crate::numerics::breakpoints::same_position;
 use crate::numerics::piecewise::Piecewise;
 
-/// Breaks of which cells that resolve P_c, with points closer than a 32nd of its scale, miss no more than this per mean
-/// threshold are forgotten.
+/// Breakpoints are dropped if their effect on cells that resolve P_c is below this, per mean threshold.
 const FAINT: f64 = 1e-11;
 
-/// The life of the contacts of some layers; what breaks stays broken.
+/// The life of the contacts of some layers; what breaks does not re-form.
 ///
 /// # Errors
 /// Stopped by the monitor.
@@ -26,9 +25,9 @@ pub(crate) fn life_of(contacts: &Contacts, layers: Vec<Layer>, monitor: &mut dyn
     watch.check().map(|()| life)
 }
 
-/// What the contacts of some layers are together, per unit stiffness.
+/// Sums over the contacts of some layers, per unit stiffness.
 pub(crate) struct LayerSums {
-    /// The fraction that is unbroken.
+    /// The fraction of unbroken contacts.
     pub(crate) unbroken: f64,
     pub(crate) stiffness: f64,
     /// As in a [`Life`].
@@ -49,25 +48,25 @@ impl LayerSums {
     }
 }
 
-/// Whether a point mass reaches a threshold that many share when the slider has gone on by `advance`.
-pub(crate) fn strikes(layers: &[Layer], thresholds: &dyn Law, advance: f64) -> bool {
+/// Whether a point mass reaches a threshold atom when the slider has advanced by `advance`.
+pub(crate) fn reaches_threshold_atom(layers: &[Layer], thresholds: &dyn Law, advance: f64) -> bool {
     let close = SAME * thresholds.mean();
-    let struck = |layer: &Layer| {
+    let simultaneous = |layer: &Layer| {
         let breaking = Breaking::new(thresholds, layer, BULK);
-        breaking.struck.iter().any(|(u, _)| (u - advance).abs() <= close)
+        breaking.simultaneous.iter().any(|(u, _)| (u - advance).abs() <= close)
     };
-    !thresholds.atoms().is_empty() && layers.iter().any(struck)
+    !thresholds.atoms().is_empty() && layers.iter().any(simultaneous)
 }
 
-/// The layers, without what is negligible; those with one and the same past, as far as it can still be felt, as one.
-pub(crate) fn tidied(layers: Vec<Layer>, thresholds: &dyn Law) -> Vec<Layer> {
+/// The layers without what is negligible, those with the same history merged.
+pub(crate) fn simplified(layers: Vec<Layer>, thresholds: &dyn Law) -> Vec<Layer> {
     let close = SAME * thresholds.mean();
-    let (mut out, walls): (Vec<Layer>, _) = (Vec::new(), walls(thresholds));
+    let (mut out, threshold_atoms): (Vec<Layer>, _) = (Vec::new(), threshold_atoms(thresholds));
     for mut layer in layers {
-        layer.trim(thresholds, &walls);
-        layer.forget();
+        layer.trim(thresholds, &threshold_atoms);
+        layer.drop_inactive_side();
         let spacing = scale(thresholds).min(thresholds.mean()) / 32.0;
-        layer.breaks.retain(|b| b.weight(spacing) * thresholds.mean() > FAINT);
+        layer.breakpoints.retain(|b| b.weight(spacing) * thresholds.mean() > FAINT);
         if layer.range().is_none() {
             continue;
         }
@@ -83,14 +82,14 @@ pub(crate) fn tidied(layers: Vec<Layer>, thresholds: &dyn Law) -> Vec<Layer> {
 }
 
 impl Layer {
-    /// How far the slider may go on before a contact can break whose threshold is above `lowest`.
-    pub(crate) fn way_ahead(&self, lowest: f64) -> f64 {
+    /// How far the slider can advance before a contact with a threshold above `lowest` can break.
+    pub(crate) fn distance_to_break(&self, lowest: f64) -> f64 {
         let far = |(_, high): (f64, f64)| self.ahead.max(lowest - high).max(self.behind - 2.0 * high);
         self.range().map_or(f64::INFINITY, far)
     }
 
-    /// Leaves out what is negligible at either end.
-    fn trim(&mut self, thresholds: &dyn Law, walls: &[f64]) {
+    /// Drops what is negligible at either end.
+    fn trim(&mut self, thresholds: &dyn Law, threshold_atoms: &[f64]) {
         let survival =
             |low: f64, high: f64| thresholds.survival(self.largest(self.lowest(0.0).clamp(low, high), 0.0));
         let kept = |cell: &usize| {
@@ -104,15 +103,17 @@ impl Layer {
             boundaries: self.density.boundaries[first..=last + 1].to_vec(),
             coefficients: self.density.coefficients[first..=last].to_vec(),
         });
-        let left = |l: &PointMass| l.weight * thresholds.survival(self.exceeded(l, 0.0, walls)) > NEGLIGIBLE;
-        let lumps = self.lumps.iter().copied().filter(left).collect();
+        let left = |l: &PointMass| {
+            l.weight * thresholds.survival(self.exceeded(l, 0.0, threshold_atoms)) > NEGLIGIBLE
+        };
+        let point_masses = self.point_masses.iter().copied().filter(left).collect();
         let (low, high) = (density.start(), density.end());
-        self.breaks.retain(|b| b.position >= low && b.position <= high);
-        (self.density, self.lumps) = (density, lumps);
+        self.breakpoints.retain(|b| b.position >= low && b.position <= high);
+        (self.density, self.point_masses) = (density, point_masses);
     }
 
-    /// Forgets the side on which the slider was less far than on the other, for every contact.
-    fn forget(&mut self) {
+    /// Drops `ahead` or `behind` if it determines the largest stretch of no contact.
+    fn drop_inactive_side(&mut self) {
         let Some((low, high)) = self.range() else { return };
         if low >= self.lowest(0.0) {
             self.behind = 0.0;
@@ -121,17 +122,17 @@ impl Layer {
         }
     }
 
-    /// Adds contacts with the same past.
+    /// Adds contacts with the same history.
     fn merge(&mut self, other: Self) {
         self.density = self.density.added(&other.density, RESOLUTION);
-        self.lumps.extend(other.lumps);
-        self.lumps.sort_by(|a, b| a.position.total_cmp(&b.position));
-        self.lumps.dedup_by(|b, a| {
+        self.point_masses.extend(other.point_masses);
+        self.point_masses.sort_by(|a, b| a.position.total_cmp(&b.position));
+        self.point_masses.dedup_by(|b, a| {
             let same = same_position(a.position, b.position) && a.passed == b.passed;
             a.weight += if same { b.weight } else { 0.0 };
             same
         });
-        self.breaks.extend(other.breaks);
+        self.breakpoints.extend(other.breakpoints);
         self.resolution = self.resolution.min(other.resolution);
     }
 }
@@ -151,12 +152,12 @@ mod tests {
         let law = contacts.thresholds.as_ref();
         let born = Layer::placed(&contacts, reforming.as_ref(), true, BULK);
         let back = born.advanced(0.5).mirrored().advanced(0.3).mirrored();
-        let layers = tidied(vec![back.scaled(0.5), born.scaled(0.5)], law);
+        let layers = simplified(vec![back.scaled(0.5), born.scaled(0.5)], law);
         assert_eq!(layers.len(), 2);
-        let moved = |by: f64| tidied(layers.iter().map(|layer| layer.advanced(by)).collect(), law);
+        let moved = |by: f64| simplified(layers.iter().map(|layer| layer.advanced(by)).collect(), law);
         assert_eq!((moved(0.2).len(), moved(0.4).len()), (2, 1));
         // Below all thresholds nothing breaks.
         assert!((LayerSums::of(&moved(0.2), &contacts).unbroken - 1.0).abs() < 1e-14);
-        assert!((moved(0.2)[0].way_ahead(0.9) - 0.3).abs() < 1e-14);
+        assert!((moved(0.2)[0].distance_to_break(0.9) - 0.3).abs() < 1e-14);
     }
 }

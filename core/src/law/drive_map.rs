@@ -1,23 +1,23 @@
-//! How far the drive has stretched contacts that are stretched by every break, too.
+//! The map between stretch and drive for contacts with mean-field coupling.
 
 use super::SharedLaw;
 use super::critical_coupling::weighted;
-use super::places::places;
+use super::panels::panel_boundaries;
 use crate::numerics::legendre::RULE;
 
-/// Bisection alone needs 60 steps.
+/// Largest number of steps; bisection alone needs 60.
 const MOST_STEPS: usize = 100;
 
-/// X(x) = x − κ ∫_0^x ξ dP(ξ) for κ below the critical coupling of the law P, and its inverse.
+/// X(x) = x − κ ∫_0^x ξ dP(ξ) for κ below the critical coupling of the distribution P, and its inverse.
 #[derive(Debug, Clone)]
-pub(super) struct Drives {
+pub(super) struct DriveMap {
     pub(super) coupling: f64,
     pub(super) thresholds: SharedLaw,
-    /// Boundaries of cells that Gauss points follow; below the first X is x.
+    /// Panel boundaries for Gauss quadrature; below the first X = x.
     nodes: Vec<DriveNode>,
 }
 
-/// A boundary: x, X(x) and ∫_0^x ξ dP, what has broken.
+/// A panel boundary: x, X(x) and ∫_0^x ξ dP, the stretch of broken contacts.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DriveNode {
     pub(super) stretch: f64,
@@ -25,21 +25,21 @@ pub(super) struct DriveNode {
     broken: f64,
 }
 
-impl Drives {
+impl DriveMap {
     pub(super) fn new(coupling: f64, thresholds: SharedLaw) -> Self {
-        let mut drives = Self { coupling, thresholds, nodes: Vec::new() };
+        let mut map = Self { coupling, thresholds, nodes: Vec::new() };
         let mut broken = 0.0;
         let mut before = DriveNode { stretch: 0.0, drive: 0.0, broken };
-        for stretch in drives.graded() {
-            if !drives.nodes.is_empty() {
-                broken += drives.breaking(before.stretch, stretch);
+        for stretch in map.graded() {
+            if !map.nodes.is_empty() {
+                broken += map.breaking(before.stretch, stretch);
             }
-            // Places an ulp apart.
+            // Positions one rounding error apart must not decrease.
             let drive = (stretch - coupling * broken).max(before.drive);
             before = DriveNode { stretch, drive, broken };
-            drives.nodes.push(before);
+            map.nodes.push(before);
         }
-        drives
+        map
     }
 
     pub(super) fn nodes(&self) -> &[DriveNode] {
@@ -69,7 +69,7 @@ impl Drives {
         1.0 - self.coupling * weighted(self.thresholds.as_ref(), stretch)
     }
 
-    /// X(x) in the cell above a node; above the last one from what is left.
+    /// X(x) in the cell above a node; above the last node from the upper moment.
     pub(super) fn drive_in(&self, cell: usize, stretch: f64) -> f64 {
         let node = self.nodes[cell];
         let left = |x: f64| self.thresholds.upper_moment(1, x);
@@ -81,12 +81,12 @@ impl Drives {
         stretch - self.coupling * (node.broken + breaking)
     }
 
-    /// ∫ξ dP between places of one cell.
+    /// ∫ξ dP between two stretches within a cell.
     fn breaking(&self, from: f64, to: f64) -> f64 {
         RULE.integrate(from, to, |x| weighted(self.thresholds.as_ref(), x))
     }
 
-    /// x(X) in the cell above a node: Newton's method, kept within its bracket.
+    /// x(X) in the cell above a node, by Newton's method safeguarded by bisection.
     fn stretch_in(&self, cell: usize, drive: f64) -> f64 {
         let beyond = drive + self.coupling * self.thresholds.mean();
         let mut low = self.nodes[cell].stretch;
@@ -108,9 +108,9 @@ impl Drives {
         x
     }
 
-    /// Places of the law, so many that the slope does not change by more than a factor of 2 between them.
+    /// Panel boundaries such that the slope dX/dx changes by less than a factor of 2 between them.
     fn graded(&self) -> Vec<f64> {
-        let mut rest = places(self.thresholds.as_ref());
+        let mut rest = panel_boundaries(self.thresholds.as_ref());
         rest.retain(|&x| x > 0.0);
         rest.reverse();
         let mut graded: Vec<f64> = rest.pop().into_iter().collect();

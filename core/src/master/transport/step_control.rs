@@ -1,71 +1,72 @@
-//! How long a step may be.
+//! Control of the time step.
 
 use serde::{Deserialize, Serialize};
 
-use super::broken::BrokenShare;
-use super::trial::Deaths;
+use super::broken::{BrokenShare, EarlyBreaks};
 use crate::contacts::Contacts;
 use crate::law::Law;
 use crate::{Error, Float, Result};
 
-/// The choice of steps.
+/// Control of the time step.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Pace {
-    /// How far contacts may stretch in a step.
+pub(super) struct StepControl {
+    /// Largest stretching in a step.
     #[serde(skip)]
     reach: f64,
-    /// By how much of all contacts what breaks in a step may differ from what the step before foretells.
+    /// Largest allowed error of the extrapolated number of breaks, per contact.
     #[serde(skip)]
-    surprise: f64,
-    /// How much of all contacts the curvature of the deaths of the newborn may be.
+    extrapolation_error: f64,
+    /// Largest allowed curvature of the breaks of contacts formed in the step, per contact.
     #[serde(skip)]
-    bend: f64,
+    curvature: f64,
     /// The duration that the next step may have.
     next: f64,
-    /// The last step, as long as the next one goes on like it.
+    /// The last step, if the next one continues it smoothly.
     last: Option<(f64, BrokenShare)>,
 }
 
-/// The longest step in units of the length on which lives vary is this times the fourth root of the tolerance.
+/// Longest step in units of the length on which lives vary: this times the fourth root of the tolerance.
 const REACH: f64 = 6.0;
 
-/// The longest step in units of the mean threshold is, where densities jump by the most of themselves, this times the square
+/// Longest step in units of the mean threshold for densities with the largest jumps: this times the square
 /// root of the tolerance.
 const JUMP: f64 = 3.0;
 
-/// The largest surprise is this times tolerance^¾: a step's share of error falls with its surprise and with its length.
+/// Largest extrapolation error: this times tolerance^¾. The error of a step decreases with its extrapolation
+/// error and with its length.
 const SURPRISE: f64 = 10.0;
 
-/// The share of the newborn of a step that may break in it.
+/// Largest fraction of the contacts formed in a step that may break in it.
 const MOST_DEATHS: f64 = 0.3;
 
-/// What the curvature of the deaths of the newborn may amount to, in tolerances: all but a hundredth of it is kept.
+/// Largest curvature of the breaks of contacts formed in a step, in units of the tolerance; all but a
+/// hundredth of it is accounted for.
 const BEND: f64 = 100.0;
 
-/// Steps grow by no more than this factor, and shrink by no less than its inverse.
+/// Largest factor by which steps grow or shrink.
 const GROWTH: f64 = 2.0;
 
-impl Pace {
+impl StepControl {
     pub(super) fn new(contacts: &Contacts, tolerance: f64) -> Self {
         let smooth = (REACH * tolerance.powf(0.25)).min(1.0) * scale(contacts);
         Self {
             reach: smooth.min(coarsest(contacts, tolerance)),
-            surprise: SURPRISE * tolerance.powf(0.75),
-            bend: BEND * tolerance,
+            extrapolation_error: SURPRISE * tolerance.powf(0.75),
+            curvature: BEND * tolerance,
             next: f64::INFINITY,
             last: None,
         }
     }
 
-    /// The same, kept without what steps may be, which is that of `other` ones.
+    /// The same with the settings of `other`, which are not serialised.
     pub(super) fn of(self, other: &Self) -> Self {
-        let &Self { reach, surprise, bend, .. } = other;
-        Self { reach, surprise, bend, ..self }
+        let &Self { reach, extrapolation_error, curvature, .. } = other;
+        Self { reach, extrapolation_error, curvature, ..self }
     }
 
-    /// The length of a step, of what is left until something happens, at a velocity.
+    /// The duration of the next step at a velocity, with the time `left` until the next event.
     pub(super) fn propose(&self, velocity: f64, left: f64) -> f64 {
-        /// The first step of all, where nothing else limits it.
+        /// The first step, if nothing else limits it.
         const FIRST: f64 = 1e-6;
         let first = if self.next.is_finite() {
             self.next
@@ -89,42 +90,44 @@ impl Pace {
         if velocity == 0.0 { f64::INFINITY } else { self.reach / velocity.abs() }
     }
 
-    /// Forgets the last step: the next one is of another kind.
-    pub(super) fn turn(&mut self) {
+    /// Discards the last step: the next one does not continue it.
+    pub(super) fn restart(&mut self) {
         self.last = None;
     }
 
-    /// Whether a step of a duration is good enough; says how long the next one may be.
-    pub(super) fn judge(&mut self, duration: f64, share: BrokenShare, deaths: Deaths) -> bool {
-        let surprise = self.surprise(duration, share) / self.surprise;
-        let bend = share.end * deaths.curve().1.abs() / self.bend;
+    /// Whether a step is accurate enough; sets the duration of the next one.
+    pub(super) fn judge(&mut self, duration: f64, share: BrokenShare, deaths: EarlyBreaks) -> bool {
+        let extrapolation_error = self.extrapolation_error(duration, share) / self.extrapolation_error;
+        let curvature = share.end * deaths.curve().1.abs() / self.curvature;
         let early = deaths.early / MOST_DEATHS;
-        let factor =
-            (0.9 / surprise.cbrt()).min(0.9 / bend.cbrt()).min(0.9 / early).clamp(1.0 / GROWTH, GROWTH);
-        if surprise > 1.0 || bend > 1.0 || early > 1.0 {
+        let factor = (0.9 / extrapolation_error.cbrt())
+            .min(0.9 / curvature.cbrt())
+            .min(0.9 / early)
+            .clamp(1.0 / GROWTH, GROWTH);
+        if extrapolation_error > 1.0 || curvature > 1.0 || early > 1.0 {
             self.next = factor.min(0.8) * duration;
             return false;
         }
-        // A step cut short by what happens says little of longer ones.
+        // A step cut short by an event does not limit longer ones.
         let longer = factor * duration;
         self.next = if factor >= 1.0 && self.next.is_finite() { longer.max(self.next) } else { longer };
         self.last = Some((duration, share));
         true
     }
 
-    /// How far what breaks is from what the straight line of the last breaking rate foretells; after a turn, how far the
-    /// breaking rate is from constant.
-    fn surprise(&self, duration: f64, share: BrokenShare) -> f64 {
+    /// The difference between the breaks of a step and their linear extrapolation from the last breaking
+    /// rate; after a restart, the change of the breaking rate.
+    fn extrapolation_error(&self, duration: f64, share: BrokenShare) -> f64 {
         let Some((before, last)) = self.last else { return (share.end - 2.0 * share.middle).abs() };
         let tilt = 4.0 * (last.end - 2.0 * last.middle);
         let between = 0.5 * (1.0 + duration / before);
         (share.end - duration / before * (last.end + tilt * between)).abs()
     }
 
-    /// Refuses steps that shrink without end.
+    /// Refuses steps that shrink without limit.
     ///
     /// # Errors
-    /// The next step would be no step.
+    /// The next step would have no duration.
     pub(super) fn check(&self, refused: f64, tolerance: f64) -> Result<()> {
         if self.next > f64::MIN_POSITIVE && self.next < refused {
             return Ok(());
@@ -138,15 +141,15 @@ impl Pace {
         })
     }
 
-    /// The step before the next one, if that goes on like it.
+    /// The previous step, if the next one continues it.
     pub(super) fn last(&self) -> Option<(f64, BrokenShare)> {
         self.last
     }
 }
 
-/// The length on which lives vary: that of the thresholds', and what temperature adds.
+/// The length on which lives vary: that of the thresholds, and what temperature adds.
 pub(super) fn scale(contacts: &Contacts) -> f64 {
-    /// Where thresholds are identical and cold, in units of the mean one.
+    /// For identical thresholds without temperature, in units of the mean threshold.
     const LEAST: f64 = 0.02;
     let mean = contacts.thresholds.mean();
     let ageing = contacts.rules.ageing.as_ref().and_then(|ageing| ageing.mature());
@@ -156,20 +159,21 @@ pub(super) fn scale(contacts: &Contacts) -> f64 {
     if width == 0.0 { thermal.clamp(LEAST * mean, mean) } else { width.hypot(thermal).min(mean) }
 }
 
-/// The longest stretch on which sums go over where densities jump; infinite where they do not.
+/// The longest stretching of a step for densities with jumps; infinite without jumps.
 pub(super) fn coarsest(contacts: &Contacts, tolerance: f64) -> f64 {
     JUMP * tolerance.sqrt() * contacts.thresholds.mean() / jumps(contacts).sqrt()
 }
 
-/// By how much the density of thresholds jumps, in units of the inverse mean one; a point mass counts as its weight.
+/// The largest jump of the density of thresholds, in units of the inverse mean; a point mass counts as its
+/// weight.
 fn jumps(contacts: &Contacts) -> f64 {
     let law = &contacts.thresholds;
-    let jumps = law.breaks().into_iter().filter(|b| b.exponent <= 0.0 && b.position > 0.0);
+    let jumps = law.breakpoints().into_iter().filter(|b| b.exponent <= 0.0 && b.position > 0.0);
     let points = law.atoms().into_iter().map(|atom| atom.weight);
     jumps.map(|b| b.amplitude.abs() * law.mean()).chain(points).fold(0.0, f64::max)
 }
 
-/// The least length on which a density varies, 0 where there is none.
+/// The smallest length on which a density varies; 0 without density.
 fn width(law: &dyn Law) -> f64 {
     let zones = law.zones();
     let spread = zones.iter().filter(|zone| zone.high > zone.low);

@@ -1,4 +1,4 @@
-//! What temperature breaks of contacts whose threshold stays as it is, in closed form.
+//! Thermal breaking of contacts with a constant threshold, in closed form.
 
 use std::sync::LazyLock;
 
@@ -17,7 +17,7 @@ use crate::numerics::table::Table;
 /// | bell | h T/E_0 | 1 |
 /// | catastrophe | h (T/E_0)^{2/3} | g(√((h − x)/s)), g(t) = e^{t³} ∫_t^∞ 2τ e^{−τ³} dτ, an incomplete gamma function |
 #[derive(Debug)]
-pub(super) struct Constant {
+pub(super) struct ConstantThreshold {
     barrier: Barrier,
     threshold: f64,
     /// E_0/T.
@@ -36,10 +36,10 @@ static DAWSON: LazyLock<Table> = LazyLock::new(|| Table::of(|x| (1.0 + x).powi(2
 /// (1 + t) g(t).
 static CATASTROPHE: LazyLock<Table> = LazyLock::new(|| Table::of(|t| (1.0 + t) * catastrophe(t)));
 
-/// Of exponents that differ by less the closed form is a difference of nearly the same: a Gauss rule is closer then, …
+/// If the exponents differ by less, the closed form would cancel, and a Gauss rule is used.
 const ALIKE: f64 = 1.0 / 32.0;
 
-/// … of six points and weights, which misses less than rounding.
+/// The Gauss rule of six points: its error is below rounding there.
 const FEW: [(f64, f64); 6] = [
     (-0.932_469_514_203_152, 0.171_324_492_379_170_36),
     (-0.661_209_386_466_264_5, 0.360_761_573_048_138_6),
@@ -49,10 +49,10 @@ const FEW: [(f64, f64); 6] = [
     (0.932_469_514_203_152, 0.171_324_492_379_170_36),
 ];
 
-impl Constant {
-    /// Contacts that need E_0 = `whole` T to break where they are not stretched.
+impl ConstantThreshold {
+    /// Contacts with the barrier E_0 = `whole` × T at zero stretch.
     pub(super) fn new(barrier: Barrier, threshold: f64, whole: f64, start: f64) -> Self {
-        // Of tiny thresholds it is 0 by rounding.
+        // For tiny thresholds it would round to 0.
         let whole = whole.max(f64::MIN_POSITIVE);
         let length = match barrier {
             Barrier::Elastic => threshold / whole.sqrt(),
@@ -93,10 +93,11 @@ impl Constant {
         }
     }
 
-    /// The integral by a Gauss rule, over q = √(1 − ξ/h), in which every barrier is smooth.
+    /// The integral by a Gauss rule in q = √(1 − ξ/h), in which every barrier is smooth.
     fn short(&self, stretch: f64, advance: f64) -> f64 {
         let left = (1.0 - stretch / self.threshold).max(0.0);
-        // √(1 − r/h), told from the advance: an advance far shorter than the stretch is not their difference.
+        // √(1 − r/h) from the advance, which for short advances is more accurate than the difference of
+        // stretches.
         let (near, far) = (left.sqrt(), (left + advance / self.threshold).sqrt());
         let half = 0.5 * advance / (self.threshold * (near + far).max(f64::MIN_POSITIVE));
         let term = |(t, weight): (f64, f64)| {
@@ -107,12 +108,12 @@ impl Constant {
     }
 }
 
-/// g(t), over e^{−40} of its integrand, in parts on which that falls by e⁻⁴.
+/// g(t), up to e^{−40} of its integrand, in panels over which that falls by e⁻⁴.
 fn catastrophe(t: f64) -> f64 {
     const PART: f64 = 4.0;
     const PARTS: u32 = 10;
     let cube = t.powi(3);
-    // τ − t from τ³ − t³, which far out is far smaller.
+    // τ − t from τ³ − t³, without cancellation.
     let beyond = |excess: f64| {
         let tau = (cube + excess).cbrt();
         excess / (tau * tau + tau * t + t * t).max(f64::MIN_POSITIVE)
@@ -148,7 +149,7 @@ mod tests {
                 [(10.0, 0.0, 0.9), (10.0, 0.3, 1e-3), (400.0, 0.2, 0.7), (0.5, 0.0, 0.8), (3.0, 0.5, 0.5)]
             {
                 let threshold = 1.0;
-                let constant = Constant::new(barrier, threshold, whole, start);
+                let constant = ConstantThreshold::new(barrier, threshold, whole, start);
                 let (sum, now) = constant.at(advance);
                 let rate = |x: f64| (-whole * barrier.height(x / threshold)).exp();
                 // Cells that shrink towards the threshold, where the catastrophe's barrier is not smooth.

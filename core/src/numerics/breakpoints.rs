@@ -1,4 +1,4 @@
-//! Where functions are not smooth, and where their convolutions are not.
+//! Points at which functions are not smooth, and the points at which their convolutions are not.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -6,34 +6,33 @@ use std::collections::BinaryHeap;
 use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
 
-/// A point mass: `weight` at `position`.
+/// A point mass (Dirac delta): `weight` at `position`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Atom {
-    /// Where the mass sits.
+    /// Position of the mass.
     pub position: f64,
-    /// How much there is.
+    /// The mass.
     pub weight: f64,
 }
 
-/// A point where a function is not smooth: near it the function is a smooth one plus
-/// `amplitude` (x − position)₊^`exponent` / Γ(`exponent` + 1).
+/// A point at which a function is not smooth. Near it the function is a smooth one plus `amplitude` (x −
+/// `position`)₊^`exponent` / Γ(`exponent` + 1).
 ///
-/// A jump has exponent 0 and its height as amplitude; a kink exponent 1 and its change of slope;
-/// √x has exponent ½; a point mass has exponent −1 and its weight. In this normalisation the
-/// convolution of two breaks is a break at the sum of positions, exponents add plus one, and
-/// amplitudes multiply.
+/// A jump has exponent 0 and its height as amplitude, a kink has exponent 1 and its change of slope, √x has
+/// exponent ½, a point mass has exponent −1 and its weight. In this normalisation the convolution of two such
+/// terms is again one: positions add, exponents add plus one, amplitudes multiply.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Break {
-    /// Where it is.
+pub struct Breakpoint {
+    /// Position.
     pub position: f64,
-    /// Its order, −1 or more.
+    /// Exponent, −1 or more.
     pub exponent: f64,
-    /// Its strength.
+    /// Amplitude.
     pub amplitude: f64,
 }
 
-impl Break {
-    /// The break that the convolution of two functions has where theirs meet.
+impl Breakpoint {
+    /// The breakpoint that the convolution of two functions has because of one breakpoint of each.
     #[must_use]
     pub fn convolve(self, other: Self) -> Self {
         Self {
@@ -43,8 +42,8 @@ impl Break {
         }
     }
 
-    /// The break of f(−x), where f has this one: with t₊ⁿ = tⁿ − (−1)ⁿ(−t)₊ⁿ for a whole exponent n; of another, but for
-    /// its sign.
+    /// The breakpoint of f(−x), where f has this one. For a whole exponent n, t₊ⁿ = tⁿ − (−1)ⁿ(−t)₊ⁿ; for
+    /// other exponents only the sign of the amplitude is a convention.
     #[must_use]
     pub fn mirrored(self) -> Self {
         let odd = self.exponent.rem_euclid(2.0) == 1.0;
@@ -55,18 +54,19 @@ impl Break {
         }
     }
 
-    /// What a polynomial cell loses that has the break inside and points spaced by `spacing`:
-    /// about |amplitude| spacing^exponent / Γ(exponent + 1).
+    /// Estimate of the error that a polynomial makes on a cell with this breakpoint inside, for interpolation
+    /// points a distance `spacing` apart: about |amplitude| spacing^exponent / Γ(exponent + 1).
     pub fn weight(&self, spacing: f64) -> f64 {
         self.amplitude.abs() * spacing.powf(self.exponent) / libm::tgamma(self.exponent + 1.0)
     }
 
-    /// Whether Gauss points beside it miss it: a low power that is not whole.
+    /// Whether Gauss quadrature on cells that end at the breakpoint does not converge fast: a low power that
+    /// is not whole.
     pub fn is_steep(&self) -> bool {
         self.exponent < 5.0 && self.exponent.fract() != 0.0
     }
 
-    /// Whether it is so steep that cells have to narrow towards it.
+    /// Whether cells must narrow towards it (a graded mesh): a power below 1 that is not whole.
     pub fn is_singular(&self) -> bool {
         self.is_steep() && self.exponent < 1.0
     }
@@ -77,25 +77,25 @@ impl Break {
     }
 }
 
-impl From<Atom> for Break {
+impl From<Atom> for Breakpoint {
     fn from(atom: Atom) -> Self {
         Self { position: atom.position, exponent: -1.0, amplitude: atom.weight }
     }
 }
 
-/// Positions closer than this, relative to their size, are one: sums of the same numbers in another order.
+/// Relative distance below which two positions are the same: sums of the same numbers in another order.
 const SAME: f64 = 1e-13;
 
-/// Whether two positions are one, up to the rounding of sums.
+/// Whether two positions are equal up to the rounding of sums.
 pub fn same_position(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * a.abs().max(b.abs())
 }
 
-/// The most breaks that a solution keeps track of.
+/// Largest number of breakpoints of one solution.
 const MOST: usize = 1_000_000;
 
-/// A break ordered by position, for the heap.
-struct Queued(Break);
+/// A breakpoint ordered by position, for the heap.
+struct Queued(Breakpoint);
 
 impl PartialEq for Queued {
     fn eq(&self, other: &Self) -> bool {
@@ -114,38 +114,40 @@ impl Ord for Queued {
     }
 }
 
-/// The breaks on [0, end] of the solution g of g = source + kernel ∗ g: those of the source and every one that
-/// convolution with the kernel makes of them, atoms included, ordered by position.
+/// The breakpoints on [0, end] of the solution g of the renewal equation g = source + kernel ∗ g, ordered by
+/// position: those of the source and all that repeated convolution with the kernel makes of them, atoms
+/// included. A heap yields them in order.
 ///
-/// Breaks for which `matters` is false are left out, with all that follows from them; atoms never are.
+/// Breakpoints for which `matters` is false are left out, with all that follow from them; atoms never are.
 ///
 /// # Errors
-/// [`Error::TooLarge`] under no key where more than a million would have to be kept; [`Error::Stopped`] by the monitor,
-/// who hears nothing but 0.
+/// [`Error::TooLarge`] (with an empty key) for more than a million breakpoints; [`Error::Stopped`] by the monitor, which
+/// is told no progress.
 pub fn renewed(
-    source: &[Break],
-    kernel: &[Break],
+    source: &[Breakpoint],
+    kernel: &[Breakpoint],
     end: f64,
-    matters: impl Fn(&Break) -> bool,
+    matters: impl Fn(&Breakpoint) -> bool,
     monitor: &mut dyn Monitor,
-) -> Result<Vec<Break>> {
-    let wanted = |b: &Break| b.position <= end && (b.is_atom() || matters(b));
+) -> Result<Vec<Breakpoint>> {
+    let wanted = |b: &Breakpoint| b.position <= end && (b.is_atom() || matters(b));
     let mut queue: BinaryHeap<_> =
         source.iter().copied().filter(wanted).map(|b| Reverse(Queued(b))).collect();
-    let mut found: Vec<Break> = Vec::new();
+    let mut found: Vec<Breakpoint> = Vec::new();
     while let Some(Reverse(Queued(mut next))) = queue.pop() {
-        // Equal exponents at one position may be queued with others between them: gather all of the position.
-        let mut aside = Vec::new();
+        // Equal exponents at one position may be queued with others between them: collect all of the position.
+        let mut others = Vec::new();
         while queue.peek().is_some_and(|Reverse(Queued(b))| same_position(b.position, next.position)) {
             if let Some(Reverse(Queued(b))) = queue.pop() {
                 if (b.exponent - next.exponent).abs() < 1e-9 {
                     next.amplitude += b.amplitude
                 } else {
-                    aside.push(b)
+                    others.push(b)
                 }
             }
         }
-        queue.extend(aside.into_iter().map(|b| Reverse(Queued(Break { position: next.position, ..b }))));
+        queue
+            .extend(others.into_iter().map(|b| Reverse(Queued(Breakpoint { position: next.position, ..b }))));
         queue.extend(kernel.iter().map(|&k| k.convolve(next)).filter(wanted).map(|b| Reverse(Queued(b))));
         found.push(next);
         if found.len().is_multiple_of(1024) {
@@ -155,8 +157,8 @@ pub fn renewed(
             return Err(Error::TooLarge {
                 key: String::new(),
                 what: format!("jumps and kinks at more than {MOST} positions"),
-                needed: (found.len() + queue.len()) as u64 * size_of::<Break>() as u64,
-                allowed: (MOST * size_of::<Break>()) as u64,
+                needed: (found.len() + queue.len()) as u64 * size_of::<Breakpoint>() as u64,
+                allowed: (MOST * size_of::<Breakpoint>()) as u64,
             });
         }
     }
@@ -167,7 +169,7 @@ pub fn renewed(
 mod tests {
     use super::*;
 
-    fn atom(position: f64, weight: f64) -> Break {
+    fn atom(position: f64, weight: f64) -> Breakpoint {
         Atom { position, weight }.into()
     }
 
@@ -182,7 +184,7 @@ mod tests {
 
     #[test]
     fn jumps_become_kinks_and_fade_by_order() {
-        let jump = Break { position: 1.0, exponent: 0.0, amplitude: 2.0 };
+        let jump = Breakpoint { position: 1.0, exponent: 0.0, amplitude: 2.0 };
         let found = renewed(&[jump], &[jump], 10.0, |b| b.exponent < 3.0, &mut ()).unwrap();
         let expected = [(1.0, 0.0, 2.0), (2.0, 1.0, 4.0), (3.0, 2.0, 8.0)];
         let got: Vec<_> = found.iter().map(|b| (b.position, b.exponent, b.amplitude)).collect();
