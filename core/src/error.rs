@@ -1,20 +1,20 @@
-//! What can go wrong: a description that makes no sense, a run that was stopped, a job too big.
+//! Errors: an invalid description, a job too big, an accuracy not reached, a computation that was stopped.
 
 /// The result of a fallible operation of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// An error, with the numbers that a person needs to mend it.
+/// An error, with the numbers needed to correct it.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A value that a description cannot have.
+    /// An invalid value in a description.
     #[error("{key}: expected {expected}, got {found}")]
     Invalid {
         /// Path of the offending key, relative to the object that refuses it (`std`, `thresholds.gaussian.std`).
         key: String,
         /// What would have been accepted.
         expected: String,
-        /// What came.
+        /// What was found.
         found: String,
     },
     /// The job would not fit in memory.
@@ -50,12 +50,12 @@ pub enum Error {
     Stopped,
 }
 
-/// A key, as it stands before what is said of it.
+/// A key, as the start of a message.
 fn named(key: &str) -> String {
     if key.is_empty() { String::new() } else { format!("{key}: ") }
 }
 
-/// What to do where a key asks for more than is reached.
+/// Advice if a key requires more than is reached.
 fn remedy(key: &str, reached: &Float) -> String {
     match reached.0 {
         _ if key.is_empty() => String::new(),

@@ -1,25 +1,28 @@
-//! The law of the drives at which contacts break for the first time, as it is found where they are coupled.
+//! The distribution of the drives at which contacts break for the first time, as measured on coupled
+//! contacts.
 
 use crate::law::Law;
 
-/// The share of contacts that have broken, once or more often, against the drive: of free contacts that start relaxed
-/// the distribution function of their thresholds, of coupled ones that of what the coupling makes of them.
+/// The fraction of contacts that have broken at least once, against the drive. For uncoupled contacts that
+/// start relaxed it is the distribution function of their thresholds; for coupled ones that of the
+/// renormalised thresholds.
 ///
-/// A line between points (drive, share), upright where contacts break at one drive.
+/// Piecewise linear between points (drive, fraction), vertical where contacts break at one drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FirstBreaks {
     points: Vec<(f64, f64)>,
 }
 
-/// The share of contacts that have broken, in cells j of many contacts whose thresholds are s_j x_s: the mean of
-/// 1 − S(X_j/s_j), given X_j/s_j, for cells that have been as far as X_j and contacts that started relaxed.
+/// The fraction of broken contacts in cells j of many contacts with thresholds s_j x_s: the mean of the
+/// distribution function at X_j/s_j, for cells with the largest displacement X_j and contacts that started
+/// relaxed.
 pub fn broken(thresholds: &dyn Law, advances: impl ExactSizeIterator<Item = f64>) -> f64 {
     let count = advances.len() as f64;
     advances.map(|advance| thresholds.cumulative(advance)).sum::<f64>() / count
 }
 
 impl FirstBreaks {
-    /// Of contacts that break at these drives, in any order.
+    /// For contacts that break at these drives, in any order: their empirical distribution function.
     pub fn of_contacts(drives: &[f64]) -> Self {
         let mut sorted = drives.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -28,12 +31,12 @@ impl FirstBreaks {
         Self { points: sorted.iter().enumerate().flat_map(step).collect() }
     }
 
-    /// Of shares (drive, share) that have broken by rising drives, such as those of cells ([`broken`]); linear between.
+    /// From fractions broken at rising drives, such as those of cells ([`broken`]); linear in between.
     pub fn of_shares(points: Vec<(f64, f64)>) -> Self {
         Self { points }
     }
 
-    /// Of the contacts of several runs, each with as many: the mean of the shares.
+    /// The mean of several runs with the same number of contacts.
     pub fn together(runs: &[Self]) -> Self {
         let mut drives: Vec<f64> =
             runs.iter().flat_map(|run| run.points.iter().map(|point| point.0)).collect();
@@ -46,35 +49,35 @@ impl FirstBreaks {
         Self { points: drives.into_iter().flat_map(step).collect() }
     }
 
-    /// The share of contacts that have broken by a drive.
+    /// The fraction of contacts that have broken up to a drive.
     pub fn share(&self, drive: f64) -> f64 {
         self.before(self.points.partition_point(|point| point.0 <= drive), drive)
     }
 
-    /// The share before what breaks at the drive itself.
+    /// The fraction before the breaks at the drive itself.
     fn share_below(&self, drive: f64) -> f64 {
         self.before(self.points.partition_point(|point| point.0 < drive), drive)
     }
 
-    /// The share on the line to a point from the one before.
+    /// The fraction at a drive on the line to a point from the one before.
     fn before(&self, after: usize, drive: f64) -> f64 {
         let Some(&(low, below)) = after.checked_sub(1).map(|i| &self.points[i]) else { return 0.0 };
         let Some(&(high, above)) = self.points.get(after) else { return below };
         below + (above - below) * ((drive - low) / (high - low))
     }
 
-    /// The mean drive, of those that have broken.
+    /// The mean drive of broken contacts.
     pub fn mean(&self) -> f64 {
         self.average(|low, high| 0.5 * (low + high))
     }
 
-    /// The standard deviation, of those that have broken.
+    /// The standard deviation for broken contacts.
     pub fn std(&self) -> f64 {
         let mean = self.mean();
         self.average(|low, high| (0.5 * (low + high) - mean).powi(2) + (high - low).powi(2) / 12.0).sqrt()
     }
 
-    /// The mean over breaks of something of which its mean over an interval of drives is given.
+    /// The mean over breaks of a function given by its mean over intervals of the drive.
     fn average(&self, over: impl Fn(f64, f64) -> f64) -> f64 {
         let parts = self.points.windows(2).map(|pair| (pair[1].1 - pair[0].1, over(pair[0].0, pair[1].0)));
         let (whole, sum) =
@@ -82,12 +85,12 @@ impl FirstBreaks {
         sum / whole
     }
 
-    /// Kolmogorov's distance from a law: the largest difference of the shares that have broken.
+    /// Kolmogorov–Smirnov distance from a distribution.
     pub fn distance(&self, law: &dyn Law) -> f64 {
         self.points.iter().map(|&(drive, share)| (share - law.cumulative(drive)).abs()).fold(0.0, f64::max)
     }
 
-    /// The drives before and after which no more than the share `tail` breaks.
+    /// The drives below and above which at most the fraction `tail` breaks.
     pub fn range(&self, tail: f64) -> (f64, f64) {
         let at = |share: f64| {
             let after = self.points.partition_point(|point| point.1 <= share);

@@ -1,4 +1,4 @@
-//! The way of a slider in time: pieces of constant velocity, one after another.
+//! The motion of a slider in time: pieces of constant velocity.
 
 use crate::{Error, Result};
 
@@ -7,7 +7,7 @@ use crate::{Error, Result};
 pub struct Piece {
     /// Velocity v, 0 or above; a length per time.
     pub velocity: f64,
-    /// How long it lasts.
+    /// Duration.
     pub duration: f64,
 }
 
@@ -52,12 +52,12 @@ impl History {
         &self.knots
     }
 
-    /// When the motion ends.
+    /// Time at which the motion ends.
     pub fn duration(&self) -> f64 {
         self.knots[self.pieces.len()].0
     }
 
-    /// The number of the piece at a time; from the right where two meet.
+    /// The index of the piece at a time; the later one where two meet.
     pub fn piece_at(&self, time: f64) -> usize {
         (self.knots.partition_point(|knot| knot.0 <= time).max(1) - 1).min(self.pieces.len() - 1)
     }

@@ -1,4 +1,4 @@
-//! The watcher of a long computation: it hears how far the work is and may stop it.
+//! Monitors of long computations: they receive progress and may stop the work.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -7,20 +7,20 @@ use std::thread::ThreadId;
 
 use crate::{Error, Result};
 
-/// Bytes that a computation may take where nothing else is said: 16 GiB.
+/// Default limit of memory in bytes: 16 GiB.
 pub const MEMORY: u64 = 16 << 30;
 
-/// Hears the fraction done, answers whether to go on.
+/// Receives the fraction of work done, and decides whether to go on.
 ///
-/// Progress bars, Ctrl-C, limits of time and memory and checkpoints are monitors; `()` watches nothing.
+/// Progress bars, Ctrl-C, limits of time and memory and checkpoints are monitors; `()` monitors nothing.
 pub trait Monitor: Send {
     /// Called now and then with the fraction of the work done, in `[0, 1]`, never decreasing.
     fn progress(&mut self, fraction: f64) -> ControlFlow<()>;
 
-    /// Called, by what goes from event to event, with the number of events so far and the drive.
+    /// Called by event-driven computations, with the number of events so far and the drive.
     fn events(&mut self, _events: u64, _drive: f64) {}
 
-    /// Bytes that the computation may take; what would take more is refused, as far as that is known before.
+    /// Bytes that the computation may use; a job known to need more is refused.
     fn memory(&self) -> u64 {
         MEMORY
     }
@@ -32,7 +32,7 @@ impl Monitor for () {
     }
 }
 
-/// Tells another monitor of work aside, by which nothing of the whole gets done.
+/// Forwards to `monitor` without advancing its progress.
 pub struct Aside<'a> {
     /// The fraction of the whole that is done.
     pub fraction: f64,
@@ -97,13 +97,14 @@ impl Monitor for Part<'_> {
     }
 }
 
-/// A monitor for functions that are evaluated again and again in loops which adapt to them.
+/// A monitor for functions that are evaluated many times in adaptive loops, and on many threads.
 ///
-/// Once the monitor has asked to stop, such a function is to return 0, at which every loop of that kind ends at once. Who
-/// began the loop calls [`Watch::check`] after it, so that no such result is seen.
+/// Once the monitor has asked to stop, such a function must return 0, at which every adaptive loop ends at
+/// once. The caller of the loop then calls [`Watch::check`], so that no such result is used.
 pub(crate) struct Watch<'a> {
     monitor: Mutex<&'a mut dyn Monitor>,
-    /// The thread that asks. Python hears Ctrl-C on its main thread alone: others look at what that one was told.
+    /// The thread that asks the monitor. Python receives Ctrl-C on its main thread only; other threads use
+    /// the answer given there.
     asking: ThreadId,
     stopped: AtomicBool,
     /// The bits of the fraction done, as far as it is known. Positive numbers are in the order of their bits.
@@ -122,8 +123,8 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// From now on the fraction that is told is this one, unless it was larger before; 0 where nobody says how many
-    /// evaluations there will be.
+    /// Sets the fraction done, unless it was larger before; it stays 0 where the number of evaluations is
+    /// unknown.
     pub(crate) fn done(&self, fraction: f64) {
         self.done.fetch_max(fraction.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
     }
@@ -140,7 +141,7 @@ impl<'a> Watch<'a> {
         stops
     }
 
-    /// What a function returns that is evaluated again and again.
+    /// The value of a function that is evaluated many times.
     pub(crate) fn value<T: Default>(&self, of: impl FnOnce() -> T) -> T {
         if self.stops() { T::default() } else { of() }
     }
@@ -150,8 +151,9 @@ impl<'a> Watch<'a> {
         if self.stops() { Err(Error::Stopped) } else { Ok(()) }
     }
 
-    /// What `each` makes of the numbers below `count`, in their order, found on all threads, each with `tools` of its own.
-    /// This thread works, too, since it asks only between pieces of its own work.
+    /// Computes `each`(number) for all numbers below `count` on all threads, each with its own `tools`;
+    /// returns the results in order. The calling thread works, too, since it asks the monitor only between
+    /// pieces of its own work.
     ///
     /// # Errors
     /// Stopped by the monitor.
@@ -192,7 +194,7 @@ impl Monitor for &Watch<'_> {
     }
 }
 
-/// Refuses `what` is asked for under `key` if it needs more bytes than allowed.
+/// Refuses a job that needs more bytes than allowed.
 pub(crate) fn fits(key: &str, what: impl Into<String>, needed: u64, allowed: u64) -> Result<()> {
     if needed <= allowed {
         return Ok(());

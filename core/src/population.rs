@@ -1,12 +1,14 @@
-//! Contacts that move together, seen from outside: what a block or an elastic interface needs to know of them.
+//! The interface of a population of contacts: what a block or an elastic interface needs to know of contacts
+//! that move together.
 //!
-//! A population has no time of its own: it is moved, and its force follows. Between two breaks (or kinks of the
-//! force) it goes a smooth way; whoever drives it looks ahead on that way, decides how far to go, and moves it there.
+//! A population has no time of its own: it is moved, and its force follows. Between two breaks (or kinks of
+//! the force) F(X) is smooth; the caller evaluates the force ahead on that interval, decides how far to go,
+//! and moves the contacts there.
 
 use crate::Result;
 use crate::monitor::Monitor;
 
-/// Which way the slider's bottom moves.
+/// Direction of motion of the bottom of the slider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
     /// Towards larger X.
@@ -24,7 +26,7 @@ impl Direction {
         }
     }
 
-    /// The other one.
+    /// The opposite direction.
     #[must_use]
     pub fn reversed(self) -> Self {
         match self {
@@ -34,33 +36,33 @@ impl Direction {
     }
 }
 
-/// The way to the next place where contacts break together, or where the force has a kink; it may end before, where
-/// nothing is.
+/// An interval on which F(X) is smooth. It ends at or before the next simultaneous break or kink.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Way {
-    /// Its length, above 0; infinite where nothing can break any more.
+    /// Its length, above 0; infinite if nothing can break any more.
     pub length: f64,
-    /// Whether the force is a straight line on it; else it is as smooth as a polynomial of degree 15.
+    /// Whether the force is linear on it; otherwise it is a polynomial of degree 15.
     pub straight: bool,
-    /// Whether contacts break together at its end, where the force jumps.
+    /// Whether contacts break simultaneously at its end, where the force jumps.
     pub breaks: bool,
 }
 
-/// How a population answers to being moved.
+/// Force and tangent stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
     /// Force F.
     pub force: f64,
-    /// Tangent dF/dX, on the way ahead.
+    /// Tangent dF/dX ahead.
     pub tangent: f64,
 }
 
-/// What the contacts store and have lost, each summed on its own.
+/// Energies of the contacts, each summed independently.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Books {
-    /// Elastic energy Σ ½k x² of the contacts, now.
+    /// Present elastic energy Σ ½k x² of the contacts.
     pub elastic: f64,
-    /// Energy lost in breaks since the beginning: Σ over breaks of ½k x_b², less the ½k r² of what re-formed.
+    /// Energy dissipated in breaks since the beginning: Σ over breaks of ½k x_b², minus the ½k r² of
+    /// re-formed contacts.
     pub lost: f64,
     /// Breaks since the beginning, per contact.
     pub broken: f64,
@@ -68,60 +70,60 @@ pub struct Books {
 
 /// Contacts that move together.
 ///
-/// Forces are totals, in the unit of stiffness × length; positions X are lengths. What may take long asks a monitor,
-/// and tells it nothing of how much is done; where that stops it, the population is of no use any more.
+/// Forces are totals, in the unit of stiffness × length; positions X are lengths. Long operations ask a
+/// monitor, without progress; once it has stopped one, the population is invalid.
 pub trait Population: Send + Sync {
     /// Position X of the slider's bottom.
     fn position(&self) -> f64;
 
-    /// The way ahead in `direction`.
+    /// The smooth interval ahead in `direction`.
     ///
     /// # Errors
-    /// What looking further ahead may run into: accuracy not reached, too many point masses; a way that contacts at a
-    /// constant velocity cannot be followed on; stopped by the monitor.
+    /// Accuracy not reached, too many point masses; a motion that contacts at a constant velocity cannot
+    /// follow; stopped by the monitor.
     fn way(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<Way>;
 
-    /// The response after a move of `by` (negative: backward) on the way last asked for in that direction;
-    /// nothing moves. At the end of the way the left limit, before anything breaks there.
+    /// Force and tangent after a move of `by` (negative: backward) within the interval last returned for that
+    /// direction; nothing moves. At its end the left limit, before simultaneous breaks there.
     fn ahead(&self, by: f64) -> Response;
 
-    /// Moves by `by`, on the way last asked for in that direction. At an end that breaks, what stands there
-    /// still holds.
+    /// Moves by `by`, within the interval last returned for that direction. Contacts that break
+    /// simultaneously at its end are still attached.
     ///
     /// # Errors
     /// Those of [`Population::way`].
     fn advance(&mut self, by: f64) -> Result<()>;
 
-    /// At the end of a way that breaks, before anything else: what stands there breaks and re-forms (or is free,
+    /// At the end of an interval with simultaneous breaks: these contacts break and re-form (or stay free
     /// after [`Population::hold`]). The position stays.
     ///
     /// # Errors
     /// Those of [`Population::way`].
     fn cross(&mut self, monitor: &mut dyn Monitor) -> Result<()>;
 
-    /// Breaks every contact that holds; all re-form as after a break in `direction`, those held free too, and
-    /// nothing is held any more. The position stays.
+    /// Breaks every attached contact; all contacts re-form as after a break in `direction`, those held free
+    /// included, and holding ends. The position stays.
     ///
     /// # Errors
     /// Those of [`Population::way`].
     fn reset(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<()>;
 
-    /// From now on what breaks stays free and carries nothing, until [`Population::release`].
+    /// From now on broken contacts stay free and carry no force, until [`Population::release`].
     ///
     /// # Errors
     /// Those of [`Population::way`].
     fn hold(&mut self) -> Result<()>;
 
-    /// What is free re-forms, as after a break in the direction of the last move.
+    /// Free contacts re-form, as after a break in the direction of the last move.
     ///
     /// # Errors
     /// Those of [`Population::way`].
     fn release(&mut self, monitor: &mut dyn Monitor) -> Result<()>;
 
-    /// Marks the present state, in place of the one marked before.
+    /// Marks the present state, replacing the previous mark.
     fn mark(&mut self);
 
-    /// Comes back to the state that is marked, if one is, and takes the mark away.
+    /// Returns to the marked state, if there is one, and removes the mark.
     ///
     /// # Errors
     /// Stopped by the monitor.
@@ -130,17 +132,16 @@ pub trait Population: Send + Sync {
     /// Energies and breaks.
     fn books(&self) -> Books;
 
-    /// Estimated error of the force, the largest so far; 0 of contacts that are followed one by one, which carry what they
-    /// carry.
+    /// Estimated error of the force, the largest so far; 0 for contacts simulated one by one.
     fn error(&self) -> f64 {
         0.0
     }
 
-    /// The stretches of the contacts that hold, in no order, where they are followed one by one.
+    /// The stretches of the attached contacts, in no order, if contacts are simulated one by one.
     fn stretches(&self) -> Option<Vec<f64>> {
         None
     }
 
-    /// A copy in its present state, to come back to.
+    /// A copy in its present state.
     fn copy(&self) -> Box<dyn Population>;
 }

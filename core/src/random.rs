@@ -1,12 +1,12 @@
-//! Counter-based random streams: every draw has an address, so results depend on nothing else.
+//! Counter-based random streams: every random number has an address, so that results depend on nothing else.
 //!
-//! The generator is Philox4x64-10 (Salmon, Moraes, Dror and Shaw, *Parallel random numbers: as easy as
-//! 1, 2, 3*, SC11, doi:10.1145/2063384.2063405), a keyed bijection of 256-bit counters.
+//! The generator is Philox4x64-10 (Salmon, Moraes, Dror and Shaw, *Parallel random numbers: as easy as 1, 2,
+//! 3*, SC11, doi:10.1145/2063384.2063405), a keyed bijection of 256-bit counters.
 //!
 //! The layout is frozen: a change is a change of values. The key is `[seed, 0]`; block b = 1, 2, … of a
-//! stream is the image of the counter `[b, index, purpose, 0]`, and its four words come out in order.
-//! numpy increments the low word before its first block, so [`Stream::new`]`(seed, purpose, index)` gives,
-//! word for word, `numpy.random.Philox(key=[seed, 0], counter=[0, index, purpose, 0]).random_raw()`.
+//! stream is the image of the counter `[b, index, purpose, 0]`, and its four words are used in order. NumPy
+//! increments the low word before its first block, so [`Stream::new`]`(seed, purpose, index)` gives, word for
+//! word, `numpy.random.Philox(key=[seed, 0], counter=[0, index, purpose, 0]).random_raw()`.
 
 use std::convert::Infallible;
 
@@ -14,7 +14,7 @@ use rand_core::TryRng;
 
 use crate::numerics::wide::wide;
 
-/// What the draws of a stream are for; the numbers are part of the frozen layout.
+/// The purpose of a stream; the numbers are part of the frozen layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[repr(u64)]
@@ -25,7 +25,7 @@ pub enum Purpose {
     Reforming = 2,
     /// The stretch of a contact at X = 0.
     Initial = 3,
-    /// Draws conditional on the rest of a contact's state that plain draws failed to meet.
+    /// Draws conditional on the state of a contact, after rejection sampling has failed.
     Conditional = 4,
     /// The one threshold that a contact keeps for ever.
     QuenchedThresholds = 5,
@@ -33,9 +33,9 @@ pub enum Purpose {
     Cells = 6,
     /// Draws of a law for their own sake: samples, tests, pictures.
     Sample = 7,
-    /// How much of its rate of breaking by heat a contact survives, anew in each life.
+    /// The cumulative hazard that a contact survives, drawn for each life.
     Breaking = 8,
-    /// The way of a threshold that diffuses.
+    /// The path of a diffusing threshold.
     Diffusion = 9,
 }
 
@@ -54,10 +54,10 @@ pub struct Stream {
     begun: u64,
 }
 
-/// Most blocks computed at once: their multiplications overlap, and what uses the words runs longer undisturbed.
+/// Largest number of blocks computed at once: their multiplications overlap.
 const AHEAD: usize = 32;
 
-/// Blocks that are made sooner in pairs than on wide registers.
+/// Up to this many blocks, pairs are faster than wide registers.
 const FEW: usize = 8;
 
 impl Stream {
@@ -69,7 +69,8 @@ impl Stream {
         Self { key: seed, counter, words: [0; 4 * AHEAD], used: 0, filled: 0, begun: 0 }
     }
 
-    /// Goes to the stream of another `index`, of the same seed and purpose, from which so many words have been taken.
+    /// Goes to the stream of another `index`, with the same seed and purpose, at the position `taken` in
+    /// words.
     #[inline]
     pub(crate) fn seek(&mut self, index: u64, taken: u64) {
         self.begun = taken / 4;
@@ -78,7 +79,7 @@ impl Stream {
         (self.used, self.filled) = ((taken % 4) as usize, (taken % 4) as usize);
     }
 
-    /// The words taken so far, by which [`Stream::seek`] comes back here.
+    /// The number of words taken so far, for [`Stream::seek`].
     #[inline]
     pub(crate) fn taken(&self) -> u64 {
         4 * self.counter[0] + self.used as u64 - 4 * (self.filled as u64 / 4)
@@ -86,7 +87,8 @@ impl Stream {
 
     /// The next 64 random bits.
     ///
-    /// Blocks are made as many at once as there have been: a short stream costs no more than it must.
+    /// As many blocks are computed at once as there have been before: a short stream costs no more than
+    /// necessary.
     #[inline]
     pub fn word(&mut self) -> u64 {
         if self.used == self.filled {
@@ -97,7 +99,7 @@ impl Stream {
         word
     }
 
-    /// The words that come next, at least one of them, hardly more than are `wanted`; they are not taken.
+    /// The next words, at least one and hardly more than `wanted`, without taking them.
     #[inline]
     pub(crate) fn coming(&mut self, wanted: usize) -> &[u64] {
         if self.used == self.filled {
@@ -106,15 +108,15 @@ impl Stream {
         &self.words[self.used..self.filled]
     }
 
-    /// Takes words that [`Stream::coming`] has shown.
+    /// Takes words that [`Stream::coming`] has returned.
     #[inline]
     pub(crate) fn skip(&mut self, words: usize) {
         self.used += words;
     }
 
-    /// Makes `blocks` or a few more, one at least and [`AHEAD`] at most.
+    /// Computes `blocks` blocks or a few more, at least one and at most [`AHEAD`].
     ///
-    /// Out of line, so that `word` is inlined where distributions draw.
+    /// Out of line, so that `word` is inlined in distributions.
     #[inline(never)]
     fn refill(&mut self, blocks: usize) {
         let [done, index, purpose] = self.counter;
@@ -127,8 +129,8 @@ impl Stream {
 
     /// A uniform number in the open interval (0, 1), from 53 bits.
     ///
-    /// It is numpy's `random()`, whose 0 (once in 2⁵³ draws) becomes 2⁻⁵⁴: logarithms and quantiles of it
-    /// are finite.
+    /// It is NumPy's `random()`, whose 0 (once in 2⁵³ draws) becomes 2⁻⁵⁴, so that logarithms and quantiles
+    /// of it are finite.
     #[inline]
     pub fn uniform(&mut self) -> f64 {
         const ULP: f64 = 1.0 / (1u64 << 53) as f64;
@@ -157,7 +159,7 @@ impl TryRng for Stream {
     }
 }
 
-/// Writes `blocks` or a few more, the images under `key` of the counters from `first` on; how many they are.
+/// Writes the images under `key` of `blocks` counters or a few more, from `first` on; returns their number.
 #[inline]
 fn fill(words: &mut [u64; 4 * AHEAD], blocks: usize, first: [u64; 4], key: [u64; 2]) -> usize {
     if blocks <= 1 {
@@ -176,7 +178,7 @@ fn fill(words: &mut [u64; 4 * AHEAD], blocks: usize, first: [u64; 4], key: [u64;
     2 * pairs
 }
 
-/// The same on wide registers, if the machine has them. Out of line, so that a single block is spared what it saves.
+/// The same on wide registers, if the machine has them. Out of line, which makes a single block faster.
 #[inline(never)]
 fn many(words: &mut [u64; 4 * AHEAD], blocks: usize, first: [u64; 4], key: [u64; 2]) -> Option<usize> {
     wide(
@@ -189,7 +191,7 @@ fn many(words: &mut [u64; 4 * AHEAD], blocks: usize, first: [u64; 4], key: [u64;
     )
 }
 
-/// Philox4x64-10: the images under `key` of N counters from `first` on, side by side; that is N.
+/// Philox4x64-10: the images under `key` of N counters from `first` on, side by side; returns N.
 #[inline(always)]
 fn philox<const N: usize>(words: &mut [u64], first: [u64; 4], mut key: [u64; 2]) -> usize {
     let mut a: [u64; N] = std::array::from_fn(|i| first[0].wrapping_add(i as u64));
@@ -209,7 +211,7 @@ fn philox<const N: usize>(words: &mut [u64], first: [u64; 4], mut key: [u64; 2])
     N
 }
 
-/// The high and the low word of a product by a constant: at once, or for one of many in steps that wide registers have.
+/// The high and low word of a product by a constant; for many blocks in steps that wide registers support.
 #[inline(always)]
 fn multiply<const A: u64, const N: usize>(b: u64) -> (u64, u64) {
     const HALF: u64 = 0xffff_ffff;

@@ -1,16 +1,17 @@
-//! Friction read in the words of rate and state: direct effect, evolution effect and length of a velocity step, healing of holds.
+//! Rate-and-state parameters from friction curves: direct effect, evolution effect and critical distance of a
+//! velocity step, healing rate of slide–hold–slide tests.
 //!
-//! Rate-and-state friction (J. H. Dieterich, J. Geophys. Res. 84, 2161 (1979); A. Ruina, J. Geophys. Res. 88, 10359
-//! (1983)) describes what is measured when the velocity jumps from v₀ to v:
+//! Rate-and-state friction (J. H. Dieterich, J. Geophys. Res. 84, 2161 (1979); A. Ruina, J. Geophys. Res. 88,
+//! 10359 (1983)) describes the force after the velocity jumps from v₀ to v by
 //!
 //! F(X) = F₀ + a ln(v/v₀) − b ln(v/v₀) (1 − e^{−(X − X_p)/D_c}),
 //!
-//! and static friction after a hold of the time t,
+//! and static friction after a hold of duration t by
 //!
 //! F_s(t) = F_s(0) + β ln(1 + t/t_c),
 //!
-//! which heals by β ln 10 per factor of ten in hold time where t ≫ t_c, and hardly before. What is read here are numbers on
-//! a curve, computed or measured: whether the curve has that form is told by the errors of the fit.
+//! which heals by β ln 10 per factor of ten in hold time for t ≫ t_c. These functions fit curves, computed or
+//! measured; the errors of the fit show whether a curve has that form.
 
 use std::f64::consts::LN_10;
 
@@ -19,59 +20,59 @@ use serde::{Deserialize, Serialize};
 use crate::numerics::linear::solve;
 use crate::numerics::roots::brent_minimum;
 
-/// A fitted number and its standard error, as far as what the fit leaves over is noise.
+/// A fitted parameter with its standard error, which assumes that the residuals are noise.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Fitted {
-    /// The number.
+    /// The value.
     pub value: f64,
     /// Its standard error.
     pub error: f64,
 }
 
-/// A velocity step in the words of rate and state; forces in the unit of the curve.
+/// Rate-and-state parameters of a velocity step; forces in the unit of the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityStep {
-    /// a: the force at the peak above F₀, per ln(v/v₀).
+    /// Direct effect a: the force at the peak above F₀, per ln(v/v₀).
     pub direct: Fitted,
-    /// b: the fall of the force after the peak, per ln(v/v₀); below 0 where it rises on.
+    /// Evolution effect b: the decrease of the force after the peak, per ln(v/v₀); negative if it increases.
     pub evolution: Fitted,
-    /// D_c, a length.
+    /// Critical slip distance D_c, a length.
     pub distance: Fitted,
     /// F₀, the force before the step.
     pub before: f64,
-    /// X_p, where the force peaks (at the step itself where it has no peak), from the step on.
+    /// X_p, the position of the peak (that of the step itself if there is none), relative to the step.
     pub peak: f64,
-    /// Root mean square of what the fit leaves over.
+    /// Root-mean-square residual of the fit.
     pub residual: f64,
 }
 
 /// Healing: static friction grows with the logarithm of the hold time, from a cutoff time on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Healing {
-    /// β ln 10, the growth per factor of ten in hold time where that is logarithmic, a force.
+    /// Healing rate β ln 10, per factor of ten in hold time in the logarithmic regime, a force.
     pub per_decade: Fitted,
-    /// t_c, a time; `None` where all holds are so much longer that they do not tell it, and the growth is logarithmic throughout.
+    /// Cutoff time t_c; `None` if all holds are so much longer that it cannot be determined.
     pub cutoff: Option<Fitted>,
     /// The fitted force after a hold of 1, a force.
     pub at_one: Fitted,
-    /// Root mean square of what the fit leaves over.
+    /// Root-mean-square residual of the fit.
     pub residual: f64,
 }
 
-/// Fewest points of a velocity step that a fit of three numbers is made to, …
+/// Smallest number of points of a velocity step for a fit of three parameters.
 const FEWEST: usize = 8;
-/// … and fewest holds.
+/// Smallest number of holds.
 const FEWEST_HOLDS: usize = 4;
-/// Candidate scales that are tried before the best of them is refined.
+/// Number of trial scales before the best one is refined.
 const CANDIDATES: usize = 60;
 
 impl VelocityStep {
-    /// Reads the curve after a step of the velocity by the factor `ratio`: `position` from the step on (0 is the step),
-    /// `force` there, `before` the steady force F₀.
+    /// Fits the curve after a step of the velocity by the factor `ratio`: `position` relative to the step,
+    /// the `force` there, and the steady force F₀ = `before`.
     ///
-    /// The fit is least squares over all points from the peak on, X counted from it: of contacts that are elastic, as of
-    /// machines, the force cannot jump, and the direct effect takes some way. `None` for fewer than 8 points, a ratio that
-    /// is no step.
+    /// Least squares over all points from the peak on, with X counted from it: in elastic contacts, as in
+    /// machines, the force cannot jump, so that the direct effect takes some distance. `None` for fewer than
+    /// 8 points or a ratio of 1.
     pub fn read(position: &[f64], force: &[f64], before: f64, ratio: f64) -> Option<Self> {
         let size = ratio.ln();
         if size == 0.0 || !size.is_finite() {
@@ -96,7 +97,7 @@ impl VelocityStep {
         })
     }
 
-    /// The fitted force at a way `position` after the step by the factor `ratio`; before the peak that of the peak.
+    /// The fitted force at `position` after the step by the factor `ratio`; before the peak that of the peak.
     pub fn force(&self, position: f64, ratio: f64) -> f64 {
         let way = (position - self.peak).max(0.0);
         let fallen = -(-way / self.distance.value).exp_m1();
@@ -104,14 +105,14 @@ impl VelocityStep {
     }
 }
 
-/// The number of the point from which on the force relaxes: its extremum on the `side` to which the velocity went, or
-/// the step itself where what follows the extremum is too little to fit.
+/// Index of the point from which on the force relaxes: its extremum in the direction of the change of
+/// velocity, or the step itself if too few points follow the extremum.
 fn peak(force: &[f64], side: f64) -> Option<usize> {
     let highest = (0..force.len()).max_by(|&i, &j| (side * force[i]).total_cmp(&(side * force[j])))?;
     Some(if 2 * highest < force.len() && force.len() - highest >= FEWEST { highest } else { 0 })
 }
 
-/// A curve s(z) with its slope, that stretched along both axes is fitted to points.
+/// A curve s(z) and its slope.
 struct FitShape {
     value: fn(f64) -> f64,
     slope: fn(f64) -> f64,
@@ -123,7 +124,7 @@ const DECAY: FitShape = FitShape { value: |z| (-z).exp(), slope: |z| -(-z).exp()
 /// ln(1 + z).
 const GROWTH: FitShape = FitShape { value: f64::ln_1p, slope: |z| 1.0 / (1.0 + z) };
 
-/// y = offset + size s(x/scale), with the covariance of the three.
+/// The fit y = offset + size s(x/scale), with the covariance of its parameters.
 struct StepFit {
     offset: f64,
     size: f64,
@@ -134,18 +135,18 @@ struct StepFit {
 }
 
 impl StepFit {
-    /// Least squares, with a scale between `low` and `high`.
+    /// Least squares, with a scale between `low` and `high`: linear in offset and size for each scale.
     fn of(shape: &FitShape, x: &[f64], y: &[f64], (low, high): (f64, f64)) -> Option<Self> {
         if x.len() < 4 || x.len() != y.len() || !(low > 0.0 && high.is_finite()) {
             return None;
         }
         let best = |scale: f64| linear(x.iter().map(|x| (shape.value)(x / scale)), y);
-        let left_over = |log: f64| best(log.exp()).map_or(f64::INFINITY, |fit| fit.2);
+        let residual_of = |log: f64| best(log.exp()).map_or(f64::INFINITY, |fit| fit.2);
         let (low, high) = (low.ln(), high.ln());
         let step = (high - low) / CANDIDATES as f64;
         let candidates = (0..=CANDIDATES).map(|i| low + step * i as f64);
-        let nearest = candidates.min_by(|a, b| left_over(*a).total_cmp(&left_over(*b)))?;
-        let scale = brent_minimum(left_over, nearest - step, nearest + step, 1e-10).0.exp();
+        let nearest = candidates.min_by(|a, b| residual_of(*a).total_cmp(&residual_of(*b)))?;
+        let scale = brent_minimum(residual_of, nearest - step, nearest + step, 1e-10).0.exp();
         let (offset, size, squares) = best(scale)?;
         let gradients = x.iter().map(|x| gradient(shape, size, scale, *x));
         let covariance = inverse(normal(gradients))?;
@@ -164,13 +165,13 @@ impl StepFit {
     }
 }
 
-/// How the fitted curve at x changes with offset, size and scale.
+/// Derivatives of the fitted curve at x with respect to offset, size and scale.
 fn gradient(shape: &FitShape, size: f64, scale: f64, x: f64) -> [f64; 3] {
     let z = x / scale;
     [1.0, (shape.value)(z), -size * (shape.slope)(z) * z / scale]
 }
 
-/// The straight line through y over a column, as offset and size, and the sum of squares that it leaves over.
+/// Linear regression of y on a column: offset, size and the sum of squared residuals.
 fn linear(column: impl Iterator<Item = f64> + Clone, y: &[f64]) -> Option<(f64, f64, f64)> {
     let rows = || column.clone().map(|c| [1.0, c]).zip(y);
     let right = rows().fold([0.0; 2], |sum, (row, y)| [sum[0] + y * row[0], sum[1] + y * row[1]]);
@@ -179,7 +180,7 @@ fn linear(column: impl Iterator<Item = f64> + Clone, y: &[f64]) -> Option<(f64, 
     Some((offset, size, squares))
 }
 
-/// Σ g gᵀ.
+/// Σ g gᵀ, the matrix of the normal equations.
 fn normal<const N: usize>(rows: impl Iterator<Item = [f64; N]>) -> [[f64; N]; N] {
     rows.fold([[0.0; N]; N], |sum, row| {
         std::array::from_fn(|i| std::array::from_fn(|j| sum[i][j] + row[i] * row[j]))
@@ -196,12 +197,12 @@ fn inverse<const N: usize>(matrix: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
 }
 
 impl Healing {
-    /// The fit of the three numbers to static friction after holds, by least squares.
+    /// Fits the three parameters to static friction after holds, by least squares.
     ///
-    /// A cutoff time a thousand times shorter than the shortest hold is none. `None` for fewer than 4 holds, and where the
-    /// longest hold is no longer than the cutoff time: what grows is then no logarithm.
+    /// A cutoff time a thousand times shorter than the shortest hold counts as none. `None` for fewer than 4
+    /// holds, or if the longest hold is not longer than the cutoff time: the growth is then not logarithmic.
     pub fn read(hold: &[f64], force: &[f64]) -> Option<Self> {
-        /// The shortest cutoff time that is looked for, in units of the shortest hold.
+        /// Shortest cutoff time of the search, in units of the shortest hold.
         const SHORTEST: f64 = 1e-3;
         let shortest = hold.iter().copied().fold(f64::INFINITY, f64::min);
         let longest = hold.iter().copied().fold(0.0, f64::max);
@@ -225,7 +226,7 @@ impl Healing {
         })
     }
 
-    /// The straight line over the logarithm of the hold time.
+    /// Linear regression on the logarithm of the hold time.
     fn straight(hold: &[f64], force: &[f64]) -> Option<Self> {
         let logs = || hold.iter().map(|t| t.log10());
         let (at_one, slope, squares) = linear(logs(), force)?;

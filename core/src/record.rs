@@ -1,4 +1,4 @@
-//! Results as plain labelled columns: what every front end writes, draws or hands on.
+//! Results as plain labelled arrays: what front ends write, plot or pass on.
 
 /// What a variable measures; front ends turn it into a unit label (`µm`, `MPa`, `1/µm`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -136,7 +136,7 @@ impl Record {
         variable.values.chunks_exact(variable.values.len() / rows.max(1)).nth(row)
     }
 
-    /// The length of a dimension, told by the first variable that lies along it alone.
+    /// The length of a dimension, from the first variable along it alone.
     pub fn length(&self, dimension: &str) -> Option<usize> {
         self.variables.iter().find(|v| v.dimensions == [dimension]).map(|v| v.values.len())
     }

@@ -1,27 +1,27 @@
-//! How cells or contacts lie beside each other, and what is beyond the outermost.
+//! Arrangement of cells or contacts, and boundary conditions.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
 
-/// How cells lie; those beside each other are nearest neighbours.
+/// Arrangement of cells; adjacent ones are nearest neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// So many in a row, two neighbours each.
+    /// A chain of so many cells, with two neighbours each.
     Chain(usize),
-    /// Rows and columns of a square lattice, four neighbours each; counted along rows.
+    /// Rows and columns of a square lattice, with four neighbours each; numbered along rows.
     Square([usize; 2]),
 }
 
-/// What is beyond the outermost cells.
+/// Boundary conditions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Edges {
-    /// Nothing; beyond contacts coupled one by one something rigid.
+    /// Free: nothing beyond the outermost cells; of contacts coupled one by one, a rigid neighbour.
     #[default]
     Open,
-    /// The cells of the other side.
+    /// The cells of the opposite side.
     Periodic,
 }
 
@@ -48,7 +48,7 @@ impl Shape {
         }
     }
 
-    /// z, the number of neighbours of a cell inside.
+    /// z, the number of neighbours of an inner cell.
     pub fn neighbours(self) -> usize {
         match self {
             Self::Chain(_) => 2,

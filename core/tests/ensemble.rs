@@ -3,27 +3,18 @@
 //! A comparison within 4 standard errors fails a right program once in 16 000 for a fresh seed; there are
 //! some 60 here, so once in 250 for the whole file. Seeds are fixed.
 
+mod common;
+
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial, Start, Stiffness};
 use asperity::ensemble::{Disorder, Ensemble, EnsemblePull, Snapshots};
 use asperity::exact;
-use asperity::law::{Exponential, Gaussian, Law, Point, Rectangular, SharedLaw};
+use asperity::law::{Exponential, Gaussian, SharedLaw};
 use asperity::monitor::Monitor;
 use asperity::{Error, Result};
-
-fn gaussian(mean: f64, std: f64) -> SharedLaw {
-    Arc::new(Gaussian::new(mean, std).unwrap())
-}
-
-fn rectangular(min: f64, max: f64) -> SharedLaw {
-    Arc::new(Rectangular::new(min, max).unwrap())
-}
-
-fn point(at: f64) -> SharedLaw {
-    Arc::new(Point::new(at).unwrap())
-}
+use common::{gaussian, point, rectangular};
 
 /// An ensemble's description: relaxed contacts of equal stiffness, 1 in all, unless changed.
 #[derive(Clone)]

@@ -1,18 +1,11 @@
 //! Lives at a velocity against the values of the theory.
 
-use std::sync::Arc;
+mod common;
 
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Temperature};
-use asperity::law::{Gaussian, Point, SharedLaw};
+use asperity::law::SharedLaw;
 use asperity::master::MasterEquation;
-
-fn point(at: f64) -> SharedLaw {
-    Arc::new(Point::new(at).unwrap())
-}
-
-fn gaussian(mean: f64, std: f64) -> SharedLaw {
-    Arc::new(Gaussian::new(mean, std).unwrap())
-}
+use common::{gaussian, point};
 
 fn at(thresholds: SharedLaw, rules: Rules, velocity: f64) -> MasterEquation {
     let contacts = Contacts { rules, ..Contacts::new(thresholds, point(0.0)) };

@@ -1,14 +1,13 @@
 //! The steady closure: closed moments between Gaussians, and the equation itself for other laws.
 
+mod common;
+
 use std::sync::Arc;
 
 use asperity::contacts::{Ageing, Closure, Contacts, ThresholdFokkerPlanck};
-use asperity::law::{Gamma, Gaussian, Point, Rectangular, SharedLaw};
+use asperity::law::{Gamma, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
-
-fn gaussian(mean: f64, std: f64) -> SharedLaw {
-    Arc::new(Gaussian::new(mean, std).unwrap())
-}
+use common::gaussian;
 
 /// ⟨h²⟩/(2⟨h⟩) of the law between Gaussians, whose moments are closed; masses below 0 are kept.
 fn closed(newborn: (f64, f64), mature: (f64, f64), velocity_over_rate: f64) -> f64 {

@@ -1,23 +1,14 @@
 //! Contacts followed through time: against the renewal equation at one velocity, against closed forms, in balance.
 
+mod common;
+
 use std::sync::Arc;
 
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiffness, Temperature};
 use asperity::history::{History, Piece};
-use asperity::law::{Gamma, Gaussian, Point, Rectangular, SharedLaw};
+use asperity::law::{Gamma, SharedLaw};
 use asperity::master::{MasterEquation, Trace, Transport};
-
-fn gaussian(mean: f64, std: f64) -> SharedLaw {
-    Arc::new(Gaussian::new(mean, std).unwrap())
-}
-
-fn point(at: f64) -> SharedLaw {
-    Arc::new(Point::new(at).unwrap())
-}
-
-fn rectangular(min: f64, max: f64) -> SharedLaw {
-    Arc::new(Rectangular::new(min, max).unwrap())
-}
+use common::{gaussian, point, rectangular};
 
 fn conditional(law: SharedLaw) -> Initial {
     Initial { law, start: Start::Conditional }

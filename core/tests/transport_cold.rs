@@ -1,18 +1,17 @@
 //! Contacts followed through time at low temperatures: against the renewal equation, and against closed forms of holds.
 
+mod common;
+
 use std::sync::Arc;
 
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Temperature};
 use asperity::history::{History, Piece};
-use asperity::law::{Exponential, Gaussian, Lognormal, Point, Rectangular, SharedLaw, Weibull};
+use asperity::law::{Exponential, Gaussian, Lognormal, Rectangular, SharedLaw, Weibull};
 use asperity::master::{MasterEquation, Trace, Transport};
+use common::point;
 
 /// ω.
 const RATE: f64 = 1.0;
-
-fn point(at: f64) -> SharedLaw {
-    Arc::new(Point::new(at).unwrap())
-}
 
 fn gaussian() -> SharedLaw {
     Arc::new(Gaussian::new(1.0, 0.05).unwrap())

@@ -4,7 +4,6 @@
 use std::cell::Cell;
 
 use super::ThresholdFokkerPlanck;
-use super::threshold_evolution::ContactAtThreshold;
 use crate::Result;
 use crate::law::{Breakpoint, Law, SharedLaw};
 use crate::monitor::{Monitor, report};
@@ -35,6 +34,17 @@ const ENOUGH: f64 = 1e-9;
 
 /// Tolerance of the distribution at each age.
 const LEFT_OUT: f64 = 1e-13;
+
+/// A contact whose present threshold is given.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ContactAtThreshold {
+    /// h_0; below 0 if every contact has a higher threshold.
+    pub(crate) newborn: f64,
+    /// ∂h/∂t at constant h_0.
+    pub(crate) drift: f64,
+    /// ∂h/∂h_0 at constant age.
+    pub(crate) spread: f64,
+}
 
 /// The threshold h(q, t) of rank q, G(h; t) = q, where G is the distribution function at age t, from
 /// [`ThresholdFokkerPlanck`] integrated by [`Evolution`].

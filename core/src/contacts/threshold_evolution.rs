@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 pub(crate) use super::ranks::Rank;
-use super::ranks::{RankTable, RanksAtAge};
+use super::ranks::{ContactAtThreshold, RankTable, RanksAtAge};
 use super::{Ageing, Contacts, ThresholdFokkerPlanck, ranks};
 use crate::law::{Law, SharedLaw};
 use crate::monitor::Monitor;
@@ -48,17 +48,6 @@ pub struct ThresholdsAtAge<'a>(At<'a>);
 enum At<'a> {
     Affine(Affine),
     Ranked(RanksAtAge<'a>),
-}
-
-/// A contact whose present threshold is given.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ContactAtThreshold {
-    /// h_0; below 0 if every contact has a higher threshold.
-    pub(crate) newborn: f64,
-    /// ∂h/∂t at constant h_0.
-    pub(crate) drift: f64,
-    /// ∂h/∂h_0 at constant age.
-    pub(crate) spread: f64,
 }
 
 /// What identifies a contact of unknown age: its fresh threshold, and its rank if it keeps that.

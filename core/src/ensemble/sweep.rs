@@ -168,7 +168,7 @@ mod tests {
                 let upcoming = (&thresholds[..length], stretch);
                 let done = match way {
                     0 => None,
-                    1 => Some(batch.all(start, until, upcoming, uniform, &mut cells)),
+                    1 => Some(batch.process(start, until, upcoming, uniform, &mut cells)),
                     _ => batch.advance_batch(start, until, upcoming, Some(uniform), &mut cells),
                 };
                 done.unwrap_or_else(|| sweep.one_by_one(start, until, upcoming, &mut cells))

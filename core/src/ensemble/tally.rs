@@ -228,19 +228,19 @@ mod tests {
     use super::{PositionGrid, UniformGrid, nearest};
 
     #[test]
-    fn a_ruler_finds_what_the_grid_holds() {
+    fn a_uniform_grid_finds_the_same_positions() {
         let by_steps = |first: f64, step: f64| (0..=2000).map(move |i| first + f64::from(i) * step).collect();
         let to_the_end = (0..=2000).map(|i| 0.7 * (f64::from(i) / 2000.0)).collect();
         let grids: [Vec<f64>; 4] =
             [by_steps(0.0, 0.05), by_steps(3.0, 0.25), by_steps(0.0, 1e-3), to_the_end];
         for values in grids {
-            let (grid, grid) = (PositionGrid::new(&values), UniformGrid::of(&values).unwrap());
+            let (positions, grid) = (PositionGrid::new(&values), UniformGrid::of(&values).unwrap());
             let step = values[1] - values[0];
             let near =
                 values[..2000].iter().flat_map(|&x| [x - 1e-5 * step, x, x + 1e-5 * step, x + 0.6 * step]);
             for x in near.chain([-1.0]) {
                 let (index, value) = grid.guess(x);
-                assert_eq!((index as usize, value), grid.at_or_above(x), "{x}");
+                assert_eq!((index as usize, value), positions.at_or_above(x), "{x}");
             }
             // Nothing is compared: just above a value, it is taken for the next one.
             let (index, value) = grid.guess(values[7].next_up());
@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn other_values_have_no_ruler() {
+    fn other_positions_have_no_uniform_grid() {
         for values in [&[0.0, 0.1, 0.2 + 1e-12, 0.3][..], &[0.0, 0.1, 0.5], &[1.0], &[1.0, 1.0]] {
             assert_eq!(UniformGrid::of(values), None);
         }
