@@ -39,7 +39,7 @@ fn excess(interface: &mut Interface, coupling: &mut dyn Coupling, connected: usi
 /// and the stiffest slope would hold it.
 fn crept(interface: &mut Interface, coupling: &mut dyn Coupling, drive: f64, connection: f64) -> Vec<f64> {
     let number = interface.len();
-    let own = (0..number).map(|j| coupling.own(j)).fold(0.0, f64::max);
+    let own = (0..number).map(|j| coupling.self_stiffness(j)).fold(0.0, f64::max);
     let (mut positions, mut pulls) = (vec![0.0; number], vec![0.0; number]);
     loop {
         interface.put(drive, &positions).unwrap();

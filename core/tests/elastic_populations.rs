@@ -209,13 +209,13 @@ fn what_is_recalled_knows_no_more_than_at_the_mark() {
         }
         let [recalled, other] = &mut twins;
         recalled.advance(&[7.0, 0.1, 5.0], &mut ()).unwrap();
-        recalled.part(1, 0.0, &mut ()).unwrap();
+        recalled.detach(1, 0.0, &mut ()).unwrap();
         recalled.recall(&mut ()).unwrap();
         let known =
             |cells: &dyn Cells| (cells.state(), cells.extremes().steepest, cells.extremes().strongest);
         assert_eq!(known(&**recalled), known(&**other));
         for cells in &mut twins {
-            cells.resist(&[1.5, 0.1, 2.0], &mut [0.0; 3], &mut [0.0; 3]).unwrap();
+            cells.residual(&[1.5, 0.1, 2.0], &mut [0.0; 3], &mut [0.0; 3]).unwrap();
         }
         let [recalled, other] = &twins;
         assert_eq!(known(&**recalled), known(&**other));

@@ -52,7 +52,7 @@ impl Interface {
             let connection = self.connections();
             fill(&mut self.springs, connection);
             let goal = self.precision();
-            self.coupling.respond(&self.springs, &mut self.excess, goal);
+            self.coupling.solve_variable(&self.springs, &mut self.excess, goal);
             self.positions.copy_from_slice(&self.excess);
             if let Some(differences) = &mut self.differences {
                 differences.put(&self.positions);
@@ -66,7 +66,7 @@ impl Interface {
     pub(super) fn precision(&self) -> f64 {
         let (number, displaced) = (self.len(), Differences::now(self.differences.as_ref(), &self.positions));
         let pull = largest(number, |j| {
-            self.connection(j) * self.drive.abs() + self.coupling.own(j) * displaced[j].abs()
+            self.connection(j) * self.drive.abs() + self.coupling.self_stiffness(j) * displaced[j].abs()
         });
         BALANCED * self.cells.extremes().strongest + ROUNDINGS * f64::EPSILON * pull
     }
@@ -101,7 +101,7 @@ impl Interface {
 
     /// Takes the forces of the contacts after the advances that are tried off the pulls; the largest excess that is left.
     pub(super) fn resist(&mut self) -> Result<f64> {
-        self.cells.resist(&self.by, &mut self.excess, &mut self.springs)
+        self.cells.residual(&self.by, &mut self.excess, &mut self.springs)
     }
 
     /// Makes springs F' + K_0 + η/dt of the tangents.
@@ -127,7 +127,7 @@ impl Interface {
         let excess = self.largest_excess();
         let goal = (SOLVED * excess).max(0.3 * self.precision());
         self.stiffen(rate);
-        let stable = self.coupling.respond(&self.springs, &mut self.excess, goal);
+        let stable = self.coupling.solve_variable(&self.springs, &mut self.excess, goal);
         let Some(mut taken) = stable.filter(|_| self.largest_excess() <= FAR * self.length()) else {
             return Ok(None);
         };
@@ -141,7 +141,7 @@ impl Interface {
             fill(&mut self.excess, |j| (bound(j) - springs[j]).max(0.0) * by[j]);
             change(&mut self.springs, |j, spring| spring.max(bound(j)));
             drop(slopes);
-            taken += self.coupling.respond(&self.springs, &mut self.excess, goal).unwrap_or_default();
+            taken += self.coupling.solve_variable(&self.springs, &mut self.excess, goal).unwrap_or_default();
             let by = &self.by;
             change(&mut self.excess, |j, less| by[j] - less);
             slopes = self.slopes_ahead()?;
@@ -170,7 +170,7 @@ impl Interface {
     pub(super) fn newton(&mut self, excess: f64) -> bool {
         self.stiffen(0.0);
         let goal = (NEWTON * excess).max(0.3 * self.calm());
-        let stable = self.coupling.respond(&self.springs, &mut self.excess, goal).is_some();
+        let stable = self.coupling.solve_variable(&self.springs, &mut self.excess, goal).is_some();
         if stable {
             change(&mut self.by, |j, by| by + self.excess[j]);
             if let Some(differences) = &mut self.differences {
@@ -202,7 +202,7 @@ impl Interface {
             return Ok(true);
         }
         self.excess.fill(1.0);
-        let taken = self.coupling.respond(&self.springs, &mut self.excess, POSITIVE);
+        let taken = self.coupling.solve_variable(&self.springs, &mut self.excess, POSITIVE);
         let found = taken.is_some_and(|taken| taken < MOST_STEPS);
         Ok(found && all(number, |j| self.excess[j] > 0.0))
     }

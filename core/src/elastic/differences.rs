@@ -85,7 +85,7 @@ impl Interface {
     /// Keeps differences of cells, if the slider is that stiff, and if they are all that it feels.
     pub(super) fn refine(&mut self) {
         let number = self.len();
-        let own = largest(number, |j| self.coupling.own(j));
+        let own = largest(number, |j| self.coupling.self_stiffness(j));
         let stiff = own > STIFF * self.cells.extremes().steepest;
         self.differences = (stiff && self.feels_differences_only(own)).then(|| Differences::new(number));
     }

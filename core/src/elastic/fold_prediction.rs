@@ -67,7 +67,7 @@ impl Interface {
         self.stiffen(0.0);
         let mut speeds: Vec<f64> = (0..number).map(|j| self.connection(j)).collect();
         let goal = SOLVED * self.setting.connection;
-        if self.coupling.respond(&self.springs, &mut speeds, goal).is_none() {
+        if self.coupling.solve_variable(&self.springs, &mut speeds, goal).is_none() {
             return Ok(None);
         }
         let fastest = largest(number, |j| speeds[j].abs());
@@ -75,11 +75,11 @@ impl Interface {
         fill(&mut self.by, |j| speeds[j] * distance);
         // Tangents there, and then the forces by which they differ.
         let mut growth = vec![0.0; number];
-        self.cells.resist(&self.by, &mut self.excess, &mut growth)?;
+        self.cells.residual(&self.by, &mut self.excess, &mut growth)?;
         let slope = |j: usize| self.springs[j] - self.connection(j);
         change(&mut growth, |j, tangent| -speeds[j] * (tangent - slope(j)) / distance);
         let most = largest(number, |j| growth[j].abs());
-        let stable = self.coupling.respond(&self.springs, &mut growth, SOLVED * most);
+        let stable = self.coupling.solve_variable(&self.springs, &mut growth, SOLVED * most);
         Ok(stable.map(|_| (speeds, growth)))
     }
 }

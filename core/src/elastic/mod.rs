@@ -209,7 +209,7 @@ impl Interface {
     /// Those of the cells.
     pub fn forces(&mut self) -> Result<Vec<f64>> {
         let mut forces = vec![0.0; self.len()];
-        self.cells.resist(&self.by, &mut forces, &mut self.springs)?;
+        self.cells.residual(&self.by, &mut forces, &mut self.springs)?;
         change(&mut forces, |_, force| 0.0 - force);
         Ok(forces)
     }
@@ -253,7 +253,7 @@ impl Interface {
     /// Those of the cells.
     pub fn force(&mut self) -> Result<f64> {
         self.excess.fill(0.0);
-        self.cells.resist(&self.by, &mut self.excess, &mut self.springs)?;
+        self.cells.residual(&self.by, &mut self.excess, &mut self.springs)?;
         Ok(0.0 - batch::sum(self.len(), |j| self.excess[j]))
     }
 

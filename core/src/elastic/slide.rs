@@ -51,7 +51,7 @@ impl Interface {
             self.differences = slide.differences;
             return Err(error);
         }
-        self.cells.rejoin();
+        self.cells.reattach();
         let force_after = self.force()?;
         self.pull_halfway(&slide);
         let events = self.events(&slide, force_after);
@@ -180,7 +180,7 @@ impl Interface {
             let part = if self.by[cell] > 0.0 { on / self.by[cell] } else { 0.0 };
             slide.starts[cell] = time + part * during;
             if self.setting.slip == Slip::Reset {
-                self.cells.part(cell, on, monitor)?;
+                self.cells.detach(cell, on, monitor)?;
             }
         }
         // Of cells that begin together the fastest one comes first.

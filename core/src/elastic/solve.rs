@@ -26,7 +26,7 @@ pub(super) fn solve<C: Coupling + ?Sized>(
     }
     let mean = sum(number, |j| springs[j].abs()) / number as f64;
     let (mut answer, mut way) = (vec![0.0; number], right.to_vec());
-    let exact = coupling.near(mean, &mut way);
+    let exact = coupling.precondition(mean, &mut way);
     // What holds them on equal springs, (mean + A) way.
     let (mut held, mut near) = (right.to_vec(), vec![0.0; number]);
     let add = |a: f64, b: f64| a + b;
@@ -52,7 +52,7 @@ pub(super) fn solve<C: Coupling + ?Sized>(
         if sweep([&mut answer, right, &mut near], [&way, &held, springs], go, f64::max) <= goal {
             break;
         }
-        coupling.near(mean, &mut near);
+        coupling.precondition(mean, &mut near);
         taken += 1;
         let before = product;
         product = sweep([], [right, &near], |[], [right, near]| ([], right * near), add);

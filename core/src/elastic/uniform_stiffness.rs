@@ -91,13 +91,13 @@ impl Interface {
     pub(super) fn plain_step(&mut self, plain: &mut UniformStiffnessStep) -> Result<()> {
         if plain.pulls.is_empty() {
             plain.pulls = vec![0.0; self.len()];
-            self.cells.resist(&self.by, &mut plain.pulls, &mut self.springs)?;
+            self.cells.residual(&self.by, &mut plain.pulls, &mut self.springs)?;
             let excess = &self.excess;
             change(&mut plain.pulls, |j, force| excess[j] - force);
         }
         loop {
             self.by.copy_from_slice(&self.excess);
-            let taken = self.coupling.solve(plain.spring, &mut self.by);
+            let taken = self.coupling.solve_uniform(plain.spring, &mut self.by);
             plain.pay(taken);
             if !self.cells.reach(&self.by)? {
                 break;

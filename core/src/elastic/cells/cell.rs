@@ -25,7 +25,7 @@ impl Cell<'_> {
     }
 
     /// What is left of a force that pulls at it after an advance, and its tangent there.
-    pub fn resist(&self, by: f64, pull: f64) -> (f64, f64) {
+    pub fn residual(&self, by: f64, pull: f64) -> (f64, f64) {
         let (force, slope) = self.curve.response(self.place(by));
         (pull - self.scale * force, if self.free { 0.0 } else { slope })
     }

@@ -153,8 +153,8 @@ impl Batch<'_> {
         self.courses[cell] != CellCourse::First
     }
 
-    /// As [`Cell::resist`], of the cells from the first one on; the largest force that is left.
-    fn resist(&self, first: usize, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> f64 {
+    /// As [`Cell::residual`], of the cells from the first one on; the largest force that is left.
+    fn residual(&self, first: usize, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> f64 {
         let mut most = 0.0_f64;
         let lanes = forces.chunks_mut(LANES).zip(tangents.chunks_mut(LANES));
         for ((forces, tangents), first) in lanes.zip((first..).step_by(LANES)) {
@@ -162,7 +162,7 @@ impl Batch<'_> {
                 Some(curve) => self.resist_on(curve, first, by, forces, tangents),
                 None => {
                     for ((force, tangent), cell) in forces.iter_mut().zip(tangents).zip(first..) {
-                        (*force, *tangent) = self.cell(cell).resist(by[cell], *force);
+                        (*force, *tangent) = self.cell(cell).residual(by[cell], *force);
                     }
                 }
             }
@@ -233,11 +233,11 @@ impl Cells for Curves {
         self.first.stiffest(nearest(false)).max(self.fresh.stiffest(nearest(true)))
     }
 
-    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
+    fn residual(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
         self.reach(by)?;
         let batch = self.batch();
         Ok(change_chunks(forces, tangents, |first, forces, tangents| {
-            batch.resist(first, by, forces, tangents)
+            batch.residual(first, by, forces, tangents)
         }))
     }
 
@@ -264,7 +264,7 @@ impl Cells for Curves {
         Ok(())
     }
 
-    fn part(&mut self, cell: usize, by: f64, _monitor: &mut dyn Monitor) -> Result<()> {
+    fn detach(&mut self, cell: usize, by: f64, _monitor: &mut dyn Monitor) -> Result<()> {
         let batch = self.batch();
         let begun = batch.done(cell, self.marked[cell]);
         let newborn = Cell { curve: batch.fresh, advance: 0.0, ..batch.cell(cell) }.done(0.0);
@@ -277,7 +277,7 @@ impl Cells for Curves {
         Ok(())
     }
 
-    fn rejoin(&mut self) {
+    fn reattach(&mut self) {
         for cell in self.parted.keys() {
             self.courses[*cell] = CellCourse::Fresh;
         }

@@ -163,7 +163,7 @@ pub trait Cells: Send + Sync {
     ///
     /// # Errors
     /// Those of the population behind it.
-    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64>;
+    fn residual(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64>;
 
     /// Tangents on the ways from where the cells stand.
     ///
@@ -186,10 +186,10 @@ pub trait Cells: Send + Sync {
     ///
     /// # Errors
     /// Those of the population behind it.
-    fn part(&mut self, cell: usize, by: f64, monitor: &mut dyn Monitor) -> Result<()>;
+    fn detach(&mut self, cell: usize, by: f64, monitor: &mut dyn Monitor) -> Result<()>;
 
     /// What is free re-forms where it is.
-    fn rejoin(&mut self);
+    fn reattach(&mut self);
 
     /// Remembers the state of the cells, in place of the one before.
     fn mark(&mut self);

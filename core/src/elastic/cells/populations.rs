@@ -103,7 +103,7 @@ impl Own {
         self.stand.settled + self.on_curve().done(by)
     }
 
-    fn part(&mut self, by: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    fn detach(&mut self, by: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let place = self.on_curve().place(by);
         let mut stand =
             Stand::new(renewed(&*self.stand.base, place, monitor)?, CellEnergies::default(), monitor)?;
@@ -247,12 +247,12 @@ impl Cells for Populations {
         largest(self.len(), from)
     }
 
-    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
+    fn residual(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
         self.reach(by)?;
         let cells = &self.cells;
         let chunk = |first: usize, forces: &mut [f64], tangents: &mut [f64]| {
             let each = (first..).zip(forces).zip(tangents).map(|((cell, force), tangent)| {
-                (*force, *tangent) = cells[cell].on_curve().resist(by[cell], *force);
+                (*force, *tangent) = cells[cell].on_curve().residual(by[cell], *force);
                 force.abs()
             });
             each.fold(0.0, f64::max)
@@ -278,11 +278,11 @@ impl Cells for Populations {
         Ok(())
     }
 
-    fn part(&mut self, cell: usize, by: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        self.cells[cell].part(by, monitor)
+    fn detach(&mut self, cell: usize, by: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        self.cells[cell].detach(by, monitor)
     }
 
-    fn rejoin(&mut self) {
+    fn reattach(&mut self) {
         self.cells.iter_mut().for_each(|cell| cell.stand.free = false);
     }
 

@@ -37,23 +37,23 @@ pub trait Coupling: Send + Sync {
 
     /// About (diagonal + A)⁻¹ right, at the cost of little more than [`Coupling::forces`], by a symmetric positive definite
     /// matrix; whether it is that inverse.
-    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool;
+    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool;
 
     /// Solves (diagonal + A) δ = right for the response δ of cells that are held by equal springs `diagonal` > 0 too, to
-    /// 1e-14 of the largest force where nothing better is known than iterations; how many of [`Coupling::near`] that took.
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
+    /// 1e-14 of the largest force where nothing better is known than iterations; how many of [`Coupling::precondition`] that took.
+    fn solve_uniform(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
         iterate(self, diagonal, right)
     }
 
     /// Solves (springs + A) δ = right where springs differ from cell to cell, and may push, until no force larger than
-    /// `goal` is left; how many of [`Coupling::near`] that took, a hundred where it was given up. None if the matrix is not
+    /// `goal` is left; how many of [`Coupling::precondition`] that took, a hundred where it was given up. None if the matrix is not
     /// positive definite: `right` is of no use then.
-    fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
+    fn solve_variable(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
         solve(self, springs, right, goal)
     }
 
     /// A_jj, the stiffness that a cell feels when it moves alone.
-    fn own(&self, cell: usize) -> f64;
+    fn self_stiffness(&self, cell: usize) -> f64;
 
     /// ½ X·A X, stored in the coupling, where `forces` are those at `displacements`.
     fn energy(&self, displacements: &[f64], forces: &[f64]) -> f64 {
@@ -65,10 +65,10 @@ pub trait Coupling: Send + Sync {
     }
 }
 
-/// [`Coupling::solve`] where nothing better is known.
+/// [`Coupling::solve_uniform`] where nothing better is known.
 fn iterate<C: Coupling + ?Sized>(coupling: &mut C, diagonal: f64, right: &mut [f64]) -> usize {
     let largest = right.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
-    coupling.respond(&vec![diagonal; right.len()], right, ROUNDED * largest).unwrap_or_default()
+    coupling.solve_variable(&vec![diagonal; right.len()], right, ROUNDED * largest).unwrap_or_default()
 }
 
 /// Springs of stiffness K_int between nearest neighbours.

@@ -21,7 +21,7 @@ const STIFF: f64 = 4.0;
 ///
 /// Open edges are free: cells there have fewer neighbours. Eigenvalues of A are K_int times those of the lattice
 /// Laplacian, 2K_int(1 − cos q) for a wave along one direction. Forces take some additions per cell, a cell that moved
-/// touches its neighbours alone; [`Coupling::solve`] eliminates a chain, and takes a lattice apart into modes, cosines
+/// touches its neighbours alone; [`Coupling::solve_uniform`] eliminates a chain, and takes a lattice apart into modes, cosines
 /// between open edges. Takes 8 bytes per cell of a lattice and of a chain, 16 of a periodic one.
 pub struct Neighbours {
     shape: Shape,
@@ -100,10 +100,10 @@ impl Coupling for Neighbours {
     }
 
     /// Where neighbours are not much stiffer than the ground, each cell alone.
-    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
+    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
         let stiff = self.stiffness > STIFF * diagonal;
         if stiff {
-            self.solve(diagonal, right);
+            self.solve_uniform(diagonal, right);
         } else {
             let spring = diagonal + self.stiffness * self.shape.neighbours() as f64;
             batch::change(right, |_, force| force / spring);
@@ -111,7 +111,7 @@ impl Coupling for Neighbours {
         stiff
     }
 
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
+    fn solve_uniform(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
         let stiffness = self.stiffness;
         match &mut self.solver {
             Solver::Chain(chain) => {
@@ -122,14 +122,14 @@ impl Coupling for Neighbours {
         1
     }
 
-    fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
+    fn solve_variable(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
         match &mut self.solver {
             Solver::Chain(chain) => chain.solve(|j| springs[j], right).then_some(1),
             Solver::Square(_) => solve(self, springs, right, goal),
         }
     }
 
-    fn own(&self, cell: usize) -> f64 {
+    fn self_stiffness(&self, cell: usize) -> f64 {
         self.stiffness * self.around(cell) as f64
     }
 }

@@ -94,15 +94,15 @@ impl Coupling for HalfSpace {
     }
 
     /// The same where edges are periodic.
-    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
+    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
         match &mut self.kind {
             Method::Periodic(periodic) => periodic.solve(diagonal, right),
-            Method::OpenEdges(open) => open.near(diagonal, right),
+            Method::OpenEdges(open) => open.precondition(diagonal, right),
         }
         matches!(self.kind, Method::Periodic(_))
     }
 
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
+    fn solve_uniform(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
         if let Method::Periodic(periodic) = &mut self.kind {
             periodic.solve(diagonal, right);
             return 1;
@@ -110,10 +110,10 @@ impl Coupling for HalfSpace {
         iterate(self, diagonal, right)
     }
 
-    fn own(&self, cell: usize) -> f64 {
+    fn self_stiffness(&self, cell: usize) -> f64 {
         match &self.kind {
-            Method::Periodic(periodic) => periodic.own(),
-            Method::OpenEdges(open) => open.own(cell),
+            Method::Periodic(periodic) => periodic.self_stiffness(),
+            Method::OpenEdges(open) => open.self_stiffness(cell),
         }
     }
 }

@@ -44,12 +44,12 @@ impl OpenEdges {
     }
 
     /// About (diagonal + A)⁻¹, in modes of free edges.
-    pub(super) fn near(&mut self, diagonal: f64, right: &mut [f64]) {
+    pub(super) fn precondition(&mut self, diagonal: f64, right: &mut [f64]) {
         let Self { scale, free, .. } = self;
         free.apply(right, |λ| (diagonal + *scale * λ.sqrt()).recip());
     }
 
-    pub(super) fn own(&self, cell: usize) -> f64 {
+    pub(super) fn self_stiffness(&self, cell: usize) -> f64 {
         self.pairs.own[cell]
     }
 }
@@ -157,7 +157,7 @@ mod tests {
             for (diagonal, wave) in [(1e-4, 0.0), (1e-4, 0.02), (1e-4, 3.0), (0.1, 0.0), (0.1, 0.3)] {
                 let right: Vec<f64> = (0..side * side).map(|j| (wave * (j * j) as f64).cos()).collect();
                 let mut near = right.clone();
-                open.near(diagonal, &mut near);
+                open.precondition(diagonal, &mut near);
                 let mut forces = vec![0.0; near.len()];
                 open.forces(&near, &mut forces);
                 let held = diagonal * product(&near, &near) - product(&near, &forces);

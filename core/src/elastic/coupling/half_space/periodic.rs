@@ -30,7 +30,7 @@ impl Periodic {
         self.modes.apply(right, |λ| (diagonal + scale * λ.sqrt()).recip());
     }
 
-    pub(super) fn own(&self) -> f64 {
+    pub(super) fn self_stiffness(&self) -> f64 {
         self.own
     }
 }
