@@ -217,7 +217,7 @@ fn balance(slip: Slip) -> (usize, f64, f64) {
         }
         count += events.len();
         energy = energy.max(chain.energy().imbalance().abs());
-        let (friction, positions) = (chain.forces().expect("forces"), chain.positions());
+        let (friction, positions) = (chain.forces(), chain.positions());
         let mut pulls = [0.0; NUMBER];
         coupling().forces(positions, &mut pulls);
         let spring = |j: usize| setting.connection * (chain.drive() - positions[j]);

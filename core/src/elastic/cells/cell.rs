@@ -30,6 +30,11 @@ impl Cell<'_> {
         (pull - self.scale * force, if self.free { 0.0 } else { slope })
     }
 
+    /// Its force where it stands.
+    pub fn force(&self) -> f64 {
+        self.scale * self.curve.response(self.place(0.0)).0
+    }
+
     pub fn slopes(&self, by: f64) -> Slopes {
         if self.free {
             return Slopes::default();

@@ -241,6 +241,10 @@ impl Cells for Curves {
         }))
     }
 
+    fn force(&self, cell: usize) -> f64 {
+        self.batch().cell(cell).force()
+    }
+
     fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes]) -> Result<()> {
         self.reach(by)?;
         let batch = self.batch();

@@ -165,6 +165,9 @@ pub trait Cells: Send + Sync {
     /// Those of the population behind it.
     fn residual(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64>;
 
+    /// F_j of a cell where it stands.
+    fn force(&self, cell: usize) -> f64;
+
     /// Tangents on the ways from where the cells stand.
     ///
     /// # Errors

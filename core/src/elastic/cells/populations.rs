@@ -260,6 +260,10 @@ impl Cells for Populations {
         Ok(change_chunks(forces, tangents, chunk))
     }
 
+    fn force(&self, cell: usize) -> f64 {
+        self.cells[cell].on_curve().force()
+    }
+
     fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes]) -> Result<()> {
         self.reach(by)?;
         fill(slopes, |cell| self.cells[cell].on_curve().slopes(by[cell]));
