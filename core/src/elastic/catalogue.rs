@@ -113,9 +113,9 @@ impl Outcome<'_> {
             position_after: mean(&|cell| after.positions[cell]),
             force_before: slide.force,
             force_after: force,
-            broken_fraction: all(&|cell| model.cells.since(cell).broken) / model.len() as f64,
-            dissipated_breaks: all(&|cell| model.cells.since(cell).lost),
-            dissipated_slip: all(&|cell| pulls[cell] * self.slip(cell) - model.cells.since(cell).work),
+            broken_fraction: all(&|cell| model.cells.since_mark(cell).broken) / model.len() as f64,
+            dissipated_breaks: all(&|cell| model.cells.since_mark(cell).lost),
+            dissipated_slip: all(&|cell| pulls[cell] * self.slip(cell) - model.cells.since_mark(cell).work),
         }
     }
 }

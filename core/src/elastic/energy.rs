@@ -99,7 +99,7 @@ impl Model {
         StoredEnergy {
             connection: sum(self.len(), |j| 0.5 * self.springs.of(j) * (drive - positions[j]).powi(2)),
             coupling: self.coupling.energy(displacements, &forces),
-            contacts: self.cells.account(),
+            contacts: self.cells.energies(),
         }
     }
 }

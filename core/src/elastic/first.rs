@@ -1,4 +1,4 @@
-//! When the contacts of cells break for the first time.
+//! The distribution of the drives at which the contacts of cells break for the first time.
 
 use super::{Interface, Standing};
 use crate::first_breaks::{FirstBreaks, broken};

@@ -130,7 +130,7 @@ impl Interface {
         self.model.force()
     }
 
-    /// Where a cell is on the curve that it shares with others; none where it has contacts of its own.
+    /// Place of a cell on the curve that it shares with others; none where each cell has a curve of its own.
     ///
     /// # Errors
     /// A number of no cell.
@@ -139,20 +139,20 @@ impl Interface {
         Ok(self.model.cells.standing(cell))
     }
 
-    /// The contacts of a cell by their stretches, where they are followed one by one; none where they are a distribution,
-    /// that of where the cell is standing.
+    /// Stretches of the contacts of a cell, where these are followed one by one. None where they are a distribution, which
+    /// follows from [`Interface::standing`].
     ///
     /// # Errors
     /// A number of no cell. Those of the cells.
     pub fn stretches(&self, cell: usize) -> Result<Option<Vec<StretchInterval>>> {
         self.has(cell)?;
-        let portions = |stretches: Vec<f64>| {
+        let intervals = |stretches: Vec<f64>| {
             let share = 1.0 / stretches.len() as f64;
-            // Those just re-formed may lie below 0 by rounding.
+            // Stretches of contacts that have just re-formed may be below 0 by rounding.
             let at = |stretch: f64| StretchInterval { low: stretch.max(0.0), high: stretch.max(0.0), share };
             stretches.into_iter().map(at).collect()
         };
-        Ok(self.model.cells.stretches(cell)?.map(portions))
+        Ok(self.model.cells.stretches(cell)?.map(intervals))
     }
 
     /// Refuses a number of no cell.
@@ -170,7 +170,7 @@ impl Interface {
 
     /// Breaks since the beginning, per contact.
     pub fn broken(&self) -> f64 {
-        self.model.cells.account().broken / self.len() as f64
+        self.model.cells.energies().broken / self.len() as f64
     }
 
     /// Estimated error of the force of a cell, the largest so far; 0 where contacts are followed one by one.

@@ -7,7 +7,7 @@
 //! balance ahead.
 
 use super::batch::{find, sum};
-use super::cells::{Extremes, Fall};
+use super::cells::{Extremes, Instability};
 use super::configuration::{Advances, Configuration};
 use super::creep::STALLED;
 use super::newton::MonotoneStep;
@@ -71,7 +71,7 @@ impl Slide {
             parameters,
             before: configuration.clone(),
             force: model.force(),
-            work: model.cells.account().work,
+            work: model.cells.energies().work,
             unstable: Vec::with_capacity(model.len()),
             starts: vec![f64::NAN; model.len()],
             together: false,
@@ -186,8 +186,8 @@ impl Slide {
         let is_far = |cell: usize| moved(cell) > self.parameters.drive_tolerance;
         let begins = |cell: usize| {
             let below = if is_far(cell) { steep } else { f64::NEG_INFINITY };
-            let Fall { on, together } = model.cells.fall(cell, by[cell], below)?;
-            Some((on, cell as u32, together))
+            let Instability { at, together } = model.cells.instability(cell, by[cell], below)?;
+            Some((at, cell as u32, together))
         };
         let may = |cell: usize| !self.is_unstable(cell) && (jumps || is_far(cell));
         find(model.len(), |cell| if may(cell) { begins(cell) } else { None })
@@ -196,7 +196,7 @@ impl Slide {
     /// Energy ∫Σ[K_0(X_T − X_j) − (AX)_j − F_j] dX_j that the slide has dissipated, with [`Model::mean_pulls`].
     pub fn dissipated(&self, model: &Model, positions: &[f64], pulls: &[f64]) -> f64 {
         let work = sum(model.len(), |j| pulls[j] * (positions[j] - self.before.positions[j]));
-        work - (model.cells.account().work - self.work)
+        work - (model.cells.energies().work - self.work)
     }
 }
 

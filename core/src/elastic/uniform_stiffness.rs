@@ -103,7 +103,7 @@ impl UniformStiffnessStep {
             let iterations = model.coupling.solve_uniform(self.stiffness, &mut by);
             self.cost = iterations + EVALUATION;
             self.left = self.left.saturating_sub(self.cost);
-            if !model.cells.reach(&by)? {
+            if !model.cells.extend_curves(&by)? {
                 break by;
             }
             // What has been tabulated just now may be steeper.
@@ -120,6 +120,6 @@ impl UniformStiffnessStep {
 impl Model {
     /// c, the sum of K_0 and the largest F_j' that a cell may still meet.
     pub fn uniform_stiffness(&self) -> f64 {
-        self.cells.stiffest() + self.springs.stiffness()
+        self.cells.largest_tangent() + self.springs.stiffness()
     }
 }
