@@ -1,6 +1,6 @@
 //! A drive of a slider, computed.
 
-use asperity::block::Energy;
+use asperity::energy::EnergyBalance;
 use asperity::scenario::{self, Units};
 use asperity_runner::summary::Sliding;
 use asperity_runner::task::sliding;
@@ -24,7 +24,7 @@ use crate::{error, values};
 pub struct StickSlip {
     block: Py<Block>,
     sliding: Sliding,
-    energy: Energy,
+    energy: EnergyBalance,
 }
 
 impl StickSlip {

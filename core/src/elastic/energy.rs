@@ -1,4 +1,4 @@
-//! Where the work of the drive goes.
+//! The energy balance of an interface, motion by motion.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,39 +6,12 @@ use super::batch::sum;
 use super::cells::CellEnergies;
 use super::configuration::Configuration;
 use super::residual::Model;
-
-/// The energy balance of a motion; every term is computed on its own, none as the remainder.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Energy {
-    /// Work of the drive, ∫ΣK_0(X_T − X_j) dX_T.
-    pub work: f64,
-    /// Change of the energy ½ΣK_0(X_T − X_j)² of the springs to the drive.
-    pub connection: f64,
-    /// Change of the energy ½XᵀAX of the slider.
-    pub coupling: f64,
-    /// Change of the elastic energy Σ½kx² of the contacts.
-    pub elastic: f64,
-    /// What ageing brought that makes stretched contacts stiffer, ∫Σ½x² dk: beside the work, not of it; 0 without time.
-    pub strengthening: f64,
-    /// Lost in breaks of contacts.
-    pub breaks: f64,
-    /// Lost in slips: ∫Σ[K_0(X_T − X_j) − (AX)_j − F_j] dX_j.
-    pub slip: f64,
-}
-
-impl Energy {
-    /// Work, and what ageing brought, less everything they went into: 0 but for rounding and the accuracy of the forces.
-    #[must_use]
-    pub fn imbalance(&self) -> f64 {
-        let stored = self.connection + self.coupling + self.elastic;
-        self.work + self.strengthening - (stored + self.breaks + self.slip)
-    }
-}
+use crate::energy::EnergyBalance;
 
 /// Energy stored in springs and slider, and the energies of the contacts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct StoredEnergy {
-    connection: f64,
+    spring: f64,
     coupling: f64,
     contacts: CellEnergies,
 }
@@ -46,7 +19,7 @@ pub(super) struct StoredEnergy {
 /// The energy balance from the beginning up to a configuration.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct EnergyBudget {
-    pub total: Energy,
+    pub total: EnergyBalance,
     /// What was stored in that configuration.
     stored: StoredEnergy,
 }
@@ -54,25 +27,28 @@ pub(super) struct EnergyBudget {
 impl EnergyBudget {
     /// A balance that begins here.
     pub fn new(model: &mut Model, configuration: &Configuration) -> Self {
-        Self { total: Energy::default(), stored: model.stored(configuration) }
+        Self { total: EnergyBalance::default(), stored: model.stored(configuration) }
     }
 
     /// Adds a motion to what is stored now, during which the drive did `work` and `slip` was dissipated by the slider.
     fn add(&mut self, now: StoredEnergy, work: f64, slip: f64) {
         let before = std::mem::replace(&mut self.stored, now);
-        self.total.work += work;
-        self.total.connection += now.connection - before.connection;
-        self.total.coupling += now.coupling - before.coupling;
-        self.total.elastic += now.contacts.elastic - before.contacts.elastic;
-        self.total.breaks += now.contacts.lost - before.contacts.lost;
-        self.total.slip += slip;
+        self.total += EnergyBalance {
+            work,
+            spring: now.spring - before.spring,
+            coupling: now.coupling - before.coupling,
+            elastic: now.contacts.elastic - before.contacts.elastic,
+            breaks: now.contacts.lost - before.contacts.lost,
+            slip,
+            ..EnergyBalance::default()
+        };
     }
 
     /// Adds a motion in balance. Its work ∫ΣK_0(X_T − X_j) dX_T is, by parts and with the balance of forces, the energy that
     /// springs and slider gain, and the work ∫ΣF_j dX_j on the contacts.
     pub fn add_creep(&mut self, model: &mut Model, configuration: &Configuration) {
         let (before, now) = (self.stored, model.stored(configuration));
-        let springs = now.connection - before.connection + now.coupling - before.coupling;
+        let springs = now.spring - before.spring + now.coupling - before.coupling;
         self.add(now, springs + now.contacts.work - before.contacts.work, 0.0);
     }
 
@@ -97,7 +73,7 @@ impl Model {
         let forces = self.elastic_forces(displacements);
         let (positions, drive) = (&configuration.positions, configuration.drive);
         StoredEnergy {
-            connection: sum(self.len(), |j| 0.5 * self.springs.of(j) * (drive - positions[j]).powi(2)),
+            spring: sum(self.len(), |j| 0.5 * self.springs.of(j) * (drive - positions[j]).powi(2)),
             coupling: self.coupling.energy(displacements, &forces),
             contacts: self.cells.energies(),
         }

@@ -35,11 +35,12 @@ mod uniform_stiffness;
 
 pub use cells::{Cells, Curves, Populations, Standing};
 pub use coupling::Coupling;
-pub use energy::Energy;
 pub use event::{Event, Slipped};
 pub use parameters::{InterfaceParameters, Loading, Slip};
 pub use rate_dependent::{InterfaceInTime, InterfaceInTimeParameters, StateInTime};
 pub use state::State;
+
+pub use crate::energy::EnergyBalance;
 
 use self::catalogue::Outcome;
 use self::configuration::{Advances, Configuration};
@@ -164,7 +165,7 @@ impl Interface {
     }
 
     /// The energy balance since the beginning.
-    pub fn energy(&self) -> Energy {
+    pub fn energy(&self) -> EnergyBalance {
         self.energy.total
     }
 
