@@ -31,6 +31,7 @@ pub mod rate_dependent;
 mod residual;
 mod slide;
 mod state;
+mod stepper;
 mod uniform_stiffness;
 
 pub use cells::{Cells, Curves, Populations, Standing};
