@@ -2,8 +2,8 @@
 
 use super::batch::largest;
 use super::configuration::Configuration;
-use super::residual::Model;
-use super::slide::Slide;
+use super::residual::InterfaceModel;
+use super::slide::SlideRecord;
 use super::{Event, Slip, Slipped};
 use crate::shape::{Edges, Shape};
 
@@ -18,18 +18,18 @@ const ALONG: f64 = 0.1;
 const FRONT: usize = 5;
 
 /// A slide that is over.
-pub(super) struct Outcome<'a> {
-    pub slide: &'a Slide,
-    pub model: &'a Model,
+pub(super) struct FinishedSlide<'a> {
+    pub slide: &'a SlideRecord,
+    pub model: &'a InterfaceModel,
     /// Where drive and cells are now.
     pub after: &'a Configuration,
-    /// Mean forces of drive and slider on the cells during the slide, see [`Model::mean_pulls`].
+    /// Mean forces of drive and slider on the cells during the slide, see [`InterfaceModel::mean_pulls`].
     pub pulls: &'a [f64],
     /// Friction force now.
     pub force: f64,
 }
 
-impl Outcome<'_> {
+impl FinishedSlide<'_> {
     /// The events of the slide, in the order in which they began, each with the cells that slipped in it.
     pub fn events(&self) -> Vec<(Event, Vec<Slipped>)> {
         let clusters = self.clusters().into_iter();

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::batch::fill;
 use super::configuration::{Advances, Configuration};
 use super::fold_prediction::FoldPrediction;
-use super::residual::Model;
+use super::residual::InterfaceModel;
 use crate::Result;
 
 /// Newton steps after which a stride was too long.
@@ -79,7 +79,7 @@ impl CreepPace {
     }
 }
 
-impl Model {
+impl InterfaceModel {
     /// Makes a stride in balance towards `end`.
     pub fn creep(
         &mut self,

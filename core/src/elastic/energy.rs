@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::batch::sum;
 use super::cells::CellEnergies;
 use super::configuration::Configuration;
-use super::residual::Model;
+use super::residual::InterfaceModel;
 use crate::energy::EnergyBalance;
 
 /// Energy stored in springs and slider, and the energies of the contacts.
@@ -26,7 +26,7 @@ pub(super) struct EnergyBudget {
 
 impl EnergyBudget {
     /// A balance that begins here.
-    pub fn new(model: &mut Model, configuration: &Configuration) -> Self {
+    pub fn new(model: &mut InterfaceModel, configuration: &Configuration) -> Self {
         Self { total: EnergyBalance::default(), stored: model.stored(configuration) }
     }
 
@@ -46,14 +46,14 @@ impl EnergyBudget {
 
     /// Adds a motion in balance. Its work ∫ΣK_0(X_T − X_j) dX_T is, by parts and with the balance of forces, the energy that
     /// springs and slider gain, and the work ∫ΣF_j dX_j on the contacts.
-    pub fn add_creep(&mut self, model: &mut Model, configuration: &Configuration) {
+    pub fn add_creep(&mut self, model: &mut InterfaceModel, configuration: &Configuration) {
         let (before, now) = (self.stored, model.stored(configuration));
         let springs = now.spring - before.spring + now.coupling - before.coupling;
         self.add(now, springs + now.contacts.work - before.contacts.work, 0.0);
     }
 
     /// Adds a move of the drive alone, from where it was.
-    pub fn add_drive(&mut self, model: &mut Model, configuration: &Configuration, from: f64) {
+    pub fn add_drive(&mut self, model: &mut InterfaceModel, configuration: &Configuration, from: f64) {
         let (drive, positions) = (configuration.drive, &configuration.positions);
         let middle = 0.5 * (from + drive);
         let pull = sum(positions.len(), |j| model.springs.of(j) * (middle - positions[j]));
@@ -61,12 +61,12 @@ impl EnergyBudget {
     }
 
     /// Adds a slide at a fixed drive that has dissipated so much.
-    pub fn add_slide(&mut self, model: &mut Model, configuration: &Configuration, dissipated: f64) {
+    pub fn add_slide(&mut self, model: &mut InterfaceModel, configuration: &Configuration, dissipated: f64) {
         self.add(model.stored(configuration), 0.0, dissipated);
     }
 }
 
-impl Model {
+impl InterfaceModel {
     /// What is stored in a configuration.
     fn stored(&mut self, configuration: &Configuration) -> StoredEnergy {
         let displacements = configuration.displacements();

@@ -6,7 +6,7 @@
 
 use super::batch::{change, fill, gather, largest, sum};
 use super::configuration::Configuration;
-use super::residual::{Model, Residual};
+use super::residual::{InterfaceModel, Residual};
 use crate::Result;
 
 /// Residual of the linear systems, relative to their largest force: a prediction need not be better.
@@ -44,7 +44,7 @@ impl FoldPrediction {
     }
 }
 
-impl Model {
+impl InterfaceModel {
     /// What is ahead of the balance in which cells are; none if it is not stable.
     pub fn predict_fold(&mut self, configuration: &Configuration) -> Result<Option<FoldPrediction>> {
         let number = self.len();

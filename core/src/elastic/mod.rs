@@ -43,13 +43,13 @@ pub use state::State;
 
 pub use crate::energy::EnergyBalance;
 
-use self::catalogue::Outcome;
+use self::catalogue::FinishedSlide;
 use self::configuration::{Advances, Configuration};
 use self::creep::{CreepPace, Stride};
 use self::energy::EnergyBudget;
 use self::parameters::DriveSprings;
-use self::residual::Model;
-use self::slide::Slide;
+use self::residual::InterfaceModel;
+use self::slide::SlideRecord;
 use crate::monitor::{Monitor, report};
 use crate::rate_dependent::StretchInterval;
 use crate::record::Record;
@@ -61,7 +61,7 @@ use crate::{Error, Result};
 /// share a curve take up to 120 bytes each during a slide, 24 more on a stiff slider, with the coupling: 2 GB for 4096² under
 /// a periodic half-space.
 pub struct Interface {
-    model: Model,
+    model: InterfaceModel,
     parameters: InterfaceParameters,
     configuration: Configuration,
     pace: CreepPace,
@@ -85,7 +85,7 @@ impl Interface {
         if number != shape.size() {
             return Err(Error::invalid("cells", format!("{} of them, as coupled", shape.size()), number));
         }
-        let mut model = Model { cells, coupling, springs: DriveSprings::new(&parameters, shape) };
+        let mut model = InterfaceModel { cells, coupling, springs: DriveSprings::new(&parameters, shape) };
         let configuration = model.initial_balance()?;
         Ok(Self {
             energy: EnergyBudget::new(&mut model, &configuration),
@@ -291,7 +291,7 @@ impl Interface {
     fn slide(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
         let fraction = self.fraction();
         let Self { model, configuration, energy, .. } = self;
-        let mut slide = Slide::new(model, self.parameters, configuration);
+        let mut slide = SlideRecord::new(model, self.parameters, configuration);
         model.cells.mark();
         if let Err(error) = slide.run(model, configuration, fraction, monitor) {
             model.cells.recall(monitor)?;
@@ -301,8 +301,8 @@ impl Interface {
         model.cells.reattach();
         let pulls = model.mean_pulls(&slide.before, configuration);
         let (force, dissipated) = (model.force(), slide.dissipated(model, &configuration.positions, &pulls));
-        let outcome = Outcome { slide: &slide, model, after: configuration, pulls: &pulls, force };
-        let events = outcome.events();
+        let finished = FinishedSlide { slide: &slide, model, after: configuration, pulls: &pulls, force };
+        let events = finished.events();
         model.cells.unmark();
         energy.add_slide(model, configuration, dissipated);
         if self.parameters.viscosity.is_some() {

@@ -8,7 +8,7 @@
 use super::batch::{all, change, fill, largest};
 use super::configuration::Advances;
 use super::coupling::MOST_ITERATIONS;
-use super::residual::{Model, Residual};
+use super::residual::{InterfaceModel, Residual};
 use crate::Result;
 
 /// Steps that lead farther, in lengths on which slopes change, are rejected.
@@ -42,7 +42,7 @@ pub(super) struct MonotoneStep {
     pub curved: bool,
 }
 
-impl Model {
+impl InterfaceModel {
     /// A step that passes no balance: Newton's method with an upper bound of the slopes (J. M. Ortega and W. C. Rheinboldt,
     /// *Iterative Solution of Nonlinear Equations in Several Variables*, SIAM 2000, chapter 13,
     /// doi:10.1137/1.9780898719468). None where d + A is not positive definite, or hardly so. `rate` is η/dt, and

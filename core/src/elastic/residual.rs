@@ -24,7 +24,7 @@ const BALANCED_IN_CREEP: f64 = 1e-11;
 const ROUNDINGS: f64 = 4.0;
 
 /// What makes the forces on the cells: contacts, the elastic slider, and springs to the drive.
-pub(super) struct Model {
+pub(super) struct InterfaceModel {
     pub cells: Box<dyn Cells>,
     pub coupling: Box<dyn Coupling>,
     pub springs: DriveSprings,
@@ -40,7 +40,7 @@ pub(super) struct Residual {
     pub largest: f64,
 }
 
-impl Model {
+impl InterfaceModel {
     /// Number of cells.
     pub fn len(&self) -> usize {
         self.cells.len()

@@ -4,8 +4,8 @@ use super::batch::{find, sum};
 use super::cells::Instability;
 use super::configuration::{Advances, Configuration};
 use super::parameters::{InterfaceParameters, Slip};
-use super::residual::Model;
-use super::stepper::{Step, Stepper};
+use super::residual::InterfaceModel;
+use super::stepper::{SlideStep, Stepper};
 use crate::monitor::{Monitor, report};
 use crate::{Error, Float, Result};
 
@@ -19,7 +19,7 @@ const REPORT: u64 = 1 << 12;
 const MOST_STEPS: u64 = 10_000_000;
 
 /// What is known of a slide.
-pub(super) struct Slide {
+pub(super) struct SlideRecord {
     pub parameters: InterfaceParameters,
     /// Where cells were before.
     pub before: Configuration,
@@ -37,9 +37,13 @@ pub(super) struct Slide {
     pub over: f64,
 }
 
-impl Slide {
+impl SlideRecord {
     /// A slide from here.
-    pub fn new(model: &Model, parameters: InterfaceParameters, configuration: &Configuration) -> Self {
+    pub fn new(
+        model: &InterfaceModel,
+        parameters: InterfaceParameters,
+        configuration: &Configuration,
+    ) -> Self {
         Self {
             parameters,
             before: configuration.clone(),
@@ -60,7 +64,7 @@ impl Slide {
     /// Moves the cells step by step until there is balance. The monitor hears that of the run `fraction` is done.
     pub fn run(
         &mut self,
-        model: &mut Model,
+        model: &mut InterfaceModel,
         configuration: &mut Configuration,
         fraction: f64,
         monitor: &mut dyn Monitor,
@@ -69,7 +73,7 @@ impl Slide {
         let mut stepper = Stepper::new(model, self.parameters.viscosity, configuration);
         let quiet = REPORT.div_ceil(model.len() as u64);
         for steps in 0..MOST_STEPS {
-            let Some(Step { by, duration, residual }) = stepper.next(model, configuration)? else {
+            let Some(SlideStep { by, duration, residual }) = stepper.next(model, configuration)? else {
                 return Ok(());
             };
             let unstable = self.unstable.len();
@@ -94,7 +98,7 @@ impl Slide {
     /// there.
     fn find_unstable(
         &mut self,
-        model: &mut Model,
+        model: &mut InterfaceModel,
         configuration: &Configuration,
         by: &[f64],
         times: [f64; 2],
@@ -124,7 +128,7 @@ impl Slide {
     /// Cells that become unstable in a step: after which advance, which cell, and whether contacts break together.
     fn newly_unstable(
         &self,
-        model: &Model,
+        model: &InterfaceModel,
         configuration: &Configuration,
         by: &[f64],
     ) -> Vec<Vec<(f64, u32, bool)>> {
@@ -140,8 +144,8 @@ impl Slide {
         find(model.len(), |cell| if may(cell) { begins(cell) } else { None })
     }
 
-    /// Energy ∫Σ[K_0(X_T − X_j) − (AX)_j − F_j] dX_j that the slide has dissipated, with [`Model::mean_pulls`].
-    pub fn dissipated(&self, model: &Model, positions: &[f64], pulls: &[f64]) -> f64 {
+    /// Energy ∫Σ[K_0(X_T − X_j) − (AX)_j − F_j] dX_j that the slide has dissipated, with [`InterfaceModel::mean_pulls`].
+    pub fn dissipated(&self, model: &InterfaceModel, positions: &[f64], pulls: &[f64]) -> f64 {
         let work = sum(model.len(), |j| pulls[j] * (positions[j] - self.before.positions[j]));
         work - (model.cells.energies().work - self.work)
     }

@@ -11,7 +11,7 @@ use super::cells::Extremes;
 use super::configuration::Configuration;
 use super::creep::STALLED;
 use super::newton::MonotoneStep;
-use super::residual::{Model, Residual};
+use super::residual::{InterfaceModel, Residual};
 use super::uniform_stiffness::UniformStiffnessStep;
 use crate::Result;
 
@@ -50,7 +50,7 @@ pub(super) struct Stepper {
 }
 
 /// A step, not made yet.
-pub(super) struct Step {
+pub(super) struct SlideStep {
     /// δ_j.
     pub by: Vec<f64>,
     /// A time, or 1 without viscosity.
@@ -60,7 +60,7 @@ pub(super) struct Step {
 }
 
 impl Stepper {
-    pub fn new(model: &Model, viscosity: Option<f64>, configuration: &Configuration) -> Self {
+    pub fn new(model: &InterfaceModel, viscosity: Option<f64>, configuration: &Configuration) -> Self {
         Self {
             viscosity,
             damping: 0.0,
@@ -77,7 +77,11 @@ impl Stepper {
     }
 
     /// The next step; none in balance.
-    pub fn next(&mut self, model: &mut Model, configuration: &Configuration) -> Result<Option<Step>> {
+    pub fn next(
+        &mut self,
+        model: &mut InterfaceModel,
+        configuration: &Configuration,
+    ) -> Result<Option<SlideStep>> {
         let r = self.uniform.residual(model, configuration)?;
         let residual = r.largest;
         self.damping = eased(self.damping, residual / self.residual, model.cells.extremes().steepest);
@@ -88,13 +92,13 @@ impl Stepper {
         if self.uniform.is_next(residual, self.rounding) {
             self.converged = false;
             let by = self.uniform.step(model, &r.forces)?;
-            return Ok(Some(Step { by, duration: 1.0, residual }));
+            return Ok(Some(SlideStep { by, duration: 1.0, residual }));
         }
         self.rounding = model.rounding(configuration, configuration.drive);
         let MonotoneStep { by, rate, curved, .. } = self.variable_step(model, configuration, r)?;
         self.converged = self.damping == 0.0 && !curved;
         let duration = self.viscosity.map_or(1.0, |viscosity| viscosity / rate);
-        Ok(Some(Step { by, duration, residual }))
+        Ok(Some(SlideStep { by, duration, residual }))
     }
 
     /// Whether a residual is one of rounding errors, after a step that has converged.
@@ -107,7 +111,7 @@ impl Stepper {
     /// stable. Without viscosity its advances are compared with those of a step with uniform stiffness.
     fn variable_step(
         &mut self,
-        model: &mut Model,
+        model: &mut InterfaceModel,
         configuration: &Configuration,
         mut residual: Residual,
     ) -> Result<MonotoneStep> {

@@ -8,7 +8,7 @@
 
 use super::batch::change;
 use super::configuration::Configuration;
-use super::residual::{Model, Residual};
+use super::residual::{InterfaceModel, Residual};
 use crate::Result;
 
 /// Cost of evaluating forces and slopes of the contacts, in applications of the preconditioner.
@@ -84,7 +84,7 @@ impl UniformStiffnessStep {
     }
 
     /// The residual where the cells are.
-    pub fn residual(&self, model: &mut Model, configuration: &Configuration) -> Result<Residual> {
+    pub fn residual(&self, model: &mut InterfaceModel, configuration: &Configuration) -> Result<Residual> {
         match &self.pulls {
             Some(pulls) => model.residual_under(pulls.clone()),
             None => model.residual(configuration),
@@ -92,7 +92,7 @@ impl UniformStiffnessStep {
     }
 
     /// δ = (c + A)⁻¹ r.
-    pub fn step(&mut self, model: &mut Model, residual: &[f64]) -> Result<Vec<f64>> {
+    pub fn step(&mut self, model: &mut InterfaceModel, residual: &[f64]) -> Result<Vec<f64>> {
         let mut pulls = self.pulls.take().unwrap_or_else(|| {
             let mut pulls = model.contact_forces();
             change(&mut pulls, |j, force| residual[j] + force);
@@ -117,7 +117,7 @@ impl UniformStiffnessStep {
     }
 }
 
-impl Model {
+impl InterfaceModel {
     /// c, the sum of K_0 and the largest F_j' that a cell may still meet.
     pub fn uniform_stiffness(&self) -> f64 {
         self.cells.largest_tangent() + self.springs.stiffness()
