@@ -49,7 +49,7 @@ fn row(name: &str, edges: Edges, shape: Shape, make: &dyn Fn() -> Box<dyn Coupli
     let whole = time(turns, || coupling.forces(&displacements, &mut forces));
     let solve = time(turns.div_ceil(4), || {
         forces.copy_from_slice(&displacements);
-        coupling.solve(0.3, &mut forces);
+        coupling.solve_uniform(0.3, &mut forces);
     });
     let name = format!("{name}, {}", if edges == Edges::Open { "open" } else { "periodic" });
     let [whole, solve] = [whole, solve].map(|time| 1e9 * time / size as f64);

@@ -61,7 +61,7 @@ fn sweeps() {
         };
         let springs = rate(&mut || springs.forces(&positions, &mut pulls));
         let contacts = rate(&mut || {
-            cells.resist(&positions, &mut pulls, &mut slopes).unwrap();
+            cells.residual(&positions, &mut pulls, &mut slopes).unwrap();
         });
         println!("cell updates per second and core: springs {springs:.2e}, contacts {contacts:.2e}");
     });

@@ -133,7 +133,7 @@ fn next_event(side: usize, (drive, step): (f64, f64), tolerance: f64, turns: usi
     let next = || {
         cells.restore(begun.clone(), &mut ()).unwrap();
         cells.next(f64::INFINITY, &mut ()).unwrap();
-        cells.force().unwrap() / cells.len() as f64
+        cells.force() / cells.len() as f64
     };
     in_turns(&job, name, &script, None, (1, turns), next);
 }

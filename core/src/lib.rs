@@ -9,6 +9,7 @@
 pub mod block;
 pub mod contacts;
 pub mod elastic;
+pub mod energy;
 pub mod ensemble;
 mod error;
 pub mod exact;

@@ -23,7 +23,7 @@ const SHARED: [(&[&str], &str); 5] = [
         &["Dynamics", "Pulled", "Rule", "Tried"],
         "one step in time of a block with mass, and of the cells of an interface",
     ),
-    (&["Books", "Curve", "Energy", "Event", "State"], "of contacts, of a block and of an interface"),
+    (&["Books", "Curve", "Event", "State"], "of contacts, of a block and of an interface"),
     (
         &["Cohort", "Gaussian", "Point", "Rectangular"],
         "a distribution and its closed forms; a point of a trace; a cohort at one velocity, and at any",

@@ -2,7 +2,7 @@
 
 mod common;
 
-use asperity::block::{Energy, Slip};
+use asperity::block::{EnergyBalance, Slip};
 use common::curve;
 use common::pulled::{UNDAMPED, near, pull};
 
@@ -14,7 +14,7 @@ fn every_event_and_every_approach_balances() {
     {
         let run = pull(&mut curve::gaussian(0.1), 1.0, slip, &[12.0, 6.0, 14.0]);
         assert!(run.events.len() > 2);
-        let mut sum = Energy::default();
+        let mut sum = EnergyBalance::default();
         for event in &run.events {
             near(event.energy.imbalance(), 0.0, tolerance);
             near(event.approach.imbalance(), 0.0, tolerance);

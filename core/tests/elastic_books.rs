@@ -29,7 +29,7 @@ fn disordered(coupling: Box<dyn Coupling>, setting: InterfaceParameters) -> Inte
 fn excess(interface: &mut Interface, coupling: &mut dyn Coupling, connected: usize, connection: f64) -> f64 {
     let mut pulls = vec![0.0; interface.len()];
     coupling.forces(interface.positions(), &mut pulls);
-    let forces = interface.forces().unwrap();
+    let forces = interface.forces();
     let (drive, positions) = (interface.drive(), interface.positions());
     let spring = |j: usize| if j < connected { connection * (drive - positions[j]) } else { 0.0 };
     (0..forces.len()).map(|j| (spring(j) + pulls[j] - forces[j]).abs()).fold(0.0, f64::max)
@@ -39,12 +39,12 @@ fn excess(interface: &mut Interface, coupling: &mut dyn Coupling, connected: usi
 /// and the stiffest slope would hold it.
 fn crept(interface: &mut Interface, coupling: &mut dyn Coupling, drive: f64, connection: f64) -> Vec<f64> {
     let number = interface.len();
-    let own = (0..number).map(|j| coupling.own(j)).fold(0.0, f64::max);
+    let own = (0..number).map(|j| coupling.self_stiffness(j)).fold(0.0, f64::max);
     let (mut positions, mut pulls) = (vec![0.0; number], vec![0.0; number]);
     loop {
         interface.put(drive, &positions).unwrap();
         coupling.forces(&positions, &mut pulls);
-        let forces = interface.forces().unwrap();
+        let forces = interface.forces();
         let excess: Vec<f64> =
             (0..number).map(|j| connection * (drive - positions[j]) + pulls[j] - forces[j]).collect();
         if excess.iter().all(|excess| excess.abs() < 1e-10) {
@@ -140,7 +140,7 @@ fn work_is_that_of_the_springs() {
     for i in 0..=steps {
         assert!(events(&mut interface, f64::from(i) * step).is_empty());
         let weight = if i == 0 || i == steps { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
-        work += weight * step / 3.0 * interface.force().unwrap();
+        work += weight * step / 3.0 * interface.force();
     }
     near(interface.energy().work, work, 1e-6);
     near(interface.energy().slip, 0.0, 0.0);

@@ -58,7 +58,7 @@ fn stiffness_is_a_symmetric_m_matrix_without_sum() {
     for mut coupling in couplings() {
         let a = matrix(&mut *coupling);
         for i in 0..a.len() {
-            assert!((a[i][i] - coupling.own(i)).abs() < ROUNDING, "{:?} {i}", coupling.shape());
+            assert!((a[i][i] - coupling.self_stiffness(i)).abs() < ROUNDING, "{:?} {i}", coupling.shape());
             assert!(a[i].iter().sum::<f64>().abs() < ROUNDING);
             for j in 0..a.len() {
                 assert!((a[i][j] - a[j][i]).abs() < ROUNDING);
@@ -88,7 +88,7 @@ fn solutions_give_back_what_was_asked() {
         for diagonal in [1e-3, 1.0, 300.0] {
             let right = noise(coupling.shape().size());
             let mut x = right.clone();
-            coupling.solve(diagonal, &mut x);
+            coupling.solve_uniform(diagonal, &mut x);
             let mut forces = vec![0.0; x.len()];
             coupling.forces(&x, &mut forces);
             let found: Vec<f64> = x.iter().zip(&forces).map(|(x, f)| diagonal * x - f).collect();
@@ -110,7 +110,7 @@ fn a_chain_held_by_little_keeps_its_digits() {
         let mut chain = neighbours(Shape::Chain(1000), edges, 25.0).unwrap();
         for diagonal in [1e-15, 1e-9, 1e-3] {
             let mut x = vec![2.0; 1000];
-            chain.solve(diagonal, &mut x);
+            chain.solve_uniform(diagonal, &mut x);
             // A thousand steps with a rounding or two each.
             assert!(x.iter().all(|x| (x * diagonal / 2.0 - 1.0).abs() < 1e-12));
         }
@@ -217,8 +217,8 @@ fn free_edges_are_mirrors_for_neighbours() {
         (0..4 * rows * columns).map(|i| small[at(i)]).collect()
     };
     let mut large = unfold(&small);
-    open.solve(0.3, &mut small);
-    torus.solve(0.3, &mut large);
+    open.solve_uniform(0.3, &mut small);
+    torus.solve_uniform(0.3, &mut large);
     assert!(apart(&unfold(&small), &large) < ROUNDING);
 }
 
@@ -230,7 +230,7 @@ fn a_chain_responds_over_its_correlation_length() {
         let mut chain = neighbours(Shape::Chain(4001), edges, springs).unwrap();
         let mut x = vec![0.0; 4001];
         x[2000] = 1.0;
-        chain.solve(k, &mut x);
+        chain.solve_uniform(k, &mut x);
         let inverse = 2.0 * (0.5 * (k / springs).sqrt()).asinh();
         assert!((1.0 / inverse / (springs / k).sqrt() - 1.0).abs() < 1e-4);
         let peak = 1.0 / (2.0 * springs * inverse.sinh());
@@ -252,7 +252,7 @@ fn a_half_space_responds_like_the_inverse_distance_and_then_its_cube() {
         let mut x = vec![0.0; side * side];
         x[0] = 1.0;
         // λ_c = so many cells.
-        space.solve(modulus * cell / cells, &mut x);
+        space.solve_uniform(modulus * cell / cells, &mut x);
         x
     };
     // The same as ∫₀^∞ e^{−v} (1 − 1/√(1 + v²/ξ²)) dv, by steps of a hundredth of what it varies over.
@@ -283,7 +283,7 @@ fn softest(coupling: &mut dyn Coupling) -> f64 {
     let (mut x, mut forces) = (noise(size), vec![0.0; size]);
     // The next wave is at least 1.9 times as stiff.
     for _ in 0..80 {
-        coupling.solve(1e-9, &mut x);
+        coupling.solve_uniform(1e-9, &mut x);
         let mean = x.iter().sum::<f64>() / size as f64;
         let norm = x.iter().map(|x| (x - mean).powi(2)).sum::<f64>().sqrt();
         x.iter_mut().for_each(|x| *x = (*x - mean) / norm);
@@ -362,7 +362,7 @@ fn threads_change_no_bit() {
                     let x = noise(shape.size());
                     let (mut forces, mut solved) = (vec![0.0; x.len()], x.clone());
                     coupling.forces(&x, &mut forces);
-                    coupling.solve(0.1, &mut solved);
+                    coupling.solve_uniform(0.1, &mut solved);
                     let energy = coupling.energy(&x, &forces);
                     bits.extend(forces.iter().chain(&solved).chain([&energy]).map(|x| x.to_bits()));
                 }

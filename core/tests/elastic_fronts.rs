@@ -34,16 +34,16 @@ impl Coupling for BetweenWalls {
         }
     }
 
-    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
-        self.respond(&vec![diagonal; self.cells], right, 0.0).is_some()
+    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
+        self.solve_variable(&vec![diagonal; self.cells], right, 0.0).is_some()
     }
 
-    fn respond(&mut self, springs: &[f64], right: &mut [f64], _goal: f64) -> Option<usize> {
+    fn solve_variable(&mut self, springs: &[f64], right: &mut [f64], _goal: f64) -> Option<usize> {
         let mut pivots: Vec<f64> = Vec::new();
         for j in 0..self.cells {
             let ratio = pivots.last().map_or(0.0, |last| self.stiffness / last);
             right[j] += if j > 0 { ratio * right[j - 1] } else { 0.0 };
-            pivots.push(springs[j] + self.own(j) - ratio * self.stiffness);
+            pivots.push(springs[j] + self.self_stiffness(j) - ratio * self.stiffness);
         }
         for j in (0..self.cells).rev() {
             let next = right.get(j + 1).copied().unwrap_or(0.0);
@@ -52,7 +52,7 @@ impl Coupling for BetweenWalls {
         pivots.iter().all(|pivot| *pivot > 0.0).then_some(1)
     }
 
-    fn own(&self, _cell: usize) -> f64 {
+    fn self_stiffness(&self, _cell: usize) -> f64 {
         2.0 * self.stiffness
     }
 }
@@ -106,16 +106,16 @@ impl Coupling for Beside {
         forces.copy_from_slice(&whole[1..=self.cells]);
     }
 
-    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
+    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
         let mut whole = self.whole(right);
-        self.ring.near(diagonal, &mut whole);
+        self.ring.precondition(diagonal, &mut whole);
         right.copy_from_slice(&whole[1..=self.cells]);
         false
     }
 
     /// But for its image.
-    fn own(&self, cell: usize) -> f64 {
-        self.ring.own(cell + 1)
+    fn self_stiffness(&self, cell: usize) -> f64 {
+        self.ring.self_stiffness(cell + 1)
     }
 }
 

@@ -69,7 +69,7 @@ fn one_cell_is_a_block_over_its_ensemble() {
 fn slides(interface: &mut Interface, drive: f64) -> Vec<[f64; 3]> {
     let mut slides = Vec::new();
     while !interface.next(drive, &mut ()).unwrap().is_empty() {
-        slides.push([interface.drive(), interface.force().unwrap(), interface.broken()]);
+        slides.push([interface.drive(), interface.force(), interface.broken()]);
     }
     slides
 }
@@ -176,7 +176,7 @@ fn stretches_of_the_contacts_of_a_cell_add_up_to_its_force() {
         let mut chain = chain(scaled, 3, 0.5, slip, 1e-6);
         for drive in [0.0, 1.5, 4.0] {
             chain.run(drive, &mut (), &mut |_, _| ()).unwrap();
-            let forces = chain.forces().unwrap();
+            let forces = chain.forces();
             for (cell, force) in forces.into_iter().enumerate() {
                 let contacts = chain.stretches(cell).unwrap().unwrap();
                 assert_eq!(contacts.len(), 40);
@@ -209,13 +209,13 @@ fn what_is_recalled_knows_no_more_than_at_the_mark() {
         }
         let [recalled, other] = &mut twins;
         recalled.advance(&[7.0, 0.1, 5.0], &mut ()).unwrap();
-        recalled.part(1, 0.0, &mut ()).unwrap();
+        recalled.detach(1, 0.0, &mut ()).unwrap();
         recalled.recall(&mut ()).unwrap();
         let known =
             |cells: &dyn Cells| (cells.state(), cells.extremes().steepest, cells.extremes().strongest);
         assert_eq!(known(&**recalled), known(&**other));
         for cells in &mut twins {
-            cells.resist(&[1.5, 0.1, 2.0], &mut [0.0; 3], &mut [0.0; 3]).unwrap();
+            cells.residual(&[1.5, 0.1, 2.0], &mut [0.0; 3], &mut [0.0; 3]).unwrap();
         }
         let [recalled, other] = &twins;
         assert_eq!(known(&**recalled), known(&**other));

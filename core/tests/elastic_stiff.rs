@@ -51,7 +51,7 @@ fn equal_cells_are_one_block_on_any_slider() {
                 }
                 // Cells that have been reset remember at which drive they were.
                 let accuracy = if slip == Slip::Reset { 1e-8 } else { 1e-10 };
-                for force in cells.forces().unwrap() {
+                for force in cells.forces() {
                     near(force, last.force, accuracy);
                 }
                 near(cells.energy().imbalance() / CELLS as f64, 0.0, 1e-9);
@@ -80,7 +80,7 @@ fn different_cells_on_a_rigid_slider_balance_together() {
         for slider in sliders(stiffness) {
             let mut cells = cells(slider, Some(scales.clone()), Slip::Overdamped);
             assert!(events(&mut cells, drive).is_empty());
-            for (force, s) in cells.forces().unwrap().iter().zip(&scales) {
+            for (force, s) in cells.forces().iter().zip(&scales) {
                 near(*force, s * curve.force(low / s), accuracy);
             }
         }

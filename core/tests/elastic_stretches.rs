@@ -26,7 +26,7 @@ fn stretches_of_a_cell_carry_its_force() {
         let coupling = neighbours(Shape::Chain(4), Edges::Open, 0.5).unwrap();
         let mut chain = Interface::new(Box::new(cells), coupling, setting(0.5, slip, 1e-6)).unwrap();
         chain.run(2.7, &mut (), &mut |_, _| ()).unwrap();
-        let forces = chain.forces().unwrap();
+        let forces = chain.forces();
         let step = 1e-4;
         let stretches: Vec<f64> = (0..20_000).map(|i| step * f64::from(i)).collect();
         let mut renewed = 0;

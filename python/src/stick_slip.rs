@@ -1,6 +1,6 @@
 //! The result of a drive of a slider.
 
-use asperity::block::Energy;
+use asperity::energy::EnergyBalance;
 use asperity::scenario::{self, Units};
 use asperity::task::sliding;
 use asperity::task::summary::Sliding;
@@ -25,7 +25,7 @@ use crate::{error, values};
 pub struct StickSlip {
     block: Py<Block>,
     sliding: Sliding,
-    energy: Energy,
+    energy: EnergyBalance,
 }
 
 impl StickSlip {

@@ -1,6 +1,7 @@
 //! Small results: named tuples and tables of the package.
 
-use asperity::block::{Curve, Energy};
+use asperity::block::Curve;
+use asperity::energy::EnergyBalance;
 use asperity::law::Atom;
 use asperity::master::Stretches;
 use asperity::record::Quantity;
@@ -72,8 +73,8 @@ pub fn state<'py>(py: Python<'py>, place: &SliderState) -> PyResult<Bound<'py, P
 }
 
 /// The energy balance of a drive.
-pub fn energy<'py>(py: Python<'py>, energy: &Energy) -> PyResult<Bound<'py, PyAny>> {
-    let Energy { work, spring, elastic, kinetic, strengthening, breaks, slip, viscous } = *energy;
+pub fn energy<'py>(py: Python<'py>, energy: &EnergyBalance) -> PyResult<Bound<'py, PyAny>> {
+    let EnergyBalance { work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, .. } = *energy;
     let imbalance = energy.imbalance();
     ENERGY.get(py)?.call1((work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, imbalance))
 }

@@ -1,6 +1,6 @@
 //! What happens at a fixed drive: slips, and the sizes of all events.
 
-use super::{Energy, Point};
+use super::{EnergyBalance, Point};
 use crate::record::{Quantity, Record};
 
 /// A slip.
@@ -15,9 +15,9 @@ pub struct Event {
     /// Breaks in the slip, per contact; a contact that breaks twice counts twice, but once in a reset, where this is 1.
     pub broken_fraction: f64,
     /// Energies of the slip.
-    pub energy: Energy,
+    pub energy: EnergyBalance,
     /// Energies since the slip before, all that was no slip.
-    pub approach: Energy,
+    pub approach: EnergyBalance,
 }
 
 impl Event {

@@ -11,7 +11,6 @@
 //! mirror image of forward motion.
 
 mod curves;
-mod energy;
 mod equilibrium_path;
 mod events;
 mod inertia;
@@ -24,7 +23,6 @@ mod slip;
 mod trace;
 
 pub use curves::{Curve, critical_stiffness};
-pub use energy::Energy;
 pub use events::{Event, Size, Sizes};
 pub use loading::Loading;
 pub use rate_dependent::{Moment, Slide, TimedSlip};
@@ -35,6 +33,7 @@ pub use trace::{Point, SlipCourse};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use crate::energy::EnergyBalance;
 use crate::monitor::Monitor;
 use crate::population::Population;
 use crate::{Error, Result};

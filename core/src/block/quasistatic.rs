@@ -4,7 +4,7 @@ use super::equilibrium_path::EquilibriumPath;
 use super::events::{Event, Sizes};
 use super::run::length;
 use super::trace::{Point, SlipCourse};
-use super::{Block, Energy, Loading};
+use super::{Block, EnergyBalance, Loading};
 use crate::Result;
 use crate::monitor::Monitor;
 use crate::population::{Books, Direction, Population};
@@ -39,11 +39,11 @@ pub(super) struct QuasistaticRun<'a> {
     /// The course of the last swing, as long as there is none of a slip.
     pub offered: SlipCourse,
     /// All that is closed.
-    pub energy: Energy,
+    pub energy: EnergyBalance,
     /// What is closed since the last slip.
-    pub approach: Energy,
+    pub approach: EnergyBalance,
     /// Work and losses of the slider since the energy balance was last closed.
-    pub open: Energy,
+    pub open: EnergyBalance,
     /// The energies then, and the energy of the spring.
     books: Books,
     stored: f64,
@@ -79,9 +79,9 @@ impl<'a> QuasistaticRun<'a> {
             sizes: Sizes::default(),
             course: None,
             offered: SlipCourse::default(),
-            energy: Energy::default(),
-            approach: Energy::default(),
-            open: Energy::default(),
+            energy: EnergyBalance::default(),
+            approach: EnergyBalance::default(),
+            open: EnergyBalance::default(),
             books,
             leg_start,
             stiffness: None,
@@ -211,7 +211,7 @@ impl<'a> QuasistaticRun<'a> {
     }
 
     /// The energy balance since it was last closed; it is closed here, at a given drive.
-    pub fn closed(&mut self, drive: f64) -> Energy {
+    pub fn closed(&mut self, drive: f64) -> EnergyBalance {
         let (books, stored) = (self.look.books(), self.look.loading.stored(drive, self.look.position));
         let mut energy = std::mem::take(&mut self.open);
         energy.spring = stored - self.stored;

@@ -4,7 +4,7 @@ use super::events::{self, Event, Sizes};
 use super::quasistatic::QuasistaticRun;
 use super::regime::Jump;
 use super::trace::{self, Point, SlipCourse};
-use super::{Block, Energy, Loading, Regime, Slip, bearable, regime};
+use super::{Block, EnergyBalance, Loading, Regime, Slip, bearable, regime};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
 use crate::record::{Quantity, Record};
@@ -42,7 +42,7 @@ pub struct StickSlip {
     /// Time course of the first inertial slip.
     pub course: Option<SlipCourse>,
     /// Energies of the whole drive; of a runaway, up to where it began.
-    pub energy: Energy,
+    pub energy: EnergyBalance,
     /// Whether the last part of the drive, since it last turned, was stick-slip.
     pub regime: Regime,
     /// How it ended.

@@ -3,7 +3,7 @@
 use super::events::Event;
 use super::inertia::Swung;
 use super::quasistatic::QuasistaticRun;
-use super::{Energy, Loading, Point, Slip};
+use super::{EnergyBalance, Loading, Point, Slip};
 use crate::Result;
 use crate::population::Direction;
 
@@ -62,7 +62,7 @@ impl QuasistaticRun<'_> {
             return Ok(true);
         }
         self.look.recall()?;
-        self.open = Energy::default();
+        self.open = EnergyBalance::default();
         Ok(false)
     }
 

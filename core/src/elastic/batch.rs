@@ -1,8 +1,9 @@
-//! Loops over cells that give the same bits on any number of threads.
+//! Loops over cells with the same bits on any number of threads: chunks do not depend on the threads, and sums are taken in
+//! order.
 
 use rayon::prelude::*;
 
-/// Cells that are looked after together by one thread; fewer are not worth one.
+/// Cells of a chunk, the work of one thread at a time; fewer are not worth a thread.
 pub(super) const CHUNK: usize = 1 << 12;
 
 /// Fills a slice with a function of the cell.
@@ -29,8 +30,8 @@ pub(super) fn change<T: Send + Copy>(values: &mut [T], of: impl Fn(usize, T) -> 
     }
 }
 
-/// Changes two slices chunk by chunk, by a function of the first cell of a chunk and of what belongs to it; the largest of
-/// what that gives.
+/// Changes two slices chunk by chunk, by a function of the first cell of a chunk and of the chunk's parts of the slices;
+/// returns the largest value of the function.
 pub(super) fn change_chunks(
     values: &mut [f64],
     others: &mut [f64],
@@ -43,7 +44,7 @@ pub(super) fn change_chunks(
     chunks.map(|(chunk, (values, others))| of(chunk * CHUNK, values, others)).reduce(|| 0.0, f64::max)
 }
 
-/// A function of each cell, gathered chunk by chunk, and these in order.
+/// Folds a function of the cells chunk by chunk, and then the results of the chunks in order.
 pub(super) fn gather<T: Send>(
     number: usize,
     nothing: impl Fn() -> T + Sync,
@@ -61,7 +62,7 @@ pub(super) fn gather<T: Send>(
     parts.into_iter().fold(nothing(), join)
 }
 
-/// What a function tells of some cells, in order, chunk by chunk.
+/// The values of a function of the cell where it has one, in order, chunk by chunk.
 pub(super) fn find<T: Send>(number: usize, of: impl Fn(usize) -> Option<T> + Sync) -> Vec<Vec<T>> {
     let part = |chunk: usize| {
         let cells = chunk * CHUNK..number.min((chunk + 1) * CHUNK);
@@ -78,7 +79,7 @@ pub(super) fn sum(number: usize, of: impl Fn(usize) -> f64 + Sync) -> f64 {
     gather(number, || 0.0, |sum, cell| sum + of(cell), |a, b| a + b)
 }
 
-/// The largest of 0 and a function of the cell.
+/// The largest value of a function of the cell, at least 0.
 pub(super) fn largest(number: usize, of: impl Fn(usize) -> f64 + Sync) -> f64 {
     gather(number, || 0.0, |most: f64, cell| most.max(of(cell)), f64::max)
 }
@@ -88,8 +89,8 @@ pub(super) fn all(number: usize, of: impl Fn(usize) -> bool + Sync) -> bool {
     gather(number, || true, |all, cell| all && of(cell), |a, b| a && b)
 }
 
-/// Goes once through slices of one length: `of` makes new values of the first ones, by those and by the others, and a
-/// number that is joined to 0 and those of the other cells.
+/// One pass through slices of one length: `of` computes new values of the `write` slices from the old ones and from the
+/// `read` slices, and a number for each cell. Returns these numbers folded with `join`, from 0.
 pub(super) fn sweep<const W: usize, const R: usize>(
     mut write: [&mut [f64]; W],
     read: [&[f64]; R],

@@ -1,124 +1,121 @@
-//! From the cells that slipped in a slide to events: each part of them that hangs together is one.
+//! Event clustering: each connected set of cells that slipped in one slide is an event.
 
 use super::batch::largest;
-use super::differences::Differences;
-use super::{Event, Interface, Slip, Slipped};
+use super::configuration::Configuration;
+use super::residual::InterfaceModel;
+use super::slide::SlideRecord;
+use super::{Event, Slip, Slipped};
 use crate::shape::{Edges, Shape};
 
-/// How far creep takes a cell to where balance is lost, in √(drive tolerance × length on which slopes change), and again
-/// as far past it.
+/// Largest displacement of a cell by creep, in √(drive tolerance × length on which slopes change): to where balance is lost,
+/// and again as far past it.
 const CREEP: f64 = 4.0;
 
-/// A cell that goes less far than this part of the way of the one that goes farthest has been pulled along.
+/// Cells that moved by less than this fraction of the largest displacement were pulled along.
 const ALONG: f64 = 0.1;
 
-/// Cells that make a front, which fewer would not tell from the patch where slip began.
+/// Least number of cells in a front: fewer cannot be told from the patch where slip began.
 const FRONT: usize = 5;
 
-/// A slide, as it is followed.
-pub(super) struct ClusterSlide {
-    /// Positions before.
-    pub before: Vec<f64>,
-    /// What they did not tell.
-    pub differences: Option<Differences>,
-    /// Friction force before.
+/// A slide that is over.
+pub(super) struct FinishedSlide<'a> {
+    pub slide: &'a SlideRecord,
+    pub model: &'a InterfaceModel,
+    /// Where drive and cells are now.
+    pub after: &'a Configuration,
+    /// Mean forces of drive and slider on the cells during the slide, see [`InterfaceModel::mean_pulls`].
+    pub pulls: &'a [f64],
+    /// Friction force now.
     pub force: f64,
-    /// Work done on the contacts before.
-    pub work: f64,
-    /// Cells that lost their balance, in the order in which they did.
-    pub fallen: Vec<u32>,
-    /// When they did; NaN where they did not.
-    pub starts: Vec<f64>,
-    /// Whether contacts broke together.
-    pub together: bool,
-    /// When it was over.
-    pub over: f64,
 }
 
-impl ClusterSlide {
-    /// Whether a cell has lost its balance.
-    pub fn has_fallen(&self, cell: usize) -> bool {
-        !self.starts[cell].is_nan()
-    }
-}
-
-impl Interface {
-    /// The events of a slide that is over and has left this force, in the order in which they began; pulls are known
-    /// halfway.
-    pub(super) fn events(&self, slide: &ClusterSlide, force_after: f64) -> Vec<(Event, Vec<Slipped>)> {
-        let parts = self.parts(slide).into_iter();
-        parts.map(|slipped| (self.event(slide, &slipped, force_after), slipped)).collect()
+impl FinishedSlide<'_> {
+    /// The events of the slide, in the order in which they began, each with the cells that slipped in it.
+    pub fn events(&self) -> Vec<(Event, Vec<Slipped>)> {
+        let clusters = self.clusters().into_iter();
+        clusters.map(|slipped| (self.event(&slipped), slipped)).collect()
     }
 
-    /// How far cells have to go in a slide to slip in it; none where those do that lost their balance, however far they go.
-    fn least_slip(&self, slide: &ClusterSlide) -> Option<f64> {
-        if slide.together || self.setting.slip == Slip::Reset {
+    /// Displacement of a cell in the slide.
+    fn slip(&self, cell: usize) -> f64 {
+        self.after.positions[cell] - self.slide.before.positions[cell]
+    }
+
+    /// Displacement above which a cell has slipped; none where every cell that became unstable has.
+    fn least_slip(&self) -> Option<f64> {
+        let parameters = &self.slide.parameters;
+        if self.slide.together || parameters.slip == Slip::Reset {
             return None;
         }
-        let most = largest(self.len(), |cell| self.positions[cell] - slide.before[cell]);
-        Some((ALONG * most).max(CREEP * (self.setting.drive_tolerance * self.length()).sqrt()))
+        let most = largest(self.model.len(), |cell| self.slip(cell));
+        Some((ALONG * most).max(CREEP * (parameters.drive_tolerance * self.model.length()).sqrt()))
     }
 
-    /// Cells that slipped and hang together, over others that went as far with them, each part in the order in which its
-    /// cells began to slip.
-    fn parts(&self, slide: &ClusterSlide) -> Vec<Vec<Slipped>> {
+    /// Clusters of the cells that slipped, found by flood fill: cells are connected if they are neighbours, or are linked by
+    /// neighbours that moved as far without having become unstable. Cells of a cluster are in the order in which they began
+    /// to slip.
+    fn clusters(&self) -> Vec<Vec<Slipped>> {
         const NONE: u32 = u32::MAX;
-        let slip = |cell: usize| self.positions[cell] - slide.before[cell];
-        let least = self.least_slip(slide);
-        let goes = |cell: usize| least.map_or_else(|| slide.has_fallen(cell), |least| slip(cell) > least);
-        let slipped = || slide.fallen.iter().map(|&cell| cell as usize).filter(|&cell| goes(cell));
-        let mut part_of = vec![NONE; self.len()];
-        let mut parts: Vec<Vec<Slipped>> = Vec::new();
+        let (slide, coupling) = (self.slide, &self.model.coupling);
+        let least = self.least_slip();
+        let moves =
+            |cell: usize| least.map_or_else(|| slide.is_unstable(cell), |least| self.slip(cell) > least);
+        let slipped = || slide.unstable.iter().map(|&cell| cell as usize).filter(|&cell| moves(cell));
+        let mut cluster_of = vec![NONE; self.model.len()];
+        let mut clusters: Vec<Vec<Slipped>> = Vec::new();
         for first in slipped() {
-            if part_of[first] != NONE {
+            if cluster_of[first] != NONE {
                 continue;
             }
-            let part = parts.len() as u32;
-            part_of[first] = part;
-            let (mut reached, mut number) = (vec![first], 1);
+            let cluster = clusters.len() as u32;
+            cluster_of[first] = cluster;
+            let (mut reached, mut size) = (vec![first], 1);
             while let Some(cell) = reached.pop() {
-                for next in beside(cell, self.coupling.shape(), self.coupling.edges()) {
-                    if goes(next) && part_of[next] == NONE {
-                        part_of[next] = part;
+                for next in beside(cell, coupling.shape(), coupling.edges()) {
+                    if moves(next) && cluster_of[next] == NONE {
+                        cluster_of[next] = cluster;
                         reached.push(next);
-                        number += 1;
+                        size += 1;
                     }
                 }
             }
-            parts.push(Vec::with_capacity(number));
+            clusters.push(Vec::with_capacity(size));
         }
-        let begun = slipped().next().map_or(0.0, |first| slide.starts[first]);
+        let begin = slipped().next().map_or(0.0, |first| slide.starts[first]);
         for cell in slipped() {
-            let start = slide.starts[cell] - begun;
-            parts[part_of[cell] as usize].push(Slipped { cell, start, slip: slip(cell) });
+            let (start, slip) = (slide.starts[cell] - begin, self.slip(cell));
+            clusters[cluster_of[cell] as usize].push(Slipped { cell, start, slip });
         }
-        parts
+        clusters
     }
 
-    fn event(&self, slide: &ClusterSlide, slipped: &[Slipped], force_after: f64) -> Event {
+    fn event(&self, slipped: &[Slipped]) -> Event {
+        let Self { slide, model, after, pulls, force } = *self;
         let all = |of: &dyn Fn(usize) -> f64| slipped.iter().map(|s| of(s.cell)).sum::<f64>();
         let mean = |of: &dyn Fn(usize) -> f64| all(of) / slipped.len() as f64;
-        let timed = self.setting.viscosity.map_or(f64::NAN, |_| 1.0);
-        let [front_speed_left, front_speed_right] = fronts(slipped, self.coupling.shape()).map(|v| timed * v);
-        let begun = slide.starts[slipped[0].cell];
-        let area = self.setting.area.unwrap_or(1.0);
+        // Without viscosity there is no time.
+        let timed = slide.parameters.viscosity.map_or(f64::NAN, |_| 1.0);
+        let [front_speed_left, front_speed_right] =
+            fronts(slipped, model.coupling.shape()).map(|v| timed * v);
+        let begin = slide.starts[slipped[0].cell];
+        let area = slide.parameters.area.unwrap_or(1.0);
         Event {
-            drive: self.drive,
-            time: timed * (self.time + begun),
+            drive: after.drive,
+            time: timed * (after.time + begin),
             epicentre: slipped[0].cell,
             cells: slipped.len(),
             area: area * slipped.len() as f64,
             moment: area * slipped.iter().map(|s| s.slip).sum::<f64>(),
-            duration: timed * (slide.over - begun),
+            duration: timed * (slide.over - begin),
             front_speed_left,
             front_speed_right,
-            position_before: mean(&|cell| slide.before[cell]),
-            position_after: mean(&|cell| self.positions[cell]),
+            position_before: mean(&|cell| slide.before.positions[cell]),
+            position_after: mean(&|cell| after.positions[cell]),
             force_before: slide.force,
-            force_after,
-            broken_fraction: all(&|cell| self.cells.since(cell).broken) / self.len() as f64,
-            dissipated_breaks: all(&|cell| self.cells.since(cell).lost),
-            dissipated_slip: all(&|cell| self.pulled(slide, cell) - self.cells.since(cell).work),
+            force_after: force,
+            broken_fraction: all(&|cell| model.cells.since_mark(cell).broken) / model.len() as f64,
+            dissipated_breaks: all(&|cell| model.cells.since_mark(cell).lost),
+            dissipated_slip: all(&|cell| pulls[cell] * self.slip(cell) - model.cells.since_mark(cell).work),
         }
     }
 }
@@ -139,8 +136,8 @@ pub(super) fn beside(cell: usize, shape: Shape, edges: Edges) -> impl Iterator<I
     sideways.into_iter().chain(across).flatten()
 }
 
-/// Speeds at which slip spread from the first cell towards smaller and larger columns of its row: cells per time; NaN
-/// where fewer than [`FRONT`] cells beside each other began one after the other.
+/// Speeds at which slip spread from the first cell towards smaller and larger columns of its row, in cells per time; NaN
+/// where fewer than [`FRONT`] adjacent cells began to slip one after the other.
 pub(super) fn fronts(slipped: &[Slipped], shape: Shape) -> [f64; 2] {
     let columns = shape.sides()[1];
     let epicentre = slipped[0].cell;
@@ -155,7 +152,7 @@ pub(super) fn fronts(slipped: &[Slipped], shape: Shape) -> [f64; 2] {
     [left, right].map(|starts| speed(&starts))
 }
 
-/// Starts of cells that lie beside each other and begin one after the other, from the first on.
+/// Times at which adjacent cells began to slip, as long as each began after the one before.
 fn run<'a>(starts: impl Iterator<Item = &'a (usize, f64)> + Clone) -> Vec<f64> {
     let pairs = starts.clone().zip(starts.clone().skip(1));
     let follow = |(one, next): &(&(usize, f64), &(usize, f64))| one.0.abs_diff(next.0) == 1 && next.1 > one.1;
@@ -163,21 +160,21 @@ fn run<'a>(starts: impl Iterator<Item = &'a (usize, f64)> + Clone) -> Vec<f64> {
     starts.take(length).map(|(_, start)| *start).collect()
 }
 
-/// Distance per time of starts at distances 0, 1, 2, …, by least squares of the starts over the distance; of the middle
-/// half of them, as slip hesitates where it begins and hurries where it ends.
-fn speed(starts: &[f64]) -> f64 {
-    if starts.len() < FRONT {
+/// Speed of a front that arrives at distances 0, 1, 2, … at these times, by linear regression of the times. Only the middle
+/// half of them counts, since slip is slow where it begins and fast where it ends.
+fn speed(times: &[f64]) -> f64 {
+    if times.len() < FRONT {
         return f64::NAN;
     }
-    let quarter = starts.len() / 4;
-    let starts = &starts[quarter..starts.len() - quarter];
-    let number = starts.len() as f64;
-    let (middle, mean) = (0.5 * (number - 1.0), starts.iter().sum::<f64>() / number);
-    let (mut both, mut square) = (0.0, 0.0);
-    for (i, start) in starts.iter().enumerate() {
+    let quarter = times.len() / 4;
+    let times = &times[quarter..times.len() - quarter];
+    let number = times.len() as f64;
+    let (middle, mean) = (0.5 * (number - 1.0), times.iter().sum::<f64>() / number);
+    let (mut covariance, mut variance) = (0.0, 0.0);
+    for (i, time) in times.iter().enumerate() {
         let distance = i as f64 - middle;
-        both += distance * (start - mean);
-        square += distance * distance;
+        covariance += distance * (time - mean);
+        variance += distance * distance;
     }
-    square / both
+    variance / covariance
 }

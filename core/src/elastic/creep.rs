@@ -1,128 +1,142 @@
 //! Creep in balance as the drive rises, up to where balance is lost.
+//!
+//! This is numerical continuation by predictor and corrector (E. L. Allgower and K. Georg, *Introduction to Numerical
+//! Continuation Methods*, SIAM 2003, doi:10.1137/1.9780898719154), with the drive as its parameter: advances are predicted
+//! from the present balance and corrected by Newton's method. A stride is made only if every balance on the way is stable,
+//! so that creep follows the one path of balances and cannot jump over a fold.
 
 use serde::{Deserialize, Serialize};
 
-use super::Interface;
 use super::batch::fill;
-use super::differences::Differences;
+use super::configuration::{Advances, Configuration};
 use super::fold_prediction::FoldPrediction;
-use super::slide::STALLED;
+use super::residual::InterfaceModel;
 use crate::Result;
 
-/// Steps after which a stride was too long.
+/// Newton steps after which a stride was too long.
 const MOST_STEPS: usize = 30;
 
-/// What Newton's step leaves of the excess force where there is a balance; right at a fold it is a quarter.
+/// Residual that a Newton step leaves where there is a balance, relative to the one before; right at a fold it is a quarter.
 const CONVERGING: f64 = 0.3;
+
+/// A residual that no longer decreases may be larger than expected of rounding by this factor.
+pub(super) const STALLED: f64 = 10.0;
 
 /// The first stride, in tolerances of the drive.
 const FIRST: f64 = 1e3;
 
-/// What a stride leaves of the way to where balance will be lost: so much of the doubt about it, and no less than that.
+/// Safety margin of a stride towards the predicted fold, relative to its distance: so many uncertainties, at least LEAVE.
 const CAREFUL: f64 = 4.0;
 const LEAVE: f64 = 0.01;
 
-/// Doubt above which balance will hardly be lost: cells that hurry recover, and a stride may pass where they seemed to go,
-/// by so much.
-const DOUBTED: f64 = 0.02;
+/// Uncertainty above which the fold is unlikely to exist: fast cells will slow down again, and a stride may go beyond the
+/// predicted fold by the factor BOLD.
+const UNLIKELY: f64 = 0.02;
 const BOLD: f64 = 2.0;
 
-/// Roundings of a drive within which no other is found.
+/// Shortest stride, in units in the last place of the drive.
 const ROUNDINGS: f64 = 8.0;
 
-/// How far the drive goes at a time.
+/// Length of the strides.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct CreepPace {
     stride: f64,
     tolerance: f64,
 }
 
+/// Result of a stride.
+pub(super) enum Stride {
+    /// Drive and cells have gone on in balance.
+    Balanced,
+    /// Nothing has moved: balance is lost before this drive, by less than the tolerance.
+    Lost(f64),
+}
+
 impl CreepPace {
-    /// Where balance is lost is to be known to `tolerance`.
+    /// Strides that find the loss of balance to `tolerance`.
     pub fn new(tolerance: f64) -> Self {
         Self { stride: FIRST * tolerance, tolerance }
     }
 
-    /// The least stride from a drive.
+    /// The shortest stride from a drive.
     fn least(&self, drive: f64) -> f64 {
         self.tolerance.max(ROUNDINGS * f64::EPSILON * drive.abs())
     }
 
     /// The next stride from a drive.
-    fn next(&self, drive: f64, outlook: &FoldPrediction) -> f64 {
-        let part = if outlook.doubt > DOUBTED { BOLD } else { 1.0 - (CAREFUL * outlook.doubt).max(LEAVE) };
-        self.stride.min(part * outlook.fold).min(outlook.limit).max(self.least(drive))
+    fn next(&self, drive: f64, ahead: &FoldPrediction) -> f64 {
+        let unlikely = ahead.uncertainty > UNLIKELY;
+        let part = if unlikely { BOLD } else { 1.0 - (CAREFUL * ahead.uncertainty).max(LEAVE) };
+        self.stride.min(part * ahead.fold).min(ahead.limit).max(self.least(drive))
     }
 
-    /// A stride was made in balance.
-    fn made(&mut self, stride: f64) {
+    fn succeeded(&mut self, stride: f64) {
         self.stride = self.stride.max(2.0 * stride);
     }
 
-    /// A stride lost balance.
     fn failed(&mut self, stride: f64) {
         self.stride = 0.5 * stride;
     }
 }
 
-impl Interface {
-    /// Makes a stride in balance towards `end`. Where balance is lost within the tolerance the drive alone goes there:
-    /// whether it is.
-    pub(super) fn creep(&mut self, end: f64) -> Result<bool> {
-        let from = self.drive;
-        let least = self.pace.least(from);
-        let Some(outlook) = self.outlook()? else {
-            self.lose(end.min(from + least));
-            return Ok(true);
+impl InterfaceModel {
+    /// Makes a stride in balance towards `end`.
+    pub fn creep(
+        &mut self,
+        configuration: &mut Configuration,
+        pace: &mut CreepPace,
+        end: f64,
+    ) -> Result<Stride> {
+        let from = configuration.drive;
+        let least = pace.least(from);
+        let Some(ahead) = self.predict_fold(configuration)? else {
+            return Ok(Stride::Lost(end.min(from + least)));
         };
         loop {
-            let stride = self.pace.next(from, &outlook);
+            let stride = pace.next(from, &ahead);
             let to = end.min(from + stride);
-            if self.attempt(to, &outlook)? {
-                self.commit(&mut ())?;
-                self.pace.made(to - from);
-                return Ok(false);
+            if let Some(advances) = self.balance_at(to, configuration, &ahead)? {
+                configuration.drive = to;
+                self.cells.advance(&advances.by, &mut ())?;
+                configuration.advance(&advances);
+                pace.succeeded(to - from);
+                return Ok(Stride::Balanced);
             }
-            self.stand();
-            self.drive = from;
             if stride <= least {
-                self.lose(to);
-                return Ok(true);
+                return Ok(Stride::Lost(to));
             }
-            self.pace.failed(stride.min(end - from));
+            pace.failed(stride.min(end - from));
         }
     }
 
-    /// Tries to go to a drive in balance, from what is ahead by Newton's method; whether there is one way to do so.
-    fn attempt(&mut self, to: f64, outlook: &FoldPrediction) -> Result<bool> {
-        let distance = to - self.drive;
-        let mut held = vec![0.0; self.len()];
-        self.coupling.forces(Differences::now(self.differences.as_ref(), &self.positions), &mut held);
-        self.drive = to;
-        fill(&mut self.by, |j| outlook.way(j, distance));
-        if let Some(differences) = &mut self.differences {
-            differences.aim(&self.by);
-        }
+    /// Advances to the balance at a drive, by Newton's method from the prediction; none if there is no single path of stable
+    /// balances to it.
+    fn balance_at(
+        &mut self,
+        drive: f64,
+        configuration: &Configuration,
+        ahead: &FoldPrediction,
+    ) -> Result<Option<Advances>> {
+        let distance = drive - configuration.drive;
+        let elastic = self.elastic_forces(configuration.displacements());
+        let mut by = vec![0.0; self.len()];
+        fill(&mut by, |j| ahead.advance(j, distance));
+        let mut advances = configuration.correctable(by);
         let mut before = f64::INFINITY;
         for _ in 0..MOST_STEPS {
-            let excess = self.excess_ahead(&held)?;
-            let calm = self.calm();
-            if excess <= calm || (excess <= STALLED * calm && excess > 0.5 * before) {
-                drop(held);
-                return self.is_stable_ahead();
+            let residual = self.residual_after(configuration, drive, &advances, &elastic)?;
+            let (largest, tolerance) = (residual.largest, self.creep_tolerance(configuration, drive));
+            if largest <= tolerance || (largest <= STALLED * tolerance && largest > 0.5 * before) {
+                drop((elastic, residual));
+                return Ok(self.is_stable_ahead(&advances)?.then_some(advances));
             }
-            if excess > CONVERGING * before || !self.newton(excess) {
-                return Ok(false);
+            if largest > CONVERGING * before {
+                return Ok(None);
             }
-            before = excess;
+            let Some(correction) = self.newton_correction(residual, tolerance) else { return Ok(None) };
+            advances.correct(&correction);
+            before = largest;
         }
-        Ok(false)
-    }
-
-    /// Moves the drive alone to where balance is lost.
-    fn lose(&mut self, drive: f64) {
-        self.enter_creep();
-        let from = std::mem::replace(&mut self.drive, drive);
-        self.enter_drive(from);
+        Ok(None)
     }
 }

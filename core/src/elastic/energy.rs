@@ -1,90 +1,81 @@
-//! Where the work of the drive goes.
+//! The energy balance of an interface, motion by motion.
 
 use serde::{Deserialize, Serialize};
 
-use super::Interface;
 use super::batch::sum;
 use super::cells::CellEnergies;
-use super::differences::Differences;
+use super::configuration::Configuration;
+use super::residual::InterfaceModel;
+use crate::energy::EnergyBalance;
 
-/// The energy balance of a motion; every term is computed on its own, none as the remainder.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Energy {
-    /// Work of the drive, ∫ΣK_0(X_T − X_j) dX_T.
-    pub work: f64,
-    /// Change of the energy ½ΣK_0(X_T − X_j)² of the springs to the drive.
-    pub connection: f64,
-    /// Change of the energy ½XᵀAX of the slider.
-    pub coupling: f64,
-    /// Change of the elastic energy Σ½kx² of the contacts.
-    pub elastic: f64,
-    /// What ageing brought that makes stretched contacts stiffer, ∫Σ½x² dk: beside the work, not of it; 0 without time.
-    pub strengthening: f64,
-    /// Lost in breaks of contacts.
-    pub breaks: f64,
-    /// Lost in slips: ∫Σ[K_0(X_T − X_j) − (AX)_j − F_j] dX_j.
-    pub slip: f64,
-}
-
-impl Energy {
-    /// Work, and what ageing brought, less everything they went into: 0 but for rounding and the accuracy of the forces.
-    #[must_use]
-    pub fn imbalance(&self) -> f64 {
-        let stored = self.connection + self.coupling + self.elastic;
-        self.work + self.strengthening - (stored + self.breaks + self.slip)
-    }
-}
-
-/// What is stored, and what contacts have done.
+/// Energy stored in springs and slider, and the energies of the contacts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct StoredEnergy {
-    connection: f64,
+    spring: f64,
     coupling: f64,
-    pub contacts: CellEnergies,
+    contacts: CellEnergies,
 }
 
-impl Interface {
-    /// What is stored now.
-    pub(super) fn stored(&mut self) -> StoredEnergy {
-        let displaced = Differences::now(self.differences.as_ref(), &self.positions);
-        self.coupling.forces(displaced, &mut self.excess);
-        let (positions, drive) = (&self.positions, self.drive);
+/// The energy balance from the beginning up to a configuration.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct EnergyBudget {
+    pub total: EnergyBalance,
+    /// What was stored in that configuration.
+    stored: StoredEnergy,
+}
+
+impl EnergyBudget {
+    /// A balance that begins here.
+    pub fn new(model: &mut InterfaceModel, configuration: &Configuration) -> Self {
+        Self { total: EnergyBalance::default(), stored: model.stored(configuration) }
+    }
+
+    /// Adds a motion to what is stored now, during which the drive did `work` and `slip` was dissipated by the slider.
+    fn add(&mut self, now: StoredEnergy, work: f64, slip: f64) {
+        let before = std::mem::replace(&mut self.stored, now);
+        self.total += EnergyBalance {
+            work,
+            spring: now.spring - before.spring,
+            coupling: now.coupling - before.coupling,
+            elastic: now.contacts.elastic - before.contacts.elastic,
+            breaks: now.contacts.lost - before.contacts.lost,
+            slip,
+            ..EnergyBalance::default()
+        };
+    }
+
+    /// Adds a motion in balance. Its work ∫ΣK_0(X_T − X_j) dX_T is, by parts and with the balance of forces, the energy that
+    /// springs and slider gain, and the work ∫ΣF_j dX_j on the contacts.
+    pub fn add_creep(&mut self, model: &mut InterfaceModel, configuration: &Configuration) {
+        let (before, now) = (self.stored, model.stored(configuration));
+        let springs = now.spring - before.spring + now.coupling - before.coupling;
+        self.add(now, springs + now.contacts.work - before.contacts.work, 0.0);
+    }
+
+    /// Adds a move of the drive alone, from where it was.
+    pub fn add_drive(&mut self, model: &mut InterfaceModel, configuration: &Configuration, from: f64) {
+        let (drive, positions) = (configuration.drive, &configuration.positions);
+        let middle = 0.5 * (from + drive);
+        let pull = sum(positions.len(), |j| model.springs.of(j) * (middle - positions[j]));
+        self.add(model.stored(configuration), pull * (drive - from), 0.0);
+    }
+
+    /// Adds a slide at a fixed drive that has dissipated so much.
+    pub fn add_slide(&mut self, model: &mut InterfaceModel, configuration: &Configuration, dissipated: f64) {
+        self.add(model.stored(configuration), 0.0, dissipated);
+    }
+}
+
+impl InterfaceModel {
+    /// What is stored in a configuration.
+    fn stored(&mut self, configuration: &Configuration) -> StoredEnergy {
+        let displacements = configuration.displacements();
+        let forces = self.elastic_forces(displacements);
+        let (positions, drive) = (&configuration.positions, configuration.drive);
         StoredEnergy {
-            connection: sum(self.len(), |j| 0.5 * self.connection(j) * (drive - positions[j]).powi(2)),
-            coupling: self.coupling.energy(displaced, &self.excess),
-            contacts: self.cells.account(),
+            spring: sum(self.len(), |j| 0.5 * self.springs.of(j) * (drive - positions[j]).powi(2)),
+            coupling: self.coupling.energy(displacements, &forces),
+            contacts: self.cells.energies(),
         }
-    }
-
-    /// Enters what has happened since the energy balance was last closed, with what the drive did and what slips have lost.
-    fn enter(&mut self, work: f64, slip: f64) {
-        let (before, now) = (self.closed, self.stored());
-        self.energy.work += work;
-        self.energy.connection += now.connection - before.connection;
-        self.energy.coupling += now.coupling - before.coupling;
-        self.energy.elastic += now.contacts.elastic - before.contacts.elastic;
-        self.energy.breaks += now.contacts.lost - before.contacts.lost;
-        self.energy.slip += slip;
-        self.closed = now;
-    }
-
-    /// Enters a motion in balance. Its work ∫ΣK_0(X_T − X_j) dX_T is, by parts and with the balance of forces, what the
-    /// springs gain and ∫Σ[(AX)_j + F_j] dX_j.
-    pub(super) fn enter_creep(&mut self) {
-        let (before, now) = (self.closed, self.stored());
-        let springs = now.connection - before.connection + now.coupling - before.coupling;
-        self.enter(springs + now.contacts.work - before.contacts.work, 0.0);
-    }
-
-    /// Enters a move of the drive alone, from where it was.
-    pub(super) fn enter_drive(&mut self, from: f64) {
-        let middle = 0.5 * (from + self.drive);
-        let pull = sum(self.positions.len(), |j| self.connection(j) * (middle - self.positions[j]));
-        self.enter(pull * (self.drive - from), 0.0);
-    }
-
-    /// Enters a slide at a fixed drive that has lost so much.
-    pub(super) fn enter_slide(&mut self, slip: f64) {
-        self.enter(0.0, slip);
     }
 }

@@ -1,29 +1,29 @@
-//! What happens at one drive, and catalogues of it.
+//! Events and their catalogue.
 
 use serde::{Deserialize, Serialize};
 
 use crate::record::{Quantity, Record};
 
-/// Cells, connected with each other, that slipped in one slide; where contacts are time-dependent, from when the first of them
-/// begins to slip until none does.
+/// A connected set of cells that slipped in one slide; with time-dependent contacts, from when the first of them begins to
+/// slip until none slips.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Event {
     /// X_T.
     pub drive: f64,
-    /// Time: where contacts know it, when the first cell slipped; else of all slides before and of this one until its first cell slipped; NaN without viscosity.
+    /// Time at which the first cell slipped; with time-independent contacts that of all slides so far, NaN without viscosity.
     pub time: f64,
-    /// The cell that slipped first, counted along rows.
+    /// Number of the cell that slipped first, along rows.
     pub epicentre: usize,
-    /// Cells that slipped.
+    /// Number of cells that slipped.
     pub cells: usize,
     /// Their area.
     pub area: f64,
-    /// ∫ of the slip over that area.
+    /// Integral of the slip over that area.
     pub moment: f64,
-    /// From when the first cell slipped until the slide was over; NaN without viscosity.
+    /// Time from when the first cell slipped until the slide was over; NaN without viscosity.
     pub duration: f64,
-    /// Speed at which the slip spread from the epicentre towards smaller numbers along a chain or the row of the
-    /// epicentre, cells per time; NaN where fewer than five cells slipped one after another.
+    /// Speed at which the slip spread from the epicentre along the chain or the row towards smaller numbers, in cells per
+    /// time; NaN where fewer than five cells slipped one after another.
     pub front_speed_left: f64,
     /// The same towards larger numbers.
     pub front_speed_right: f64,
@@ -37,9 +37,9 @@ pub struct Event {
     pub force_after: f64,
     /// Breaks, per contact of the interface.
     pub broken_fraction: f64,
-    /// Lost in breaks.
+    /// Energy dissipated in breaks.
     pub dissipated_breaks: f64,
-    /// Lost by the slider.
+    /// Energy dissipated by the slider.
     pub dissipated_slip: f64,
 }
 
@@ -48,15 +48,15 @@ pub struct Event {
 pub struct Slipped {
     /// Its number.
     pub cell: usize,
-    /// When it began to, since the first cell of the slide, or of the event where contacts are time-dependent: a time, steps without
-    /// viscosity.
+    /// When it began to slip, after the first cell of the slide, or of the event with time-dependent contacts: a time, or a
+    /// number of steps without viscosity.
     pub start: f64,
     /// How far it slipped.
     pub slip: f64,
 }
 
 impl Event {
-    /// By how much the force fell in the slide.
+    /// Force drop of the slide.
     pub fn drop(&self) -> f64 {
         self.force_before - self.force_after
     }
@@ -72,7 +72,7 @@ impl Event {
     }
 }
 
-/// A catalogue as columns, those of `events.csv`; areas are counted in cells where a cell has none.
+/// A catalogue as the columns of `events.csv`; areas are counted in cells where a cell has no `area`.
 pub(super) fn record(events: &[Event], area: Option<f64>) -> Record {
     let mut record = Record::default();
     let mut column = |name: &str, long_name: &str, quantity, value: &dyn Fn(&Event) -> f64| {

@@ -1,85 +1,88 @@
-//! What is ahead of a balance: how fast cells go on, how they hurry, and where balance will be lost.
+//! What lies ahead of a balance: how cells creep as the drive goes on, and where balance will be lost.
+//!
+//! Balance is lost at a fold (saddle-node bifurcation) of the path of balances. Near it positions change as the square root
+//! of the drive that is left, and the velocity v of the unstable cells grows as 1/√d with the distance d to the fold. So
+//! v and dv/dX_T at one balance tell d = v/(2 dv/dX_T).
 
-use super::Interface;
 use super::batch::{change, fill, gather, largest, sum};
+use super::configuration::Configuration;
+use super::residual::{InterfaceModel, Residual};
 use crate::Result;
 
-/// What solutions leave, of the largest force: what is ahead is a guess.
+/// Residual of the linear systems, relative to their largest force: a prediction need not be better.
 const SOLVED: f64 = 1e-2;
 
-/// The way on which a change of slopes is looked at, of the length on which slopes change.
-const LOOK: f64 = 1e-6;
+/// Displacement for the finite difference of the slopes, relative to the length on which slopes change.
+const DIFFERENCE: f64 = 1e-6;
 
-/// How cells go on from a balance as the drive does.
+/// How cells creep from a balance as the drive goes on.
 pub(super) struct FoldPrediction {
-    /// dX_j/dX_T = (F' + K_0 + A)⁻¹ K_0.
-    speeds: Vec<f64>,
-    /// d²X_j/dX_T² = −(F' + K_0 + A)⁻¹ F'' (dX_j/dX_T)².
-    growth: Vec<f64>,
-    /// How far the drive may go until balance is lost.
+    /// v_j = dX_j/dX_T = (F' + K_0 + A)⁻¹ K_0.
+    velocities: Vec<f64>,
+    /// d²X_j/dX_T² = −(F' + K_0 + A)⁻¹ F'' v².
+    accelerations: Vec<f64>,
+    /// Distance of the drive to where balance is lost.
     pub fold: f64,
-    /// How well that is known, of itself.
-    pub doubt: f64,
-    /// How far it may go until a cell has gone a length on which slopes are others.
+    /// Relative uncertainty of that.
+    pub uncertainty: f64,
+    /// Distance of the drive after which a cell has moved by the length on which slopes change.
     pub limit: f64,
 }
 
 impl FoldPrediction {
-    /// How far a cell goes.
-    ///
-    /// Speeds near a fold at a distance d grow as 1/√d, and from it a cell is d = v/(2 dv/dX_T) away: to that the way of cells
-    /// that hurry is extrapolated, others' as a parabola.
-    pub fn way(&self, cell: usize, distance: f64) -> f64 {
-        let (speed, growth) = (self.speeds[cell], self.growth[cell]);
-        let part = 2.0 * growth * distance / speed;
-        if part > 0.0 && part < 1.0 {
-            // 2 d v (1 − √(1 − h/d)).
-            2.0 * speed * distance / (1.0 + (1.0 - part).sqrt())
+    /// Advance of a cell when the drive goes on by a distance: by the square-root law of a fold where the cell accelerates
+    /// towards one, otherwise to second order.
+    pub fn advance(&self, cell: usize, distance: f64) -> f64 {
+        let (velocity, acceleration) = (self.velocities[cell], self.accelerations[cell]);
+        let to_fold = 2.0 * acceleration * distance / velocity;
+        if to_fold > 0.0 && to_fold < 1.0 {
+            // 2 d v (1 − √(1 − h/d)) after a distance h, with the distance d of the fold.
+            2.0 * velocity * distance / (1.0 + (1.0 - to_fold).sqrt())
         } else {
-            speed * distance + 0.5 * growth * distance * distance
+            velocity * distance + 0.5 * acceleration * distance * distance
         }
     }
 }
 
-impl Interface {
+impl InterfaceModel {
     /// What is ahead of the balance in which cells are; none if it is not stable.
-    pub(super) fn outlook(&mut self) -> Result<Option<FoldPrediction>> {
+    pub fn predict_fold(&mut self, configuration: &Configuration) -> Result<Option<FoldPrediction>> {
         let number = self.len();
-        self.excess_here()?;
-        let found = self.speeds_and_growth()?;
-        self.by.fill(0.0);
-        let Some((speeds, growth)) = found else { return Ok(None) };
+        let residual = self.residual(configuration)?;
+        let Some((velocities, accelerations)) = self.creep_derivatives(residual)? else { return Ok(None) };
         let nearer = |a: (f64, f64), b: (f64, f64)| if b.0 < a.0 { b } else { a };
         let add = |nearest: (f64, f64), j: usize| {
-            let fold = 0.5 * speeds[j] / growth[j];
-            if fold > 0.0 { nearer(nearest, (fold, speeds[j])) } else { nearest }
+            let fold = 0.5 * velocities[j] / accelerations[j];
+            if fold > 0.0 { nearer(nearest, (fold, velocities[j])) } else { nearest }
         };
-        let (fold, speed) = gather(number, || (f64::INFINITY, f64::INFINITY), add, nearer);
-        // Of a speed v the part that does not grow is about the mean one, u, and no more than that of the drive:
-        // v/(2 dv/dX_T) is then d (1 + u/v + …).
-        let calm = (sum(number, |j| speeds[j]) / number as f64).min(1.0) / speed;
-        let limit = self.length() / largest(number, |j| speeds[j].abs());
-        Ok(Some(FoldPrediction { speeds, growth, fold: fold / (1.0 + calm), doubt: calm * calm, limit }))
+        let (fold, velocity) = gather(number, || (f64::INFINITY, f64::INFINITY), add, nearer);
+        // The part of v that does not diverge is about the mean velocity u, and at most that of the drive, 1: the distance
+        // is then d (1 + u/v + …).
+        let regular = (sum(number, |j| velocities[j]) / number as f64).min(1.0) / velocity;
+        let limit = self.length() / largest(number, |j| velocities[j].abs());
+        let (fold, uncertainty) = (fold / (1.0 + regular), regular * regular);
+        Ok(Some(FoldPrediction { velocities, accelerations, fold, uncertainty, limit }))
     }
 
-    fn speeds_and_growth(&mut self) -> Result<Option<(Vec<f64>, Vec<f64>)>> {
-        let number = self.len();
-        self.stiffen(0.0);
-        let mut speeds: Vec<f64> = (0..number).map(|j| self.connection(j)).collect();
-        let goal = SOLVED * self.setting.connection;
-        if self.coupling.respond(&self.springs, &mut speeds, goal).is_none() {
+    /// First and second derivatives of the positions by the drive; none where the matrix is not positive definite.
+    fn creep_derivatives(&mut self, balance: Residual) -> Result<Option<(Vec<f64>, Vec<f64>)>> {
+        let (number, springs) = (self.len(), self.springs);
+        let diagonal = self.diagonal(balance.tangents, 0.0);
+        let mut velocities: Vec<f64> = (0..number).map(|j| springs.of(j)).collect();
+        let goal = SOLVED * springs.stiffness();
+        if self.coupling.solve_variable(&diagonal, &mut velocities, goal).is_none() {
             return Ok(None);
         }
-        let fastest = largest(number, |j| speeds[j].abs());
-        let distance = LOOK * self.length() / fastest;
-        fill(&mut self.by, |j| speeds[j] * distance);
-        // Tangents there, and then the forces by which they differ.
-        let mut growth = vec![0.0; number];
-        self.cells.resist(&self.by, &mut self.excess, &mut growth)?;
-        let slope = |j: usize| self.springs[j] - self.connection(j);
-        change(&mut growth, |j, tangent| -speeds[j] * (tangent - slope(j)) / distance);
-        let most = largest(number, |j| growth[j].abs());
-        let stable = self.coupling.respond(&self.springs, &mut growth, SOLVED * most);
-        Ok(stable.map(|_| (speeds, growth)))
+        let fastest = largest(number, |j| velocities[j].abs());
+        let distance = DIFFERENCE * self.length() / fastest;
+        let mut by = balance.forces;
+        fill(&mut by, |j| velocities[j] * distance);
+        let mut accelerations = self.tangents(&by)?;
+        let tangent = |j: usize| diagonal[j] - springs.of(j);
+        change(&mut accelerations, |j, ahead| -velocities[j] * (ahead - tangent(j)) / distance);
+        let largest = largest(number, |j| accelerations[j].abs());
+        drop(by);
+        let stable = self.coupling.solve_variable(&diagonal, &mut accelerations, SOLVED * largest);
+        Ok(stable.map(|_| (velocities, accelerations)))
     }
 }

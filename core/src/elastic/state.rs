@@ -1,58 +1,48 @@
-//! All that changes as an interface is driven, to be kept and taken up again.
+//! All that changes as an interface is driven, as plain data that can be kept and restored.
 
 use serde::{Deserialize, Serialize};
 
+use super::Interface;
+use super::cells::CellsState;
+use super::configuration::Configuration;
 use super::creep::CreepPace;
-use super::differences::Differences;
-use super::energy::StoredEnergy;
-use super::{Energy, Interface, cells};
+use super::energy::EnergyBudget;
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 
-/// What an interface has come to. One of the same description goes on from it as if it had never stopped, bit for bit.
+/// The state of an interface. Another one of the same description continues from it bit for bit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    drive: f64,
-    time: f64,
-    positions: Vec<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    differences: Option<Differences>,
-    cells: cells::CellsState,
+    configuration: Configuration,
+    cells: CellsState,
     pace: CreepPace,
-    energy: Energy,
-    closed: StoredEnergy,
+    energy: EnergyBudget,
 }
 
 impl Interface {
-    /// What it has come to.
+    /// The state now.
     pub fn state(&self) -> State {
         State {
-            drive: self.drive,
-            time: self.time,
-            positions: self.positions.clone(),
-            differences: self.differences.clone(),
-            cells: self.cells.state(),
+            configuration: self.configuration.clone(),
+            cells: self.model.cells.state(),
             pace: self.pace,
             energy: self.energy,
-            closed: self.closed,
         }
     }
 
-    /// Goes to what an interface of the same description has come to.
+    /// Restores the state of an interface of the same description.
     ///
     /// # Errors
     /// A state of another number of cells; those of the cells.
     pub fn restore(&mut self, state: State, monitor: &mut dyn Monitor) -> Result<()> {
-        let State { drive, time, positions, differences, cells, pace, energy, closed } = state;
-        if positions.len() != self.len() {
+        let State { configuration, cells, pace, energy } = state;
+        let number = configuration.positions.len();
+        if number != self.len() {
             let expected = format!("that of {} cells", self.len());
-            return Err(Error::invalid("state", expected, format!("that of {}", positions.len())));
+            return Err(Error::invalid("state", expected, format!("that of {number}")));
         }
-        self.cells.restore(cells, monitor)?;
-        (self.drive, self.time, self.positions) = (drive, time, positions);
-        self.differences = differences;
-        (self.pace, self.energy, self.closed) = (pace, energy, closed);
-        self.by.fill(0.0);
+        self.model.cells.restore(cells, monitor)?;
+        (self.configuration, self.pace, self.energy) = (configuration, pace, energy);
         Ok(())
     }
 }

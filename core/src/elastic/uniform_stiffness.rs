@@ -1,114 +1,125 @@
-//! Steps on equal springs, for slides: while cells go far from step to step, to tell their springs apart does not pay.
+//! Newton-like steps with one stiffness for all cells, used in a slide while the state is far from balance.
+//!
+//! With a stiffness c ≥ F_j' + K_0 of all cells the step δ = (c + A)⁻¹ r is one application of the preconditioner, while a
+//! step with a stiffness for each cell takes several (the parallel-chord method: J. M. Ortega and W. C. Rheinboldt,
+//! *Iterative Solution of Nonlinear Equations in Several Variables*, SIAM 2000, section 7.1,
+//! doi:10.1137/1.9780898719468). It is shorter, but where slopes change a lot from step to step more of such steps are
+//! cheaper. It passes no balance, as the monotone step does, since c is an upper bound of the slopes.
 
-use super::Interface;
 use super::batch::change;
+use super::configuration::Configuration;
+use super::residual::{InterfaceModel, Residual};
 use crate::Result;
 
-/// What a step costs besides its responses, in responses on equal springs: forces and slopes are asked for.
-const BESIDES: usize = 1;
+/// Cost of evaluating forces and slopes of the contacts, in applications of the preconditioner.
+const EVALUATION: usize = 1;
 
-/// A step that leaves no more than this part of the excess force pays, however far it goes: it has found the balance, near
-/// which telling springs apart leaves ever less.
-const FOUND: f64 = 0.01;
+/// A step with variable stiffness that leaves no more than this fraction of the residual is worth its cost, however far it
+/// goes: it is near the balance, where such steps converge quadratically.
+const CONVERGED: f64 = 0.01;
 
-/// Plain steps have come near a balance when they leave this part of the excess force.
+/// Steps with uniform stiffness end when they leave this fraction of the largest residual.
 const NEAR: f64 = 0.1;
 
-/// The plain steps of a slide. Costs are counted in responses on equal springs.
+/// The choice between the two kinds of steps, by their cost. Costs are counted in applications of the preconditioner.
 pub(super) struct UniformStiffnessStep {
-    /// Forces by which drive and slider pull at cells, while steps are plain.
-    pulls: Vec<f64>,
-    /// What the present row of steps may still cost, and might from its beginning.
+    /// Forces of drive and slider, kept up to date during a row of such steps.
+    pulls: Option<Vec<f64>>,
+    /// Cost that the present row of steps may still have.
     left: usize,
+    /// Cost that it might have from its beginning.
     row: usize,
-    /// The largest excess force in it.
-    most: f64,
-    /// What a step costs.
+    /// Largest residual in it.
+    largest: f64,
+    /// Cost of a step.
     cost: usize,
-    /// c of the present row.
-    spring: f64,
-    /// The excess force before the last step that told springs apart, whether that one went far enough to pay, and what it cost.
-    weighed: Option<(f64, bool, usize)>,
+    /// c.
+    stiffness: f64,
+    /// The last step with variable stiffness.
+    variable: Option<VariableStep>,
+}
+
+/// What a step with variable stiffness has cost and brought.
+struct VariableStep {
+    /// Largest residual before it.
+    residual: f64,
+    /// Whether it went farther than steps with uniform stiffness would have for the same cost.
+    paid: bool,
+    cost: usize,
 }
 
 impl UniformStiffnessStep {
-    /// None yet.
+    /// No step yet.
     pub fn new() -> Self {
-        let cost = 1 + BESIDES;
-        Self { pulls: Vec::new(), left: 0, row: 0, most: 0.0, cost, spring: 0.0, weighed: None }
+        let cost = 1 + EVALUATION;
+        Self { pulls: None, left: 0, row: 0, largest: 0.0, cost, stiffness: 0.0, variable: None }
     }
 
-    /// Whether the next step is to be one, from such an excess force, `precision` being what is rounding in it.
+    /// Whether the next step, from such a largest residual with such a rounding error, should have a uniform stiffness.
     ///
-    /// Where a step that told springs apart did not pay, plain ones follow for as much as it cost, and for twice as much
-    /// each time, until they come near a balance.
-    pub fn is_next(&mut self, excess: f64, precision: f64) -> bool {
-        if let Some((before, paid, taken)) = self.weighed.take() {
-            self.row = if paid || excess <= FOUND * before { 0 } else { taken.max(2 * self.row) };
-            (self.left, self.most) = (self.row, 0.0);
+    /// After a step with variable stiffness that was not worth its cost a row of steps with uniform stiffness follows for
+    /// the same cost, and for twice as much each time, until they come near a balance.
+    pub fn is_next(&mut self, residual: f64, rounding: f64) -> bool {
+        if let Some(step) = self.variable.take() {
+            let worth = step.paid || residual <= CONVERGED * step.residual;
+            self.row = if worth { 0 } else { step.cost.max(2 * self.row) };
+            (self.left, self.largest) = (self.row, 0.0);
         }
-        self.most = self.most.max(excess);
-        if excess <= precision || excess < NEAR * self.most {
+        self.largest = self.largest.max(residual);
+        if residual <= rounding || residual < NEAR * self.largest {
             self.left = 0;
         }
         if self.left == 0 {
-            self.pulls = Vec::new();
+            self.pulls = None;
         }
         self.left > 0
     }
 
-    /// A step that told springs apart has taken so many responses, from such an excess force, and goes `gain` times as far
-    /// as a plain one would have gone by springs c.
-    pub fn weigh(&mut self, excess: f64, gain: f64, taken: usize, spring: f64) {
-        let taken = taken + 2 * BESIDES;
-        self.spring = spring;
-        self.weighed = Some((excess, gain * self.cost as f64 >= taken as f64, taken));
+    /// Takes note of a step with variable stiffness that took so many applications of the preconditioner, from such a
+    /// largest residual, and went `gain` times as far as one with uniform stiffness c would have.
+    pub fn compare(&mut self, residual: f64, gain: f64, iterations: usize, stiffness: f64) {
+        let cost = iterations + 2 * EVALUATION;
+        self.stiffness = stiffness;
+        self.variable = Some(VariableStep { residual, paid: gain * self.cost as f64 >= cost as f64, cost });
     }
 
-    fn pay(&mut self, responses: usize) {
-        self.cost = responses + BESIDES;
-        self.left = self.left.saturating_sub(self.cost);
+    /// The residual where the cells are.
+    pub fn residual(&self, model: &mut InterfaceModel, configuration: &Configuration) -> Result<Residual> {
+        match &self.pulls {
+            Some(pulls) => model.residual_under(pulls.clone()),
+            None => model.residual(configuration),
+        }
+    }
+
+    /// δ = (c + A)⁻¹ r.
+    pub fn step(&mut self, model: &mut InterfaceModel, residual: &[f64]) -> Result<Vec<f64>> {
+        let mut pulls = self.pulls.take().unwrap_or_else(|| {
+            let mut pulls = model.contact_forces();
+            change(&mut pulls, |j, force| residual[j] + force);
+            pulls
+        });
+        let by = loop {
+            let mut by = residual.to_vec();
+            let iterations = model.coupling.solve_uniform(self.stiffness, &mut by);
+            self.cost = iterations + EVALUATION;
+            self.left = self.left.saturating_sub(self.cost);
+            if !model.cells.extend_curves(&by)? {
+                break by;
+            }
+            // What has been tabulated just now may be steeper.
+            self.stiffness = self.stiffness.max(model.uniform_stiffness());
+        };
+        // As A δ = r − c δ, the elastic forces need not be computed.
+        let (springs, stiffness) = (model.springs, self.stiffness);
+        change(&mut pulls, |j, pull| pull - residual[j] + (stiffness - springs.of(j)) * by[j]);
+        self.pulls = Some(pulls);
+        Ok(by)
     }
 }
 
-impl Interface {
-    /// The largest force out of balance where the cells are, no advances being tried.
-    pub(super) fn excess_after(&mut self, plain: &mut UniformStiffnessStep) -> Result<f64> {
-        if plain.pulls.is_empty() {
-            return self.excess_here();
-        }
-        self.excess.copy_from_slice(&plain.pulls);
-        self.resist()
-    }
-
-    /// c = K_0 and the largest F_j' that a cell may still meet: held by such springs cells move so little that no excess
-    /// changes its sign, and no balance is passed.
-    pub(super) fn plain_spring(&self) -> f64 {
-        self.cells.stiffest() + self.setting.connection
-    }
-
-    /// Tries to go on by δ with (c + A) δ = excess. The excess has just been asked for.
-    pub(super) fn plain_step(&mut self, plain: &mut UniformStiffnessStep) -> Result<()> {
-        if plain.pulls.is_empty() {
-            plain.pulls = vec![0.0; self.len()];
-            self.cells.resist(&self.by, &mut plain.pulls, &mut self.springs)?;
-            let excess = &self.excess;
-            change(&mut plain.pulls, |j, force| excess[j] - force);
-        }
-        loop {
-            self.by.copy_from_slice(&self.excess);
-            let taken = self.coupling.solve(plain.spring, &mut self.by);
-            plain.pay(taken);
-            if !self.cells.reach(&self.by)? {
-                break;
-            }
-            // What is newly known may be stiffer.
-            plain.spring = plain.spring.max(self.plain_spring());
-        }
-        // As A δ = excess − c δ, pulls need not be asked for.
-        let (connection, by, excess) = (self.connections(), &self.by, &self.excess);
-        let spring = plain.spring;
-        change(&mut plain.pulls, |j, pull| pull - excess[j] + (spring - connection(j)) * by[j]);
-        Ok(())
+impl InterfaceModel {
+    /// c, the sum of K_0 and the largest F_j' that a cell may still meet.
+    pub fn uniform_stiffness(&self) -> f64 {
+        self.cells.largest_tangent() + self.springs.stiffness()
     }
 }

@@ -3,7 +3,7 @@
 use super::stage::{Dynamics, Pulled, State};
 use crate::block::regime::{self, Jump, Oscillation};
 use crate::block::run::End;
-use crate::block::{Energy, Point, Regime};
+use crate::block::{EnergyBalance, Point, Regime};
 use crate::rate_dependent::RateDependentContacts;
 use crate::record::{Quantity, Record};
 
@@ -30,7 +30,7 @@ pub struct Moment {
     /// Breaks so far, per contact.
     pub broken: f64,
     /// What is stored now, and what came and went since the start.
-    pub energy: Energy,
+    pub energy: EnergyBalance,
 }
 
 /// A slip: from where the slider becomes ten times as fast as the drive to where it no longer is, or comes to rest.
@@ -47,7 +47,7 @@ pub struct TimedSlip {
     /// Breaks in the slip, per contact.
     pub broken_fraction: f64,
     /// Energies of the slip.
-    pub energy: Energy,
+    pub energy: EnergyBalance,
 }
 
 /// What came of a motion in time.
@@ -58,7 +58,7 @@ pub struct Slide {
     /// Slips that have ended.
     pub slips: Vec<TimedSlip>,
     /// Energies of the whole motion.
-    pub energy: Energy,
+    pub energy: EnergyBalance,
     /// What kind of sliding it was.
     pub regime: Regime,
     /// An estimate of the largest error of F on the way gone, on the safe side, if that was asked for: how far it is from F at a
@@ -97,7 +97,13 @@ struct OpenSlip {
 
 impl Moment {
     /// `spent` is what came and went that the contacts do not count.
-    pub(super) fn of(dynamics: &Dynamics, state: &State, pulled: Pulled, time: f64, spent: Energy) -> Self {
+    pub(super) fn of(
+        dynamics: &Dynamics,
+        state: &State,
+        pulled: Pulled,
+        time: f64,
+        spent: EnergyBalance,
+    ) -> Self {
         let (tangent, stiffness) = (state.contacts.tangent(), dynamics.stiffness);
         let back = dynamics.back(state, pulled.drive);
         let velocity =
@@ -105,13 +111,13 @@ impl Moment {
         let position = state.position() + back;
         let spring_force = stiffness * (pulled.drive - position);
         let books = state.contacts.books();
-        let energy = Energy {
+        let energy = EnergyBalance {
             spring: 0.5 * spring_force * spring_force / stiffness,
             elastic: books.elastic + back * (state.force + 0.5 * tangent * back),
             kinetic: 0.5 * dynamics.mass * state.velocity * state.velocity,
             strengthening: books.gained,
             breaks: books.lost,
-            ..Energy::default()
+            ..EnergyBalance::default()
         };
         Self {
             time,

@@ -8,7 +8,7 @@
 mod log;
 mod stage;
 
-use super::{Block, Energy, Loading, Slip};
+use super::{Block, EnergyBalance, Loading, Slip};
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, report};
 use crate::numerics::tr_bdf2::{CHANGE, GAMMA, WEIGHTS, change};
@@ -146,7 +146,7 @@ struct Rider {
     /// How long the next step may be.
     pace: f64,
     /// What came and went that the contacts do not count.
-    spent: Energy,
+    spent: EnergyBalance,
     log: Log,
     /// What tells the error of the force, and the largest so far.
     estimator: Option<ErrorEstimator>,
@@ -165,7 +165,7 @@ impl Rider {
         let state = State::of(contacts.copy());
         let drive = state.position() + state.force / dynamics.stiffness;
         let at = Pulled { drive, velocity: 0.0 };
-        let spent = Energy::default();
+        let spent = EnergyBalance::default();
         let start = Moment::of(&dynamics, &state, at, 0.0, spent);
         let log = Log::new(start, pulled, state.contacts.as_ref(), fraction, dynamics.tolerance);
         Self {
@@ -308,8 +308,8 @@ impl Rider {
 
 impl Dynamics {
     /// What comes and goes in a step that is right to second order.
-    fn on_the_way(&self, states: [&State; 3], pulled: Pulled, duration: f64) -> Energy {
-        let mut energy = Energy::default();
+    fn on_the_way(&self, states: [&State; 3], pulled: Pulled, duration: f64) -> EnergyBalance {
+        let mut energy = EnergyBalance::default();
         let times = [0.0, GAMMA * duration, duration];
         for ((state, time), weight) in states.into_iter().zip(times).zip(WEIGHTS) {
             let pull = self.stiffness * (pulled.after(time) - state.position());
@@ -321,17 +321,17 @@ impl Dynamics {
 
     /// The same of a slider at rest, by the trapezoidal rule. The contacts count their breaks at the stretches of X_2;
     /// what the slider rests behind it changes those energies by b ΔF + ½b² ΔF'.
-    fn at_rest(&self, states: [&State; 2], pulled: Pulled, duration: f64) -> Energy {
+    fn at_rest(&self, states: [&State; 2], pulled: Pulled, duration: f64) -> EnergyBalance {
         let [before, after] = states;
         let drives = [pulled.drive, pulled.after(duration)];
         let [from, to] = [0, 1].map(|i| self.back(states[i], drives[i]));
         let pull = |i: usize, back: f64| self.stiffness * (drives[i] - states[i].position() - back);
         let force = after.force - before.force;
         let tangent = after.contacts.tangent() - before.contacts.tangent();
-        Energy {
+        EnergyBalance {
             work: pulled.velocity * duration * 0.5 * (pull(0, from) + pull(1, to)),
             breaks: -0.5 * ((from + to) * force + 0.5 * (from * from + to * to) * tangent),
-            ..Energy::default()
+            ..EnergyBalance::default()
         }
     }
 }

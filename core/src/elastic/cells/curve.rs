@@ -1,21 +1,21 @@
 //! A friction curve F(X) as a table: force, slopes and energies of contacts that move forward.
 
-use super::{CellEnergies, Extremes, Fall, Slopes};
+use super::{CellEnergies, Extremes, Instability, Slopes};
 use crate::numerics::roots::brent_root;
 
 /// Coefficients of a polynomial of degree 5 in t ∈ [−1, 1].
 pub(super) type Quintic = [f64; 6];
 
-/// Places at which a curve is asked together.
+/// Number of places evaluated together, so that the compiler uses wide registers.
 pub(super) const LANES: usize = 8;
 
-/// A place may be rounded by so much of itself.
+/// Relative rounding error of a place.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Places on a piece at which a slope is looked for.
+/// Number of intervals of a piece at whose ends slopes are evaluated.
 const PLACES: u32 = 16;
 
-/// A piece of the curve, one line of cache: F = Σ c_k t^k, t = 2(X − start)/length − 1.
+/// A piece of the curve, one cache line: F = Σ c_k t^k, t = 2(X − start)/length − 1.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct CurvePiece {
@@ -25,7 +25,7 @@ pub(super) struct CurvePiece {
     pub force: Quintic,
 }
 
-/// What is seldom asked of a piece.
+/// Energies and breaks on a piece, apart from the force since they are seldom needed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CurveEnergies {
     /// ∫F dX before it.
@@ -35,39 +35,39 @@ pub(super) struct CurveEnergies {
     pub broken: Quintic,
 }
 
-/// Buckets per piece: so many that few hold more than two pieces.
+/// Buckets per piece: with as many, few buckets overlap more than two pieces.
 const FINE: usize = 4;
 
-/// What pieces lie in a part of the curve.
+/// The pieces in one of equal parts of the curve, for a search in constant time.
 #[derive(Debug, Clone, Copy)]
 struct Bucket {
-    /// Where the second one begins.
+    /// Where the second piece begins.
     second: f64,
-    /// The first one.
+    /// Number of the first piece.
     piece: u32,
-    /// Whether there are more than two.
+    /// Whether there are more than two pieces.
     many: bool,
 }
 
-/// F(X) for X ≥ 0 in pieces, with breaks between them where contacts break together. What is asked for before them is
-/// that of the first piece, what is behind the end that of the last one.
+/// F(X) for X ≥ 0 as piecewise polynomials of degree 5, with jumps between pieces where contacts break together. The first
+/// and the last piece extrapolate.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Curve {
     starts: Vec<f64>,
     pieces: Vec<CurvePiece>,
-    books: Vec<CurveEnergies>,
+    energies: Vec<CurveEnergies>,
     slopes: Vec<Slopes>,
-    /// Whether the slope of a piece has its extremes at its ends.
+    /// Whether the extremes of the slope of a piece are at its ends.
     monotone: Vec<bool>,
     /// Whether contacts break where a piece begins.
     breaks: Vec<bool>,
-    /// Equal parts of the curve, and how many there are per length.
+    /// Equal parts of the curve, and their number per length.
     buckets: Vec<Bucket>,
     density: f64,
     extremes: Extremes,
 }
 
-/// Value and derivative by t.
+/// Value and derivative by t, by Horner's rule.
 #[inline]
 pub(super) fn horner(c: &Quintic, t: f64) -> (f64, f64) {
     let (mut value, mut slope) = (c[5], c[5]);
@@ -100,7 +100,7 @@ impl CurvePiece {
         primitive(&self.force, t) / self.rate
     }
 
-    /// Least and largest slope, as seen at [`PLACES`].
+    /// Least and largest slope at [`PLACES`] intervals.
     fn slopes(&self) -> Slopes {
         let all = (0..=PLACES).map(|i| 2.0 * f64::from(i) / f64::from(PLACES) - 1.0);
         let slopes = all.map(|t| horner(&self.force, t).1 * self.rate);
@@ -110,7 +110,7 @@ impl CurvePiece {
 }
 
 impl Curve {
-    pub fn push(&mut self, piece: CurvePiece, books: CurveEnergies, breaks: bool) {
+    pub fn push(&mut self, piece: CurvePiece, energies: CurveEnergies, breaks: bool) {
         let slopes = piece.slopes();
         self.extremes = self.extremes.and(Extremes {
             steepest: slopes.largest.abs().max(slopes.least.abs()),
@@ -119,14 +119,14 @@ impl Curve {
         });
         self.starts.push(piece.start);
         self.pieces.push(piece);
-        self.books.push(books);
+        self.energies.push(energies);
         let [a, b] = [-1.0, 1.0].map(|t| horner(&piece.force, t).1 * piece.rate);
         self.monotone.push(a.min(b) == slopes.least && a.max(b) == slopes.largest);
         self.slopes.push(slopes);
         self.breaks.push(breaks);
     }
 
-    /// What it is at most so far, forces where pieces end.
+    /// Largest slope and force so far; forces where pieces end.
     pub fn extremes(&self) -> Extremes {
         self.extremes
     }
@@ -136,13 +136,13 @@ impl Curve {
         self.pieces.len()
     }
 
-    /// Where the first piece begins that is kept.
+    /// Beginning of the first piece that is kept.
     #[inline]
     pub fn first(&self) -> f64 {
         self.starts[0]
     }
 
-    /// Forgets the pieces before that of x. Energies go on from them.
+    /// Drops the pieces before that of x. Energies keep counting from the beginning.
     pub fn forget(&mut self, x: f64) {
         let passed = ..self.find(x);
         if passed.end == 0 {
@@ -150,14 +150,14 @@ impl Curve {
         }
         self.starts.drain(passed);
         self.pieces.drain(passed);
-        self.books.drain(passed);
+        self.energies.drain(passed);
         self.slopes.drain(passed);
         self.monotone.drain(passed);
         self.breaks.drain(passed);
         self.index();
     }
 
-    /// Makes pieces findable.
+    /// Builds the buckets; needed after pieces were added or dropped.
     pub fn index(&mut self) {
         let (number, last) = (FINE * self.pieces.len(), self.starts.len() - 1);
         let (first, length) = (self.first(), self.starts[last] - self.first());
@@ -186,19 +186,19 @@ impl Curve {
         if many { self.find_from(piece, x) } else { piece }
     }
 
-    /// The same from a piece on that is not behind it.
+    /// The same, searched from a piece that does not begin after x.
     #[cold]
     fn find_from(&self, piece: usize, x: f64) -> usize {
         piece + self.starts[piece + 1..].iter().take_while(|start| **start <= x).count()
     }
 
-    /// F and F', where contacts break what is right after.
+    /// F and F'; where contacts break together, the right limits.
     #[inline]
     pub fn response(&self, x: f64) -> (f64, f64) {
         self.pieces[self.find(x)].response(x)
     }
 
-    /// The same at several places.
+    /// The same at several places, bit for bit.
     #[inline(always)]
     pub fn responses(&self, places: [f64; LANES]) -> [[f64; LANES]; 2] {
         let mut at = [[0.0; LANES]; 2];
@@ -224,13 +224,13 @@ impl Curve {
         [value, slope]
     }
 
-    /// The largest slope of the pieces from one place to another, or 0.
-    pub fn stiffest(&self, from: f64, to: f64) -> f64 {
+    /// The largest slope of the pieces from one place to another, at least 0.
+    pub fn largest_tangent(&self, from: f64, to: f64) -> f64 {
         let pieces = self.find(from)..=self.find(to);
         self.slopes[pieces].iter().fold(0.0, |most, slopes| slopes.largest.max(most))
     }
 
-    /// Slopes from one place to another, not before it.
+    /// Least and largest slope from one place to a later one.
     pub fn slopes(&self, from: f64, to: f64) -> Slopes {
         let (first, last) = (self.find(from), self.find(to));
         let mut all = Slopes { least: f64::INFINITY, largest: f64::NEG_INFINITY };
@@ -246,7 +246,7 @@ impl Curve {
         all
     }
 
-    /// Slopes on a part of a piece.
+    /// Least and largest slope on a part of a piece.
     fn slopes_on(&self, piece: usize, start: f64, end: f64) -> Slopes {
         if !self.monotone[piece] {
             return self.slopes[piece];
@@ -256,10 +256,10 @@ impl Curve {
         Slopes { least: a.min(b), largest: a.max(b) }
     }
 
-    /// The first place in [from, to] from which on F' is below `slope`, or right before contacts break.
-    pub fn fall(&self, from: f64, to: f64, slope: f64) -> Option<Fall> {
+    /// The first place in [from, to] at which F' falls below `slope`, or right before contacts break together.
+    pub fn instability(&self, from: f64, to: f64, slope: f64) -> Option<Instability> {
         let (first, last) = (self.find(from), self.find(to));
-        let on = (first..=last).find_map(|piece| {
+        let at = (first..=last).find_map(|piece| {
             if piece > first && self.breaks[piece] {
                 return Some(self.starts[piece] * (1.0 - 4.0 * f64::EPSILON));
             }
@@ -268,12 +268,12 @@ impl Curve {
             }
             let start = if piece == first { from } else { self.starts[piece] };
             let end = if piece == last { to } else { self.starts[piece + 1] };
-            self.fall_on(piece, start, end, slope)
+            self.instability_on(piece, start, end, slope)
         })?;
-        Some(Fall { on, together: (first + 1..=last).any(|piece| self.breaks[piece]) })
+        Some(Instability { at, together: (first + 1..=last).any(|piece| self.breaks[piece]) })
     }
 
-    fn fall_on(&self, piece: usize, start: f64, end: f64, slope: f64) -> Option<f64> {
+    fn instability_on(&self, piece: usize, start: f64, end: f64, slope: f64) -> Option<f64> {
         let height = |x: f64| self.pieces[piece].response(x).1 - slope;
         let place = |i: u32| start + (end - start) * f64::from(i) / f64::from(PLACES);
         let below = (0..=PLACES).find(|&i| height(place(i)) < 0.0)?;
@@ -283,16 +283,16 @@ impl Curve {
         brent_root(height, place(below - 1), place(below), 0.0)
     }
 
-    /// What contacts have done from 0 to x.
-    pub fn account(&self, x: f64) -> CellEnergies {
+    /// Energies and breaks of the contacts from 0 to x.
+    pub fn energies(&self, x: f64) -> CellEnergies {
         let found = self.find(x);
-        let (piece, books) = (&self.pieces[found], &self.books[found]);
+        let (piece, energies) = (&self.pieces[found], &self.energies[found]);
         let t = piece.at(x);
         CellEnergies {
-            work: books.work + piece.work(t),
-            elastic: horner(&books.elastic, t).0,
-            lost: horner(&books.lost, t).0,
-            broken: horner(&books.broken, t).0,
+            work: energies.work + piece.work(t),
+            elastic: horner(&energies.elastic, t).0,
+            lost: horner(&energies.lost, t).0,
+            broken: horner(&energies.broken, t).0,
         }
     }
 }

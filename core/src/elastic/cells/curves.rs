@@ -1,54 +1,59 @@
-//! Cells that share one friction curve, F_j(X) = s_j F(X/s_j): nothing but an advance is kept of each.
+//! Cells that share one friction curve, F_j(X) = s_j F(X/s_j), so that the state of a cell is its advance.
 
 use std::collections::HashMap;
 
 use super::cell::Cell;
 use super::curve::{Curve, LANES};
 use super::tabulate::CurveTable;
-use super::{CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Fall, Slopes, Standing, checked};
+use super::{
+    CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Instability, Slopes, Standing, checked,
+};
 use crate::elastic::batch::{change, change_chunks, fill, gather, largest};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
 use crate::{Error, Result};
 
-/// Cells of contacts without rates, all of one kind: the force of each depends on its advance alone, along one curve
-/// that is tabulated as far as it is needed.
+/// Cells of time-independent contacts of one kind: the force of each cell depends on its advance alone, by one curve that is
+/// tabulated as far as it is needed.
 ///
-/// All start from where the population stands; after all contacts of a cell have broken together it follows the
-/// curve of contacts that have just re-formed. The scale s_j of a cell stretches thresholds and the stretches at which
-/// contacts re-form, and so does lengths and forces, but not stiffness.
+/// All cells start from the state of the population. After all contacts of a cell have broken together it follows the curve
+/// of contacts that have just re-formed. The scale s_j of a cell multiplies thresholds and the stretches at which contacts
+/// re-form, hence lengths and forces, but not stiffness.
 pub struct Curves {
+    /// The curve from the start.
     first: CurveTable,
+    /// The curve of contacts that have all just re-formed.
     fresh: CurveTable,
     /// X since the start, or since the contacts last re-formed together.
     advances: Vec<f64>,
     courses: Vec<CellCourse>,
-    /// Empty where all are 1.
+    /// s_j; empty where all are 1.
     scales: Vec<f64>,
     largest_scale: f64,
-    /// How far cells may go at least until the end of what is known of their curves; 0 where that is not known.
+    /// Lower bound of the distance from any cell to the end of its tabulated curve; 0 where it has to be computed anew.
     margin: f64,
+    /// Energies and breaks of the cells before their contacts last re-formed together.
     settled: CellEnergies,
     /// Advances at the mark.
     marked: Vec<f64>,
-    /// Cells that have parted since the mark.
-    parted: HashMap<usize, Parted>,
+    /// Cells that have been detached since the mark.
+    detached: HashMap<usize, DetachedCell>,
     settled_at_mark: CellEnergies,
 }
 
-/// What a cell follows.
+/// The curve that a cell follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum CellCourse {
-    /// The curve of the contacts as they were at the start.
+    /// That of the contacts as they were at the start.
     First,
     /// That of contacts that have all re-formed together.
     Fresh,
-    /// None, until its contacts, broken together, re-form.
+    /// None: the cell is detached. Its contacts will follow `Fresh`.
     Free,
 }
 
 impl Curves {
-    /// So many cells that stand where `population` does.
+    /// `number` cells in the state of `population`.
     ///
     /// # Errors
     /// Those of the population; stopped by the monitor.
@@ -65,7 +70,7 @@ impl Curves {
             margin: 0.0,
             settled: CellEnergies::default(),
             marked: Vec::new(),
-            parted: HashMap::new(),
+            detached: HashMap::new(),
             settled_at_mark: CellEnergies::default(),
         })
     }
@@ -81,14 +86,14 @@ impl Curves {
         Ok(self)
     }
 
-    /// What threads may share.
+    /// The data that threads share.
     fn batch(&self) -> Batch<'_> {
         let Self { first, fresh, advances, courses, scales, .. } = self;
         Batch { first: &first.curve, fresh: &fresh.curve, advances, courses, scales }
     }
 
-    /// Sees to it that curves are known as far as cells may go, none by more than `most`; whether they were not.
-    fn reach_on(&mut self, most: f64, monitor: &mut dyn Monitor) -> Result<bool> {
+    /// Extends the curves to cover an advance of all cells by `most`. Returns true if they had to be extended.
+    fn extend_by(&mut self, most: f64, monitor: &mut dyn Monitor) -> Result<bool> {
         if most <= self.margin {
             return Ok(false);
         }
@@ -99,14 +104,14 @@ impl Curves {
             })
         };
         let (first, fresh) = (furthest(false), furthest(true));
-        let known = [self.first.ways(), self.fresh.ways()];
-        self.first.reach(first, 0.0, monitor)?;
-        self.fresh.reach(fresh, 0.0, monitor)?;
+        let known = [self.first.intervals(), self.fresh.intervals()];
+        self.first.extend_to(first, 0.0, monitor)?;
+        self.fresh.extend_to(fresh, 0.0, monitor)?;
         self.margin = self.least_margin();
-        Ok(known != [self.first.ways(), self.fresh.ways()])
+        Ok(known != [self.first.intervals(), self.fresh.intervals()])
     }
 
-    /// How far every cell may go until the end of what is known of its curve.
+    /// Least distance from any cell to the end of its tabulated curve.
     fn least_margin(&self) -> f64 {
         let batch = self.batch();
         let left = |cell: usize| {
@@ -117,20 +122,20 @@ impl Curves {
     }
 }
 
-/// The longest of ways forward.
+/// The longest advance.
 fn longest(by: &[f64]) -> f64 {
     largest(by.len(), |cell| by[cell])
 }
 
-/// A cell whose contacts have broken together since the mark.
-struct Parted {
-    /// What it had done since then.
+/// A cell that has been detached since the mark.
+struct DetachedCell {
+    /// Its energies and breaks since the mark.
     done: CellEnergies,
-    /// What it followed before.
+    /// The curve that it followed before.
     course: CellCourse,
 }
 
-/// Curves and where cells are on them.
+/// The curves, and where the cells are on them.
 struct Batch<'a> {
     first: &'a Curve,
     fresh: &'a Curve,
@@ -147,22 +152,22 @@ impl Batch<'_> {
         Cell { curve, advance: self.advances[cell], scale, free: self.courses[cell] == CellCourse::Free }
     }
 
-    /// Whether its contacts have broken all together.
+    /// Whether its contacts have all broken together.
     #[inline]
     fn is_renewed(&self, cell: usize) -> bool {
         self.courses[cell] != CellCourse::First
     }
 
-    /// As [`Cell::resist`], of the cells from the first one on; the largest force that is left.
-    fn resist(&self, first: usize, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> f64 {
+    /// As [`Cell::residual`], for the cells from `first` on; the largest |residual|.
+    fn residual(&self, first: usize, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> f64 {
         let mut most = 0.0_f64;
         let lanes = forces.chunks_mut(LANES).zip(tangents.chunks_mut(LANES));
         for ((forces, tangents), first) in lanes.zip((first..).step_by(LANES)) {
             match self.shared(first, forces.len()) {
-                Some(curve) => self.resist_on(curve, first, by, forces, tangents),
+                Some(curve) => self.residual_on(curve, first, by, forces, tangents),
                 None => {
                     for ((force, tangent), cell) in forces.iter_mut().zip(tangents).zip(first..) {
-                        (*force, *tangent) = self.cell(cell).resist(by[cell], *force);
+                        (*force, *tangent) = self.cell(cell).residual(by[cell], *force);
                     }
                 }
             }
@@ -171,7 +176,7 @@ impl Batch<'_> {
         most
     }
 
-    /// The curve that [`LANES`] cells from the first one on follow together.
+    /// The curve that all of [`LANES`] cells from `first` on follow.
     #[inline(always)]
     fn shared(&self, first: usize, number: usize) -> Option<&Curve> {
         let courses = &self.courses[first..first + number];
@@ -184,7 +189,7 @@ impl Batch<'_> {
     }
 
     #[inline(always)]
-    fn resist_on(&self, curve: &Curve, first: usize, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) {
+    fn residual_on(&self, curve: &Curve, first: usize, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) {
         let cells = first..first + LANES;
         let (advances, by) = (&self.advances[cells.clone()], &by[cells.clone()]);
         let mut scales = [1.0; LANES];
@@ -199,7 +204,7 @@ impl Batch<'_> {
         tangents.copy_from_slice(&slopes);
     }
 
-    /// What a cell has done since its contacts last re-formed together, at such an advance since then.
+    /// Energies and breaks of a cell since its contacts last re-formed together, at an advance since then.
     fn done(&self, cell: usize, advance: f64) -> CellEnergies {
         Cell { advance, ..self.cell(cell) }.done(0.0)
     }
@@ -218,11 +223,11 @@ impl Cells for Curves {
         self.largest_scale * self.first.error().max(self.fresh.error())
     }
 
-    fn reach(&mut self, by: &[f64]) -> Result<bool> {
-        self.reach_on(longest(by), &mut ())
+    fn extend_curves(&mut self, by: &[f64]) -> Result<bool> {
+        self.extend_by(longest(by), &mut ())
     }
 
-    fn stiffest(&self) -> f64 {
+    fn largest_tangent(&self) -> f64 {
         let batch = self.batch();
         let nearest = |renewed: bool| {
             let place = |cell: usize| {
@@ -230,31 +235,35 @@ impl Cells for Curves {
             };
             gather(self.len(), || f64::INFINITY, |least: f64, cell| least.min(place(cell)), f64::min)
         };
-        self.first.stiffest(nearest(false)).max(self.fresh.stiffest(nearest(true)))
+        self.first.largest_tangent(nearest(false)).max(self.fresh.largest_tangent(nearest(true)))
     }
 
-    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
-        self.reach(by)?;
+    fn residual(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
+        self.extend_curves(by)?;
         let batch = self.batch();
         Ok(change_chunks(forces, tangents, |first, forces, tangents| {
-            batch.resist(first, by, forces, tangents)
+            batch.residual(first, by, forces, tangents)
         }))
     }
 
+    fn force(&self, cell: usize) -> f64 {
+        self.batch().cell(cell).force()
+    }
+
     fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes]) -> Result<()> {
-        self.reach(by)?;
+        self.extend_curves(by)?;
         let batch = self.batch();
         fill(slopes, |cell| batch.cell(cell).slopes(by[cell]));
         Ok(())
     }
 
-    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<Fall> {
-        self.batch().cell(cell).fall(by, slope)
+    fn instability(&self, cell: usize, by: f64, slope: f64) -> Option<Instability> {
+        self.batch().cell(cell).instability(by, slope)
     }
 
     fn advance(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()> {
         let most = longest(by);
-        self.reach_on(most, monitor)?;
+        self.extend_by(most, monitor)?;
         let courses = &self.courses;
         let on = |cell: usize, advance| {
             if courses[cell] == CellCourse::Free { advance } else { advance + by[cell] }
@@ -264,12 +273,12 @@ impl Cells for Curves {
         Ok(())
     }
 
-    fn part(&mut self, cell: usize, by: f64, _monitor: &mut dyn Monitor) -> Result<()> {
+    fn detach(&mut self, cell: usize, by: f64, _monitor: &mut dyn Monitor) -> Result<()> {
         let batch = self.batch();
         let begun = batch.done(cell, self.marked[cell]);
         let newborn = Cell { curve: batch.fresh, advance: 0.0, ..batch.cell(cell) }.done(0.0);
         let done = batch.cell(cell).done(by).renewed(newborn.elastic);
-        self.parted.insert(cell, Parted { done: done - begun, course: self.courses[cell] });
+        self.detached.insert(cell, DetachedCell { done: done - begun, course: self.courses[cell] });
         self.settled = self.settled + CellEnergies { elastic: 0.0, ..done };
         self.advances[cell] = 0.0;
         self.courses[cell] = CellCourse::Free;
@@ -277,8 +286,8 @@ impl Cells for Curves {
         Ok(())
     }
 
-    fn rejoin(&mut self) {
-        for cell in self.parted.keys() {
+    fn reattach(&mut self) {
+        for cell in self.detached.keys() {
             self.courses[*cell] = CellCourse::Fresh;
         }
     }
@@ -286,12 +295,12 @@ impl Cells for Curves {
     fn mark(&mut self) {
         self.marked.clone_from(&self.advances);
         self.settled_at_mark = self.settled;
-        self.parted.clear();
+        self.detached.clear();
         [&mut self.first, &mut self.fresh].into_iter().for_each(CurveTable::mark);
     }
 
     fn unmark(&mut self) {
-        (self.marked, self.parted) = (Vec::new(), HashMap::new());
+        (self.marked, self.detached) = (Vec::new(), HashMap::new());
     }
 
     fn recall(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
@@ -299,21 +308,21 @@ impl Cells for Curves {
         self.advances.clone_from(&self.marked);
         self.settled = self.settled_at_mark;
         [&mut self.first, &mut self.fresh].into_iter().for_each(CurveTable::recall);
-        for (cell, parted) in self.parted.drain() {
-            self.courses[cell] = parted.course;
+        for (cell, detached) in self.detached.drain() {
+            self.courses[cell] = detached.course;
         }
         Ok(())
     }
 
-    fn since(&self, cell: usize) -> CellEnergies {
+    fn since_mark(&self, cell: usize) -> CellEnergies {
         let batch = self.batch();
-        match self.parted.get(&cell) {
-            Some(parted) => parted.done,
+        match self.detached.get(&cell) {
+            Some(detached) => detached.done,
             None => batch.done(cell, self.advances[cell]) - batch.done(cell, self.marked[cell]),
         }
     }
 
-    fn account(&self) -> CellEnergies {
+    fn energies(&self) -> CellEnergies {
         let batch = self.batch();
         let add = |sum, cell: usize| sum + batch.done(cell, batch.advances[cell]);
         self.settled + gather(self.len(), CellEnergies::default, add, |a, b| a + b)
@@ -330,13 +339,13 @@ impl Cells for Curves {
         CellsState(CellsSnapshot::Curves {
             advances: self.advances.clone(),
             renewed: (0..self.len()).map(|cell| batch.is_renewed(cell)).collect(),
-            ways: [self.first.ways(), self.fresh.ways()],
+            intervals: [self.first.intervals(), self.fresh.intervals()],
             settled: self.settled,
         })
     }
 
     fn restore(&mut self, state: CellsState, monitor: &mut dyn Monitor) -> Result<()> {
-        let CellsSnapshot::Curves { advances, renewed, ways, settled } = state.0 else {
+        let CellsSnapshot::Curves { advances, renewed, intervals, settled } = state.0 else {
             return Err(Error::invalid("state", "that of cells that share a curve", "another one"));
         };
         if (advances.len(), renewed.len()) != (self.len(), self.len()) {
@@ -346,8 +355,8 @@ impl Cells for Curves {
         let course = |renewed| if renewed { CellCourse::Fresh } else { CellCourse::First };
         self.courses = renewed.into_iter().map(course).collect();
         (self.advances, self.settled, self.margin) = (advances, settled, 0.0);
-        self.parted.clear();
-        self.first.resume(ways[0], 0.0, monitor)?;
-        self.fresh.resume(ways[1], 0.0, monitor)
+        self.detached.clear();
+        self.first.resume(intervals[0], 0.0, monitor)?;
+        self.fresh.resume(intervals[1], 0.0, monitor)
     }
 }

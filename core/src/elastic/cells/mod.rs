@@ -1,4 +1,4 @@
-//! Cells of an interface as a batch, seen from outside: slices in, slices out.
+//! Cells of an interface as a batch: slices in, slices out.
 
 mod cell;
 mod curve;
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::monitor::Monitor;
 use crate::{Error, Result};
 
-/// What contacts have done, each summed on its own.
+/// Energies and breaks of contacts, each summed on its own.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct CellEnergies {
     /// ∫F dX, the work done on them.
@@ -30,14 +30,14 @@ pub struct CellEnergies {
 }
 
 impl CellEnergies {
-    /// Of cells whose lengths and forces are `scale` times as large.
+    /// The energies of cells whose lengths and forces are `scale` times as large.
     #[must_use]
     pub(super) fn scaled(self, scale: f64) -> Self {
         let energy = scale * scale;
         Self { work: energy * self.work, elastic: energy * self.elastic, lost: energy * self.lost, ..self }
     }
 
-    /// After all contacts have broken, too, and re-formed with the elastic energy `newborn`.
+    /// The energies after all contacts have broken and re-formed with the elastic energy `newborn`.
     #[must_use]
     pub(super) fn renewed(self, newborn: f64) -> Self {
         let lost = self.lost + self.elastic - newborn;
@@ -71,8 +71,8 @@ impl std::ops::Sub for CellEnergies {
     }
 }
 
-/// Where a cell is on the curve that it shares with others: its contacts are those of lengths 1 after an advance X/s, all
-/// lengths s times as large.
+/// Place of a cell on the curve that it shares with others: its contacts are those of cells of scale 1 after an advance
+/// X/s, with all lengths s times as large.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Standing {
     /// X/s, since the start, or since all of its contacts last re-formed together.
@@ -83,37 +83,37 @@ pub struct Standing {
     pub renewed: bool,
 }
 
-/// Least and largest tangent dF/dX on a part of a way; the least is −∞ where contacts break together on it.
+/// Least and largest tangent dF/dX over an advance; the least is −∞ where contacts break together.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Slopes {
     /// Least tangent.
     pub least: f64,
-    /// Largest tangent, of what is told of the way.
+    /// Largest tangent, jumps aside.
     pub largest: f64,
 }
 
-/// Where a cell begins to fall on a way.
+/// Where a cell becomes unstable.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fall {
-    /// The advance after which it does.
-    pub on: f64,
-    /// Whether contacts break together on the way.
+pub struct Instability {
+    /// After this advance.
+    pub at: f64,
+    /// Whether contacts break together before the advance ends.
     pub together: bool,
 }
 
-/// What the friction curves of cells are at most, as far as they are known; how cells are moved depends on it.
+/// Largest slope and force of the friction curves as far as they are tabulated; the sizes of steps depend on them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Extremes {
-    /// The largest |dF/dX| that a cell can have, short of jumps.
+    /// The largest |dF/dX| that a cell can have, jumps aside.
     pub steepest: f64,
-    /// The largest |F| that a cell is known to have somewhere: forces are good to about 1e-12 of it.
+    /// The largest |F| that a cell can have: forces are good to about 1e-12 of it.
     pub strongest: f64,
-    /// Whether contacts break together somewhere.
+    /// Whether contacts break together anywhere.
     pub jumps: bool,
 }
 
 impl Extremes {
-    /// Those of two curves together.
+    /// The extremes of two curves together.
     fn and(self, other: Self) -> Self {
         Self {
             steepest: self.steepest.max(other.steepest),
@@ -122,7 +122,7 @@ impl Extremes {
         }
     }
 
-    /// Those of curves of cells of such a scale.
+    /// The extremes of cells of this scale.
     fn scaled(self, scale: f64) -> Self {
         Self { strongest: scale * self.strongest, ..self }
     }
@@ -130,8 +130,8 @@ impl Extremes {
 
 /// Cells, each with contacts of its own that move together.
 ///
-/// Nothing is known here of where cells are: they stand, and go on by so much. A cell answers for itself alone, so that
-/// a batch may be worked on by any number of threads.
+/// The cells know their contacts, not their positions: they are at rest somewhere, and are moved by advances δ_j ≥ 0. The
+/// force of a cell depends on its own advance alone, so that a batch may be evaluated on any number of threads.
 pub trait Cells: Send + Sync {
     /// Number of cells.
     fn len(&self) -> usize;
@@ -141,83 +141,86 @@ pub trait Cells: Send + Sync {
         0.0
     }
 
-    /// Whether there are none.
+    /// Whether there are no cells.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// What their curves are at most.
+    /// Largest slope and force of their curves.
     fn extremes(&self) -> Extremes;
 
-    /// Sees to it that curves are known as far as cells may go; whether they were not.
+    /// Extends the tabulated curves to cover the advances `by`. Returns true if they had to be extended.
     ///
     /// # Errors
-    /// Those of the population behind it.
-    fn reach(&mut self, by: &[f64]) -> Result<bool>;
+    /// Those of the population that is tabulated.
+    fn extend_curves(&mut self, by: &[f64]) -> Result<bool>;
 
-    /// The largest tangent that a cell may have from where it stands on, as far as its curve is known; 0 where none is above.
-    fn stiffest(&self) -> f64;
+    /// Upper bound of the tangent of any cell from here to the end of the tabulated curves, at least 0.
+    fn largest_tangent(&self) -> f64;
 
-    /// Takes the forces F_j after advances `by` from where the cells stand off `forces`, and tells their tangents and the
-    /// largest force that is left; nothing moves.
+    /// Computes the residual: subtracts F_j after the advances `by` from `forces`, writes dF_j/dX_j there to `tangents`, and
+    /// returns the largest |residual|. Does not move the cells.
     ///
     /// # Errors
-    /// Those of the population behind it.
-    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64>;
+    /// Those of the population that is tabulated.
+    fn residual(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64>;
 
-    /// Tangents on the ways from where the cells stand.
+    /// F_j of a cell where it is.
+    fn force(&self, cell: usize) -> f64;
+
+    /// Least and largest tangent of each cell over the advances `by`.
     ///
     /// # Errors
-    /// Those of the population behind it.
+    /// Those of the population that is tabulated.
     fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes]) -> Result<()>;
 
-    /// The first advance, up to `by`, from which on the tangent of a cell is below `slope`, or where contacts break together;
-    /// its curve is known as far as that.
-    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<Fall>;
+    /// The first advance, up to `by`, at which the tangent of a cell falls below `slope`, or at which contacts break
+    /// together; none if there is none. The curve must cover `by`.
+    fn instability(&self, cell: usize, by: f64, slope: f64) -> Option<Instability>;
 
-    /// Moves the cells on, through all that breaks there.
+    /// Moves the cells by `by`; contacts break and re-form on the way.
     ///
     /// # Errors
-    /// Those of the population behind it.
+    /// Those of the population that is tabulated; stopped by the monitor.
     fn advance(&mut self, by: &[f64], monitor: &mut dyn Monitor) -> Result<()>;
 
-    /// Moves a cell on by `by`; there all of its contacts break. It is free from then on, moves without them and is
-    /// held by the force alone that they will have when they re-form.
+    /// Detaches a cell: after an advance `by` all of its contacts break. From then on the cell moves without contacts, and
+    /// carries only the force that they will have when they re-form.
     ///
     /// # Errors
-    /// Those of the population behind it.
-    fn part(&mut self, cell: usize, by: f64, monitor: &mut dyn Monitor) -> Result<()>;
+    /// Those of the population that is tabulated.
+    fn detach(&mut self, cell: usize, by: f64, monitor: &mut dyn Monitor) -> Result<()>;
 
-    /// What is free re-forms where it is.
-    fn rejoin(&mut self);
+    /// Reattaches all detached cells: their contacts re-form where the cells are.
+    fn reattach(&mut self);
 
-    /// Remembers the state of the cells, in place of the one before.
+    /// Marks the present state, in place of the one marked before.
     fn mark(&mut self);
 
-    /// That state is asked for no more.
+    /// Frees what is kept for the mark.
     fn unmark(&mut self) {}
 
-    /// Comes back to the state at the mark.
+    /// Returns to the marked state.
     ///
     /// # Errors
-    /// Those of the population behind it.
+    /// Those of the population that is tabulated; stopped by the monitor.
     fn recall(&mut self, monitor: &mut dyn Monitor) -> Result<()>;
 
-    /// What a cell has done since the mark; its elastic energy is the change since then.
-    fn since(&self, cell: usize) -> CellEnergies;
+    /// Energies and breaks of a cell since the mark; the elastic energy is the change since then.
+    fn since_mark(&self, cell: usize) -> CellEnergies;
 
-    /// What all cells have done; their elastic energy is that of now.
-    fn account(&self) -> CellEnergies;
+    /// Energies and breaks of all cells since the beginning; the elastic energy is the present one.
+    fn energies(&self) -> CellEnergies;
 
-    /// Where a cell is on a curve that it shares; none where it has contacts of its own.
+    /// Place of a cell on a shared curve; none where each cell has a curve of its own.
     fn standing(&self, _cell: usize) -> Option<Standing> {
         None
     }
 
-    /// The stretches of the contacts of a cell, where these are followed one by one.
+    /// Stretches of the contacts of a cell, where these are followed one by one.
     ///
     /// # Errors
-    /// Those of the population behind it.
+    /// Those of the population that is tabulated.
     fn stretches(&self, _cell: usize) -> Result<Option<Vec<f64>>> {
         Ok(None)
     }
@@ -225,41 +228,41 @@ pub trait Cells: Send + Sync {
     /// All that changes as cells move.
     fn state(&self) -> CellsState;
 
-    /// Goes to what cells of the same description have come to.
+    /// Restores the state of cells of the same description.
     ///
     /// # Errors
-    /// A state of other cells; those of the population behind it.
+    /// A state of other cells; those of the population that is tabulated.
     fn restore(&mut self, state: CellsState, monitor: &mut dyn Monitor) -> Result<()>;
 }
 
-/// What cells have come to.
+/// State of a batch of cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CellsState(CellsSnapshot);
 
-/// The same, by what they are.
+/// The state by kind of cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 enum CellsSnapshot {
     /// Cells that share a curve.
     Curves {
-        /// How far each has gone since its contacts last re-formed all together.
+        /// X_j since the contacts last re-formed all together.
         advances: Vec<f64>,
         /// Whether they have.
         renewed: Vec<bool>,
-        /// How far curves were known, which decides on steps.
-        ways: [usize; 2],
-        /// What was done before.
+        /// Tabulated intervals of the two curves, on which the sizes of steps depend.
+        intervals: [usize; 2],
+        /// Energies and breaks before that.
         settled: CellEnergies,
     },
-    /// Cells of populations of their own.
+    /// Cells with a population each.
     Populations {
         /// Each cell.
-        cells: Vec<populations::OwnState>,
-        /// What was known of their curves, which decides on steps.
+        cells: Vec<populations::PopulationCellState>,
+        /// Extremes of the tabulated curves, on which the sizes of steps depend.
         known: Extremes,
     },
 }
 
-/// Refuses scales s_j that are not one for each cell, or not above 0.
+/// Refuses scales s_j whose number is not that of the cells, or that are not above 0.
 fn checked(scales: &[f64], cells: usize) -> Result<()> {
     if scales.len() != cells {
         let expected = format!("a scale for each of the {cells} cells");

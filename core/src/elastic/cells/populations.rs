@@ -1,4 +1,4 @@
-//! Cells that are each a population of their own, such as ensembles of few contacts.
+//! Cells with a population each, such as ensembles of few contacts.
 
 use std::sync::Arc;
 
@@ -7,162 +7,170 @@ use serde::{Deserialize, Serialize};
 
 use super::cell::Cell;
 use super::tabulate::CurveTable;
-use super::{CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Fall, Slopes, checked};
+use super::{CellEnergies, Cells, CellsSnapshot, CellsState, Extremes, Instability, Slopes, checked};
 use crate::elastic::batch::{all, change_chunks, fill, gather, largest};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
 use crate::{Error, Result};
 
-/// Cells of contacts without rates, each a population that none of the others shares.
+/// Cells of time-independent contacts, each with a population of its own.
 ///
-/// Each has a friction curve of its own, tabulated a little ahead of it and forgotten behind. Besides that it keeps its
-/// population as it was at first and as it last re-formed all together: what it has come to follows from the places at
-/// which it did.
+/// Each cell has its own friction curve, tabulated a little ahead of the cell and dropped behind it. Besides, it keeps its
+/// population as it was at first, and as it was when its contacts last re-formed all together: the present state follows
+/// from the places at which they did.
 pub struct Populations {
-    cells: Vec<Own>,
-    /// What curves are at most so far, and what they were at the mark.
+    cells: Vec<PopulationCell>,
+    /// Extremes of the tabulated curves, now and at the mark.
     known: Extremes,
     known_at_mark: Extremes,
 }
 
 /// A cell.
-struct Own {
+struct PopulationCell {
+    /// Its contacts at first.
     first: Arc<dyn Population>,
+    /// s.
     scale: f64,
-    stand: Stand,
-    /// Where its contacts re-formed all together, each from where they did before, per scale.
+    now: SinceReset,
+    /// Advances X/s at which its contacts re-formed all together, each since the one before.
     resets: Vec<f64>,
-    /// Its advance at the mark, and what it had done.
+    /// Its advance at the mark, and its energies.
     marked: (f64, CellEnergies),
-    /// What it was at the mark, if its contacts have broken all together since.
-    parted: Option<Box<Stand>>,
+    /// Its state at the mark, if it has been detached since.
+    detached: Option<Box<SinceReset>>,
 }
 
-/// Where a cell stands.
-struct Stand {
-    /// Its contacts at first, or as they last re-formed all together.
+/// A cell since its contacts last re-formed all together.
+struct SinceReset {
+    /// Its contacts then.
     base: Arc<dyn Population>,
-    /// Their curve from there.
+    /// Their friction curve.
     table: CurveTable,
     /// X since then.
     advance: f64,
+    /// Whether the cell is detached.
     free: bool,
-    /// What was done before, with no energy kept.
+    /// Energies and breaks before, without the elastic energy.
     settled: CellEnergies,
 }
 
-/// What a cell has come to.
+/// State of a cell.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct OwnState {
+pub(super) struct PopulationCellState {
     resets: Vec<f64>,
     advance: f64,
-    ways: usize,
+    intervals: usize,
     settled: CellEnergies,
 }
 
-impl Stand {
+impl SinceReset {
     fn new(base: Arc<dyn Population>, settled: CellEnergies, monitor: &mut dyn Monitor) -> Result<Self> {
         let table = CurveTable::new(base.copy(), monitor)?;
         Ok(Self { base, table, advance: 0.0, free: false, settled })
     }
 }
 
-impl Own {
+impl PopulationCell {
     fn new(population: Box<dyn Population>, monitor: &mut dyn Monitor) -> Result<Self> {
         let first: Arc<dyn Population> = population.into();
         Ok(Self {
-            stand: Stand::new(first.clone(), CellEnergies::default(), monitor)?,
+            now: SinceReset::new(first.clone(), CellEnergies::default(), monitor)?,
             first,
             scale: 1.0,
             resets: Vec::new(),
             marked: (0.0, CellEnergies::default()),
-            parted: None,
+            detached: None,
         })
     }
 
     fn on_curve(&self) -> Cell<'_> {
-        let Stand { table, advance, free, .. } = &self.stand;
+        let SinceReset { table, advance, free, .. } = &self.now;
         Cell { curve: &table.curve, advance: *advance, scale: self.scale, free: *free }
     }
 
-    /// Whether its curve is known as far as an advance.
+    /// Whether its curve covers an advance.
     fn knows(&self, by: f64) -> bool {
-        self.stand.table.knows(self.on_curve().place(by))
+        self.now.table.knows(self.on_curve().place(by))
     }
 
-    /// Sees to it that it is.
-    fn reach(&mut self, by: f64) -> Result<()> {
+    /// Extends its curve to cover an advance, and drops what no return to the mark needs.
+    fn extend_curve(&mut self, by: f64) -> Result<()> {
         let [here, end] = [0.0, by].map(|by| self.on_curve().place(by));
-        let passed = if self.parted.is_some() { 0.0 } else { self.marked.0.min(self.stand.advance) };
-        self.stand.table.curve.forget(passed / self.scale);
-        self.stand.table.reach(end, here, &mut ())
+        let passed = if self.detached.is_some() { 0.0 } else { self.marked.0.min(self.now.advance) };
+        self.now.table.curve.forget(passed / self.scale);
+        self.now.table.extend_to(end, here, &mut ())
     }
 
-    /// What it has done after an advance.
+    /// Its energies and breaks after an advance.
     fn done(&self, by: f64) -> CellEnergies {
-        self.stand.settled + self.on_curve().done(by)
+        self.now.settled + self.on_curve().done(by)
     }
 
-    fn part(&mut self, by: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    fn detach(&mut self, by: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let place = self.on_curve().place(by);
-        let mut stand =
-            Stand::new(renewed(&*self.stand.base, place, monitor)?, CellEnergies::default(), monitor)?;
-        let newborn = stand.table.curve.account(0.0).scaled(self.scale);
-        stand.settled = CellEnergies { elastic: 0.0, ..self.done(by).renewed(newborn.elastic) };
-        stand.free = true;
+        let mut now =
+            SinceReset::new(renewed(&*self.now.base, place, monitor)?, CellEnergies::default(), monitor)?;
+        let newborn = now.table.curve.energies(0.0).scaled(self.scale);
+        now.settled = CellEnergies { elastic: 0.0, ..self.done(by).renewed(newborn.elastic) };
+        now.free = true;
         self.resets.push(place);
-        self.parted = Some(Box::new(std::mem::replace(&mut self.stand, stand)));
+        self.detached = Some(Box::new(std::mem::replace(&mut self.now, now)));
         Ok(())
     }
 
     fn mark(&mut self) {
-        self.marked = (self.stand.advance, self.done(0.0));
-        self.parted = None;
-        self.stand.table.mark();
+        self.marked = (self.now.advance, self.done(0.0));
+        self.detached = None;
+        self.now.table.mark();
     }
 
     fn recall(&mut self) {
-        if let Some(stand) = self.parted.take() {
-            self.stand = *stand;
+        if let Some(before) = self.detached.take() {
+            self.now = *before;
             self.resets.pop();
         }
-        self.stand.advance = self.marked.0;
-        self.stand.table.recall();
+        self.now.advance = self.marked.0;
+        self.now.table.recall();
     }
 
-    fn state(&self) -> OwnState {
-        let Stand { table, advance, settled, .. } = &self.stand;
-        OwnState { resets: self.resets.clone(), advance: *advance, ways: table.ways(), settled: *settled }
+    fn state(&self) -> PopulationCellState {
+        let SinceReset { table, advance, settled, .. } = &self.now;
+        PopulationCellState {
+            resets: self.resets.clone(),
+            advance: *advance,
+            intervals: table.intervals(),
+            settled: *settled,
+        }
     }
 
-    fn restore(&mut self, kept: OwnState) -> Result<()> {
-        let OwnState { resets, advance, ways, settled } = kept;
+    fn restore(&mut self, kept: PopulationCellState) -> Result<()> {
+        let PopulationCellState { resets, advance, intervals, settled } = kept;
         let mut base = self.first.clone();
         for &place in &resets {
             base = renewed(&*base, place, &mut ())?;
         }
-        self.stand = Stand { advance, ..Stand::new(base, settled, &mut ())? };
-        self.stand.table.resume(ways, advance / self.scale, &mut ())?;
+        self.now = SinceReset { advance, ..SinceReset::new(base, settled, &mut ())? };
+        self.now.table.resume(intervals, advance / self.scale, &mut ())?;
         self.resets = resets;
         self.mark();
         Ok(())
     }
 }
 
-/// Contacts that have gone on to a place from where they are and re-formed there all together. What breaks within
-/// rounding of that place breaks with all others.
+/// Contacts that have advanced by `place` and re-formed there all together. A contact that breaks within the rounding error
+/// of that place breaks with all others.
 fn renewed(base: &dyn Population, place: f64, monitor: &mut dyn Monitor) -> Result<Arc<dyn Population>> {
     let mut population = moved(base, place, rounding(base, place), monitor)?;
     population.reset(Direction::Forward, monitor)?;
     Ok(population.into())
 }
 
-/// What is rounding in where contacts are that have gone on to a place.
+/// Rounding error of the position of contacts that have advanced by `place`.
 fn rounding(base: &dyn Population, place: f64) -> f64 {
     16.0 * f64::EPSILON * ((base.position() + place).abs() + place)
 }
 
-/// Contacts that have gone on to a place from where they are; what would break less than `near` before it has not.
+/// Contacts that have advanced by `place`; those that break less than `near` before it have not broken yet.
 fn moved(
     base: &dyn Population,
     place: f64,
@@ -186,12 +194,13 @@ fn moved(
 }
 
 impl Populations {
-    /// Cells that stand where their populations do.
+    /// Cells in the states of their populations.
     ///
     /// # Errors
     /// Those of the populations; stopped by the monitor.
     pub fn new(populations: Vec<Box<dyn Population>>, monitor: &mut dyn Monitor) -> Result<Self> {
-        let cells: Result<Vec<Own>> = populations.into_iter().map(|p| Own::new(p, monitor)).collect();
+        let cells: Result<Vec<PopulationCell>> =
+            populations.into_iter().map(|p| PopulationCell::new(p, monitor)).collect();
         let mut populations =
             Self { cells: cells?, known: Extremes::default(), known_at_mark: Extremes::default() };
         populations.know();
@@ -210,10 +219,10 @@ impl Populations {
         Ok(self)
     }
 
-    /// Looks at what is known of the curves.
+    /// Updates the extremes of the tabulated curves.
     fn know(&mut self) {
         let most = |known: Extremes, cell: usize| {
-            let Own { scale, stand: Stand { table, .. }, .. } = &self.cells[cell];
+            let PopulationCell { scale, now: SinceReset { table, .. }, .. } = &self.cells[cell];
             known.and(table.extremes().scaled(*scale))
         };
         self.known = gather(self.len(), || self.known, most, Extremes::and);
@@ -229,30 +238,32 @@ impl Cells for Populations {
         self.known
     }
 
-    fn reach(&mut self, by: &[f64]) -> Result<bool> {
+    fn extend_curves(&mut self, by: &[f64]) -> Result<bool> {
         if all(by.len(), |cell| self.cells[cell].knows(by[cell])) {
             return Ok(false);
         }
-        let reach = |(cell, by): (&mut Own, &f64)| if cell.knows(*by) { Ok(()) } else { cell.reach(*by) };
-        self.cells.par_iter_mut().zip(by).try_for_each(reach)?;
+        let extend = |(cell, by): (&mut PopulationCell, &f64)| {
+            if cell.knows(*by) { Ok(()) } else { cell.extend_curve(*by) }
+        };
+        self.cells.par_iter_mut().zip(by).try_for_each(extend)?;
         self.know();
         Ok(true)
     }
 
-    fn stiffest(&self) -> f64 {
+    fn largest_tangent(&self) -> f64 {
         let from = |cell: usize| {
             let own = &self.cells[cell];
-            own.stand.table.stiffest(own.on_curve().place(0.0))
+            own.now.table.largest_tangent(own.on_curve().place(0.0))
         };
         largest(self.len(), from)
     }
 
-    fn resist(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
-        self.reach(by)?;
+    fn residual(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64> {
+        self.extend_curves(by)?;
         let cells = &self.cells;
         let chunk = |first: usize, forces: &mut [f64], tangents: &mut [f64]| {
             let each = (first..).zip(forces).zip(tangents).map(|((cell, force), tangent)| {
-                (*force, *tangent) = cells[cell].on_curve().resist(by[cell], *force);
+                (*force, *tangent) = cells[cell].on_curve().residual(by[cell], *force);
                 force.abs()
             });
             each.fold(0.0, f64::max)
@@ -260,70 +271,76 @@ impl Cells for Populations {
         Ok(change_chunks(forces, tangents, chunk))
     }
 
+    fn force(&self, cell: usize) -> f64 {
+        self.cells[cell].on_curve().force()
+    }
+
     fn slopes(&mut self, by: &[f64], slopes: &mut [Slopes]) -> Result<()> {
-        self.reach(by)?;
+        self.extend_curves(by)?;
         fill(slopes, |cell| self.cells[cell].on_curve().slopes(by[cell]));
         Ok(())
     }
 
-    fn fall(&self, cell: usize, by: f64, slope: f64) -> Option<Fall> {
-        self.cells[cell].on_curve().fall(by, slope)
+    fn instability(&self, cell: usize, by: f64, slope: f64) -> Option<Instability> {
+        self.cells[cell].on_curve().instability(by, slope)
     }
 
     fn advance(&mut self, by: &[f64], _monitor: &mut dyn Monitor) -> Result<()> {
-        self.reach(by)?;
-        for (Own { stand, .. }, by) in self.cells.iter_mut().zip(by).filter(|(cell, _)| !cell.stand.free) {
-            stand.advance += by;
+        self.extend_curves(by)?;
+        for (PopulationCell { now, .. }, by) in
+            self.cells.iter_mut().zip(by).filter(|(cell, _)| !cell.now.free)
+        {
+            now.advance += by;
         }
         Ok(())
     }
 
-    fn part(&mut self, cell: usize, by: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        self.cells[cell].part(by, monitor)
+    fn detach(&mut self, cell: usize, by: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        self.cells[cell].detach(by, monitor)
     }
 
-    fn rejoin(&mut self) {
-        self.cells.iter_mut().for_each(|cell| cell.stand.free = false);
+    fn reattach(&mut self) {
+        self.cells.iter_mut().for_each(|cell| cell.now.free = false);
     }
 
     fn mark(&mut self) {
-        self.cells.iter_mut().for_each(Own::mark);
+        self.cells.iter_mut().for_each(PopulationCell::mark);
         self.known_at_mark = self.known;
     }
 
     fn recall(&mut self, _monitor: &mut dyn Monitor) -> Result<()> {
-        self.cells.iter_mut().for_each(Own::recall);
+        self.cells.iter_mut().for_each(PopulationCell::recall);
         self.known = self.known_at_mark;
         Ok(())
     }
 
-    fn since(&self, cell: usize) -> CellEnergies {
+    fn since_mark(&self, cell: usize) -> CellEnergies {
         let cell = &self.cells[cell];
         cell.done(0.0) - cell.marked.1
     }
 
-    fn account(&self) -> CellEnergies {
+    fn energies(&self) -> CellEnergies {
         let add = |sum, cell: usize| sum + self.cells[cell].done(0.0);
         gather(self.len(), CellEnergies::default, add, |a, b| a + b)
     }
 
     fn stretches(&self, cell: usize) -> Result<Option<Vec<f64>>> {
-        let Own { stand, scale, .. } = &self.cells[cell];
-        let place = stand.advance / scale;
-        // What breaks there has broken, as on the curve.
-        let population = moved(&*stand.base, place, -rounding(&*stand.base, place), &mut ())?;
+        let PopulationCell { now, scale, .. } = &self.cells[cell];
+        let place = now.advance / scale;
+        // A contact that breaks exactly there has broken, as on the curve.
+        let population = moved(&*now.base, place, -rounding(&*now.base, place), &mut ())?;
         let stretches = population.stretches();
         Ok(stretches.map(|stretches| stretches.into_iter().map(|stretch| scale * stretch).collect()))
     }
 
     fn state(&self) -> CellsState {
-        let cells = self.cells.iter().map(Own::state).collect();
+        let cells = self.cells.iter().map(PopulationCell::state).collect();
         CellsState(CellsSnapshot::Populations { cells, known: self.known })
     }
 
     fn restore(&mut self, state: CellsState, _monitor: &mut dyn Monitor) -> Result<()> {
         let CellsSnapshot::Populations { cells, known } = state.0 else {
-            return Err(Error::invalid("state", "that of cells of populations of their own", "another one"));
+            return Err(Error::invalid("state", "that of cells with a population each", "another one"));
         };
         if cells.len() != self.len() {
             let expected = format!("that of {} cells", self.len());

@@ -1,11 +1,11 @@
-//! How cells differ.
+//! Random scales of the cells.
 
 use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::random::{Purpose, Stream};
 use crate::{Error, Result};
 
-/// Scales s_j = 1 + `std` z_j of so many cells, z_j a normal draw of the stream of cell j.
+/// Scales s_j = 1 + `std` z_j of `number` cells, with a standard normal z_j from the random stream of cell j.
 ///
 /// # Errors
 /// A scale that is not above 0, naming its cell: its thresholds would be negative.

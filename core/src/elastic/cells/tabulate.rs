@@ -1,4 +1,4 @@
-//! The curve of a population, made by moving it forward through its seam.
+//! Tabulates the friction curve of a population by moving it forward.
 
 use super::Extremes;
 use super::curve::{Curve, CurveEnergies, CurvePiece, Quintic, horner};
@@ -6,45 +6,49 @@ use crate::monitor::Monitor;
 use crate::population::{self, Direction, Population, Response, Way};
 use crate::{Error, Result};
 
-/// What a piece may be off by, of the largest force on its way: populations are hardly better.
+/// Interpolation error of a piece relative to the largest force on it: about the accuracy of the populations.
 const ACCURACY: f64 = 1e-12;
 
-/// A way is halved so often at most.
+/// Largest number of times that a smooth interval is halved.
 const HALVINGS: u32 = 10;
 
-/// Pieces that a curve may have: some 10⁸ bytes.
+/// Largest number of pieces of a curve: some 10⁸ bytes.
 const MOST: usize = 1 << 19;
 
-/// Pieces that are forgotten together.
+/// Number of pieces that are dropped together.
 const PASSED: usize = 64;
 
-/// A curve that grows as it is asked for.
+/// A curve that is tabulated as far as it is needed.
 ///
-/// How far it is known decides on steps, by what it is at most. So that what is recalled goes on
-/// as it would have done, what was tabulated since the mark is not known then, until it is asked for again.
+/// The extremes of the known part of the curve determine the sizes of steps. So that a recalled state continues as it would
+/// have from the mark, pieces tabulated since then count as unknown after a recall, until they are needed again.
 pub(super) struct CurveTable {
+    /// The contacts at the end of the table.
     population: Box<dyn Population>,
+    /// Their position at first.
     origin: f64,
     pub curve: Curve,
-    /// Where what is tabulated ends.
+    /// End of the tabulated part.
     end: f64,
+    /// ∫F dX up to there.
     work: f64,
-    /// What pieces are off by, at most.
-    off: f64,
+    /// Largest interpolation error.
+    error: f64,
     /// Whether contacts break where the next piece begins.
     breaks: bool,
-    begun: population::Books,
+    /// Energies at first.
+    first: population::Books,
     known: KnownPieces,
     marked: KnownPieces,
-    /// What was known after each way that has been tabulated since the mark.
+    /// What was known after each interval that has been tabulated since the mark.
     since: Vec<KnownPieces>,
 }
 
-/// How far a curve is known.
+/// The known part of a curve.
 #[derive(Debug, Clone, Copy, Default)]
 struct KnownPieces {
-    /// Ways of the population.
-    ways: usize,
+    /// Number of smooth intervals of the population.
+    intervals: usize,
     /// Where they end.
     end: f64,
     extremes: Extremes,
@@ -52,87 +56,87 @@ struct KnownPieces {
     error: f64,
 }
 
-/// Part of a way: where it begins, its length, F on it.
+/// A part of a smooth interval on which a polynomial of degree 5 is the force.
 struct TabulatedPart {
     start: f64,
     length: f64,
     force: Quintic,
-    /// What it is off by.
-    off: f64,
+    /// Interpolation error.
+    error: f64,
 }
 
 impl CurveTable {
-    /// The curve from where the population stands.
+    /// The curve from the state of the population on.
     pub fn new(mut population: Box<dyn Population>, monitor: &mut dyn Monitor) -> Result<Self> {
         let origin = population.position();
-        // What stands at its threshold breaks as the population is asked for its way, before its energies are read.
+        // Contacts exactly at their thresholds break when the interval is computed, before energies are read.
         population.way(Direction::Forward, monitor)?;
-        let begun = population.books();
+        let first = population.books();
         let curve = Curve::default();
         let (known, marked, since) = (KnownPieces::default(), KnownPieces::default(), Vec::new());
-        let (end, work, off, breaks) = (0.0, 0.0, 0.0, false);
+        let (end, work, error, breaks) = (0.0, 0.0, 0.0, false);
         let mut table =
-            Self { population, origin, curve, end, work, off, breaks, begun, known, marked, since };
-        table.go_on(monitor)?;
+            Self { population, origin, curve, end, work, error, breaks, first, known, marked, since };
+        table.extend(monitor)?;
         table.curve.index();
         table.mark();
         Ok(table)
     }
 
-    /// Where what is known of the curve ends.
+    /// End of the known part of the curve.
     pub fn end(&self) -> f64 {
         self.known.end
     }
 
-    /// Whether the curve reaches a place.
+    /// Whether a place is in the known part.
     pub fn knows(&self, place: f64) -> bool {
         place <= self.known.end
     }
 
-    /// The largest slope from a place on, or 0.
-    pub fn stiffest(&self, from: f64) -> f64 {
-        self.curve.stiffest(from, self.known.end)
+    /// The largest slope from a place on, at least 0.
+    pub fn largest_tangent(&self, from: f64) -> f64 {
+        self.curve.largest_tangent(from, self.known.end)
     }
 
-    /// What is known of the curve is at most, forces where pieces end.
+    /// Largest slope and force of the known part; forces where pieces end.
     pub fn extremes(&self) -> Extremes {
         self.known.extremes
     }
 
-    /// Estimated error of the force as far as the curve is known: that of the population, and of the pieces.
+    /// Estimated error of the force on the known part: that of the population, and that of the interpolation.
     pub fn error(&self) -> f64 {
         self.known.error
     }
 
-    /// Brings the curve to `end` at least; what asks stands at `from`.
-    pub fn reach(&mut self, end: f64, from: f64, monitor: &mut dyn Monitor) -> Result<()> {
+    /// Extends the known part to `end` at least, for a cell at `from`.
+    pub fn extend_to(&mut self, end: f64, from: f64, monitor: &mut dyn Monitor) -> Result<()> {
         if self.knows(end) {
             return Ok(());
         }
-        // Twice as much, so that asking again and again costs no more than asking once.
+        // To twice the distance, so that many short extensions cost no more than a long one.
         let end = end.max(2.0 * self.known.end - from);
         while !self.knows(end) {
-            self.go_on(monitor)?;
+            self.extend(monitor)?;
         }
         self.curve.index();
         Ok(())
     }
 
-    /// Remembers how far the curve is known, in place of the time before.
+    /// Marks the known part, in place of the mark before.
     pub fn mark(&mut self) {
-        self.since.drain(..self.known.ways - self.marked.ways);
+        self.since.drain(..self.known.intervals - self.marked.intervals);
         self.marked = self.known;
     }
 
-    /// Knows no more than at the mark.
+    /// Returns to the known part at the mark.
     pub fn recall(&mut self) {
         self.known = self.marked;
     }
 
-    /// Brings the curve to as many ways as it had before; nothing is asked for before `from`.
-    pub fn resume(&mut self, ways: usize, from: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        while self.known.ways < ways {
-            self.go_on(monitor)?;
+    /// Extends the known part to a number of intervals; the part before `from` is not needed.
+    pub fn resume(&mut self, intervals: usize, from: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        while self.known.intervals < intervals {
+            self.extend(monitor)?;
             self.mark();
             if self.curve.len() > PASSED && self.end <= from {
                 self.curve.index();
@@ -143,25 +147,25 @@ impl CurveTable {
         Ok(())
     }
 
-    /// Ways of the population that are known.
-    pub fn ways(&self) -> usize {
-        self.known.ways
+    /// Number of known smooth intervals.
+    pub fn intervals(&self) -> usize {
+        self.known.intervals
     }
 
-    /// Knows the next way.
-    fn go_on(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
-        let next = self.known.ways - self.marked.ways;
+    /// Extends the known part by one interval.
+    fn extend(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
+        let next = self.known.intervals - self.marked.intervals;
         if next == self.since.len() {
             self.tabulate(monitor)?;
-            let Self { known, end, ref curve, off, .. } = *self;
-            let error = self.population.error() + off;
-            self.since.push(KnownPieces { ways: known.ways + 1, end, extremes: curve.extremes(), error });
+            let Self { known, end, ref curve, error, .. } = *self;
+            let (intervals, error) = (known.intervals + 1, self.population.error() + error);
+            self.since.push(KnownPieces { intervals, end, extremes: curve.extremes(), error });
         }
         self.known = self.since[next];
         Ok(())
     }
 
-    /// Tabulates the next way.
+    /// Tabulates the next interval.
     fn tabulate(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         let way = self.population.way(Direction::Forward, monitor)?;
         if way.length.is_infinite() {
@@ -172,7 +176,7 @@ impl CurveTable {
         self.split(0.0, way.length, way, HALVINGS, &mut parts);
         let origin = self.population.position();
         for part in parts {
-            self.off = self.off.max(part.off);
+            self.error = self.error.max(part.error);
             self.push(&part, origin, monitor)?;
         }
         self.end = self.population.position() - self.origin;
@@ -183,23 +187,23 @@ impl CurveTable {
         Ok(())
     }
 
-    /// Parts of [start, start + length] of the way ahead on which a polynomial of degree 5 is the force.
+    /// Bisects [start, start + length] of the interval ahead until a polynomial of degree 5 is the force on each part.
     fn split(&self, start: f64, length: f64, way: Way, halvings: u32, parts: &mut Vec<TabulatedPart>) {
         let half = 0.5 * length;
         let at = |t: f64| self.population.ahead((start + half * (1.0 + t)).min(way.length));
         let force = through([-1.0, 0.0, 1.0].map(at), half);
         let scale = [-1.0, 1.0].map(|t| at(t).force.abs()).into_iter().fold(0.0, f64::max);
-        let wrong = [-0.5, 0.5].map(|t| (horner(&force, t).0 - at(t).force).abs());
-        let off = wrong[0].max(wrong[1]);
-        if way.straight || halvings == 0 || off <= ACCURACY * scale {
-            parts.push(TabulatedPart { start, length, force, off });
+        let errors = [-0.5, 0.5].map(|t| (horner(&force, t).0 - at(t).force).abs());
+        let error = errors[0].max(errors[1]);
+        if way.straight || halvings == 0 || error <= ACCURACY * scale {
+            parts.push(TabulatedPart { start, length, force, error });
         } else {
             self.split(start, half, way, halvings - 1, parts);
             self.split(start + half, half, way, halvings - 1, parts);
         }
     }
 
-    /// Goes through a part that lies ahead of `origin`, with the energies on the way.
+    /// Moves the population through a part that lies ahead of `origin`, and tabulates the energies on the way.
     fn push(&mut self, part: &TabulatedPart, origin: f64, monitor: &mut dyn Monitor) -> Result<()> {
         if self.curve.len() >= MOST {
             let (needed, allowed) = ((2 * MOST * 256) as u64, (MOST * 256) as u64);
@@ -219,21 +223,21 @@ impl CurveTable {
             rate: 2.0 / part.length,
             force: part.force,
         };
-        let column = |of: fn(&population::Books) -> f64, begun: f64| {
-            interpolated(std::array::from_fn(|i| of(&read[i]) - begun))
+        let column = |of: fn(&population::Books) -> f64, first: f64| {
+            interpolated(std::array::from_fn(|i| of(&read[i]) - first))
         };
-        let books = CurveEnergies {
+        let energies = CurveEnergies {
             work: self.work,
             elastic: column(|b| b.elastic, 0.0),
-            lost: column(|b| b.lost, self.begun.lost),
-            broken: column(|b| b.broken, self.begun.broken),
+            lost: column(|b| b.lost, self.first.lost),
+            broken: column(|b| b.broken, self.first.broken),
         };
         self.work += piece.work(1.0);
-        self.curve.push(piece, books, std::mem::take(&mut self.breaks));
+        self.curve.push(piece, energies, std::mem::take(&mut self.breaks));
         Ok(())
     }
 
-    /// The rest of the curve, on which nothing breaks any more: elastic energy takes all of the work.
+    /// Adds the rest of the curve, where no contact breaks any more and all work becomes elastic energy.
     fn push_endless(&mut self) {
         let Response { force, tangent } = self.population.ahead(0.0);
         let books = self.population.books();
@@ -244,18 +248,18 @@ impl CurveTable {
         };
         let constant = |value: f64| [value, 0.0, 0.0, 0.0, 0.0, 0.0];
         let elastic = [books.elastic + force + 0.5 * tangent, force + tangent, 0.5 * tangent, 0.0, 0.0, 0.0];
-        let books = CurveEnergies {
+        let energies = CurveEnergies {
             work: self.work,
             elastic,
-            lost: constant(books.lost - self.begun.lost),
-            broken: constant(books.broken - self.begun.broken),
+            lost: constant(books.lost - self.first.lost),
+            broken: constant(books.broken - self.first.broken),
         };
-        self.curve.push(piece, books, std::mem::take(&mut self.breaks));
+        self.curve.push(piece, energies, std::mem::take(&mut self.breaks));
         self.end = f64::INFINITY;
     }
 }
 
-/// The polynomial in t with these forces and tangents at t = −1, 0 and 1, `half` being the length of t = 1.
+/// Hermite interpolation: the polynomial in t with these forces and tangents at t = −1, 0 and 1, where t = 1 is `half` long.
 fn through([left, middle, right]: [Response; 3], half: f64) -> Quintic {
     let even = 0.5 * (right.force + left.force) - middle.force;
     let odd = 0.5 * (right.force - left.force) - half * middle.tangent;
@@ -266,7 +270,7 @@ fn through([left, middle, right]: [Response; 3], half: f64) -> Quintic {
     [middle.force, half * middle.tangent, even - fourth, odd - fifth, fourth, fifth]
 }
 
-/// The polynomial in t through values at six even places of [−1, 1].
+/// Newton interpolation: the polynomial in t through values at six equidistant points of [−1, 1].
 fn interpolated(values: [f64; 6]) -> Quintic {
     let place = |i: usize| 0.4 * i as f64 - 1.0;
     let mut divided = values;

@@ -1,19 +1,17 @@
-//! Elastic coupling between the cells of an interface: from displacements to forces.
+//! Elastic coupling between the cells of an interface: from displacements to forces, and back.
 
+mod conjugate_gradients;
 mod half_space;
 mod neighbours;
 
+pub use conjugate_gradients::MOST_ITERATIONS;
 pub use half_space::HalfSpace;
 pub use neighbours::Neighbours;
 
 use super::batch;
-use super::solve::solve;
 use crate::numerics::product::product;
 use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
-
-/// What a solution leaves of the largest force, about what roundings do.
-const ROUNDED: f64 = 1e-14;
 
 /// Bytes that a coupling may take.
 const BYTES: u64 = 16 << 30;
@@ -21,54 +19,48 @@ const BYTES: u64 = 16 << 30;
 /// Linear elasticity of the slider between its cells: displacements X_i make the forces −Σ_i A_ji X_i.
 ///
 /// The stiffness matrix A is symmetric and an *M-matrix*: A_ji ≤ 0 for i ≠ j, Σ_i A_ji ≥ 0. A cell that advances pushes
-/// every other one forward, so cells never pass a state of equilibrium that lies ahead of all of them (A. A. Middleton,
-/// Phys. Rev. Lett. 68, 670 (1992), doi:10.1103/PhysRevLett.68.670).
+/// every other one forward, so that cells never pass a balance that lies ahead of all of them (A. A. Middleton, Phys. Rev.
+/// Lett. 68, 670 (1992), doi:10.1103/PhysRevLett.68.670).
 ///
 /// Slices hold one value per cell, along rows.
 pub trait Coupling: Send + Sync {
-    /// How the cells lie.
+    /// Arrangement of the cells.
     fn shape(&self) -> Shape;
 
-    /// What is beyond the outermost.
+    /// What is beyond the outermost cells.
     fn edges(&self) -> Edges;
 
     /// Forces = −A X, of all cells.
     fn forces(&mut self, displacements: &[f64], forces: &mut [f64]);
 
-    /// About (diagonal + A)⁻¹ right, at the cost of little more than [`Coupling::forces`], by a symmetric positive definite
-    /// matrix; whether it is that inverse.
-    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool;
+    /// Preconditioner: replaces r in `right` by P⁻¹ r, with a symmetric positive definite matrix P near d + A for the
+    /// `diagonal` d > 0. Costs little more than [`Coupling::forces`]. Returns whether P = d + A.
+    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool;
 
-    /// Solves (diagonal + A) δ = right for the response δ of cells that are held by equal springs `diagonal` > 0 too, to
-    /// 1e-14 of the largest force where nothing better is known than iterations; how many of [`Coupling::near`] that took.
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
-        iterate(self, diagonal, right)
+    /// Solves (d + A) δ = r with the same `diagonal` d > 0 for all cells; `right` is r on entry and δ on return. Iterative
+    /// solutions have a residual of 1e-14 of the largest force. Returns the number of applications of the preconditioner.
+    fn solve_uniform(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
+        conjugate_gradients::solve_uniform(self, diagonal, right)
     }
 
-    /// Solves (springs + A) δ = right where springs differ from cell to cell, and may push, until no force larger than
-    /// `goal` is left; how many of [`Coupling::near`] that took, a hundred where it was given up. None if the matrix is not
-    /// positive definite: `right` is of no use then.
-    fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
-        solve(self, springs, right, goal)
+    /// Solves (d + A) δ = r with a diagonal d_j that varies from cell to cell and may be negative, until no residual force is
+    /// larger than `goal`; `right` is r on entry and δ on return. Returns the number of applications of the preconditioner,
+    /// [`MOST_ITERATIONS`] where the solution was given up; none if the matrix is not positive definite.
+    fn solve_variable(&mut self, diagonal: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
+        conjugate_gradients::solve_variable(self, diagonal, right, goal)
     }
 
-    /// A_jj, the stiffness that a cell feels when it moves alone.
-    fn own(&self, cell: usize) -> f64;
+    /// A_jj, the stiffness of the slider against the displacement of one cell alone.
+    fn self_stiffness(&self, cell: usize) -> f64;
 
-    /// ½ X·A X, stored in the coupling, where `forces` are those at `displacements`.
+    /// Elastic energy ½ X·A X of the slider, from displacements and the `forces` that they make.
     fn energy(&self, displacements: &[f64], forces: &[f64]) -> f64 {
         let Some(first) = displacements.first() else { return 0.0 };
-        // Forces add to 0 but for rounding, which is not to count with how far all have come.
+        // Forces add up to 0 but for rounding errors, which must not be multiplied by the mean displacement.
         let mut relative = vec![0.0; displacements.len()];
         batch::fill(&mut relative, |cell| displacements[cell] - first);
         -0.5 * product(&relative, forces)
     }
-}
-
-/// [`Coupling::solve`] where nothing better is known.
-fn iterate<C: Coupling + ?Sized>(coupling: &mut C, diagonal: f64, right: &mut [f64]) -> usize {
-    let largest = right.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
-    coupling.respond(&vec![diagonal; right.len()], right, ROUNDED * largest).unwrap_or_default()
 }
 
 /// Springs of stiffness K_int between nearest neighbours.
@@ -81,7 +73,7 @@ pub fn neighbours(shape: Shape, edges: Edges, stiffness: f64) -> Result<Box<dyn 
 
 /// A half-space of effective shear modulus G* under square cells of side `cell`: G* is the shear modulus G for Poisson's ratio
 /// ν = 0, and G/(1 − ν) on a chain along the direction of sliding. On a lattice with ν > 0 waves along that direction are stiffer
-/// than waves across it by 1/(1 − ν), which no G* says.
+/// than waves across it by 1/(1 − ν), which one G* cannot describe.
 ///
 /// # Errors
 /// What [`HalfSpace::new`] refuses.
@@ -96,7 +88,7 @@ fn positive(key: &str, value: f64) -> Result<()> {
     Err(Error::invalid(key, "a finite number above 0", value))
 }
 
-/// Refuses what takes more memory than is allowed.
+/// Refuses a coupling that takes more memory than is allowed.
 fn fits(shape: Shape, bytes_per_cell: u64) -> Result<()> {
     let needed = bytes_per_cell.saturating_mul(shape.size() as u64);
     if needed > BYTES {

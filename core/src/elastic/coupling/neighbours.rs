@@ -2,27 +2,26 @@
 
 use rayon::prelude::*;
 
-use super::{Coupling, fits, positive};
+use super::{Coupling, conjugate_gradients, fits, positive};
 use crate::Result;
 use crate::elastic::batch;
-use crate::elastic::solve::solve;
 use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::numerics::springs::Chain;
 use crate::shape::{Edges, Shape};
 
-/// Cells below which work is not shared among threads.
+/// Number of cells up to which one thread does all of the work.
 const SHARE: usize = 1 << 14;
 
-/// Springs between neighbours, of those to the ground, above which modes are worth their transforms.
+/// Stiffness between neighbours, relative to the diagonal, above which the exact inverse is worth its transforms.
 const STIFF: f64 = 4.0;
 
 /// Equal springs K_int between nearest neighbours: the force on cell j is K_int Σ (X_i − X_j) over its neighbours i.
 ///
 /// Open edges are free: cells there have fewer neighbours. Eigenvalues of A are K_int times those of the lattice
 /// Laplacian, 2K_int(1 − cos q) for a wave along one direction. Forces take some additions per cell, a cell that moved
-/// touches its neighbours alone; [`Coupling::solve`] eliminates a chain, and takes a lattice apart into modes, cosines
-/// between open edges. Takes 8 bytes per cell of a lattice and of a chain, 16 of a periodic one.
+/// acts on its neighbours alone. Linear systems are solved by elimination on a chain, on a lattice by cosine transforms (open
+/// edges) or Fourier transforms. Takes 8 bytes per cell of a lattice and of a chain, 16 of a periodic one.
 pub struct Neighbours {
     shape: Shape,
     edges: Edges,
@@ -55,7 +54,7 @@ impl Neighbours {
         Ok(Self { shape, edges, stiffness, solver })
     }
 
-    /// How many neighbours a cell has.
+    /// Number of neighbours of a cell.
     fn around(&self, cell: usize) -> usize {
         let [rows, columns] = self.shape.sides();
         let (row, column) = (cell / columns, cell % columns);
@@ -63,7 +62,7 @@ impl Neighbours {
     }
 }
 
-/// What is beside a place on a line of so many.
+/// Neighbours of a place on a line of `length` places.
 fn beside(place: usize, length: usize, edges: Edges) -> impl Iterator<Item = usize> {
     let (before, after) = match edges {
         _ if length == 1 => (None, None),
@@ -99,11 +98,11 @@ impl Coupling for Neighbours {
         }
     }
 
-    /// Where neighbours are not much stiffer than the ground, each cell alone.
-    fn near(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
+    /// The exact inverse, or, where neighbours are not much stiffer than the diagonal, that of a diagonal matrix.
+    fn precondition(&mut self, diagonal: f64, right: &mut [f64]) -> bool {
         let stiff = self.stiffness > STIFF * diagonal;
         if stiff {
-            self.solve(diagonal, right);
+            self.solve_uniform(diagonal, right);
         } else {
             let spring = diagonal + self.stiffness * self.shape.neighbours() as f64;
             batch::change(right, |_, force| force / spring);
@@ -111,7 +110,7 @@ impl Coupling for Neighbours {
         stiff
     }
 
-    fn solve(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
+    fn solve_uniform(&mut self, diagonal: f64, right: &mut [f64]) -> usize {
         let stiffness = self.stiffness;
         match &mut self.solver {
             Solver::Chain(chain) => {
@@ -122,14 +121,14 @@ impl Coupling for Neighbours {
         1
     }
 
-    fn respond(&mut self, springs: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
+    fn solve_variable(&mut self, diagonal: &[f64], right: &mut [f64], goal: f64) -> Option<usize> {
         match &mut self.solver {
-            Solver::Chain(chain) => chain.solve(|j| springs[j], right).then_some(1),
-            Solver::Square(_) => solve(self, springs, right, goal),
+            Solver::Chain(chain) => chain.solve(|j| diagonal[j], right).then_some(1),
+            Solver::Square(_) => conjugate_gradients::solve_variable(self, diagonal, right, goal),
         }
     }
 
-    fn own(&self, cell: usize) -> f64 {
+    fn self_stiffness(&self, cell: usize) -> f64 {
         self.stiffness * self.around(cell) as f64
     }
 }
@@ -152,7 +151,7 @@ fn along(row: &[f64], edges: Edges, sums: &mut [f64]) {
     }
 }
 
-/// Adds the differences to a row beside.
+/// Adds the differences to an adjacent row.
 fn pull(other: &[f64], own: &[f64], sums: &mut [f64]) {
     for ((sum, other), own) in sums.iter_mut().zip(other).zip(own) {
         *sum += other - own;

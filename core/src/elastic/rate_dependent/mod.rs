@@ -14,7 +14,7 @@ mod state;
 pub use scaled::Scaled;
 pub use state::StateInTime;
 
-use super::{Coupling, Energy, Event, Loading, Slipped, event};
+use super::{Coupling, EnergyBalance, Event, Loading, Slipped, event};
 use crate::monitor::{Aside, Monitor, Watch, report};
 use crate::numerics::tr_bdf2::{CHANGE, GAMMA, change};
 use crate::rate_dependent::{Books, ErrorEstimator, RateDependentContacts, StretchInterval};
@@ -230,16 +230,17 @@ impl InterfaceInTime {
     }
 
     /// Energies since the beginning; `slip` is what viscous drag has taken, ∫Σ ηẊ_j² dt, in slips or not.
-    pub fn energy(&mut self) -> Energy {
+    pub fn energy(&mut self) -> EnergyBalance {
         let (begun, now) = (self.begun, self.stored());
-        Energy {
+        EnergyBalance {
             work: self.work,
-            connection: now.connection - begun.connection,
+            spring: now.connection - begun.connection,
             coupling: now.coupling - begun.coupling,
             elastic: now.contacts.elastic - begun.contacts.elastic,
             strengthening: now.contacts.gained - begun.contacts.gained,
             breaks: now.contacts.lost - begun.contacts.lost,
             slip: self.viscous.iter().sum(),
+            ..EnergyBalance::default()
         }
     }
 

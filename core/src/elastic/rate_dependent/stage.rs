@@ -142,7 +142,7 @@ impl Dynamics {
     /// Solves (springs + A) δ = right; whether the matrix is positive definite.
     pub fn respond(&mut self, springs: &[f64], right: &mut [f64]) -> bool {
         let goal = SOLVED * largest(right.len(), |j| right[j].abs());
-        self.coupling.respond(springs, right, goal).is_some()
+        self.coupling.solve_variable(springs, right, goal).is_some()
     }
 
     /// Energy of the slider between cells.
@@ -255,7 +255,11 @@ impl Dynamics {
         let own = |j: usize| self.viscosity * rule.alpha + self.connection(j);
         let held = |j: usize| own(j) + from[j].contacts.tangent();
         let spring = |j: usize| {
-            if stands[j] { HOLD * (held(j) + self.coupling.own(j)) } else { own(j) + guesses[j].slope }
+            if stands[j] {
+                HOLD * (held(j) + self.coupling.self_stiffness(j))
+            } else {
+                own(j) + guesses[j].slope
+            }
         };
         let springs: Vec<f64> = (0..from.len()).map(spring).collect();
         // Where cells push too hard, they give way to what holds, stretched.

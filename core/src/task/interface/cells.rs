@@ -67,11 +67,11 @@ impl DrivenInterface for DrivenCells {
     fn trace(&mut self) -> Result<Vec<f64>> {
         let positions = self.interface.positions();
         let mean = positions.iter().sum::<f64>() / positions.len() as f64;
-        Ok(vec![mean, self.interface.force()?])
+        Ok(vec![mean, self.interface.force()])
     }
 
     fn maps(&mut self) -> Result<Vec<Vec<f64>>> {
-        Ok(vec![self.interface.positions().to_vec(), self.interface.forces()?])
+        Ok(vec![self.interface.positions().to_vec(), self.interface.forces()])
     }
 
     fn state(&self) -> State {

@@ -10,21 +10,21 @@ use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::shape::Shape;
 
-/// A = own − weights, own_j = Σ_i weights_ji: cells act on each other as in an infinite plane.
+/// A = self_stiffness − weights, own_j = Σ_i weights_ji: cells act on each other as in an infinite plane.
 pub(super) struct OpenEdges {
     scale: f64,
     pairs: Pairs,
-    /// Modes of the lattice with free edges, whose root of Δ is near A.
+    /// Modes of the lattice with free edges, in which the square root of the Laplacian is close to A.
     free: Modes,
 }
 
-/// The convolution with the weights, and what it makes of equal displacements.
+/// The convolution with the weights, and its value at equal displacements, A_jj.
 struct Pairs {
     modes: Modes,
     /// Factors of cosines along rows × down columns.
     spectrum: Vec<f64>,
     height: usize,
-    own: Vec<f64>,
+    self_stiffness: Vec<f64>,
 }
 
 impl OpenEdges {
@@ -43,14 +43,14 @@ impl OpenEdges {
         forces.iter_mut().for_each(|force| *force = -*force);
     }
 
-    /// About (diagonal + A)⁻¹, in modes of free edges.
-    pub(super) fn near(&mut self, diagonal: f64, right: &mut [f64]) {
+    /// Approximates (diagonal + A)⁻¹ r in the modes of free edges.
+    pub(super) fn precondition(&mut self, diagonal: f64, right: &mut [f64]) {
         let Self { scale, free, .. } = self;
         free.apply(right, |λ| (diagonal + *scale * λ.sqrt()).recip());
     }
 
-    pub(super) fn own(&self, cell: usize) -> f64 {
-        self.pairs.own[cell]
+    pub(super) fn self_stiffness(&self, cell: usize) -> f64 {
+        self.pairs.self_stiffness[cell]
     }
 }
 
@@ -65,10 +65,11 @@ impl Pairs {
         let lines = sides.map(|side| Line::periodic(padded(side)));
         let height = lines[0].length() / 2 + 1;
         let spectrum = spectrum(weights, sides, &lines);
-        let mut pairs = Self { modes: Modes::new(sides, lines), spectrum, height, own: Vec::new() };
-        let mut own = vec![1.0; weights.len()];
-        pairs.convolve(&mut own);
-        pairs.own = own;
+        let mut pairs =
+            Self { modes: Modes::new(sides, lines), spectrum, height, self_stiffness: Vec::new() };
+        let mut self_stiffness = vec![1.0; weights.len()];
+        pairs.convolve(&mut self_stiffness);
+        pairs.self_stiffness = self_stiffness;
         pairs
     }
 
@@ -87,7 +88,11 @@ impl Pairs {
     fn stiffness(&mut self, x: &[f64], image: &mut [f64]) {
         from_first(x, image);
         self.convolve(image);
-        image.iter_mut().zip(x).zip(&self.own).for_each(|((y, near), own)| *y = own * (*near - x[0]) - *y);
+        image
+            .iter_mut()
+            .zip(x)
+            .zip(&self.self_stiffness)
+            .for_each(|((y, near), self_stiffness)| *y = self_stiffness * (*near - x[0]) - *y);
     }
 }
 
@@ -157,7 +162,7 @@ mod tests {
             for (diagonal, wave) in [(1e-4, 0.0), (1e-4, 0.02), (1e-4, 3.0), (0.1, 0.0), (0.1, 0.3)] {
                 let right: Vec<f64> = (0..side * side).map(|j| (wave * (j * j) as f64).cos()).collect();
                 let mut near = right.clone();
-                open.near(diagonal, &mut near);
+                open.precondition(diagonal, &mut near);
                 let mut forces = vec![0.0; near.len()];
                 open.forces(&near, &mut forces);
                 let held = diagonal * product(&near, &near) - product(&near, &forces);

@@ -9,14 +9,14 @@ use crate::shape::Shape;
 pub(super) struct Periodic {
     scale: f64,
     modes: Modes,
-    own: f64,
+    self_stiffness: f64,
 }
 
 impl Periodic {
     pub(super) fn new(shape: Shape, scale: f64) -> Self {
         let lines = super::sides(shape).map(Line::periodic);
-        let own = scale * mean_root(&lines);
-        Self { scale, modes: Modes::new(super::sides(shape), lines), own }
+        let self_stiffness = scale * mean_root(&lines);
+        Self { scale, modes: Modes::new(super::sides(shape), lines), self_stiffness }
     }
 
     pub(super) fn forces(&mut self, displacements: &[f64], forces: &mut [f64]) {
@@ -30,8 +30,8 @@ impl Periodic {
         self.modes.apply(right, |λ| (diagonal + scale * λ.sqrt()).recip());
     }
 
-    pub(super) fn own(&self) -> f64 {
-        self.own
+    pub(super) fn self_stiffness(&self) -> f64 {
+        self.self_stiffness
     }
 }
 

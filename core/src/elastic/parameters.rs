@@ -1,0 +1,112 @@
+//! How an interface is driven, and by which rule its cells slip.
+
+use crate::shape::Shape;
+use crate::{Error, Result};
+
+/// Which cells are connected to the drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Loading {
+    /// All.
+    #[default]
+    Uniform,
+    /// The first row of a lattice, the first cell of a chain.
+    Edge,
+}
+
+/// What a cell does that loses its balance, at fixed X_T.
+///
+/// A cell becomes unstable where it moves down a slope F_j' < −ΣK_0i/n, which the springs of all n cells together would
+/// not stabilise, having moved farther than [`InterfaceParameters::drive_tolerance`]; or where contacts break together.
+/// With `Reset`, and where contacts broke together, every unstable cell has slipped. Otherwise a cell has slipped if it
+/// moved farther than creep may within the tolerance δ of the drive (near a fold about √(δℓ), with the length ℓ on which
+/// slopes change), and at least a tenth as far as the cell that moved farthest: the others were pulled along.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slip {
+    /// All contacts of a slipping cell break where it becomes unstable, and re-form where the slide ends. Until then the
+    /// cell carries only the force that the re-formed contacts will have.
+    Reset,
+    /// Cells move to the next balance; contacts break and re-form on the way.
+    Overdamped,
+}
+
+/// How an interface is driven.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InterfaceParameters {
+    /// K_0, stiffness of the spring from a cell to the drive, force per length.
+    pub connection: f64,
+    /// Which cells have one.
+    pub loading: Loading,
+    /// What a cell does that loses its balance.
+    pub slip: Slip,
+    /// η, viscous force on a cell per velocity, in slides: they then last some time, while the drive waits. Without it
+    /// slides end in the same states, and have no duration.
+    pub viscosity: Option<f64>,
+    /// Tolerance on the drive at which balance is lost, a length.
+    pub drive_tolerance: f64,
+    /// Area of a cell; `None` where areas are counted in cells.
+    pub area: Option<f64>,
+}
+
+impl InterfaceParameters {
+    /// Checks the numbers; keys are those of the table `[interface]`.
+    pub(super) fn check(&self) -> Result<()> {
+        let viscosity = self.viscosity.unwrap_or(1.0);
+        let tolerance = self.drive_tolerance;
+        for (key, value) in [
+            ("connection", self.connection),
+            ("viscosity", viscosity),
+            ("drive_tolerance", tolerance),
+            ("area", self.area.unwrap_or(1.0)),
+        ] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(Error::invalid(key, "a finite number above 0", value));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Springs from the cells to the drive: K_0j = K_0 for the first cells, 0 for the others.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DriveSprings {
+    stiffness: f64,
+    /// Number of cells with a spring.
+    connected: usize,
+    /// Number of all cells.
+    cells: usize,
+}
+
+impl DriveSprings {
+    pub fn new(parameters: &InterfaceParameters, shape: Shape) -> Self {
+        let connected = match parameters.loading {
+            Loading::Uniform => shape.size(),
+            Loading::Edge => shape.first_row(),
+        };
+        Self { stiffness: parameters.connection, connected, cells: shape.size() }
+    }
+
+    /// K_0.
+    pub fn stiffness(self) -> f64 {
+        self.stiffness
+    }
+
+    /// K_0j.
+    pub fn of(self, cell: usize) -> f64 {
+        if cell < self.connected { self.stiffness } else { 0.0 }
+    }
+
+    /// ΣK_0j.
+    pub fn total(self) -> f64 {
+        self.connected as f64 * self.stiffness
+    }
+
+    /// ΣK_0j/n.
+    pub fn mean(self) -> f64 {
+        self.stiffness * self.connected as f64 / self.cells as f64
+    }
+
+    /// Whether every cell has a spring.
+    pub fn hold_all(self) -> bool {
+        self.connected == self.cells
+    }
+}
