@@ -11,7 +11,7 @@ use std::sync::Arc;
 use asperity::contacts::{Contacts, Initial, Start, Stiffness};
 use asperity::ensemble::{Disorder, Ensemble, EnsemblePull, Snapshots};
 use asperity::exact;
-use asperity::law::{Exponential, Gaussian, SharedLaw};
+use asperity::law::{Exponential, Gaussian, Law, SharedLaw};
 use asperity::monitor::Monitor;
 use asperity::{Error, Result};
 use common::{gaussian, point, rectangular};

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use asperity::contacts::{Ageing, Barrier, Contacts, Initial, Rules, Start, Stiffness, Temperature};
 use asperity::ensemble::{Disorder, Ensemble, EnsembleTrace, Snapshots};
 use asperity::history::{History, Piece};
-use asperity::law::{Exponential, Gamma, Gaussian, Mixture, SharedLaw};
+use asperity::law::{Exponential, Gamma, Mixture, SharedLaw};
 use asperity::{Error, Result};
 use common::{gaussian, point, rectangular};
 
