@@ -10,7 +10,7 @@ const FOREIGN: [&str; 6] = ["print!", "println!", "dbg!", "std::fs", "std::env",
 const GROUND: u32 = 0;
 
 /// Names that more than one type has, and why.
-const SHARED: [(&[&str], &str); 5] = [
+const SHARED: [(&[&str], &str); 4] = [
     (
         &[
             "Ageing",
@@ -33,10 +33,6 @@ const SHARED: [(&[&str], &str); 5] = [
     (
         &["Coupling", "Interface", "Loading", "Slip"],
         "a table of a scenario, and what blocks and interfaces each have",
-    ),
-    (
-        &["Dynamics", "Pulled", "Rule", "Tried"],
-        "one step in time of a block with mass, and of the cells of an interface",
     ),
     (&["Books", "Curve", "Energy", "Event", "State"], "of contacts, of a block and of an interface"),
     (

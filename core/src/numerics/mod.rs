@@ -21,6 +21,6 @@ pub mod roots;
 pub mod springs;
 pub mod stencil;
 pub mod table;
-pub mod two_stages;
+pub mod tr_bdf2;
 pub mod volterra;
 pub(crate) mod wide;

@@ -1,14 +1,11 @@
 //! What is kept of a slider's motion in time: moments, slips, and where the work of the drive went.
 
-use super::stage::{Dynamics, Pulled, State};
+use super::SlidingBlock;
 use crate::block::regime::{self, Jump, Oscillation};
 use crate::block::run::End;
 use crate::block::{Energy, Point, Regime};
-use crate::rate_dependent::RateDependentContacts;
+use crate::dynamics::{SLIP_VELOCITY, SliderMotion, crossing};
 use crate::record::{Quantity, Record};
-
-/// A slider faster than the drive by this factor is in a slip.
-const FAST: f64 = 10.0;
 
 /// A slider and what acts on it, at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,40 +92,37 @@ struct OpenSlip {
     fastest: f64,
 }
 
-impl Moment {
-    /// `spent` is what came and went that the contacts do not count.
-    pub(super) fn of(dynamics: &Dynamics, state: &State, pulled: Pulled, time: f64, spent: Energy) -> Self {
-        let (tangent, stiffness) = (state.contacts.tangent(), dynamics.stiffness);
-        let back = dynamics.back(state, pulled.drive);
+impl SlidingBlock {
+    /// Slider and contacts now.
+    pub(super) fn moment(&self) -> Moment {
+        let SliderMotion { ref equation, ref energies, time, drive, .. } = self.motion;
+        let (cell, stiffness) = (self.cell(), equation.connection);
+        let (tangent, books) = (cell.contacts.tangent(), cell.contacts.books());
+        let back = equation.unloaded(cell, drive);
         let velocity =
-            if back < 0.0 { stiffness * pulled.velocity / (stiffness + tangent) } else { state.velocity };
-        let position = state.position() + back;
-        let spring_force = stiffness * (pulled.drive - position);
-        let books = state.contacts.books();
+            if back < 0.0 { stiffness * self.velocity / (stiffness + tangent) } else { cell.velocity };
+        let position = cell.position + back;
+        let spring_force = stiffness * (drive - position);
         let energy = Energy {
+            work: energies.work,
             spring: 0.5 * spring_force * spring_force / stiffness,
-            elastic: books.elastic + back * (state.force + 0.5 * tangent * back),
-            kinetic: 0.5 * dynamics.mass * state.velocity * state.velocity,
+            elastic: books.elastic + back * (cell.force + 0.5 * tangent * back),
+            kinetic: 0.5 * equation.mass * cell.velocity * cell.velocity,
             strengthening: books.gained,
-            breaks: books.lost,
-            ..Energy::default()
+            breaks: books.lost + energies.breaks,
+            slip: energies.arrest,
+            viscous: energies.viscous[0],
         };
-        Self {
-            time,
-            drive: pulled.drive,
-            position,
-            velocity,
-            force: state.force + tangent * back,
-            spring_force,
-            free: state.contacts.free(),
-            broken: books.broken,
-            energy: energy + spent,
-        }
+        let force = cell.force + tangent * back;
+        let (free, broken) = (cell.contacts.free(), books.broken);
+        Moment { time, drive, position, velocity, force, spring_force, free, broken, energy }
     }
+}
 
+impl Moment {
     /// The moment between this one and the next at which the velocity is `velocity`, all values straight in time.
     fn until(&self, next: &Self, velocity: f64) -> Self {
-        let share = ((velocity - self.velocity) / (next.velocity - self.velocity)).clamp(0.0, 1.0);
+        let share = crossing(self.velocity, next.velocity, velocity);
         let between = |value: fn(&Self) -> f64| value(self) + share * (value(next) - value(self));
         Self {
             time: between(|m| m.time),
@@ -180,13 +174,9 @@ impl TimedSlip {
 }
 
 impl Log {
-    pub fn new(
-        start: Moment,
-        pulled: f64,
-        contacts: &dyn RateDependentContacts,
-        fraction: f64,
-        tolerance: f64,
-    ) -> Self {
+    /// `pulled` is the first velocity of the drive, `fraction` the share of contacts that breaks in the smallest slip.
+    pub fn new(slider: &SlidingBlock, pulled: f64, fraction: f64) -> Self {
+        let start = slider.moment();
         Self {
             trace: Vec::new(),
             slips: Vec::new(),
@@ -196,10 +186,10 @@ impl Log {
             earlier: start.time_and_velocity(),
             rising: false,
             oscillations: Vec::new(),
-            tolerance,
+            tolerance: slider.motion.control.tolerance,
             pulled,
             open: None,
-            most: (start.force.abs(), contacts.tangent()),
+            most: (start.force.abs(), slider.cell().contacts.tangent()),
         }
     }
 
@@ -218,10 +208,10 @@ impl Log {
         }
     }
 
-    /// The end of a step; `stopping` where the slider is on its way to rest.
-    pub fn pass(&mut self, moment: Moment, stopping: bool, contacts: &dyn RateDependentContacts) {
-        let fast = FAST * self.pulled;
-        self.most = (self.most.0.max(moment.force.abs()), self.most.1.max(contacts.tangent()));
+    /// The end of a step.
+    pub fn pass(&mut self, slider: &SlidingBlock) {
+        let (moment, fast) = (slider.moment(), SLIP_VELOCITY * self.pulled);
+        self.most = (self.most.0.max(moment.force.abs()), self.most.1.max(slider.cell().contacts.tangent()));
         if self.open.is_none() && moment.velocity > fast {
             let before = self.last.until(&moment, fast);
             self.see(before);
@@ -229,10 +219,10 @@ impl Log {
         }
         if let Some(open) = &mut self.open {
             open.fastest = open.fastest.max(moment.velocity);
-            if moment.velocity > fast || stopping {
+            if moment.velocity > fast || slider.motion.is_stopping() {
                 self.see(moment);
             } else {
-                self.end(moment, fast, contacts.position());
+                self.end(moment, fast, slider.cell().position);
             }
         }
         let rising = moment.velocity > self.last.velocity;

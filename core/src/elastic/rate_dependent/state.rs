@@ -34,23 +34,24 @@ struct CellState {
 impl InterfaceInTime {
     /// What it has come to.
     pub fn state(&self) -> StateInTime {
-        let cells = self.cells.iter().zip(&self.viscous).map(|(cell, &viscous)| CellState {
-            position: cell.position,
-            velocity: cell.velocity,
-            slope: cell.slope,
-            viscous,
-            contacts: cell.contacts.state(),
-        });
-        let estimators = self.estimators.as_ref().map(|all| all.iter().map(ErrorEstimator::state));
+        let cells =
+            self.motion.cells.iter().zip(&self.motion.energies.viscous).map(|(cell, &viscous)| CellState {
+                position: cell.position,
+                velocity: cell.velocity,
+                slope: cell.slope,
+                viscous,
+                contacts: cell.contacts.state(),
+            });
+        let estimators = self.motion.estimators.as_ref().map(|all| all.iter().map(ErrorEstimator::state));
         StateInTime {
-            time: self.time,
-            drive: self.drive,
-            pace: self.pace,
-            work: self.work,
+            time: self.motion.time,
+            drive: self.motion.drive,
+            pace: self.motion.control.next,
+            work: self.motion.energies.work,
             cells: cells.collect(),
             slips: self.slips.clone(),
             estimators: estimators.map(|states| states.collect()),
-            error: self.error,
+            error: self.motion.error,
         }
     }
 
@@ -64,17 +65,18 @@ impl InterfaceInTime {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));
         }
-        for ((cell, lost), kept) in self.cells.iter_mut().zip(&mut self.viscous).zip(cells) {
+        let motion = &mut self.motion;
+        for ((cell, lost), kept) in motion.cells.iter_mut().zip(&mut motion.energies.viscous).zip(cells) {
             cell.contacts.restore(&kept.contacts)?;
             cell.force = cell.contacts.force();
             (cell.position, cell.velocity, cell.slope) = (kept.position, kept.velocity, kept.slope);
             *lost = kept.viscous;
         }
-        for (estimator, kept) in self.estimators.iter_mut().flatten().zip(estimators.iter().flatten()) {
+        for (estimator, kept) in motion.estimators.iter_mut().flatten().zip(estimators.iter().flatten()) {
             estimator.restore(kept)?;
         }
-        self.error = error;
-        (self.time, self.drive, self.pace, self.work) = (time, drive, pace, work);
+        (motion.time, motion.drive, motion.error) = (time, drive, error);
+        (motion.control.next, motion.energies.work) = (pace, work);
         self.slips.resume(slips);
         self.look = self.seen();
         Ok(())
