@@ -1,18 +1,11 @@
 //! What an interface is: how many contacts, how stiff, when they break, how they re-form, and what time does to them.
 
 mod ageing;
-mod closure;
-mod fokker_planck;
-mod ranks;
 mod temperature;
-mod threshold_evolution;
 
-pub use ageing::Ageing;
-pub use closure::Closure;
-pub use fokker_planck::ThresholdFokkerPlanck;
+pub use ageing::{Ageing, Closure, ThresholdEvolution, ThresholdFokkerPlanck, ThresholdsAtAge};
+pub(crate) use ageing::{Label, Rank};
 pub use temperature::{Barrier, Temperature};
-pub(crate) use threshold_evolution::{Label, Rank};
-pub use threshold_evolution::{ThresholdEvolution, ThresholdsAtAge};
 
 use crate::law::{Law, SharedLaw, Zone};
 use crate::{Error, Result};

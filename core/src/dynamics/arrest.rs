@@ -67,7 +67,7 @@ impl SliderMotion {
     }
 
     /// Whether the cell rests behind X_2.
-    pub fn is_held(&self) -> bool {
+    pub(super) fn is_held(&self) -> bool {
         self.cells[0].velocity == 0.0 && self.is_pulled_back()
     }
 
@@ -124,12 +124,12 @@ impl SliderMotion {
                     continue;
                 }
             }
-            let (work, breaks) = equation.at_rest([cell, &rested], drive, duration);
-            self.energies.work += work;
-            self.energies.breaks += breaks;
             if let Some([estimator]) = self.estimators.as_deref_mut() {
                 self.error = self.error.max(estimator.step(0.0, duration, force, monitor)?);
             }
+            let (work, breaks) = equation.at_rest([cell, &rested], drive, duration);
+            self.energies.work += work;
+            self.energies.breaks += breaks;
             self.cells[0] = rested;
             return Ok(duration);
         }
