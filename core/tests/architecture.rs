@@ -34,7 +34,7 @@ const SHARED: [(&[&str], &str); 4] = [
         &["Coupling", "Interface", "Loading", "Slip"],
         "a table of a scenario, and what blocks and interfaces each have",
     ),
-    (&["Books", "Curve", "Energy", "Event", "State"], "of contacts, of a block and of an interface"),
+    (&["Books", "Curve", "Energy", "Event"], "of contacts, of a block and of an interface"),
     (
         &["Cohort", "Gaussian", "Point", "Rectangular"],
         "a distribution and its closed forms; a point of a trace; a cohort at one velocity, and at any",

@@ -14,7 +14,7 @@ use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::master::Transport;
 use asperity::monitor::Monitor;
-use asperity::rate_dependent::{Books, RateDependentContacts, State, StretchInterval};
+use asperity::rate_dependent::{Books, ContactsState, RateDependentContacts, StretchInterval};
 use asperity::shape::{Edges, Shape};
 use asperity::{Error, Result};
 use common::pulled::near;
@@ -154,12 +154,12 @@ impl RateDependentContacts for Together {
         Box::new(Self(self.0.iter().map(|contacts| contacts.copy()).collect()))
     }
 
-    fn state(&self) -> State {
-        State::of(&self.0.iter().map(|contacts| contacts.state()).collect::<Vec<_>>())
+    fn state(&self) -> ContactsState {
+        ContactsState::of(&self.0.iter().map(|contacts| contacts.state()).collect::<Vec<_>>())
     }
 
-    fn restore(&mut self, state: &State) -> Result<()> {
-        let kept: Vec<State> = state.read()?;
+    fn restore(&mut self, state: &ContactsState) -> Result<()> {
+        let kept: Vec<ContactsState> = state.read()?;
         self.0.iter_mut().zip(&kept).try_for_each(|(contacts, kept)| contacts.restore(kept))
     }
 }

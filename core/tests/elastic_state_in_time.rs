@@ -16,7 +16,7 @@ use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::Mixture;
 use asperity::master::Transport;
 use asperity::monitor::Monitor;
-use asperity::rate_dependent::{RateDependentContacts, State};
+use asperity::rate_dependent::{ContactsState, RateDependentContacts};
 use asperity::shape::{Edges, Shape};
 use asperity::{Error, Result};
 use common::{gaussian, point};
@@ -108,12 +108,12 @@ fn drive(interface: &mut InterfaceInTime, way: (f64, f64), steps: u32, events: &
 
 /// A state as it is written and read.
 fn kept(state: &StateInTime) -> StateInTime {
-    State::of(state).read().unwrap()
+    ContactsState::of(state).read().unwrap()
 }
 
 /// What an interface has come to, in all.
-fn told(interface: &mut InterfaceInTime) -> (State, String) {
-    (State::of(&interface.state()), format!("{:?} {:?}", interface.energy(), interface.stretches(1)))
+fn told(interface: &mut InterfaceInTime) -> (ContactsState, String) {
+    (ContactsState::of(&interface.state()), format!("{:?} {:?}", interface.energy(), interface.stretches(1)))
 }
 
 /// Interrupted after two steps, after four more, and so on, it comes to the same; in how many events.

@@ -17,7 +17,7 @@ pub struct StateInTime {
     work: f64,
     cells: Vec<CellState>,
     slips: Slips,
-    estimators: Option<Vec<[rate_dependent::State; 2]>>,
+    estimators: Option<Vec<[rate_dependent::ContactsState; 2]>>,
     error: f64,
 }
 
@@ -28,7 +28,7 @@ struct CellState {
     velocity: f64,
     slope: f64,
     viscous: f64,
-    contacts: rate_dependent::State,
+    contacts: rate_dependent::ContactsState,
 }
 
 impl InterfaceInTime {

@@ -9,7 +9,7 @@ use crate::{Error, Result};
 
 /// What a lattice has come to. One of the same description goes on from it as if it had never stopped, bit for bit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct State {
+pub struct LatticeState {
     base: f64,
     drive: f64,
     stretch: Compensated,
@@ -20,17 +20,23 @@ pub struct State {
 
 impl Lattice {
     /// What it has come to.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> LatticeState {
         let ends = (0..self.size()).map(|number| self.ends[self.grid.place(number)]).collect();
-        State { base: self.base, drive: self.drive, stretch: self.stretch, ends, born: self.born.clone() }
+        LatticeState {
+            base: self.base,
+            drive: self.drive,
+            stretch: self.stretch,
+            ends,
+            born: self.born.clone(),
+        }
     }
 
     /// Goes to what a lattice of the same description has come to; the scar is empty then.
     ///
     /// # Errors
     /// A state of another number of contacts, or of contacts that have thresholds of another kind.
-    pub fn restore(&mut self, state: State) -> Result<()> {
-        let State { base, drive, stretch, ends, born } = state;
+    pub fn restore(&mut self, state: LatticeState) -> Result<()> {
+        let LatticeState { base, drive, stretch, ends, born } = state;
         if (ends.len(), born.len()) != (self.size(), self.born.len()) {
             let expected =
                 format!("{} contacts, {} of them with thresholds drawn", self.size(), self.born.len());

@@ -7,7 +7,7 @@ use super::broken::Broken;
 use super::cohort::{Cohort, Spent};
 use super::pace::Pace;
 use crate::Result;
-use crate::rate_dependent::State;
+use crate::rate_dependent::ContactsState;
 
 /// What contacts have come to, without the rough follower beside them.
 #[derive(Serialize, Deserialize)]
@@ -25,18 +25,28 @@ struct TransportSnapshot {
 
 impl Transport {
     /// What the contacts have come to.
-    pub(super) fn kept(&self) -> State {
+    pub(super) fn kept(&self) -> ContactsState {
         let &Self { time, position, dropped, spent, rate, .. } = self;
         let Self { cohorts, broken, pace, kinks, .. } = self.clone();
-        State::of(&TransportSnapshot { time, position, cohorts, broken, dropped, spent, pace, rate, kinks })
+        ContactsState::of(&TransportSnapshot {
+            time,
+            position,
+            cohorts,
+            broken,
+            dropped,
+            spent,
+            pace,
+            rate,
+            kinks,
+        })
     }
 
     /// Goes to what contacts of the same description have come to.
-    pub(super) fn resume(&mut self, state: &State) -> Result<()> {
+    pub(super) fn resume(&mut self, state: &ContactsState) -> Result<()> {
         let TransportSnapshot { time, position, cohorts, broken, dropped, spent, pace, rate, kinks } =
             state.read()?;
         if !cohorts.iter().all(|cohort| cohort.fits(&self.model)) {
-            return Err(State::another("that of contacts whose thresholds follow other rules"));
+            return Err(ContactsState::another("that of contacts whose thresholds follow other rules"));
         }
         (self.time, self.position, self.dropped, self.spent, self.rate) =
             (time, position, dropped, spent, rate);

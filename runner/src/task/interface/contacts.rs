@@ -1,7 +1,7 @@
 //! Contacts coupled one by one as an interface: an event is an avalanche.
 
 use asperity::Result;
-use asperity::ensemble::lattice::{self, Avalanche, Lattice, State, Until};
+use asperity::ensemble::lattice::{self, Avalanche, Lattice, LatticeState, Until};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 
@@ -23,7 +23,7 @@ pub struct Contacts {
 
 impl Model for Contacts {
     type Event = Broken;
-    type State = State;
+    type State = LatticeState;
 
     const MAGNITUDE: &'static str = "size";
     const WHOLE: bool = true;
@@ -89,11 +89,11 @@ impl Model for Contacts {
         Ok(vec![self.lattice.forces()])
     }
 
-    fn state(&self) -> State {
+    fn state(&self) -> LatticeState {
         self.lattice.state()
     }
 
-    fn restore(&mut self, state: State, _monitor: &mut dyn Monitor) -> Result<()> {
+    fn restore(&mut self, state: LatticeState, _monitor: &mut dyn Monitor) -> Result<()> {
         self.lattice.restore(state)
     }
 }
