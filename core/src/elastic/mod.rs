@@ -32,7 +32,9 @@ pub use cells::{Cells, Curves, Populations, Standing};
 pub use coupling::Coupling;
 pub use energy::Energy;
 pub use event::{Event, Slipped};
-pub use rate_dependent::{InterfaceInTime, InterfaceInTimeParameters, StateInTime};
+pub use rate_dependent::{
+    RateDependentInterface, RateDependentInterfaceParameters, RateDependentInterfaceState,
+};
 pub use state::State;
 
 use self::batch::change;

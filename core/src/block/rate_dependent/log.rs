@@ -32,7 +32,7 @@ pub struct Moment {
 
 /// A slip: from where the slider becomes ten times as fast as the drive to where it no longer is, or comes to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TimedSlip {
+pub struct RateDependentSlip {
     /// Where it begins.
     pub before: Moment,
     /// Where it ends; after an arrest, at rest.
@@ -53,7 +53,7 @@ pub struct Slide {
     /// The moments asked for, and all steps of slips.
     pub trace: Vec<Moment>,
     /// Slips that have ended.
-    pub slips: Vec<TimedSlip>,
+    pub slips: Vec<RateDependentSlip>,
     /// Energies of the whole motion.
     pub energy: Energy,
     /// What kind of sliding it was.
@@ -66,7 +66,7 @@ pub struct Slide {
 /// What is being kept.
 pub(super) struct Log {
     trace: Vec<Moment>,
-    slips: Vec<TimedSlip>,
+    slips: Vec<RateDependentSlip>,
     /// The share of contacts that breaks in the smallest slip.
     fraction: f64,
     start: Moment,
@@ -157,7 +157,7 @@ fn top([(t0, v0), (t1, v1), (t2, v2)]: [(f64, f64); 3]) -> f64 {
     if bend < 0.0 { v1 - 0.25 * slope * slope / bend } else { v1 }
 }
 
-impl TimedSlip {
+impl RateDependentSlip {
     /// F before less F after.
     pub fn drop(&self) -> f64 {
         self.before.force - self.after.force
@@ -248,7 +248,7 @@ impl Log {
         if broken_fraction < self.fraction {
             return;
         }
-        self.slips.push(TimedSlip {
+        self.slips.push(RateDependentSlip {
             before: open.before,
             after,
             position_turn: if arrested { turn } else { after.position },
@@ -262,7 +262,7 @@ impl Log {
         /// Tolerances that a oscillation must go beyond to be seen.
         const SEEN: f64 = 10.0;
         let Self { trace, slips, start, last, most, fraction, oscillations, tolerance, .. } = self;
-        let jumps: Vec<Jump> = slips.iter().map(TimedSlip::jump).collect();
+        let jumps: Vec<Jump> = slips.iter().map(RateDependentSlip::jump).collect();
         let told = regime::tell(&jumps, start.point(), last.point(), most.0 / most.1, End::Reached);
         // Of few contacts breaks make oscillations, by chance.
         let seen = if fraction > 0.0 { f64::INFINITY } else { SEEN * tolerance };
@@ -292,7 +292,7 @@ impl Slide {
     /// `drop`, `slip`, `duration`, `velocity`, `broken_fraction`, `dissipated_breaks`, `dissipated_slip`, `strengthening`.
     pub fn events_record(&self) -> Record {
         let mut record = Record::default();
-        let mut column = |name: &str, long_name: &str, quantity, value: fn(&TimedSlip) -> f64| {
+        let mut column = |name: &str, long_name: &str, quantity, value: fn(&RateDependentSlip) -> f64| {
             record.push(name, long_name, quantity, &["event"], self.slips.iter().map(value).collect());
         };
         let (length, force) = (Quantity::Length, Quantity::Force);
@@ -303,8 +303,8 @@ impl Slide {
         column("position_turn", "position of the first rest", length, |s| s.position_turn);
         column("force_before", "force before", force, |s| s.before.force);
         column("force_after", "force after", force, |s| s.after.force);
-        column("drop", "force drop", force, TimedSlip::drop);
-        column("slip", "slip", length, TimedSlip::slip);
+        column("drop", "force drop", force, RateDependentSlip::drop);
+        column("slip", "slip", length, RateDependentSlip::slip);
         column("duration", "how long the slip lasts", Quantity::Time, |s| s.after.time - s.before.time);
         column("velocity", "highest velocity", Quantity::Velocity, |s| s.fastest);
         column("broken_fraction", "breaks per contact", Quantity::Number, |s| s.broken_fraction);

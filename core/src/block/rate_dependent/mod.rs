@@ -12,7 +12,7 @@ use crate::monitor::{Aside, Monitor, report};
 use crate::rate_dependent::{ErrorEstimator, RateDependentContacts};
 use crate::{Error, Result};
 use log::Log;
-pub use log::{Moment, Slide, TimedSlip};
+pub use log::{Moment, RateDependentSlip, Slide};
 
 impl Block {
     /// Moves the slider's top along `drive`, from where it is in balance over `contacts`, and sees what its bottom does, at

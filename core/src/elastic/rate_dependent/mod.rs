@@ -12,7 +12,7 @@ mod slips;
 mod state;
 
 pub use scaled::Scaled;
-pub use state::StateInTime;
+pub use state::RateDependentInterfaceState;
 
 use super::{Coupling, Energy, Event, Loading, Slipped, event};
 use crate::dynamics::{Arrest, EquationOfMotion, SliderMotion, SlidingCell};
@@ -25,7 +25,7 @@ use slips::{MotionSnapshot, Seen, Slips};
 
 /// How an interface is driven in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct InterfaceInTimeParameters {
+pub struct RateDependentInterfaceParameters {
     /// K_0, stiffness of the spring from a cell to the drive, force per length.
     pub connection: f64,
     /// Which cells have one.
@@ -41,7 +41,7 @@ pub struct InterfaceInTimeParameters {
     pub area: Option<f64>,
 }
 
-impl InterfaceInTimeParameters {
+impl RateDependentInterfaceParameters {
     /// Checks the numbers; keys are those of the table `[interface]`.
     fn check(&self) -> Result<()> {
         for (key, value) in [
@@ -63,7 +63,7 @@ impl InterfaceInTimeParameters {
 ///
 /// A cell *slips* while it is ten times as fast as the drive, as the block in time does. Forces and energies are totals over
 /// the cells, in the units of the contacts of which the cells are made.
-pub struct InterfaceInTime {
+pub struct RateDependentInterface {
     motion: SliderMotion,
     coupling: Box<dyn Coupling>,
     begun: Stored,
@@ -81,7 +81,7 @@ struct Stored {
     contacts: Books,
 }
 
-impl InterfaceInTime {
+impl RateDependentInterface {
     /// Cells in balance with what their contacts are stretched by, at rest and at a mean position of 0.
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl InterfaceInTime {
     pub fn new(
         contacts: Vec<Box<dyn RateDependentContacts>>,
         mut coupling: Box<dyn Coupling>,
-        setting: InterfaceInTimeParameters,
+        setting: RateDependentInterfaceParameters,
     ) -> Result<Self> {
         setting.check()?;
         let (number, shape) = (contacts.len(), coupling.shape());
@@ -101,7 +101,9 @@ impl InterfaceInTime {
             Loading::Uniform => number,
             Loading::Edge => shape.first_row(),
         };
-        let InterfaceInTimeParameters { connection, viscosity, tolerance, slip_fraction, area, .. } = setting;
+        let RateDependentInterfaceParameters {
+            connection, viscosity, tolerance, slip_fraction, area, ..
+        } = setting;
         let equation =
             EquationOfMotion { connection, connected, mass: 0.0, viscosity, arrest: Arrest::Stand };
         let pull = connected as f64 * connection;
@@ -156,7 +158,7 @@ impl InterfaceInTime {
         self.motion.cells.iter().map(|cell| cell.velocity).collect()
     }
 
-    /// F_j, along rows; their sum is [`InterfaceInTime::force`].
+    /// F_j, along rows; their sum is [`RateDependentInterface::force`].
     pub fn forces(&self) -> Vec<f64> {
         self.motion.cells.iter().map(|cell| cell.force).collect()
     }
@@ -187,7 +189,7 @@ impl InterfaceInTime {
         self.motion.cells.iter().map(|cell| cell.contacts.books().broken).sum::<f64>() / self.len() as f64
     }
 
-    /// From now on with [`InterfaceInTime::error`], which takes some three times as long: contacts are followed twice more.
+    /// From now on with [`RateDependentInterface::error`], which takes some three times as long: contacts are followed twice more.
     #[must_use]
     pub fn with_error(mut self) -> Self {
         self.motion.estimators =
@@ -246,7 +248,7 @@ impl InterfaceInTime {
     /// it; none if the drive was reached. What slips then goes on in the next run.
     ///
     /// # Errors
-    /// See [`InterfaceInTime::run`].
+    /// See [`RateDependentInterface::run`].
     pub fn next(
         &mut self,
         drive: f64,

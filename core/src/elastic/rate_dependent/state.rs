@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::InterfaceInTime;
+use super::RateDependentInterface;
 use super::slips::Slips;
 use crate::rate_dependent::{self, ErrorEstimator};
 use crate::{Error, Result};
@@ -10,7 +10,7 @@ use crate::{Error, Result};
 /// What an interface in time has come to. One of the same description goes on from it as if it had never stopped, bit for
 /// bit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct StateInTime {
+pub struct RateDependentInterfaceState {
     time: f64,
     drive: f64,
     pace: f64,
@@ -31,9 +31,9 @@ struct CellState {
     contacts: rate_dependent::ContactsState,
 }
 
-impl InterfaceInTime {
+impl RateDependentInterface {
     /// What it has come to.
-    pub fn state(&self) -> StateInTime {
+    pub fn state(&self) -> RateDependentInterfaceState {
         let cells =
             self.motion.cells.iter().zip(&self.motion.energies.viscous).map(|(cell, &viscous)| CellState {
                 position: cell.position,
@@ -43,7 +43,7 @@ impl InterfaceInTime {
                 contacts: cell.contacts.state(),
             });
         let estimators = self.motion.estimators.as_ref().map(|all| all.iter().map(ErrorEstimator::state));
-        StateInTime {
+        RateDependentInterfaceState {
             time: self.motion.time,
             drive: self.motion.drive,
             pace: self.motion.control.next,
@@ -59,8 +59,8 @@ impl InterfaceInTime {
     ///
     /// # Errors
     /// A state of another number of cells, or of other contacts: the interface is of no use any more then.
-    pub fn restore(&mut self, state: StateInTime) -> Result<()> {
-        let StateInTime { time, drive, pace, work, cells, slips, estimators, error } = state;
+    pub fn restore(&mut self, state: RateDependentInterfaceState) -> Result<()> {
+        let RateDependentInterfaceState { time, drive, pace, work, cells, slips, estimators, error } = state;
         if cells.len() != self.len() {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));

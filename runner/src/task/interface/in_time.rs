@@ -1,7 +1,7 @@
 //! Cells whose contacts are time-dependent as an interface that is driven at a velocity.
 
 use asperity::contacts::{Contacts, Initial};
-use asperity::elastic::{Event, InterfaceInTime, Slipped, StateInTime};
+use asperity::elastic::{Event, RateDependentInterface, RateDependentInterfaceState, Slipped};
 use asperity::monitor::Monitor;
 use asperity::record::{Quantity, Record};
 use asperity::scenario::{self, Scenario};
@@ -12,13 +12,13 @@ use super::model::{Column, Model};
 use crate::task::{Setting, tolerance_over};
 
 /// Cells in time on an elastic slider.
-pub struct CellsInTime {
-    interface: InterfaceInTime,
+pub struct RateDependentCells {
+    interface: RateDependentInterface,
     /// Of the drive.
     velocity: f64,
 }
 
-impl CellsInTime {
+impl RateDependentCells {
     /// The cells that `interface` describes, driven as `task` says.
     ///
     /// # Errors
@@ -51,7 +51,7 @@ pub fn cells_in_time(
     contacts: &Contacts,
     initial: &Initial,
     monitor: &mut dyn Monitor,
-) -> Result<InterfaceInTime> {
+) -> Result<RateDependentInterface> {
     let tolerance = scenario.master_equation.tolerance_of_a_block();
     let ensemble = scenario.ensemble.as_ref();
     let share = ensemble.map_or(tolerance, |ensemble| tolerance_over(ensemble.size()).max(tolerance));
@@ -59,9 +59,9 @@ pub fn cells_in_time(
     interface.in_time(contacts, initial, tolerance, step, ensemble, monitor)
 }
 
-impl Model for CellsInTime {
+impl Model for RateDependentCells {
     type Event = (Event, Vec<Slipped>);
-    type State = StateInTime;
+    type State = RateDependentInterfaceState;
 
     const MAGNITUDE: &'static str = "moment";
     const WHOLE: bool = false;
@@ -115,11 +115,11 @@ impl Model for CellsInTime {
         Ok(vec![interface.positions(), interface.velocities(), interface.forces()])
     }
 
-    fn state(&self) -> StateInTime {
+    fn state(&self) -> RateDependentInterfaceState {
         self.interface.state()
     }
 
-    fn restore(&mut self, state: StateInTime, _monitor: &mut dyn Monitor) -> Result<()> {
+    fn restore(&mut self, state: RateDependentInterfaceState, _monitor: &mut dyn Monitor) -> Result<()> {
         self.interface.restore(state)
     }
 }

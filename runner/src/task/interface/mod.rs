@@ -22,7 +22,7 @@ use crate::summary::Summary;
 use cells::Cells;
 use contacts::Contacts;
 use course::{Course, Found};
-use in_time::CellsInTime;
+use in_time::RateDependentCells;
 pub use in_time::cells_in_time;
 use model::Model;
 use stops::{Stop, stops};
@@ -47,7 +47,7 @@ pub fn run(
             drive(setting, task, interface, model, checkpoints, monitor)
         }
         PerCell::Many if contacts.rules.are_time_dependent() => {
-            let model = CellsInTime::new(setting, task, interface, &mut Part::new(monitor, 0.0, 0.0))?;
+            let model = RateDependentCells::new(setting, task, interface, &mut Part::new(monitor, 0.0, 0.0))?;
             drive(setting, task, interface, model, checkpoints, monitor)
         }
         PerCell::Many => {
