@@ -1,4 +1,4 @@
-//! What becomes of a cell that its contacts would pull back.
+//! Arrest: what becomes of a cell that its contacts would pull back.
 
 use super::{DriveMotion, EquationOfMotion, SliderMotion, SlidingCell, StepControl};
 use crate::Result;
@@ -76,7 +76,8 @@ impl SliderMotion {
         self.cells[0].velocity > 0.0 && self.is_pulled_back()
     }
 
-    /// The factor by which a step has to be shortened that ends in a way back, beyond the tolerance.
+    /// The factor by which a step has to be shortened that ends with a backward velocity, from which the cell would go back by
+    /// more than the tolerance.
     pub(super) fn before_turning(&self, end: &[SlidingCell]) -> Option<f64> {
         if self.equation.arrest == Arrest::Stand {
             return None;
@@ -86,7 +87,7 @@ impl SliderMotion {
         (back > self.control.tolerance).then(|| (before / (before - after)).clamp(StepControl::SHRINK, 0.9))
     }
 
-    /// A cell that has come to rest in a step swings back to the balance behind X_2, the energy of which is lost.
+    /// A cell that has come to rest in a step moves back to the balance behind X_2, and the excess energy is lost.
     pub(super) fn arrest(&mut self, drive: f64) {
         if self.equation.arrest == Arrest::Stand || self.cells[0].velocity > 0.0 {
             return;

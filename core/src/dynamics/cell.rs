@@ -13,7 +13,7 @@ pub struct SlidingCell {
     pub force: f64,
     /// Ẋ_j.
     pub velocity: f64,
-    /// dF/dX on the last advance, from which that on the next one is guessed.
+    /// dF/dX on the last advance, the first guess for the next one.
     pub slope: f64,
 }
 

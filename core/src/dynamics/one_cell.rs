@@ -1,13 +1,13 @@
-//! A stage of a single cell.
+//! The implicit stage of a single cell.
 
 use super::{ImplicitStage, SlidingCell, StageSolver};
 use crate::Result;
 use crate::monitor::Watch;
 
-/// Rounds of the secant method before a step is too long for it.
+/// Iterations of the secant method after which the step is taken to be too long.
 const ROUNDS: u32 = 12;
 
-/// The equation of a single cell by the secant method.
+/// Solves the stage of a single cell by the secant method for the residual.
 pub struct OneCell;
 
 impl StageSolver for OneCell {

@@ -1,11 +1,11 @@
-//! Control of the size of steps.
+//! Step-size control.
 
 use crate::{Error, Float, Result};
 
 /// The first step, as a fraction of what it may be.
 const FIRST: f64 = 1e-3;
 
-/// Steps below this fraction of the time are too short to go on with.
+/// Steps shorter than this fraction of the time are rounded away.
 const SHORTEST: f64 = 1e-15;
 
 /// The largest factor by which a step grows.
@@ -14,7 +14,7 @@ const GROW: f64 = 3.0;
 /// Equations of stages are solved to this fraction of the tolerance.
 const STAGE: f64 = 0.01;
 
-/// Chooses steps of a method of second order, whose error goes with the third power of the duration.
+/// Step-size control of a method of second order, whose local error is of third order in the duration.
 #[derive(Debug, Clone, Copy)]
 pub struct StepControl {
     /// The length to which a step is right.

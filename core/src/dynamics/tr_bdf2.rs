@@ -1,12 +1,11 @@
-//! One step of all cells by TR-BDF2: the method is in [`crate::numerics::tr_bdf2`]. In each of its stages contacts move at
-//! constant velocities.
+//! One step of all cells by TR-BDF2 ([`crate::numerics::tr_bdf2`]). In each of its two stages contacts move at constant velocities.
 
 use super::{Arrest, DriveMotion, EquationOfMotion, SliderMotion, SlidingCell};
 use crate::Result;
 use crate::monitor::Watch;
 use crate::numerics::tr_bdf2::{GAMMA, StageRates, WEIGHTS, error};
 
-/// A step that was tried.
+/// A trial step.
 pub struct TrBdf2Step {
     pub end: Vec<SlidingCell>,
     /// Positions and forces of cells between the stages.
@@ -19,7 +18,7 @@ pub struct TrBdf2Step {
     pub viscous: Vec<f64>,
 }
 
-/// A stage: the advances δ_j are wanted at whose end the equation of motion holds.
+/// An implicit stage of a step: the equation of motion has to hold at its end, after advances δ_j that are to be found.
 pub struct ImplicitStage<'a> {
     pub equation: &'a EquationOfMotion,
     pub from: &'a [SlidingCell],
@@ -28,11 +27,11 @@ pub struct ImplicitStage<'a> {
     pub duration: f64,
     /// Of each cell.
     pub rates: Vec<StageRates>,
-    /// To which advances are wanted.
+    /// Accuracy of the advances.
     pub accuracy: f64,
 }
 
-/// Solves a stage.
+/// Finds the advances of an implicit stage.
 pub trait StageSolver {
     /// The cells at its end; `None` where no solution is found.
     ///

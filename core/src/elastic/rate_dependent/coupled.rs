@@ -1,4 +1,4 @@
-//! A stage of coupled cells: a secant for the friction of each, and the coupling as it is.
+//! The implicit stage of coupled cells: the secant method for the friction of each cell, the elastic coupling taken as it is.
 
 use crate::Result;
 use crate::dynamics::{ImplicitStage, SlidingCell, StageSolver};
@@ -7,13 +7,13 @@ use crate::elastic::batch::largest;
 use crate::monitor::Watch;
 use crate::rate_dependent::RateDependentContacts;
 
-/// Rounds of the secant method before a step is too long for it.
+/// Iterations of the secant method after which the step is taken to be too long.
 const ROUNDS: u32 = 20;
 
-/// Forces that are left of those in excess when advances are found: stiff springs pull by much for a small advance.
+/// Tolerance of the linear solver, relative to the largest residual: stiff springs make large forces of small advances.
 const SOLVED: f64 = 1e-10;
 
-/// A spring that holds a cell which is not to move, in units of the stiffest that it feels.
+/// Stiffness of the spring that keeps a cell in place, in units of the largest stiffness that the cell feels.
 const HOLD: f64 = 1e9;
 
 /// Solves the stages of cells that a coupling joins.
@@ -28,10 +28,10 @@ struct Guess {
     slope: f64,
 }
 
-/// How far cells are to go on from there.
+/// Correction of the guesses.
 struct Correction {
     by: Vec<f64>,
-    /// Whether a cell is not to move, as it would go back.
+    /// Whether a cell stays where it is, as it would move back otherwise.
     stands: Vec<bool>,
 }
 
@@ -72,7 +72,7 @@ impl CoupledCells<'_> {
         self.0.respond(springs, right, goal).is_some()
     }
 
-    /// Forces in excess where cells may be at the end of a stage.
+    /// The residual: forces that are not in balance at the guessed end of the stage.
     fn excess(&mut self, stage: &ImplicitStage<'_>, guesses: &[Guess]) -> Vec<f64> {
         let positions: Vec<f64> =
             stage.from.iter().zip(guesses).map(|(from, guess)| from.position + guess.advance).collect();
@@ -85,7 +85,7 @@ impl CoupledCells<'_> {
         excess
     }
 
-    /// How far cells are to go on, so that what is in excess vanishes where slopes stay as they are.
+    /// The correction by which the residual vanishes where slopes do not change.
     fn correct(&mut self, stage: &ImplicitStage<'_>, guesses: &[Guess]) -> Correction {
         let (number, excess) = (guesses.len(), self.excess(stage, guesses));
         let stand = |(guess, excess): (&Guess, &f64)| guess.advance == 0.0 && *excess <= 0.0;
@@ -95,7 +95,7 @@ impl CoupledCells<'_> {
             if stands[j] { HOLD * (held(j) + self.0.own(j)) } else { stage.stiffness(j) + guesses[j].slope }
         };
         let springs: Vec<f64> = (0..number).map(spring).collect();
-        // Where cells push too hard, they give way to what holds, stretched.
+        // Where friction falls too fast for the matrix to be positive definite, the tangent of the contacts replaces the secant.
         let hold = |j: usize| if springs[j] > 0.0 { springs[j] } else { held(j) };
         let holding: Vec<f64> = (0..number).map(hold).collect();
         let right = |j: usize| if stands[j] { 0.0 } else { excess[j] };
@@ -109,7 +109,7 @@ impl CoupledCells<'_> {
     }
 }
 
-/// The contacts of all cells after the advances that are guessed first.
+/// The contacts of all cells after the first guess of advances.
 fn first(
     stage: &ImplicitStage<'_>,
     guesses: &mut [Guess],
@@ -124,7 +124,7 @@ fn first(
     Ok(contacts)
 }
 
-/// The contacts of the cells that are to go on farther than the accuracy of the stage, once more, from its beginning.
+/// Moves contacts anew, from the beginning of the stage, in cells whose correction exceeds its accuracy.
 fn again(
     stage: &ImplicitStage<'_>,
     guesses: &mut [Guess],
