@@ -8,6 +8,7 @@
 
 pub mod block;
 pub mod contacts;
+mod dynamics;
 pub mod elastic;
 pub mod energy;
 pub mod ensemble;

@@ -10,7 +10,7 @@ const FOREIGN: [&str; 6] = ["print!", "println!", "dbg!", "std::fs", "std::env",
 const GROUND: u32 = 0;
 
 /// Names that more than one type has, and why.
-const SHARED: [(&[&str], &str); 5] = [
+const SHARED: [(&[&str], &str); 4] = [
     (
         &["Ageing", "Block", "Contacts", "Drive", "Ensemble", "Law", "MasterEquation", "Pull", "Tabulated"],
         "a table of a scenario has the name of what it describes",
@@ -19,11 +19,7 @@ const SHARED: [(&[&str], &str); 5] = [
         &["Coupling", "Interface", "Loading", "Slip"],
         "a table of a scenario, and what blocks and interfaces each have",
     ),
-    (
-        &["Dynamics", "Pulled", "Rule", "Tried"],
-        "one step in time of a block with mass, and of the cells of an interface",
-    ),
-    (&["Books", "Curve", "Event", "State"], "of contacts, of a block and of an interface"),
+    (&["Books", "Curve", "Event"], "of contacts, of a block and of an interface"),
     (
         &["Cohort", "Gaussian", "Point", "Rectangular"],
         "a distribution and its closed forms; a point of a trace; a cohort at one velocity, and at any",

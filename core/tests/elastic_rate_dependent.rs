@@ -7,14 +7,14 @@ use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Stiffness, Temperatur
 use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::rate_dependent::Scaled;
 use asperity::elastic::{
-    Coupling, Curves, Event, Interface, InterfaceInTime, InterfaceInTimeParameters, InterfaceParameters,
-    Loading, Slip,
+    Coupling, Curves, Event, Interface, InterfaceParameters, Loading, RateDependentInterface,
+    RateDependentInterfaceParameters, Slip,
 };
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::master::Transport;
 use asperity::monitor::Monitor;
-use asperity::rate_dependent::{Books, RateDependentContacts, State, StretchInterval};
+use asperity::rate_dependent::{Books, ContactsState, RateDependentContacts, StretchInterval};
 use asperity::shape::{Edges, Shape};
 use asperity::{Error, Result};
 use common::pulled::near;
@@ -52,12 +52,19 @@ fn chain(cells: usize, stiffness: f64) -> Box<dyn Coupling> {
     neighbours(Shape::Chain(cells), Edges::Open, stiffness).unwrap()
 }
 
-fn setting(connection: f64, viscosity: f64, tolerance: f64) -> InterfaceInTimeParameters {
+fn setting(connection: f64, viscosity: f64, tolerance: f64) -> RateDependentInterfaceParameters {
     let loading = Loading::Uniform;
-    InterfaceInTimeParameters { connection, loading, viscosity, tolerance, slip_fraction: 0.0, area: None }
+    RateDependentInterfaceParameters {
+        connection,
+        loading,
+        viscosity,
+        tolerance,
+        slip_fraction: 0.0,
+        area: None,
+    }
 }
 
-fn events(interface: &mut InterfaceInTime, drive: f64, velocity: f64) -> Vec<Event> {
+fn events(interface: &mut RateDependentInterface, drive: f64, velocity: f64) -> Vec<Event> {
     let mut events = Vec::new();
     interface.run(drive, velocity, &mut (), &mut |event, _| events.push(*event)).unwrap();
     events
@@ -93,7 +100,7 @@ fn one_cell_is_the_block_in_time() {
     let contacts = transport(&logarithmic(), 0.1 * TOLERANCE);
     let run = block(contacts.as_ref(), 0.2, 0.1, (12.0, 1e-2));
     let mut interface =
-        InterfaceInTime::new(vec![contacts], chain(1, 1.0), setting(0.2, 0.1, TOLERANCE)).unwrap();
+        RateDependentInterface::new(vec![contacts], chain(1, 1.0), setting(0.2, 0.1, TOLERANCE)).unwrap();
     let events = events(&mut interface, 12.0, 1e-2);
     // Both make the same steps, and solve their equations to a hundredth of the tolerance.
     are_the_slips(&events, &run, TOLERANCE);
@@ -154,12 +161,12 @@ impl RateDependentContacts for Together {
         Box::new(Self(self.0.iter().map(|contacts| contacts.copy()).collect()))
     }
 
-    fn state(&self) -> State {
-        State::of(&self.0.iter().map(|contacts| contacts.state()).collect::<Vec<_>>())
+    fn state(&self) -> ContactsState {
+        ContactsState::of(&self.0.iter().map(|contacts| contacts.state()).collect::<Vec<_>>())
     }
 
-    fn restore(&mut self, state: &State) -> Result<()> {
-        let kept: Vec<State> = state.read()?;
+    fn restore(&mut self, state: &ContactsState) -> Result<()> {
+        let kept: Vec<ContactsState> = state.read()?;
         self.0.iter_mut().zip(&kept).try_for_each(|(contacts, kept)| contacts.restore(kept))
     }
 }
@@ -171,7 +178,8 @@ fn rigidly_coupled_cells_are_one_block() {
     let run = block(&Together(sides()), 3.0 * 0.2, 3.0 * 0.1, (12.0, 1e-2));
     // Cells differ in place by some 1e-6, as forces differ by less than 1.
     for coupling in [chain(3, 1e6), half_space(Shape::Chain(3), Edges::Open, 1e6, 1.0).unwrap()] {
-        let mut interface = InterfaceInTime::new(sides(), coupling, setting(0.2, 0.1, TOLERANCE)).unwrap();
+        let mut interface =
+            RateDependentInterface::new(sides(), coupling, setting(0.2, 0.1, TOLERANCE)).unwrap();
         let events = events(&mut interface, 12.0, 1e-2);
         assert!(events.iter().all(|event| event.cells == 3));
         are_the_slips(&events, &run, 3.0 * TOLERANCE);
@@ -215,7 +223,7 @@ fn slow_and_without_rules_it_is_the_athermal_interface() {
     expected.run(drive, &mut (), &mut |event, _| catalogue.push(*event)).unwrap();
     let (contacts, setting) =
         (cells(&athermal(), scales, tolerance), setting(connection, viscosity, tolerance));
-    let mut found = InterfaceInTime::new(contacts, chain(scales.len(), stiffness), setting).unwrap();
+    let mut found = RateDependentInterface::new(contacts, chain(scales.len(), stiffness), setting).unwrap();
     let [before, now] = [catalogue, events(&mut found, drive, velocity)].map(|events| slides(&events, 0.05));
     assert!(before.len() > 2 && now.len() == before.len(), "{before:?} {now:?}");
     for (now, before) in now.iter().zip(&before) {
@@ -243,7 +251,7 @@ fn steps_are_of_second_order() {
     let positions = |tolerance: f64| {
         let contacts = cells(&athermal(), &WEAK[..3], 1e-2 * tolerance);
         let mut interface =
-            InterfaceInTime::new(contacts, chain(3, 0.5), setting(0.2, 0.3, tolerance)).unwrap();
+            RateDependentInterface::new(contacts, chain(3, 0.5), setting(0.2, 0.3, tolerance)).unwrap();
         interface.run(4.0, 0.03, &mut (), &mut |_, _| ()).unwrap();
         interface.positions()
     };
@@ -268,7 +276,7 @@ fn the_work_is_found_again() {
     for (name, connection, contacts) in cases {
         let cells = cells(&contacts, scales, tolerance);
         let mut interface =
-            InterfaceInTime::new(cells, chain(2, 0.5), setting(connection, 0.1, tolerance)).unwrap();
+            RateDependentInterface::new(cells, chain(2, 0.5), setting(connection, 0.1, tolerance)).unwrap();
         let events = events(&mut interface, way, 1e-2);
         let energy = interface.energy();
         assert!(energy.breaks > 1.0 && !events.is_empty(), "{name}: {energy:?}");
@@ -284,8 +292,8 @@ fn cells_of_single_contacts_slip_alike() {
     let (size, samples) = (2000, 4);
     // By which drives at slips scatter, N^{−2/3}, a tenth.
     let tolerance = 0.1 * (size as f64).powf(-2.0 / 3.0);
-    let first = |contacts: Vec<Box<dyn RateDependentContacts>>, setting: InterfaceInTimeParameters| {
-        let mut interface = InterfaceInTime::new(contacts, chain(3, 0.5), setting).unwrap();
+    let first = |contacts: Vec<Box<dyn RateDependentContacts>>, setting: RateDependentInterfaceParameters| {
+        let mut interface = RateDependentInterface::new(contacts, chain(3, 0.5), setting).unwrap();
         let event = events(&mut interface, 4.6, 1e-2)[0];
         assert_eq!((event.epicentre, event.cells), (0, 3));
         [event.drive, event.moment, event.force_before, event.force_after, event.dissipated_breaks]
@@ -300,7 +308,7 @@ fn cells_of_single_contacts_slip_alike() {
             let model = model.numbered_from((j * size) as u64).in_time(&mut ()).unwrap();
             Box::new(Scaled::new(Box::new(model), WEAK[1 + j]).unwrap())
         };
-        let few = InterfaceInTimeParameters { slip_fraction: 0.05, ..setting(0.2, 0.1, tolerance) };
+        let few = RateDependentInterfaceParameters { slip_fraction: 0.05, ..setting(0.2, 0.1, tolerance) };
         first((0..3).map(cell).collect(), few)
     };
     let drawn: Vec<_> = (1..=samples).map(sample).collect();
@@ -318,9 +326,9 @@ fn contacts_that_age_make_a_chain_slip_again_and_again() {
     let aged = of(Rules { ageing: Some(ageing), ..Rules::default() }, 0.1);
     let number = 8;
     let slips = |contacts: &Contacts| {
-        let setting = InterfaceInTimeParameters { loading: Loading::Edge, ..setting(2.0, 0.3, 1e-3) };
+        let setting = RateDependentInterfaceParameters { loading: Loading::Edge, ..setting(2.0, 0.3, 1e-3) };
         let contacts = cells(contacts, &vec![1.0; number], 1e-3);
-        let mut interface = InterfaceInTime::new(contacts, chain(number, 10.0), setting).unwrap();
+        let mut interface = RateDependentInterface::new(contacts, chain(number, 10.0), setting).unwrap();
         let events = events(&mut interface, 30.0, 1e-3);
         let large = events.iter().filter(|event| event.cells == number && event.drop() > 0.5);
         large.map(|event| event.drive).collect::<Vec<_>>()
@@ -341,7 +349,8 @@ fn threads_change_nothing() {
         pool.install(|| {
             let coupling = half_space(Shape::Square([2, 3]), Edges::Open, 0.5, 1.0).unwrap();
             let contacts = cells(&logarithmic(), &WEAK, 1e-3);
-            let mut interface = InterfaceInTime::new(contacts, coupling, setting(0.2, 0.1, 1e-3)).unwrap();
+            let mut interface =
+                RateDependentInterface::new(contacts, coupling, setting(0.2, 0.1, 1e-3)).unwrap();
             let events = events(&mut interface, 6.0, 1e-2);
             assert!(!events.is_empty());
             (interface.positions(), interface.energy(), events.len())
@@ -352,20 +361,23 @@ fn threads_change_nothing() {
 
 #[test]
 fn what_makes_no_sense_is_refused() {
-    let make = |cells: usize, setting: InterfaceInTimeParameters| {
+    let make = |cells: usize, setting: RateDependentInterfaceParameters| {
         let contacts = (0..cells).map(|_| transport(&athermal(), 1e-3)).collect();
-        InterfaceInTime::new(contacts, chain(2, 1.0), setting)
+        RateDependentInterface::new(contacts, chain(2, 1.0), setting)
     };
-    let key = |result: Result<InterfaceInTime>| match result {
+    let key = |result: Result<RateDependentInterface>| match result {
         Err(Error::Invalid { key, .. }) => key,
         _ => panic!("taken"),
     };
     let good = setting(1.0, 1.0, 1e-3);
     assert_eq!(key(make(3, good)), "cells");
-    assert_eq!(key(make(2, InterfaceInTimeParameters { viscosity: 0.0, ..good })), "viscosity");
-    assert_eq!(key(make(2, InterfaceInTimeParameters { connection: f64::NAN, ..good })), "connection");
-    assert_eq!(key(make(2, InterfaceInTimeParameters { tolerance: -1.0, ..good })), "tolerance");
-    assert_eq!(key(make(2, InterfaceInTimeParameters { slip_fraction: 1.5, ..good })), "slip_fraction");
+    assert_eq!(key(make(2, RateDependentInterfaceParameters { viscosity: 0.0, ..good })), "viscosity");
+    assert_eq!(key(make(2, RateDependentInterfaceParameters { connection: f64::NAN, ..good })), "connection");
+    assert_eq!(key(make(2, RateDependentInterfaceParameters { tolerance: -1.0, ..good })), "tolerance");
+    assert_eq!(
+        key(make(2, RateDependentInterfaceParameters { slip_fraction: 1.5, ..good })),
+        "slip_fraction"
+    );
     let mut interface = make(2, good).unwrap();
     assert!(interface.run(1.0, 0.0, &mut (), &mut |_, _| ()).is_err());
     assert!(Scaled::new(transport(&athermal(), 1e-3), 0.0).is_err());

@@ -11,12 +11,15 @@ use std::sync::Arc;
 use asperity::contacts::{Contacts, Initial, Rules, Start};
 use asperity::elastic::coupling::half_space;
 use asperity::elastic::rate_dependent::Scaled;
-use asperity::elastic::{Event, InterfaceInTime, InterfaceInTimeParameters, Loading, Slipped, StateInTime};
+use asperity::elastic::{
+    Event, Loading, RateDependentInterface, RateDependentInterfaceParameters, RateDependentInterfaceState,
+    Slipped,
+};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::Mixture;
 use asperity::master::Transport;
 use asperity::monitor::Monitor;
-use asperity::rate_dependent::{RateDependentContacts, State};
+use asperity::rate_dependent::{ContactsState, RateDependentContacts};
 use asperity::shape::{Edges, Shape};
 use asperity::{Error, Result};
 use common::{gaussian, point};
@@ -68,8 +71,8 @@ fn few(contacts: &Contacts, disorder: Disorder) -> Box<dyn RateDependentContacts
 }
 
 /// A chain of such cells at rest.
-fn chain(cell: &dyn Fn() -> Box<dyn RateDependentContacts>) -> InterfaceInTime {
-    let setting = InterfaceInTimeParameters {
+fn chain(cell: &dyn Fn() -> Box<dyn RateDependentContacts>) -> RateDependentInterface {
+    let setting = RateDependentInterfaceParameters {
         connection: 0.2,
         loading: Loading::Uniform,
         viscosity: 0.1,
@@ -81,7 +84,7 @@ fn chain(cell: &dyn Fn() -> Box<dyn RateDependentContacts>) -> InterfaceInTime {
         .iter()
         .map(|&scale| -> Box<dyn RateDependentContacts> { Box::new(Scaled::new(cell(), scale).unwrap()) });
     let coupling = half_space(Shape::Chain(SCALES.len()), Edges::Open, 0.5, 1.0).unwrap();
-    InterfaceInTime::new(cells.collect(), coupling, setting).unwrap()
+    RateDependentInterface::new(cells.collect(), coupling, setting).unwrap()
 }
 
 /// Says stop after so many steps.
@@ -98,7 +101,12 @@ impl Monitor for Patience {
 }
 
 /// Drives it on for so many steps at most; whether it came to the end. Events are added, as text: some speeds are no numbers.
-fn drive(interface: &mut InterfaceInTime, way: (f64, f64), steps: u32, events: &mut Vec<String>) -> bool {
+fn drive(
+    interface: &mut RateDependentInterface,
+    way: (f64, f64),
+    steps: u32,
+    events: &mut Vec<String>,
+) -> bool {
     let mut each = |event: &Event, slipped: &[Slipped]| events.push(format!("{event:?} {slipped:?}"));
     match interface.run(way.0, way.1, &mut Patience(steps), &mut each) {
         Err(Error::Stopped) => false,
@@ -107,13 +115,13 @@ fn drive(interface: &mut InterfaceInTime, way: (f64, f64), steps: u32, events: &
 }
 
 /// A state as it is written and read.
-fn kept(state: &StateInTime) -> StateInTime {
-    State::of(state).read().unwrap()
+fn kept(state: &RateDependentInterfaceState) -> RateDependentInterfaceState {
+    ContactsState::of(state).read().unwrap()
 }
 
 /// What an interface has come to, in all.
-fn told(interface: &mut InterfaceInTime) -> (State, String) {
-    (State::of(&interface.state()), format!("{:?} {:?}", interface.energy(), interface.stretches(1)))
+fn told(interface: &mut RateDependentInterface) -> (ContactsState, String) {
+    (ContactsState::of(&interface.state()), format!("{:?} {:?}", interface.energy(), interface.stretches(1)))
 }
 
 /// Interrupted after two steps, after four more, and so on, it comes to the same; in how many events.
@@ -169,7 +177,7 @@ fn a_state_of_something_else_is_refused() {
     let more = Ensemble::new(of("logarithmic"), start(), 301, 7, Disorder::Annealed).unwrap();
     refused(few(&of("logarithmic"), Disorder::Annealed).restore(&more.in_time(&mut ()).unwrap().state()));
     let cell = || transport(&of("logarithmic"));
-    let setting = InterfaceInTimeParameters {
+    let setting = RateDependentInterfaceParameters {
         connection: 0.2,
         loading: Loading::Uniform,
         viscosity: 0.1,
@@ -178,6 +186,6 @@ fn a_state_of_something_else_is_refused() {
         area: None,
     };
     let coupling = half_space(Shape::Chain(1), Edges::Open, 0.5, 1.0).unwrap();
-    let mut one = InterfaceInTime::new(vec![cell()], coupling, setting).unwrap();
+    let mut one = RateDependentInterface::new(vec![cell()], coupling, setting).unwrap();
     refused(one.restore(chain(&cell).state()));
 }

@@ -5,7 +5,9 @@ mod common;
 use asperity::contacts::{Ageing, Contacts, Rules};
 use asperity::elastic::coupling::neighbours;
 use asperity::elastic::rate_dependent::Scaled;
-use asperity::elastic::{Curves, Interface, InterfaceInTime, InterfaceInTimeParameters, Loading, Slip};
+use asperity::elastic::{
+    Curves, Interface, Loading, RateDependentInterface, RateDependentInterfaceParameters, Slip,
+};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::master::{MasterEquation, Transport};
 use asperity::rate_dependent::{RateDependentContacts, StretchInterval, binned};
@@ -65,8 +67,8 @@ fn ageing() -> Contacts {
 }
 
 /// A cell of these contacts, their lengths `scale` times as large, that goes nearly the way of its drive.
-fn rigid(contacts: Box<dyn RateDependentContacts>, scale: f64) -> InterfaceInTime {
-    let setting = InterfaceInTimeParameters {
+fn rigid(contacts: Box<dyn RateDependentContacts>, scale: f64) -> RateDependentInterface {
+    let setting = RateDependentInterfaceParameters {
         connection: 1e6,
         loading: Loading::Uniform,
         viscosity: 1.0,
@@ -76,7 +78,7 @@ fn rigid(contacts: Box<dyn RateDependentContacts>, scale: f64) -> InterfaceInTim
     };
     let coupling = neighbours(Shape::Chain(1), Edges::Open, 1.0).unwrap();
     let contacts = Box::new(Scaled::new(contacts, scale).unwrap());
-    let mut cell = InterfaceInTime::new(vec![contacts], coupling, setting).unwrap();
+    let mut cell = RateDependentInterface::new(vec![contacts], coupling, setting).unwrap();
     cell.run(scale * WAY, scale * VELOCITY, &mut (), &mut |_, _| ()).unwrap();
     cell
 }

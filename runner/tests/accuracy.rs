@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use asperity::Error;
 use asperity::contacts::{Contacts, Initial, Start};
-use asperity::elastic::{InterfaceInTime, InterfaceInTimeParameters, Loading, coupling};
+use asperity::elastic::{Loading, RateDependentInterface, RateDependentInterfaceParameters, coupling};
 use asperity::exact::{self, ClosedForm};
 use asperity::law::{Point, Rectangular};
 use asperity::master::Transport;
@@ -131,7 +131,7 @@ fn interfaces_in_time() {
     let initial = Initial { law: at_rest, start: Start::Conditional };
     let transport = Transport::new(contacts, &initial, 1e-4, &mut ()).unwrap();
     let cells = (0..2).map(|_| Box::new(transport.clone()) as Box<dyn RateDependentContacts>).collect();
-    let setting = InterfaceInTimeParameters {
+    let setting = RateDependentInterfaceParameters {
         connection: 0.5,
         loading: Loading::Edge,
         viscosity: 0.5,
@@ -140,7 +140,7 @@ fn interfaces_in_time() {
         area: None,
     };
     let springs = coupling::neighbours(Shape::Chain(2), Edges::Open, 1.0).unwrap();
-    let mut interface = InterfaceInTime::new(cells, springs, setting).unwrap().with_error();
+    let mut interface = RateDependentInterface::new(cells, springs, setting).unwrap().with_error();
     let form = exact::Rectangular { min: 0.5, max: 1.5 };
     let mut off = 0.0_f64;
     for step in 1..=100 {

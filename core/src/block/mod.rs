@@ -25,7 +25,7 @@ mod trace;
 pub use curves::{Curve, critical_stiffness};
 pub use events::{Event, Size, Sizes};
 pub use loading::Loading;
-pub use rate_dependent::{Moment, Slide, TimedSlip};
+pub use rate_dependent::{Moment, RateDependentSlip, Slide};
 pub use regime::{Missing, Regime};
 pub use run::{Drive, End, StickSlip};
 pub use trace::{Point, SlipCourse};

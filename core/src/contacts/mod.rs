@@ -2,18 +2,11 @@
 //! rules.
 
 mod ageing;
-mod closure;
-mod fokker_planck;
-mod ranks;
 mod temperature;
-mod threshold_evolution;
 
-pub use ageing::{Ageing, AgeingRule};
-pub use closure::Closure;
-pub use fokker_planck::ThresholdFokkerPlanck;
+pub use ageing::{Ageing, AgeingRule, Closure, ThresholdEvolution, ThresholdFokkerPlanck, ThresholdsAtAge};
+pub(crate) use ageing::{Label, Rank};
 pub use temperature::{Barrier, Temperature};
-pub(crate) use threshold_evolution::{Label, Rank};
-pub use threshold_evolution::{ThresholdEvolution, ThresholdsAtAge};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

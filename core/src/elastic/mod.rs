@@ -38,7 +38,9 @@ pub use cells::{Cells, Curves, Populations, Standing};
 pub use coupling::Coupling;
 pub use event::{Event, Slipped};
 pub use parameters::{InterfaceParameters, Loading, Slip};
-pub use rate_dependent::{InterfaceInTime, InterfaceInTimeParameters, StateInTime};
+pub use rate_dependent::{
+    RateDependentInterface, RateDependentInterfaceParameters, RateDependentInterfaceState,
+};
 pub use state::State;
 
 pub use crate::energy::EnergyBalance;

@@ -12,7 +12,7 @@ use super::passage::Passage;
 use crate::contacts::Stiffness;
 use crate::monitor::{Monitor, Watch, fits, report};
 use crate::random::{Purpose, Stream};
-use crate::rate_dependent::{Books, RateDependentContacts, State, StretchInterval};
+use crate::rate_dependent::{Books, ContactsState, RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 
 /// Bytes of a contact, and of the copies on which a step of a block is tried.
@@ -382,15 +382,15 @@ impl RateDependentContacts for EnsembleInTime {
         Box::new(self.clone())
     }
 
-    fn state(&self) -> State {
+    fn state(&self) -> ContactsState {
         let &Self { time, position, now, past, .. } = self;
-        State::of(&EnsembleSnapshot { time, position, contacts: self.contacts.clone(), now, past })
+        ContactsState::of(&EnsembleSnapshot { time, position, contacts: self.contacts.clone(), now, past })
     }
 
-    fn restore(&mut self, state: &State) -> Result<()> {
+    fn restore(&mut self, state: &ContactsState) -> Result<()> {
         let EnsembleSnapshot { time, position, contacts, now, past } = state.read()?;
         if contacts.len() != self.contacts.len() {
-            return Err(State::another(&format!("that of {} contacts", contacts.len())));
+            return Err(ContactsState::another(&format!("that of {} contacts", contacts.len())));
         }
         (self.time, self.position, self.contacts, self.now, self.past) =
             (time, position, contacts, now, past);

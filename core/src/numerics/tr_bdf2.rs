@@ -1,40 +1,64 @@
-//! TR-BDF2: a time step of the trapezoidal rule to an intermediate time, then of the second-order backward
-//! difference formula to the end.
+//! TR-BDF2: a step in time by the trapezoidal rule up to a fraction γ of it, and by the second-order backward difference to its end.
 //!
-//! R. E. Bank et al., *Transient simulation of silicon devices and circuits*, IEEE Trans. Electron Devices
-//! 32, 1992 (1985); the error estimate is that of M. E. Hosea and L. F. Shampine, Appl. Numer. Math. 20, 21
-//! (1996). The method is of second order and L-stable: it damps at once what is too fast for it. At the end
-//! of either stage the rate of change of a quantity that has changed by δ in that stage is αδ + a known part.
+//! R. E. Bank et al., *Transient simulation of silicon devices and circuits*, IEEE Trans. Electron Devices 32, 1992 (1985);
+//! the estimate of the error is that of M. E. Hosea and L. F. Shampine, Appl. Numer. Math. 20, 21 (1996). The method is of
+//! second order and L-stable: it damps at once whatever is too fast for the step.
 
-/// The intermediate time as a fraction of the step, γ = 2 − √2: then both stages have the same α.
+/// γ = 2 − √2: then both stages have the same α in [`StageRates`].
 pub const GAMMA: f64 = 2.0 - std::f64::consts::SQRT_2;
 
-/// (1 − γ)²/[γ (2 − γ)]: the weight of the change in the first stage in the second-order backward difference.
-pub const HISTORY: f64 = (1.0 - GAMMA) * (1.0 - GAMMA) / (GAMMA * (2.0 - GAMMA));
+/// (1 − γ)²/[γ(2 − γ)], the weight of the advance of the first stage in the backward difference.
+const BACKWARD: f64 = (1.0 - GAMMA) * (1.0 - GAMMA) / (GAMMA * (2.0 - GAMMA));
 
-/// Weights of the quadrature of degree 2 with nodes at the start, the intermediate time and the end.
+/// Weights of the quadrature of second degree through the start, the end of the first stage and the end of a step.
 pub const WEIGHTS: [f64; 3] =
     [0.5 - 1.0 / (6.0 * GAMMA), 1.0 / (6.0 * GAMMA * (1.0 - GAMMA)), 0.5 - 1.0 / (6.0 * (1.0 - GAMMA))];
 
-/// Twice the error constant: the local error is the constant × the third derivative.
+/// Twice the constant of the local error, times the third derivative.
 const ERROR: f64 = (-3.0 * GAMMA * GAMMA + 4.0 * GAMMA - 2.0) / (6.0 * (2.0 - GAMMA));
 
-/// The largest factor by which a step grows, and the smallest by which it shrinks.
-pub const CHANGE: (f64, f64) = (3.0, 0.2);
+/// Velocity and acceleration at the end of a stage as functions of its advance δ: Ẋ = αδ + `velocity`,
+/// Ẍ = αẊ + `acceleration`.
+#[derive(Debug, Clone, Copy)]
+pub struct StageRates {
+    /// α.
+    pub alpha: f64,
+    velocity: f64,
+    acceleration: f64,
+}
 
-/// α of a step of this duration.
-pub fn alpha(duration: f64) -> f64 {
+impl StageRates {
+    /// Of the first stage of a step of this `duration`, from velocity and acceleration at its start.
+    pub fn trapezoidal(duration: f64, velocity: f64, acceleration: f64) -> Self {
+        let alpha = alpha(duration);
+        Self { alpha, velocity: -velocity, acceleration: -alpha * velocity - acceleration }
+    }
+
+    /// Of the second stage, from the advance of the first one and the velocities at its start and end.
+    pub fn backward_difference(duration: f64, advance: f64, velocities: [f64; 2]) -> Self {
+        let (alpha, [start, middle]) = (alpha(duration), velocities);
+        let acceleration = -alpha * (middle + BACKWARD * (middle - start));
+        Self { alpha, velocity: -alpha * BACKWARD * advance, acceleration }
+    }
+
+    /// Ẋ after an advance.
+    pub fn velocity(&self, advance: f64) -> f64 {
+        self.alpha * advance + self.velocity
+    }
+
+    /// Ẍ at a velocity.
+    pub fn acceleration(&self, velocity: f64) -> f64 {
+        self.alpha * velocity + self.acceleration
+    }
+}
+
+fn alpha(duration: f64) -> f64 {
     2.0 / (GAMMA * duration)
 }
 
-/// The estimated local error of a step, from the rates at its start, intermediate time and end.
+/// The estimate of the error of a step, from the rates of change at its start, between its stages and at its end.
 pub fn error(duration: f64, rates: [f64; 3]) -> f64 {
     ERROR * duration * (rates[0] / GAMMA - rates[1] / (GAMMA * (1.0 - GAMMA)) + rates[2] / (1.0 - GAMMA))
-}
-
-/// The factor by which the step should change, for an error given as a fraction of the tolerance.
-pub fn change(error: f64) -> f64 {
-    (0.9 / error.cbrt()).clamp(CHANGE.1, CHANGE.0)
 }
 
 #[cfg(test)]
@@ -45,11 +69,11 @@ mod tests {
     #[test]
     fn a_step_is_of_second_order_and_knows_its_error() {
         let step = |h: f64| {
-            let alpha = alpha(h);
-            // αδ + carried = −(X + δ).
-            let stage = |x: f64, carried: f64| -(x + carried) / (1.0 + alpha);
-            let first = stage(1.0, 1.0);
-            let second = stage(1.0 + first, -alpha * HISTORY * first);
+            // αδ + velocity = −(X + δ).
+            let stage = |x: f64, rates: StageRates| -(x + rates.velocity(0.0)) / (1.0 + rates.alpha);
+            let first = stage(1.0, StageRates::trapezoidal(h, -1.0, 0.0));
+            let rates = StageRates::backward_difference(h, first, [-1.0, -(1.0 + first)]);
+            let second = stage(1.0 + first, rates);
             let end = 1.0 + first + second;
             (end - (-h).exp(), error(h, [-1.0, -(1.0 + first), -end]))
         };

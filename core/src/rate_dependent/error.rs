@@ -1,6 +1,6 @@
 //! The error of contacts that are moved step by step, estimated from copies that are moved the same way.
 
-use super::{RateDependentContacts, State};
+use super::{ContactsState, RateDependentContacts};
 use crate::Result;
 use crate::monitor::Monitor;
 
@@ -39,7 +39,7 @@ impl ErrorEstimator {
     }
 
     /// What both have come to.
-    pub fn state(&self) -> [State; 2] {
+    pub fn state(&self) -> [ContactsState; 2] {
         [self.rough.state(), self.halved.state()]
     }
 
@@ -47,7 +47,7 @@ impl ErrorEstimator {
     ///
     /// # Errors
     /// Those of [`RateDependentContacts::restore`].
-    pub fn restore(&mut self, [rough, halved]: &[State; 2]) -> Result<()> {
+    pub fn restore(&mut self, [rough, halved]: &[ContactsState; 2]) -> Result<()> {
         self.rough.restore(rough)?;
         self.halved.restore(halved)
     }

@@ -8,7 +8,7 @@ mod state;
 mod stretch_interval;
 
 pub use error::ErrorEstimator;
-pub use state::State;
+pub use state::ContactsState;
 pub use stretch_interval::{StretchInterval, binned};
 
 use crate::Result;
@@ -69,11 +69,11 @@ pub trait RateDependentContacts: Send + Sync {
     fn copy(&self) -> Box<dyn RateDependentContacts>;
 
     /// What they have come to.
-    fn state(&self) -> State;
+    fn state(&self) -> ContactsState;
 
     /// Goes to what contacts of the same description have come to: they go on from there bit for bit.
     ///
     /// # Errors
     /// A state of other contacts.
-    fn restore(&mut self, state: &State) -> Result<()>;
+    fn restore(&mut self, state: &ContactsState) -> Result<()>;
 }

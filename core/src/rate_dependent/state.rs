@@ -9,9 +9,9 @@ use crate::{Error, Result};
 /// What contacts have come to, for contacts of the same description alone to read: as CBOR (RFC 8949), which keeps every
 /// number bit for bit.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct State(Vec<u8>);
+pub struct ContactsState(Vec<u8>);
 
-impl State {
+impl ContactsState {
     /// A state that is plain data.
     ///
     /// # Panics
@@ -37,13 +37,13 @@ impl State {
     }
 }
 
-impl Serialize for State {
+impl Serialize for ContactsState {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         serializer.serialize_bytes(&self.0)
     }
 }
 
-impl<'de> Deserialize<'de> for State {
+impl<'de> Deserialize<'de> for ContactsState {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
         let bytes = Value::deserialize(deserializer)?.into_bytes();
         bytes.map(Self).map_err(|_| D::Error::custom("expected the bytes of a state of contacts"))

@@ -1,14 +1,11 @@
 //! What is kept of a slider's motion in time: moments, slips, and where the work of the drive went.
 
-use super::stage::{Dynamics, Pulled, State};
+use super::SlidingBlock;
 use crate::block::regime::{self, Jump, Oscillation};
 use crate::block::run::End;
 use crate::block::{EnergyBalance, Point, Regime};
-use crate::rate_dependent::RateDependentContacts;
+use crate::dynamics::{SLIP_VELOCITY, SliderMotion, crossing};
 use crate::record::{Quantity, Record};
-
-/// A slider faster than the drive by this factor is in a slip.
-const FAST: f64 = 10.0;
 
 /// A slider and what acts on it, at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +32,7 @@ pub struct Moment {
 
 /// A slip: from where the slider becomes ten times as fast as the drive to where it no longer is, or comes to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TimedSlip {
+pub struct RateDependentSlip {
     /// Where it begins.
     pub before: Moment,
     /// Where it ends; after an arrest, at rest.
@@ -56,7 +53,7 @@ pub struct Slide {
     /// The moments asked for, and all steps of slips.
     pub trace: Vec<Moment>,
     /// Slips that have ended.
-    pub slips: Vec<TimedSlip>,
+    pub slips: Vec<RateDependentSlip>,
     /// Energies of the whole motion.
     pub energy: EnergyBalance,
     /// What kind of sliding it was.
@@ -69,7 +66,7 @@ pub struct Slide {
 /// What is being kept.
 pub(super) struct Log {
     trace: Vec<Moment>,
-    slips: Vec<TimedSlip>,
+    slips: Vec<RateDependentSlip>,
     /// The share of contacts that breaks in the smallest slip.
     fraction: f64,
     start: Moment,
@@ -95,46 +92,38 @@ struct OpenSlip {
     fastest: f64,
 }
 
-impl Moment {
-    /// `spent` is what came and went that the contacts do not count.
-    pub(super) fn of(
-        dynamics: &Dynamics,
-        state: &State,
-        pulled: Pulled,
-        time: f64,
-        spent: EnergyBalance,
-    ) -> Self {
-        let (tangent, stiffness) = (state.contacts.tangent(), dynamics.stiffness);
-        let back = dynamics.back(state, pulled.drive);
+impl SlidingBlock {
+    /// Slider and contacts now.
+    pub(super) fn moment(&self) -> Moment {
+        let SliderMotion { ref equation, ref energies, time, drive, .. } = self.motion;
+        let (cell, stiffness) = (self.cell(), equation.connection);
+        let (tangent, books) = (cell.contacts.tangent(), cell.contacts.books());
+        let back = equation.unloaded(cell, drive);
         let velocity =
-            if back < 0.0 { stiffness * pulled.velocity / (stiffness + tangent) } else { state.velocity };
-        let position = state.position() + back;
-        let spring_force = stiffness * (pulled.drive - position);
-        let books = state.contacts.books();
+            if back < 0.0 { stiffness * self.velocity / (stiffness + tangent) } else { cell.velocity };
+        let position = cell.position + back;
+        let spring_force = stiffness * (drive - position);
         let energy = EnergyBalance {
+            work: energies.work,
             spring: 0.5 * spring_force * spring_force / stiffness,
-            elastic: books.elastic + back * (state.force + 0.5 * tangent * back),
-            kinetic: 0.5 * dynamics.mass * state.velocity * state.velocity,
+            elastic: books.elastic + back * (cell.force + 0.5 * tangent * back),
+            kinetic: 0.5 * equation.mass * cell.velocity * cell.velocity,
             strengthening: books.gained,
-            breaks: books.lost,
+            breaks: books.lost + energies.breaks,
+            slip: energies.arrest,
+            viscous: energies.viscous[0],
             ..EnergyBalance::default()
         };
-        Self {
-            time,
-            drive: pulled.drive,
-            position,
-            velocity,
-            force: state.force + tangent * back,
-            spring_force,
-            free: state.contacts.free(),
-            broken: books.broken,
-            energy: energy + spent,
-        }
+        let force = cell.force + tangent * back;
+        let (free, broken) = (cell.contacts.free(), books.broken);
+        Moment { time, drive, position, velocity, force, spring_force, free, broken, energy }
     }
+}
 
+impl Moment {
     /// The moment between this one and the next at which the velocity is `velocity`, all values straight in time.
     fn until(&self, next: &Self, velocity: f64) -> Self {
-        let share = ((velocity - self.velocity) / (next.velocity - self.velocity)).clamp(0.0, 1.0);
+        let share = crossing(self.velocity, next.velocity, velocity);
         let between = |value: fn(&Self) -> f64| value(self) + share * (value(next) - value(self));
         Self {
             time: between(|m| m.time),
@@ -169,7 +158,7 @@ fn top([(t0, v0), (t1, v1), (t2, v2)]: [(f64, f64); 3]) -> f64 {
     if bend < 0.0 { v1 - 0.25 * slope * slope / bend } else { v1 }
 }
 
-impl TimedSlip {
+impl RateDependentSlip {
     /// F before less F after.
     pub fn drop(&self) -> f64 {
         self.before.force - self.after.force
@@ -186,13 +175,9 @@ impl TimedSlip {
 }
 
 impl Log {
-    pub fn new(
-        start: Moment,
-        pulled: f64,
-        contacts: &dyn RateDependentContacts,
-        fraction: f64,
-        tolerance: f64,
-    ) -> Self {
+    /// `pulled` is the first velocity of the drive, `fraction` the share of contacts that breaks in the smallest slip.
+    pub fn new(slider: &SlidingBlock, pulled: f64, fraction: f64) -> Self {
+        let start = slider.moment();
         Self {
             trace: Vec::new(),
             slips: Vec::new(),
@@ -202,10 +187,10 @@ impl Log {
             earlier: start.time_and_velocity(),
             rising: false,
             oscillations: Vec::new(),
-            tolerance,
+            tolerance: slider.motion.control.tolerance,
             pulled,
             open: None,
-            most: (start.force.abs(), contacts.tangent()),
+            most: (start.force.abs(), slider.cell().contacts.tangent()),
         }
     }
 
@@ -224,10 +209,10 @@ impl Log {
         }
     }
 
-    /// The end of a step; `stopping` where the slider is on its way to rest.
-    pub fn pass(&mut self, moment: Moment, stopping: bool, contacts: &dyn RateDependentContacts) {
-        let fast = FAST * self.pulled;
-        self.most = (self.most.0.max(moment.force.abs()), self.most.1.max(contacts.tangent()));
+    /// The end of a step.
+    pub fn pass(&mut self, slider: &SlidingBlock) {
+        let (moment, fast) = (slider.moment(), SLIP_VELOCITY * self.pulled);
+        self.most = (self.most.0.max(moment.force.abs()), self.most.1.max(slider.cell().contacts.tangent()));
         if self.open.is_none() && moment.velocity > fast {
             let before = self.last.until(&moment, fast);
             self.see(before);
@@ -235,10 +220,10 @@ impl Log {
         }
         if let Some(open) = &mut self.open {
             open.fastest = open.fastest.max(moment.velocity);
-            if moment.velocity > fast || stopping {
+            if moment.velocity > fast || slider.motion.is_stopping() {
                 self.see(moment);
             } else {
-                self.end(moment, fast, contacts.position());
+                self.end(moment, fast, slider.cell().position);
             }
         }
         let rising = moment.velocity > self.last.velocity;
@@ -264,7 +249,7 @@ impl Log {
         if broken_fraction < self.fraction {
             return;
         }
-        self.slips.push(TimedSlip {
+        self.slips.push(RateDependentSlip {
             before: open.before,
             after,
             position_turn: if arrested { turn } else { after.position },
@@ -278,7 +263,7 @@ impl Log {
         /// Tolerances that a oscillation must go beyond to be seen.
         const SEEN: f64 = 10.0;
         let Self { trace, slips, start, last, most, fraction, oscillations, tolerance, .. } = self;
-        let jumps: Vec<Jump> = slips.iter().map(TimedSlip::jump).collect();
+        let jumps: Vec<Jump> = slips.iter().map(RateDependentSlip::jump).collect();
         let told = regime::tell(&jumps, start.point(), last.point(), most.0 / most.1, End::Reached);
         // Of few contacts breaks make oscillations, by chance.
         let seen = if fraction > 0.0 { f64::INFINITY } else { SEEN * tolerance };
@@ -308,7 +293,7 @@ impl Slide {
     /// `drop`, `slip`, `duration`, `velocity`, `broken_fraction`, `dissipated_breaks`, `dissipated_slip`, `strengthening`.
     pub fn events_record(&self) -> Record {
         let mut record = Record::default();
-        let mut column = |name: &str, long_name: &str, quantity, value: fn(&TimedSlip) -> f64| {
+        let mut column = |name: &str, long_name: &str, quantity, value: fn(&RateDependentSlip) -> f64| {
             record.push(name, long_name, quantity, &["event"], self.slips.iter().map(value).collect());
         };
         let (length, force) = (Quantity::Length, Quantity::Force);
@@ -319,8 +304,8 @@ impl Slide {
         column("position_turn", "position of the first rest", length, |s| s.position_turn);
         column("force_before", "force before", force, |s| s.before.force);
         column("force_after", "force after", force, |s| s.after.force);
-        column("drop", "force drop", force, TimedSlip::drop);
-        column("slip", "slip", length, TimedSlip::slip);
+        column("drop", "force drop", force, RateDependentSlip::drop);
+        column("slip", "slip", length, RateDependentSlip::slip);
         column("duration", "how long the slip lasts", Quantity::Time, |s| s.after.time - s.before.time);
         column("velocity", "highest velocity", Quantity::Velocity, |s| s.fastest);
         column("broken_fraction", "breaks per contact", Quantity::Number, |s| s.broken_fraction);

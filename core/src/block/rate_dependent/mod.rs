@@ -1,31 +1,18 @@
 //! A slider block in time, over time-dependent contacts: they age while it sticks.
 //!
-//! M Ẍ = K(X_T(t) − X) − F − γẊ, with the drive X_T(t) a [`History`] that begins in balance, X_T = X + F/K. Contacts do
-//! not turn back. A slider that would, after it has overshot, comes to rest at X_2 as without inertia on the straight line
-//! on which the contacts unload, X = X_2 + [K(X_T − X_2) − F(X_2)]/(K + F'), and moves on when the spring has brought it
-//! back to X_2; until then time passes for the contacts at X_2.
+//! M Ẍ = K(X_T(t) − X) − F − γẊ, with the drive X_T(t) a [`History`] that begins in balance, X_T = X + F/K:
+//! [`crate::dynamics`] for a single cell, which unloads its contacts where it is arrested.
 
 mod log;
-mod stage;
 
-use super::{Block, EnergyBalance, Loading, Slip};
+use super::{Block, Loading, Slip};
+use crate::dynamics::{Arrest, EquationOfMotion, OneCell, SliderMotion, SlidingCell};
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, report};
-use crate::numerics::tr_bdf2::{CHANGE, GAMMA, WEIGHTS, change};
 use crate::rate_dependent::{ErrorEstimator, RateDependentContacts};
-use crate::{Error, Float, Result};
+use crate::{Error, Result};
 use log::Log;
-pub use log::{Moment, Slide, TimedSlip};
-use stage::{Dynamics, Pulled, State};
-
-/// The first step, as a share of what it may be.
-const FIRST: f64 = 1e-3;
-
-/// Steps below this share of the time are no steps.
-const SHORTEST: f64 = 1e-15;
-
-/// Share of the tolerance by which the pull may be short of the friction without a move back.
-const SLACK: f64 = 1e-3;
+pub use log::{Moment, RateDependentSlip, Slide};
 
 impl Block {
     /// Moves the slider's top along `drive`, from where it is in balance over `contacts`, and sees what its bottom does, at
@@ -69,41 +56,42 @@ impl Block {
         tolerance: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Slide> {
-        let dynamics = self.dynamics(tolerance)?;
-        check(times, drive.duration())?;
-        let moving = drive.pieces().iter().map(|piece| piece.velocity).find(|velocity| *velocity > 0.0);
-        let fraction = self.slip_fraction.unwrap_or(0.0);
-        let mut rider = Rider::new(dynamics, contacts, estimator, moving.unwrap_or(f64::INFINITY), fraction);
-        if times.first() == Some(&0.0) {
-            rider.log.see(rider.moment());
-        }
-        let mut asked = times.iter().copied().skip_while(|time| *time == 0.0).peekable();
-        for (piece, knots) in drive.pieces().iter().zip(drive.knots().windows(2)) {
-            rider.pull(piece.velocity);
-            while let Some(time) = asked.next_if(|time| *time < knots[1].0) {
-                rider.until(time, drive.duration(), monitor)?;
-                rider.log.see(rider.moment());
-            }
-            rider.until(knots[1].0, drive.duration(), monitor)?;
-            if asked.next_if_eq(&knots[1].0).is_some() {
-                rider.log.see(rider.moment());
-            }
-        }
-        report(monitor, 1.0)?;
-        let error = rider.estimator.map(|_| rider.error);
-        Ok(rider.log.close(error))
-    }
-
-    /// What moves the slider in time.
-    fn dynamics(&self, tolerance: f64) -> Result<Dynamics> {
-        let Loading::Spring(stiffness) = self.loading else {
-            return Err(Error::invalid("stiffness", "a block with a stiffness, to be moved in time", "none"));
-        };
+        let equation = self.equation_of_motion()?;
         if !(tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Error::invalid("tolerance", "a finite length above 0", tolerance));
         }
-        let (mass, damping) = self.slip.limits()?;
-        Ok(Dynamics { stiffness, mass, damping, tolerance })
+        check(times, drive.duration())?;
+        let mut slider = SlidingBlock::at_rest(equation, contacts, tolerance);
+        slider.motion.estimators = estimator.map(|estimator| vec![estimator]);
+        let moving = drive.pieces().iter().map(|piece| piece.velocity).find(|velocity| *velocity > 0.0);
+        let mut log = Log::new(&slider, moving.unwrap_or(f64::INFINITY), self.slip_fraction.unwrap_or(0.0));
+        if times.first() == Some(&0.0) {
+            log.see(slider.moment());
+        }
+        let mut asked = times.iter().copied().skip_while(|time| *time == 0.0).peekable();
+        for (piece, knots) in drive.pieces().iter().zip(drive.knots().windows(2)) {
+            slider.velocity = piece.velocity;
+            log.pull(piece.velocity);
+            while let Some(time) = asked.next_if(|time| *time < knots[1].0) {
+                slider.follow(time, drive.duration(), &mut log, monitor)?;
+                log.see(slider.moment());
+            }
+            slider.follow(knots[1].0, drive.duration(), &mut log, monitor)?;
+            if asked.next_if_eq(&knots[1].0).is_some() {
+                log.see(slider.moment());
+            }
+        }
+        report(monitor, 1.0)?;
+        Ok(log.close(slider.motion.error()))
+    }
+
+    /// What moves the slider in time.
+    fn equation_of_motion(&self) -> Result<EquationOfMotion> {
+        let Loading::Spring(connection) = self.loading else {
+            return Err(Error::invalid("stiffness", "a block with a stiffness, to be moved in time", "none"));
+        };
+        let (mass, viscosity) = self.slip.limits()?;
+        Ok(EquationOfMotion { connection, connected: 1, mass, viscosity, arrest: Arrest::Unload })
     }
 }
 
@@ -138,200 +126,37 @@ fn check(times: &[f64], end: f64) -> Result<()> {
 }
 
 /// A slider on its way.
-struct Rider {
-    dynamics: Dynamics,
-    state: State,
-    pulled: Pulled,
-    time: f64,
-    /// How long the next step may be.
-    pace: f64,
-    /// What came and went that the contacts do not count.
-    spent: EnergyBalance,
-    log: Log,
-    /// What tells the error of the force, and the largest so far.
-    estimator: Option<ErrorEstimator>,
-    error: f64,
+struct SlidingBlock {
+    motion: SliderMotion,
+    /// Of the drive, now.
+    velocity: f64,
 }
 
-impl Rider {
-    /// `pulled` is the first velocity of the drive, `fraction` the share of contacts that breaks in the smallest slip.
-    fn new(
-        dynamics: Dynamics,
-        contacts: &dyn RateDependentContacts,
-        estimator: Option<ErrorEstimator>,
-        pulled: f64,
-        fraction: f64,
-    ) -> Self {
-        let state = State::of(contacts.copy());
-        let drive = state.position() + state.force / dynamics.stiffness;
-        let at = Pulled { drive, velocity: 0.0 };
-        let spent = EnergyBalance::default();
-        let start = Moment::of(&dynamics, &state, at, 0.0, spent);
-        let log = Log::new(start, pulled, state.contacts.as_ref(), fraction, dynamics.tolerance);
-        Self {
-            dynamics,
-            state,
-            pulled: at,
-            time: 0.0,
-            pace: f64::INFINITY,
-            spent,
-            log,
-            estimator,
-            error: 0.0,
-        }
+impl SlidingBlock {
+    /// In balance over `contacts`, the drive at rest.
+    fn at_rest(equation: EquationOfMotion, contacts: &dyn RateDependentContacts, tolerance: f64) -> Self {
+        let cell = SlidingCell::at_rest(contacts.copy(), contacts.position());
+        let drive = cell.position + cell.force / equation.connection;
+        Self { motion: SliderMotion::new(equation, vec![cell], drive, tolerance), velocity: 0.0 }
     }
 
-    /// From now on the drive has another velocity.
-    fn pull(&mut self, velocity: f64) {
-        self.pulled.velocity = velocity;
-        self.log.pull(velocity);
-    }
-
-    fn moment(&self) -> Moment {
-        Moment::of(&self.dynamics, &self.state, self.pulled, self.time, self.spent)
+    fn cell(&self) -> &SlidingCell {
+        &self.motion.cells[0]
     }
 
     /// Goes on until a time of a whole that lasts `whole`.
-    fn until(&mut self, end: f64, whole: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        let begin = (self.time, self.pulled.drive);
-        while self.time < end {
-            let left = end - self.time;
-            let aside = &mut Aside { fraction: self.time / whole, monitor };
-            let duration = if self.is_held() { self.rest(left, aside)? } else { self.go(left, aside)? };
-            self.time = if duration < left { self.time + duration } else { end };
-            self.pulled.drive = begin.1 + self.pulled.velocity * (self.time - begin.0);
-            self.log.pass(self.moment(), self.is_stopping(), self.state.contacts.as_ref());
+    fn follow(&mut self, end: f64, whole: f64, log: &mut Log, monitor: &mut dyn Monitor) -> Result<()> {
+        let begin = (self.motion.time, self.motion.drive);
+        while self.motion.time < end {
+            let motion = &mut self.motion;
+            let left = end - motion.time;
+            let aside = &mut Aside { fraction: motion.time / whole, monitor };
+            if motion.step(&mut OneCell, self.velocity, left, aside)? >= left {
+                motion.time = end;
+            }
+            motion.drive = begin.1 + self.velocity * (motion.time - begin.0);
+            log.pass(self);
         }
         Ok(())
-    }
-
-    /// Whether the contacts would pull the slider back.
-    fn is_pulled_back(&self) -> bool {
-        let slack = SLACK * self.dynamics.tolerance * self.dynamics.resistance(&self.state);
-        self.dynamics.excess(&self.state, self.pulled.drive) < -slack
-    }
-
-    fn is_held(&self) -> bool {
-        self.state.velocity == 0.0 && self.is_pulled_back()
-    }
-
-    /// Whether the slider is on its way to an arrest.
-    fn is_stopping(&self) -> bool {
-        self.state.velocity > 0.0 && self.is_pulled_back()
-    }
-
-    /// Rests until the spring pulls, at most for a time; how long.
-    fn rest(&mut self, left: f64, monitor: &mut dyn Monitor) -> Result<f64> {
-        let Self { dynamics, state, pulled, .. } = self;
-        let short = -dynamics.excess(state, pulled.drive);
-        let behind = short / dynamics.resistance(state);
-        // So that energies by the trapezoidal rule are right.
-        let most = (dynamics.tolerance * behind).sqrt();
-        let mut duration =
-            (short.min(most * dynamics.resistance(state)) / (dynamics.stiffness * pulled.velocity)).min(left);
-        loop {
-            let mut contacts = state.contacts.copy();
-            contacts.step(0.0, duration, monitor)?;
-            let rested = State { force: contacts.force(), contacts, ..*state };
-            let excess = dynamics.excess(&rested, pulled.after(duration));
-            if excess > dynamics.tolerance * dynamics.resistance(&rested) && duration > SHORTEST * left {
-                duration *= (short / (short + excess)).max(CHANGE.1);
-                continue;
-            }
-            let moved = (behind + dynamics.back(&rested, pulled.after(duration))).abs();
-            if moved > 2.0 * most && duration > SHORTEST * left {
-                duration *= (most / moved).max(CHANGE.1);
-                continue;
-            }
-            self.spent += dynamics.at_rest([state, &rested], *pulled, duration);
-            if let Some(estimator) = &mut self.estimator {
-                self.error = self.error.max(estimator.step(0.0, duration, rested.force, monitor)?);
-            }
-            self.state = rested;
-            return Ok(duration);
-        }
-    }
-
-    /// Moves on in one step, at most for a time; for how long.
-    fn go(&mut self, left: f64, monitor: &mut dyn Monitor) -> Result<f64> {
-        let mut duration = self.pace;
-        if duration.is_infinite() {
-            duration = FIRST * left;
-        }
-        duration = if duration >= left { left } else { duration.min(0.5 * left) };
-        loop {
-            if duration < SHORTEST * (self.time + left) {
-                let what = format!("a slider in time at t = {}", self.time);
-                let wanted = Float(self.dynamics.tolerance);
-                return Err(Error::Accuracy { key: String::new(), what, reached: Float(f64::NAN), wanted });
-            }
-            let Some(tried) = self.dynamics.attempt(&self.state, self.pulled, duration, monitor)? else {
-                duration *= CHANGE.1;
-                continue;
-            };
-            let (error, velocity) = (tried.error / self.dynamics.tolerance, tried.end.velocity);
-            let factor = change(error);
-            let back = self.dynamics.way(&tried.end, -velocity);
-            if error > 1.0 {
-                duration *= factor.min(0.9);
-            } else if back > self.dynamics.tolerance {
-                let before = self.state.velocity;
-                duration *= (before / (before - velocity)).clamp(CHANGE.1, 0.9);
-            } else {
-                self.pace =
-                    if duration < left { factor * duration } else { self.pace.max(factor * duration) };
-                self.accept(tried, duration, monitor)?;
-                return Ok(duration);
-            }
-        }
-    }
-
-    fn accept(&mut self, tried: stage::Tried, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        let states = [&self.state, &tried.middle, &tried.end];
-        if let Some(estimator) = &mut self.estimator {
-            for (pair, share) in states.windows(2).zip([GAMMA, 1.0 - GAMMA]) {
-                let by = pair[1].position() - pair[0].position();
-                self.error = self.error.max(estimator.step(by, share * duration, pair[1].force, monitor)?);
-            }
-        }
-        self.spent += self.dynamics.on_the_way(states, self.pulled, duration);
-        self.state = tried.end;
-        if self.state.velocity > 0.0 {
-            return Ok(());
-        }
-        self.state.velocity = 0.0;
-        let excess = self.dynamics.excess(&self.state, self.pulled.after(duration)).min(0.0);
-        self.spent.slip += 0.5 * excess * excess / self.dynamics.resistance(&self.state);
-        Ok(())
-    }
-}
-
-impl Dynamics {
-    /// What comes and goes in a step that is right to second order.
-    fn on_the_way(&self, states: [&State; 3], pulled: Pulled, duration: f64) -> EnergyBalance {
-        let mut energy = EnergyBalance::default();
-        let times = [0.0, GAMMA * duration, duration];
-        for ((state, time), weight) in states.into_iter().zip(times).zip(WEIGHTS) {
-            let pull = self.stiffness * (pulled.after(time) - state.position());
-            energy.work += weight * duration * pulled.velocity * pull;
-            energy.viscous += weight * duration * self.damping * state.velocity * state.velocity;
-        }
-        energy
-    }
-
-    /// The same of a slider at rest, by the trapezoidal rule. The contacts count their breaks at the stretches of X_2;
-    /// what the slider rests behind it changes those energies by b ΔF + ½b² ΔF'.
-    fn at_rest(&self, states: [&State; 2], pulled: Pulled, duration: f64) -> EnergyBalance {
-        let [before, after] = states;
-        let drives = [pulled.drive, pulled.after(duration)];
-        let [from, to] = [0, 1].map(|i| self.back(states[i], drives[i]));
-        let pull = |i: usize, back: f64| self.stiffness * (drives[i] - states[i].position() - back);
-        let force = after.force - before.force;
-        let tangent = after.contacts.tangent() - before.contacts.tangent();
-        EnergyBalance {
-            work: pulled.velocity * duration * 0.5 * (pull(0, from) + pull(1, to)),
-            breaks: -0.5 * ((from + to) * force + 0.5 * (from * from + to * to) * tangent),
-            ..EnergyBalance::default()
-        }
     }
 }

@@ -1,37 +1,31 @@
 //! A deformable interface whose contacts are time-dependent: the drive moves at a velocity, and cells by
 //!
-//! η Ẋ_j = K_0j(X_T − X_j) − (AX)_j − F_j[X_j(·), t].
+//! η Ẋ_j = K_0j(X_T − X_j) − (AX)_j − F_j[X_j(·), t],
 //!
-//! Cells move forward only; one that its contacts would pull back stands. Time passes for all of them, so that contacts age
-//! while cells stick. There is no balance to be lost and found: where friction falls faster than springs do, cells become
-//! fast, and η limits how fast they are.
+//! which [`crate::dynamics`] integrates. Cells move forward only; one that its contacts would pull back stands. Time passes for
+//! all of them, so that contacts age while cells stick. There is no balance to be lost and found: where friction falls faster
+//! than springs do, cells become fast, and η limits how fast they are.
 
+mod coupled;
 mod scaled;
 mod slips;
-mod stage;
 mod state;
 
 pub use scaled::Scaled;
-pub use state::StateInTime;
+pub use state::RateDependentInterfaceState;
 
 use super::{Coupling, EnergyBalance, Event, Loading, Slipped, event};
-use crate::monitor::{Aside, Monitor, Watch, report};
-use crate::numerics::tr_bdf2::{CHANGE, GAMMA, change};
+use crate::dynamics::{Arrest, EquationOfMotion, SliderMotion, SlidingCell};
+use crate::monitor::{Aside, Monitor, report};
 use crate::rate_dependent::{Books, ErrorEstimator, RateDependentContacts, StretchInterval};
 use crate::record::Record;
-use crate::{Error, Float, Result};
+use crate::{Error, Result};
+use coupled::CoupledCells;
 use slips::{MotionSnapshot, Seen, Slips};
-use stage::{Dynamics, Pulled, State, Tried};
-
-/// The first step, as a share of what it may be.
-const FIRST: f64 = 1e-3;
-
-/// Steps below this share of the time are no steps.
-const SHORTEST: f64 = 1e-15;
 
 /// How an interface is driven in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct InterfaceInTimeParameters {
+pub struct RateDependentInterfaceParameters {
     /// K_0, stiffness of the spring from a cell to the drive, force per length.
     pub connection: f64,
     /// Which cells have one.
@@ -47,7 +41,7 @@ pub struct InterfaceInTimeParameters {
     pub area: Option<f64>,
 }
 
-impl InterfaceInTimeParameters {
+impl RateDependentInterfaceParameters {
     /// Checks the numbers; keys are those of the table `[interface]`.
     fn check(&self) -> Result<()> {
         for (key, value) in [
@@ -69,22 +63,12 @@ impl InterfaceInTimeParameters {
 ///
 /// A cell *slips* while it is ten times as fast as the drive, as the block in time does. Forces and energies are totals over
 /// the cells, in the units of the contacts of which the cells are made.
-pub struct InterfaceInTime {
-    dynamics: Dynamics,
-    cells: Vec<State>,
-    time: f64,
-    drive: f64,
-    /// How long the next step may be.
-    pace: f64,
-    work: f64,
-    /// Lost by viscous drag, cell by cell.
-    viscous: Vec<f64>,
+pub struct RateDependentInterface {
+    motion: SliderMotion,
+    coupling: Box<dyn Coupling>,
     begun: Stored,
     look: MotionSnapshot,
     slips: Slips,
-    /// What tells the errors of the forces of cells, if that is asked for, and the largest so far.
-    estimators: Option<Vec<ErrorEstimator>>,
-    error: f64,
     /// Where the present run began, and its end.
     path: (f64, f64),
 }
@@ -97,7 +81,7 @@ struct Stored {
     contacts: Books,
 }
 
-impl InterfaceInTime {
+impl RateDependentInterface {
     /// Cells in balance with what their contacts are stretched by, at rest and at a mean position of 0.
     ///
     /// # Errors
@@ -105,8 +89,8 @@ impl InterfaceInTime {
     /// coupling is for.
     pub fn new(
         contacts: Vec<Box<dyn RateDependentContacts>>,
-        coupling: Box<dyn Coupling>,
-        setting: InterfaceInTimeParameters,
+        mut coupling: Box<dyn Coupling>,
+        setting: RateDependentInterfaceParameters,
     ) -> Result<Self> {
         setting.check()?;
         let (number, shape) = (contacts.len(), coupling.shape());
@@ -117,31 +101,26 @@ impl InterfaceInTime {
             Loading::Uniform => number,
             Loading::Edge => shape.first_row(),
         };
-        let connection = |j: usize| if j < connected { setting.connection } else { 0.0 };
-        let drive = contacts.iter().map(|contacts| contacts.force()).sum::<f64>()
-            / (connected as f64 * setting.connection);
-        let springs: Vec<f64> = (0..number).map(connection).collect();
-        let mut positions: Vec<f64> = contacts
-            .iter()
-            .zip(&springs)
-            .map(|(contacts, spring)| spring * drive - contacts.force())
-            .collect();
-        let InterfaceInTimeParameters { connection, viscosity, tolerance, slip_fraction, area, .. } = setting;
-        let mut dynamics = Dynamics { coupling, connection, connected, viscosity, tolerance };
-        dynamics.respond(&springs, &mut positions);
+        let RateDependentInterfaceParameters {
+            connection, viscosity, tolerance, slip_fraction, area, ..
+        } = setting;
+        let equation =
+            EquationOfMotion { connection, connected, mass: 0.0, viscosity, arrest: Arrest::Stand };
+        let pull = connected as f64 * connection;
+        let drive = contacts.iter().map(|contacts| contacts.force()).sum::<f64>() / pull;
+        let springs: Vec<f64> = (0..number).map(|j| equation.connection(j)).collect();
+        let balance =
+            springs.iter().zip(&contacts).map(|(spring, contacts)| spring * drive - contacts.force());
+        let mut positions: Vec<f64> = balance.collect();
+        CoupledCells(coupling.as_mut()).respond(&springs, &mut positions);
+        let cells =
+            contacts.into_iter().zip(positions).map(|(contacts, x)| SlidingCell::at_rest(contacts, x));
         let mut interface = Self {
-            dynamics,
-            cells: contacts.into_iter().zip(positions).map(|(contacts, x)| State::of(contacts, x)).collect(),
-            time: 0.0,
-            drive,
-            pace: f64::INFINITY,
-            work: 0.0,
-            viscous: vec![0.0; number],
+            motion: SliderMotion::new(equation, cells.collect(), drive, tolerance),
+            coupling,
             begun: Stored { connection: 0.0, coupling: 0.0, contacts: Books::default() },
             look: MotionSnapshot { time: 0.0, drive, cells: Vec::new() },
             slips: Slips::new(number, slip_fraction, area),
-            estimators: None,
-            error: 0.0,
             path: (drive, drive),
         };
         interface.begun = interface.stored();
@@ -151,37 +130,37 @@ impl InterfaceInTime {
 
     /// Number of cells.
     pub fn len(&self) -> usize {
-        self.cells.len()
+        self.motion.cells.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.cells.is_empty()
+        self.motion.cells.is_empty()
     }
 
     /// X_T.
     pub fn drive(&self) -> f64 {
-        self.drive
+        self.motion.drive
     }
 
     /// Time t since the beginning.
     pub fn time(&self) -> f64 {
-        self.time
+        self.motion.time
     }
 
     /// X_j, along rows.
     pub fn positions(&self) -> Vec<f64> {
-        self.cells.iter().map(|cell| cell.position).collect()
+        self.motion.cells.iter().map(|cell| cell.position).collect()
     }
 
     /// Ẋ_j, along rows.
     pub fn velocities(&self) -> Vec<f64> {
-        self.cells.iter().map(|cell| cell.velocity).collect()
+        self.motion.cells.iter().map(|cell| cell.velocity).collect()
     }
 
-    /// F_j, along rows; their sum is [`InterfaceInTime::force`].
+    /// F_j, along rows; their sum is [`RateDependentInterface::force`].
     pub fn forces(&self) -> Vec<f64> {
-        self.cells.iter().map(|cell| cell.force).collect()
+        self.motion.cells.iter().map(|cell| cell.force).collect()
     }
 
     /// The contacts of a cell that hold, by their stretches: [`crate::rate_dependent::binned`] makes a distribution of them.
@@ -189,7 +168,7 @@ impl InterfaceInTime {
     /// # Errors
     /// A number of no cell.
     pub fn stretches(&self, cell: usize) -> Result<Vec<StretchInterval>> {
-        match self.cells.get(cell) {
+        match self.motion.cells.get(cell) {
             Some(cell) => Ok(cell.contacts.stretches()),
             None => Err(Error::invalid("cell", format!("a number below {}", self.len()), cell)),
         }
@@ -197,23 +176,24 @@ impl InterfaceInTime {
 
     /// Friction force of all cells.
     pub fn force(&self) -> f64 {
-        self.cells.iter().map(|cell| cell.force).sum()
+        self.motion.cells.iter().map(|cell| cell.force).sum()
     }
 
     /// The fraction of contacts that is free.
     pub fn free(&self) -> f64 {
-        self.cells.iter().map(|cell| cell.contacts.free()).sum::<f64>() / self.len() as f64
+        self.motion.cells.iter().map(|cell| cell.contacts.free()).sum::<f64>() / self.len() as f64
     }
 
     /// Breaks since the beginning, per contact.
     pub fn broken(&self) -> f64 {
-        self.cells.iter().map(|cell| cell.contacts.books().broken).sum::<f64>() / self.len() as f64
+        self.motion.cells.iter().map(|cell| cell.contacts.books().broken).sum::<f64>() / self.len() as f64
     }
 
-    /// From now on with [`InterfaceInTime::error`], which takes some three times as long: contacts are followed twice more.
+    /// From now on with [`RateDependentInterface::error`], which takes some three times as long: contacts are followed twice more.
     #[must_use]
     pub fn with_error(mut self) -> Self {
-        self.estimators = self.cells.iter().map(|cell| ErrorEstimator::of(cell.contacts.as_ref())).collect();
+        self.motion.estimators =
+            self.motion.cells.iter().map(|cell| ErrorEstimator::of(cell.contacts.as_ref())).collect();
         self
     }
 
@@ -221,7 +201,7 @@ impl InterfaceInTime {
     /// it is from that at a larger tolerance of the contacts, and twice what steps half as long change. None of contacts that
     /// are followed one by one.
     pub fn error(&self) -> Option<f64> {
-        self.estimators.as_ref().map(|_| self.error)
+        self.motion.error()
     }
 
     /// A catalogue as columns, those of `events.csv`.
@@ -233,13 +213,13 @@ impl InterfaceInTime {
     pub fn energy(&mut self) -> EnergyBalance {
         let (begun, now) = (self.begun, self.stored());
         EnergyBalance {
-            work: self.work,
+            work: self.motion.energies.work,
             spring: now.connection - begun.connection,
             coupling: now.coupling - begun.coupling,
             elastic: now.contacts.elastic - begun.contacts.elastic,
             strengthening: now.contacts.gained - begun.contacts.gained,
             breaks: now.contacts.lost - begun.contacts.lost,
-            slip: self.viscous.iter().sum(),
+            slip: self.motion.energies.viscous.iter().sum(),
             ..EnergyBalance::default()
         }
     }
@@ -269,7 +249,7 @@ impl InterfaceInTime {
     /// it; none if the drive was reached. What slips then goes on in the next run.
     ///
     /// # Errors
-    /// See [`InterfaceInTime::run`].
+    /// See [`RateDependentInterface::run`].
     pub fn next(
         &mut self,
         drive: f64,
@@ -278,9 +258,9 @@ impl InterfaceInTime {
     ) -> Result<Vec<(Event, Vec<Slipped>)>> {
         positive("velocity", velocity)?;
         if self.path.1 != drive {
-            self.path = (self.drive, drive);
+            self.path = (self.motion.drive, drive);
         }
-        while self.drive < drive {
+        while self.motion.drive < drive {
             let fraction = self.fraction();
             self.go(drive, velocity, &mut Aside { fraction, monitor })?;
             let events = self.slips.told();
@@ -295,87 +275,41 @@ impl InterfaceInTime {
     /// How far the drive is on its way.
     fn fraction(&self) -> f64 {
         let (from, to) = self.path;
-        ((self.drive - from) / (to - from)).clamp(0.0, 1.0)
+        ((self.motion.drive - from) / (to - from)).clamp(0.0, 1.0)
     }
 
     /// Moves on in one step, at most up to a drive.
     fn go(&mut self, drive: f64, velocity: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        let left = (drive - self.drive) / velocity;
-        let mut duration = if self.pace.is_finite() { self.pace } else { FIRST * left };
-        duration = if duration >= left { left } else { duration.min(0.5 * left) };
-        let pulled = Pulled { drive: self.drive, velocity };
-        loop {
-            if duration < SHORTEST * (self.time + left) {
-                let what = format!("an interface in time at t = {}", self.time);
-                let wanted = Float(self.dynamics.tolerance);
-                return Err(Error::Accuracy { key: String::new(), what, reached: Float(f64::NAN), wanted });
-            }
-            let Some(tried) = self.dynamics.attempt(&self.cells, pulled, duration, monitor)? else {
-                duration *= CHANGE.1;
-                continue;
-            };
-            let error = tried.error / self.dynamics.tolerance;
-            let factor = change(error);
-            if error > 1.0 {
-                duration *= factor.min(0.9);
-                continue;
-            }
-            self.estimate_error(&tried, duration, monitor)?;
-            self.pace = if duration < left { factor * duration } else { self.pace.max(factor * duration) };
-            self.drive = if duration < left { pulled.after(duration) } else { drive };
-            self.time += duration;
-            self.accept(tried, velocity);
-            return Ok(());
+        let left = (drive - self.motion.drive) / velocity;
+        let coupled = &mut CoupledCells(self.coupling.as_mut());
+        if self.motion.step(coupled, velocity, left, monitor)? >= left {
+            self.motion.drive = drive;
         }
-    }
-
-    /// Moves the error estimators in the same step; if the monitor stops that, nothing has moved.
-    fn estimate_error(&mut self, tried: &Tried, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        let (cells, time) = (&self.cells, GAMMA * duration);
-        let Some(estimators) = &mut self.estimators else { return Ok(()) };
-        let watch = &Watch::new(monitor);
-        let follow = |(): &mut (), j: usize| {
-            let (mut estimator, mut watch) = (estimators[j].copy(), watch);
-            let ((middle, force), end) = (tried.middle[j], &tried.end[j]);
-            let first = estimator.step(middle - cells[j].position, time, force, &mut watch)?;
-            let second = estimator.step(end.position - middle, duration - time, end.force, &mut watch)?;
-            Ok((estimator, first.max(second)))
-        };
-        let followed = watch.share(cells.len(), || (), follow)?;
-        let (followed, apart): (Vec<_>, Vec<f64>) =
-            followed.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
-        *estimators = followed;
-        self.error = apart.into_iter().fold(self.error, f64::max);
-        Ok(())
-    }
-
-    fn accept(&mut self, tried: Tried, velocity: f64) {
-        self.cells = tried.end;
-        self.work += tried.work;
-        self.viscous.iter_mut().zip(tried.viscous).for_each(|(lost, more)| *lost += more);
         let now = self.seen();
         let before = std::mem::replace(&mut self.look, now);
-        self.slips.pass(&before, &self.look, velocity, self.dynamics.coupling.as_ref());
+        self.slips.pass(&before, &self.look, velocity, self.coupling.as_ref());
+        Ok(())
     }
 
     /// What is seen of the cells now.
     fn seen(&self) -> MotionSnapshot {
-        let seen = |(cell, &viscous): (&State, &f64)| {
+        let seen = |(cell, &viscous): (&SlidingCell, &f64)| {
             let Books { lost, broken, .. } = cell.contacts.books();
-            let &State { position, velocity, force, .. } = cell;
+            let &SlidingCell { position, velocity, force, .. } = cell;
             Seen { position, velocity, force, lost, broken, viscous }
         };
-        let cells = self.cells.iter().zip(&self.viscous).map(seen).collect();
-        MotionSnapshot { time: self.time, drive: self.drive, cells }
+        let SliderMotion { cells, energies, time, drive, .. } = &self.motion;
+        let cells = cells.iter().zip(&energies.viscous).map(seen).collect();
+        MotionSnapshot { time: *time, drive: *drive, cells }
     }
 
     /// What is stored now.
     fn stored(&mut self) -> Stored {
-        let positions = self.positions();
-        let stretch = |j: usize| self.drive - positions[j];
-        let connection =
-            (0..self.len()).map(|j| 0.5 * self.dynamics.connection(j) * stretch(j).powi(2)).sum();
-        let add = |sum: Books, cell: &State| {
+        let (positions, SliderMotion { equation, drive, .. }) = (self.positions(), &self.motion);
+        let spring = |j: usize| 0.5 * equation.connection(j) * (drive - positions[j]).powi(2);
+        let mut forces = vec![0.0; positions.len()];
+        self.coupling.forces(&positions, &mut forces);
+        let add = |sum: Books, cell: &SlidingCell| {
             let books = cell.contacts.books();
             Books {
                 elastic: sum.elastic + books.elastic,
@@ -385,9 +319,9 @@ impl InterfaceInTime {
             }
         };
         Stored {
-            connection,
-            coupling: self.dynamics.stored(&positions),
-            contacts: self.cells.iter().fold(Books::default(), add),
+            connection: (0..positions.len()).map(spring).sum(),
+            coupling: self.coupling.energy(&positions, &forces),
+            contacts: self.motion.cells.iter().fold(Books::default(), add),
         }
     }
 }

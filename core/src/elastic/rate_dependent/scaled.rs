@@ -1,7 +1,7 @@
 //! Contacts whose lengths are larger than those of others.
 
 use crate::monitor::Monitor;
-use crate::rate_dependent::{Books, RateDependentContacts, State, StretchInterval};
+use crate::rate_dependent::{Books, ContactsState, RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 
 /// Contacts all of whose lengths, and with them forces, are s times those of others: F(X, t) = s F̂(X/s, t).
@@ -69,11 +69,11 @@ impl RateDependentContacts for Scaled {
         Box::new(Self { contacts: self.contacts.copy(), scale: self.scale })
     }
 
-    fn state(&self) -> State {
+    fn state(&self) -> ContactsState {
         self.contacts.state()
     }
 
-    fn restore(&mut self, state: &State) -> Result<()> {
+    fn restore(&mut self, state: &ContactsState) -> Result<()> {
         self.contacts.restore(state)
     }
 }

@@ -2,11 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::dynamics::{SLIP_VELOCITY, crossing};
 use crate::elastic::catalogue::{beside, fronts};
 use crate::elastic::{Coupling, Event, Slipped};
-
-/// A cell faster than the drive by this factor slips.
-const FAST: f64 = 10.0;
 
 /// A cell as it is seen at one moment.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -93,11 +91,6 @@ impl Seen {
             viscous: between(|s| s.viscous),
         }
     }
-
-    /// The part of the way to the next look at which it has a velocity.
-    fn until(&self, next: &Self, velocity: f64) -> f64 {
-        ((velocity - self.velocity) / (next.velocity - self.velocity)).clamp(0.0, 1.0)
-    }
 }
 
 impl MotionSnapshot {
@@ -137,8 +130,8 @@ impl Slips {
         velocity: f64,
         coupling: &dyn Coupling,
     ) {
-        let fast = FAST * velocity;
-        let share = |j: usize| before.cells[j].until(&now.cells[j], fast);
+        let fast = SLIP_VELOCITY * velocity;
+        let share = |j: usize| crossing(before.cells[j].velocity, now.cells[j].velocity, fast);
         let change = |j: &usize| (now.cells[*j].velocity > fast) != self.slipping[*j];
         let mut changed: Vec<(usize, f64)> =
             (0..self.slipping.len()).filter(change).map(|j| (j, share(j))).collect();

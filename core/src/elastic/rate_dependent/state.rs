@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::InterfaceInTime;
+use super::RateDependentInterface;
 use super::slips::Slips;
 use crate::rate_dependent::{self, ErrorEstimator};
 use crate::{Error, Result};
@@ -10,14 +10,14 @@ use crate::{Error, Result};
 /// What an interface in time has come to. One of the same description goes on from it as if it had never stopped, bit for
 /// bit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct StateInTime {
+pub struct RateDependentInterfaceState {
     time: f64,
     drive: f64,
     pace: f64,
     work: f64,
     cells: Vec<CellState>,
     slips: Slips,
-    estimators: Option<Vec<[rate_dependent::State; 2]>>,
+    estimators: Option<Vec<[rate_dependent::ContactsState; 2]>>,
     error: f64,
 }
 
@@ -28,29 +28,30 @@ struct CellState {
     velocity: f64,
     slope: f64,
     viscous: f64,
-    contacts: rate_dependent::State,
+    contacts: rate_dependent::ContactsState,
 }
 
-impl InterfaceInTime {
+impl RateDependentInterface {
     /// What it has come to.
-    pub fn state(&self) -> StateInTime {
-        let cells = self.cells.iter().zip(&self.viscous).map(|(cell, &viscous)| CellState {
-            position: cell.position,
-            velocity: cell.velocity,
-            slope: cell.slope,
-            viscous,
-            contacts: cell.contacts.state(),
-        });
-        let estimators = self.estimators.as_ref().map(|all| all.iter().map(ErrorEstimator::state));
-        StateInTime {
-            time: self.time,
-            drive: self.drive,
-            pace: self.pace,
-            work: self.work,
+    pub fn state(&self) -> RateDependentInterfaceState {
+        let cells =
+            self.motion.cells.iter().zip(&self.motion.energies.viscous).map(|(cell, &viscous)| CellState {
+                position: cell.position,
+                velocity: cell.velocity,
+                slope: cell.slope,
+                viscous,
+                contacts: cell.contacts.state(),
+            });
+        let estimators = self.motion.estimators.as_ref().map(|all| all.iter().map(ErrorEstimator::state));
+        RateDependentInterfaceState {
+            time: self.motion.time,
+            drive: self.motion.drive,
+            pace: self.motion.control.next,
+            work: self.motion.energies.work,
             cells: cells.collect(),
             slips: self.slips.clone(),
             estimators: estimators.map(|states| states.collect()),
-            error: self.error,
+            error: self.motion.error,
         }
     }
 
@@ -58,23 +59,24 @@ impl InterfaceInTime {
     ///
     /// # Errors
     /// A state of another number of cells, or of other contacts: the interface is of no use any more then.
-    pub fn restore(&mut self, state: StateInTime) -> Result<()> {
-        let StateInTime { time, drive, pace, work, cells, slips, estimators, error } = state;
+    pub fn restore(&mut self, state: RateDependentInterfaceState) -> Result<()> {
+        let RateDependentInterfaceState { time, drive, pace, work, cells, slips, estimators, error } = state;
         if cells.len() != self.len() {
             let expected = format!("that of {} cells", self.len());
             return Err(Error::invalid("state", expected, format!("that of {}", cells.len())));
         }
-        for ((cell, lost), kept) in self.cells.iter_mut().zip(&mut self.viscous).zip(cells) {
+        let motion = &mut self.motion;
+        for ((cell, lost), kept) in motion.cells.iter_mut().zip(&mut motion.energies.viscous).zip(cells) {
             cell.contacts.restore(&kept.contacts)?;
             cell.force = cell.contacts.force();
             (cell.position, cell.velocity, cell.slope) = (kept.position, kept.velocity, kept.slope);
             *lost = kept.viscous;
         }
-        for (estimator, kept) in self.estimators.iter_mut().flatten().zip(estimators.iter().flatten()) {
+        for (estimator, kept) in motion.estimators.iter_mut().flatten().zip(estimators.iter().flatten()) {
             estimator.restore(kept)?;
         }
-        self.error = error;
-        (self.time, self.drive, self.pace, self.work) = (time, drive, pace, work);
+        (motion.time, motion.drive, motion.error) = (time, drive, error);
+        (motion.control.next, motion.energies.work) = (pace, work);
         self.slips.resume(slips);
         self.look = self.seen();
         Ok(())

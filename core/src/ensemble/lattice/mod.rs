@@ -12,7 +12,7 @@ mod state;
 
 pub use avalanche::{Avalanche, record};
 pub use coupling::LatticeCoupling;
-pub use state::State;
+pub use state::LatticeState;
 
 pub use crate::shape::{Edges, Shape};
 

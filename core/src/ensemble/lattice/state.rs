@@ -9,7 +9,7 @@ use crate::{Error, Result};
 
 /// The state of a lattice. One with the same description continues from it bit for bit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct State {
+pub struct LatticeState {
     base: f64,
     drive: f64,
     stretch: Compensated,
@@ -20,9 +20,15 @@ pub struct State {
 
 impl Lattice {
     /// The present state.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> LatticeState {
         let ends = (0..self.size()).map(|number| self.ends[self.grid.place(number)]).collect();
-        State { base: self.base, drive: self.drive, stretch: self.stretch, ends, born: self.born.clone() }
+        LatticeState {
+            base: self.base,
+            drive: self.drive,
+            stretch: self.stretch,
+            ends,
+            born: self.born.clone(),
+        }
     }
 
     /// Restores a state of a lattice with the same description; the list of contacts in the last avalanche is
@@ -30,8 +36,8 @@ impl Lattice {
     ///
     /// # Errors
     /// A state with another number of contacts, or with another kind of thresholds.
-    pub fn restore(&mut self, state: State) -> Result<()> {
-        let State { base, drive, stretch, ends, born } = state;
+    pub fn restore(&mut self, state: LatticeState) -> Result<()> {
+        let LatticeState { base, drive, stretch, ends, born } = state;
         if (ends.len(), born.len()) != (self.size(), self.born.len()) {
             let expected =
                 format!("{} contacts, {} of them with thresholds drawn", self.size(), self.born.len());

@@ -36,7 +36,7 @@ use super::{Stretches, Tolerance};
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness, ThresholdEvolution};
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, Part, Watch, report};
-use crate::rate_dependent::{Books, RateDependentContacts, State, StretchInterval};
+use crate::rate_dependent::{Books, ContactsState, RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 use broken::Broken;
 use cohort::{Cohort, EnergyChange};
@@ -493,12 +493,12 @@ impl RateDependentContacts for Transport {
         })
     }
 
-    fn state(&self) -> State {
+    fn state(&self) -> ContactsState {
         self.snapshot()
     }
 
     /// Without the second solution, as for a copy.
-    fn restore(&mut self, state: &State) -> Result<()> {
+    fn restore(&mut self, state: &ContactsState) -> Result<()> {
         self.resume(state)
     }
 }

@@ -7,7 +7,7 @@ use super::broken::Broken;
 use super::cohort::{Cohort, EnergyChange};
 use super::step_control::StepControl;
 use crate::Result;
-use crate::rate_dependent::State;
+use crate::rate_dependent::ContactsState;
 
 /// The state of the contacts, without the second solution.
 #[derive(Serialize, Deserialize)]
@@ -25,18 +25,28 @@ struct TransportSnapshot {
 
 impl Transport {
     /// The present state.
-    pub(super) fn snapshot(&self) -> State {
+    pub(super) fn snapshot(&self) -> ContactsState {
         let &Self { time, position, dropped, spent, rate, .. } = self;
         let Self { cohorts, broken, pace, kinks, .. } = self.clone();
-        State::of(&TransportSnapshot { time, position, cohorts, broken, dropped, spent, pace, rate, kinks })
+        ContactsState::of(&TransportSnapshot {
+            time,
+            position,
+            cohorts,
+            broken,
+            dropped,
+            spent,
+            pace,
+            rate,
+            kinks,
+        })
     }
 
     /// Restores a state of contacts with the same description.
-    pub(super) fn resume(&mut self, state: &State) -> Result<()> {
+    pub(super) fn resume(&mut self, state: &ContactsState) -> Result<()> {
         let TransportSnapshot { time, position, cohorts, broken, dropped, spent, pace, rate, kinks } =
             state.read()?;
         if !cohorts.iter().all(|cohort| cohort.fits(&self.model)) {
-            return Err(State::another("that of contacts whose thresholds follow other rules"));
+            return Err(ContactsState::another("that of contacts whose thresholds follow other rules"));
         }
         (self.time, self.position, self.dropped, self.spent, self.rate) =
             (time, position, dropped, spent, rate);

@@ -9,7 +9,7 @@ use super::{CellSlip, Coupling, Interface, Loading, PerCell, Scales};
 use crate::contacts::{Contacts, Initial};
 use crate::elastic::cells::{Cells, Curves, Populations};
 use crate::elastic::rate_dependent::Scaled;
-use crate::elastic::{self, InterfaceInTime, InterfaceInTimeParameters, coupling};
+use crate::elastic::{self, RateDependentInterface, RateDependentInterfaceParameters, coupling};
 use crate::ensemble::lattice::{self, Lattice};
 use crate::law::{SharedLaw, scattered};
 use crate::master::{MasterEquation, Stretches, Tolerance, Transport};
@@ -80,7 +80,7 @@ impl Interface {
         step: f64,
         ensemble: Option<&Ensemble>,
         monitor: &mut dyn Monitor,
-    ) -> Result<InterfaceInTime> {
+    ) -> Result<RateDependentInterface> {
         let scales =
             self.disorder.as_ref().map_or_else(|| Ok(vec![1.0; self.size()]), |s| s.build(self.size()));
         let scales = scales.map_err(|e| e.under("interface"))?;
@@ -108,7 +108,7 @@ impl Interface {
         };
         let cells = scales.iter().enumerate().map(&mut cell).collect::<Result<_>>()?;
         let elastic::InterfaceParameters { connection, loading, area, .. } = self.setting(1.0);
-        let setting = InterfaceInTimeParameters {
+        let setting = RateDependentInterfaceParameters {
             connection,
             loading,
             viscosity: self.viscosity.unwrap_or(f64::NAN),
@@ -116,7 +116,7 @@ impl Interface {
             slip_fraction: ensemble.map_or(0.0, |_| Block::SLIP_FRACTION),
             area,
         };
-        let build = || InterfaceInTime::new(cells, self.elasticity()?, setting);
+        let build = || RateDependentInterface::new(cells, self.elasticity()?, setting);
         build().map_err(|e| e.under("interface"))
     }
 

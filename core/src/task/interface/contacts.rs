@@ -1,7 +1,7 @@
-//! DrivenContacts coupled one by one as an interface: an event is an avalanche.
+//! Contacts coupled one by one as an interface: an event is an avalanche.
 
 use crate::Result;
-use crate::ensemble::lattice::{self, Avalanche, Lattice, State, Until};
+use crate::ensemble::lattice::{self, Avalanche, Lattice, LatticeState, Until};
 use crate::monitor::Monitor;
 use crate::record::{Column, Quantity, Record};
 
@@ -23,7 +23,7 @@ pub struct DrivenContacts {
 
 impl DrivenInterface for DrivenContacts {
     type Event = BrokenContacts;
-    type State = State;
+    type State = LatticeState;
 
     const MAGNITUDE: &'static str = "size";
     const WHOLE: bool = true;
@@ -83,11 +83,11 @@ impl DrivenInterface for DrivenContacts {
         Ok(vec![self.lattice.forces()])
     }
 
-    fn state(&self) -> State {
+    fn state(&self) -> LatticeState {
         self.lattice.state()
     }
 
-    fn restore(&mut self, state: State, _monitor: &mut dyn Monitor) -> Result<()> {
+    fn restore(&mut self, state: LatticeState, _monitor: &mut dyn Monitor) -> Result<()> {
         self.lattice.restore(state)
     }
 }

@@ -1,6 +1,6 @@
 //! Cells whose contacts are time-dependent as an interface that is driven at a velocity.
 
-use crate::elastic::{Event, InterfaceInTime, Slipped, StateInTime};
+use crate::elastic::{Event, RateDependentInterface, RateDependentInterfaceState, Slipped};
 use crate::monitor::Monitor;
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Model};
@@ -11,13 +11,13 @@ use super::model::DrivenInterface;
 use crate::task::tolerance_over;
 
 /// Cells in time on an elastic slider.
-pub struct DrivenCellsInTime {
-    interface: InterfaceInTime,
+pub struct DrivenRateDependentCells {
+    interface: RateDependentInterface,
     /// Of the drive.
     velocity: f64,
 }
 
-impl DrivenCellsInTime {
+impl DrivenRateDependentCells {
     /// The cells that `interface` describes, driven as `task` says.
     ///
     /// # Errors
@@ -47,7 +47,7 @@ pub fn cells_in_time(
     model: &Model,
     interface: &scenario::Interface,
     monitor: &mut dyn Monitor,
-) -> Result<InterfaceInTime> {
+) -> Result<RateDependentInterface> {
     let Model { contacts, initial, .. } = model;
     let tolerance = model.master_equation.tolerance_of_a_block();
     let ensemble = model.ensemble.as_ref();
@@ -56,9 +56,9 @@ pub fn cells_in_time(
     interface.in_time(contacts, initial, tolerance, step, ensemble, monitor)
 }
 
-impl DrivenInterface for DrivenCellsInTime {
+impl DrivenInterface for DrivenRateDependentCells {
     type Event = (Event, Vec<Slipped>);
-    type State = StateInTime;
+    type State = RateDependentInterfaceState;
 
     const MAGNITUDE: &'static str = "moment";
     const WHOLE: bool = false;
@@ -112,11 +112,11 @@ impl DrivenInterface for DrivenCellsInTime {
         Ok(vec![interface.positions(), interface.velocities(), interface.forces()])
     }
 
-    fn state(&self) -> StateInTime {
+    fn state(&self) -> RateDependentInterfaceState {
         self.interface.state()
     }
 
-    fn restore(&mut self, state: StateInTime, _monitor: &mut dyn Monitor) -> Result<()> {
+    fn restore(&mut self, state: RateDependentInterfaceState, _monitor: &mut dyn Monitor) -> Result<()> {
         self.interface.restore(state)
     }
 }

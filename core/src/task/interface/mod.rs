@@ -18,7 +18,7 @@ use crate::scenario::{self, Drive, Model, PerCell, Task, Units};
 use crate::{Error, Result};
 use cells::DrivenCells;
 use contacts::DrivenContacts;
-use in_time::DrivenCellsInTime;
+use in_time::DrivenRateDependentCells;
 pub use in_time::cells_in_time;
 use model::DrivenInterface;
 use output_points::{OutputPoint, output_points};
@@ -72,7 +72,8 @@ pub(super) fn run(
             drive(model, task, (interface, units), driven, checkpoints, monitor)
         }
         PerCell::Many if contacts.rules.are_time_dependent() => {
-            let driven = DrivenCellsInTime::new(model, task, interface, &mut Part::new(monitor, 0.0, 0.0))?;
+            let driven =
+                DrivenRateDependentCells::new(model, task, interface, &mut Part::new(monitor, 0.0, 0.0))?;
             drive(model, task, (interface, units), driven, checkpoints, monitor)
         }
         PerCell::Many => {
@@ -162,7 +163,11 @@ pub(super) fn columns() -> Record {
     let mut record = Record { variables: events };
     record.variables.extend(cells::slipped(&[], 1, true).variables);
     let cells = [MAP_DRIVE, CELL, ROW, COLUMN];
-    for column in [DRIVE].iter().chain(DrivenCellsInTime::TRACE).chain(&cells).chain(DrivenCellsInTime::MAPS)
+    for column in [DRIVE]
+        .iter()
+        .chain(DrivenRateDependentCells::TRACE)
+        .chain(&cells)
+        .chain(DrivenRateDependentCells::MAPS)
     {
         record.add(*column, Vec::new());
     }

@@ -96,7 +96,7 @@ impl Ageing {
     /// # Errors
     /// A diffusion or time that is not above 0, a growth below 0; a mature distribution with point masses or
     /// gaps; fresh contacts outside its support.
-    pub(super) fn check(&self, newborn: &SharedLaw) -> Result<()> {
+    pub(in crate::contacts) fn check(&self, newborn: &SharedLaw) -> Result<()> {
         let (key, value) = match *self {
             Self::Smoluchowski { diffusion, .. } | Self::MeanField { diffusion, .. } => {
                 ("diffusion", diffusion)

@@ -1,0 +1,20 @@
+//! Ageing: thresholds that change with the time for which a contact has held.
+//!
+//! The rule, as a scenario gives it, is [`Ageing`] (`rule`). Its evolution in time, the threshold of a contact from its first one
+//! and its age, is [`ThresholdEvolution`] (`threshold_evolution`), which contacts that keep their rank in the distribution take
+//! from a table (`ranks`). The operator that moves the distribution of thresholds is [`ThresholdFokkerPlanck`] (`fokker_planck`);
+//! [`Closure`] (`closure`) is its solution in steady sliding where ages are distributed exponentially.
+
+mod closure;
+mod fokker_planck;
+mod ranks;
+mod rule;
+mod threshold_evolution;
+
+pub use closure::Closure;
+pub use fokker_planck::ThresholdFokkerPlanck;
+pub use rule::{Ageing, AgeingRule};
+pub(crate) use threshold_evolution::{Label, Rank};
+pub use threshold_evolution::{ThresholdEvolution, ThresholdsAtAge};
+
+use super::Contacts;

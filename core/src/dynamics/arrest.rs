@@ -1,0 +1,138 @@
+//! Arrest: what becomes of a cell that its contacts would pull back.
+
+use super::{DriveMotion, EquationOfMotion, SliderMotion, SlidingCell, StepControl};
+use crate::Result;
+use crate::monitor::Monitor;
+
+/// Fraction of the tolerance by which the pull may be short of the friction without a move back.
+const SLACK: f64 = 1e-3;
+
+/// What becomes of a cell that its contacts would pull back. They do not turn back themselves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arrest {
+    /// It stands where it is.
+    Stand,
+    /// A single cell comes to rest at X_2 as without inertia on the straight line on which its contacts unload,
+    /// X = X_2 + [K(X_T − X_2) − F(X_2)]/(K + F'), and moves on when the spring has brought it back to X_2. Until then its
+    /// state is that at X_2, where time passes for the contacts.
+    Unload,
+}
+
+impl EquationOfMotion {
+    /// K(X_T − X) − F.
+    pub fn excess(&self, cell: &SlidingCell, drive: f64) -> f64 {
+        self.connection * (drive - cell.position) - cell.force
+    }
+
+    /// K + F'.
+    pub fn resistance(&self, cell: &SlidingCell) -> f64 {
+        self.connection + cell.contacts.tangent()
+    }
+
+    /// X − X_2 ≤ 0 of a cell at rest; 0 where it is not unloaded.
+    pub fn unloaded(&self, cell: &SlidingCell, drive: f64) -> f64 {
+        let excess = self.excess(cell, drive);
+        if cell.velocity == 0.0 && excess < 0.0 { excess / self.resistance(cell) } else { 0.0 }
+    }
+
+    /// How far a cell goes on at a velocity until spring and contacts stop it.
+    fn stopping_distance(&self, cell: &SlidingCell, velocity: f64) -> f64 {
+        let resistance = self.resistance(cell);
+        velocity * (self.viscosity + (self.mass * resistance).sqrt()) / resistance
+    }
+
+    /// Work of the drive on a cell at rest, by the trapezoidal rule, and what unloading adds to the loss in breaks. Contacts
+    /// count their breaks at the stretches of X_2; a cell b behind it changes these energies by b ΔF + ½b² ΔF'.
+    fn at_rest(&self, states: [&SlidingCell; 2], drive: DriveMotion, duration: f64) -> (f64, f64) {
+        let [before, after] = states;
+        let drives = [drive.position, drive.after(duration)];
+        let [from, to] = [0, 1].map(|i| self.unloaded(states[i], drives[i]));
+        let pull = |i: usize, back: f64| self.connection * (drives[i] - states[i].position - back);
+        let force = after.force - before.force;
+        let tangent = after.contacts.tangent() - before.contacts.tangent();
+        let work = drive.velocity * duration * 0.5 * (pull(0, from) + pull(1, to));
+        (work, -0.5 * ((from + to) * force + 0.5 * (from * from + to * to) * tangent))
+    }
+}
+
+impl SliderMotion {
+    /// Whether the contacts of a cell that unloads would pull it back.
+    fn is_pulled_back(&self) -> bool {
+        if self.equation.arrest == Arrest::Stand {
+            return false;
+        }
+        let cell = &self.cells[0];
+        let slack = SLACK * self.control.tolerance * self.equation.resistance(cell);
+        self.equation.excess(cell, self.drive) < -slack
+    }
+
+    /// Whether the cell rests behind X_2.
+    pub(super) fn is_held(&self) -> bool {
+        self.cells[0].velocity == 0.0 && self.is_pulled_back()
+    }
+
+    /// Whether the cell is on its way to an arrest.
+    pub fn is_stopping(&self) -> bool {
+        self.cells[0].velocity > 0.0 && self.is_pulled_back()
+    }
+
+    /// The factor by which a step has to be shortened that ends with a backward velocity, from which the cell would go back by
+    /// more than the tolerance.
+    pub(super) fn before_turning(&self, end: &[SlidingCell]) -> Option<f64> {
+        if self.equation.arrest == Arrest::Stand {
+            return None;
+        }
+        let (before, after) = (self.cells[0].velocity, end[0].velocity);
+        let back = self.equation.stopping_distance(&end[0], -after);
+        (back > self.control.tolerance).then(|| (before / (before - after)).clamp(StepControl::SHRINK, 0.9))
+    }
+
+    /// A cell that has come to rest in a step moves back to the balance behind X_2, and the excess energy is lost.
+    pub(super) fn arrest(&mut self, drive: f64) {
+        if self.equation.arrest == Arrest::Stand || self.cells[0].velocity > 0.0 {
+            return;
+        }
+        self.cells[0].velocity = 0.0;
+        let excess = self.equation.excess(&self.cells[0], drive).min(0.0);
+        self.energies.arrest += 0.5 * excess * excess / self.equation.resistance(&self.cells[0]);
+    }
+
+    /// Rests behind X_2 until the spring pulls again, at most for a time; how long.
+    pub(super) fn rest(&mut self, drive: DriveMotion, left: f64, monitor: &mut dyn Monitor) -> Result<f64> {
+        let (equation, cell, tolerance) = (self.equation, &self.cells[0], self.control.tolerance);
+        let short = -equation.excess(cell, drive.position);
+        let behind = short / equation.resistance(cell);
+        // So that energies by the trapezoidal rule are right.
+        let most = (tolerance * behind).sqrt();
+        let rate = equation.connection * drive.velocity;
+        let mut duration = (short.min(most * equation.resistance(cell)) / rate).min(left);
+        loop {
+            let mut contacts = cell.contacts.copy();
+            contacts.step(0.0, duration, monitor)?;
+            let force = contacts.force();
+            let rested = SlidingCell { contacts, force, ..*cell };
+            let position = drive.after(duration);
+            if !self.control.is_too_short(duration, left) {
+                let excess = equation.excess(&rested, position);
+                let moved = (behind + equation.unloaded(&rested, position)).abs();
+                let shorter = if excess > tolerance * equation.resistance(&rested) {
+                    Some(short / (short + excess))
+                } else {
+                    (moved > 2.0 * most).then(|| most / moved)
+                };
+                if let Some(factor) = shorter {
+                    duration *= factor.max(StepControl::SHRINK);
+                    continue;
+                }
+            }
+            if let Some([estimator]) = self.estimators.as_deref_mut() {
+                self.error = self.error.max(estimator.step(0.0, duration, force, monitor)?);
+            }
+            let (work, breaks) = equation.at_rest([cell, &rested], drive, duration);
+            self.energies.work += work;
+            self.energies.breaks += breaks;
+            self.cells[0] = rested;
+            return Ok(duration);
+        }
+    }
+}

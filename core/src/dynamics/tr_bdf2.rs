@@ -1,0 +1,124 @@
+//! One step of all cells by TR-BDF2 ([`crate::numerics::tr_bdf2`]). In each of its two stages contacts move at constant velocities.
+
+use super::{Arrest, DriveMotion, EquationOfMotion, SliderMotion, SlidingCell};
+use crate::Result;
+use crate::monitor::Watch;
+use crate::numerics::tr_bdf2::{GAMMA, StageRates, WEIGHTS, error};
+
+/// A trial step.
+pub struct TrBdf2Step {
+    pub end: Vec<SlidingCell>,
+    /// Positions and forces of cells between the stages.
+    pub middle: Vec<(f64, f64)>,
+    /// The estimate of the error of a position, the largest of all cells.
+    pub error: f64,
+    /// Work of the drive.
+    pub work: f64,
+    /// Lost by viscous drag, ∫ηẊ² dt of each cell.
+    pub viscous: Vec<f64>,
+}
+
+/// An implicit stage of a step: the equation of motion has to hold at its end, after advances δ_j that are to be found.
+pub struct ImplicitStage<'a> {
+    pub equation: &'a EquationOfMotion,
+    pub from: &'a [SlidingCell],
+    /// X_T at its end.
+    pub drive: f64,
+    pub duration: f64,
+    /// Of each cell.
+    pub rates: Vec<StageRates>,
+    /// Accuracy of the advances.
+    pub accuracy: f64,
+}
+
+/// Finds the advances of an implicit stage.
+pub trait StageSolver {
+    /// The cells at its end; `None` where no solution is found.
+    ///
+    /// # Errors
+    /// Those of the contacts; stopped by the monitor.
+    fn solve(&mut self, stage: &ImplicitStage<'_>, watch: &Watch<'_>) -> Result<Option<Vec<SlidingCell>>>;
+}
+
+impl ImplicitStage<'_> {
+    /// M Ẍ + η Ẋ of a cell after an advance.
+    pub fn drag(&self, cell: usize, advance: f64) -> f64 {
+        let rates = &self.rates[cell];
+        let velocity = rates.velocity(advance);
+        self.equation.mass * rates.acceleration(velocity) + self.equation.viscosity * velocity
+    }
+
+    /// Derivative of that and of the force of the spring to the drive with respect to the advance.
+    pub fn stiffness(&self, cell: usize) -> f64 {
+        let (alpha, EquationOfMotion { mass, viscosity, .. }) = (self.rates[cell].alpha, self.equation);
+        (mass * alpha + viscosity) * alpha + self.equation.connection(cell)
+    }
+}
+
+impl SliderMotion {
+    /// A step of a duration; `None` where one of its stages has no solution.
+    pub(super) fn attempt(
+        &self,
+        solver: &mut dyn StageSolver,
+        drive: DriveMotion,
+        duration: f64,
+        watch: &Watch<'_>,
+    ) -> Result<Option<TrBdf2Step>> {
+        let (equation, from, accuracy) = (&self.equation, &self.cells, self.control.stage_accuracy());
+        let (number, time) = (from.len(), GAMMA * duration);
+        let start: Vec<f64> = from.iter().map(|cell| equation.acceleration(cell, drive.position)).collect();
+        let trapezoidal = |j: usize| StageRates::trapezoidal(duration, from[j].velocity, start[j]);
+        let rates = (0..number).map(trapezoidal).collect();
+        let first =
+            ImplicitStage { equation, from, drive: drive.after(time), duration: time, rates, accuracy };
+        let Some(middle) = solver.solve(&first, watch)? else { return Ok(None) };
+        let backward = |j: usize| {
+            let velocities = [from[j].velocity, middle[j].velocity];
+            StageRates::backward_difference(duration, middle[j].position - from[j].position, velocities)
+        };
+        let rates = (0..number).map(backward).collect();
+        let (rest, position) = (duration - time, drive.after(duration));
+        let second =
+            ImplicitStage { equation, from: &middle, drive: position, duration: rest, rates, accuracy };
+        let Some(mut end) = solver.solve(&second, watch)? else { return Ok(None) };
+        let error_of = |j: usize| {
+            let velocities = [&from[j], &middle[j], &end[j]].map(|cell| cell.velocity);
+            let of_position = error(duration, velocities).abs();
+            if equation.mass == 0.0 {
+                return of_position;
+            }
+            let [one, two] = [(&first, velocities[1]), (&second, velocities[2])]
+                .map(|(stage, velocity)| stage.rates[j].acceleration(velocity));
+            // An error of the velocity becomes one of the position within a part of an oscillation.
+            let time = (equation.mass / equation.resistance(&from[j])).sqrt();
+            of_position.max(time * error(duration, [start[j], one, two]).abs())
+        };
+        let error = (0..number).map(error_of).fold(0.0, f64::max);
+        if equation.arrest == Arrest::Stand {
+            end.iter_mut().for_each(|cell| cell.velocity = cell.velocity.max(0.0));
+        }
+        let (work, viscous) = work_and_drag(equation, [from, &middle, &end], drive, duration);
+        let middle = middle.iter().map(|cell| (cell.position, cell.force)).collect();
+        Ok(Some(TrBdf2Step { end, middle, error, work, viscous }))
+    }
+}
+
+/// Work of the drive in a step through these states, and what each cell loses by viscous drag.
+fn work_and_drag(
+    equation: &EquationOfMotion,
+    states: [&[SlidingCell]; 3],
+    drive: DriveMotion,
+    duration: f64,
+) -> (f64, Vec<f64>) {
+    let (mut work, mut viscous) = (0.0, vec![0.0; states[0].len()]);
+    for ((cells, time), weight) in states.into_iter().zip([0.0, GAMMA * duration, duration]).zip(WEIGHTS) {
+        let position = drive.after(time);
+        let pull = |cell: &SlidingCell| equation.connection * (position - cell.position);
+        work +=
+            weight * duration * drive.velocity * cells[..equation.connected].iter().map(pull).sum::<f64>();
+        for (lost, cell) in viscous.iter_mut().zip(cells) {
+            *lost += weight * duration * equation.viscosity * cell.velocity * cell.velocity;
+        }
+    }
+    (work, viscous)
+}
