@@ -3,11 +3,15 @@
 //! A population has no time of its own: it is moved, and its force follows. Between two breaks (or kinks of the
 //! force) it goes a smooth way; whoever drives it looks ahead on that way, decides how far to go, and moves it there.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Result;
 use crate::monitor::Monitor;
+use crate::numerics::breaks::Atom;
+use crate::rate_dependent::State;
 
 /// Which way the slider's bottom moves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Direction {
     /// Towards larger X.
     Forward,
@@ -56,7 +60,7 @@ pub struct Response {
 }
 
 /// What the contacts store and have lost, each summed on its own.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Books {
     /// Elastic energy Σ ½k x² of the contacts, now.
     pub elastic: f64,
@@ -141,6 +145,28 @@ pub trait Population: Send + Sync {
         None
     }
 
+    /// The density at given stretches of the contacts that hold, per length, with the stretches that many share; where they
+    /// are a distribution. It and the weights add up to the fraction that holds.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    fn stretch_density(
+        &self,
+        _stretches: &[f64],
+        _monitor: &mut dyn Monitor,
+    ) -> Result<Option<(Vec<f64>, Vec<Atom>)>> {
+        Ok(None)
+    }
+
     /// A copy in its present state, to come back to.
     fn copy(&self) -> Box<dyn Population>;
+
+    /// What the contacts have come to; without the state that is marked.
+    fn state(&self) -> State;
+
+    /// Goes to what contacts of the same description have come to: they go on from there bit for bit.
+    ///
+    /// # Errors
+    /// A state of other contacts; those of [`Population::way`].
+    fn restore(&mut self, state: &State, monitor: &mut dyn Monitor) -> Result<()>;
 }

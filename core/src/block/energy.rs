@@ -2,8 +2,10 @@
 
 use std::ops::{Add, AddAssign, Mul, Sub};
 
+use serde::{Deserialize, Serialize};
+
 /// The energy balance of a part of a motion; every term is computed on its own, none as the remainder.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energy {
     /// Work of the drive: ∫F dX_T behind a spring, ∫F dX where X or the force is imposed.
     pub work: f64,

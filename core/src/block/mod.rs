@@ -20,6 +20,7 @@ mod quasistatic;
 mod rate_dependent;
 mod regime;
 mod run;
+mod simulation;
 mod slip;
 mod trace;
 
@@ -30,6 +31,7 @@ pub use loading::Loading;
 pub use rate_dependent::{Moment, Slide, TimedSlip};
 pub use regime::{Missing, Regime};
 pub use run::{Drive, End, StickSlip};
+pub use simulation::{BlockSimulation, SimulationState};
 pub use trace::{Point, SlipCourse};
 
 use crate::monitor::Monitor;

@@ -1,6 +1,7 @@
 //! The contacts of an ensemble under one slider that may turn back, from break to break.
 
 mod mark;
+mod state;
 
 use mark::ReturnMark;
 use rayon::prelude::*;
@@ -13,6 +14,7 @@ use crate::contacts::Stiffness;
 use crate::monitor::{Aside, Monitor, fits, report};
 use crate::numerics::compensated::Compensated;
 use crate::population::{Books, Direction, Population, Response, Way};
+use crate::rate_dependent::State;
 use crate::{Error, Result};
 
 /// Bytes of a contact: in the queue, on its way to another order, and among what is free or has broken in a slip.
@@ -329,6 +331,14 @@ impl Population for EnsemblePopulation {
 
     fn copy(&self) -> Box<dyn Population> {
         Box::new(self.clone())
+    }
+
+    fn state(&self) -> State {
+        self.kept()
+    }
+
+    fn restore(&mut self, state: &State, _monitor: &mut dyn Monitor) -> Result<()> {
+        self.take_up(state)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Contacts born on one leg of motion: where they are, and how far they have been stretched.
 
+use serde::{Deserialize, Serialize};
+
 use super::cells::{Detail, edges, scale, top, with_atoms};
 use crate::contacts::Contacts;
 use crate::law::{Atom, Break, Law};
@@ -15,7 +17,7 @@ use crate::numerics::piecewise::Piecewise;
 ///
 /// and of the density ν of contacts that were placed here, ν(x) S(y(x)) are unbroken. Births have both at 0: the stretch
 /// at which a contact forms is the largest that its threshold is known to exceed.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Layer {
     /// ν: its density, …
     pub(super) density: Piecewise,
@@ -30,7 +32,7 @@ pub(crate) struct Layer {
 }
 
 /// Contacts at one and the same stretch, an atom of ν.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct PointMass {
     pub(super) position: f64,
     pub(super) weight: f64,
@@ -116,6 +118,19 @@ impl Layer {
         edges.sort_by(f64::total_cmp);
         let integrand = |r: f64| self.density_at(r) * f(r);
         edges.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum::<f64>()
+    }
+
+    /// The density of the unbroken contacts at stretch x.
+    pub(crate) fn unbroken_density(&self, x: f64, thresholds: &dyn Law) -> f64 {
+        self.density_at(x) * thresholds.survival(self.largest(x, 0.0))
+    }
+
+    /// Stretches that many unbroken contacts share, with the fraction of contacts at each; many share the `walls`.
+    pub(crate) fn unbroken_atoms(&self, thresholds: &dyn Law, walls: &[f64]) -> impl Iterator<Item = Atom> {
+        self.lumps.iter().map(move |lump| Atom {
+            position: lump.position,
+            weight: lump.weight * thresholds.survival(self.exceeded(lump, 0.0, walls)),
+        })
     }
 
     /// y(x), once the slider has gone on by `advance`; x is the stretch before.

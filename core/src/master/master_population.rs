@@ -1,5 +1,7 @@
 //! The contacts of a master equation, moved back and forth.
 
+mod state;
+
 use std::sync::Arc;
 
 use super::loading::{BranchEnergies, LoadingBranch};
@@ -8,9 +10,11 @@ use super::solved_branches::SolvedBranches;
 use super::unloading::UnloadingBranch;
 use super::{MasterEquation, Tolerance};
 use crate::Result;
-use crate::life::{Layer, LayerSums};
-use crate::monitor::Monitor;
+use crate::law::Atom;
+use crate::life::{Layer, LayerSums, Life, walls};
+use crate::monitor::{Monitor, Watch};
 use crate::population::{Books, Direction, Population, Response, Way};
+use crate::rate_dependent::State;
 
 /// The contacts of a master equation as a [`Population`].
 ///
@@ -20,6 +24,8 @@ use crate::population::{Books, Direction, Population, Response, Way};
 #[derive(Debug, Clone)]
 pub struct MasterPopulation {
     interface: Arc<SolvedBranches>,
+    /// The life of the contacts at X = 0.
+    start: Arc<Life>,
     course: Arc<LoadingBranch>,
     /// The way of the course, and the position at its beginning.
     direction: Direction,
@@ -66,6 +72,7 @@ impl MasterEquation {
         let course = interface.first(self, monitor)?;
         Ok(MasterPopulation {
             interface: Arc::new(interface),
+            start: course.first().clone(),
             course: Arc::new(course),
             direction: Direction::Forward,
             origin: 0.0,
@@ -419,7 +426,40 @@ impl Population for MasterPopulation {
         }
     }
 
+    fn stretch_density(
+        &self,
+        stretches: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<(Vec<f64>, Vec<Atom>)>> {
+        if self.interface.knows_time() {
+            let found = self.course.stretch_density(self.furthest, stretches, monitor)?;
+            return Ok(found.map(|found| (found.density, found.atoms)));
+        }
+        let (layers, sign) = (self.layers(), self.direction.sign());
+        let thresholds = self.interface.contacts.thresholds.as_ref();
+        let watch = Watch::new(monitor);
+        let unbroken = |x: f64| layers.iter().map(|layer| layer.unbroken_density(sign * x, thresholds)).sum();
+        let density = stretches.iter().map(|&x| watch.value(|| unbroken(x))).collect();
+        watch.check()?;
+        let walls = walls(thresholds);
+        let atoms = layers.iter().flat_map(|layer| layer.unbroken_atoms(thresholds, &walls));
+        let mut atoms: Vec<_> = atoms
+            .map(|atom| Atom { position: sign * atom.position, ..atom })
+            .filter(|a| a.weight > 0.0)
+            .collect();
+        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Ok(Some((density, atoms)))
+    }
+
     fn copy(&self) -> Box<dyn Population> {
         Box::new(self.clone())
+    }
+
+    fn state(&self) -> State {
+        self.kept()
+    }
+
+    fn restore(&mut self, state: &State, monitor: &mut dyn Monitor) -> Result<()> {
+        self.take_up(state, monitor)
     }
 }

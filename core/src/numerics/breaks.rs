@@ -3,6 +3,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
 
@@ -22,7 +24,7 @@ pub struct Atom {
 /// √x has exponent ½; a point mass has exponent −1 and its weight. In this normalisation the
 /// convolution of two breaks is a break at the sum of positions, exponents add plus one, and
 /// amplitudes multiply.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Break {
     /// Where it is.
     pub position: f64,

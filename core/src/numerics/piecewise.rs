@@ -1,11 +1,12 @@
 //! A function given cell by cell as Legendre series: lives of contacts, breaking rates, forces.
 
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use super::legendre::{NODES, Nodal, RULE, derivative, primitive, series, series_at};
 
 /// A function on [start, end], a polynomial of degree 15 on each cell, 0 elsewhere.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Piecewise {
     /// Cell boundaries, one more than cells.
     pub boundaries: Vec<f64>,

@@ -7,7 +7,7 @@ mod drive;
 mod grid;
 mod hold_curve;
 mod in_time;
-mod interface;
+pub mod interface;
 mod part;
 mod protocol;
 mod pull;

@@ -20,6 +20,8 @@ use crate::{Error, Result};
 pub struct Curves {
     first: CurveTable,
     fresh: CurveTable,
+    /// The contacts where their curves begin.
+    begun: [Box<dyn Population>; 2],
     /// X since the start, or since the contacts last re-formed together.
     advances: Vec<f64>,
     courses: Vec<CellCourse>,
@@ -57,7 +59,8 @@ impl Curves {
         fresh.reset(Direction::Forward, monitor)?;
         Ok(Self {
             first: CurveTable::new(population.copy(), monitor)?,
-            fresh: CurveTable::new(fresh, monitor)?,
+            fresh: CurveTable::new(fresh.copy(), monitor)?,
+            begun: [population.copy(), fresh],
             advances: vec![0.0; number],
             courses: vec![CellCourse::First; number],
             scales: Vec::new(),
@@ -347,7 +350,15 @@ impl Cells for Curves {
         self.courses = renewed.into_iter().map(course).collect();
         (self.advances, self.settled, self.margin) = (advances, settled, 0.0);
         self.parted.clear();
-        self.first.resume(ways[0], 0.0, monitor)?;
-        self.fresh.resume(ways[1], 0.0, monitor)
+        for ((table, begun), ways) in
+            [&mut self.first, &mut self.fresh].into_iter().zip(&self.begun).zip(ways)
+        {
+            // Steps depend on how far a curve is known.
+            if table.ways() > ways {
+                *table = CurveTable::new(begun.copy(), monitor)?;
+            }
+            table.resume(ways, 0.0, monitor)?;
+        }
+        Ok(())
     }
 }

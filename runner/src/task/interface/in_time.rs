@@ -13,9 +13,10 @@ use crate::task::{Setting, tolerance_over};
 
 /// Cells in time on an elastic slider.
 pub struct CellsInTime {
-    interface: InterfaceInTime,
+    /// The cells.
+    pub interface: InterfaceInTime,
     /// Of the drive.
-    velocity: f64,
+    pub velocity: f64,
 }
 
 impl CellsInTime {
@@ -23,7 +24,7 @@ impl CellsInTime {
     ///
     /// # Errors
     /// What [`scenario::Interface::in_time`] refuses; no velocity.
-    pub fn new(
+    pub(super) fn new(
         setting: &Setting<'_>,
         task: &scenario::Drive,
         interface: &scenario::Interface,

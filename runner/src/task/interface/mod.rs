@@ -19,19 +19,18 @@ use super::part::Part;
 use crate::checkpoint::Checkpoints;
 use crate::output::LARGEST;
 use crate::summary::Summary;
-use cells::Cells;
-use contacts::Contacts;
+pub use cells::Cells;
+pub use contacts::Contacts;
 use course::{Course, Found};
-use in_time::CellsInTime;
-pub use in_time::cells_in_time;
-use model::Model;
+pub use in_time::{CellsInTime, cells_in_time};
+pub use model::{Column, Model};
 use stops::{Stop, stops};
 
 /// Drives the interface as `task` says, from the last checkpoint if there is one.
 ///
 /// # Errors
 /// Results too large for one file, what the models run into, or the monitor's wish to stop.
-pub fn run(
+pub(super) fn run(
     setting: &Setting<'_>,
     task: &scenario::Drive,
     interface: &scenario::Interface,
