@@ -5,11 +5,15 @@
 //! the force) F(X) is smooth; the caller evaluates the force ahead on that interval, decides how far to go,
 //! and moves the contacts there.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Result;
 use crate::monitor::Monitor;
+use crate::numerics::breakpoints::Atom;
+use crate::rate_dependent::ContactsState;
 
 /// Direction of motion of the bottom of the slider.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Direction {
     /// Towards larger X.
     Forward,
@@ -57,7 +61,7 @@ pub struct Response {
 }
 
 /// Energies of the contacts, each summed independently.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Books {
     /// Present elastic energy Σ ½k x² of the contacts.
     pub elastic: f64,
@@ -142,6 +146,28 @@ pub trait Population: Send + Sync {
         None
     }
 
+    /// The density at given stretches of the contacts that hold, per length, with the stretches that many share; where they
+    /// are a distribution. It and the weights add up to the fraction that holds.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    fn stretch_density(
+        &self,
+        _stretches: &[f64],
+        _monitor: &mut dyn Monitor,
+    ) -> Result<Option<(Vec<f64>, Vec<Atom>)>> {
+        Ok(None)
+    }
+
     /// A copy in its present state.
     fn copy(&self) -> Box<dyn Population>;
+
+    /// What the contacts have come to; without the state that is marked.
+    fn state(&self) -> ContactsState;
+
+    /// Goes to what contacts of the same description have come to: they go on from there bit for bit.
+    ///
+    /// # Errors
+    /// A state of other contacts; those of [`Population::way`].
+    fn restore(&mut self, state: &ContactsState, monitor: &mut dyn Monitor) -> Result<()>;
 }

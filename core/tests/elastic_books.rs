@@ -170,6 +170,23 @@ fn an_interface_goes_on_from_its_state_bit_for_bit() {
     }
 }
 
+/// How far curves are known decides on steps, and later they are known further.
+#[test]
+fn an_interface_goes_back_to_a_state_of_its_own_bit_for_bit() {
+    for slip in [Slip::Overdamped, Slip::Reset] {
+        let coupling = neighbours(Shape::Chain(12), Edges::Open, 4.0).unwrap();
+        let mut chain = disordered(coupling, setting(0.3, slip, 1e-4));
+        events(&mut chain, 1.3);
+        let state = chain.state();
+        let found = events(&mut chain, 4.0);
+        let end = chain.state();
+        chain.restore(state.clone(), &mut ()).unwrap();
+        assert_eq!(chain.state(), state);
+        assert_eq!(written(&events(&mut chain, 4.0)), written(&found));
+        assert_eq!(chain.state(), end);
+    }
+}
+
 /// Stopped in slides, too.
 #[test]
 fn a_stop_leaves_no_trace() {

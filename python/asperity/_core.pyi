@@ -12,12 +12,13 @@ from scipy.stats.distributions import rv_frozen
 from typing_extensions import disjoint_base
 from xarray import Dataset
 
-from asperity._events import Events
+from asperity._events import Event, Events
 from asperity._values import (
     Atoms,
     Course,
     Energy,
     Equilibria,
+    InterfaceEnergy,
     Label,
     Potential,
     Sizes,
@@ -467,6 +468,8 @@ class MasterEquation(Model):
     def tolerance(self) -> float | None:
         """The allowed error of the force per contact and per ⟨k⟩ × mean threshold; None for the default aim of 1e-10."""
 
+    def simulation(self) -> Simulation:
+        """."""
     def pull(
         self, distance: _Number = 20.0, points: SupportsIndex = 2001, *, progress: _Progress = None
     ) -> Pull:
@@ -524,6 +527,8 @@ class Ensemble(Model):
     def disorder(self) -> Literal["annealed", "quenched"]:
         """The kind of disorder, "annealed" or "quenched"."""
 
+    def simulation(self) -> Simulation:
+        """."""
     def pull(
         self,
         distance: _Number = 20.0,
@@ -653,6 +658,8 @@ class Block(Description):
         that is not a Transport, and for a velocity that is not above 0.
         """
 
+    def simulation(self) -> Simulation:
+        """."""
     def drive(
         self,
         distance: _Number | None = None,
@@ -1088,6 +1095,8 @@ class Deformable(Description):
         Raises ValueError for invalid values, or for more results than fit in a file.
         """
 
+    def simulation(self, *, velocity: _Number | None = None, tolerance: _Number | None = None) -> Simulation:
+        """."""
     @property
     def contacts(self) -> Contacts:
         """The contacts."""
@@ -1201,6 +1210,49 @@ class Lattice(Deformable):
         disorder: Literal["annealed", "quenched"] = "annealed",
         start: Literal["conditional", "relaxed"] = "conditional",
     ) -> Self: ...
+
+@final
+class Simulation:
+    """."""
+
+    @property
+    def model(self) -> Deformable | Block | Model:
+        """."""
+    @property
+    def drive(self) -> float:
+        """."""
+    @property
+    def time(self) -> float:
+        """."""
+    @property
+    def force(self) -> float:
+        """."""
+    @property
+    def forces(self) -> _Array:
+        """."""
+    @property
+    def positions(self) -> _Array:
+        """."""
+    @property
+    def energy(self) -> Energy | InterfaceEnergy:
+        """."""
+    def events(self, until: _Number) -> Iterator[Event]:
+        """."""
+    def advance(self, drive: _Number, *, progress: _Progress = None) -> None:
+        """."""
+    def stretch_density(
+        self,
+        cell: SupportsIndex = 0,
+        stretches: ArrayLike | None = None,
+        *,
+        edges: ArrayLike | None = None,
+        progress: _Progress = None,
+    ) -> StretchDensity:
+        """."""
+    def state(self) -> bytes:
+        """."""
+    def restore(self, state: bytes) -> None:
+        """."""
 
 @final
 class Step(Description):

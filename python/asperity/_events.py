@@ -1,5 +1,6 @@
 """The slips of a drive, or the events of an interface, as a table."""
 
+import functools
 from collections import namedtuple
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex, overload
@@ -48,6 +49,16 @@ class Event(NamedTuple):
     """Energy that ageing added by making stretched contacts stiffer."""
 
 
+@functools.cache
+def row(names: tuple[str, ...]) -> Callable[..., Any]:
+    """What makes a row of a table with these columns, in their order."""
+    if names == Event._fields[: len(names)]:
+        return Event
+    if set(names) <= set(Event._fields):
+        return lambda *values: Event(**dict(zip(names, values, strict=True)))
+    return namedtuple("Event", names)  # type: ignore[misc]
+
+
 class Events(Sequence[Event]):
     """The slips of a drive, in order: a table whose rows are Event, and whose columns are arrays.
 
@@ -58,9 +69,7 @@ class Events(Sequence[Event]):
 
     def __init__(self, columns: "Mapping[str, NDArray[np.float64]]") -> None:
         self._columns = columns
-        self._row: Callable[..., Any] = Event
-        if not set(columns) <= set(Event._fields):
-            self._row = namedtuple("Event", list(columns))  # type: ignore[misc]
+        self._row = row(tuple(columns))
 
     def __len__(self) -> int:
         return len(self._columns["drive"])
@@ -76,8 +85,8 @@ class Events(Sequence[Event]):
             return self._columns[key]
         if isinstance(key, slice):
             return Events({name: column[key] for name, column in self._columns.items()})
-        row: Event = self._row(**{name: float(column[key]) for name, column in self._columns.items()})
-        return row
+        event: Event = self._row(*(float(column[key]) for column in self._columns.values()))
+        return event
 
     def __repr__(self) -> str:
         return _show.listed(f"<asperity.Events: {len(self)}>", self._rows())

@@ -85,6 +85,27 @@ class Energy(NamedTuple):
     """Work plus strengthening minus all other terms: 0 except for rounding and the error of the forces."""
 
 
+class InterfaceEnergy(NamedTuple):
+    """Where the work of the drive of an interface went; each part is computed on its own."""
+
+    work: float
+    """The work of the drive."""
+    connection: float
+    """The change of the energy of the springs to the drive, ½ΣK_0(X_T - X_j)²."""
+    coupling: float
+    """The change of the elastic energy of the slider, ½XᵀAX."""
+    elastic: float
+    """The change of the elastic energy of the contacts, Σ½kx²."""
+    strengthening: float
+    """What ageing brought that makes stretched contacts stiffer, ∫Σ½x²dk: beside the work, not of it."""
+    breaks: float
+    """Lost in breaks."""
+    slip: float
+    """Lost by the slider: in slips, or by viscous drag."""
+    imbalance: float
+    """Work and strengthening less all the others: 0 but for rounding and the accuracy of the forces."""
+
+
 class Stability(NamedTuple):
     """Linear stability of steady sliding at one velocity."""
 

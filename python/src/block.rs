@@ -11,6 +11,7 @@ use crate::convert::{self, Domain, Whole};
 use crate::description::{Description, Plain, Slider};
 use crate::law::given;
 use crate::model::Model;
+use crate::simulation::Simulation;
 use crate::stick_slip::StickSlip;
 use crate::transport::{self, Step, Transport};
 use crate::watch::watched;
@@ -235,6 +236,18 @@ impl Block {
         let contacts = &transport.get().contacts;
         let found = watched(progress, py, |monitor| stability(contacts, velocity, Some(&table), monitor))?;
         values::stability(py, found)
+    }
+
+    /// Begins a simulation that is driven step by step, at X_T = 0.
+    ///
+    /// Raises ValueError for a Transport and for contacts that are time-dependent, unless the MasterEquation has a velocity.
+    fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {
+        let Slider { stiffness, slip, slip_fraction, .. } = *Self::plain(slf);
+        let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);
+        let model = slf.get().model.bind(slf.py());
+        let fraction = Model::solver(model).size().map(|_| slip_fraction);
+        let slider = block::Block::new(loading, slip.into(), fraction).map_err(error::core)?;
+        Simulation::new(slf.as_super(), (None, None), vec![1], Model::simulated(model, &slider)?)
     }
 
     /// Moves the load point of the slider from X_T = 0, or imposes a force, and computes the motion of its base.

@@ -136,7 +136,7 @@ impl Description {
         value.ok()
     }
 
-    fn json(&self) -> PyResult<String> {
+    pub fn json(&self) -> PyResult<String> {
         serde_json::to_string(&self.plain).map_err(|error| PyValueError::new_err(error.to_string()))
     }
 }

@@ -16,6 +16,7 @@ use crate::error;
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, interface, interface_arguments};
 use crate::record::Record;
+use crate::simulation::Simulation;
 use crate::transport::{self, Step};
 use crate::watch::watched;
 
@@ -80,6 +81,13 @@ impl Ensemble {
     #[getter]
     fn disorder(slf: &Bound<'_, Self>) -> &'static str {
         convert::disorder(Self::plain(slf).disorder)
+    }
+
+    /// Begins a simulation of the contacts under a rigid slider that is moved step by step, at X = 0.
+    ///
+    /// Its events are the breaks of contacts.
+    fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {
+        Model::simulation(slf.as_super())
     }
 
     /// Displaces the slider's base from X = 0 to distance, from break to break.

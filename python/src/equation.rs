@@ -15,6 +15,7 @@ use crate::description::{Interface, Plain, Solved};
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, interface, interface_arguments};
 use crate::pull::Pull;
+use crate::simulation::Simulation;
 use crate::watch::watched;
 use crate::{error, values};
 
@@ -79,6 +80,13 @@ impl MasterEquation {
     #[getter]
     fn tolerance(slf: &Bound<'_, Self>) -> Option<f64> {
         Self::plain(slf).tolerance
+    }
+
+    /// Begins a simulation of the contacts under a rigid slider that is moved step by step, at X = 0.
+    ///
+    /// Its events are the breaks of many contacts together.
+    fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {
+        Model::simulation(slf.as_super())
     }
 
     /// Displaces the slider's base from X = 0 to distance.

@@ -1,13 +1,8 @@
 //! Interfaces that deform: cells on an elastic slider, and contacts coupled one by one.
 
-use asperity::Error;
-use asperity::master::{MasterEquation, Stretches};
-use asperity::monitor::{Monitor, Part};
-use asperity::rate_dependent::{StretchInterval, binned};
 use asperity::scenario::{
     self, CellSlip, Coupling, Disorder, Drive, Edges, Loading, PerCell, Scales, Scenario, Units,
 };
-use asperity::task;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -17,6 +12,7 @@ use crate::description::{Description, Plain};
 use crate::law::{AnyLaw, given};
 use crate::model::{interface, interface_arguments};
 use crate::result::{self, Result};
+use crate::simulation::{self, Looked, Simulation};
 use crate::watch::watched;
 use crate::{description, error, values};
 
@@ -30,7 +26,7 @@ pub struct Surface {
 
 impl Surface {
     /// The scenario of a drive.
-    fn scenario(&self, drive: Drive) -> Scenario {
+    pub fn scenario(&self, drive: Drive) -> Scenario {
         let description::Interface { contacts, initial, start } = self.contacts.clone();
         Scenario {
             title: String::new(),
@@ -49,40 +45,6 @@ impl Surface {
             ensemble: self.ensemble.clone(),
             units: Units::default(),
             compare: None,
-        }
-    }
-
-    /// Stretches of these time-independent contacts in a cell, after the interface has been driven to the given
-    /// drive.
-    fn look(
-        &self,
-        model: scenario::Model,
-        cell: usize,
-        at: f64,
-        looked: Looked,
-        monitor: &mut dyn Monitor,
-    ) -> asperity::Result<(Vec<f64>, Stretches)> {
-        let scenario::Model { contacts, initial, .. } = model;
-        let tolerance = scenario::MasterEquation::default().tolerance();
-        let equation = MasterEquation::new(contacts.clone(), &initial, &mut Part::new(monitor, 0.0, 0.0))?;
-        let mut driven =
-            self.own.deformable(contacts, &initial, tolerance, self.ensemble.as_ref(), monitor)?;
-        driven.run(at, monitor, &mut |_, _| ())?;
-        if let Some(portions) = driven.stretches(cell)? {
-            return looked.at(&portions);
-        }
-        let standing = driven.standing(cell)?.expect("cells of many contacts share a curve");
-        match looked {
-            Looked::Stretches(stretches) => {
-                let found = scenario::Interface::stretch_density(
-                    &equation, standing, &stretches, tolerance, monitor,
-                )?;
-                Ok((stretches, found))
-            }
-            Looked::Bins(_) => {
-                let expected = "None where contacts follow the master equation and know no time";
-                Err(Error::invalid("edges", expected, "edges of bins"))
-            }
         }
     }
 }
@@ -141,6 +103,24 @@ impl Deformable {
             asperity_runner::run(&scenario, monitor)
         })?;
         result::object(py, outcome)
+    }
+
+    /// Begins a simulation that is driven step by step, at X_T = 0.
+    ///
+    /// velocity, tolerance: as for drive.
+    ///
+    /// Raises ValueError for values that make no sense.
+    #[pyo3(signature = (*, velocity = None, tolerance = None))]
+    fn simulation(
+        slf: &Bound<'_, Self>,
+        velocity: Option<f64>,
+        tolerance: Option<f64>,
+    ) -> PyResult<Simulation> {
+        let surface = Self::plain(slf);
+        let live =
+            watched(None, slf.py(), |monitor| simulation::deformable(surface, velocity, tolerance, monitor))?;
+        let shape = surface.own.cells.clone();
+        Simulation::new(slf.as_super(), (velocity, tolerance), shape, live)
     }
 
     /// The contacts.
@@ -285,60 +265,19 @@ impl Interface {
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
         let (cell, looked) = (cell.get("cell")?, Looked::of(stretches, edges)?);
+        if matches!(looked, Looked::Default) {
+            return Err(error::invalid("stretches", "either stretches or edges", "neither"));
+        }
         if !(at.is_finite() && at >= 0.0) {
             return Err(error::invalid("at", "a finite drive, 0 or above", at));
         }
         let surface = Deformable::plain(slf.as_super());
-        let scenario = surface.scenario(Drive { velocity, ..Drive::default() });
-        let velocity = velocity.filter(|_| surface.contacts.contacts.are_time_dependent());
         let (stretches, found) = watched(progress, py, |monitor| {
-            let built = scenario.build()?;
-            match (looked, velocity) {
-                (looked, Some(velocity)) => {
-                    let mut driven = task::cells_in_time(&built, &surface.own, monitor)?;
-                    driven.run(at, velocity, monitor, &mut |_, _| ())?;
-                    looked.at(&driven.stretches(cell)?)
-                }
-                (looked, None) => surface.look(built, cell, at, looked, monitor),
-            }
+            let mut driven = simulation::deformable(surface, velocity, None, monitor)?;
+            driven.advance(at, monitor)?;
+            driven.look(cell, looked, monitor)
         })?;
         values::stretches(py, stretches, found)
-    }
-}
-
-/// Where a distribution of stretches is evaluated.
-enum Looked {
-    /// At stretches.
-    Stretches(Vec<f64>),
-    /// In bins between edges.
-    Bins(Vec<f64>),
-}
-
-impl Looked {
-    fn of(stretches: Option<&Bound<'_, PyAny>>, edges: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        match (stretches, edges) {
-            (Some(stretches), None) => Ok(Self::Stretches(convert::list("stretches", stretches)?)),
-            (None, Some(edges)) => Ok(Self::Bins(convert::list("edges", edges)?)),
-            (both, _) => {
-                let found = if both.is_some() { "both" } else { "neither" };
-                Err(error::invalid("stretches", "either stretches or edges", found))
-            }
-        }
-    }
-
-    /// The stretches, or the middles of the bins, with the density of contacts there.
-    fn at(self, portions: &[StretchInterval]) -> asperity::Result<(Vec<f64>, Stretches)> {
-        match self {
-            Self::Stretches(stretches) => {
-                let found = Stretches::of(portions, &stretches);
-                Ok((stretches, found))
-            }
-            Self::Bins(edges) => {
-                let density = binned(portions, &edges)?;
-                let middles = edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-                Ok((middles, Stretches { density, atoms: Vec::new() }))
-            }
-        }
     }
 }
 

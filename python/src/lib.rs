@@ -16,6 +16,7 @@ mod pull;
 mod record;
 mod result;
 mod rules;
+mod simulation;
 mod stick_slip;
 mod threads;
 mod transport;
@@ -60,6 +61,8 @@ mod _core {
     use crate::result::{Result, open_result, run};
     #[pymodule_export]
     use crate::rules::{Ageing, FrozenRank, Logarithmic, MeanField, Smoluchowski, Temperature};
+    #[pymodule_export]
+    use crate::simulation::Simulation;
     #[pymodule_export]
     use crate::stick_slip::StickSlip;
     #[pymodule_export]

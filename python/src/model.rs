@@ -1,5 +1,6 @@
 //! What the models have in common: contacts and their initial state.
 
+use asperity::block::{self, Loading, Slip};
 use asperity::monitor::{Aside, Monitor};
 use asperity::population::Population;
 use asperity::rate_dependent::RateDependentContacts;
@@ -9,12 +10,14 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
-use crate::convert;
 use crate::description::{Description, Interface, Plain};
 use crate::ensemble::Ensemble;
 use crate::equation::MasterEquation;
 use crate::law::{AnyLaw, given};
+use crate::simulation::{self, Live, Simulation, SliderContacts};
 use crate::transport::Transport;
+use crate::watch::watched;
+use crate::{convert, error};
 
 /// What a model is made of.
 pub fn interface(
@@ -59,6 +62,27 @@ impl Model {
         }
         let equation = model.cast::<MasterEquation>().expect("the other models are none");
         Solver::MasterEquation(&equation.get().equation, MasterEquation::plain(equation).tolerance())
+    }
+
+    /// The contacts under a slider, to be driven step by step.
+    pub fn simulated(model: &Bound<'_, Self>, slider: &block::Block) -> PyResult<Box<dyn Live>> {
+        let solver = Self::solver(model);
+        let contacts = match solver {
+            Solver::Ensemble(ensemble) => SliderContacts::Followed(ensemble.size()),
+            _ => match model.cast::<MasterEquation>() {
+                Ok(own) => SliderContacts::Solved(own.get().equation.clone(), own.get().initial.clone()),
+                Err(_) => SliderContacts::Followed(0),
+            },
+        };
+        watched(None, model.py(), |monitor| {
+            simulation::slider(slider, solver.population(monitor)?, contacts, monitor)
+        })
+    }
+
+    /// The contacts under a rigid slider, to be moved step by step.
+    pub fn simulation(model: &Bound<'_, Self>) -> PyResult<Simulation> {
+        let rigid = block::Block::new(Loading::Rigid, Slip::Overdamped, None).map_err(error::core)?;
+        Simulation::new(model.as_super(), (None, None), vec![1], Self::simulated(model, &rigid)?)
     }
 
     fn plain<'a>(model: &'a Bound<'_, Self>) -> &'a Interface {

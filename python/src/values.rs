@@ -4,7 +4,7 @@ use asperity::block::Curve;
 use asperity::energy::EnergyBalance;
 use asperity::law::Atom;
 use asperity::master::Stretches;
-use asperity::record::Quantity;
+use asperity::record::{Quantity, Record};
 use asperity::task::LinearStability;
 use asperity::task::summary::SliderState;
 use pyo3::prelude::*;
@@ -18,6 +18,8 @@ static STRETCH_DENSITY: Import = Import::new("asperity._values", "StretchDensity
 static LABEL: Import = Import::new("asperity._values", "Label");
 static STATE: Import = Import::new("asperity._values", "State");
 static ENERGY: Import = Import::new("asperity._values", "Energy");
+static INTERFACE_ENERGY: Import = Import::new("asperity._values", "InterfaceEnergy");
+static ROW: Import = Import::new("asperity._events", "row");
 static EQUILIBRIA: Import = Import::new("asperity._values", "Equilibria");
 static POTENTIAL: Import = Import::new("asperity._values", "Potential");
 static EVENTS: Import = Import::new("asperity._events", "Events");
@@ -77,6 +79,20 @@ pub fn energy<'py>(py: Python<'py>, energy: &EnergyBalance) -> PyResult<Bound<'p
     let EnergyBalance { work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, .. } = *energy;
     let imbalance = energy.imbalance();
     ENERGY.get(py)?.call1((work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, imbalance))
+}
+
+/// The energy balance of an interface.
+pub fn interface_energy<'py>(py: Python<'py>, energy: &EnergyBalance) -> PyResult<Bound<'py, PyAny>> {
+    let EnergyBalance { work, spring, coupling, elastic, strengthening, breaks, slip, .. } = *energy;
+    let parts = (work, spring, coupling, elastic, strengthening, breaks, slip, energy.imbalance());
+    INTERFACE_ENERGY.get(py)?.call1(parts)
+}
+
+/// An event, from a row of columns.
+pub fn event<'py>(py: Python<'py>, columns: &Record, row: usize) -> PyResult<Bound<'py, PyAny>> {
+    let names = PyTuple::new(py, columns.variables.iter().map(|column| column.name.as_str()))?;
+    let values = PyTuple::new(py, columns.variables.iter().map(|column| column.values[row]))?;
+    ROW.get(py)?.call1((names,))?.call1(values)
 }
 
 /// The equilibria of a slider of a given stiffness.

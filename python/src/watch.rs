@@ -16,6 +16,8 @@ const PERIOD: Duration = Duration::from_millis(20);
 struct Watch {
     progress: Option<Py<PyAny>>,
     asked: Instant,
+    /// The largest fraction so far: whoever goes on with a way tells of all of it.
+    most: f64,
     raised: Option<PyErr>,
 }
 
@@ -36,7 +38,8 @@ impl Monitor for Watch {
         if self.asked.elapsed() < PERIOD {
             return ControlFlow::Continue(());
         }
-        self.raised = self.look(fraction).err();
+        self.most = self.most.max(fraction);
+        self.raised = self.look(self.most).err();
         self.asked = Instant::now();
         if self.raised.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
@@ -54,7 +57,7 @@ pub fn watched<T: Send>(
     work: impl FnOnce(&mut dyn Monitor) -> Result<T> + Send,
 ) -> PyResult<T> {
     let progress = progress.map(|wish| listener(wish)).transpose()?.flatten();
-    let mut watch = Watch { progress, asked: Instant::now(), raised: None };
+    let mut watch = Watch { progress, asked: Instant::now(), most: 0.0, raised: None };
     let outcome = detached(py, || work(&mut watch));
     match (outcome, watch.raised.take()) {
         (Err(Error::Stopped), Some(raised)) => Err(raised),

@@ -19,7 +19,7 @@ pub(super) struct EquilibriumPath<'a> {
     watch: Aside<'a>,
     pub loading: Loading,
     /// How far the slider was moved while no contact held.
-    carried: f64,
+    pub carried: f64,
     pub direction: Direction,
     pub way: Way,
     /// Whether the way ahead is that from here.

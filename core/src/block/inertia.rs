@@ -109,7 +109,7 @@ impl QuasistaticRun<'_> {
             }
             let breaks = self.look.way.breaks;
             let (loading, drive) = (self.look.loading, swing.drive);
-            self.open.work += loading.work_at_rest(drive, sign * swing.place);
+            self.memory.open.work += loading.work_at_rest(drive, sign * swing.place);
             self.look.advance(swing.place)?;
             if ending == Ending::Arrested || settled {
                 return Ok(true);
@@ -170,7 +170,7 @@ impl QuasistaticRun<'_> {
         let excess = self.look.excess(swing.drive, swing.place);
         let left = self.look.way.length - swing.place;
         let passage = swing.body.passage(swing.speed, excess, resistance, left);
-        self.open.viscous += swing.body.damping * passage.squared;
+        self.memory.open.viscous += swing.body.damping * passage.squared;
         swing.time += passage.time;
         swing.speed = passage.speed;
         let through = passage.way == left;
@@ -221,7 +221,7 @@ impl QuasistaticRun<'_> {
     }
 
     fn accept(&mut self, swing: &mut Swing, step: &MotionStep, ending: Ending) {
-        self.open.viscous += swing.body.damping * step.squared();
+        self.memory.open.viscous += swing.body.damping * step.squared();
         for ((time, place), speed) in step.times().into_iter().zip(step.places()).zip(step.speeds()) {
             self.offer(swing, swing.time + time, place, speed);
         }

@@ -1,6 +1,7 @@
 //! What pulls the slider's bottom, and the drive at which it balances the contacts.
 
 use crate::population::Response;
+use crate::record::Quantity;
 use crate::{Error, Result};
 
 /// What pulls the slider's bottom.
@@ -61,6 +62,14 @@ impl Loading {
             Self::Spring(stiffness) => stiffness + tangent,
             Self::Rigid => f64::INFINITY,
             Self::Force => tangent,
+        }
+    }
+
+    /// What the drive is.
+    pub(super) fn drive_quantity(self) -> Quantity {
+        match self {
+            Self::Spring(_) | Self::Rigid => Quantity::Length,
+            Self::Force => Quantity::Force,
         }
     }
 

@@ -19,6 +19,7 @@ mod quasistatic;
 mod rate_dependent;
 mod regime;
 mod run;
+mod simulation;
 mod slip;
 mod trace;
 
@@ -28,6 +29,7 @@ pub use loading::Loading;
 pub use rate_dependent::{Moment, RateDependentSlip, Slide};
 pub use regime::{Missing, Regime};
 pub use run::{Drive, End, StickSlip};
+pub use simulation::{BlockSimulation, SimulationState};
 pub use trace::{Point, SlipCourse};
 
 use schemars::JsonSchema;

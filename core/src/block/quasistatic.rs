@@ -1,8 +1,9 @@
 //! Creep in balance from instability to instability, with what is kept of it.
 
+use serde::{Deserialize, Serialize};
+
 use super::equilibrium_path::EquilibriumPath;
 use super::events::{Event, Sizes};
-use super::run::length;
 use super::trace::{Point, SlipCourse};
 use super::{Block, EnergyBalance, Loading};
 use crate::Result;
@@ -17,9 +18,9 @@ const RUNAWAY: f64 = 100.0;
 
 /// Why a creep ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Stop {
-    /// The drive is where it should be.
-    Reached,
+enum Stop {
+    /// The drive is where it should be, so far ahead on the way.
+    Reached(f64),
     /// Balance is lost here.
     Unstable,
     /// Contacts are about to break together.
@@ -28,16 +29,25 @@ pub(super) enum Stop {
     Runaway,
 }
 
-/// A slider on its way.
-pub(super) struct QuasistaticRun<'a> {
-    pub block: Block,
-    pub look: EquilibriumPath<'a>,
-    pub trace: Vec<Point>,
-    pub events: Vec<Event>,
-    pub sizes: Sizes,
-    pub course: Option<SlipCourse>,
-    /// The course of the last swing, as long as there is none of a slip.
-    pub offered: SlipCourse,
+/// What happens next to a slider that is driven.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Next {
+    /// The drive is where it should be, so far ahead on the way; the slider has not gone there.
+    Reached(f64),
+    /// Something has happened at a fixed drive, an event, or too little to be one.
+    Happened(Option<Event>),
+    /// From here there is no balance.
+    Runaway(Point),
+}
+
+/// What is to be remembered of a run from one event to the next.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Memory {
+    /// Where the slider is, and how far it was moved while no contact held.
+    position: f64,
+    carried: f64,
+    /// Which way the drive goes.
+    pub direction: Direction,
     /// All that is closed.
     pub energy: EnergyBalance,
     /// What is closed since the last slip.
@@ -53,9 +63,21 @@ pub(super) struct QuasistaticRun<'a> {
     stiffness: Option<f64>,
     /// Where it was.
     pub rest: f64,
-    turning_points: Vec<f64>,
+}
+
+/// A slider on its way.
+pub(super) struct QuasistaticRun<'a> {
+    pub block: Block,
+    pub look: EquilibriumPath<'a>,
+    pub trace: Vec<Point>,
+    pub events: Vec<Event>,
+    pub sizes: Sizes,
+    pub course: Option<SlipCourse>,
+    /// The course of the last swing, as long as there is none of a slip.
+    pub offered: SlipCourse,
+    pub memory: Memory,
     /// Length of the way of the drive: all of it, of the legs done.
-    path: (f64, f64),
+    pub path: (f64, f64),
     ways: u32,
 }
 
@@ -69,33 +91,52 @@ impl<'a> QuasistaticRun<'a> {
         let look = EquilibriumPath::new(population, block.loading, Direction::Forward, monitor)?;
         let drive = look.drive_here();
         let (position, force) = (look.position, look.here.force);
-        let leg_start = Point { drive, position, force, spring_force: force };
-        Ok(Self {
-            block: *block,
+        let memory = Memory {
+            position,
+            carried: 0.0,
+            direction: Direction::Forward,
+            energy: EnergyBalance::default(),
+            approach: EnergyBalance::default(),
+            open: EnergyBalance::default(),
+            books,
             stored: block.loading.stored(drive, position),
+            leg_start: Point { drive, position, force, spring_force: force },
+            stiffness: None,
+            rest: position,
+        };
+        Ok(Self::with(block, look, memory))
+    }
+
+    /// The run that is remembered, taken up where its population stands.
+    pub fn resumed(
+        block: &Block,
+        population: &'a mut dyn Population,
+        memory: Memory,
+        monitor: &'a mut dyn Monitor,
+    ) -> Result<Self> {
+        let mut look = EquilibriumPath::new(population, block.loading, memory.direction, monitor)?;
+        (look.position, look.carried) = (memory.position, memory.carried);
+        Ok(Self::with(block, look, memory))
+    }
+
+    fn with(block: &Block, look: EquilibriumPath<'a>, memory: Memory) -> Self {
+        Self {
+            block: *block,
             look,
             trace: Vec::new(),
             events: Vec::new(),
             sizes: Sizes::default(),
             course: None,
             offered: SlipCourse::default(),
-            energy: EnergyBalance::default(),
-            approach: EnergyBalance::default(),
-            open: EnergyBalance::default(),
-            books,
-            leg_start,
-            stiffness: None,
-            rest: position,
-            turning_points: Vec::new(),
+            memory,
             path: (0.0, 0.0),
             ways: 0,
-        })
+        }
     }
 
-    /// Says where the drive is going, for reports.
-    pub fn watch(&mut self, turning_points: &[f64]) {
-        self.turning_points = turning_points.to_vec();
-        self.path.0 = length(self.drive(), turning_points);
+    /// What is to be remembered to take up the run between two events.
+    pub fn remembered(self) -> Memory {
+        Memory { position: self.look.position, carried: self.look.carried, ..self.memory }
     }
 
     /// The drive in balance here.
@@ -123,7 +164,7 @@ impl<'a> QuasistaticRun<'a> {
         self.ways += 1;
         if self.ways >= REPORT {
             self.ways = 0;
-            let done = self.path.1 + (self.drive() - self.leg_start.drive).abs();
+            let done = self.path.1 + (self.drive() - self.memory.leg_start.drive).abs();
             self.look.tell(done / self.path.0)?;
         }
         self.look.towards(direction)
@@ -131,24 +172,45 @@ impl<'a> QuasistaticRun<'a> {
 
     /// Brings the drive through the values asked for; where the slider runs away on the way, from where.
     pub fn leg(&mut self, direction: Direction, asked: &[f64]) -> Result<Option<Point>> {
-        self.leg_start = self.point();
-        if self.block.loading == Loading::Force {
-            self.stiffness = Some(self.unloading()?);
-        }
+        self.turn(direction)?;
         let mut asked = asked;
-        self.rest = self.look.position;
         loop {
-            let stop = self.creep(direction, &mut asked)?;
-            let here = self.point();
-            if stop == Stop::Reached {
-                self.path.1 += (here.drive - self.leg_start.drive).abs();
-                return Ok(None);
+            match self.next(&mut asked)? {
+                Next::Happened(_) => {}
+                Next::Runaway(from) => return Ok(Some(from)),
+                Next::Reached(ahead) => {
+                    self.glide(ahead)?;
+                    self.path.1 += (self.drive() - self.memory.leg_start.drive).abs();
+                    return Ok(None);
+                }
             }
-            if stop == Stop::Runaway || !self.event(stop == Stop::Breakpoint)? {
-                return Ok(Some(here));
-            }
-            self.rest = self.look.position;
         }
+    }
+
+    /// Begins to drive the slider in a direction.
+    pub fn turn(&mut self, direction: Direction) -> Result<()> {
+        self.memory.direction = direction;
+        self.memory.leg_start = self.point();
+        if self.block.loading == Loading::Force {
+            self.memory.stiffness = Some(self.unloading()?);
+        }
+        self.memory.rest = self.look.position;
+        Ok(())
+    }
+
+    /// Brings the drive on through the values asked for, which lose what is passed, or to where something happens at a fixed
+    /// drive, and through that.
+    pub fn next(&mut self, asked: &mut &[f64]) -> Result<Next> {
+        let breaks = match self.creep(self.memory.direction, asked)? {
+            Stop::Reached(ahead) => return Ok(Next::Reached(ahead)),
+            Stop::Runaway => return Ok(Next::Runaway(self.point())),
+            Stop::Unstable => false,
+            Stop::Breakpoint => true,
+        };
+        let here = self.point();
+        let Some(happened) = self.event(breaks)? else { return Ok(Next::Runaway(here)) };
+        self.memory.rest = self.look.position;
+        Ok(Next::Happened(happened))
     }
 
     /// Creeps in balance, `asked` losing what is passed.
@@ -171,12 +233,12 @@ impl<'a> QuasistaticRun<'a> {
                 *asked = rest;
             }
             let stop = match (asked.is_empty(), turn.is_some(), self.look.way.breaks) {
-                (true, ..) => Some(Stop::Reached),
+                (true, ..) => return Ok(Stop::Reached(reached)),
                 (_, true, _) => Some(Stop::Unstable),
                 (_, _, true) => Some(Stop::Breakpoint),
                 _ => self.is_gone(self.drive()).then_some(Stop::Runaway),
             };
-            self.glide(if asked.is_empty() { reached } else { end })?;
+            self.glide(end)?;
             if let Some(stop) = stop {
                 return Ok(stop);
             }
@@ -185,14 +247,14 @@ impl<'a> QuasistaticRun<'a> {
 
     /// Whether the slider is too far from where it was at rest for a drive, or for the one that the leg began at.
     pub fn is_gone(&self, drive: f64) -> bool {
-        let largest = drive.abs().max(self.leg_start.drive.abs());
-        let gone = (self.look.position - self.rest).abs();
-        self.stiffness.is_some_and(|stiffness| gone > RUNAWAY * largest / stiffness)
+        let largest = drive.abs().max(self.memory.leg_start.drive.abs());
+        let gone = (self.look.position - self.memory.rest).abs();
+        self.memory.stiffness.is_some_and(|stiffness| gone > RUNAWAY * largest / stiffness)
     }
 
     /// How large a drive is that belongs to a length: an imposed force is that of contacts so far stretched.
     pub fn drive_of(&self, length: f64) -> f64 {
-        self.stiffness.unwrap_or(1.0) * length
+        self.memory.stiffness.unwrap_or(1.0) * length
     }
 
     /// Keeps the state of balance at an advance `a` for the trace.
@@ -204,38 +266,38 @@ impl<'a> QuasistaticRun<'a> {
     }
 
     /// Moves on by `a` in balance.
-    fn glide(&mut self, a: f64) -> Result<()> {
+    pub fn glide(&mut self, a: f64) -> Result<()> {
         let (loading, sign) = (self.look.loading, self.look.sign());
-        self.open.work += sign * self.look.integral(a, |_, response| loading.work(response));
+        self.memory.open.work += sign * self.look.integral(a, |_, response| loading.work(response));
         self.look.advance(a)
     }
 
     /// The energy balance since it was last closed; it is closed here, at a given drive.
     pub fn closed(&mut self, drive: f64) -> EnergyBalance {
         let (books, stored) = (self.look.books(), self.look.loading.stored(drive, self.look.position));
-        let mut energy = std::mem::take(&mut self.open);
-        energy.spring = stored - self.stored;
-        energy.elastic = books.elastic - self.books.elastic;
-        energy.breaks = books.lost - self.books.lost;
-        (self.books, self.stored) = (books, stored);
-        self.energy += energy;
+        let mut energy = std::mem::take(&mut self.memory.open);
+        energy.spring = stored - self.memory.stored;
+        energy.elastic = books.elastic - self.memory.books.elastic;
+        energy.breaks = books.lost - self.memory.books.lost;
+        (self.memory.books, self.memory.stored) = (books, stored);
+        self.memory.energy += energy;
         energy
     }
 
     /// Breaks since the energy balance was last closed, per contact.
     pub fn broken(&self) -> f64 {
-        self.look.books().broken - self.books.broken
+        self.look.books().broken - self.memory.books.broken
     }
 
     /// Elastic energy of the contacts when the energy balance was last closed.
     pub fn stored_in_contacts(&self) -> f64 {
-        self.books.elastic
+        self.memory.books.elastic
     }
 
     /// Closes the energy balance at the end of the drive.
     pub fn close(&mut self) {
         let drive = self.drive();
         let energy = self.closed(drive);
-        self.approach += energy;
+        self.memory.approach += energy;
     }
 }

@@ -53,25 +53,18 @@ pub struct StickSlip {
 impl StickSlip {
     /// The trace: `drive`, `position`, `force`, `spring_force`.
     pub fn trace_record(&self) -> Record {
-        trace::record(&self.trace, self.drive_quantity())
+        trace::record(&self.trace, self.loading.drive_quantity())
     }
 
     /// The slips: `drive`, `position_before`, `position_after`, `position_turn`, `force_before`, `force_after`,
     /// `drop`, `slip`, `broken_fraction`, `dissipated_breaks`, `dissipated_slip`.
     pub fn events_record(&self) -> Record {
-        events::record(&self.events, self.drive_quantity())
+        events::record(&self.events, self.loading.drive_quantity())
     }
 
     /// The columns of a trace and of slips, without values, of a slider whose top is moved.
     pub fn columns() -> [Record; 2] {
         [trace::record(&[], Quantity::Length), events::record(&[], Quantity::Length)]
-    }
-
-    fn drive_quantity(&self) -> Quantity {
-        match self.loading {
-            Loading::Spring(_) | Loading::Rigid => Quantity::Length,
-            Loading::Force => Quantity::Force,
-        }
     }
 }
 
@@ -95,7 +88,7 @@ pub(super) fn pull(
         bearable(unloading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
     }
     let legs = legs(start, drive)?;
-    walk.watch(&drive.turning_points);
+    walk.path.0 = length(start, &drive.turning_points);
     walk.trace.push(walk.point());
     let (mut end, mut first) = (End::Reached, 0);
     for leg in &legs {
@@ -113,9 +106,9 @@ pub(super) fn pull(
     let stretch = walk.trace.iter().fold(0.0, |most: f64, point| most.max(point.force.abs())) / unloading;
     let jumps: Vec<Jump> =
         walk.events[first..].iter().map(|e| Jump { before: e.before, after: e.after }).collect();
-    let regime = regime::tell(&jumps, walk.leg_start, walk.point(), stretch, end);
-    let QuasistaticRun { trace, events, sizes, course, energy, .. } = walk;
-    Ok(StickSlip { trace, events, sizes, course, energy, regime, end, loading: block.loading })
+    let regime = regime::tell(&jumps, walk.memory.leg_start, walk.point(), stretch, end);
+    let QuasistaticRun { trace, events, sizes, course, memory, .. } = walk;
+    Ok(StickSlip { trace, events, sizes, course, energy: memory.energy, regime, end, loading: block.loading })
 }
 
 /// The legs of a drive that starts at `start`.
@@ -142,7 +135,7 @@ fn legs(start: f64, drive: &Drive) -> Result<Vec<DriveSegment>> {
 }
 
 /// Length of the way from `start` through all turning points.
-pub(super) fn length(start: f64, turning_points: &[f64]) -> f64 {
+fn length(start: f64, turning_points: &[f64]) -> f64 {
     let from = std::iter::once(&start).chain(turning_points);
     from.zip(turning_points).map(|(from, to)| (to - from).abs()).sum()
 }

@@ -23,15 +23,14 @@ enum Slid {
 
 impl QuasistaticRun<'_> {
     /// All that happens here at a fixed drive, after a loss of balance or, if it `breaks`, with the contacts that
-    /// break here. Whether the slider found a new balance.
-    pub fn event(&mut self, breaks: bool) -> Result<bool> {
+    /// break here: what has happened, if it is no less than an event; none if the slider found no new balance.
+    pub fn event(&mut self, breaks: bool) -> Result<Option<Option<Event>>> {
         let (before, direction) = (self.point(), self.look.direction);
         let drive = before.drive;
         let approach = self.closed(drive);
-        self.approach += approach;
+        self.memory.approach += approach;
         if breaks && self.dies_out(drive, direction)? {
-            self.account(before, self.look.position, self.broken());
-            return Ok(true);
+            return Ok(Some(self.account(before, self.look.position, self.broken())));
         }
         if self.holds(breaks) {
             self.look.hold()?;
@@ -42,9 +41,8 @@ impl QuasistaticRun<'_> {
         } else {
             Some(direction)
         };
-        let Some(turn) = self.slip(drive, pushed, !breaks)? else { return Ok(false) };
-        self.account(before, turn, self.broken());
-        Ok(true)
+        let Some(turn) = self.slip(drive, pushed, !breaks)? else { return Ok(None) };
+        Ok(Some(self.account(before, turn, self.broken())))
     }
 
     /// In `arrest`, whether the contacts that break here take along no more than may break without a slip; if they do,
@@ -62,7 +60,7 @@ impl QuasistaticRun<'_> {
             return Ok(true);
         }
         self.look.recall()?;
-        self.open = EnergyBalance::default();
+        self.memory.open = EnergyBalance::default();
         Ok(false)
     }
 
@@ -152,7 +150,7 @@ impl QuasistaticRun<'_> {
         let Loading::Spring(stiffness) = loading else { return Ok(false) };
         let position = drive - self.look.here.force / stiffness;
         let released = loading.stored(drive, self.look.position) - loading.stored(drive, position);
-        self.open.slip += released;
+        self.memory.open.slip += released;
         self.look.carry(position);
         Ok(true)
     }
@@ -171,7 +169,8 @@ impl QuasistaticRun<'_> {
     pub(super) fn is_balanced(&self, drive: f64) -> bool {
         let here = self.look.drive_here();
         // Where all of these are near 0, stretches are still differences of positions as far away as the slider was.
-        let scale = drive.abs() + here.abs() + self.drive_of(self.look.position.abs() + self.rest.abs());
+        let scale =
+            drive.abs() + here.abs() + self.drive_of(self.look.position.abs() + self.memory.rest.abs());
         (drive - here).abs() <= ROUNDING * scale
     }
 
@@ -189,8 +188,8 @@ impl QuasistaticRun<'_> {
             if a.is_infinite() {
                 return Ok(Slid::Away);
             }
-            self.open.work += loading.work_at_rest(drive, sign * a);
-            self.open.slip +=
+            self.memory.open.work += loading.work_at_rest(drive, sign * a);
+            self.memory.open.slip +=
                 sign * self.look.integral(a, |x, response| loading.excess(drive, x, response.force));
             let breaks = self.look.way.breaks;
             self.look.advance(a)?;
@@ -226,8 +225,8 @@ impl QuasistaticRun<'_> {
         }
     }
 
-    /// Enters an event in the energy balance; a slip is kept.
-    fn account(&mut self, before: Point, position_turn: f64, broken_fraction: f64) {
+    /// Enters what has happened in the energy balance; it is told unless it is too little, and kept if it is a slip.
+    fn account(&mut self, before: Point, position_turn: f64, broken_fraction: f64) -> Option<Event> {
         let drive = before.drive;
         let energy = self.closed(drive);
         let (position, force) = (self.look.position, self.look.here.force);
@@ -237,13 +236,14 @@ impl QuasistaticRun<'_> {
         self.sizes.add(broken_fraction, slip, drop);
         let shown = self.block.slip_fraction.is_none_or(|least| broken_fraction > least);
         if !shown || (slip == 0.0 && drop == 0.0) {
-            self.approach += energy;
-            return;
+            self.memory.approach += energy;
+            return None;
         }
         self.trace.extend([before, after]);
+        let approach = self.memory.approach;
         if slip == 0.0 {
-            self.approach += energy;
-            return;
+            self.memory.approach += energy;
+            return Some(Event { before, after, position_turn, broken_fraction, energy, approach });
         }
         if self.course.is_none() && matches!(self.block.slip, Slip::Inertial { .. }) {
             self.course = Some(std::mem::take(&mut self.offered).begun());
@@ -251,7 +251,9 @@ impl QuasistaticRun<'_> {
         // In a reset all have broken, however many did so before the share was exceeded.
         let most = if self.block.slip == Slip::Reset { 1.0 } else { f64::INFINITY };
         let broken_fraction = broken_fraction.min(most);
-        let approach = std::mem::take(&mut self.approach);
-        self.events.push(Event { before, after, position_turn, broken_fraction, energy, approach });
+        self.memory.approach = EnergyBalance::default();
+        let event = Event { before, after, position_turn, broken_fraction, energy, approach };
+        self.events.push(event);
+        Some(event)
     }
 }

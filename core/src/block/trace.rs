@@ -1,9 +1,11 @@
 //! What is kept of a motion: points of balance, and the time course of a slip.
 
+use serde::{Deserialize, Serialize};
+
 use crate::record::{Quantity, Record};
 
 /// A state of the slider.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// The drive: X_T, or X, or the imposed force.
     pub drive: f64,

@@ -29,6 +29,18 @@ pub(super) struct Drawn {
     conditional: u32,
 }
 
+impl From<[u32; 3]> for Drawn {
+    fn from([thresholds, reforming, conditional]: [u32; 3]) -> Self {
+        Self { thresholds, reforming, conditional }
+    }
+}
+
+impl From<Drawn> for [u32; 3] {
+    fn from(drawn: Drawn) -> Self {
+        [drawn.thresholds, drawn.reforming, drawn.conditional]
+    }
+}
+
 /// The lives of the contacts of an ensemble.
 #[derive(Clone)]
 pub(super) struct Lives {

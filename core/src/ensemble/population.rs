@@ -1,6 +1,7 @@
 //! The contacts of an ensemble under one slider that moves back and forth, from break to break.
 
 mod mark;
+mod state;
 
 use mark::ReturnMark;
 use rayon::prelude::*;
@@ -13,6 +14,7 @@ use crate::contacts::Stiffness;
 use crate::monitor::{Aside, Monitor, fits, report};
 use crate::numerics::compensated::Compensated;
 use crate::population::{Books, Direction, Population, Response, Way};
+use crate::rate_dependent::ContactsState;
 use crate::{Error, Result};
 
 /// Bytes per contact: in the queue, in another order meanwhile, and among free contacts or those broken in a
@@ -332,6 +334,14 @@ impl Population for EnsemblePopulation {
 
     fn copy(&self) -> Box<dyn Population> {
         Box::new(self.clone())
+    }
+
+    fn state(&self) -> ContactsState {
+        self.kept()
+    }
+
+    fn restore(&mut self, state: &ContactsState, _monitor: &mut dyn Monitor) -> Result<()> {
+        self.take_up(state)
     }
 }
 

@@ -4,6 +4,8 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::mem;
 
+use serde::{Deserialize, Serialize};
+
 use super::lives::Drawn;
 use crate::Result;
 use crate::monitor::{Monitor, report};
@@ -18,12 +20,28 @@ const RUNGS: usize = 1 << 14;
 pub(super) const SLICE: usize = 1 << 18;
 
 /// A contact between two breaks: its stretch is `position − origin`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[serde(from = "Numbers", into = "Numbers")]
 pub(super) struct QueuedContact {
     pub(super) origin: f64,
     pub(super) threshold: f64,
     pub(super) index: u32,
     pub(super) drawn: Drawn,
+}
+
+/// A contact as it is kept: without names, of which there would be one for every number.
+type Numbers = (f64, f64, u32, [u32; 3]);
+
+impl From<Numbers> for QueuedContact {
+    fn from((origin, threshold, index, drawn): Numbers) -> Self {
+        Self { origin, threshold, index, drawn: drawn.into() }
+    }
+}
+
+impl From<QueuedContact> for Numbers {
+    fn from(QueuedContact { origin, threshold, index, drawn }: QueuedContact) -> Self {
+        (origin, threshold, index, drawn.into())
+    }
 }
 
 impl QueuedContact {
@@ -77,7 +95,7 @@ impl Eq for QueuedContact {}
 /// ordered when it is reached. By Markov's inequality each throw places half of what is thrown or more, whatever
 /// the thresholds, so that a contact is moved a few times in its life. At worst, where all break together, the
 /// queue is a heap.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Queue {
     /// The present rung, sorted, next break last.
     near: Vec<QueuedContact>,
@@ -92,7 +110,7 @@ pub(super) struct Queue {
 }
 
 /// Start of the lowest rung, and rungs per length.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 struct Ladder {
     low: f64,
     density: f64,
@@ -139,6 +157,12 @@ impl Queue {
             return Ok(None);
         }
         Ok(if self.late.peek() > self.near.last() { self.late.pop() } else { self.near.pop() })
+    }
+
+    /// Number of contacts.
+    pub(super) fn len(&self) -> usize {
+        let rungs = self.rungs.iter().map(Vec::len).sum::<usize>();
+        self.near.len() + self.late.len() + rungs + self.beyond.len()
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &QueuedContact> {

@@ -1,5 +1,7 @@
 //! Sums of force and energy over contacts that move together.
 
+use serde::{Deserialize, Serialize};
+
 use super::queue::QueuedContact;
 use crate::contacts::Stiffness;
 use crate::numerics::compensated::Compensated;
@@ -9,7 +11,7 @@ use crate::numerics::compensated::Compensated;
 /// Σ kx = d Σk − Σk(o − b) and Σ kx² = d² Σk − 2d Σk(o − b) + Σk(o − b)², d = X − b.
 ///
 /// The `base` b is kept near X, so that little cancels. Stiffnesses are in the unit of [`Stiffness`]: 1, or x_s.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Sums {
     pub(super) base: f64,
     per_threshold: bool,

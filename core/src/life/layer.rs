@@ -1,5 +1,7 @@
 //! Contacts formed during one motion: where they are, and how far they have been stretched.
 
+use serde::{Deserialize, Serialize};
+
 use super::cells::{Detail, edges, scale, top, with_atoms};
 use crate::contacts::Contacts;
 use crate::law::{Atom, Breakpoint, Law};
@@ -16,7 +18,7 @@ use crate::numerics::piecewise::Piecewise;
 ///
 /// and ν(x) S(y(x)) of the density ν of contacts placed here are unbroken. Contacts that have just formed
 /// have both at 0: the stretch at which a contact forms is the largest that its threshold is known to exceed.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Layer {
     /// The density of ν.
     pub(super) density: Piecewise,
@@ -31,7 +33,7 @@ pub(crate) struct Layer {
 }
 
 /// Contacts at one stretch, a point mass of ν.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct PointMass {
     pub(super) position: f64,
     pub(super) weight: f64,
@@ -125,6 +127,23 @@ impl Layer {
         edges.sort_by(f64::total_cmp);
         let integrand = |r: f64| self.density_at(r) * f(r);
         edges.windows(2).map(|pair| RULE.integrate(pair[0], pair[1], integrand)).sum::<f64>()
+    }
+
+    /// The density of the unbroken contacts at stretch x.
+    pub(crate) fn unbroken_density(&self, x: f64, thresholds: &dyn Law) -> f64 {
+        self.density_at(x) * thresholds.survival(self.largest(x, 0.0))
+    }
+
+    /// Stretches that many unbroken contacts share, with the fraction of contacts at each; `threshold_atoms` are the thresholds that many share.
+    pub(crate) fn unbroken_atoms(
+        &self,
+        thresholds: &dyn Law,
+        threshold_atoms: &[f64],
+    ) -> impl Iterator<Item = Atom> {
+        self.point_masses.iter().map(move |mass| Atom {
+            position: mass.position,
+            weight: mass.weight * thresholds.survival(self.exceeded(mass, 0.0, threshold_atoms)),
+        })
     }
 
     /// y(x) after a further `advance` of the slider; x is the stretch before it.

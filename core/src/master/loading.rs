@@ -3,8 +3,8 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::Tolerance;
 use super::renewal::{RenewalSolution, slope};
+use super::{Stretches, Tolerance};
 use crate::Result;
 use crate::contacts::Contacts;
 use crate::life::{Layer, Life, simplified, threshold_atoms};
@@ -88,7 +88,8 @@ impl LoadingBranch {
         }
     }
 
-    fn first(&self) -> &Life {
+    /// The life of the contacts that are there at its beginning.
+    pub(super) fn first(&self) -> &Arc<Life> {
         match &self.motion {
             Motion::Renewed(renewal) => &renewal.first,
             Motion::Held { first, .. } => first,
@@ -106,6 +107,22 @@ impl LoadingBranch {
         match &self.motion {
             Motion::Renewed(renewal) => renewal.error,
             Motion::Held { first, .. } => first.error(),
+        }
+    }
+
+    /// The density of stretches at the advance u, and its atoms, where what breaks re-forms.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub(super) fn stretch_density(
+        &self,
+        u: f64,
+        stretches: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<Stretches>> {
+        match &self.motion {
+            Motion::Renewed(renewal) => renewal.stretch_density(u, stretches, monitor).map(Some),
+            Motion::Held { .. } => Ok(None),
         }
     }
 

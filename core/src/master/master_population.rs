@@ -1,5 +1,7 @@
 //! The contacts of a master equation as a population that can be moved back and forth.
 
+mod state;
+
 use std::sync::Arc;
 
 use super::loading::{BranchEnergies, LoadingBranch};
@@ -8,9 +10,11 @@ use super::solved_branches::SolvedBranches;
 use super::unloading::UnloadingBranch;
 use super::{MasterEquation, Tolerance};
 use crate::Result;
-use crate::life::{Layer, LayerSums};
-use crate::monitor::Monitor;
+use crate::law::Atom;
+use crate::life::{Layer, LayerSums, Life, threshold_atoms};
+use crate::monitor::{Monitor, Watch};
 use crate::population::{Books, Direction, Population, Response, Way};
+use crate::rate_dependent::ContactsState;
 
 /// The contacts of a master equation as a [`Population`].
 ///
@@ -20,6 +24,8 @@ use crate::population::{Books, Direction, Population, Response, Way};
 #[derive(Debug, Clone)]
 pub struct MasterPopulation {
     interface: Arc<SolvedBranches>,
+    /// The life of the contacts at X = 0.
+    start: Arc<Life>,
     /// The present branch.
     branch: Arc<LoadingBranch>,
     /// The direction of the branch, and the position at its start.
@@ -69,6 +75,7 @@ impl MasterEquation {
         let branch = interface.first(self, monitor)?;
         Ok(MasterPopulation {
             interface: Arc::new(interface),
+            start: branch.first().clone(),
             branch: Arc::new(branch),
             direction: Direction::Forward,
             origin: 0.0,
@@ -428,7 +435,40 @@ impl Population for MasterPopulation {
         }
     }
 
+    fn stretch_density(
+        &self,
+        stretches: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Option<(Vec<f64>, Vec<Atom>)>> {
+        if self.interface.is_time_dependent() {
+            let found = self.branch.stretch_density(self.furthest, stretches, monitor)?;
+            return Ok(found.map(|found| (found.density, found.atoms)));
+        }
+        let (layers, sign) = (self.layers(), self.direction.sign());
+        let thresholds = self.interface.contacts.thresholds.as_ref();
+        let watch = Watch::new(monitor);
+        let unbroken = |x: f64| layers.iter().map(|layer| layer.unbroken_density(sign * x, thresholds)).sum();
+        let density = stretches.iter().map(|&x| watch.value(|| unbroken(x))).collect();
+        watch.check()?;
+        let shared = threshold_atoms(thresholds);
+        let atoms = layers.iter().flat_map(|layer| layer.unbroken_atoms(thresholds, &shared));
+        let mut atoms: Vec<_> = atoms
+            .map(|atom| Atom { position: sign * atom.position, ..atom })
+            .filter(|a| a.weight > 0.0)
+            .collect();
+        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
+        Ok(Some((density, atoms)))
+    }
+
     fn copy(&self) -> Box<dyn Population> {
         Box::new(self.clone())
+    }
+
+    fn state(&self) -> ContactsState {
+        self.kept()
+    }
+
+    fn restore(&mut self, state: &ContactsState, monitor: &mut dyn Monitor) -> Result<()> {
+        self.take_up(state, monitor)
     }
 }

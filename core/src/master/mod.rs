@@ -3,6 +3,7 @@
 //! ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ, with the hazard rate P = P_c/S (O. M. Braun and M.
 //! Peyrard, Phys. Rev. Lett. 100, 125501 (2008), Eq. 5), solved as a renewal equation: see [`Pull`].
 
+mod distribution;
 mod limits;
 mod loading;
 mod master_population;

@@ -7,8 +7,7 @@ use super::{Extremum, Stretches};
 use crate::Result;
 use crate::law::Atom;
 use crate::life::Life;
-use crate::monitor::{Monitor, Watch};
-use crate::numerics::breakpoints::same_position;
+use crate::monitor::Monitor;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::{brent_minimum, brent_root};
 
@@ -57,7 +56,7 @@ impl Pull {
 
     /// Density part of Γ(X), the fraction of contacts that break per unit length.
     pub fn breaking_rate(&self, position: f64) -> f64 {
-        at(&self.renewal.solution.density, position).max(0.0)
+        self.renewal.breaking_rate(position)
     }
 
     /// Point masses of Γ: positions at which a finite fraction of the contacts breaks simultaneously.
@@ -105,46 +104,7 @@ impl Pull {
         stretches: &[f64],
         monitor: &mut dyn Monitor,
     ) -> Result<Stretches> {
-        let at = |x: f64, watch: &Watch<'_>| self.density_at(position, x, watch);
-        Stretches::evaluated(stretches, at, self.stretch_atoms(position), monitor)
-    }
-
-    fn density_at(&self, position: f64, x: f64, watch: &Watch<'_>) -> f64 {
-        let past = self.simultaneous_breaks_by(position);
-        let (first, reformed) = (&self.renewal.first, &self.renewal.reformed);
-        let since = |born: &Atom| reformed.stretch_density(x, position - born.position, watch);
-        let single: f64 = past.iter().map(|born| born.weight * since(born)).sum();
-        let rate = |u: f64| if u > position { 0.0 } else { self.breaking_rate(position - u) };
-        let edges = &self.renewal.solution.density.boundaries;
-        let recent = edges.partition_point(|&b| b < position - x);
-        let cuts = edges[recent..].iter().take_while(|&&b| b < position).map(|b| position - b);
-        let cuts = cuts.chain(std::iter::once(position));
-        first.stretch_density(x, position, watch) + single + reformed.standing_density(x, rate, cuts, watch)
-    }
-
-    /// Point masses of Γ at or before `position` whose contacts may still be unbroken there.
-    fn simultaneous_breaks_by(&self, position: f64) -> &[Atom] {
-        let end = self.renewal.reformed.survival().curve().end();
-        let last = self.renewal.solution.atoms.partition_point(|a| a.position <= position * (1.0 + 1e-12));
-        let first = self.renewal.solution.atoms.partition_point(|a| a.position < position - end);
-        &self.renewal.solution.atoms[first.min(last)..last]
-    }
-
-    fn stretch_atoms(&self, position: f64) -> Vec<Atom> {
-        let mut atoms = self.renewal.first.stretch_atoms(position);
-        for birth in self.simultaneous_breaks_by(position) {
-            let aged = self.renewal.reformed.stretch_atoms((position - birth.position).max(0.0));
-            atoms.extend(aged.into_iter().map(|a| Atom { weight: a.weight * birth.weight, ..a }));
-        }
-        atoms.retain(|a| a.weight > 0.0);
-        atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
-        atoms.dedup_by(|b, a| {
-            let same =
-                same_position(a.position, b.position) || (a.position - b.position).abs() < 1e-13 * position;
-            a.weight += if same { b.weight } else { 0.0 };
-            same
-        });
-        atoms
+        self.renewal.stretch_density(position, stretches, monitor)
     }
 
     /// F_s and X_s: the maximum of F on (0, distance) and its position, at a jump the left limit; the first

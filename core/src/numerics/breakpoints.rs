@@ -3,6 +3,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::monitor::{Monitor, report};
 use crate::{Error, Result};
 
@@ -21,7 +23,7 @@ pub struct Atom {
 /// A jump has exponent 0 and its height as amplitude, a kink has exponent 1 and its change of slope, √x has
 /// exponent ½, a point mass has exponent −1 and its weight. In this normalisation the convolution of two such
 /// terms is again one: positions add, exponents add plus one, amplitudes multiply.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Breakpoint {
     /// Position.
     pub position: f64,

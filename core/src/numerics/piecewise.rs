@@ -1,11 +1,12 @@
 //! Functions given cell by cell as Legendre series of degree 15, with adaptive bisection.
 
 use num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use super::legendre::{NODES, Nodal, RULE, derivative, primitive, series, series_at};
 
 /// A function that is a polynomial of degree 15 on each cell of [start, end] and 0 elsewhere.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Piecewise {
     /// Boundaries of the cells, one more than cells.
     pub boundaries: Vec<f64>,

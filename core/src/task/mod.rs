@@ -29,7 +29,7 @@ mod ensemble;
 mod grid;
 mod hold_curve;
 mod in_time;
-mod interface;
+pub mod interface;
 mod protocol;
 mod pull;
 mod renormalisation;

@@ -8,6 +8,7 @@ use asperity::exact::{ClosedForm, Gaussian, Identical, Rectangular};
 use asperity::monitor::Monitor;
 use asperity::numerics::legendre::RULE;
 use asperity::population::{Books, Direction, Population, Response, Way};
+use asperity::rate_dependent::ContactsState;
 
 /// Second moment ∫x²Q of the stretches and breaks per contact after an advance u, from relaxed contacts.
 type Moments = Arc<dyn Fn(f64) -> (f64, f64) + Send + Sync>;
@@ -210,5 +211,13 @@ impl Population for ClosedCurve {
 
     fn copy(&self) -> Box<dyn Population> {
         Box::new(self.clone())
+    }
+
+    fn state(&self) -> ContactsState {
+        unimplemented!("nobody keeps it")
+    }
+
+    fn restore(&mut self, _state: &ContactsState, _monitor: &mut dyn Monitor) -> Result<()> {
+        unimplemented!("nobody keeps it")
     }
 }

@@ -4,6 +4,7 @@
 use asperity::Result;
 use asperity::monitor::Monitor;
 use asperity::population::{Books, Direction, Population, Response, Way};
+use asperity::rate_dependent::ContactsState;
 
 /// Force at the start, and lengths and slopes of lines, the last of which has no end. What is stored is none of it.
 #[derive(Clone)]
@@ -73,5 +74,13 @@ impl Population for Polyline {
 
     fn copy(&self) -> Box<dyn Population> {
         Box::new(self.clone())
+    }
+
+    fn state(&self) -> ContactsState {
+        unimplemented!("nobody keeps it")
+    }
+
+    fn restore(&mut self, _state: &ContactsState, _monitor: &mut dyn Monitor) -> Result<()> {
+        unimplemented!("nobody keeps it")
     }
 }

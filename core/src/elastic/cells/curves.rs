@@ -24,6 +24,8 @@ pub struct Curves {
     first: CurveTable,
     /// The curve of contacts that have all just re-formed.
     fresh: CurveTable,
+    /// The contacts where their curves begin.
+    begun: [Box<dyn Population>; 2],
     /// X since the start, or since the contacts last re-formed together.
     advances: Vec<f64>,
     courses: Vec<CellCourse>,
@@ -62,7 +64,8 @@ impl Curves {
         fresh.reset(Direction::Forward, monitor)?;
         Ok(Self {
             first: CurveTable::new(population.copy(), monitor)?,
-            fresh: CurveTable::new(fresh, monitor)?,
+            fresh: CurveTable::new(fresh.copy(), monitor)?,
+            begun: [population.copy(), fresh],
             advances: vec![0.0; number],
             courses: vec![CellCourse::First; number],
             scales: Vec::new(),
@@ -356,7 +359,15 @@ impl Cells for Curves {
         self.courses = renewed.into_iter().map(course).collect();
         (self.advances, self.settled, self.margin) = (advances, settled, 0.0);
         self.detached.clear();
-        self.first.resume(intervals[0], 0.0, monitor)?;
-        self.fresh.resume(intervals[1], 0.0, monitor)
+        for ((table, begun), known) in
+            [&mut self.first, &mut self.fresh].into_iter().zip(&self.begun).zip(intervals)
+        {
+            // Steps depend on how far a curve is known.
+            if table.intervals() > known {
+                *table = CurveTable::new(begun.copy(), monitor)?;
+            }
+            table.resume(known, 0.0, monitor)?;
+        }
+        Ok(())
     }
 }

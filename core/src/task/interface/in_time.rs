@@ -12,9 +12,10 @@ use crate::task::tolerance_over;
 
 /// Cells in time on an elastic slider.
 pub struct DrivenRateDependentCells {
-    interface: RateDependentInterface,
+    /// The cells.
+    pub interface: RateDependentInterface,
     /// Of the drive.
-    velocity: f64,
+    pub velocity: f64,
 }
 
 impl DrivenRateDependentCells {
@@ -22,7 +23,7 @@ impl DrivenRateDependentCells {
     ///
     /// # Errors
     /// What [`scenario::Interface::in_time`] refuses; no velocity.
-    pub fn new(
+    pub(super) fn new(
         model: &Model,
         task: &scenario::Drive,
         interface: &scenario::Interface,

@@ -16,11 +16,10 @@ use crate::monitor::{Monitor, Part};
 use crate::record::{Column, LARGEST, Quantity, Record};
 use crate::scenario::{self, Drive, Model, PerCell, Task, Units};
 use crate::{Error, Result};
-use cells::DrivenCells;
-use contacts::DrivenContacts;
-use in_time::DrivenRateDependentCells;
-pub use in_time::cells_in_time;
-use model::DrivenInterface;
+pub use cells::DrivenCells;
+pub use contacts::DrivenContacts;
+pub use in_time::{DrivenRateDependentCells, cells_in_time};
+pub use model::DrivenInterface;
 use output_points::{OutputPoint, output_points};
 use run::{Found, InterfaceRun};
 
