@@ -110,6 +110,7 @@ impl Pull {
     }
 
     fn density_at(&self, position: f64, x: f64, watch: &Watch<'_>) -> f64 {
+        // Initial contacts, contacts re-formed at point masses of Γ, and those re-formed continuously.
         let past = self.simultaneous_breaks_by(position);
         let (first, reformed) = (&self.renewal.first, &self.renewal.reformed);
         let since = |born: &Atom| reformed.stretch_density(x, position - born.position, watch);
