@@ -196,6 +196,8 @@ impl ThresholdDiffusion {
         let next = step.mean + step.std * normal;
         let end = path.after(step.span);
         let gaps = (threshold - path.stretch, next - end);
+        // First passage: the threshold has crossed the stretch at the end of the step, or its Brownian bridge
+        // has in between.
         let passed = gaps.1 <= 0.0 && end > self.low;
         let meets = passed || !step.free && bridge_reaches_zero(gaps, step.bridge, stream);
         let span = if meets { step.span * hitting_fraction(gaps, step.bridge, stream) } else { step.span };
@@ -310,6 +312,7 @@ fn bridge_reaches_zero((first, last): (f64, f64), variance: f64, stream: &mut St
 fn hitting_fraction((first, last): (f64, f64), variance: f64, stream: &mut Stream) -> f64 {
     let (mean, shape) = (first / last.abs().max(f64::MIN_POSITIVE), first * first / variance);
     let normal: f64 = StandardNormal.sample(stream);
+    // The smaller root of the quadratic equation of the method, in a form without cancellation.
     let half = 0.5 * mean * normal * normal / shape;
     let smaller = mean / (1.0 + half + (half * (2.0 + half)).sqrt());
     let odds = if stream.uniform() * (mean + smaller) <= mean { smaller } else { mean / smaller * mean };

@@ -168,6 +168,8 @@ impl KnownThreshold {
         if time_of_passage.is_infinite() {
             return integral_reaches(rate, span, remaining_hazard).map(|elapsed| segment.start + elapsed);
         }
+        // Substitution y = √T − √(T − t), T the time of passage, which removes the singularity of the rate at
+        // T.
         let root = (time_of_passage - segment.start).sqrt();
         let length = span / (root + (time_of_passage - segment.start - span).sqrt());
         let elapsed = |y: f64| y * (2.0 * root - y);

@@ -265,6 +265,7 @@ impl Population for EnsemblePopulation {
             let end = self.end(&mut ())?;
             if by < end - self.position { self.position + by } else { end }
         };
+        // Keeps the base of the sums close, so that moments do not cancel.
         if (self.position - self.sums.base).abs() > self.span {
             self.sums.renew(self.position, self.queue.iter());
         }

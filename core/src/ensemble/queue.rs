@@ -144,6 +144,7 @@ impl Queue {
     /// The contact that breaks first.
     #[inline]
     pub(super) fn first(&mut self, monitor: &mut dyn Monitor) -> Result<Option<&QueuedContact>> {
+        // Contacts added late are kept in a heap of their own; the next one is the first of both.
         if self.near.is_empty() {
             self.descend(monitor)?;
         }
@@ -214,6 +215,7 @@ impl Queue {
             low = low.min(contact.end());
             sum += contact.end();
         })?;
+        // Markov's inequality: at least half of the contacts break before twice the mean distance.
         let rungs = (self.beyond.len() / PER_RUNG).clamp(1, RUNGS);
         let width = 2.0 * (sum / self.beyond.len() as f64 - low) / rungs as f64;
         // Infinite for contacts that all break together; the first is then on the lowest rung all the same.

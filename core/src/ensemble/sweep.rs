@@ -71,6 +71,7 @@ impl Sweep<'_> {
         let mut snapshots = self.snapshots.positions.iter().zip(histograms).peekable();
         loop {
             let until = snapshots.peek().map_or(last, |(position, _)| **position);
+            // Batches of lives drawn ahead, then one break through the general path when they are used up.
             contact = self.advance_drawn(contact, until, lives, batch, cells, breaks);
             let end = contact.end();
             while let Some((position, histogram)) = snapshots.next_if(|(position, _)| **position < end) {

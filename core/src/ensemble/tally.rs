@@ -207,6 +207,7 @@ pub(super) fn forces<C: TallyCell>(
     let mut point = |(cell, &position): (&C, &f64)| {
         let step = position - before;
         before = position;
+        // Propagation of Σf² and Σf over one interval without breaks, then the jumps at its end.
         ff += step * (2.0 * kf + step * kk);
         f += step * k;
         kf += step * kk;

@@ -229,6 +229,7 @@ impl<'a> Follow<'a> {
         let draws = |purpose| Stream::new(self.ensemble.seed, purpose, lives.number(index));
         let mut draws =
             TimedDraws { breaking: draws(Purpose::Breaking), diffusion: draws(Purpose::Diffusion) };
+        // Alternating renewal process: attached until the break, free for the delay.
         let (mut life, mut birth, mut next) = (lives.first(index), 0.0, 0);
         // Only a relaxed start has contacts at or above their thresholds: they break where they are.
         if life.stretch >= life.threshold {

@@ -20,6 +20,7 @@ pub(super) fn panel_boundaries(law: &dyn Law) -> Vec<f64> {
     boundaries.dedup();
     let mut panels: Vec<f64> = Vec::with_capacity(boundaries.len());
     for boundary in boundaries {
+        // Densities may vary as a power of x.
         while panels.last().is_some_and(|&last| last > 0.0 && boundary > 2.0 * last) {
             panels.push(2.0 * panels[panels.len() - 1]);
         }

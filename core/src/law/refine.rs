@@ -53,6 +53,8 @@ pub(super) fn refine(
     if endless {
         follow_tail(&mut density, &mut cells)?;
     }
+    // Bisect until resolved, drop negligible ends, merge what bisection has cut too finely, then put kinks
+    // exactly on boundaries; the second alignment uses the series of the first.
     let (cells, masses) = bisected(&mut density, cells, tolerance)?;
     let cells = merged(&mut density, trimmed(cells, &masses), &masses, tolerance)?;
     let cells = aligned(&mut density, cells)?;

@@ -326,6 +326,7 @@ impl Law for Renormalised {
     /// ∫ e^{−sX(x)} dP by quadrature. For Re s < 0 only the difference from the known integral of e^{−s(x −
     /// κx̄)} is integrated, since the tails are the same.
     fn laplace(&self, s: Complex64) -> Complex64 {
+        // For Re s < 0 the integrand grows into the tail, where it is only known analytically.
         if s.re >= 0.0 {
             return self.relaxed() + self.sum(s, |mass| mass.weight * (-s * mass.drive).exp());
         }

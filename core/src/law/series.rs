@@ -414,6 +414,7 @@ impl Law for Series {
         if p > 0.5 {
             return self.upper_quantile(1.0 - p);
         }
+        // Inversion within one cell, whose integral is a polynomial.
         let i = self.below.partition_point(|below| *below < p);
         let Some(cell) = i.checked_sub(1) else { return self.start() };
         self.invert(cell, |x| self.below[cell] + self.lower(cell, x) - p)

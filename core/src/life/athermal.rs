@@ -82,6 +82,7 @@ pub(super) fn of_layers(
     let wide = 0.25 * scale(law);
     onsets.into_iter().for_each(|onset| begin(&mut breakpoints, &moments[0], onset, wide));
     breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
+    // Integration from the end of life makes tails accurate relative to themselves.
     let carried = Carried::new(&breaking, &moments, end);
     let smoother: Vec<_> =
         breakpoints.iter().map(|&b| Breakpoint { exponent: b.exponent + 1.0, ..b }).collect();

@@ -120,9 +120,12 @@ pub(super) fn of_cohorts(
         at(u)
     };
     let model = &cohorts.model;
+    // With k = κ h the stiffness changes by ageing even where nothing breaks, and needs cells of its own.
     let finer =
         per_threshold.then(|| stiffening(&reported, edges, contacts.thresholds.mean(), model.roughness()));
     let edges = finer.as_ref().unwrap_or(edges);
+    // The first function decides on the cells: the breaking density, weighted by its effect on the results.
+    // The others are integrals of it and smoother.
     let curves = Piecewise::resolve_all(
         |u| {
             report_progress(begun, 1.0, u);
@@ -178,6 +181,7 @@ impl Outline {
         stops.retain(|&u| u > 0.0);
         stops.sort_by(f64::total_cmp);
         let (mut edges, mut next, mut sums) = (vec![(0.0, start.survival)], first, [0.0; 4]);
+        // Cells double in width unless too many contacts would break in one of them.
         loop {
             let (before, left) = edges[edges.len() - 1];
             let stop =

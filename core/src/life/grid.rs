@@ -142,6 +142,7 @@ impl ThresholdGrid {
             part.each(exposed, known, visit);
             return Search::Continue(());
         }
+        // Fixed thresholds allow cached hazards; below the finest of them points are chosen freely.
         let Some(halves) = &part.halves else { return self.cut([low, high], least, exposed, visit) };
         let place = halves[1].place;
         let middle = self.fixed[place];

@@ -96,6 +96,7 @@ impl RunningMaximum {
         let mut at = (self.velocity * self.evolution.soon()).clamp(1e-12 * highest, highest);
         while at.is_finite() {
             let (here, pace) = self.newborn_and_slope(at);
+            // A pause opens where h_0 starts to fall and closes where it exceeds its old maximum.
             match open {
                 None if pace < 0.0 => {
                     let from = brent_root(slope, before, at, 0.0).unwrap_or(before);

@@ -195,6 +195,7 @@ impl ThermalHazardAt<'_> {
         let fraction = 1e-13_f64.max(16.0 * f64::EPSILON * exponent(0.0).max(exponent(end)));
         let resolution = Resolution::Relative { fraction, negligible: NEGLIGIBLE / end };
         let rate = Piecewise::resolve(rate, &edges, end, resolution);
+        // The integral from 0 to u, as that from u to the end of the mirrored function.
         rate.mirrored().integrated_from_end(0.0, &[]).mirrored()
     }
 

@@ -29,6 +29,7 @@ impl RenewalSolution {
     }
 
     fn density_at(&self, position: f64, x: f64, watch: &Watch<'_>) -> f64 {
+        // Initial contacts, contacts re-formed at point masses of Γ, and those re-formed continuously.
         let past = self.simultaneous_breaks_by(position);
         let (first, reformed) = (&self.first, &self.reformed);
         let since = |birth: &Atom| reformed.stretch_density(x, position - birth.position, watch);

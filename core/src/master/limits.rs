@@ -201,6 +201,7 @@ fn ln_average(law: &dyn Law, g: impl Fn(f64) -> f64) -> Option<f64> {
     let inside = |pair: &[f64]| [1e-9, 0.5, 1.0 - 1e-9].map(|part| f(pair[0] + part * (pair[1] - pair[0])));
     let most =
         atoms.clone().chain(panel_boundaries.windows(2).flat_map(inside)).fold(f64::NEG_INFINITY, f64::max);
+    // Sums are relative to the largest integrand, which may over- or underflow by itself.
     let atoms: f64 = atoms.map(|atom| (atom - most).exp()).sum();
     let panels = panel_boundaries.windows(2).map(|pair| panel(&|h| f(h) - most, [pair[0], pair[1]], 0));
     let sum = atoms + panels.sum::<f64>();

@@ -229,6 +229,7 @@ impl<'a, 'm> Transform<'a, 'm> {
         let mut s = guess + 1e-3 / self.mean;
         for _ in 0..60 {
             let value = self.breaking(s);
+            // Secant step for ln φ̂(s) = 0 (mod 2πi).
             let step = value.ln() * (s - before.0) / (value / before.1).ln();
             if !step.is_finite() || step.norm() > 4.0 / self.mean {
                 return None;
@@ -252,6 +253,7 @@ impl<'a, 'm> Transform<'a, 'm> {
             return self.harmonics(3).filter_map(|guess| self.polish(guess)).take(1).collect();
         }
         let mut found: Vec<Complex64> = Vec::new();
+        // Each root is verified; completeness follows from the argument principle, not from the guesses.
         for density in [1, 4] {
             for guess in self.guesses(density) {
                 let new = |s: &Complex64| !found.iter().any(|r| (r - s).norm() < 1e-6 / self.mean);

@@ -102,6 +102,7 @@ impl RenewalSolution {
             &mut Aside { fraction: 1.0, monitor },
         )?;
         let slope = slope(&force, reformed);
+        // The error is measured on the result, not inferred from the tolerances.
         let mut renewal =
             Self { first: first.clone(), reformed: reformed.clone(), solution, force, slope, error: 0.0 };
         renewal.error = renewal.estimated_error();

@@ -22,6 +22,7 @@ pub fn integral_reaches(f: impl Fn(f64) -> f64, length: f64, remaining: &mut f64
         let coefficients = RULE.coefficients(&RULE.nodes.map(|t| f(from + half * (1.0 + t))));
         let panel_integral = width * coefficients[0];
         let relative_error = tail(&coefficients) * half / ERROR.0.max(ERROR.1 * panel_integral);
+        // The truncation error scales as the 16th power of the width.
         let next = width * (0.9 * relative_error.powf(-1.0 / NODES as f64)).clamp(0.2, 4.0);
         if relative_error > 1.0 && width > f64::EPSILON * length {
             width = next;

@@ -133,6 +133,8 @@ pub fn renewed(
     monitor: &mut dyn Monitor,
 ) -> Result<Vec<Breakpoint>> {
     let wanted = |b: &Breakpoint| b.position <= end && (b.is_atom() || matters(b));
+    // Each breakpoint of g, convolved with those of the kernel, gives further ones at larger positions: the
+    // heap visits them in order, each once.
     let mut queue: BinaryHeap<_> =
         source.iter().copied().filter(wanted).map(|b| Reverse(Queued(b))).collect();
     let mut found: Vec<Breakpoint> = Vec::new();

@@ -111,6 +111,7 @@ impl CutoffDistribution {
         let mut law = Self { exponent: 1.5_f64.min(pure.exponent), rate: means[1].recip() };
         let mut moments = law.moments();
         for _ in 0..ITERATIONS {
+            // Newton step: the Hessian of the log-likelihood is minus the covariance matrix.
             let off = [moments.mean(1) - means[0], moments.mean(2) - means[1]];
             let [own, mixed, other] = moments.covariance();
             let determinant = own * other - mixed * mixed;

@@ -60,6 +60,7 @@ fn nodes_in_time(longest: usize) -> Vec<(f64, f64)> {
 /// e^{−z} I_m(z) for 0 ≤ m < `count`, I_m the modified Bessel functions.
 fn scaled_bessel(z: f64, count: usize) -> Vec<f64> {
     let order = count as f64;
+    // Hankel's series needs z ≫ m² for all m; Miller's recurrence takes O(√z) steps.
     if z > 100.0 + 25.0 * order * order { asymptotic(z, count) } else { by_recurrence(z, count) }
 }
 

@@ -67,9 +67,11 @@ pub fn fewest(points: &[(f64, f64)], length: f64, most: f64) -> Vec<(f64, f64)> 
         if zeros.len() < count {
             break;
         }
+        // The tolerance over the bound on g^{(2n)}/(2n)!, built up step by step without large factorials.
         allowed *= count as f64 * (length / half).powi(2);
         let missed: f64 = scaled.iter().map(|&(x, weight)| weight * orthogonal.last(x).powi(2)).sum();
         if missed <= allowed {
+            // Christoffel's formula for the weights.
             let weighted = |&x: &f64| {
                 let sum: f64 = orthogonal.at(x).zip(&orthogonal.norms).map(|(p, norm)| p * p / norm).sum();
                 (middle + half * x, 1.0 / sum)

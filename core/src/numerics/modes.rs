@@ -57,6 +57,8 @@ impl Modes {
     /// Multiplies each mode of `field` by a factor. `factor(mode, column)` receives a mode along the rows and
     /// the amplitudes of all modes down that column.
     pub fn multiply(&mut self, field: &mut [f64], factor: impl Fn(usize, &mut [f64]) + Sync) {
+        // Transforms along rows leave a transposed array, so that columns are contiguous for the second
+        // transform.
         self.along_rows(field);
         self.down_columns(field, factor);
         self.back_along_rows(field);

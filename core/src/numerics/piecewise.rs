@@ -284,6 +284,7 @@ fn cell_transform(coefficients: &Nodal, z: Complex64) -> ([Complex64; 2], f64) {
 /// The same for large |z|, divided by e^{|Re z|}. The integrals J_n = ∫e^{−zt} P_n dt satisfy J_{n+1} =
 /// J_{n−1} + (2n+1) J_n/z, which is stable for n < |z|.
 fn far_transform(coefficients: &Nodal, z: Complex64) -> [Complex64; 2] {
+    // Both ends of the integration by parts, scaled by the larger exponential.
     let (up, down) = ((-z - z.re.abs()).exp(), (z - z.re.abs()).exp());
     let mut last = (down - up) / z;
     let mut next = last / z - (up + down) / z;

@@ -66,6 +66,8 @@ impl Chain {
         let [rest @ .., last] = right else { return true };
         let end = rest.len() - 1;
         let both = |j: usize| ground(j) + if j == 0 || j == end { k } else { 0.0 };
+        // Sherman–Morrison-like reduction of a cyclic tridiagonal system: the chain without its last site is
+        // solved for two right-hand sides.
         let mut follow = std::mem::take(&mut self.follow);
         follow.clear();
         follow.resize(rest.len(), 0.0);

@@ -58,6 +58,7 @@ impl Closure<'_> {
         let middles = operator.middles();
         let newborn = self.maturing.newborn(&middles, -1.0, &mut watch).unwrap_or_default();
         let solve = |mean: f64| resolved(&operator, mean / self.velocity, &newborn);
+        // The mean C is implicit: the time constant of the equation contains the mean of its solution.
         let excess = |mean: f64| {
             let masses = solve(mean);
             middles.iter().zip(&masses).map(|(h, mass)| h * mass).sum::<f64>() - mean

@@ -295,7 +295,7 @@ impl RanksAtAge<'_> {
         if threshold >= high {
             return (self.ranks.rows[0][RANKS - 1] + threshold - high, FAR);
         }
-        // Bisection for the tabulated rank just below.
+        // Bisection for the tabulated rank just below, then inverse interpolation.
         let (mut below, mut above) = (0, RANKS - 1);
         while above - below > 1 {
             let middle = (below + above) / 2;

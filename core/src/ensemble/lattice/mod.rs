@@ -258,6 +258,7 @@ impl Lattice {
         let force_before = self.force();
         let epicentre = self.start_avalanche();
         let (mut size, mut duration, mut released, mut lost) = (0, 0, 0.0, 0.0);
+        // One generation per iteration, as in parallel updates of the automaton.
         while !self.front.is_empty() {
             size += self.front.len() as u64;
             duration += 1;

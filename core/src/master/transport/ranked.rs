@@ -250,6 +250,7 @@ impl RankedThresholds {
             let label = Label { newborn: atom.position, rank: rank.as_ref() };
             fitted(label, &mut |moments| *exponent += thermal.added_to(moments, label));
         }
+        // Panels at whose upper end everything has broken need not be stored.
         let mut gone = |number: u64| {
             let (ranks, mut added) = (self.ranks(grid, number), 0.0);
             let rank = ranks.as_ref().map(|ranks| &ranks[NODES]);

@@ -141,6 +141,7 @@ impl StepResponse {
         let count = ((high / low).ln() * PER_FOLD).ceil().max(1.0);
         let grid = (0..=count as u32).map(|k| low * (high / low).powf(f64::from(k) / count));
         let line: Vec<(f64, f64)> = grid.map(|frequency| (frequency, imaginary(frequency))).collect();
+        // Bracketed sign changes of Im D on a logarithmic grid.
         let inside =
             line.windows(2).filter(|pair| (pair[0].1 > 0.0) != (pair[1].1 > 0.0)).filter_map(|pair| {
                 let frequency = brent_root(imaginary, pair[0].0, pair[1].0, 0.0)?;

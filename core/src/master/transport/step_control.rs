@@ -100,6 +100,7 @@ impl StepControl {
         let extrapolation_error = self.extrapolation_error(duration, share) / self.extrapolation_error;
         let curvature = share.end * deaths.curve().1.abs() / self.curvature;
         let early = deaths.early / MOST_DEATHS;
+        // The extrapolation error is of third order in the duration, the curvature too.
         let factor = (0.9 / extrapolation_error.cbrt())
             .min(0.9 / curvature.cbrt())
             .min(0.9 / early)

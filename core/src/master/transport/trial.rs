@@ -87,6 +87,8 @@ impl StepAttempt<'_> {
         let (before, spent) = total(&passed[..old]);
         let [early, late] = [old, old + seeds].map(|from| total(&passed[from..][..seeds]));
         let deaths = EarlyBreaks { early: early.0.end, late: late.0.end };
+        // Cohorts formed in this step were advanced with unit mass; the balance of breaks and formation gives
+        // their masses.
         let (share, masses) = self.balance(path, before.plus(dropped), deaths);
         for (i, cohort) in cohorts[old..].iter_mut().enumerate() {
             cohort.mass *= masses[i / seeds];

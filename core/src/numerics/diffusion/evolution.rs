@@ -68,6 +68,7 @@ impl Evolution<'_> {
         if !self.absorbing || there * length < self.tolerance {
             return;
         }
+        // The boundary layer grows like √(Dt); until it has this mass it need not be resolved.
         let unseen = self.tolerance / there;
         self.next = self.next.min((unseen * unseen / diffusion).max(1e-26 * length * length / diffusion));
         let layer = (diffusion * self.next).sqrt();
@@ -99,6 +100,8 @@ impl Evolution<'_> {
             };
             let field = Field { loss: self.field.loss.map(|_| &lost as Loss<'_>), ..self.field };
             let slab = slab(&start, &motion, &field, 0.02 * self.tolerance);
+            // A step is repeated with finer elements, or a shorter duration, until both errors are below the
+            // tolerance.
             let missed = truncation_in_time(&start, &slab.stages, &RADAU);
             let last = tries >= MOST_TRIES;
             let roughness: Vec<f64> = (0..start.count()).map(|i| self.roughness(i, &slab.stages)).collect();
@@ -183,6 +186,7 @@ fn refined(edges: &[f64], roughness: &[f64], absorbing: bool) -> Vec<f64> {
             if i == 0 && absorbing {
                 out.extend([pair[0] + width / 16.0, pair[0] + width / 4.0]);
             } else {
+                // The error of an element falls as the 16th power of its width.
                 let parts = (1.3 * roughness[i].powf(1.0 / 16.0)).ceil().clamp(2.0, 4.0);
                 out.extend((1..parts as u32).map(|k| pair[0] + width * f64::from(k) / parts));
             }

@@ -159,6 +159,7 @@ impl MovingGrid {
         rows[0].down = 0.0;
         if rise.absorbing {
             let (cell, half) = (self.cells[0], length * self.cells[0].middle);
+            // Scharfetter–Gummel flux over the half cell next to the floor, in the frame of the floor.
             let slope = at(&self.cells[1]) - low;
             let fall = -slope * cell.next * cell.middle - travel / spread * half;
             rows[0].down = spread * bernoulli(fall) / half * cell.inverse * per_length;
@@ -168,6 +169,7 @@ impl MovingGrid {
             let high = at(next);
             let (rise, rate, carried) =
                 (high - low, spread * cell.next * per_length, 0.5 * travel * cell.lag);
+            // B(−δ) = B(δ) + δ.
             let gentle = bernoulli(rise);
             rows[i].up = (rate * gentle - carried) * cell.inverse * per_length;
             rows[i + 1].down = (rate * (gentle + rise) + carried) * next.inverse * per_length;

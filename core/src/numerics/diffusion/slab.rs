@@ -177,6 +177,9 @@ pub(super) fn slab(density: &Elements, motion: &EdgeMotion, field: &Field<'_>, t
     let rounding = 2.0 * f64::EPSILON * density.mass().abs();
     let mut iteration_error = f64::INFINITY;
     for sweep in 0..MOST_SWEEPS {
+        // Spectral deferred correction: the part of the Radau quadrature that the implicit sweep does not
+        // contain is taken from the rates of the previous sweep. At convergence both parts add up to the
+        // collocation equations.
         let fixed: Vec<Vec<Nodal>> = (0..STAGES)
             .map(|m| {
                 let implicit = |l: usize| if l <= m { RADAU.sweep[m][l] } else { 0.0 };
@@ -289,7 +292,9 @@ impl<'a> SlabMesh<'a> {
             rows[i][2] = inner.ends[0][1];
             rows[i + 1][0] = inner.ends[1][0];
         }
+        // Only the values at the edges couple neighbouring elements.
         tridiagonal(&mut rows, &mut ends, usize::from(self.motion.absorbing));
+        // Back substitution of the inner functions.
         for (i, (cell, out)) in self.cells[m].iter().zip(&mut moments).enumerate() {
             (out[0], out[1]) = (ends[i], ends[i + 1]);
             for (j, down) in cell.inner.down.iter().enumerate() {

@@ -86,6 +86,7 @@ impl Body {
         let series =
             PassageSeries::new(first, [-rate * unit, -stiffness * unit * unit], LONGEST.min(1.5 * guess));
         // u̇ = e^{−βt} [u̇₀ cos ωt + (ü₀ + βu̇₀)/ω sin ωt], 2β = γ/M, ω² = r/M − β².
+        // Rest is known in closed form; the arrival at `length` is not, with damping.
         let beta = 0.5 * rate;
         let rest = arc(speed, -(begin + beta * speed), stiffness - beta * beta) * fastest;
         let PassageEnd { time, way, speed } = series.end(length, guess, rest);

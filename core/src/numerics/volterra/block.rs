@@ -76,6 +76,7 @@ impl<'a> Blocks<'a> {
         let run = mesh.runs[self.run as usize];
         let (end, ahead) = (self.kernel.curve().end(), cell - run.first);
         let near = |lag: usize| (lag as f64 - 1.0) * run.width < end;
+        // Cells of the same run: one block for each distance (block Toeplitz).
         for source in (run.first..values.len()).rev().take_while(|source| near(cell - source)) {
             if let Some(block) = &self.within_run(run.width, cell - source).block {
                 apply(block, &values[source], out);
@@ -84,6 +85,8 @@ impl<'a> Blocks<'a> {
         if self.past.is_none() && ahead >= SHORT_RUN && run.first > 0 {
             self.past = Resampled::of(run, density, end);
         }
+        // Earlier runs have other widths. Resampled on the cells of this run they can use the same blocks, as
+        // long as neither the density nor the kernel has structure that the resampling loses.
         let slack = self.slack;
         let Some(past) = self.past.take() else {
             return self.add_cells(mesh, cell, &values[..run.first.min(values.len())], out);

@@ -61,6 +61,8 @@ impl Kernel {
             if edges[k] >= high {
                 break;
             }
+            // Smooth boundaries only matter where the cells of the kernel are narrower than those of the
+            // solution.
             let left = k.checked_sub(1).map_or(f64::INFINITY, |j| edges[k] - edges[j]);
             let right = edges.get(k + 1).map_or(f64::INFINITY, |b| b - edges[k]);
             if self.at_breakpoint[k] || left.min(right) < 0.49 * width {

@@ -68,6 +68,7 @@ pub fn solve(
     // show in the density that `renewed` refuses them would take hours in any case.
     let shows_in_density = |b: &Breakpoint| b.weight(spacing) > 10.0 * accuracy.density;
     let matters = |b: &Breakpoint| shows_in_density(b) && b.weight(spacing) * spacing > 10.0 * accuracy.mass;
+    // This call only refuses cases with too many breakpoints, before any work is done.
     renewed(source.breakpoints(), kernel.breakpoints(), end, shows_in_density, monitor)?;
     let breakpoints = renewed(source.breakpoints(), kernel.breakpoints(), end, matters, monitor)?;
     let atoms = breakpoints
@@ -98,6 +99,7 @@ pub fn solve(
     let convolved = breakpoints.iter().flat_map(|b| onsets[1].iter().map(|onset| b.convolve(*onset)));
     let further = onsets[0].iter().copied().chain(convolved).filter(shows);
     let all = breakpoints.iter().copied().chain(further).map(|b| b.position);
+    // Cells end on each of these, so that the solution is smooth on every cell.
     let mut stops: Vec<f64> = all.filter(|&x| x > 0.0 && x < end).chain([end]).collect();
     stops.sort_by(f64::total_cmp);
     stops.dedup_by(|b, a| same_position(*a, *b));
@@ -237,6 +239,7 @@ impl March<'_> {
             .values
             .last()
             .map_or(0.0, |values| values.iter().fold(0.0, |most: f64, v| most.max(v.abs())));
+        // Where almost nothing breaks, wide cells lose nothing.
         let many = left.min(self.kernel.curve().end()) > 512.0 * self.base;
         let quiet = many && largest * width < 1e-3 * self.accuracy.mass;
         let recovering = width < 0.3 * self.base && truncation < 0.05 * limit.max(self.accuracy.mass / width);
@@ -317,6 +320,8 @@ impl March<'_> {
             self.values.push(values);
             self.density.boundaries.push(stop);
             self.density.coefficients.push(RULE.coefficients(&values));
+            // Wider cells than the initial ones might step over a narrow feature, which the conservation law
+            // reveals.
             if width <= 1.01 * self.base || self.conserves(cell) {
                 return Some(truncation);
             }
