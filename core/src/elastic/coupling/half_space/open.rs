@@ -10,7 +10,7 @@ use crate::numerics::line::Line;
 use crate::numerics::modes::Modes;
 use crate::shape::Shape;
 
-/// A = self_stiffness − weights, own_j = Σ_i weights_ji: cells act on each other as in an infinite plane.
+/// A_ji = −w_ji with weights w, A_jj = Σ_i w_ji: cells act on each other as in an infinite plane.
 pub(super) struct OpenEdges {
     scale: f64,
     pairs: Pairs,
@@ -96,7 +96,7 @@ impl Pairs {
     }
 }
 
-/// Length of a ring on which a line of `side` cells does not meet itself, and which is quickly transformed: even, and
+/// Length of a ring on which a line of `side` cells does not overlap itself, and whose transform is fast: even, and
 /// without prime factors above 5.
 fn padded(side: usize) -> usize {
     let smooth = |mut n: usize| {
