@@ -1,7 +1,7 @@
 //! A slider block in time, over time-dependent contacts: they age while it sticks.
 //!
 //! M Ẍ = K(X_T(t) − X) − F − γẊ, with the drive X_T(t) a [`History`] that begins in balance, X_T = X + F/K:
-//! [`crate::dynamics`] for a single cell, which unloads its contacts where it is arrested.
+//! the equation of motion of [`crate::dynamics`] for a single cell, which unloads its contacts where it is arrested.
 
 mod log;
 

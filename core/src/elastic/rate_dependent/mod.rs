@@ -2,7 +2,7 @@
 //!
 //! η Ẋ_j = K_0j(X_T − X_j) − (AX)_j − F_j[X_j(·), t],
 //!
-//! which [`crate::dynamics`] integrates. Cells move forward only; one that its contacts would pull back stands. Time passes for
+//! which the room `dynamics` integrates. Cells move forward only; one that its contacts would pull back stands. Time passes for
 //! all of them, so that contacts age while cells stick. There is no balance to be lost and found: where friction falls faster
 //! than springs do, cells become fast, and η limits how fast they are.
 
