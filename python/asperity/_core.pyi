@@ -469,7 +469,11 @@ class MasterEquation(Model):
         """The allowed error of the force per contact and per ⟨k⟩ × mean threshold; None for the default aim of 1e-10."""
 
     def simulation(self) -> Simulation:
-        """."""
+        """Begins a simulation of the contacts under a rigid slider that is moved step by step, at X = 0.
+
+        Its events are the breaks of many contacts together.
+        """
+
     def pull(
         self, distance: _Number = 20.0, points: SupportsIndex = 2001, *, progress: _Progress = None
     ) -> Pull:
@@ -528,7 +532,11 @@ class Ensemble(Model):
         """The kind of disorder, "annealed" or "quenched"."""
 
     def simulation(self) -> Simulation:
-        """."""
+        """Begins a simulation of the contacts under a rigid slider that is moved step by step, at X = 0.
+
+        Its events are the breaks of contacts.
+        """
+
     def pull(
         self,
         distance: _Number = 20.0,
@@ -659,7 +667,11 @@ class Block(Description):
         """
 
     def simulation(self) -> Simulation:
-        """."""
+        """Begins a simulation that is driven step by step, at X_T = 0.
+
+        Raises ValueError for a Transport and for contacts that are time-dependent, unless the MasterEquation has a velocity.
+        """
+
     def drive(
         self,
         distance: _Number | None = None,
@@ -1096,7 +1108,13 @@ class Deformable(Description):
         """
 
     def simulation(self, *, velocity: _Number | None = None, tolerance: _Number | None = None) -> Simulation:
-        """."""
+        """Begins a simulation that is driven step by step, at X_T = 0.
+
+        velocity, tolerance: as for drive.
+
+        Raises ValueError for values that make no sense.
+        """
+
     @property
     def contacts(self) -> Contacts:
         """The contacts."""
@@ -1213,33 +1231,68 @@ class Lattice(Deformable):
 
 @final
 class Simulation:
-    """."""
+    """A model on its way: it is driven step by step, from event to event, and can be looked at in between.
+
+    simulation() of an Interface, a Lattice, a Block, a MasterEquation or an Ensemble begins one, at X_T = 0. Its run is that
+    of the drive of the same model, event by event and bit for bit.
+
+    Ctrl-C stops what takes long; the simulation is then where it was after the last event, and can go on. A simulation that
+    is at work in another thread raises RuntimeError.
+    """
 
     @property
     def model(self) -> Deformable | Block | Model:
-        """."""
+        """The Interface, Lattice, Block, MasterEquation or Ensemble that is simulated."""
+
     @property
     def drive(self) -> float:
-        """."""
+        """The drive X_T, a length: the displacement of the load point; without a spring that of the slider itself."""
+
     @property
     def time(self) -> float:
-        """."""
+        """The time; 0 where none passes."""
+
     @property
     def force(self) -> float:
-        """."""
+        """The friction force, that of all cells and contacts."""
+
     @property
     def forces(self) -> _Array:
-        """."""
+        """The force of each cell, or of each contact of a Lattice: shape (n,), or (rows, columns); of a slider (1,)."""
+
     @property
     def positions(self) -> _Array:
-        """."""
+        """The position X_j of each cell, lengths: shape (n,), or (rows, columns); of a slider (1,). A Lattice has none."""
+
     @property
     def energy(self) -> Energy | InterfaceEnergy:
-        """."""
+        """Where the work of the drive went, from X_T = 0 to here: an InterfaceEnergy of an Interface, else an Energy. A Lattice
+        has none.
+        """
+
     def events(self, until: _Number) -> Iterator[Event]:
-        """."""
+        """Drives on to until, a displacement of the load point, and hands out each event as it happens: an iterator.
+
+        Events are those of the drive of the same model, slips of a block and an interface, avalanches of a lattice, breaks of
+        contacts together under a rigid slider, with the same parts: `drive`, `drop`, …. Between two events the simulation
+        stands after the first of them, and can be looked at, kept, or driven elsewhere. The iterator ends at the drive.
+
+        until: an absolute drive, not a step; ahead of the present one, or, where a slider turns, behind it.
+
+        Raises ValueError for a drive that an interface would have to move back to.
+        """
+
     def advance(self, drive: _Number, *, progress: _Progress = None) -> None:
-        """."""
+        """Drives on to a displacement of the load point, through all events on the way.
+
+        drive: an absolute drive, not a step; ahead of the present one, or, where a slider turns, behind it. Stops on the way
+        of a slider leave no trace; an interface comes to them in balance, so that stops may change last digits of what
+        follows, as points of a trace do, and where balance is lost within the drive_tolerance.
+        progress: as for MasterEquation.pull. Ctrl-C stops it.
+
+        Raises ValueError for a drive that an interface would have to move back to.
+        """
+
     def stretch_density(
         self,
         cell: SupportsIndex = 0,
@@ -1248,11 +1301,28 @@ class Simulation:
         edges: ArrayLike | None = None,
         progress: _Progress = None,
     ) -> StretchDensity:
-        """."""
+        """The density Q(x) of the stretches of the contacts of a cell, per length.
+
+        cell: the number of a cell of an Interface, along rows; 0 of a slider, and of a Lattice, whose contacts are counted all
+        together. stretches: a list of n stretches at which contacts that follow the master equation are looked at.
+        edges: n + 1 edges of bins, which rise, in which contacts that are followed one by one, or in time, are counted; at
+        stretches each of them is an atom. Without both stretches or bins are chosen to show the density. progress: as for
+        MasterEquation.pull.
+
+        The result has `stretch` and `density` of shape (n,), and `atoms`, stretches that many contacts share. Contacts that
+        are free are not counted.
+
+        Raises IndexError for a number of no cell, ValueError for values that make no sense.
+        """
+
     def state(self) -> bytes:
-        """."""
+        """All that the simulation has come to, bytes for restore of the same version of asperity."""
+
     def restore(self, state: bytes) -> None:
-        """."""
+        """Goes to a state of this simulation, or of another one of the same model: it goes on from there bit for bit.
+
+        Raises ValueError for the state of another model, or of another version of asperity.
+        """
 
 @final
 class Step(Description):

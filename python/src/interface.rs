@@ -273,7 +273,7 @@ impl Interface {
         }
         let surface = Deformable::plain(slf.as_super());
         let (stretches, found) = watched(progress, py, |monitor| {
-            let mut driven = simulation::deformable(surface, velocity, None, monitor)?;
+            let mut driven = simulation::built(surface, velocity, None, monitor)?;
             driven.advance(at, monitor)?;
             driven.look(cell, looked, monitor)
         })?;

@@ -416,6 +416,21 @@ pub fn deformable(
     tolerance: Option<f64>,
     monitor: &mut dyn Monitor,
 ) -> Result<Box<dyn Live>> {
+    let mut driven = built(surface, velocity, tolerance, monitor)?;
+    if surface.own.contacts == PerCell::Many {
+        // They are built in balance but for rounding; a drive begins with a stop here, too.
+        driven.advance(0.0, monitor)?;
+    }
+    Ok(driven)
+}
+
+/// The same as they are built.
+pub fn built(
+    surface: &Surface,
+    velocity: Option<f64>,
+    tolerance: Option<f64>,
+    monitor: &mut dyn Monitor,
+) -> Result<Box<dyn Live>> {
     let mut scenario = surface.scenario(Drive { velocity, ..Drive::default() });
     scenario.master_equation.tolerance = tolerance;
     let built = scenario.build()?;

@@ -57,18 +57,18 @@ def seen(simulation: asp.Simulation) -> list[bytes]:
 
 @cases(INTERFACES | BLOCKS)
 def test_events_are_those_of_a_drive(model: Any) -> None:
-    catalogue = model.drive(4.0, 2).events
+    catalogue = model.drive(6.0, 2).events
     simulation = model.simulation()
     assert simulation.model == model
     assert simulation.drive == pytest.approx(0.0, abs=1e-12)
     events = []
-    for event in simulation.events(until=4.0):
+    for event in simulation.events(until=6.0):
         assert simulation.drive == event.drive
         events.append(event)
     np.testing.assert_array_equal(events, list(catalogue))
     assert len(events) > 1
-    assert simulation.drive == 4.0
-    assert list(simulation.events(until=4.0)) == []
+    assert simulation.drive == 6.0
+    assert list(simulation.events(until=6.0)) == []
 
 
 def test_cells_in_time_slip_as_in_a_drive() -> None:
@@ -145,7 +145,7 @@ def test_a_state_is_gone_on_from_bit_for_bit(model: Any) -> None:
         for again in [simulation, other]:
             again.restore(state)
             assert seen(again) == here
-            assert list(again.events(end)) == events
+            np.testing.assert_array_equal(list(again.events(end)), events)
             assert seen(again) == there
             assert again.state() == simulation.state()
 
@@ -245,7 +245,7 @@ def test_what_a_model_has_not_is_refused() -> None:
         _ = lattice.energy
     with pytest.raises(IndexError, match="cell: expected a number below 1, got 1"):
         lattice.stretch_density(1)
-    with pytest.raises(ValueError, match="drive.velocity: expected a velocity above 0"):
+    with pytest.raises(ValueError, match=r"drive\.velocity: expected a velocity above 0"):
         AGED.simulation()
     with pytest.raises(ValueError, match=r"block\.model: expected a MasterEquation or an Ensemble"):
         asp.Block(asp.Transport(AGEING), 1.0, asp.Damped(1.0)).simulation()
@@ -273,7 +273,9 @@ LONG = {
     "interface": asp.Interface(
         CONTACTS, [64, 64], connection=0.5, half_space=(1.0, 1.0), disorder=0.2, slip="overdamped"
     ),
-    "lattice": asp.Lattice(CONTACTS, [128, 128], asp.Rectangular(0.0, 0.5), neighbours=0.249, connection=0.004),
+    "lattice": asp.Lattice(
+        CONTACTS, [128, 128], asp.Rectangular(0.0, 0.5), neighbours=0.249, connection=0.004
+    ),
     "block": asp.Block(asp.Ensemble(CONTACTS, size=300_000), 0.3, "overdamped"),
     "inertial block": asp.Block(SOLVED, 0.3, asp.Inertial(1.0)),
     "ensemble": asp.Ensemble(CONTACTS, size=300_000),

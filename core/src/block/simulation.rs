@@ -11,9 +11,9 @@ use crate::rate_dependent::ContactsState;
 use crate::record::Record;
 use crate::{Error, Result};
 
-/// Breaks per contact after which a copy of the contacts is made to come back to: so rarely that copies take less time than
-/// the breaks, so often that what has happened since is soon done again.
-const COPY_AFTER: f64 = 0.25;
+/// Breaks per contact, and events, after which a copy of the contacts is made to come back to: so rarely that copies take
+/// less time than the breaks, so often that what has happened since is done again in less than a tenth of a second.
+const COPY_AFTER: (f64, u64) = (0.1, 10_000);
 
 /// A slider on its contacts, driven from event to event.
 ///
@@ -214,7 +214,8 @@ impl BlockSimulation {
             return happened;
         }
         self.since += u64::from(matches!(happened, Ok(Some(_))));
-        if turns || self.broken() - self.copied.population.books().broken >= COPY_AFTER {
+        let broken = self.broken() - self.copied.population.books().broken;
+        if turns || broken >= COPY_AFTER.0 || self.since >= COPY_AFTER.1 {
             (self.copied, self.since) = (self.now.copy(), 0);
         }
         happened
