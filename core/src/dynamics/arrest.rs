@@ -1,6 +1,6 @@
 //! Arrest: what becomes of a cell that its contacts would pull back.
 
-use super::{DriveMotion, EquationOfMotion, SliderMotion, SlidingCell, StepControl};
+use super::{DriveMotion, EquationOfMotion, MotionStepControl, SliderMotion, SlidingCell};
 use crate::Result;
 use crate::monitor::Monitor;
 
@@ -84,7 +84,8 @@ impl SliderMotion {
         }
         let (before, after) = (self.cells[0].velocity, end[0].velocity);
         let back = self.equation.stopping_distance(&end[0], -after);
-        (back > self.control.tolerance).then(|| (before / (before - after)).clamp(StepControl::SHRINK, 0.9))
+        (back > self.control.tolerance)
+            .then(|| (before / (before - after)).clamp(MotionStepControl::SHRINK, 0.9))
     }
 
     /// A cell that has come to rest in a step moves back to the balance behind X_2, and the excess energy is lost.
@@ -121,7 +122,7 @@ impl SliderMotion {
                     (moved > 2.0 * most).then(|| most / moved)
                 };
                 if let Some(factor) = shorter {
-                    duration *= factor.max(StepControl::SHRINK);
+                    duration *= factor.max(MotionStepControl::SHRINK);
                     continue;
                 }
             }

@@ -23,7 +23,7 @@ pub use cell::SlidingCell;
 pub use equation::{DriveMotion, EquationOfMotion};
 pub use one_cell::OneCell;
 pub use slip_velocity::{SLIP_VELOCITY, crossing};
-pub use step_control::StepControl;
+pub use step_control::MotionStepControl;
 pub use tr_bdf2::{ImplicitStage, StageSolver};
 
 use self::tr_bdf2::TrBdf2Step;
@@ -35,7 +35,7 @@ use crate::rate_dependent::ErrorEstimator;
 /// Cells in motion, and what has come of them so far.
 pub struct SliderMotion {
     pub equation: EquationOfMotion,
-    pub control: StepControl,
+    pub control: MotionStepControl,
     pub cells: Vec<SlidingCell>,
     /// t, since the start.
     pub time: f64,
@@ -65,7 +65,7 @@ impl SliderMotion {
     /// Cells that start from rest where the drive is at `drive`; steps are right to `tolerance`, a length.
     pub fn new(equation: EquationOfMotion, cells: Vec<SlidingCell>, drive: f64, tolerance: f64) -> Self {
         let energies = MotionEnergies { viscous: vec![0.0; cells.len()], ..MotionEnergies::default() };
-        let control = StepControl::new(tolerance);
+        let control = MotionStepControl::new(tolerance);
         Self { equation, control, cells, time: 0.0, drive, energies, estimators: None, error: 0.0 }
     }
 
@@ -109,7 +109,7 @@ impl SliderMotion {
             self.control.check(duration, left, self.time)?;
             let tried = self.attempt(solver, drive, duration, &Watch::new(monitor))?;
             let Some(step) = tried else {
-                duration *= StepControl::SHRINK;
+                duration *= MotionStepControl::SHRINK;
                 continue;
             };
             let shorter = self.control.shorter(step.error).or_else(|| self.before_turning(&step.end));

@@ -16,14 +16,14 @@ const STAGE: f64 = 0.01;
 
 /// Step-size control of a method of second order, whose local error is of third order in the duration.
 #[derive(Debug, Clone, Copy)]
-pub struct StepControl {
+pub struct MotionStepControl {
     /// The length to which a step is right.
     pub tolerance: f64,
     /// How long the next step may be; infinite before the first one.
     pub next: f64,
 }
 
-impl StepControl {
+impl MotionStepControl {
     /// The least factor by which a step shrinks that is tried again.
     pub const SHRINK: f64 = 0.2;
 

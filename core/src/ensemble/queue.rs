@@ -21,7 +21,7 @@ pub(super) const SLICE: usize = 1 << 18;
 
 /// A contact between two breaks: its stretch is `position − origin`.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-#[serde(from = "Numbers", into = "Numbers")]
+#[serde(from = "QueuedNumbers", into = "QueuedNumbers")]
 pub(super) struct QueuedContact {
     pub(super) origin: f64,
     pub(super) threshold: f64,
@@ -30,15 +30,15 @@ pub(super) struct QueuedContact {
 }
 
 /// A contact as it is kept: without names, of which there would be one for every number.
-type Numbers = (f64, f64, u32, [u32; 3]);
+type QueuedNumbers = (f64, f64, u32, [u32; 3]);
 
-impl From<Numbers> for QueuedContact {
-    fn from((origin, threshold, index, drawn): Numbers) -> Self {
+impl From<QueuedNumbers> for QueuedContact {
+    fn from((origin, threshold, index, drawn): QueuedNumbers) -> Self {
         Self { origin, threshold, index, drawn: drawn.into() }
     }
 }
 
-impl From<QueuedContact> for Numbers {
+impl From<QueuedContact> for QueuedNumbers {
     fn from(QueuedContact { origin, threshold, index, drawn }: QueuedContact) -> Self {
         (origin, threshold, index, drawn.into())
     }

@@ -4,7 +4,7 @@ use super::{
     COMPARED, distribution, drive, ensemble, hold_curve, in_time, interface, pull, renormalisation, sliding,
     velocity_curve,
 };
-use crate::block::StickSlip;
+use crate::block::{Slide, StickSlip};
 use crate::record::{Column, Record};
 
 /// The variables of each task, without values: what its [`Output`](super::Output) may hold. The names of tasks are those of
@@ -21,11 +21,16 @@ pub fn columns() -> Vec<(&'static str, Record)> {
     driven.variables.extend(of(&[&sliding::COLUMNS[..5], &drive::COLUMNS]).variables);
     driven.variables.extend(ensemble.variables);
     driven.variables.extend(of(&[&sliding::COLUMNS[5..]]).variables);
+    let [motion, slips] = Slide::columns();
+    let mut block_in_time = sliding::joined(motion, slips);
+    let ensemble = prefixed(&block_in_time, "ensemble_");
+    block_in_time.variables.extend(ensemble.variables);
     vec![
         ("pull", of(&[&pull::COLUMNS, &COMPARED, &distribution::COLUMNS, &ensemble::COLUMNS])),
         ("drive", driven),
         ("interface_drive", interface::columns()),
         ("protocol", of(&[&in_time::COLUMNS, &COMPARED])),
+        ("block_protocol", block_in_time),
         ("velocity_curve", of(&[&velocity_curve::COLUMNS])),
         ("hold_curve", of(&[&hold_curve::COLUMNS])),
         ("renormalisation", of(&[&renormalisation::COLUMNS])),

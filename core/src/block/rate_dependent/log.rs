@@ -275,44 +275,59 @@ impl Log {
 impl Slide {
     /// The trace: `time`, `drive`, `position`, `velocity`, `force`, `spring_force`, `free`.
     pub fn trace_record(&self) -> Record {
-        let mut record = Record::default();
-        let mut column = |name: &str, long_name: &str, quantity, value: fn(&Moment) -> f64| {
-            record.push(name, long_name, quantity, &["point"], self.trace.iter().map(value).collect());
-        };
-        column("time", "time", Quantity::Time, |m| m.time);
-        column("drive", "drive", Quantity::Length, |m| m.drive);
-        column("position", "position of the slider's base", Quantity::Length, |m| m.position);
-        column("velocity", "velocity of the slider's bottom", Quantity::Velocity, |m| m.velocity);
-        column("force", "friction force", Quantity::Force, |m| m.force);
-        column("spring_force", "force of the spring", Quantity::Force, |m| m.spring_force);
-        column("free", "fraction of contacts that are detached", Quantity::Number, |m| m.free);
-        record
+        trace_record(&self.trace)
     }
 
     /// The slips: `time`, `drive`, `position_before`, `position_after`, `position_turn`, `force_before`, `force_after`,
     /// `drop`, `slip`, `duration`, `velocity`, `broken_fraction`, `dissipated_breaks`, `dissipated_slip`, `strengthening`.
     pub fn events_record(&self) -> Record {
-        let mut record = Record::default();
-        let mut column = |name: &str, long_name: &str, quantity, value: fn(&RateDependentSlip) -> f64| {
-            record.push(name, long_name, quantity, &["event"], self.slips.iter().map(value).collect());
-        };
-        let (length, force) = (Quantity::Length, Quantity::Force);
-        column("time", "time at which the slip begins", Quantity::Time, |s| s.before.time);
-        column("drive", "drive at which the slip begins", length, |s| s.before.drive);
-        column("position_before", "position before", length, |s| s.before.position);
-        column("position_after", "position after", length, |s| s.after.position);
-        column("position_turn", "position of the first rest", length, |s| s.position_turn);
-        column("force_before", "force before", force, |s| s.before.force);
-        column("force_after", "force after", force, |s| s.after.force);
-        column("drop", "force drop", force, RateDependentSlip::drop);
-        column("slip", "slip", length, RateDependentSlip::slip);
-        column("duration", "how long the slip lasts", Quantity::Time, |s| s.after.time - s.before.time);
-        column("velocity", "highest velocity", Quantity::Velocity, |s| s.fastest);
-        column("broken_fraction", "breaks per contact", Quantity::Number, |s| s.broken_fraction);
-        column("dissipated_breaks", "energy lost in breaks", Quantity::Energy, |s| s.energy.breaks);
-        column("dissipated_slip", "energy lost by the slider", Quantity::Energy, |s| s.energy.dissipated());
-        let words = "energy that ageing brought by stiffening stretched contacts";
-        column("strengthening", words, Quantity::Energy, |s| s.energy.strengthening);
-        record
+        events_record(&self.slips)
     }
+
+    /// The columns of a trace and of slips, without values.
+    pub fn columns() -> [Record; 2] {
+        [trace_record(&[]), events_record(&[])]
+    }
+}
+
+/// The columns of a trace in time.
+fn trace_record(trace: &[Moment]) -> Record {
+    let mut record = Record::default();
+    let mut column = |name: &str, long_name: &str, quantity, value: fn(&Moment) -> f64| {
+        record.push(name, long_name, quantity, &["point"], trace.iter().map(value).collect());
+    };
+    column("time", "time", Quantity::Time, |m| m.time);
+    column("drive", "drive", Quantity::Length, |m| m.drive);
+    column("position", "position of the slider's base", Quantity::Length, |m| m.position);
+    column("velocity", "velocity of the slider's base", Quantity::Velocity, |m| m.velocity);
+    column("force", "friction force", Quantity::Force, |m| m.force);
+    column("spring_force", "force of the spring", Quantity::Force, |m| m.spring_force);
+    column("free", "fraction of contacts that are detached", Quantity::Number, |m| m.free);
+    record
+}
+
+/// The columns of slips in time.
+fn events_record(slips: &[RateDependentSlip]) -> Record {
+    let mut record = Record::default();
+    let mut column = |name: &str, long_name: &str, quantity, value: fn(&RateDependentSlip) -> f64| {
+        record.push(name, long_name, quantity, &["event"], slips.iter().map(value).collect());
+    };
+    let (length, force) = (Quantity::Length, Quantity::Force);
+    column("time", "time at which the slip begins", Quantity::Time, |s| s.before.time);
+    column("drive", "drive at which the slip begins", length, |s| s.before.drive);
+    column("position_before", "position before", length, |s| s.before.position);
+    column("position_after", "position after", length, |s| s.after.position);
+    column("position_turn", "position of the first rest", length, |s| s.position_turn);
+    column("force_before", "force before", force, |s| s.before.force);
+    column("force_after", "force after", force, |s| s.after.force);
+    column("drop", "force drop", force, RateDependentSlip::drop);
+    column("slip", "slip", length, RateDependentSlip::slip);
+    column("duration", "how long the slip lasts", Quantity::Time, |s| s.after.time - s.before.time);
+    column("velocity", "highest velocity", Quantity::Velocity, |s| s.fastest);
+    column("broken_fraction", "breaks per contact", Quantity::Number, |s| s.broken_fraction);
+    column("dissipated_breaks", "energy lost in breaks", Quantity::Energy, |s| s.energy.breaks);
+    column("dissipated_slip", "energy lost by the slider", Quantity::Energy, |s| s.energy.dissipated());
+    let words = "energy that ageing brought by stiffening stretched contacts";
+    column("strengthening", words, Quantity::Energy, |s| s.energy.strengthening);
+    record
 }

@@ -56,7 +56,7 @@ pub struct Found {
 
 /// What a checkpoint holds beside the columns.
 #[derive(Serialize, Deserialize)]
-struct Kept<S> {
+struct RunState<S> {
     state: S,
     count: u64,
     looks: usize,
@@ -102,7 +102,7 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
 
     fn resume(&mut self, kept: Checkpoint, monitor: &mut dyn Monitor) -> Result<()> {
         let Checkpoint { state, columns } = kept;
-        let Kept { state, count, looks } = match ciborium::from_reader(state.as_slice()) {
+        let RunState { state, count, looks } = match ciborium::from_reader(state.as_slice()) {
             Ok(kept) => kept,
             Err(error) => {
                 return Err(self
@@ -198,7 +198,7 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         let Some(checkpoints) = &mut self.checkpoints else { return Ok(()) };
         let added = self.found.columns().zip(&self.kept);
         let rows = added.map(|(column, &kept)| column[kept..].to_vec()).collect();
-        let kept = Kept { state: self.model.state(), count: self.count, looks: self.looks };
+        let kept = RunState { state: self.model.state(), count: self.count, looks: self.looks };
         let mut state = Vec::new();
         ciborium::into_writer(&kept, &mut state)
             .expect("a state is plain data, and memory does not refuse it");
