@@ -1,6 +1,5 @@
 """The slips of a drive, or the events of an interface, as a table."""
 
-import functools
 from collections import namedtuple
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, SupportsIndex, overload
@@ -49,14 +48,15 @@ class Event(NamedTuple):
     """Energy that ageing added by making stretched contacts stiffer."""
 
 
-@functools.cache
+_ROWS: dict[tuple[str, ...], Callable[..., Any]] = {}
+
+
 def row(names: tuple[str, ...]) -> Callable[..., Any]:
     """What makes a row of a table with these columns, in their order."""
-    if names == Event._fields[: len(names)]:
-        return Event
-    if set(names) <= set(Event._fields):
-        return lambda *values: Event(**dict(zip(names, values, strict=True)))
-    return namedtuple("Event", names)  # type: ignore[misc]
+    if names not in _ROWS:
+        _ROWS[names] = Event if set(names) <= set(Event._fields) else namedtuple("Event", names)
+    make = _ROWS[names]
+    return make if make is not Event else lambda *values: Event(**dict(zip(names, values, strict=True)))
 
 
 class Events(Sequence[Event]):

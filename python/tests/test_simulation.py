@@ -45,7 +45,7 @@ ALL: dict[str, Any] = (
 )
 
 
-def cases(models: dict[str, Any]) -> Any:
+def cases(models: dict[str, Any]) -> pytest.MarkDecorator:
     return pytest.mark.parametrize("model", models.values(), ids=models.keys())
 
 
