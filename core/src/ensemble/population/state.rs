@@ -31,7 +31,18 @@ impl EnsemblePopulation {
         let Self { facing, moved, position, queue, back, free, held, sums, lost, breaks, .. } = self;
         let (facing, moved, position, back) = (*facing, *moved, *position, *back);
         let (held, lost, breaks) = (*held, *lost, *breaks);
-        ContactsState::of(&EnsemblePopulationState { facing, moved, position, queue, back, free, held, sums, lost, breaks })
+        ContactsState::of(&EnsemblePopulationState {
+            facing,
+            moved,
+            position,
+            queue,
+            back,
+            free,
+            held,
+            sums,
+            lost,
+            breaks,
+        })
     }
 
     /// Goes to what other contacts of the same description have come to.
@@ -44,7 +55,8 @@ impl EnsemblePopulation {
                 self.size
             )));
         }
-        let EnsemblePopulationState { facing, moved, position, queue, back, free, held, sums, lost, breaks } = kept;
+        let EnsemblePopulationState { facing, moved, position, queue, back, free, held, sums, lost, breaks } =
+            kept;
         (self.facing, self.moved, self.position, self.back) = (facing, moved, position, back);
         (self.queue, self.free, self.held) = (queue, free, held);
         (self.sums, self.lost, self.breaks, self.marked) = (sums, lost, breaks, None);
