@@ -12,7 +12,7 @@ use crate::rate_dependent::State;
 
 /// What contacts have come to. The queue is kept as it is: sums over contacts are made in its order.
 #[derive(Serialize, Deserialize)]
-struct Kept<Queue, Free, Sums> {
+struct EnsemblePopulationState<Queue, Free, Sums> {
     facing: Direction,
     moved: Direction,
     position: f64,
@@ -31,17 +31,29 @@ impl EnsemblePopulation {
         let Self { facing, moved, position, queue, back, free, held, sums, lost, breaks, .. } = self;
         let (facing, moved, position, back) = (*facing, *moved, *position, *back);
         let (held, lost, breaks) = (*held, *lost, *breaks);
-        State::of(&Kept { facing, moved, position, queue, back, free, held, sums, lost, breaks })
+        State::of(&EnsemblePopulationState {
+            facing,
+            moved,
+            position,
+            queue,
+            back,
+            free,
+            held,
+            sums,
+            lost,
+            breaks,
+        })
     }
 
     /// Goes to what other contacts of the same description have come to.
     pub(super) fn take_up(&mut self, state: &State) -> Result<()> {
-        let kept: Kept<Queue, Vec<QueuedContact>, Sums> = state.read()?;
+        let kept: EnsemblePopulationState<Queue, Vec<QueuedContact>, Sums> = state.read()?;
         let size = kept.queue.len() + kept.free.len();
         if size != self.size {
             return Err(State::another(&format!("that of {size} contacts in place of {}", self.size)));
         }
-        let Kept { facing, moved, position, queue, back, free, held, sums, lost, breaks } = kept;
+        let EnsemblePopulationState { facing, moved, position, queue, back, free, held, sums, lost, breaks } =
+            kept;
         (self.facing, self.moved, self.position, self.back) = (facing, moved, position, back);
         (self.queue, self.free, self.held) = (queue, free, held);
         (self.sums, self.lost, self.breaks, self.marked) = (sums, lost, breaks, None);

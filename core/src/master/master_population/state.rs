@@ -26,7 +26,7 @@ enum Beginning {
 /// What contacts have come to: how the loading branch begins, how far it is solved, which decides on the solution, and
 /// where the slider is on it. The branch is solved again when it is taken up.
 #[derive(Serialize, Deserialize)]
-struct Kept {
+struct MasterPopulationState {
     beginning: Beginning,
     held: bool,
     end: f64,
@@ -58,7 +58,7 @@ impl MasterPopulation {
         } else {
             Beginning::Layers(first.layers().to_vec())
         };
-        State::of(&Kept {
+        State::of(&MasterPopulationState {
             beginning,
             held: self.course.is_held(),
             end: self.course.end(),
@@ -81,7 +81,7 @@ impl MasterPopulation {
 
     /// Goes to what other contacts of the same description have come to.
     pub(super) fn take_up(&mut self, state: &State, monitor: &mut dyn Monitor) -> Result<()> {
-        let kept: Kept = state.read()?;
+        let kept: MasterPopulationState = state.read()?;
         let first: Arc<Life> = match kept.beginning {
             Beginning::Start => self.start.clone(),
             Beginning::Fresh => self.interface.reborn.clone(),
