@@ -246,7 +246,7 @@ impl Block {
         let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);
         let model = slf.get().model.bind(slf.py());
         let fraction = Model::solver(model).size().map(|_| slip_fraction);
-        let slider = block::Block::new(loading, slip.into(), fraction).map_err(error::core)?;
+        let slider = block::Block::new(loading, slip, fraction).map_err(error::core)?;
         Simulation::new(slf.as_super(), (None, None), vec![1], Model::simulated(model, &slider)?)
     }
 

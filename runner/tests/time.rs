@@ -348,7 +348,7 @@ fn an_ensemble_slips_beside_its_block() {
     let sliding = outcome.summary.numbers.sliding().unwrap();
     let first = |sliding: &asperity::task::summary::Sliding| sliding.first_instability.unwrap().drive;
     // drives at slips scatter by some N^(-2/3)
-    near(first(sliding.ensemble.as_ref().unwrap()), first(&sliding), 4.0 * 300.0_f64.powf(-2.0 / 3.0));
+    near(first(sliding.ensemble.as_ref().unwrap()), first(sliding), 4.0 * 300.0_f64.powf(-2.0 / 3.0));
 }
 
 #[test]

@@ -42,16 +42,16 @@ const COPY_AFTER: (f64, u64) = (0.1, 10_000);
 /// ```
 pub struct BlockSimulation {
     block: Block,
-    now: SlidingPopulation,
+    now: SliderOnContacts,
     /// A copy to come back to, and events since.
-    copied: SlidingPopulation,
+    copied: SliderOnContacts,
     since: u64,
     /// Where the present run began, and its end.
     path: (f64, f64),
 }
 
 /// A slider and its contacts.
-struct SlidingPopulation {
+struct SliderOnContacts {
     population: Box<dyn Population>,
     memory: Memory,
     /// How far ahead of the contacts the slider is, and its state there.
@@ -88,13 +88,13 @@ impl Block {
         run.turn(Direction::Forward)?;
         let here = run.point();
         let memory = run.remembered();
-        let now = SlidingPopulation { population, memory, ahead: 0.0, here };
+        let now = SliderOnContacts { population, memory, ahead: 0.0, here };
         let path = (here.drive, here.drive);
         Ok(BlockSimulation { block: *self, copied: now.copy(), now, since: 0, path })
     }
 }
 
-impl SlidingPopulation {
+impl SliderOnContacts {
     fn copy(&self) -> Self {
         let Self { population, memory, ahead, here } = self;
         Self { population: population.copy(), memory: memory.clone(), ahead: *ahead, here: *here }
@@ -131,7 +131,7 @@ impl BlockSimulation {
     /// # Errors
     /// Those of the population.
     pub fn energy(&self) -> Result<EnergyBalance> {
-        let SlidingPopulation { memory, ahead, .. } = &self.now;
+        let SliderOnContacts { memory, ahead, .. } = &self.now;
         if *ahead == 0.0 && memory.open == EnergyBalance::default() {
             return Ok(memory.energy);
         }
@@ -239,7 +239,7 @@ impl BlockSimulation {
 
     /// What slider and contacts have come to.
     pub fn state(&self) -> SimulationState {
-        let SlidingPopulation { memory, ahead, here, population } = &self.now;
+        let SliderOnContacts { memory, ahead, here, population } = &self.now;
         SimulationState { memory: memory.clone(), ahead: *ahead, here: *here, contacts: population.state() }
     }
 
@@ -251,7 +251,7 @@ impl BlockSimulation {
         let SimulationState { memory, ahead, here, contacts } = state;
         let mut population = self.now.population.copy();
         population.restore(&contacts, monitor)?;
-        self.now = SlidingPopulation { population, memory, ahead, here };
+        self.now = SliderOnContacts { population, memory, ahead, here };
         (self.copied, self.since) = (self.now.copy(), 0);
         self.path = (here.drive, here.drive);
         Ok(())
@@ -259,7 +259,7 @@ impl BlockSimulation {
 
     /// Goes on in the direction of the drive, to `until` or through the next event.
     fn step(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Option<Event>> {
-        let ((from, to), SlidingPopulation { population, memory, ahead, here }) = (self.path, &mut self.now);
+        let ((from, to), SliderOnContacts { population, memory, ahead, here }) = (self.path, &mut self.now);
         let length = (to - from).abs().max(f64::MIN_POSITIVE);
         report(monitor, ((here.drive - from).abs() / length).min(1.0))?;
         let before = (from - memory.leg_start.drive).abs();
