@@ -5,6 +5,7 @@
 //! distribution of stretches and the [`ensemble`] of single contacts.
 
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+#![deny(missing_debug_implementations)]
 
 pub mod block;
 pub mod contacts;

@@ -40,6 +40,12 @@ pub struct Aside<'a> {
     pub monitor: &'a mut dyn Monitor,
 }
 
+impl std::fmt::Debug for Aside<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Aside").field("fraction", &self.fraction).finish_non_exhaustive()
+    }
+}
+
 impl Monitor for Aside<'_> {
     fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
         self.monitor.progress(self.fraction)
@@ -78,6 +84,12 @@ pub struct Part<'a> {
     whole: &'a mut dyn Monitor,
     start: f64,
     share: f64,
+}
+
+impl std::fmt::Debug for Part<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Part").field("start", &self.start).field("share", &self.share).finish_non_exhaustive()
+    }
 }
 
 impl<'a> Part<'a> {

@@ -76,7 +76,7 @@ pub struct Books {
 ///
 /// Forces are totals, in the unit of stiffness × length; positions X are lengths. Long operations ask a
 /// monitor, without progress; once it has stopped one, the population is invalid.
-pub trait Population: Send + Sync {
+pub trait Population: std::fmt::Debug + Send + Sync {
     /// Position X of the slider's bottom.
     fn position(&self) -> f64;
 

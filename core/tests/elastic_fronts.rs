@@ -13,6 +13,7 @@ use common::polyline::Polyline;
 use common::sliders::{interface, setting};
 
 /// Springs between neighbours and from the outermost cells to walls.
+#[derive(Debug)]
 struct BetweenWalls {
     cells: usize,
     stiffness: f64,
@@ -59,6 +60,7 @@ impl Coupling for BetweenWalls {
 
 /// A half-space over a row of cells beyond whose ends nothing moves, or everything does so oppositely, mirrored: half a wave
 /// fits between such mirrors.
+#[derive(Debug)]
 struct Beside {
     cells: usize,
     mirrored: bool,

@@ -107,6 +107,7 @@ fn one_cell_is_the_block_in_time() {
 }
 
 /// Contacts of several cells under one slider.
+#[derive(Debug)]
 struct Together(Vec<Box<dyn RateDependentContacts>>);
 
 impl Together {

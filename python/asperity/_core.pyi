@@ -469,9 +469,9 @@ class MasterEquation(Model):
         """The allowed error of the force per contact and per ⟨k⟩ × mean threshold; None for the default aim of 1e-10."""
 
     def simulation(self) -> Simulation:
-        """Begins a simulation of the contacts under a rigid slider that is moved step by step, at X = 0.
+        """Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
 
-        Its events are the breaks of many contacts together.
+        Its events are simultaneous breaks of many contacts.
         """
 
     def pull(
@@ -532,7 +532,7 @@ class Ensemble(Model):
         """The kind of disorder, "annealed" or "quenched"."""
 
     def simulation(self) -> Simulation:
-        """Begins a simulation of the contacts under a rigid slider that is moved step by step, at X = 0.
+        """Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
 
         Its events are the breaks of contacts.
         """
@@ -667,9 +667,9 @@ class Block(Description):
         """
 
     def simulation(self) -> Simulation:
-        """Begins a simulation that is driven step by step, at X_T = 0.
+        """Returns a simulation that advances step by step, at X_T = 0.
 
-        Raises ValueError for a Transport and for contacts that are time-dependent, unless the MasterEquation has a velocity.
+        Raises ValueError for a Transport, and for time-dependent contacts unless the MasterEquation has a velocity.
         """
 
     def drive(
@@ -1108,11 +1108,11 @@ class Deformable(Description):
         """
 
     def simulation(self, *, velocity: _Number | None = None, tolerance: _Number | None = None) -> Simulation:
-        """Begins a simulation that is driven step by step, at X_T = 0.
+        """Returns a simulation that advances step by step, at X_T = 0.
 
         velocity, tolerance: as for drive.
 
-        Raises ValueError for values that make no sense.
+        Raises ValueError for invalid values.
         """
 
     @property
@@ -1231,66 +1231,66 @@ class Lattice(Deformable):
 
 @final
 class Simulation:
-    """A model on its way: it is driven step by step, from event to event, and can be looked at in between.
+    """A simulation that advances step by step, from event to event, with its state readable in between.
 
-    simulation() of an Interface, a Lattice, a Block, a MasterEquation or an Ensemble begins one, at X_T = 0. Its run is that
-    of the drive of the same model, event by event and bit for bit.
+    simulation() of an Interface, a Lattice, a Block, a MasterEquation or an Ensemble returns one, at X_T = 0. Its events are
+    those of `drive` of the same model, bit for bit.
 
-    Ctrl-C stops what takes long; the simulation is then where it was after the last event, and can go on. A simulation that
-    is at work in another thread raises RuntimeError.
+    Ctrl-C interrupts long computations; the simulation then has the state after the last event, and can continue. Using a
+    simulation while another thread advances it raises RuntimeError.
     """
 
     @property
     def model(self) -> Deformable | Block | Model:
-        """The Interface, Lattice, Block, MasterEquation or Ensemble that is simulated."""
+        """The model of the simulation: an Interface, Lattice, Block, MasterEquation or Ensemble."""
 
     @property
     def drive(self) -> float:
-        """The drive X_T, a length: the displacement of the load point; without a spring that of the slider itself."""
+        """The load-point displacement X_T, a length; without a spring, the displacement of the slider."""
 
     @property
     def time(self) -> float:
-        """The time; 0 where none passes."""
+        """The time; 0 for models without time."""
 
     @property
     def force(self) -> float:
-        """The friction force, that of all cells and contacts."""
+        """The friction force of all cells and contacts."""
 
     @property
     def forces(self) -> _Array:
-        """The force of each cell, or of each contact of a Lattice: shape (n,), or (rows, columns); of a slider (1,)."""
+        """The force of each cell, or of each contact of a Lattice: shape (n,) or (rows, columns); (1,) for a slider."""
 
     @property
     def positions(self) -> _Array:
-        """The position X_j of each cell, lengths: shape (n,), or (rows, columns); of a slider (1,). A Lattice has none."""
+        """The position X_j of each cell, a length: shape (n,) or (rows, columns); (1,) for a slider. A Lattice has none."""
 
     @property
     def energy(self) -> Energy | InterfaceEnergy:
-        """Where the work of the drive went, from X_T = 0 to here: an InterfaceEnergy of an Interface, else an Energy. A Lattice
-        has none.
+        """The energy balance from X_T = 0: an InterfaceEnergy for an Interface, otherwise an Energy. A Lattice has none.
         """
 
     def events(self, until: _Number) -> Iterator[Event]:
-        """Drives on to until, a displacement of the load point, and hands out each event as it happens: an iterator.
+        """Advances to the displacement `until` and yields each event after it has happened: an iterator.
 
-        Events are those of the drive of the same model, slips of a block and an interface, avalanches of a lattice, breaks of
-        contacts together under a rigid slider, with the same parts: `drive`, `drop`, …. Between two events the simulation
-        stands after the first of them, and can be looked at, kept, or driven elsewhere. The iterator ends at the drive.
+        Events are those of `drive` of the same model (slips of a block or an interface, avalanches of a lattice, simultaneous
+        breaks under a rigid slider), with the same fields: `drive`, `drop`, …. Between two events the state is the one just
+        after the first of them; it can be read, saved, or advanced. The iterator ends at the displacement.
 
-        until: an absolute drive, not a step; ahead of the present one, or, where a slider turns, behind it.
+        until: an absolute displacement of the load point, not a step; larger than the present one, or, for sliders that
+        can turn back, also smaller.
 
-        Raises ValueError for a drive that an interface would have to move back to.
+        Raises ValueError for a displacement to which an interface would have to move backwards.
         """
 
     def advance(self, drive: _Number, *, progress: _Progress = None) -> None:
-        """Drives on to a displacement of the load point, through all events on the way.
+        """Advances to a displacement of the load point, through all events in between.
 
-        drive: an absolute drive, not a step; ahead of the present one, or, where a slider turns, behind it. Stops on the way
-        of a slider leave no trace; an interface comes to them in balance, so that stops may change last digits of what
-        follows, as points of a trace do, and where balance is lost within the drive_tolerance.
-        progress: as for MasterEquation.pull. Ctrl-C stops it.
+        drive: an absolute displacement, not a step; larger than the present one, or, for sliders that can turn back, also
+        smaller. Stops do not change later results of a slider or a lattice. For an interface every stop is an equilibrium
+        that is computed: stops may change the last digits of later results, and the drives of events within drive_tolerance.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
 
-        Raises ValueError for a drive that an interface would have to move back to.
+        Raises ValueError for a displacement to which an interface would have to move backwards.
         """
 
     def stretch_density(
@@ -1303,23 +1303,24 @@ class Simulation:
     ) -> StretchDensity:
         """The density Q(x) of the stretches of the contacts of a cell, per length.
 
-        cell: the number of a cell of an Interface, along rows; 0 of a slider, and of a Lattice, whose contacts are counted all
-        together. stretches: a list of n stretches at which contacts that follow the master equation are looked at.
-        edges: n + 1 edges of bins, which rise, in which contacts that are followed one by one, or in time, are counted; at
-        stretches each of them is an atom. Without both stretches or bins are chosen to show the density. progress: as for
-        MasterEquation.pull.
+        cell: the number of a cell of an Interface, counted along rows; 0 for a slider, and for a Lattice, whose contacts are
+        counted all together.
+        stretches: a list of n stretches at which the density is given, for contacts that follow the master equation.
+        edges: n + 1 rising edges of bins in which contacts are counted that are simulated one by one, or in time; at given
+        stretches each of them is an atom. Without stretches and edges, a suitable grid is chosen.
+        progress: as for MasterEquation.pull.
 
-        The result has `stretch` and `density` of shape (n,), and `atoms`, stretches that many contacts share. Contacts that
-        are free are not counted.
+        The result has `stretch` and `density` of shape (n,), and `atoms`, stretches that many contacts share. Detached
+        contacts are not counted.
 
-        Raises IndexError for a number of no cell, ValueError for values that make no sense.
+        Raises IndexError if there is no such cell, ValueError for invalid values.
         """
 
     def state(self) -> bytes:
-        """All that the simulation has come to, bytes for restore of the same version of asperity."""
+        """The whole state of the simulation, as bytes for `restore` in the same version of asperity."""
 
     def restore(self, state: bytes) -> None:
-        """Goes to a state of this simulation, or of another one of the same model: it goes on from there bit for bit.
+        """Restores a state of this simulation, or of another one of the same model; it continues from there bit for bit.
 
         Raises ValueError for the state of another model, or of another version of asperity.
         """

@@ -238,9 +238,9 @@ impl Block {
         values::stability(py, found)
     }
 
-    /// Begins a simulation that is driven step by step, at X_T = 0.
+    /// Returns a simulation that advances step by step, at X_T = 0.
     ///
-    /// Raises ValueError for a Transport and for contacts that are time-dependent, unless the MasterEquation has a velocity.
+    /// Raises ValueError for a Transport, and for time-dependent contacts unless the MasterEquation has a velocity.
     fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {
         let Slider { stiffness, slip, slip_fraction, .. } = *Self::plain(slf);
         let loading = stiffness.map_or(Loading::Rigid, Loading::Spring);

@@ -83,7 +83,7 @@ impl Ensemble {
         convert::disorder(Self::plain(slf).disorder)
     }
 
-    /// Begins a simulation of the contacts under a rigid slider that is moved step by step, at X = 0.
+    /// Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
     ///
     /// Its events are the breaks of contacts.
     fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {

@@ -82,9 +82,9 @@ impl MasterEquation {
         Self::plain(slf).tolerance
     }
 
-    /// Begins a simulation of the contacts under a rigid slider that is moved step by step, at X = 0.
+    /// Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
     ///
-    /// Its events are the breaks of many contacts together.
+    /// Its events are simultaneous breaks of many contacts.
     fn simulation(slf: &Bound<'_, Self>) -> PyResult<Simulation> {
         Model::simulation(slf.as_super())
     }

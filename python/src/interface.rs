@@ -105,11 +105,11 @@ impl Deformable {
         result::object(py, outcome)
     }
 
-    /// Begins a simulation that is driven step by step, at X_T = 0.
+    /// Returns a simulation that advances step by step, at X_T = 0.
     ///
     /// velocity, tolerance: as for drive.
     ///
-    /// Raises ValueError for values that make no sense.
+    /// Raises ValueError for invalid values.
     #[pyo3(signature = (*, velocity = None, tolerance = None))]
     fn simulation(
         slf: &Bound<'_, Self>,

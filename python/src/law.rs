@@ -176,7 +176,14 @@ macro_rules! laws {
                 Ok(describe($plain)?.add_subclass(Self))
             }
         }
-    )+};
+    )+
+
+        /// Adds all classes of distributions.
+        pub fn add_classes(module: &Bound<'_, PyModule>) -> PyResult<()> {
+            $(module.add_class::<$name>()?;)+
+            Ok(())
+        }
+    };
 }
 
 laws! {

@@ -28,7 +28,7 @@ mod watch;
 mod _core {
     use pyo3::prelude::*;
 
-    use crate::exact;
+    use crate::{exact, law};
 
     #[pymodule_export]
     use crate::block::{Block, Damped, Inertial};
@@ -47,10 +47,7 @@ mod _core {
     #[pymodule_export]
     use crate::interface::{Deformable, Interface, Lattice};
     #[pymodule_export]
-    use crate::law::{
-        Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Renormalised, Series,
-        Tabulated, Weibull, critical_coupling, resolve,
-    };
+    use crate::law::{Law, critical_coupling, resolve};
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
@@ -74,7 +71,8 @@ mod _core {
 
     /// Closed forms have the names of distributions, in a module of their own.
     #[pymodule_init]
-    fn add_closed_forms(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    fn add_classes(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        law::add_classes(module)?;
         let py = module.py();
         module.add("ClosedForm", py.get_type::<exact::ClosedForm>())?;
         module.add("ExactGaussian", py.get_type::<exact::Gaussian>())?;

@@ -1,4 +1,4 @@
-//! Simulations: interfaces, blocks and contacts that are driven step by step, and looked at in between.
+//! Simulations: interfaces, blocks and contacts that are advanced step by step, with their state readable in between.
 
 use std::sync::{Mutex, TryLockError};
 
@@ -478,13 +478,13 @@ fn read<T: DeserializeOwned>(from: &mut &[u8]) -> Result<T> {
     ciborium::from_reader(from).map_err(refused)
 }
 
-/// A model on its way: it is driven step by step, from event to event, and can be looked at in between.
+/// A simulation that advances step by step, from event to event, with its state readable in between.
 ///
-/// simulation() of an Interface, a Lattice, a Block, a MasterEquation or an Ensemble begins one, at X_T = 0. Its run is that
-/// of the drive of the same model, event by event and bit for bit.
+/// simulation() of an Interface, a Lattice, a Block, a MasterEquation or an Ensemble returns one, at X_T = 0. Its events are
+/// those of `drive` of the same model, bit for bit.
 ///
-/// Ctrl-C stops what takes long; the simulation is then where it was after the last event, and can go on. A simulation that
-/// is at work in another thread raises RuntimeError.
+/// Ctrl-C interrupts long computations; the simulation then has the state after the last event, and can continue. Using a
+/// simulation while another thread advances it raises RuntimeError.
 #[pyclass(frozen, module = "asperity")]
 pub struct Simulation {
     model: Py<PyAny>,
@@ -530,38 +530,38 @@ impl Simulation {
 
 #[pymethods]
 impl Simulation {
-    /// The Interface, Lattice, Block, MasterEquation or Ensemble that is simulated.
+    /// The model of the simulation: an Interface, Lattice, Block, MasterEquation or Ensemble.
     #[getter]
     fn model(&self, py: Python<'_>) -> Py<PyAny> {
         self.model.clone_ref(py)
     }
 
-    /// The drive X_T, a length: the displacement of the load point; without a spring that of the slider itself.
+    /// The load-point displacement X_T, a length; without a spring, the displacement of the slider.
     #[getter]
     fn drive(&self) -> PyResult<f64> {
         self.with(|live| Ok(live.drive()))
     }
 
-    /// The time; 0 where none passes.
+    /// The time; 0 for models without time.
     #[getter]
     fn time(&self) -> PyResult<f64> {
         self.with(|live| Ok(live.time()))
     }
 
-    /// The friction force, that of all cells and contacts.
+    /// The friction force of all cells and contacts.
     #[getter]
     fn force(&self, py: Python<'_>) -> PyResult<f64> {
         self.with(|live| detached(py, || live.force()).map_err(error::core))
     }
 
-    /// The force of each cell, or of each contact of a Lattice: shape (n,), or (rows, columns); of a slider (1,).
+    /// The force of each cell, or of each contact of a Lattice: shape (n,) or (rows, columns); (1,) for a slider.
     #[getter]
     fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let forces = self.with(|live| detached(py, || live.forces()).map_err(error::core))?;
         self.array(py, forces)
     }
 
-    /// The position X_j of each cell, lengths: shape (n,), or (rows, columns); of a slider (1,). A Lattice has none.
+    /// The position X_j of each cell, a length: shape (n,) or (rows, columns); (1,) for a slider. A Lattice has none.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let positions = self.with(|live| Ok(live.positions()))?;
@@ -570,8 +570,7 @@ impl Simulation {
         self.array(py, positions.ok_or_else(none)?)
     }
 
-    /// Where the work of the drive went, from X_T = 0 to here: an InterfaceEnergy of an Interface, else an Energy. A Lattice
-    /// has none.
+    /// The energy balance from X_T = 0: an InterfaceEnergy for an Interface, otherwise an Energy. A Lattice has none.
     #[getter]
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         match self.with(|live| detached(py, || live.energy()).map_err(error::core))? {
@@ -581,15 +580,16 @@ impl Simulation {
         }
     }
 
-    /// Drives on to until, a displacement of the load point, and hands out each event as it happens: an iterator.
+    /// Advances to the displacement `until` and yields each event after it has happened: an iterator.
     ///
-    /// Events are those of the drive of the same model, slips of a block and an interface, avalanches of a lattice, breaks of
-    /// contacts together under a rigid slider, with the same parts: `drive`, `drop`, …. Between two events the simulation
-    /// stands after the first of them, and can be looked at, kept, or driven elsewhere. The iterator ends at the drive.
+    /// Events are those of `drive` of the same model (slips of a block or an interface, avalanches of a lattice, simultaneous
+    /// breaks under a rigid slider), with the same fields: `drive`, `drop`, …. Between two events the state is the one just
+    /// after the first of them; it can be read, saved, or advanced. The iterator ends at the displacement.
     ///
-    /// until: an absolute drive, not a step; ahead of the present one, or, where a slider turns, behind it.
+    /// until: an absolute displacement of the load point, not a step; larger than the present one, or, for sliders that
+    /// can turn back, also smaller.
     ///
-    /// Raises ValueError for a drive that an interface would have to move back to.
+    /// Raises ValueError for a displacement to which an interface would have to move backwards.
     fn events(slf: Bound<'_, Self>, until: f64) -> PyResult<EventsAhead> {
         let from = slf.get().with(|live| {
             live.check("until", until).map_err(error::core)?;
@@ -598,14 +598,14 @@ impl Simulation {
         Ok(EventsAhead { simulation: slf.unbind(), way: (from, until), told: Mutex::default() })
     }
 
-    /// Drives on to a displacement of the load point, through all events on the way.
+    /// Advances to a displacement of the load point, through all events in between.
     ///
-    /// drive: an absolute drive, not a step; ahead of the present one, or, where a slider turns, behind it. Stops on the way
-    /// of a slider leave no trace; an interface comes to them in balance, so that stops may change last digits of what
-    /// follows, as points of a trace do, and where balance is lost within the drive_tolerance.
-    /// progress: as for MasterEquation.pull. Ctrl-C stops it.
+    /// drive: an absolute displacement, not a step; larger than the present one, or, for sliders that can turn back, also
+    /// smaller. Stops do not change later results of a slider or a lattice. For an interface every stop is an equilibrium
+    /// that is computed: stops may change the last digits of later results, and the drives of events within drive_tolerance.
+    /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
-    /// Raises ValueError for a drive that an interface would have to move back to.
+    /// Raises ValueError for a displacement to which an interface would have to move backwards.
     #[pyo3(signature = (drive, *, progress = None))]
     fn advance(&self, py: Python<'_>, drive: f64, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
         self.with(|live| {
@@ -616,16 +616,17 @@ impl Simulation {
 
     /// The density Q(x) of the stretches of the contacts of a cell, per length.
     ///
-    /// cell: the number of a cell of an Interface, along rows; 0 of a slider, and of a Lattice, whose contacts are counted all
-    /// together. stretches: a list of n stretches at which contacts that follow the master equation are looked at.
-    /// edges: n + 1 edges of bins, which rise, in which contacts that are followed one by one, or in time, are counted; at
-    /// stretches each of them is an atom. Without both stretches or bins are chosen to show the density. progress: as for
-    /// MasterEquation.pull.
+    /// cell: the number of a cell of an Interface, counted along rows; 0 for a slider, and for a Lattice, whose contacts are
+    /// counted all together.
+    /// stretches: a list of n stretches at which the density is given, for contacts that follow the master equation.
+    /// edges: n + 1 rising edges of bins in which contacts are counted that are simulated one by one, or in time; at given
+    /// stretches each of them is an atom. Without stretches and edges, a suitable grid is chosen.
+    /// progress: as for MasterEquation.pull.
     ///
-    /// The result has `stretch` and `density` of shape (n,), and `atoms`, stretches that many contacts share. Contacts that
-    /// are free are not counted.
+    /// The result has `stretch` and `density` of shape (n,), and `atoms`, stretches that many contacts share. Detached
+    /// contacts are not counted.
     ///
-    /// Raises IndexError for a number of no cell, ValueError for values that make no sense.
+    /// Raises IndexError if there is no such cell, ValueError for invalid values.
     #[pyo3(
         signature = (cell = Whole::new(0), stretches = None, *, edges = None, progress = None),
         text_signature = "($self, cell=0, stretches=None, *, edges=None, progress=None)"
@@ -650,7 +651,7 @@ impl Simulation {
         values::stretches(py, stretches, found)
     }
 
-    /// All that the simulation has come to, bytes for restore of the same version of asperity.
+    /// The whole state of the simulation, as bytes for `restore` in the same version of asperity.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let version = env!("CARGO_PKG_VERSION").to_owned();
         let mut bytes = Vec::new();
@@ -662,7 +663,7 @@ impl Simulation {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Goes to a state of this simulation, or of another one of the same model: it goes on from there bit for bit.
+    /// Restores a state of this simulation, or of another one of the same model; it continues from there bit for bit.
     ///
     /// Raises ValueError for the state of another model, or of another version of asperity.
     fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
@@ -684,7 +685,7 @@ impl Simulation {
     }
 }
 
-/// Events of a simulation, each as it happens.
+/// Events of a simulation, each computed when it is asked for.
 #[pyclass(frozen, module = "asperity")]
 pub struct EventsAhead {
     simulation: Py<Simulation>,

@@ -40,6 +40,7 @@ const COPY_AFTER: (f64, u64) = (0.1, 10_000);
 /// assert_eq!(slider.drive(), 5.0);
 /// # Ok::<(), asperity::Error>(())
 /// ```
+#[derive(Debug)]
 pub struct BlockSimulation {
     block: Block,
     now: SliderOnContacts,
@@ -51,6 +52,7 @@ pub struct BlockSimulation {
 }
 
 /// A slider and its contacts.
+#[derive(Debug)]
 struct SliderOnContacts {
     population: Box<dyn Population>,
     memory: Memory,

@@ -5,6 +5,7 @@ use crate::monitor::Watch;
 use crate::rate_dependent::RateDependentContacts;
 
 /// A cell and its contacts at one moment.
+#[derive(Debug)]
 pub struct SlidingCell {
     pub contacts: Box<dyn RateDependentContacts>,
     /// X_j.

@@ -33,6 +33,7 @@ use crate::numerics::tr_bdf2::GAMMA;
 use crate::rate_dependent::ErrorEstimator;
 
 /// Cells in motion, and what has come of them so far.
+#[derive(Debug)]
 pub struct SliderMotion {
     pub equation: EquationOfMotion,
     pub control: MotionStepControl,

@@ -62,6 +62,7 @@ use crate::{Error, Result};
 /// Forces and energies are totals over the cells, in the units of the populations of which the cells are made. Cells that
 /// share a curve take up to 120 bytes each during a slide, 24 more on a stiff slider, with the coupling: 2 GB for 4096² under
 /// a periodic half-space.
+#[derive(Debug)]
 pub struct Interface {
     model: InterfaceModel,
     parameters: InterfaceParameters,

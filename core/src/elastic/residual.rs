@@ -24,6 +24,7 @@ const BALANCED_IN_CREEP: f64 = 1e-11;
 const ROUNDINGS: f64 = 4.0;
 
 /// What makes the forces on the cells: contacts, the elastic slider, and springs to the drive.
+#[derive(Debug)]
 pub(super) struct InterfaceModel {
     pub cells: Box<dyn Cells>,
     pub coupling: Box<dyn Coupling>,

@@ -42,7 +42,7 @@ impl From<Drawn> for [u32; 3] {
 }
 
 /// The lives of the contacts of an ensemble.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(super) struct Lives {
     ensemble: Ensemble,
     thresholds: Draws,
@@ -189,7 +189,7 @@ impl Lives {
 
 /// Random numbers of a distribution from a stream, in batches. [`Law::fill`] draws in order, so that the
 /// sizes of batches do not change the values.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 struct Draws {
     law: SharedLaw,
     stream: Stream,

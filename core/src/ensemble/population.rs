@@ -42,7 +42,7 @@ const SPAN: f64 = 8.0;
 /// Limits: positions are double-precision numbers, so that at X stretches are right to 1e-16 X; sums over
 /// contacts are right to 1e-12 after any number of breaks. Random numbers of a contact repeat after some 10⁹
 /// lives.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct EnsemblePopulation {
     lives: Lives,
     size: usize,

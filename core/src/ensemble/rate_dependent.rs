@@ -26,7 +26,7 @@ const CHUNK: usize = 256;
 /// Under a slider that follows a history they have the lives of [`Ensemble::follow`]; diffusing thresholds
 /// have other random numbers, as these are drawn step by step. A step visits every contact, and so does a
 /// copy; each takes 120 bytes.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct EnsembleInTime {
     lives: Arc<Lives>,
     passage: Arc<Passage>,

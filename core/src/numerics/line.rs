@@ -18,6 +18,7 @@ pub struct Line {
 }
 
 /// Boundary conditions.
+#[derive(Debug)]
 enum Ends {
     /// A ring: real Fourier modes cos(2πkj/n) and sin(2πkj/n), in the order 0, cos 1, sin 1, cos 2, …
     Periodic,
@@ -27,11 +28,17 @@ enum Ends {
 }
 
 /// Work space of the transform of a line.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct Scratch {
     real: Vec<f64>,
     complex: Vec<Complex64>,
     inner: Vec<Complex64>,
+}
+
+impl std::fmt::Debug for Line {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Line").field("length", &self.length).field("ends", &self.ends).finish_non_exhaustive()
+    }
 }
 
 impl Line {

@@ -20,6 +20,7 @@ const SHARE: usize = 1 << 12;
 /// the field is then padded with zeros, for convolutions without wrap-around.
 ///
 /// Each line is transformed by one thread, so results have the same bits on any number of threads.
+#[derive(Debug)]
 pub struct Modes {
     sides: [usize; 2],
     /// Down columns and along rows.

@@ -10,6 +10,7 @@ const HALVED: f64 = 2.0;
 /// Two copies of contacts. One is followed with a larger tolerance: its difference is the error of the steps of contacts
 /// where these are shorter than those of the slider. The other one is followed in steps half as long: its difference is the
 /// error of the steps of the slider.
+#[derive(Debug)]
 pub struct ErrorEstimator {
     rough: Box<dyn RateDependentContacts>,
     halved: Box<dyn RateDependentContacts>,

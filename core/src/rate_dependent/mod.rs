@@ -31,7 +31,7 @@ pub struct Books {
 /// Contacts that move together in time.
 ///
 /// Forces are totals, in the unit of stiffness × length; positions X are lengths.
-pub trait RateDependentContacts: Send + Sync {
+pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// Position X of the slider's bottom.
     fn position(&self) -> f64;
 

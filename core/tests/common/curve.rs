@@ -71,6 +71,12 @@ pub fn identical() -> ClosedCurve {
     ClosedCurve { breaks: true, ..curve }
 }
 
+impl std::fmt::Debug for ClosedCurve {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ClosedCurve").field("position", &self.position).finish_non_exhaustive()
+    }
+}
+
 impl ClosedCurve {
     fn new(form: Arc<dyn ClosedForm + Send + Sync>, moments: Moments, edges: Vec<f64>, cell: f64) -> Self {
         Self {

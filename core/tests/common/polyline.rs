@@ -7,7 +7,7 @@ use asperity::population::{Books, Direction, Population, Response, Way};
 use asperity::rate_dependent::ContactsState;
 
 /// Force at the start, and lengths and slopes of lines, the last of which has no end. What is stored is none of it.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Polyline {
     pub force: f64,
     pub lines: Vec<(f64, f64)>,

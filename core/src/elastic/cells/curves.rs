@@ -19,6 +19,7 @@ use crate::{Error, Result};
 /// All cells start from the state of the population. After all contacts of a cell have broken together it follows the curve
 /// of contacts that have just re-formed. The scale s_j of a cell multiplies thresholds and the stretches at which contacts
 /// re-form, hence lengths and forces, but not stiffness.
+#[derive(Debug)]
 pub struct Curves {
     /// The curve from the start.
     first: CurveTable,
@@ -131,6 +132,7 @@ fn longest(by: &[f64]) -> f64 {
 }
 
 /// A cell that has been detached since the mark.
+#[derive(Debug)]
 struct DetachedCell {
     /// Its energies and breaks since the mark.
     done: CellEnergies,

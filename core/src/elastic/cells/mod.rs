@@ -132,7 +132,7 @@ impl Extremes {
 ///
 /// The cells know their contacts, not their positions: they are at rest somewhere, and are moved by advances δ_j ≥ 0. The
 /// force of a cell depends on its own advance alone, so that a batch may be evaluated on any number of threads.
-pub trait Cells: Send + Sync {
+pub trait Cells: std::fmt::Debug + Send + Sync {
     /// Number of cells.
     fn len(&self) -> usize;
 

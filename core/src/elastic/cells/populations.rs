@@ -18,6 +18,7 @@ use crate::{Error, Result};
 /// Each cell has its own friction curve, tabulated a little ahead of the cell and dropped behind it. Besides, it keeps its
 /// population as it was at first, and as it was when its contacts last re-formed all together: the present state follows
 /// from the places at which they did.
+#[derive(Debug)]
 pub struct Populations {
     cells: Vec<PopulationCell>,
     /// Extremes of the tabulated curves, now and at the mark.
@@ -26,6 +27,7 @@ pub struct Populations {
 }
 
 /// A cell.
+#[derive(Debug)]
 struct PopulationCell {
     /// Its contacts at first.
     first: Arc<dyn Population>,
@@ -41,6 +43,7 @@ struct PopulationCell {
 }
 
 /// A cell since its contacts last re-formed all together.
+#[derive(Debug)]
 struct SinceReset {
     /// Its contacts then.
     base: Arc<dyn Population>,

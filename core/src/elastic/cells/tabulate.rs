@@ -22,6 +22,7 @@ const PASSED: usize = 64;
 ///
 /// The extremes of the known part of the curve determine the sizes of steps. So that a recalled state continues as it would
 /// have from the mark, pieces tabulated since then count as unknown after a recall, until they are needed again.
+#[derive(Debug)]
 pub(super) struct CurveTable {
     /// The contacts at the end of the table.
     population: Box<dyn Population>,

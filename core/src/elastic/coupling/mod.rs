@@ -23,7 +23,7 @@ const BYTES: u64 = 16 << 30;
 /// Lett. 68, 670 (1992), doi:10.1103/PhysRevLett.68.670).
 ///
 /// Slices hold one value per cell, along rows.
-pub trait Coupling: Send + Sync {
+pub trait Coupling: std::fmt::Debug + Send + Sync {
     /// Arrangement of the cells.
     fn shape(&self) -> Shape;
 

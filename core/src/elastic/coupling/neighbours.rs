@@ -22,6 +22,7 @@ const STIFF: f64 = 4.0;
 /// Laplacian, 2K_int(1 − cos q) for a wave along one direction. Forces take some additions per cell, a cell that moved
 /// acts on its neighbours alone. Linear systems are solved by elimination on a chain, on a lattice by cosine transforms (open
 /// edges) or Fourier transforms. Takes 8 bytes per cell of a lattice and of a chain, 16 of a periodic one.
+#[derive(Debug)]
 pub struct Neighbours {
     shape: Shape,
     edges: Edges,
@@ -29,6 +30,7 @@ pub struct Neighbours {
     solver: Solver,
 }
 
+#[derive(Debug)]
 enum Solver {
     Chain(Chain),
     Square(Modes),

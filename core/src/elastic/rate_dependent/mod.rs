@@ -63,6 +63,7 @@ impl RateDependentInterfaceParameters {
 ///
 /// A cell *slips* while it is ten times as fast as the drive, as the block in time does. Forces and energies are totals over
 /// the cells, in the units of the contacts of which the cells are made.
+#[derive(Debug)]
 pub struct RateDependentInterface {
     motion: SliderMotion,
     coupling: Box<dyn Coupling>,

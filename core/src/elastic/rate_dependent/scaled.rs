@@ -5,6 +5,7 @@ use crate::rate_dependent::{Books, ContactsState, RateDependentContacts, Stretch
 use crate::{Error, Result};
 
 /// Contacts all of whose lengths, and with them forces, are s times those of others: F(X, t) = s F̂(X/s, t).
+#[derive(Debug)]
 pub struct Scaled {
     contacts: Box<dyn RateDependentContacts>,
     scale: f64,

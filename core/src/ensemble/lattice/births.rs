@@ -13,7 +13,7 @@ pub(super) struct BirthRecord {
 }
 
 /// Draws the lives of contacts: those of [`Ensemble::pull`].
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(super) struct LatticeBirths {
     lives: Lives,
     /// The life after every break, if both distributions are points: then nothing is drawn or stored.

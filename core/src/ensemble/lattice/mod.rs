@@ -70,7 +70,7 @@ pub enum Until {
 /// The time of an avalanche is proportional to its breaks, for any number of contacts. A contact takes 10
 /// bytes, 34 if distributions are not points, and up to 20 more in an avalanche of all contacts. Stretches
 /// are right to 1e-15 for any drive.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Lattice {
     grid: ContactGrid,
     share: f64,

@@ -9,7 +9,7 @@ use crate::numerics::compensated::Compensated;
 use crate::population::Direction;
 
 /// A state to return to; memory grows with the number of breaks since.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(super) struct ReturnMark {
     facing: Direction,
     moved: Direction,

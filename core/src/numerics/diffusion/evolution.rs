@@ -12,6 +12,7 @@ use crate::numerics::legendre::{Nodal, series};
 /// step follows from the truncation error of its polynomials in time. Above an absorbing floor the lowest
 /// elements move with it, up to the first that is wide enough to be squeezed, so that the boundary layer of
 /// width D/v is at rest in them; all other elements are at rest.
+#[derive(Debug)]
 pub struct Evolution<'a> {
     /// p.
     pub density: Elements,

@@ -80,6 +80,15 @@ pub struct Coefficients<'a> {
     pub sink: Option<Sink<'a>>,
 }
 
+impl std::fmt::Debug for Coefficients<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Coefficients")
+            .field("potential", &self.potential)
+            .field("diffusion", &self.diffusion)
+            .finish_non_exhaustive()
+    }
+}
+
 impl MovingGrid {
     /// A grid whose lowest cell is about `finest` times as wide as equal ones. Half of the cells are spaced
     /// evenly, half are concentrated towards the floor: ξ = ½φ + ½ ln(1 + φ/δ)/ln(1 + 1/δ) for the fraction ξ

@@ -26,6 +26,12 @@ pub struct Field<'a> {
     pub loss: Option<Loss<'a>>,
 }
 
+impl std::fmt::Debug for Field<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Field").field("diffusion", &self.diffusion).finish_non_exhaustive()
+    }
+}
+
 /// The motion of the elements in a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeMotion {

@@ -11,6 +11,7 @@ use super::model::DrivenInterface;
 const IN_TIME: [&str; 4] = ["time", "duration", "front_speed_left", "front_speed_right"];
 
 /// DrivenCells on an elastic slider.
+#[derive(Debug)]
 pub struct DrivenCells {
     /// The cells.
     pub interface: elastic::Interface,

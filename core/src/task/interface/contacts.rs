@@ -8,12 +8,14 @@ use crate::record::{Column, Quantity, Record};
 use super::model::DrivenInterface;
 
 /// An avalanche, and the contacts that broke in it.
+#[derive(Debug)]
 pub struct BrokenContacts {
     avalanche: Avalanche,
     scar: Vec<usize>,
 }
 
 /// DrivenContacts on a lattice.
+#[derive(Debug)]
 pub struct DrivenContacts {
     /// The contacts.
     pub lattice: Lattice,

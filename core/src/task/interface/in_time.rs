@@ -11,6 +11,7 @@ use super::model::DrivenInterface;
 use crate::task::tolerance_over;
 
 /// Cells in time on an elastic slider.
+#[derive(Debug)]
 pub struct DrivenRateDependentCells {
     /// The cells.
     pub interface: RateDependentInterface,

@@ -24,11 +24,13 @@ use crate::shape::{Edges, Shape};
 /// edges as preconditioner, to 1e-14 in some fifteen iterations.
 ///
 /// Takes 8 bytes per cell of a periodic lattice and 56 of an open one, up to 200 of a chain, for its one long transform.
+#[derive(Debug)]
 pub struct HalfSpace {
     shape: Shape,
     kind: Method,
 }
 
+#[derive(Debug)]
 enum Method {
     Periodic(Box<Periodic>),
     OpenEdges(Box<OpenEdges>),

@@ -11,6 +11,7 @@ use crate::numerics::modes::Modes;
 use crate::shape::Shape;
 
 /// A_ji = −w_ji with weights w, A_jj = Σ_i w_ji: cells act on each other as in an infinite plane.
+#[derive(Debug)]
 pub(super) struct OpenEdges {
     scale: f64,
     pairs: Pairs,
@@ -19,6 +20,7 @@ pub(super) struct OpenEdges {
 }
 
 /// The convolution with the weights, and its value at equal displacements, A_jj.
+#[derive(Debug)]
 struct Pairs {
     modes: Modes,
     /// Factors of cosines along rows × down columns.

@@ -6,6 +6,7 @@ use crate::numerics::modes::Modes;
 use crate::shape::Shape;
 
 /// A = scale √Δ on a torus.
+#[derive(Debug)]
 pub(super) struct Periodic {
     scale: f64,
     modes: Modes,
