@@ -28,9 +28,9 @@ pub use events::{Event, Size, Sizes};
 pub use loading::Loading;
 pub use rate_dependent::{Moment, RateDependentSlip, Slide};
 pub use regime::{Missing, Regime};
-pub use run::{Drive, End, StickSlip};
+pub use run::{Drive, StickSlip};
 pub use simulation::{BlockSimulation, SimulationState};
-pub use trace::{Point, SlipCourse};
+pub use trace::{End, Point, SlipCourse};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,7 +1,6 @@
 //! What kind of sliding a drive showed, and why it is called so.
 
-use super::Point;
-use super::run::End;
+use super::trace::{End, Point};
 
 /// What kind of sliding a drive showed since it last turned. Its text says why, in plain words.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use super::events::{self, Event, Sizes};
 use super::quasistatic::QuasistaticRun;
 use super::regime::Jump;
-use super::trace::{self, Point, SlipCourse};
+use super::trace::{self, End, Point, SlipCourse};
 use super::{Block, EnergyBalance, Loading, Regime, Slip, bearable, regime};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
@@ -18,16 +18,6 @@ pub struct Drive {
     /// Points of the trace, evenly along the way of the drive, both ends included; turning points and points before
     /// and after every slip come on top.
     pub points: usize,
-}
-
-/// How a drive ended.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum End {
-    /// Where it should.
-    Reached,
-    /// Under an imposed force the slider ran away: from here it found no balance within a hundred times the mean
-    /// stretch of contacts that carry that force.
-    Runaway(Point),
 }
 
 /// What came of a drive.

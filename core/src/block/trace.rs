@@ -1,4 +1,4 @@
-//! What is kept of a motion: points of balance, and the time course of a slip.
+//! What is kept of a motion: points of equilibrium, how it ended, and the time course of a slip.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +15,16 @@ pub struct Point {
     pub force: f64,
     /// K(X_T − X), what pulls; F in balance.
     pub spring_force: f64,
+}
+
+/// How a drive ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum End {
+    /// At its last displacement, or force.
+    Reached,
+    /// Under an imposed force the slider ran away: from here it found no balance within a hundred times the mean
+    /// stretch of contacts that carry that force.
+    Runaway(Point),
 }
 
 /// Most points of a course.

@@ -2,7 +2,7 @@
 
 use super::SlidingBlock;
 use crate::block::regime::{self, Jump, Oscillation};
-use crate::block::run::End;
+use crate::block::trace::End;
 use crate::block::{EnergyBalance, Point, Regime};
 use crate::dynamics::{SLIP_VELOCITY, SliderMotion, crossing};
 use crate::record::{Quantity, Record};
