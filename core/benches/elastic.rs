@@ -7,7 +7,7 @@ use std::sync::Arc;
 use asperity::contacts::{Contacts, Initial, Start};
 use asperity::elastic::cells::Cells;
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{Coupling, Curves, Interface, InterfaceParameters, Loading, Slip};
+use asperity::elastic::{CellLoading, CellSlip, Coupling, Curves, Interface, InterfaceParameters};
 use asperity::law::{Gaussian, Point};
 use asperity::master::{MasterEquation, MasterPopulation};
 use asperity::random::{Purpose, Stream};
@@ -72,8 +72,8 @@ fn row(name: &str, coupling: Box<dyn Coupling>) {
     let number = coupling.shape().size();
     let setting = InterfaceParameters {
         connection: 0.5,
-        loading: Loading::Uniform,
-        slip: Slip::Overdamped,
+        loading: CellLoading::Uniform,
+        slip: CellSlip::Overdamped,
         viscosity: None,
         drive_tolerance: 1e-6,
         area: None,

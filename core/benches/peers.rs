@@ -17,7 +17,7 @@ use std::time::Instant;
 use asperity::contacts::{Contacts, Initial, Start};
 use asperity::elastic::cells::scales;
 use asperity::elastic::coupling::half_space;
-use asperity::elastic::{Curves, Interface, InterfaceParameters, Loading, Slip, State};
+use asperity::elastic::{CellLoading, CellSlip, Curves, Interface, InterfaceParameters, State};
 use asperity::ensemble::lattice::{Edges, Lattice, LatticeCoupling, Shape, Until};
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
@@ -149,8 +149,8 @@ fn deformable(side: usize, drive: f64, drive_tolerance: f64) -> (Interface, Stat
     let cells = cells.scaled(scales(side * side, 0.05, 1).unwrap()).unwrap();
     let setting = InterfaceParameters {
         connection: 0.5,
-        loading: Loading::Uniform,
-        slip: Slip::Overdamped,
+        loading: CellLoading::Uniform,
+        slip: CellSlip::Overdamped,
         viscosity: None,
         drive_tolerance,
         area: None,

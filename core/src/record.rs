@@ -1,7 +1,10 @@
 //! Results as plain labelled arrays: what front ends write, plot or pass on.
 
+use serde::{Deserialize, Serialize};
+
 /// What a variable measures; front ends turn it into a unit label (`µm`, `MPa`, `1/µm`).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Quantity {
     /// A length: stretches, positions.
@@ -97,7 +100,7 @@ impl Column {
 }
 
 /// A named array with named dimensions, in row-major order.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Variable {
     /// Name in files (`force`).
     pub name: String,
@@ -112,7 +115,7 @@ pub struct Variable {
 }
 
 /// The variables of a result; every dimension has one length, that of the variables along it alone.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// In the order in which they were added.
     pub variables: Vec<Variable>,

@@ -4,14 +4,14 @@ mod common;
 
 use asperity::block::{self, StickSlip};
 use asperity::elastic::coupling::neighbours;
-use asperity::elastic::{InterfaceParameters, Loading, Slip};
+use asperity::elastic::{CellLoading, CellSlip, InterfaceParameters};
 use asperity::shape::{Edges, Shape};
 use common::curve::{gaussian, identical};
 use common::pulled::{near, pull};
 use common::sliders::{chain, events, interface, setting};
 
-const RULES: [(Slip, block::Slip); 2] =
-    [(Slip::Overdamped, block::Slip::Overdamped), (Slip::Reset, block::Slip::Reset)];
+const RULES: [(CellSlip, block::Slip); 2] =
+    [(CellSlip::Overdamped, block::Slip::Overdamped), (CellSlip::Reset, block::Slip::Reset)];
 
 /// Events of so many cells as slips of a block, each cell for itself; `fold`: by how much the position at the loss of
 /// balance may be off, where K(X_c − X_T) = ½F''(X − X_1)² for a tolerance of the drive.
@@ -76,7 +76,7 @@ fn a_rigid_slider_may_be_pulled_at_its_edge() {
     for (slip, of_block) in RULES {
         let slips = pull(&mut gaussian(0.1), 0.5, of_block, &[8.0]);
         let coupling = neighbours(Shape::Chain(cells), Edges::Open, stiffness).unwrap();
-        let edge = InterfaceParameters { loading: Loading::Edge, ..setting(2.0, slip, 1e-9) };
+        let edge = InterfaceParameters { loading: CellLoading::Edge, ..setting(2.0, slip, 1e-9) };
         let mut pulled = interface(&gaussian(0.1), None, coupling, edge);
         let found = events(&mut pulled, 8.0);
         assert_eq!(found.len(), slips.events.len());

@@ -3,7 +3,7 @@
 mod common;
 
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{Coupling, Event, Interface, InterfaceParameters, Loading, Slip};
+use asperity::elastic::{CellLoading, CellSlip, Coupling, Event, Interface, InterfaceParameters};
 use asperity::shape::{Edges, Shape};
 use common::curve::gaussian;
 use common::pulled::near;
@@ -62,7 +62,7 @@ fn slides_end_in_the_nearest_balance() {
     let connection = 0.3;
     for drive in [2.5, 3.5, 5.0] {
         for ((mut coupling, same), again) in couplings().into_iter().zip(couplings()).zip(couplings()) {
-            let setting = setting(connection, Slip::Overdamped, 1e-6);
+            let setting = setting(connection, CellSlip::Overdamped, 1e-6);
             let slow = crept(&mut disordered(same, setting), coupling.as_mut(), drive, connection);
             let mut fast = disordered(again, setting);
             fast.put(drive, &vec![0.0; slow.len()]).unwrap();
@@ -75,13 +75,13 @@ fn slides_end_in_the_nearest_balance() {
 
 #[test]
 fn forces_and_energies_balance_after_every_event() {
-    for slip in [Slip::Overdamped, Slip::Reset] {
-        for loading in [Loading::Uniform, Loading::Edge] {
+    for slip in [CellSlip::Overdamped, CellSlip::Reset] {
+        for loading in [CellLoading::Uniform, CellLoading::Edge] {
             for (mut coupling, same) in couplings().into_iter().zip(couplings()) {
-                let (connection, end) = if loading == Loading::Edge { (2.0, 9.0) } else { (0.3, 5.0) };
+                let (connection, end) = if loading == CellLoading::Edge { (2.0, 9.0) } else { (0.3, 5.0) };
                 let connected = match loading {
-                    Loading::Uniform => coupling.shape().size(),
-                    Loading::Edge => coupling.shape().first_row(),
+                    CellLoading::Uniform => coupling.shape().size(),
+                    CellLoading::Edge => coupling.shape().first_row(),
                 };
                 let setting = InterfaceParameters { loading, ..setting(connection, slip, 1e-4) };
                 let mut interface = disordered(same, setting);
@@ -96,7 +96,7 @@ fn forces_and_energies_balance_after_every_event() {
                     assert!(excess < 1e-10, "{excess:e} after event {number}");
                     near(interface.energy().imbalance(), 0.0, 1e-10 * interface.len() as f64);
                 }
-                let least = if slip == Slip::Reset { 1 } else { 4 };
+                let least = if slip == CellSlip::Reset { 1 } else { 4 };
                 assert!(number >= least, "{number} events, {slip:?}, {loading:?}, {:?}", coupling.shape());
                 let energy = interface.energy();
                 assert!(energy.slip > 0.0 && energy.breaks > 0.0);
@@ -111,8 +111,10 @@ fn forces_and_energies_balance_after_every_event() {
 fn the_same_cells_slip_however_closely_drives_are_found() {
     let catalogue = |drive_tolerance: f64| {
         let slider = neighbours(Shape::Chain(30), Edges::Open, 4.0).unwrap();
-        let setting =
-            InterfaceParameters { loading: Loading::Edge, ..setting(0.5, Slip::Overdamped, drive_tolerance) };
+        let setting = InterfaceParameters {
+            loading: CellLoading::Edge,
+            ..setting(0.5, CellSlip::Overdamped, drive_tolerance)
+        };
         let mut chain = interface(&gaussian(0.1), Some(scales(30, 0.05)), slider, setting);
         events(&mut chain, 30.0)
     };
@@ -134,7 +136,7 @@ fn the_same_cells_slip_however_closely_drives_are_found() {
 #[test]
 fn work_is_that_of_the_springs() {
     let coupling = neighbours(Shape::Chain(30), Edges::Open, 4.0).unwrap();
-    let mut interface = disordered(coupling, setting(5.0, Slip::Overdamped, 1e-6));
+    let mut interface = disordered(coupling, setting(5.0, CellSlip::Overdamped, 1e-6));
     let (steps, mut work) = (400, 0.0);
     let step = 3.0 / f64::from(steps);
     for i in 0..=steps {
@@ -149,7 +151,7 @@ fn work_is_that_of_the_springs() {
 
 #[test]
 fn an_interface_goes_on_from_its_state_bit_for_bit() {
-    for slip in [Slip::Overdamped, Slip::Reset] {
+    for slip in [CellSlip::Overdamped, CellSlip::Reset] {
         let new = || {
             let coupling = half_space(Shape::Square([6, 6]), Edges::Periodic, 1.0, 1.0).unwrap();
             disordered(coupling, setting(0.3, slip, 1e-4))
@@ -173,7 +175,7 @@ fn an_interface_goes_on_from_its_state_bit_for_bit() {
 /// How far curves are known decides on steps, and later they are known further.
 #[test]
 fn an_interface_goes_back_to_a_state_of_its_own_bit_for_bit() {
-    for slip in [Slip::Overdamped, Slip::Reset] {
+    for slip in [CellSlip::Overdamped, CellSlip::Reset] {
         let coupling = neighbours(Shape::Chain(12), Edges::Open, 4.0).unwrap();
         let mut chain = disordered(coupling, setting(0.3, slip, 1e-4));
         events(&mut chain, 1.3);
@@ -190,7 +192,7 @@ fn an_interface_goes_back_to_a_state_of_its_own_bit_for_bit() {
 /// Stopped in slides, too.
 #[test]
 fn a_stop_leaves_no_trace() {
-    for slip in [Slip::Overdamped, Slip::Reset] {
+    for slip in [CellSlip::Overdamped, CellSlip::Reset] {
         let new = || {
             let coupling = neighbours(Shape::Chain(12), Edges::Open, 4.0).unwrap();
             disordered(coupling, setting(0.3, slip, 1e-4))
@@ -225,7 +227,7 @@ fn catalogues_are_the_same_on_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let coupling = neighbours(Shape::Square([66, 66]), Edges::Periodic, 1.0).unwrap();
-            let mut interface = disordered(coupling, setting(1.0, Slip::Reset, 1e-3));
+            let mut interface = disordered(coupling, setting(1.0, CellSlip::Reset, 1e-3));
             let events = events(&mut interface, 1.75);
             assert!(!events.is_empty());
             (written(&events), interface.state())

@@ -5,7 +5,7 @@ mod common;
 use std::f64::consts::PI;
 
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{Coupling, Interface, InterfaceParameters, Slip, Slipped};
+use asperity::elastic::{CellSlip, Coupling, Interface, InterfaceParameters, Slipped};
 use asperity::exact::{ClosedForm, Gaussian};
 use asperity::shape::{Edges, Shape};
 use common::curve::gaussian;
@@ -128,7 +128,7 @@ fn falling() -> Polyline {
 
 /// Events of weakening cells until the drive has gone on by 0.01.
 fn weakening(coupling: Box<dyn Coupling>, connection: f64) -> usize {
-    let mut patch = interface(&falling(), None, coupling, setting(connection, Slip::Overdamped, 1e-6));
+    let mut patch = interface(&falling(), None, coupling, setting(connection, CellSlip::Overdamped, 1e-6));
     let mut events = 0;
     let end = patch.drive() + 0.01;
     patch.run(end, &mut (), &mut |_, _| events += 1).unwrap();
@@ -181,7 +181,7 @@ fn split(stiffness: f64, force: f64) -> (Interface, usize) {
     const SOFT: f64 = 1e-7;
     let (ahead, cells) = (40, 160);
     let coupling = neighbours(Shape::Chain(cells), Edges::Open, stiffness).unwrap();
-    let timed = InterfaceParameters { viscosity: Some(1.0), ..setting(SOFT, Slip::Overdamped, 1e-6) };
+    let timed = InterfaceParameters { viscosity: Some(1.0), ..setting(SOFT, CellSlip::Overdamped, 1e-6) };
     let mut chain = interface(&gaussian(0.1), None, coupling, timed);
     let (front, rest) = (place(force, 1.25, 1.7), place(force, 0.0, 0.84));
     let positions: Vec<f64> = (0..cells).map(|j| if j < ahead { front } else { rest }).collect();

@@ -3,7 +3,7 @@
 mod common;
 
 use asperity::elastic::coupling::half_space;
-use asperity::elastic::{InterfaceParameters, Slip};
+use asperity::elastic::{CellSlip, InterfaceParameters};
 use asperity::shape::{Edges, Shape};
 use common::curve::gaussian;
 use common::sliders::{interface, scales, setting};
@@ -18,7 +18,7 @@ fn most(side: usize) -> f64 {
     MEMORY.reset_peak_usage();
     let shape = Shape::Square([side; 2]);
     let slider = half_space(shape, Edges::Periodic, 3.0, 1.0).unwrap();
-    let stiff = InterfaceParameters { viscosity: None, ..setting(0.5, Slip::Overdamped, 1e-3) };
+    let stiff = InterfaceParameters { viscosity: None, ..setting(0.5, CellSlip::Overdamped, 1e-3) };
     let scales = scales(shape.size(), 0.03);
     let mut interface = interface(&gaussian(0.1), Some(scales), slider, stiff);
     interface.put(3.2, &vec![0.0; shape.size()]).unwrap();

@@ -5,7 +5,7 @@ mod common;
 use asperity::block::{self, StickSlip};
 use asperity::contacts::Contacts;
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{Cells, Coupling, Event, Interface, Populations, Slip};
+use asperity::elastic::{CellSlip, Cells, Coupling, Event, Interface, Populations};
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::population::Population;
 use asperity::rate_dependent::binned;
@@ -28,7 +28,7 @@ fn cells(number: usize, size: usize) -> Populations {
     Populations::new((0..number).map(cell).collect(), &mut ()).unwrap()
 }
 
-fn chain(cells: Populations, number: usize, stiffness: f64, slip: Slip, tolerance: f64) -> Interface {
+fn chain(cells: Populations, number: usize, stiffness: f64, slip: CellSlip, tolerance: f64) -> Interface {
     let coupling = neighbours(Shape::Chain(number), Edges::Open, stiffness).unwrap();
     Interface::new(Box::new(cells), coupling, setting(0.5, slip, tolerance)).unwrap()
 }
@@ -51,12 +51,12 @@ fn same(events: &[Event], slips: &StickSlip, accuracy: f64) {
 /// Every break is an event. Where the drive is found to 1e-12, so is what happens there.
 #[test]
 fn one_cell_is_a_block_over_its_ensemble() {
-    let rules = [(Slip::Overdamped, block::Slip::Overdamped), (Slip::Reset, block::Slip::Reset)];
+    let rules = [(CellSlip::Overdamped, block::Slip::Overdamped), (CellSlip::Reset, block::Slip::Reset)];
     for (slip, of_block) in rules {
         for disorder in [Disorder::Annealed, Disorder::Quenched] {
             let mut population = ensemble(20, 0, 1.0, disorder);
             let slips = pull(population.as_mut(), 0.5, of_block, &[8.0]);
-            assert!(slips.events.len() > if slip == Slip::Reset { 2 } else { 30 });
+            assert!(slips.events.len() > if slip == CellSlip::Reset { 2 } else { 30 });
             let cell = Populations::new(vec![ensemble(20, 0, 1.0, disorder)], &mut ()).unwrap();
             let mut cell = chain(cell, 1, 1.0, slip, 1e-12);
             same(&events(&mut cell, 8.0), &slips, 1e-10);
@@ -81,7 +81,7 @@ fn few_contacts_in_each_of_many_rigid_cells_are_one_ensemble() {
     let whole = number as f64;
     let mut population = ensemble(number * size, 0, whole, Disorder::Annealed);
     let slips = pull(population.as_mut(), 0.5 * whole, block::Slip::Overdamped, &[6.0]);
-    let mut rigid = chain(cells(number, size), number, stiffness, Slip::Overdamped, 1e-9);
+    let mut rigid = chain(cells(number, size), number, stiffness, CellSlip::Overdamped, 1e-9);
     let found = slides(&mut rigid, 6.0);
     assert!(found.len() == slips.events.len() && found.len() > 50, "{}, {}", found.len(), slips.events.len());
     let accuracy = 0.1 * whole * whole / stiffness;
@@ -96,7 +96,7 @@ fn few_contacts_in_each_of_many_rigid_cells_are_one_ensemble() {
 }
 
 /// Soft cells that differ in scale, too.
-fn soft(slip: Slip) -> Interface {
+fn soft(slip: CellSlip) -> Interface {
     let coupling = half_space(Shape::Square([5, 4]), Edges::Open, 0.3, 1.0).unwrap();
     let scales: Vec<f64> = (0..20).map(|j| 1.0 + 0.1 * f64::sin(f64::from(j * j))).collect();
     let cells = cells(20, 6).scaled(&scales).unwrap();
@@ -110,7 +110,7 @@ fn written(events: &[Event]) -> Vec<String> {
 
 #[test]
 fn energies_balance_after_every_event() {
-    for slip in [Slip::Overdamped, Slip::Reset] {
+    for slip in [CellSlip::Overdamped, CellSlip::Reset] {
         let mut interface = soft(slip);
         while !interface.next(8.0, &mut ()).unwrap().is_empty() {
             near(interface.energy().imbalance(), 0.0, 1e-10);
@@ -124,7 +124,7 @@ fn catalogues_are_the_same_on_any_number_of_threads() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let mut interface = soft(Slip::Overdamped);
+            let mut interface = soft(CellSlip::Overdamped);
             (written(&events(&mut interface, 8.0)), interface.state())
         })
     };
@@ -135,7 +135,7 @@ fn catalogues_are_the_same_on_any_number_of_threads() {
 
 #[test]
 fn cells_go_on_from_their_state_bit_for_bit() {
-    for slip in [Slip::Overdamped, Slip::Reset] {
+    for slip in [CellSlip::Overdamped, CellSlip::Reset] {
         let mut whole = soft(slip);
         let all = events(&mut whole, 6.0);
         let (mut first, mut part) = (soft(slip), Vec::new());
@@ -152,7 +152,7 @@ fn cells_go_on_from_their_state_bit_for_bit() {
 
 #[test]
 fn what_was_stopped_goes_on_as_if_it_had_not_been() {
-    for slip in [Slip::Overdamped, Slip::Reset] {
+    for slip in [CellSlip::Overdamped, CellSlip::Reset] {
         let mut whole = soft(slip);
         let all = events(&mut whole, 4.0);
         let (mut interface, mut found, mut patience) = (soft(slip), Vec::new(), 2);
@@ -171,7 +171,7 @@ fn what_was_stopped_goes_on_as_if_it_had_not_been() {
 /// Forces are those of curves, stretches those of contacts.
 #[test]
 fn stretches_of_the_contacts_of_a_cell_add_up_to_its_force() {
-    for slip in [Slip::Overdamped, Slip::Reset] {
+    for slip in [CellSlip::Overdamped, CellSlip::Reset] {
         let scaled = cells(3, 40).scaled(&[1.0, 0.8, 1.3]).unwrap();
         let mut chain = chain(scaled, 3, 0.5, slip, 1e-6);
         for drive in [0.0, 1.5, 4.0] {
@@ -226,11 +226,12 @@ fn what_is_recalled_knows_no_more_than_at_the_mark() {
 fn cells_refuse_states_and_scales_of_others() {
     let error = cells(3, 4).scaled(&[1.0, 0.0, 1.0]).err().unwrap().to_string();
     assert!(error.contains("0 for cell 1"), "{error}");
-    let state = chain(cells(2, 4), 2, 1.0, Slip::Reset, 1e-6).state();
+    let state = chain(cells(2, 4), 2, 1.0, CellSlip::Reset, 1e-6).state();
     let curves =
         || asperity::elastic::Curves::new(&*ensemble(4, 0, 1.0, Disorder::Annealed), 2, &mut ()).unwrap();
     let coupling = neighbours(Shape::Chain(2), Edges::Open, 1.0).unwrap();
-    let mut other = Interface::new(Box::new(curves()), coupling, setting(0.5, Slip::Reset, 1e-6)).unwrap();
+    let mut other =
+        Interface::new(Box::new(curves()), coupling, setting(0.5, CellSlip::Reset, 1e-6)).unwrap();
     let error = other.restore(state, &mut ()).unwrap_err().to_string();
     assert!(error.starts_with("state: "), "{error}");
 }

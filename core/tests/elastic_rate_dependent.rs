@@ -7,8 +7,8 @@ use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Stiffness, Temperatur
 use asperity::elastic::coupling::{half_space, neighbours};
 use asperity::elastic::rate_dependent::Scaled;
 use asperity::elastic::{
-    Coupling, Curves, Event, Interface, InterfaceParameters, Loading, RateDependentInterface,
-    RateDependentInterfaceParameters, Slip,
+    CellLoading, CellSlip, Coupling, Curves, Event, Interface, InterfaceParameters, RateDependentInterface,
+    RateDependentInterfaceParameters,
 };
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
@@ -53,7 +53,7 @@ fn chain(cells: usize, stiffness: f64) -> Box<dyn Coupling> {
 }
 
 fn setting(connection: f64, viscosity: f64, tolerance: f64) -> RateDependentInterfaceParameters {
-    let loading = Loading::Uniform;
+    let loading = CellLoading::Uniform;
     RateDependentInterfaceParameters {
         connection,
         loading,
@@ -212,8 +212,8 @@ fn slow_and_without_rules_it_is_the_athermal_interface() {
     let curves = Curves::new(&population, scales.len(), &mut ()).unwrap();
     let athermal_setting = InterfaceParameters {
         connection,
-        loading: Loading::Uniform,
-        slip: Slip::Overdamped,
+        loading: CellLoading::Uniform,
+        slip: CellSlip::Overdamped,
         viscosity: Some(viscosity),
         drive_tolerance: 1e-9,
         area: None,
@@ -327,7 +327,8 @@ fn contacts_that_age_make_a_chain_slip_again_and_again() {
     let aged = of(Rules { ageing: Some(ageing), ..Rules::default() }, 0.1);
     let number = 8;
     let slips = |contacts: &Contacts| {
-        let setting = RateDependentInterfaceParameters { loading: Loading::Edge, ..setting(2.0, 0.3, 1e-3) };
+        let setting =
+            RateDependentInterfaceParameters { loading: CellLoading::Edge, ..setting(2.0, 0.3, 1e-3) };
         let contacts = cells(contacts, &vec![1.0; number], 1e-3);
         let mut interface = RateDependentInterface::new(contacts, chain(number, 10.0), setting).unwrap();
         let events = events(&mut interface, 30.0, 1e-3);

@@ -12,8 +12,8 @@ use asperity::contacts::{Contacts, Initial, Rules, Start};
 use asperity::elastic::coupling::half_space;
 use asperity::elastic::rate_dependent::Scaled;
 use asperity::elastic::{
-    Event, Loading, RateDependentInterface, RateDependentInterfaceParameters, RateDependentInterfaceState,
-    Slipped,
+    CellLoading, Event, RateDependentInterface, RateDependentInterfaceParameters,
+    RateDependentInterfaceState, Slipped,
 };
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::Mixture;
@@ -74,7 +74,7 @@ fn few(contacts: &Contacts, disorder: Disorder) -> Box<dyn RateDependentContacts
 fn chain(cell: &dyn Fn() -> Box<dyn RateDependentContacts>) -> RateDependentInterface {
     let setting = RateDependentInterfaceParameters {
         connection: 0.2,
-        loading: Loading::Uniform,
+        loading: CellLoading::Uniform,
         viscosity: 0.1,
         tolerance: 1e-2,
         slip_fraction: 0.01,
@@ -179,7 +179,7 @@ fn a_state_of_something_else_is_refused() {
     let cell = || transport(&of("logarithmic"));
     let setting = RateDependentInterfaceParameters {
         connection: 0.2,
-        loading: Loading::Uniform,
+        loading: CellLoading::Uniform,
         viscosity: 0.1,
         tolerance: 1e-2,
         slip_fraction: 0.0,

@@ -4,7 +4,7 @@ mod common;
 
 use asperity::block;
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{Coupling, Interface, Slip};
+use asperity::elastic::{CellSlip, Coupling, Interface};
 use asperity::exact::{self, ClosedForm as _};
 use asperity::shape::{Edges, Shape};
 use common::curve::gaussian;
@@ -27,7 +27,7 @@ fn sliders(stiffness: f64) -> [Box<dyn Coupling>; 4] {
     ]
 }
 
-fn cells(slider: Box<dyn Coupling>, scales: Option<Vec<f64>>, slip: Slip) -> Interface {
+fn cells(slider: Box<dyn Coupling>, scales: Option<Vec<f64>>, slip: CellSlip) -> Interface {
     interface(&gaussian(STD), scales, slider, setting(CONNECTION, slip, 1e-9))
 }
 
@@ -35,7 +35,7 @@ fn cells(slider: Box<dyn Coupling>, scales: Option<Vec<f64>>, slip: Slip) -> Int
 /// tolerance of the drive, ends are known as well as forces, 1e-11 of the strongest.
 #[test]
 fn equal_cells_are_one_block_on_any_slider() {
-    let rules = [(Slip::Overdamped, block::Slip::Overdamped), (Slip::Reset, block::Slip::Reset)];
+    let rules = [(CellSlip::Overdamped, block::Slip::Overdamped), (CellSlip::Reset, block::Slip::Reset)];
     for (slip, of_block) in rules {
         let slips = pull(&mut gaussian(STD), CONNECTION, of_block, &[DRIVE]);
         let last = slips.trace.last().unwrap();
@@ -50,7 +50,7 @@ fn equal_cells_are_one_block_on_any_slider() {
                     near(event.force_after / CELLS as f64, slip.after.force, 1e-8);
                 }
                 // Cells that have been reset remember at which drive they were.
-                let accuracy = if slip == Slip::Reset { 1e-8 } else { 1e-10 };
+                let accuracy = if slip == CellSlip::Reset { 1e-8 } else { 1e-10 };
                 for force in cells.forces() {
                     near(force, last.force, accuracy);
                 }
@@ -78,7 +78,7 @@ fn different_cells_on_a_rigid_slider_balance_together() {
     // Springs of 1e12 leave cells 1e-12 apart, times the slopes of a few.
     for (stiffness, accuracy) in [(1e8, 1e-6), (1e12, 1e-10), (1e18, 1e-10)] {
         for slider in sliders(stiffness) {
-            let mut cells = cells(slider, Some(scales.clone()), Slip::Overdamped);
+            let mut cells = cells(slider, Some(scales.clone()), CellSlip::Overdamped);
             assert!(events(&mut cells, drive).is_empty());
             for (force, s) in cells.forces().iter().zip(&scales) {
                 near(*force, s * curve.force(low / s), accuracy);

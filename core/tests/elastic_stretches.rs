@@ -6,7 +6,7 @@ use asperity::contacts::{Ageing, Contacts, Rules};
 use asperity::elastic::coupling::neighbours;
 use asperity::elastic::rate_dependent::Scaled;
 use asperity::elastic::{
-    Curves, Interface, Loading, RateDependentInterface, RateDependentInterfaceParameters, Slip,
+    CellLoading, CellSlip, Curves, Interface, RateDependentInterface, RateDependentInterfaceParameters,
 };
 use asperity::ensemble::{Disorder, Ensemble, Snapshots};
 use asperity::master::{MasterEquation, Transport};
@@ -23,7 +23,7 @@ fn stretches_of_a_cell_carry_its_force() {
     let equation = master(&gaussian(1.0, 0.1), &rectangular(0.0, 0.2), &point(0.0));
     let population = equation.population(1e-10, &mut ()).unwrap();
     let scales = [1.0, 0.9, 1.2, 1.05];
-    for slip in [Slip::Overdamped, Slip::Reset] {
+    for slip in [CellSlip::Overdamped, CellSlip::Reset] {
         let cells = Curves::new(&population, 4, &mut ()).unwrap().scaled(scales.to_vec()).unwrap();
         let coupling = neighbours(Shape::Chain(4), Edges::Open, 0.5).unwrap();
         let mut chain = Interface::new(Box::new(cells), coupling, setting(0.5, slip, 1e-6)).unwrap();
@@ -47,11 +47,11 @@ fn stretches_of_a_cell_carry_its_force() {
             near(sums.0, 1.0, 5.0 * step);
             near(sums.1, *force, 5.0 * step);
         }
-        assert_eq!(renewed > 0, slip == Slip::Reset, "{renewed} cells have re-formed");
+        assert_eq!(renewed > 0, slip == CellSlip::Reset, "{renewed} cells have re-formed");
     }
     let cells = Curves::new(&population, 4, &mut ()).unwrap();
     let coupling = neighbours(Shape::Chain(4), Edges::Open, 0.5).unwrap();
-    let chain = Interface::new(Box::new(cells), coupling, setting(0.5, Slip::Reset, 1e-6)).unwrap();
+    let chain = Interface::new(Box::new(cells), coupling, setting(0.5, CellSlip::Reset, 1e-6)).unwrap();
     let error = chain.standing(4).unwrap_err().to_string();
     assert!(error.starts_with("cell: expected a number below 4"), "{error}");
 }
@@ -70,7 +70,7 @@ fn ageing() -> Contacts {
 fn rigid(contacts: Box<dyn RateDependentContacts>, scale: f64) -> RateDependentInterface {
     let setting = RateDependentInterfaceParameters {
         connection: 1e6,
-        loading: Loading::Uniform,
+        loading: CellLoading::Uniform,
         viscosity: 1.0,
         tolerance: 1e-4,
         slip_fraction: 0.0,

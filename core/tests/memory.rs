@@ -120,7 +120,7 @@ fn table(shape: Shape, coupling: scenario::Coupling) -> scenario::Interface {
         connection: 0.5,
         coupling,
         edges: Edges::Open,
-        loading: scenario::Loading::Uniform,
+        loading: scenario::CellLoading::Uniform,
         slip: None,
         viscosity: None,
         disorder: None,
@@ -155,7 +155,7 @@ fn on_a_slider(
 
 /// A slide of all cells, and creep after it.
 fn slide(curve: &curve::ClosedCurve, slider: Box<dyn elastic::Coupling>, size: usize) {
-    let stiff = InterfaceParameters { viscosity: None, ..setting(0.5, elastic::Slip::Overdamped, 1e-3) };
+    let stiff = InterfaceParameters { viscosity: None, ..setting(0.5, elastic::CellSlip::Overdamped, 1e-3) };
     let mut interface = interface(curve, Some(scales(size, 0.03)), slider, stiff);
     interface.put(3.2, &vec![0.0; size]).unwrap();
     let _ = interface.next(3.2, &mut ()).unwrap();

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use asperity::Error;
 use asperity::block::Slip;
 use asperity::elastic::coupling::neighbours;
-use asperity::elastic::{self, Cells, Curves, Interface, InterfaceParameters, Loading, Populations};
+use asperity::elastic::{self, CellLoading, Cells, Curves, Interface, InterfaceParameters, Populations};
 use asperity::ensemble::Disorder;
 use asperity::ensemble::lattice::{Edges, Lattice, LatticeCoupling, Shape};
 use asperity::first_breaks::FirstBreaks;
@@ -171,9 +171,9 @@ fn neighbours_make_nearly_the_renormalised_law() {
 }
 
 /// How cells are driven that gain a `share` of what their contacts lose.
-fn setting(share: f64, slip: elastic::Slip) -> InterfaceParameters {
+fn setting(share: f64, slip: elastic::CellSlip) -> InterfaceParameters {
     let connection = 1.0 / share - 1.0;
-    let (loading, viscosity) = (Loading::Uniform, None);
+    let (loading, viscosity) = (CellLoading::Uniform, None);
     InterfaceParameters { connection, loading, slip, viscosity, drive_tolerance: 1e-12, area: None }
 }
 
@@ -191,7 +191,7 @@ fn curves(std: f64, scales: &[f64]) -> Curves {
 }
 
 /// Their law of first breaks.
-fn breaks(std: f64, scales: &[f64], springs: f64, share: f64, slip: elastic::Slip) -> FirstBreaks {
+fn breaks(std: f64, scales: &[f64], springs: f64, share: f64, slip: elastic::CellSlip) -> FirstBreaks {
     let mut chain = chain(Box::new(curves(std, scales)), springs, setting(share, slip));
     chain.first_breaks(gaussian(1.0, std).as_ref(), share, &mut ()).unwrap()
 }
@@ -200,7 +200,7 @@ fn breaks(std: f64, scales: &[f64], springs: f64, share: f64, slip: elastic::Sli
 #[test]
 fn cells_that_move_alike_have_the_renormalised_law() {
     let thresholds = gaussian(1.0, 0.05);
-    for slip in [elastic::Slip::Overdamped, elastic::Slip::Reset] {
+    for slip in [elastic::CellSlip::Overdamped, elastic::CellSlip::Reset] {
         for number in [1, 5] {
             let law = renormalised(&thresholds, 0.1);
             let breaks = breaks(0.05, &vec![1.0; number], 0.7, 0.1, slip);
@@ -214,7 +214,7 @@ fn cells_that_move_alike_have_the_renormalised_law() {
     let parts = scales.map(|scale| (0.25, gaussian(scale, 0.05 * scale)));
     let law = renormalised(&mixture(&parts), 0.1);
     // Cells differ by some 1e-7 where stiffnesses are as 1 to 10⁶.
-    let breaks = breaks(0.05, &scales, 1e6, 0.1, elastic::Slip::Overdamped);
+    let breaks = breaks(0.05, &scales, 1e6, 0.1, elastic::CellSlip::Overdamped);
     assert!(breaks.distance(&law) < 1e-5, "{}", breaks.distance(&law));
     assert!((breaks.mean() - law.mean()).abs() < 1e-5 && (breaks.std() - law.std()).abs() < 1e-5);
 }
@@ -224,7 +224,7 @@ fn cells_that_move_alike_have_the_renormalised_law() {
 fn cells_on_their_own_have_their_own_renormalised_laws() {
     let scales = [0.9, 1.0, 1.15];
     let law = renormalised(&gaussian(1.0, 0.05), 0.1);
-    let breaks = breaks(0.05, &scales, 1e-9, 0.1, elastic::Slip::Overdamped);
+    let breaks = breaks(0.05, &scales, 1e-9, 0.1, elastic::CellSlip::Overdamped);
     let mean = scales.iter().sum::<f64>() / 3.0;
     assert!((breaks.mean() - mean * law.mean()).abs() < 1e-6);
     for drive in [0.8, 0.87, 0.93, 1.0, 1.08, 1.2] {
@@ -242,9 +242,10 @@ fn slides_are_upright() {
     let run = pull(&mut alone, 1.0 / share - 1.0, Slip::Overdamped, &[1.5]);
     let slip = run.events[0];
     let drive = (1.0 - share) * slip.before.drive;
-    for (rule, after) in
-        [(elastic::Slip::Overdamped, thresholds.cumulative(slip.after.position)), (elastic::Slip::Reset, 1.0)]
-    {
+    for (rule, after) in [
+        (elastic::CellSlip::Overdamped, thresholds.cumulative(slip.after.position)),
+        (elastic::CellSlip::Reset, 1.0),
+    ] {
         let breaks = breaks(0.05, &[1.0; 3], 0.7, share, rule);
         // 1e-9 before balance is lost cells are of the order of its root, 3e-5, from where they lose it.
         near(breaks.share(drive - 1e-9), thresholds.cumulative(slip.before.position), 1e-3);
@@ -255,17 +256,17 @@ fn slides_are_upright() {
 /// What is told of cells of a law is refused of others.
 #[test]
 fn first_breaks_of_cells_need_a_law_and_a_drive_that_pulls_all() {
-    let refused = |loading: Loading, cells: Box<dyn Cells>| {
-        let setting = InterfaceParameters { loading, ..setting(0.1, elastic::Slip::Overdamped) };
+    let refused = |loading: CellLoading, cells: Box<dyn Cells>| {
+        let setting = InterfaceParameters { loading, ..setting(0.1, elastic::CellSlip::Overdamped) };
         let law = gaussian(1.0, 0.05);
         chain(cells, 1.0, setting).first_breaks(law.as_ref(), 0.1, &mut ()).unwrap_err().to_string()
     };
-    let edge = refused(Loading::Edge, Box::new(curves(0.05, &[1.0; 3])));
+    let edge = refused(CellLoading::Edge, Box::new(curves(0.05, &[1.0; 3])));
     assert!(edge.starts_with("loading: expected a drive that pulls all"), "{edge}");
     let population =
         || master(&gaussian(1.0, 0.05), &point(0.0), &point(0.0)).population(1e-10, &mut ()).unwrap();
     let own = (0..3).map(|_| Box::new(population()) as Box<dyn Population>).collect();
-    let own = refused(Loading::Uniform, Box::new(Populations::new(own, &mut ()).unwrap()));
+    let own = refused(CellLoading::Uniform, Box::new(Populations::new(own, &mut ()).unwrap()));
     assert!(own.starts_with("cells: expected cells that share a curve"), "{own}");
 }
 

@@ -79,7 +79,7 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
         connection: 0.5,
         coupling: scenario::Coupling::HalfSpace { modulus: stiffness, cell: 1.0 },
         edges: Edges::Periodic,
-        loading: scenario::Loading::Uniform,
+        loading: scenario::CellLoading::Uniform,
         slip: None,
         viscosity: None,
         disorder: None,
@@ -87,7 +87,8 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
         catalogue_from: 0.0,
     };
     table.fits(&contacts(&point(1.0), &point(0.0)), None, false, monitor.memory())?;
-    let setting = InterfaceParameters { viscosity: None, ..setting(0.5, elastic::Slip::Overdamped, 1e-3) };
+    let setting =
+        InterfaceParameters { viscosity: None, ..setting(0.5, elastic::CellSlip::Overdamped, 1e-3) };
     let slider = half_space(shape, Edges::Periodic, stiffness, 1.0)?;
     let curve = curve::gaussian(0.1);
     let mut interface = interface(&curve, Some(scales(shape.size(), 0.03)), slider, setting);

@@ -1,7 +1,7 @@
 //! Interfaces that deform: cells on an elastic slider, and contacts coupled one by one.
 
 use asperity::scenario::{
-    self, CellSlip, Coupling, Disorder, Drive, Edges, Loading, PerCell, Scales, Scenario, Units,
+    self, CellLoading, CellSlip, Coupling, Disorder, Drive, Edges, PerCell, Scales, Scenario, Units,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -343,7 +343,7 @@ impl Lattice {
             connection,
             coupling: Coupling::Neighbours { stiffness: neighbours },
             edges: convert::word("edges", edges)?,
-            loading: Loading::Uniform,
+            loading: CellLoading::Uniform,
             slip: None,
             viscosity: None,
             disorder: None,
@@ -376,7 +376,7 @@ pub fn arguments(surface: &Surface, into: &Bound<'_, PyDict>) -> PyResult<()> {
         Coupling::HalfSpace { modulus, cell } => into.set_item("half_space", (modulus, cell))?,
     }
     given(into, "edges", (own.edges == Edges::Periodic).then_some("periodic"))?;
-    given(into, "loading", (own.loading == Loading::Edge).then_some("edge"))?;
+    given(into, "loading", (own.loading == CellLoading::Edge).then_some("edge"))?;
     given(into, "slip", (own.slip == Some(CellSlip::Overdamped)).then_some("overdamped"))?;
     given(into, "viscosity", own.viscosity)?;
     let tolerance = own.drive_tolerance;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use asperity::Error;
 use asperity::contacts::{Contacts, Initial, Start};
-use asperity::elastic::{Loading, RateDependentInterface, RateDependentInterfaceParameters, coupling};
+use asperity::elastic::{CellLoading, RateDependentInterface, RateDependentInterfaceParameters, coupling};
 use asperity::exact::{self, ClosedForm};
 use asperity::law::{Point, Rectangular};
 use asperity::master::Transport;
@@ -133,7 +133,7 @@ fn interfaces_in_time() {
     let cells = (0..2).map(|_| Box::new(transport.clone()) as Box<dyn RateDependentContacts>).collect();
     let setting = RateDependentInterfaceParameters {
         connection: 0.5,
-        loading: Loading::Edge,
+        loading: CellLoading::Edge,
         viscosity: 0.5,
         tolerance: 1e-4,
         slip_fraction: 0.0,

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use asperity::elastic::cells::scales;
 use asperity::elastic::coupling::{half_space, neighbours};
-use asperity::elastic::{Coupling, Curves, Interface, InterfaceParameters, Loading, Slip, Slipped};
+use asperity::elastic::{CellLoading, CellSlip, Coupling, Curves, Interface, InterfaceParameters, Slipped};
 use asperity::exact::{ClosedForm, Gaussian};
 use asperity::law::critical_coupling;
 use asperity::numerics::legendre::RULE;
@@ -28,8 +28,8 @@ const FRONTS: [(f64, f64, f64); 7] = [
 
 const OVERDAMPED: InterfaceParameters = InterfaceParameters {
     connection: 0.5,
-    loading: Loading::Uniform,
-    slip: Slip::Overdamped,
+    loading: CellLoading::Uniform,
+    slip: CellSlip::Overdamped,
     viscosity: None,
     drive_tolerance: 1e-6,
     area: None,
@@ -184,7 +184,7 @@ imbalance of the energies per cell.
 ",
     );
     page.head(&["slip", "events", "residual force", "energy imbalance"]);
-    for (name, slip) in [("overdamped", Slip::Overdamped), ("reset", Slip::Reset)] {
+    for (name, slip) in [("overdamped", CellSlip::Overdamped), ("reset", CellSlip::Reset)] {
         let (events, force, energy) = balance(slip);
         let within =
             |value: f64| if value < 1e-10 { "below 1e-10".to_owned() } else { format!("{value:.0e}") };
@@ -202,7 +202,7 @@ run.
 }
 
 /// Events, the largest force out of balance after one, and the largest difference of energies, per cell.
-fn balance(slip: Slip) -> (usize, f64, f64) {
+fn balance(slip: CellSlip) -> (usize, f64, f64) {
     const NUMBER: usize = 24;
     let setting = InterfaceParameters { connection: 0.3, slip, ..OVERDAMPED };
     let coupling = || neighbours(Shape::Chain(NUMBER), Edges::Open, 4.0).expect("a chain");

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use asperity::elastic::cells::scales;
 use asperity::elastic::coupling::neighbours;
-use asperity::elastic::{Curves, Interface, InterfaceParameters, Loading, Slip};
+use asperity::elastic::{CellLoading, CellSlip, Curves, Interface, InterfaceParameters};
 use asperity::ensemble::Disorder;
 use asperity::ensemble::lattice::{Edges, Lattice, LatticeCoupling, Shape};
 use asperity::first_breaks::FirstBreaks;
@@ -190,8 +190,8 @@ fn breaks_of_cells(shape: Shape, springs: f64, seed: u64) -> FirstBreaks {
     let springs = neighbours(shape, Edges::Periodic, springs).expect("springs");
     let setting = InterfaceParameters {
         connection: CONNECTION,
-        loading: Loading::Uniform,
-        slip: Slip::Overdamped,
+        loading: CellLoading::Uniform,
+        slip: CellSlip::Overdamped,
         viscosity: None,
         drive_tolerance: 1e-6,
         area: None,

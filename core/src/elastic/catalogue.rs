@@ -4,7 +4,7 @@ use super::batch::largest;
 use super::configuration::Configuration;
 use super::residual::InterfaceModel;
 use super::slide::SlideRecord;
-use super::{Event, Slip, Slipped};
+use super::{CellSlip, Event, Slipped};
 use crate::shape::{Edges, Shape};
 
 /// Largest displacement of a cell by creep, in √(drive tolerance × length on which slopes change): to where balance is lost,
@@ -44,7 +44,7 @@ impl FinishedSlide<'_> {
     /// Displacement above which a cell has slipped; none where every cell that became unstable has.
     fn least_slip(&self) -> Option<f64> {
         let parameters = &self.slide.parameters;
-        if self.slide.together || parameters.slip == Slip::Reset {
+        if self.slide.together || parameters.slip == CellSlip::Reset {
             return None;
         }
         let most = largest(self.model.len(), |cell| self.slip(cell));

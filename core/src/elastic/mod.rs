@@ -6,7 +6,7 @@
 //! K_0j(X_T − X_j) − (AX)_j = F_j.
 //!
 //! As X_T rises slowly the cells creep in balance, as long as the matrix F_j' δ_ij + K_0j δ_ij + A_ij is positive definite.
-//! Where that is lost, or contacts break together, cells slide at fixed X_T by the rule [`Slip`], until there is balance
+//! Where that is lost, or contacts break together, cells slide at fixed X_T by the rule [`CellSlip`], until there is balance
 //! again. Cells move forward only, and a cell that advances pushes every other one forward. Hence no cell passes the nearest
 //! balance ahead, and every sequence of such moves ends there ("no passing": A. A. Middleton, Phys. Rev. Lett. 68, 670
 //! (1992), doi:10.1103/PhysRevLett.68.670).
@@ -37,7 +37,7 @@ mod uniform_stiffness;
 pub use cells::{Cells, Curves, Populations, Standing};
 pub use coupling::Coupling;
 pub use event::{Event, Slipped};
-pub use parameters::{InterfaceParameters, Loading, Slip};
+pub use parameters::{CellLoading, CellSlip, InterfaceParameters};
 pub use rate_dependent::{
     RateDependentInterface, RateDependentInterfaceParameters, RateDependentInterfaceState,
 };

@@ -1,11 +1,15 @@
 //! How an interface is driven, and by which rule its cells slip.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::shape::Shape;
 use crate::{Error, Result};
 
 /// Which cells are connected to the drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Loading {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CellLoading {
     /// All.
     #[default]
     Uniform,
@@ -16,14 +20,16 @@ pub enum Loading {
 /// What a cell does that loses its balance, at fixed X_T.
 ///
 /// A cell becomes unstable where it moves down a slope F_j' < −ΣK_0i/n, which the springs of all n cells together would
-/// not stabilise, having moved farther than [`InterfaceParameters::drive_tolerance`]; or where contacts break together.
+/// not stabilise, having moved farther than the tolerance of the drive; or where contacts break together.
 /// With `Reset`, and where contacts broke together, every unstable cell has slipped. Otherwise a cell has slipped if it
 /// moved farther than creep may within the tolerance δ of the drive (near a fold about √(δℓ), with the length ℓ on which
 /// slopes change), and at least a tenth as far as the cell that moved farthest: the others were pulled along.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Slip {
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CellSlip {
     /// All contacts of a slipping cell break where it becomes unstable, and re-form where the slide ends. Until then the
     /// cell carries only the force that the re-formed contacts will have.
+    #[default]
     Reset,
     /// Cells move to the next balance; contacts break and re-form on the way.
     Overdamped,
@@ -35,9 +41,9 @@ pub struct InterfaceParameters {
     /// K_0, stiffness of the spring from a cell to the drive, force per length.
     pub connection: f64,
     /// Which cells have one.
-    pub loading: Loading,
+    pub loading: CellLoading,
     /// What a cell does that loses its balance.
-    pub slip: Slip,
+    pub slip: CellSlip,
     /// η, viscous force on a cell per velocity, in slides: they then last some time, while the drive waits. Without it
     /// slides end in the same states, and have no duration.
     pub viscosity: Option<f64>,
@@ -79,8 +85,8 @@ pub(super) struct DriveSprings {
 impl DriveSprings {
     pub fn new(parameters: &InterfaceParameters, shape: Shape) -> Self {
         let connected = match parameters.loading {
-            Loading::Uniform => shape.size(),
-            Loading::Edge => shape.first_row(),
+            CellLoading::Uniform => shape.size(),
+            CellLoading::Edge => shape.first_row(),
         };
         Self { stiffness: parameters.connection, connected, cells: shape.size() }
     }

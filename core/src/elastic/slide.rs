@@ -3,7 +3,7 @@
 use super::batch::{find, sum};
 use super::cells::Instability;
 use super::configuration::{Advances, Configuration};
-use super::parameters::{InterfaceParameters, Slip};
+use super::parameters::{CellSlip, InterfaceParameters};
 use super::residual::InterfaceModel;
 use super::stepper::{SlideStep, Stepper};
 use crate::monitor::{Monitor, report};
@@ -112,7 +112,7 @@ impl SlideRecord {
             let cell = cell as usize;
             let part = if by[cell] > 0.0 { advance / by[cell] } else { 0.0 };
             self.starts[cell] = begin + part * duration;
-            if self.parameters.slip == Slip::Reset {
+            if self.parameters.slip == CellSlip::Reset {
                 model.cells.detach(cell, advance, monitor)?;
             }
         }

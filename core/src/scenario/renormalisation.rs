@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Interface, Loading, Model, PerCell, Scales, size};
+use super::{CellLoading, Interface, Model, PerCell, Scales, size};
 use crate::contacts::Stiffness;
 use crate::{Error, Result};
 
@@ -113,7 +113,7 @@ fn check_many(interface: &Interface, model: &Model) -> Result<()> {
             "one",
         );
     }
-    if interface.loading == Loading::Edge {
+    if interface.loading == CellLoading::Edge {
         return refused("interface.loading", "\"uniform\"", "all are at the same drive", "edge");
     }
     if interface.viscosity.is_some() {

@@ -211,7 +211,7 @@ fn cells() -> Interface {
         connection: 4.0,
         coupling: Coupling::Neighbours { stiffness: 1.0 },
         edges: Edges::Periodic,
-        loading: Loading::Uniform,
+        loading: CellLoading::Uniform,
         slip: None,
         viscosity: None,
         disorder: Some(Scales { std: Some(0.1), ..Scales::default() }),
@@ -231,7 +231,7 @@ fn first_breaks_of_cells_are_those_of_many_alike_contacts_under_one_drive() {
     assert!(renormalised(cells()).build().is_ok());
     let given = Scales { scale: Some(vec![1.0; 16]), ..Scales::default() };
     for (interface, key) in [
-        (Interface { loading: Loading::Edge, ..cells() }, "interface.loading"),
+        (Interface { loading: CellLoading::Edge, ..cells() }, "interface.loading"),
         (Interface { viscosity: Some(1.0), ..cells() }, "interface.viscosity"),
         (Interface { disorder: None, ..cells() }, "interface.disorder"),
         (Interface { disorder: Some(given), ..cells() }, "interface.disorder"),

@@ -39,6 +39,8 @@ mod stability;
 pub mod summary;
 mod velocity_curve;
 
+use serde::{Deserialize, Serialize};
+
 use crate::law::Atom;
 use crate::master::{Pull, Relaxation, SteadyState};
 use crate::monitor::Monitor;
@@ -57,7 +59,7 @@ pub use stability::{LinearStability, stability};
 use summary::{Comparison, Extended, Friction, FrictionCoefficients, Numbers, StaticFriction, Summary};
 
 /// What a task has computed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Output<N> {
     /// The numbers of the task.
     pub numbers: N,

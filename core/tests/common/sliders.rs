@@ -4,15 +4,15 @@
 use std::ops::ControlFlow;
 
 use asperity::elastic::coupling::neighbours;
-use asperity::elastic::{Coupling, Curves, Event, Interface, InterfaceParameters, Loading, Slip};
+use asperity::elastic::{CellLoading, CellSlip, Coupling, Curves, Event, Interface, InterfaceParameters};
 use asperity::monitor::Monitor;
 use asperity::population::Population;
 use asperity::shape::{Edges, Shape};
 
-pub fn setting(connection: f64, slip: Slip, drive_tolerance: f64) -> InterfaceParameters {
+pub fn setting(connection: f64, slip: CellSlip, drive_tolerance: f64) -> InterfaceParameters {
     InterfaceParameters {
         connection,
-        loading: Loading::Uniform,
+        loading: CellLoading::Uniform,
         slip,
         viscosity: None,
         drive_tolerance,
@@ -40,7 +40,7 @@ pub fn chain(
     cells: usize,
     stiffness: f64,
     connection: f64,
-    slip: Slip,
+    slip: CellSlip,
     drive_tolerance: f64,
 ) -> Interface {
     let coupling = neighbours(Shape::Chain(cells), Edges::Open, stiffness).unwrap();

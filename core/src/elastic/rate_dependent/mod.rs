@@ -14,7 +14,7 @@ mod state;
 pub use scaled::Scaled;
 pub use state::RateDependentInterfaceState;
 
-use super::{Coupling, EnergyBalance, Event, Loading, Slipped, event};
+use super::{CellLoading, Coupling, EnergyBalance, Event, Slipped, event};
 use crate::dynamics::{Arrest, EquationOfMotion, SliderMotion, SlidingCell};
 use crate::monitor::{Aside, Monitor, report};
 use crate::rate_dependent::{Books, ErrorEstimator, RateDependentContacts, StretchInterval};
@@ -29,7 +29,7 @@ pub struct RateDependentInterfaceParameters {
     /// K_0, stiffness of the spring from a cell to the drive, force per length.
     pub connection: f64,
     /// Which cells have one.
-    pub loading: Loading,
+    pub loading: CellLoading,
     /// η, force on a cell per velocity, which limits how fast cells slip.
     pub viscosity: f64,
     /// The length to which a step in time is right, for each cell.
@@ -99,8 +99,8 @@ impl RateDependentInterface {
             return Err(Error::invalid("cells", format!("{} of them, as coupled", shape.size()), number));
         }
         let connected = match setting.loading {
-            Loading::Uniform => number,
-            Loading::Edge => shape.first_row(),
+            CellLoading::Uniform => number,
+            CellLoading::Edge => shape.first_row(),
         };
         let RateDependentInterfaceParameters {
             connection, viscosity, tolerance, slip_fraction, area, ..

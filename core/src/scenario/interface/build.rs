@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use super::super::{Block, Ensemble};
-use super::{CellSlip, Coupling, Interface, Loading, PerCell, Scales};
+use super::{Coupling, Interface, PerCell, Scales};
 use crate::contacts::{Contacts, Initial};
 use crate::elastic::cells::{Cells, Curves, Populations};
 use crate::elastic::rate_dependent::Scaled;
@@ -202,14 +202,8 @@ impl Interface {
     fn setting(&self, length: f64) -> elastic::InterfaceParameters {
         elastic::InterfaceParameters {
             connection: self.connection,
-            loading: match self.loading {
-                Loading::Uniform => elastic::Loading::Uniform,
-                Loading::Edge => elastic::Loading::Edge,
-            },
-            slip: match self.slip.unwrap_or_default() {
-                CellSlip::Reset => elastic::Slip::Reset,
-                CellSlip::Overdamped => elastic::Slip::Overdamped,
-            },
+            loading: self.loading,
+            slip: self.slip.unwrap_or_default(),
             viscosity: self.viscosity,
             drive_tolerance: self.drive_tolerance * length,
             area: match self.coupling {

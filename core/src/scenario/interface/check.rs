@@ -1,7 +1,7 @@
 //! Which values of an interface are valid, and what they go with.
 
 use super::super::{Drive, Ensemble, positive, size};
-use super::{CellSlip, Coupling, Interface, Loading, PerCell};
+use super::{CellLoading, CellSlip, Coupling, Interface, PerCell};
 use crate::contacts::Contacts;
 use crate::ensemble::lattice::Lattice;
 use crate::monitor::fits;
@@ -147,7 +147,7 @@ impl Interface {
             ("slip", self.slip.is_some(), "re-form when the slide is over", "a rule of slip"),
             ("viscosity", self.viscosity.is_some(), "know no time", "one"),
             ("disorder", self.disorder.is_some(), "draw their thresholds from contacts.thresholds", "one"),
-            ("loading", self.loading == Loading::Edge, "are all pulled by the drive", "edge"),
+            ("loading", self.loading == CellLoading::Edge, "are all pulled by the drive", "edge"),
         ];
         if let Some((key, _, why, found)) = given.into_iter().find(|given| given.1) {
             let expected =

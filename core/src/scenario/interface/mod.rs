@@ -7,6 +7,7 @@ mod scales;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::elastic::{CellLoading, CellSlip};
 use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
 pub use scales::Scales;
@@ -33,7 +34,7 @@ pub struct Interface {
     /// `"uniform"`: the drive pulls every cell; or `"edge"`: it pulls only the first cell of a chain, the first row of a
     /// lattice.
     #[serde(default)]
-    pub loading: Loading,
+    pub loading: CellLoading,
     /// Slip rule of unstable cells: `"reset"` or `"overdamped"`; only the latter with time-dependent contacts; not used for
     /// contacts coupled one by one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -83,28 +84,6 @@ pub enum Coupling {
         /// Side a of a cell, above 0.
         cell: f64,
     },
-}
-
-/// Which cells the drive pulls.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Loading {
-    /// All of them.
-    #[default]
-    Uniform,
-    /// The first of a chain, the first row of a lattice.
-    Edge,
-}
-
-/// What happens to cells that have lost their balance.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum CellSlip {
-    /// All contacts of an unstable cell break and re-form.
-    #[default]
-    Reset,
-    /// Cells move to the next balance, contacts breaking and re-forming on the way.
-    Overdamped,
 }
 
 fn drive_tolerance() -> f64 {

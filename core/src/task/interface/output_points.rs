@@ -34,7 +34,7 @@ pub fn output_points(task: &Drive, interface: &Interface) -> Vec<OutputPoint> {
 
 #[cfg(test)]
 mod tests {
-    use crate::scenario::{Coupling, Edges, Loading, PerCell};
+    use crate::scenario::{CellLoading, Coupling, Edges, PerCell};
 
     use super::*;
 
@@ -45,7 +45,7 @@ mod tests {
             connection: 1.0,
             coupling: Coupling::Neighbours { stiffness: 1.0 },
             edges: Edges::Open,
-            loading: Loading::Uniform,
+            loading: CellLoading::Uniform,
             slip: None,
             viscosity: None,
             disorder: None,
