@@ -15,10 +15,7 @@ const SHARED: [(&[&str], &str); 4] = [
         &["Ageing", "Block", "Contacts", "Drive", "Ensemble", "Law", "MasterEquation", "Pull", "Tabulated"],
         "a table of a scenario has the name of what it describes",
     ),
-    (
-        &["Coupling", "Interface", "Loading", "Slip"],
-        "a table of a scenario, and what blocks and interfaces each have",
-    ),
+    (&["Coupling", "Interface"], "a table of a scenario, and what blocks and interfaces each have"),
     (&["Books", "Curve", "Event"], "of contacts, of a block and of an interface"),
     (
         &["Cohort", "Gaussian", "Point", "Rectangular"],

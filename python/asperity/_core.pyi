@@ -1266,8 +1266,7 @@ class Simulation:
 
     @property
     def energy(self) -> Energy | InterfaceEnergy:
-        """The energy balance from X_T = 0: an InterfaceEnergy for an Interface, otherwise an Energy. A Lattice has none.
-        """
+        """The energy balance from X_T = 0: an InterfaceEnergy for an Interface, otherwise an Energy. A Lattice has none."""
 
     def events(self, until: _Number) -> Iterator[Event]:
         """Advances to the displacement `until` and yields each event after it has happened: an iterator.

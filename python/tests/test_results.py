@@ -240,7 +240,12 @@ def test_summaries_have_words_for_what_is_no_number() -> None:
         (TEXT, {"contacts.count": None}, TypeError, "contacts.count: expected a table, a list"),
         (TEXT, {3: 4}, TypeError, "keys that are texts"),
         ({"contacts": {3: 4}}, None, TypeError, "contacts: expected keys that are texts"),
-        ({"contacts": asp.MasterEquation(asp.Contacts(asp.Point(1.0)))}, None, TypeError, "a distribution, areas"),
+        (
+            {"contacts": asp.MasterEquation(asp.Contacts(asp.Point(1.0)))},
+            None,
+            TypeError,
+            "a distribution, areas",
+        ),
         ({"pull": {"points": 2**70}}, None, ValueError, "pull.points: expected a whole number below"),
         (3, None, TypeError, "scenario: expected a path"),
         ({}, None, ValueError, "contacts"),
