@@ -12,10 +12,11 @@ CSV tables have the same names. What was not asked for is not there. Every varia
 ";
 
 /// The headings of the tasks.
-const TASKS: [(&str, &str); 8] = [
+const TASKS: [(&str, &str); 9] = [
     ("pull", "[pull]"),
     ("drive", "[drive]"),
     ("interface_drive", "[drive] with [interface]"),
+    ("interface_drive of contacts", "[drive] with [interface] of contacts coupled one by one"),
     ("protocol", "[[protocol]]"),
     ("block_protocol", "[[protocol]] with [block], and [drive] with [block] over time-dependent contacts"),
     ("velocity_curve", "[velocity_curve]"),

@@ -9,6 +9,7 @@ use crate::{Error, Result};
 /// Which cells are connected to the drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[schemars(rename = "Loading")]
 pub enum CellLoading {
     /// All.
     #[default]

@@ -8,7 +8,7 @@ use crate::block::{Slide, StickSlip};
 use crate::record::{Column, Record};
 
 /// The variables of each task, without values: what its [`Output`](super::Output) may hold. The names of tasks are those of
-/// [`Numbers`](super::summary::Numbers).
+/// [`Numbers`](super::summary::Numbers); contacts coupled one by one stand apart.
 pub fn columns() -> Vec<(&'static str, Record)> {
     let of = |lists: &[&[Column]]| {
         let mut record = Record::default();
@@ -25,10 +25,12 @@ pub fn columns() -> Vec<(&'static str, Record)> {
     let mut block_in_time = sliding::joined(motion, slips);
     let ensemble = prefixed(&block_in_time, "ensemble_");
     block_in_time.variables.extend(ensemble.variables);
+    let [cells, contacts] = interface::columns();
     vec![
         ("pull", of(&[&pull::COLUMNS, &COMPARED, &distribution::COLUMNS, &ensemble::COLUMNS])),
         ("drive", driven),
-        ("interface_drive", interface::columns()),
+        ("interface_drive", cells),
+        ("interface_drive of contacts", contacts),
         ("protocol", of(&[&in_time::COLUMNS, &COMPARED])),
         ("block_protocol", block_in_time),
         ("velocity_curve", of(&[&velocity_curve::COLUMNS])),

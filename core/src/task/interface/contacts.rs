@@ -63,14 +63,7 @@ impl DrivenInterface for DrivenContacts {
     }
 
     fn slipped(&self, events: &[BrokenContacts], first: usize) -> Record {
-        let mut record = Record::default();
-        let numbered = || events.iter().zip(first..);
-        let number = |(event, number): (&BrokenContacts, usize)| vec![number as f64; event.scar.len()];
-        let mut add = |name, words, values| record.push(name, words, Quantity::Number, &["slipped"], values);
-        add("slipped_event", "event in which contacts broke", numbered().flat_map(number).collect());
-        let scars = events.iter().flat_map(|event| &event.scar);
-        add("slipped_cell", "contacts that broke in it", scars.map(|&cell| cell as f64).collect());
-        record
+        broken_columns(events, first)
     }
 
     fn error(&self) -> Option<f64> {
@@ -102,5 +95,17 @@ pub fn event_columns(avalanches: &[Avalanche], size: usize) -> Record {
     }
     let broken = avalanches.iter().map(|event| event.size as f64 / size as f64).collect();
     record.push("broken_fraction", "breaks per contact", Quantity::Number, &["event"], broken);
+    record
+}
+
+/// Contacts that broke in events as columns, the first event being number `first`.
+pub fn broken_columns(events: &[BrokenContacts], first: usize) -> Record {
+    let mut record = Record::default();
+    let numbered = || events.iter().zip(first..);
+    let number = |(event, number): (&BrokenContacts, usize)| vec![number as f64; event.scar.len()];
+    let mut add = |name, words, values| record.push(name, words, Quantity::Number, &["slipped"], values);
+    add("slipped_event", "event in which contacts broke", numbered().flat_map(number).collect());
+    let scars = events.iter().flat_map(|event| &event.scar);
+    add("slipped_cell", "contacts that broke in it", scars.map(|&cell| cell as f64).collect());
     record
 }

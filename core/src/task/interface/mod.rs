@@ -152,22 +152,21 @@ fn check_size<D: DrivenInterface>(
     Err(Error::invalid(key, expected, format!("{maps}, which take {} MB", needed / 1_000_000)))
 }
 
-/// The variables that the drive of an interface may record, without values. Of a lattice, those of the cells lie along `row` and
-/// `column`.
-pub(super) fn columns() -> Record {
-    let mut events = contacts::event_columns(&[], 1).variables;
-    events.retain(|variable| matches!(variable.name.as_str(), "size" | "released"));
-    events.splice(0..0, Event::columns().variables);
-    events.iter_mut().for_each(|variable| variable.name.insert_str(0, "event_"));
-    let mut record = Record { variables: events };
-    record.variables.extend(cells::slipped(&[], 1, true).variables);
+/// The variables that the drive of an interface may record, without values: of cells, and of contacts coupled one by one. On a
+/// lattice those of the cells lie along `row` and `column`.
+pub(super) fn columns() -> [Record; 2] {
+    [
+        columns_of::<DrivenRateDependentCells>(Event::columns(), cells::slipped(&[], 1, true)),
+        columns_of::<DrivenContacts>(contacts::event_columns(&[], 1), contacts::broken_columns(&[], 1)),
+    ]
+}
+
+fn columns_of<D: DrivenInterface>(events: Record, slipped: Record) -> Record {
+    let mut record = events;
+    record.variables.iter_mut().for_each(|variable| variable.name.insert_str(0, "event_"));
+    record.variables.extend(slipped.variables);
     let cells = [MAP_DRIVE, CELL, ROW, COLUMN];
-    for column in [DRIVE]
-        .iter()
-        .chain(DrivenRateDependentCells::TRACE)
-        .chain(&cells)
-        .chain(DrivenRateDependentCells::MAPS)
-    {
+    for column in [DRIVE].iter().chain(D::TRACE).chain(&cells).chain(D::MAPS) {
         record.add(*column, Vec::new());
     }
     record
