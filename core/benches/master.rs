@@ -123,5 +123,46 @@ fn advance(stock: &mut MasterPopulation, mut by: f64) {
     }
 }
 
-criterion_group!(benches, pulls, ways);
+/// What follows from a pull of Fig. 2 with spread starts to X = 6: gradients, the covariance of 1000 positions, the
+/// spectrum at 1000 wave numbers.
+fn noise_and_gradients(criterion: &mut Criterion) {
+    let relaxed: SharedLaw = Arc::new(Point::new(0.0).unwrap());
+    let equal = Case { thresholds: gaussian(1.0, 0.1), reforming: relaxed.clone(), initial: relaxed };
+    let spread = Case {
+        thresholds: gaussian(1.0, 0.12),
+        reforming: gaussian(0.1, 0.03),
+        initial: gaussian(0.2, 0.05),
+    };
+    let mut group = criterion.benchmark_group("noise and gradients");
+    for (name, case) in [("all relaxed", equal), ("spread starts", spread)] {
+        let equation = case.equation();
+        let solve = || case.equation().pull(6.0, 1e-10, &mut ()).unwrap();
+        group.bench_function(format!("{name}: lives and force"), |bencher| cpu(bencher, solve));
+        let pull = solve();
+        for (owner, law) in
+            [("thresholds", &case.thresholds), ("reforming", &case.reforming), ("initial", &case.initial)]
+        {
+            for parameter in law.parameters().into_iter().filter(|parameter| parameter.name != "at") {
+                let by = format!("{owner}.{}", parameter.name);
+                group.bench_function(format!("{name}: gradient by {by}"), |bencher| {
+                    cpu(bencher, || pull.gradient(&by, &mut ()).unwrap());
+                });
+            }
+        }
+        let positions: Vec<f64> = (1..=1000).map(|i| f64::from(i) * 0.006).collect();
+        group.bench_function(format!("{name}: covariance of 1000 positions"), |bencher| {
+            // On all threads: by the clock on the wall.
+            bencher.iter(|| pull.covariance(&positions, 1.0, &mut ()).unwrap());
+        });
+        let steady = equation.steady_state();
+        group.bench_function(format!("{name}: spectrum at 1000 wave numbers"), |bencher| {
+            cpu(bencher, || {
+                steady.spectrum(&positions.iter().map(|x| 10.0 * x).collect::<Vec<_>>(), 1.0, &mut ())
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, pulls, ways, noise_and_gradients);
 criterion_main!(benches);

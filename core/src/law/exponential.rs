@@ -3,7 +3,9 @@
 use num_complex::Complex64;
 use rand_distr::{Distribution, Exp1};
 
-use super::{Breakpoint, Law, Parameter, SharedLaw, breakpoint_at_zero, positive, shared, unknown};
+use super::{
+    Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, breakpoint_at_zero, positive, shared, unknown,
+};
 use crate::Result;
 use crate::random::Stream;
 
@@ -35,6 +37,15 @@ impl Law for Exponential {
     fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw> {
         match name {
             "mean" => shared(Self::new(value)),
+            _ => Err(unknown(self, name)),
+        }
+    }
+
+    /// x e^{−x/m}/m².
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        let law = *self;
+        match name {
+            "mean" => Ok(Box::new(move |x| x.max(0.0) * law.survival(x) / law.mean.powi(2))),
             _ => Err(unknown(self, name)),
         }
     }

@@ -5,8 +5,8 @@ use std::f64::consts::SQRT_2;
 use num_complex::Complex64;
 
 use super::{
-    Breakpoint, Law, Parameter, SharedLaw, breakpoint_at_zero, invert_ln_survival, normal, not_negative,
-    positive, shared, unknown, ziggurat,
+    Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, breakpoint_at_zero, invert_ln_survival,
+    normal, not_negative, positive, shared, unknown, ziggurat,
 };
 use crate::Result;
 use crate::numerics::legendre::RULE;
@@ -70,6 +70,19 @@ impl Law for Gaussian {
         match name {
             "mean" => shared(Self::new(value, self.std)),
             "std" => shared(Self::new(self.mean, value)),
+            _ => Err(unknown(self, name)),
+        }
+    }
+
+    /// p(x) − p(0) S(x) for μ, z p(x) + α p(0) S(x) for σ: the second terms are those of the norm Φ(α).
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        let (law, edge) = (*self, self.density(0.0));
+        let inside = move |x: f64, value: f64| if x > 0.0 { value } else { 0.0 };
+        match name {
+            "mean" => Ok(Box::new(move |x| inside(x, law.density(x) - edge * law.survival(x)))),
+            "std" => Ok(Box::new(move |x| {
+                inside(x, law.standard(x) * law.density(x) + law.alpha * edge * law.survival(x))
+            })),
             _ => Err(unknown(self, name)),
         }
     }

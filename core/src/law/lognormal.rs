@@ -6,7 +6,10 @@ use num_complex::Complex64;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::quadrature::trapezoid;
-use super::{Breakpoint, Law, Parameter, SharedLaw, invert_ln_survival, normal, positive, shared, unknown};
+use super::{
+    Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, invert_ln_survival, normal, positive, shared,
+    unknown,
+};
 use crate::Result;
 use crate::random::Stream;
 
@@ -60,6 +63,24 @@ impl Law for Lognormal {
             "std" => shared(Self::new(self.mean, value)),
             _ => Err(unknown(self, name)),
         }
+    }
+
+    /// S = Q(z) with z = ln(x/M)/s: ∂S/∂θ = p(x) x [∂ ln M/∂θ + z ∂s/∂θ]. With w = σ/m and D = 1 + w², ∂ ln M is
+    /// (1 + w²/D)/m for m and −w/(mD) for σ; s ∂s is −w²/(mD) and w/(mD).
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        let (law, w) = (*self, self.std / self.mean);
+        let whole = self.mean * (1.0 + w * w);
+        let (median, spread) = match name {
+            "mean" => (1.0 / self.mean + w * w / whole, -w * w / whole),
+            "std" => (-w / whole, w / whole),
+            _ => return Err(unknown(self, name)),
+        };
+        Ok(Box::new(move |x| {
+            if x <= 0.0 {
+                return 0.0;
+            }
+            x * law.density(x) * (median + law.standard(x) * spread / law.spread)
+        }))
     }
 
     /// φ(z)/(s x).

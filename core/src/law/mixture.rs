@@ -3,7 +3,8 @@
 use num_complex::Complex64;
 
 use super::{
-    Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, invert_ln_survival, positive, shared, unknown,
+    Atom, Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, invert_ln_survival, positive,
+    shared, unknown,
 };
 use crate::random::Stream;
 use crate::{Error, Result};
@@ -65,6 +66,14 @@ impl Mixture {
     }
 }
 
+impl Mixture {
+    /// The component and its parameter that a name stands for.
+    fn address<'a>(&self, name: &'a str) -> Result<(usize, &'a str)> {
+        let address = name.split_once('.').and_then(|(index, inner)| Some((index.parse().ok()?, inner)));
+        address.filter(|&(index, _)| index < self.components.len()).ok_or_else(|| unknown(self, name))
+    }
+}
+
 impl Law for Mixture {
     fn name(&self) -> &'static str {
         "mixture"
@@ -82,10 +91,7 @@ impl Law for Mixture {
     }
 
     fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw> {
-        let address = name.split_once('.').and_then(|(index, inner)| Some((index.parse().ok()?, inner)));
-        let Some((index, inner)) = address.filter(|&(index, _)| index < self.components.len()) else {
-            return Err(unknown(self, name));
-        };
+        let (index, inner) = self.address(name)?;
         if inner == "weight" {
             return shared(self.with_weight(index, value));
         }
@@ -93,6 +99,23 @@ impl Law for Mixture {
         let law = &mut components[index].1;
         *law = law.with_parameter(inner, value).map_err(|error| error.under(&index.to_string()))?;
         shared(Self::new(components))
+    }
+
+    /// w_i ∂S_i/∂θ for a parameter of component i; (S_i − S)/(1 − w_i) for its weight, since the others are scaled
+    /// so that the sum stays 1.
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        let (index, inner) = self.address(name)?;
+        let (weight, law) = self.components[index].clone();
+        if inner != "weight" {
+            let derivative =
+                law.survival_derivative(inner).map_err(|error| error.under(&index.to_string()))?;
+            return Ok(Box::new(move |x| weight * derivative(x)));
+        }
+        if weight == 1.0 {
+            return Err(Error::invalid(name, "a weight below 1", weight));
+        }
+        let all = self.clone();
+        Ok(Box::new(move |x| (law.survival(x) - all.survival(x)) / (1.0 - weight)))
     }
 
     fn density(&self, x: f64) -> f64 {

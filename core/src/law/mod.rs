@@ -11,6 +11,7 @@
 //! the family.
 
 mod critical_coupling;
+mod derivative;
 mod drive_map;
 mod exponential;
 mod gamma;
@@ -28,11 +29,13 @@ mod renormalised;
 mod root;
 mod scattered;
 mod series;
+mod size_biased;
 mod tabulated;
 mod weibull;
 mod ziggurat;
 
 pub use critical_coupling::critical_coupling;
+pub(crate) use derivative::EIGHTH_ORDER;
 pub use exponential::Exponential;
 pub use gamma::Gamma;
 pub use gaussian::Gaussian;
@@ -44,6 +47,7 @@ pub use renormalised::Renormalised;
 pub use root::Root;
 pub use scattered::scattered;
 pub use series::Series;
+pub(crate) use size_biased::SizeBiased;
 pub use tabulated::Tabulated;
 pub use weibull::Weibull;
 
@@ -60,6 +64,9 @@ use crate::{Error, Result};
 
 /// A shared distribution.
 pub type SharedLaw = Arc<dyn Law>;
+
+/// The derivative of a survival function by a parameter, as a function of x.
+pub type SurvivalDerivative = Box<dyn Fn(f64) -> f64 + Send + Sync>;
 
 /// A named parameter of a distribution.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,6 +122,24 @@ pub trait Law: Debug + Send + Sync {
     /// # Errors
     /// An unknown name, or a value outside the range of the parameter.
     fn with_parameter(&self, name: &str, value: f64) -> Result<SharedLaw>;
+
+    /// ∂S(x)/∂θ for one parameter θ, as a function of x: in closed form, or else by central differences of
+    /// eighth order of S, with a relative error of about 1e-11.
+    ///
+    /// # Errors
+    /// An unknown name; a parameter at the end of its range; the position of a point mass, for which ∂S/∂θ is
+    /// a point mass itself.
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        derivative::by_differences(&self.parameters(), name, |value| self.with_parameter(name, value))
+    }
+
+    /// The value of a parameter, and a step for central differences of eighth order.
+    ///
+    /// # Errors
+    /// Those of [`Law::survival_derivative`].
+    fn difference_step(&self, name: &str) -> Result<(f64, f64)> {
+        derivative::step(&self.parameters(), name, |value| self.with_parameter(name, value))
+    }
 
     /// Density p(x) of the part without point masses, per unit length; 0 for x < 0.
     fn density(&self, x: f64) -> f64;

@@ -2,9 +2,11 @@
 
 use num_complex::Complex64;
 
-use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
-use crate::Result;
+use super::{
+    Atom, Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, not_negative, shared, unknown,
+};
 use crate::random::Stream;
+use crate::{Error, Result};
 
 /// The point mass at a ≥ 0: P(ξ = a) = 1.
 ///
@@ -38,6 +40,12 @@ impl Law for Point {
             "at" => shared(Self::new(value)),
             _ => Err(unknown(self, name)),
         }
+    }
+
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        self.with_parameter(name, self.at)?;
+        let expected = "a parameter on which S depends smoothly: where a point mass moves, S jumps";
+        Err(Error::invalid(name, expected, "the position of a point mass"))
     }
 
     fn density(&self, _x: f64) -> f64 {

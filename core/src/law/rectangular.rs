@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::{Breakpoint, Law, Parameter, SharedLaw, Zone, not_negative, shared, unknown};
+use super::{Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, not_negative, shared, unknown};
 use crate::random::Stream;
 use crate::{Error, Result};
 
@@ -44,6 +44,19 @@ impl Law for Rectangular {
         match name {
             "min" => shared(Self::new(value, self.max)),
             "max" => shared(Self::new(self.min, value)),
+            _ => Err(unknown(self, name)),
+        }
+    }
+
+    /// On [a, b): (b − x)/(b − a)² for a, (x − a)/(b − a)² for b.
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        let Self { min, max } = *self;
+        let inside = move |x: f64, value: f64| {
+            if x >= min && x < max { value / (max - min).powi(2) } else { 0.0 }
+        };
+        match name {
+            "min" => Ok(Box::new(move |x| inside(x, max - x))),
+            "max" => Ok(Box::new(move |x| inside(x, x - min))),
             _ => Err(unknown(self, name)),
         }
     }

@@ -7,7 +7,9 @@ use rand_distr::{Distribution, Exp1};
 
 use super::incomplete_gamma::{GammaShape, IncompleteGamma};
 use super::quadrature::trapezoid;
-use super::{Breakpoint, Law, Parameter, SharedLaw, breakpoint_at_zero, positive, shared, unknown};
+use super::{
+    Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, breakpoint_at_zero, positive, shared, unknown,
+};
 use crate::Result;
 use crate::random::Stream;
 
@@ -66,6 +68,17 @@ impl Law for Weibull {
         match name {
             "shape" => shared(Self::new(value, self.scale)),
             "scale" => shared(Self::new(self.shape, value)),
+            _ => Err(unknown(self, name)),
+        }
+    }
+
+    /// −S y ln(x/λ) for k, S y k/λ for λ, with y = (x/λ)ᵏ.
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        let law = *self;
+        let fall = move |x: f64| law.survival(x) * law.exponent(x);
+        match name {
+            "shape" => Ok(Box::new(move |x| if x > 0.0 { -fall(x) * (x / law.scale).ln() } else { 0.0 })),
+            "scale" => Ok(Box::new(move |x| fall(x) * law.shape / law.scale)),
             _ => Err(unknown(self, name)),
         }
     }

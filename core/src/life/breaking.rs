@@ -124,7 +124,7 @@ impl<'a> Breaking<'a> {
     }
 
     /// ∫ν(x) weight(x + u, y) dx with y the largest stretch reached, point masses included.
-    fn mean(&self, u: f64, weight: impl Fn(f64, f64) -> f64) -> f64 {
+    pub(super) fn mean(&self, u: f64, weight: impl Fn(f64, f64) -> f64) -> f64 {
         let exceeded = |point_mass: &PointMass| self.layer.exceeded(point_mass, u, &self.threshold_atoms);
         let point_masses = self.layer.point_masses.iter();
         let together: f64 = point_masses.map(|l| l.weight * weight(l.position + u, exceeded(l))).sum();

@@ -3,10 +3,13 @@
 //! ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ, with the hazard rate P = P_c/S (O. M. Braun and M.
 //! Peyrard, Phys. Rev. Lett. 100, 125501 (2008), Eq. 5), solved as a renewal equation: see [`Pull`].
 
+mod covariance;
 mod distribution;
+mod gradient;
 mod limits;
 mod loading;
 mod master_population;
+mod noise;
 mod pull;
 mod relaxation;
 mod renewal;
@@ -17,6 +20,8 @@ mod tolerance;
 mod transport;
 mod unloading;
 
+pub use covariance::Covariance;
+pub use gradient::{FrictionGradient, Gradient};
 pub use limits::{Limits, creep};
 pub use master_population::MasterPopulation;
 pub use pull::Pull;
@@ -40,7 +45,10 @@ use renewal::RenewalSolution;
 #[derive(Debug, Clone)]
 pub struct MasterEquation {
     contacts: Contacts,
-    start: Start,
+    /// Where the contacts are at X = 0.
+    initial: Initial,
+    /// The velocity of time-dependent contacts.
+    velocity: Option<f64>,
     /// The life of the contacts at X = 0.
     first: Arc<Life>,
     /// The life of contacts that re-form.
@@ -109,7 +117,13 @@ impl MasterEquation {
         affordable(&contacts, "initial", &initial.law)?;
         let reformed = athermal(&contacts, &contacts.reforming, true, monitor)?;
         let first = athermal(&contacts, &initial.law, initial.start == Start::Conditional, monitor)?;
-        Ok(Self { contacts, start: initial.start, first: Arc::new(first), reformed: Arc::new(reformed) })
+        Ok(Self {
+            contacts,
+            initial: initial.clone(),
+            velocity: None,
+            first: Arc::new(first),
+            reformed: Arc::new(reformed),
+        })
     }
 
     /// The master equation of contacts that start from `initial` at t = 0, all of age 0, while the slider
@@ -145,7 +159,7 @@ impl MasterEquation {
             let part = &mut Part::new(monitor, 0.5, 0.5);
             Arc::new(moving(&contacts, &initial.law, conditional, velocity, false, part)?)
         };
-        Ok(Self { contacts, start: initial.start, first, reformed })
+        Ok(Self { contacts, initial: initial.clone(), velocity: Some(velocity), first, reformed })
     }
 
     /// The contacts.
@@ -156,7 +170,8 @@ impl MasterEquation {
     /// The same contacts, all of them just re-formed at X = 0.
     #[must_use]
     pub fn renewed(&self) -> Self {
-        Self { start: Start::Conditional, first: self.reformed.clone(), ..self.clone() }
+        let initial = Initial { law: self.contacts.reforming.clone(), start: Start::Conditional };
+        Self { initial, first: self.reformed.clone(), ..self.clone() }
     }
 
     /// The life of contacts that re-form.
@@ -187,7 +202,7 @@ impl MasterEquation {
 
     /// Steady sliding.
     pub fn steady_state(&self) -> SteadyState {
-        SteadyState::new(self.reformed.clone(), self.stiffness())
+        SteadyState::new(self.clone())
     }
 
     /// The relaxation spectrum; unknown for `ageing.mean_field`, which only describes steady sliding.
@@ -219,7 +234,7 @@ impl MasterEquation {
         self.has_transients()?;
         let end = distance.max(3.0 * self.reformed.mean());
         let renewal = RenewalSolution::solve(&self.first, &self.reformed, end, tolerance, monitor)?;
-        Ok(Pull::new(renewal, self.stiffness(), distance, tolerance.value()))
+        Ok(Pull::new(self.clone(), renewal, distance, tolerance))
     }
 }
 

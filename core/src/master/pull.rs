@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::renewal::{RenewalSolution, unit_force};
-use super::{Extremum, Stretches};
+use super::{Extremum, MasterEquation, Stretches, Tolerance};
 use crate::Result;
 use crate::law::Atom;
 use crate::life::Life;
@@ -21,17 +21,24 @@ const SLACK: f64 = 10.0;
 /// initial ones. Forces are totals, N_c⟨k⟩ included.
 #[derive(Debug, Clone)]
 pub struct Pull {
-    renewal: RenewalSolution,
+    pub(super) equation: MasterEquation,
+    pub(super) renewal: RenewalSolution,
     distance: f64,
-    tolerance: f64,
+    pub(super) tolerance: Tolerance,
     /// N_c⟨k⟩ or N_c κ.
-    stiffness: f64,
+    pub(super) stiffness: f64,
     square: OnceLock<Piecewise>,
 }
 
 impl Pull {
-    pub(super) fn new(renewal: RenewalSolution, stiffness: f64, distance: f64, tolerance: f64) -> Self {
-        Self { renewal, distance, tolerance, stiffness, square: OnceLock::new() }
+    pub(super) fn new(
+        equation: MasterEquation,
+        renewal: RenewalSolution,
+        distance: f64,
+        tolerance: Tolerance,
+    ) -> Self {
+        let stiffness = equation.stiffness();
+        Self { equation, renewal, distance, tolerance, stiffness, square: OnceLock::new() }
     }
 
     /// The requested distance; the solution may extend further.
@@ -77,15 +84,20 @@ impl Pull {
         size: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<impl Fn(f64) -> f64 + Send + Sync + use<'a>> {
-        if self.square.get().is_none() {
-            let square = self.renewal.sum(Life::square, monitor)?;
-            self.square.get_or_init(|| square);
-        }
+        let square = self.square(monitor)?;
         Ok(move |position: f64| {
             let mean = at(&self.renewal.force, position);
-            let square = self.square.get().map_or(f64::NAN, |square| at(square, position));
-            self.stiffness * ((square - mean * mean).max(0.0) / size).sqrt()
+            self.stiffness * ((at(square, position) - mean * mean).max(0.0) / size).sqrt()
         })
+    }
+
+    /// ∫x²Q dx as a function of X, computed once.
+    pub(super) fn square(&self, monitor: &mut dyn Monitor) -> Result<&Piecewise> {
+        if let Some(known) = self.square.get() {
+            return Ok(known);
+        }
+        let square = self.renewal.sum(Life::square, monitor)?;
+        Ok(self.square.get_or_init(|| square))
     }
 
     /// ∫Q(x; X) dx, after simultaneous breaks at X, by a quadrature that shares only Γ with the solution of
@@ -147,7 +159,7 @@ impl Pull {
 
     /// The difference above which forces per N_c⟨k⟩ and mean life, and slopes per N_c⟨k⟩, count as different.
     fn slack(&self) -> f64 {
-        SLACK * self.tolerance.max(self.renewal.error)
+        SLACK * self.tolerance.value().max(self.renewal.error)
     }
 
     /// K_c = max(0, −min F') over X ≥ 0. Infinite where the force jumps down; 0 where F does not fall by more
@@ -168,9 +180,7 @@ impl Pull {
         if jumps.into_iter().any(falls) {
             return f64::INFINITY;
         }
-        let steepest = (0..self.renewal.force.coefficients.len())
-            .map(|cell| self.steepest(cell))
-            .fold(f64::INFINITY, f64::min);
+        let (_, steepest) = self.steepest_fall();
         if -steepest > self.slack() * self.renewal.reformed.stiffness() {
             -self.stiffness * steepest
         } else {
@@ -178,17 +188,24 @@ impl Pull {
         }
     }
 
-    /// The smallest slope in a cell, its ends included.
-    fn steepest(&self, cell: usize) -> f64 {
+    /// Where F falls most steeply, and its slope there per unit stiffness.
+    pub(super) fn steepest_fall(&self) -> (f64, f64) {
+        let cells = (0..self.renewal.force.coefficients.len()).map(|cell| self.steepest(cell));
+        cells.fold((f64::NAN, f64::INFINITY), |least, next| if next.1 < least.1 { next } else { least })
+    }
+
+    /// The place and the value of the smallest slope in a cell, its ends included.
+    fn steepest(&self, cell: usize) -> (f64, f64) {
         let (low, high) = (self.renewal.force.boundaries[cell], self.renewal.force.boundaries[cell + 1]);
         let slope = |x: f64| self.renewal.slope.value_in(cell, x);
-        let (mut least, mut near) = (slope(low), (low, low + (high - low) / 8.0));
+        let (mut least, mut near) = ((low, slope(low)), (low, low + (high - low) / 8.0));
         for (a, b) in windows(low, high) {
-            if slope(b) < least {
-                (least, near) = (slope(b), (a, (2.0 * b - a).min(high)));
+            if slope(b) < least.1 {
+                (least, near) = ((b, slope(b)), (a, (2.0 * b - a).min(high)));
             }
         }
-        brent_minimum(slope, near.0, near.1, 1e-9 * (high - low)).1.min(least)
+        let inside = brent_minimum(slope, near.0, near.1, 1e-9 * (high - low));
+        if inside.1 < least.1 { inside } else { least }
     }
 
     /// Estimated error of F/(N_c⟨k⟩), a length: errors of the lives, of the solution of the renewal equation
@@ -199,7 +216,7 @@ impl Pull {
 }
 
 /// The value at a position inside the pull, from the right where it jumps.
-fn at(curve: &Piecewise, position: f64) -> f64 {
+pub(super) fn at(curve: &Piecewise, position: f64) -> f64 {
     curve.value_in(curve.nearest(position), position)
 }
 

@@ -49,7 +49,7 @@ impl SolvedBranches {
         equation: &MasterEquation,
         monitor: &mut dyn Monitor,
     ) -> Result<LoadingBranch> {
-        if equation.start == Start::Conditional || self.is_time_dependent() {
+        if equation.initial.start == Start::Conditional || self.is_time_dependent() {
             return self.branch(equation.first.clone(), monitor);
         }
         let mut layers = equation.first.layers().to_vec();

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use super::Stretches;
+use super::{MasterEquation, Stretches};
 use crate::Result;
 use crate::life::Life;
 use crate::monitor::{Monitor, Watch};
@@ -13,15 +13,17 @@ use crate::monitor::{Monitor, Watch};
 /// For R = δ(x) this is the paper's Q_s = S/x̄ and F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩) (Eqs. 11a, 11d).
 #[derive(Debug, Clone)]
 pub struct SteadyState {
-    life: Arc<Life>,
-    stiffness: f64,
-    mean: f64,
+    pub(super) equation: MasterEquation,
+    pub(super) life: Arc<Life>,
+    pub(super) stiffness: f64,
+    pub(super) mean: f64,
 }
 
 impl SteadyState {
-    pub(super) fn new(life: Arc<Life>, stiffness: f64) -> Self {
+    pub(super) fn new(equation: MasterEquation) -> Self {
+        let (life, stiffness) = (equation.reformed.clone(), equation.stiffness());
         let mean = life.mean();
-        Self { life, stiffness, mean }
+        Self { equation, life, stiffness, mean }
     }
 
     /// Kinetic friction F_k, a force.
@@ -62,9 +64,14 @@ impl SteadyState {
 
     /// Standard deviation of the force carried by `size` contacts drawn at random and scaled to N_c.
     pub fn force_std(&self, size: f64) -> f64 {
+        self.stiffness * (self.variance() / size).sqrt()
+    }
+
+    /// Variance of the force of a contact per unit stiffness.
+    pub(super) fn variance(&self) -> f64 {
         let first = self.life.force().curve().integral() / self.mean;
         let second = self.life.square().curve().integral() / self.mean;
-        self.stiffness * ((second - first * first).max(0.0) / size).sqrt()
+        (second - first * first).max(0.0)
     }
 
     /// The distribution of the stretches at which contacts break, at given stretches: P_c for

@@ -54,7 +54,7 @@ impl Kernel {
     }
 
     /// Appends the boundaries in (low, high) at which a quadrature over cells of width `width` must be split.
-    pub(super) fn splits(&self, low: f64, high: f64, width: f64, out: &mut Vec<f64>) {
+    pub fn splits(&self, low: f64, high: f64, width: f64, out: &mut Vec<f64>) {
         let edges = &self.curve.boundaries;
         let first = edges.partition_point(|&b| b <= low);
         for k in first..edges.len() {

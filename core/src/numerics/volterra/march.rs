@@ -3,6 +3,7 @@
 use super::block::{Blocks, ConvolutionBlock, apply, block, inverted};
 use super::kernel::Kernel;
 use super::mesh::{Mesh, Run};
+use super::response::own_inverse;
 use super::{Accuracy, Solution, convolve_atoms};
 use crate::monitor::{Monitor, report};
 use crate::numerics::breakpoints::{Atom, Breakpoint, renewed, same_position};
@@ -480,22 +481,8 @@ impl March<'_> {
     fn inverse(&mut self, half: f64) -> &ConvolutionBlock {
         let run = self.mesh.runs.len() as u32;
         if self.inverse.as_ref().is_none_or(|(made_for, _)| *made_for != run) {
-            let mut matrix =
-                block(self.kernel, (0.0, half), (0.0, half)).block.map_or([[0.0; NODES]; NODES], |b| *b);
-            for atom in &self.kernel_atoms {
-                for i in 0..NODES {
-                    let t = RULE.nodes[i] - atom.position / half;
-                    if t >= -1.0 {
-                        let cardinals = RULE.cardinals(t);
-                        (0..NODES).for_each(|j| matrix[j][i] += atom.weight * cardinals[j]);
-                    }
-                }
-            }
-            for (j, column) in matrix.iter_mut().enumerate() {
-                column.iter_mut().for_each(|entry| *entry = -*entry);
-                column[j] += 1.0;
-            }
-            self.inverse = Some((run, Box::new(inverted(matrix))));
+            let inverse = own_inverse(self.kernel, &self.kernel_atoms, half);
+            self.inverse = Some((run, inverse));
         }
         match &self.inverse {
             Some((_, inverse)) => inverse,

@@ -12,6 +12,7 @@ mod block;
 mod kernel;
 mod march;
 mod mesh;
+mod response;
 
 pub use kernel::Kernel;
 pub use march::solve;

@@ -1,0 +1,196 @@
+//! The covariance of the force on a pull, against closed forms, the ensemble and the variance.
+
+mod common;
+
+use std::sync::Arc;
+
+use asperity::contacts::{Contacts, Initial, Start};
+use asperity::law::{Exponential, Gaussian, Mixture, Point, Rectangular, SharedLaw};
+use asperity::master::{MasterEquation, Pull};
+
+fn shared<L: asperity::law::Law + 'static>(law: asperity::Result<L>) -> SharedLaw {
+    Arc::new(law.unwrap())
+}
+
+fn equation(
+    thresholds: &SharedLaw,
+    reforming: &SharedLaw,
+    initial: &SharedLaw,
+    start: Start,
+) -> MasterEquation {
+    let contacts = Contacts::new(thresholds.clone(), reforming.clone());
+    MasterEquation::new(contacts, &Initial { law: initial.clone(), start }, &mut ()).unwrap()
+}
+
+fn relaxed(thresholds: &SharedLaw) -> MasterEquation {
+    let zero = shared(Point::new(0.0));
+    equation(thresholds, &zero, &zero, Start::Conditional)
+}
+
+fn covariances(pull: &Pull, positions: &[f64]) -> Vec<f64> {
+    pull.covariance(positions, 1.0, &mut ()).unwrap().values().to_vec()
+}
+
+/// Values of a solution on a fine grid, made for them. 1e-11: the sum of some ten terms of order 1, each
+/// accurate to 1e-12.
+#[test]
+fn covariances_of_gaussian_thresholds_have_their_reference_values() {
+    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull(6.0, 1e-11, &mut ()).unwrap();
+    let found = covariances(&pull, &[0.9, 1.0, 2.18, 5.45]);
+    for (i, j, expected) in [
+        (0, 0, 0.096_188_366_245_350_4),
+        (0, 1, 0.052_402_383_426_301_9),
+        (1, 2, 0.011_373_566_364_583_7),
+        (2, 3, -0.000_603_177_128_623_699),
+    ] {
+        println!("{i} {j} {:e}", found[4 * i + j] - expected);
+        assert!((found[4 * i + j] - expected).abs() < 1e-11, "{i} {j}: {}", found[4 * i + j]);
+    }
+}
+
+/// F = 1 − e^{−X} and C = e^{−(X₂ − X₁)} − 2X₁e^{−X₂} − e^{−(X₁ + X₂)}.
+#[test]
+fn exponential_thresholds_have_a_closed_form() {
+    let pull = relaxed(&shared(Exponential::new(1.0))).pull(8.0, 1e-12, &mut ()).unwrap();
+    let positions: Vec<f64> = (0..=40).map(|k| 0.2 * f64::from(k)).collect();
+    let found = covariances(&pull, &positions);
+    for (i, a) in positions.iter().enumerate() {
+        for (j, b) in positions.iter().enumerate() {
+            let (low, high) = (a.min(*b), a.max(*b));
+            let exact = (low - high).exp() - 2.0 * low * (-high).exp() - (-low - high).exp();
+            assert!((found[41 * i + j] - exact).abs() < 1e-11, "{a} {b}: {:e}", found[41 * i + j] - exact);
+        }
+    }
+}
+
+/// Starts and re-formed contacts spread out, point masses, edges: the diagonal is the variance from ∫x²Q.
+#[test]
+fn the_diagonal_is_the_variance() {
+    let zero = shared(Point::new(0.0));
+    let gaussian = shared(Gaussian::new(1.0, 0.2));
+    let edges = shared(Rectangular::new(0.7, 1.3));
+    let points = shared(Mixture::new(vec![(0.3, shared(Point::new(0.8))), (0.7, gaussian.clone())]));
+    let spread = shared(Gaussian::new(0.1, 0.03));
+    let wide = shared(Rectangular::new(0.0, 0.9));
+    for (thresholds, reforming, initial, start) in [
+        (&gaussian, &spread, &wide, Start::Conditional),
+        (&gaussian, &spread, &wide, Start::Relaxed),
+        (&edges, &zero, &wide, Start::Relaxed),
+        (&edges, &spread, &spread, Start::Conditional),
+        (&points, &spread, &zero, Start::Conditional),
+        (&points, &zero, &wide, Start::Relaxed),
+    ] {
+        let equation = equation(thresholds, reforming, initial, start);
+        let pull = equation.pull(4.0, 1e-11, &mut ()).unwrap();
+        let positions: Vec<f64> = (0..50).map(|k| 0.08 * f64::from(k)).collect();
+        let found = pull.covariance(&positions, 100.0, &mut ()).unwrap();
+        let std = pull.force_std(100.0, &mut ()).unwrap();
+        for (i, x) in positions.iter().enumerate() {
+            let apart = found.at(i, i) - std(*x).powi(2);
+            // per contact; 1e-11 of the solution times the terms, of order X
+            assert!(100.0 * apart.abs() < 1e-10, "{thresholds:?} {start:?} {x}: {apart:e}");
+        }
+        println!("{:e}", found.error_estimate());
+        assert!(found.error_estimate() < 1e-11);
+    }
+}
+
+/// 50 pairs of positions against 4·10⁵ contacts followed one by one. The estimate of a covariance from n contacts
+/// scatters by √[(⟨f₁²f₂²⟩ − C²)/n]; the root mean square of 50 differences in these units, which are correlated, is
+/// 1 ± 0.3.
+#[test]
+fn covariances_are_those_of_contacts_followed_one_by_one() {
+    use asperity::random::{Purpose, Stream};
+    let (thresholds, reforming) = (shared(Gaussian::new(1.0, 0.2)), shared(Gaussian::new(0.1, 0.03)));
+    let initial = shared(Rectangular::new(0.0, 0.6));
+    let equation = equation(&thresholds, &reforming, &initial, Start::Conditional);
+    let pull = equation.pull(4.0, 1e-10, &mut ()).unwrap();
+    let positions: Vec<f64> = (1..=11).map(|k| 0.35 * f64::from(k)).collect();
+    let exact = pull.covariance(&positions, 1.0, &mut ()).unwrap();
+    const CONTACTS: u64 = 400_000;
+    let draw = |law: &SharedLaw, stream: &mut Stream, above: f64| {
+        // conditional on x_s > the stretch at which the contact starts
+        let mut value = [0.0];
+        loop {
+            law.fill(stream, &mut value);
+            if value[0] > above {
+                return value[0];
+            }
+        }
+    };
+    let mut sums = vec![[0.0; 2]; 11 * 11];
+    for contact in 0..CONTACTS {
+        let mut stream = Stream::new(7, Purpose::Sample, contact);
+        let mut start = draw(&initial, &mut stream, -1.0);
+        let (mut threshold, mut moved) = (draw(&thresholds, &mut stream, start), 0.0);
+        let forces: Vec<f64> = positions
+            .iter()
+            .map(|x| {
+                while moved + threshold - start <= *x {
+                    moved += threshold - start;
+                    start = draw(&reforming, &mut stream, -1.0);
+                    threshold = draw(&thresholds, &mut stream, start);
+                }
+                start + x - moved
+            })
+            .collect();
+        for i in 0..11 {
+            for j in 0..=i {
+                let product = (forces[i] - exact.mean()[i]) * (forces[j] - exact.mean()[j]);
+                sums[11 * i + j][0] += product;
+                sums[11 * i + j][1] += product * product;
+            }
+        }
+    }
+    let (mut squares, mut pairs) = (0.0, 0);
+    for i in 0..11 {
+        for j in (0..=i).filter(|j| (i + j) % 6 != 5) {
+            let [mean, square] = sums[11 * i + j].map(|sum| sum / CONTACTS as f64);
+            let z = (mean - exact.at(i, j)) / ((square - mean * mean) / CONTACTS as f64).sqrt();
+            squares += z * z;
+            pairs += 1;
+        }
+    }
+    let rms = f64::sqrt(squares / f64::from(pairs));
+    println!("{pairs} pairs, z rms {rms}");
+    assert!(pairs >= 50 && (0.7..1.3).contains(&rms), "{rms} of {pairs}");
+}
+
+/// Sample paths have the mean and the covariance that they are drawn with: 4000 paths at 40 positions. The standard
+/// error of a covariance is √[(C₁₁C₂₂ + C₁₂²)/4000]: none of 1600 is off by six of them.
+#[test]
+fn sample_paths_have_the_covariance() {
+    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull(6.0, 1e-10, &mut ()).unwrap();
+    let positions: Vec<f64> = (0..40).map(|k| 0.15 * f64::from(k)).collect();
+    let covariance = pull.covariance(&positions, 1000.0, &mut ()).unwrap();
+    let paths = covariance.sample_paths(4000, 3).unwrap();
+    assert_eq!(paths, covariance.sample_paths(4000, 3).unwrap());
+    let over = |i: usize, j: usize| {
+        let apart = |path: &Vec<f64>, i: usize| path[i] - covariance.mean()[i];
+        paths.iter().map(|path| apart(path, i) * apart(path, j)).sum::<f64>() / 4000.0
+    };
+    for i in 0..40 {
+        for j in 0..=i {
+            let squares = covariance.at(i, i) * covariance.at(j, j) + covariance.at(i, j).powi(2);
+            // At X = 0 the force is certain; its variance is 0 up to rounding, of either sign.
+            let error = (squares.max(0.0) / 4000.0).sqrt();
+            assert!((over(i, j) - covariance.at(i, j)).abs() <= 6.0 * error + 1e-12, "{i} {j}");
+        }
+    }
+}
+
+/// What has no covariance of this form is refused with the reason.
+#[test]
+fn what_does_not_renew_completely_is_refused() {
+    let (law, zero) = (shared(Gaussian::new(1.0, 0.1)), shared(Point::new(0.0)));
+    let initial = Initial { law: zero.clone(), start: Start::Conditional };
+    let mut contacts = Contacts::new(law, zero);
+    contacts.rules.delay = 0.5;
+    let pull =
+        MasterEquation::at(contacts, &initial, 1.0, &mut ()).unwrap().pull(2.0, 1e-8, &mut ()).unwrap();
+    let error = pull.covariance(&[1.0], 1.0, &mut ()).unwrap_err().to_string();
+    assert!(error.contains("delay"), "{error}");
+    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull(2.0, 1e-8, &mut ()).unwrap();
+    assert!(pull.covariance(&[2.5], 1.0, &mut ()).is_err());
+    assert!(pull.covariance(&[1.0], 0.0, &mut ()).is_err());
+}

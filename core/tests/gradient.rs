@@ -1,0 +1,193 @@
+//! The derivative of the force by parameters, against reference values, closed forms and differences of F.
+
+mod common;
+
+use std::sync::Arc;
+
+use asperity::contacts::{Contacts, Initial, Start};
+use asperity::law::{
+    Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, SharedLaw, Weibull,
+};
+use asperity::master::{MasterEquation, Pull};
+
+fn shared<L: Law + 'static>(law: asperity::Result<L>) -> SharedLaw {
+    Arc::new(law.unwrap())
+}
+
+fn equation(
+    thresholds: &SharedLaw,
+    reforming: &SharedLaw,
+    initial: &SharedLaw,
+    start: Start,
+) -> MasterEquation {
+    let contacts = Contacts::new(thresholds.clone(), reforming.clone());
+    MasterEquation::new(contacts, &Initial { law: initial.clone(), start }, &mut ()).unwrap()
+}
+
+/// Values of a solution on a fine grid, made for them. 1e-10: F'' is of order 10² here, so that the derivatives have
+/// two digits fewer than F.
+#[test]
+fn derivatives_of_gaussian_thresholds_have_their_reference_values() {
+    let zero = shared(Point::new(0.0));
+    let equation = equation(&shared(Gaussian::new(1.0, 0.1)), &zero, &zero, Start::Conditional);
+    let pull = equation.pull(6.0, 1e-11, &mut ()).unwrap();
+    let [mean, std] = ["thresholds.mean", "thresholds.std"].map(|name| pull.gradient(name, &mut ()).unwrap());
+    for (x, force, by_mean, by_std) in [
+        (0.9, 0.765_541_818_520_456, 2.019_081_266_741_01, -1.935_765_796_154_14),
+        (1.0, 0.539_894_228_039_766, 3.489_422_804_052_74, 0.398_942_280_209_465),
+        (2.18, 0.294_094_321_796_253, 0.837_341_728_593_106, 2.587_464_703_472_09),
+        (5.45, 0.463_377_602_580_736, -2.993_260_341_279_3, 0.537_615_737_649_29),
+    ] {
+        println!("{x} {:e} {:e} {:e}", pull.force(x) - force, mean.at(x) - by_mean, std.at(x) - by_std);
+        assert!((pull.force(x) - force).abs() < 1e-12);
+        assert!((mean.at(x) - by_mean).abs() < 1e-10 && (std.at(x) - by_std).abs() < 1e-10, "{x}");
+    }
+}
+
+/// F = m(1 − e^{−X/m}).
+#[test]
+fn the_derivative_by_an_exponential_mean_has_a_closed_form() {
+    let zero = shared(Point::new(0.0));
+    let equation = equation(&shared(Exponential::new(0.7)), &zero, &zero, Start::Conditional);
+    let pull = equation.pull(5.0, 1e-12, &mut ()).unwrap();
+    let gradient = pull.gradient("thresholds.mean", &mut ()).unwrap();
+    for k in 0..50 {
+        let x = 0.1 * f64::from(k);
+        let exact = 1.0 - (-x / 0.7).exp() * (1.0 + x / 0.7);
+        assert!((gradient.at(x) - exact).abs() < 1e-11, "{x}: {:e}", gradient.at(x) - exact);
+    }
+}
+
+/// Every parameter of every distribution as thresholds, re-forming and initial stretches, against central
+/// differences of F of fourth order. F is accurate to 3e-12 and the steps are 3e-4 of a parameter: 1e-7 of the
+/// largest derivative.
+#[test]
+fn derivatives_are_those_of_the_force() {
+    let narrow = shared(Gaussian::new(0.1, 0.03));
+    let zero = shared(Point::new(0.0));
+    let gaussian = shared(Gaussian::new(1.0, 0.15));
+    let mixed = |a: SharedLaw, b: SharedLaw| shared(Mixture::new(vec![(0.4, a), (0.6, b)]));
+    let laws = [
+        gaussian.clone(),
+        shared(Rectangular::new(0.6, 1.4)),
+        shared(Lognormal::new(1.0, 0.2)),
+        shared(Gamma::new(1.0, 0.25)),
+        shared(Weibull::new(5.0, 1.0)),
+        shared(Exponential::new(1.0)),
+        mixed(shared(Gaussian::new(0.8, 0.1)), shared(Rectangular::new(0.9, 1.3))),
+        mixed(shared(Point::new(0.9)), gaussian.clone()),
+    ];
+    let starts = [
+        narrow.clone(),
+        shared(Rectangular::new(0.05, 0.3)),
+        mixed(zero.clone(), narrow.clone()),
+        shared(Gamma::new(0.15, 0.05)),
+    ];
+    for law in &laws {
+        agree(law, &zero, &zero, Start::Conditional, "thresholds");
+        agree(law, &narrow, &starts[1], Start::Relaxed, "thresholds");
+    }
+    for start in &starts {
+        for thresholds in [&laws[0], &laws[1]] {
+            agree(thresholds, start, &zero, Start::Conditional, "reforming");
+            agree(thresholds, &zero, start, Start::Conditional, "initial");
+            agree(thresholds, &narrow, start, Start::Relaxed, "initial");
+        }
+    }
+}
+
+fn agree(thresholds: &SharedLaw, reforming: &SharedLaw, initial: &SharedLaw, start: Start, owner: &str) {
+    let laws = [thresholds, reforming, initial];
+    let own = ["thresholds", "reforming", "initial"].iter().position(|name| *name == owner).unwrap();
+    let pull = |law: &SharedLaw| {
+        let mut laws = laws.map(Clone::clone);
+        laws[own] = law.clone();
+        equation(&laws[0], &laws[1], &laws[2], start).pull(4.0, 3e-12, &mut ()).unwrap()
+    };
+    let base = pull(laws[own]);
+    for parameter in laws[own].parameters() {
+        if parameter.name.ends_with("at") {
+            assert!(base.gradient(&format!("{owner}.{}", parameter.name), &mut ()).is_err());
+            continue;
+        }
+        let step = 3e-4 * parameter.value;
+        let at =
+            |k: f64| pull(&laws[own].with_parameter(&parameter.name, parameter.value + k * step).unwrap());
+        let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(at);
+        let gradient = base.gradient(&format!("{owner}.{}", parameter.name), &mut ()).unwrap();
+        let positions: Vec<f64> = (1..=60).map(|k| 0.0637 * f64::from(k)).collect();
+        let difference =
+            |x: f64| (8.0 * (a.force(x) - b.force(x)) - (c.force(x) - d.force(x))) / (12.0 * step);
+        let largest = positions.iter().map(|&x| difference(x).abs()).fold(0.0, f64::max);
+        // Where a kink of F passes between the steps, differences of second order show it.
+        let bent = |x: f64| {
+            let [inner, outer] = [(a.force(x) - b.force(x)) / 2.0, (c.force(x) - d.force(x)) / 4.0];
+            (inner - outer).abs() > 1e-3 * step * largest
+        };
+        let smooth: Vec<f64> = positions.iter().copied().filter(|&x| !bent(x)).collect();
+        assert!(smooth.len() >= 54, "{} of {} positions", smooth.len(), positions.len());
+        let apart = smooth.iter().map(|&x| (gradient.at(x) - difference(x)).abs());
+        let (worst, place) =
+            apart.zip(&smooth).fold((0.0, 0.0), |w, (a, x)| if a > w.0 { (a, *x) } else { w });
+        println!(
+            "{owner}.{} of {} {start:?}: {:.1e} of {largest:.2} at {place}",
+            parameter.name,
+            laws[own].name(),
+            worst
+        );
+        assert!(worst < 1e-7 * largest, "{owner}.{} of {:?}", parameter.name, laws[own]);
+    }
+}
+
+/// F_s, F_k, X* and K_c against central differences of fourth order of themselves. F_k = (1 + σ²/x̄²)x̄/2 has a
+/// closed form, too. With steps of 1e-3 of a parameter, errors of
+/// 1e-12 become 1e-9 to 1e-8.
+#[test]
+fn derivatives_of_friction_are_those_of_its_values() {
+    let zero = shared(Point::new(0.0));
+    let narrow = shared(Gaussian::new(0.1, 0.02));
+    for reforming in [&zero, &narrow] {
+        let law = shared(Gaussian::new(1.0, 0.12));
+        let pull = |law: &SharedLaw| {
+            equation(law, reforming, &zero, Start::Conditional).pull(4.0, 1e-12, &mut ()).unwrap()
+        };
+        let values = |pull: &Pull, law: &SharedLaw| {
+            let equation = equation(law, reforming, &zero, Start::Conditional);
+            [
+                pull.static_friction().unwrap().value,
+                equation.steady_state().kinetic_friction(),
+                equation.relaxation(&mut ()).unwrap().length(),
+                pull.critical_stiffness(),
+            ]
+        };
+        let base = pull(&law);
+        for parameter in law.parameters() {
+            let found = base.friction_gradient(&format!("thresholds.{}", parameter.name), &mut ()).unwrap();
+            let step = 1e-3 * parameter.value;
+            let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(|k| {
+                let law = law.with_parameter(&parameter.name, parameter.value + k * step).unwrap();
+                values(&pull(&law), &law)
+            });
+            let found = [
+                found.static_friction.unwrap(),
+                found.kinetic_friction,
+                found.relaxation_length,
+                found.critical_stiffness,
+            ];
+            for (i, found) in found.into_iter().enumerate() {
+                let difference = (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * step);
+                println!("{} {i}: {found} {:e}", parameter.name, found - difference);
+                // K_c is a slope of F, with an error of 1e-9.
+                let tolerance = if i == 3 { 1e-6 } else { 1e-8 };
+                let apart = (found - difference).abs();
+                assert!(apart < tolerance * difference.abs().max(1.0), "{} {i}", parameter.name);
+            }
+        }
+        if Arc::ptr_eq(reforming, &zero) {
+            let [mean, std] = ["mean", "std"].map(|name| {
+                base.friction_gradient(&format!("thresholds.{name}"), &mut ()).unwrap().kinetic_friction
+            });
+            assert!((mean - 0.5 * (1.0 - 0.12 * 0.12)).abs() < 1e-12 && (std - 0.12).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! The noise of steady sliding: autocovariance and spectrum against closed forms and each other.
+
+mod common;
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use asperity::contacts::{Contacts, Initial, Start};
+use asperity::law::{Exponential, Gaussian, Law, Mixture, Point, Rectangular, SharedLaw};
+use asperity::master::{MasterEquation, SteadyState};
+
+fn shared<L: Law + 'static>(law: asperity::Result<L>) -> SharedLaw {
+    Arc::new(law.unwrap())
+}
+
+fn equation(thresholds: &SharedLaw, reforming: &SharedLaw) -> MasterEquation {
+    let contacts = Contacts::new(thresholds.clone(), reforming.clone());
+    let initial = Initial { law: reforming.clone(), start: Start::Conditional };
+    MasterEquation::new(contacts, &initial, &mut ()).unwrap()
+}
+
+fn steady(thresholds: &SharedLaw, reforming: &SharedLaw) -> SteadyState {
+    equation(thresholds, reforming).steady_state()
+}
+
+/// Reference values of P_c = G(1, 0.1), R = δ₀, to the digits given.
+#[test]
+fn gaussian_thresholds_have_their_reference_values() {
+    let steady = steady(&shared(Gaussian::new(1.0, 0.1)), &shared(Point::new(0.0)));
+    let found = steady.autocovariance(&[0.3, 1.0, 2.0], 1.0, 1e-11, &mut ()).unwrap();
+    for (found, expected) in
+        found.iter().zip([-0.018_191_666_666_67, 0.048_414_105_293_18, 0.036_889_374_907_04])
+    {
+        println!("c {:e}", found - expected);
+        assert!((found - expected).abs() < 1e-11);
+    }
+    let (at, expected) = (
+        [0.0, 0.1, 6.0, TAU, 12.0],
+        [
+            0.002_500_25,
+            0.002_500_944_675_694_55,
+            0.098_233_785_703_047_9,
+            0.257_735_651_999_481,
+            0.013_872_925_865_801_1,
+        ],
+    );
+    let found = steady.spectrum(&at, 1.0, &mut ()).unwrap();
+    for ((q, found), expected) in at.iter().zip(&found).zip(expected) {
+        println!("S({q}) {found} {:e}", found / expected - 1.0);
+        assert!((found / expected - 1.0).abs() < 1e-10);
+    }
+}
+
+/// c(u) = m² e^{−u/m} and S(q) = 2m³/(1 + q²m²): the force is the time since the last event of a Poisson process.
+#[test]
+fn exponential_thresholds_have_a_closed_form() {
+    let mean = 0.6;
+    let steady = steady(&shared(Exponential::new(mean)), &shared(Point::new(0.0)));
+    let advances: Vec<f64> = (0..30).map(|k| 0.2 * f64::from(k)).collect();
+    let found = steady.autocovariance(&advances, 1.0, 1e-12, &mut ()).unwrap();
+    for (u, found) in advances.iter().zip(found) {
+        assert!((found - mean * mean * (-u / mean).exp()).abs() < 1e-12, "{u}");
+    }
+    let at: Vec<f64> = (0..60).map(|k| 1e-3 * 1.3_f64.powi(k)).collect();
+    for (q, found) in at.iter().zip(steady.spectrum(&at, 1.0, &mut ()).unwrap()) {
+        let exact = 2.0 * mean.powi(3) / (1.0 + (q * mean).powi(2));
+        println!("{q} {:e}", found / exact - 1.0);
+        assert!((found / exact - 1.0).abs() < 1e-9, "{q}: {:e}", found / exact - 1.0);
+    }
+}
+
+/// Re-forming at spread stretches below all thresholds, where start and threshold are independent: all expectations
+/// over one life follow from the closed transforms of R and P_c. At q = 0.3 the terms of this sum are 10³ times
+/// their sum: 1e-9.
+#[test]
+fn spectra_of_spread_starts_follow_from_one_life() {
+    let gaussian = shared(Gaussian::new(1.0, 0.08));
+    let mixed = shared(Mixture::new(vec![(0.4, shared(Point::new(0.9))), (0.6, gaussian.clone())]));
+    for (thresholds, reforming) in [
+        (gaussian, shared(Gaussian::new(0.15, 0.02))),
+        (shared(Rectangular::new(0.7, 1.2)), shared(Rectangular::new(0.0, 0.4))),
+        (mixed, shared(Rectangular::new(0.05, 0.25))),
+    ] {
+        let steady = steady(&thresholds, &reforming);
+        for q in [0.3, 1.0, 4.0, TAU, 20.0] {
+            let found = steady.spectrum(&[q], 1.0, &mut ()).unwrap()[0];
+            let exact = of_one_life(thresholds.as_ref(), reforming.as_ref(), q);
+            println!("S({q}) = {found} {:e}", found / exact - 1.0);
+            assert!((found / exact - 1.0).abs() < 1e-9, "{q}: {found} {exact}");
+        }
+    }
+}
+
+/// S(q) from the expectations over one life.
+fn of_one_life(thresholds: &dyn Law, reforming: &dyn Law, q: f64) -> f64 {
+    // E e^{sx} and E x e^{sx}, the latter by a central difference of eighth order.
+    let transforms = |law: &dyn Law, s: Complex64| {
+        let at = |k: f64| law.laplace(-s - k * 0.01) - law.laplace(-s + k * 0.01);
+        let weights = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+        let slope: Complex64 = (1..).zip(weights).map(|(k, weight)| weight * at(f64::from(k)) / 0.01).sum();
+        (law.laplace(-s), slope)
+    };
+    let s = Complex64::new(0.0, q);
+    let ((threshold, by_threshold), (start, by_start)) =
+        (transforms(thresholds, s), transforms(reforming, -s));
+    let (x, r) = (thresholds.mean(), reforming.mean());
+    let [g, gr, gx, grx] =
+        [threshold * start, threshold * by_start, by_threshold * start, by_threshold * by_start];
+    let (alpha, beta) = (gr - x * g, r * g - gx);
+    let gamma = r * gr - grx - x * r * g + x * gx;
+    let second = thresholds.upper_moment(2, -1.0) + reforming.upper_moment(2, -1.0) - 2.0 * r * x;
+    (second + 2.0 * (gamma + alpha * beta / (1.0 - g)).re) / (q * q * (x - r))
+}
+
+/// ∫S dq = 2π c(0), and S(0) is 2∫c du.
+#[test]
+fn the_spectrum_integrates_to_the_variance() {
+    let steady = steady(&shared(Gaussian::new(1.0, 0.2)), &shared(Gaussian::new(0.15, 0.05)));
+    let width = 0.02;
+    let at: Vec<f64> = (0..=20_000).map(|k| width * f64::from(k)).collect();
+    let spectrum = steady.spectrum(&at, 1.0, &mut ()).unwrap();
+    let simpson = |i: usize| {
+        if i == 0 || i + 1 == at.len() {
+            1.0
+        } else if i % 2 == 1 {
+            4.0
+        } else {
+            2.0
+        }
+    };
+    let sum: f64 = spectrum.iter().enumerate().map(|(i, s)| simpson(i) * s * width / 3.0).sum();
+    // What lies beyond falls as 1/q².
+    let last = at[at.len() - 1];
+    let total = 2.0 * (sum + spectrum[at.len() - 1] * last);
+    let variance = steady.force_std(1.0).powi(2);
+    println!("{:e}", total / (2.0 * PI * variance) - 1.0);
+    assert!((total / (2.0 * PI * variance) - 1.0).abs() < 1e-7);
+    let advances: Vec<f64> = (0..=6000).map(|k| 0.005 * f64::from(k)).collect();
+    let c = steady.autocovariance(&advances, 1.0, 1e-12, &mut ()).unwrap();
+    let weight = |i: usize| {
+        if i == 0 || i == 6000 {
+            1.0
+        } else if i % 2 == 1 {
+            4.0
+        } else {
+            2.0
+        }
+    };
+    let sum: f64 = c.iter().enumerate().map(|(i, c)| weight(i) * c * 0.005 / 3.0).sum();
+    println!("{:e}", 2.0 * sum / spectrum[0] - 1.0);
+    assert!((2.0 * sum / spectrum[0] - 1.0).abs() < 1e-8);
+    assert!((c[0] / variance - 1.0).abs() < 1e-14);
+}
+
+/// The spectrum of identical contacts consists of lines, and is refused with that reason; their autocovariance is not.
+#[test]
+fn identical_contacts_have_lines() {
+    let steady = steady(&shared(Point::new(1.0)), &shared(Point::new(0.0)));
+    let error = steady.spectrum(&[1.0], 1.0, &mut ()).unwrap_err().to_string();
+    assert!(error.contains("lines"), "{error}");
+    // A sawtooth of random phase: c(u) = 1/12 − u(1 − u)/2.
+    let c = steady.autocovariance(&[0.0, 0.25, 0.5, 1.25, 7.5], 1.0, 1e-12, &mut ()).unwrap();
+    for (c, u) in c.iter().zip([0.0, 0.25, 0.5, 0.25, 0.5_f64]) {
+        assert!((c - (1.0 / 12.0 - 0.5 * u * (1.0 - u))).abs() < 1e-12, "{u} {c}");
+    }
+}
