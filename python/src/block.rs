@@ -2,7 +2,7 @@
 
 use asperity::block::{self, Curve, Loading};
 use asperity::scenario::{self, Slip};
-use asperity::task::{first_loading, stability};
+use asperity::task::{first_loading_distance, stability};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
@@ -393,7 +393,7 @@ impl Block {
     fn curve(slf: &Bound<'_, Self>, name: &str, distance: Option<f64>, points: Whole) -> PyResult<Curve> {
         let model = slf.get().model.bind(slf.py());
         let solver = Model::solver(model);
-        let distance = distance.unwrap_or_else(|| first_loading(solver.contacts()));
+        let distance = distance.unwrap_or_else(|| first_loading_distance(solver.contacts()));
         let asked = scenario::Pull { distance, points: points.get("points")?, ..scenario::Pull::default() };
         asked.check().map_err(|e| error::core(e.under(name)))?;
         watched(None, slf.py(), |monitor| {

@@ -146,7 +146,7 @@ impl Solver<'_> {
             Self::Transport(transport, tolerance) => Ok((transport.transport.copy(), tolerance * mean)),
             Self::Ensemble(ensemble) => {
                 let least = scenario::MasterEquation::default().tolerance_of_a_block();
-                let tolerance = task::tolerance_over(ensemble.size()).max(least);
+                let tolerance = task::finite_size_tolerance(ensemble.size()).max(least);
                 Ok((Box::new(ensemble.in_time(&mut Aside { fraction: 0.0, monitor })?), tolerance * mean))
             }
             Self::MasterEquation(..) => {

@@ -39,7 +39,7 @@ impl Pull {
         let (pull, record) = watched(progress, py, |monitor| {
             let pull = solver.pull(distance, tolerance, monitor)?;
             let mut record = record::Record::default();
-            task::along_the_pull(&pull, asked.positions(), None, &mut record, monitor)?;
+            task::record_pull(&pull, asked.positions(), None, &mut record, monitor)?;
             Ok((pull, record))
         })?;
         let record = Record::new(py, record, Units::default())?;
