@@ -6,9 +6,7 @@
 //! documented parameters are the parent's, while [`Law::mean`] and [`Law::std`] are those of the conditioned
 //! distribution.
 //!
-//! To add a distribution: a file of its own, shaped like its neighbours; its name in the list below; a
-//! variant of the scenario; a row of the table of distributions in the documentation; a line in the tests of
-//! the family.
+//! To add a distribution: see CONTRIBUTING.md, which lists all files. The code calls a distribution a *law*.
 
 mod critical_coupling;
 mod drive_map;
