@@ -1,4 +1,4 @@
-//! A pull of the slider's bottom, computed.
+//! The result of a pull of the slider's base.
 
 use asperity::master;
 use asperity::monitor::Monitor;
@@ -24,7 +24,7 @@ pub struct Pull {
 }
 
 impl Pull {
-    /// Pulls, and hands out what comes of it.
+    /// Computes a pull and returns its result.
     pub fn object(
         equation: Bound<'_, MasterEquation>,
         distance: f64,
