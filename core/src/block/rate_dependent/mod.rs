@@ -60,7 +60,7 @@ impl Block {
         if !(tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Error::invalid("tolerance", "a finite length above 0", tolerance));
         }
-        check(times, drive.duration())?;
+        drive.check_times(times)?;
         let mut slider = SlidingBlock::at_rest(equation, contacts, tolerance);
         slider.motion.estimators = estimator.map(|estimator| vec![estimator]);
         let moving = drive.pieces().iter().map(|piece| piece.velocity).find(|velocity| *velocity > 0.0);
@@ -112,16 +112,6 @@ impl Slip {
             Self::Overdamped => refused("overdamped"),
             Self::Arrest => refused("arrest"),
         }
-    }
-}
-
-/// Refuses times that are not ascending or outside the drive.
-fn check(times: &[f64], end: f64) -> Result<()> {
-    let outside = times.iter().find(|&&time| !(time >= 0.0 && time <= end));
-    let falling = times.windows(2).find(|pair| pair[1] <= pair[0]).map(|pair| &pair[1]);
-    match outside.or(falling) {
-        Some(time) => Err(Error::invalid("times", format!("rising times from 0 to {end}"), time)),
-        None => Ok(()),
     }
 }
 

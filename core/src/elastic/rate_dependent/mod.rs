@@ -16,6 +16,7 @@ pub use state::RateDependentInterfaceState;
 
 use super::{CellLoading, Coupling, EnergyBalance, Event, Slipped, event};
 use crate::dynamics::{Arrest, EquationOfMotion, SliderMotion, SlidingCell};
+use crate::error::positive;
 use crate::monitor::{Aside, Monitor, report};
 use crate::rate_dependent::{Books, ErrorEstimator, RateDependentContacts, StretchInterval};
 use crate::record::Record;
@@ -325,11 +326,4 @@ impl RateDependentInterface {
             contacts: self.motion.cells.iter().fold(Books::default(), add),
         }
     }
-}
-
-fn positive(key: &str, value: f64) -> Result<()> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(Error::invalid(key, "a finite number above 0", value))
 }
