@@ -175,6 +175,8 @@ impl<'a> Watch<'a> {
         tools: impl Fn() -> R + Sync,
         each: impl Fn(&mut R, usize) -> T + Sync,
     ) -> Result<Vec<T>> {
+        // Threads take numbers from a common counter, which balances pieces of different cost. Results are
+        // stored by number, so that their order does not depend on the threads.
         let next = AtomicUsize::new(0);
         let made: Vec<OnceLock<T>> = (0..count).map(|_| OnceLock::new()).collect();
         let work = || {

@@ -212,6 +212,7 @@ impl<'a> EquilibriumPath<'a> {
         let inner = inner.map(|(t, point)| (self.point(*t), sign * self.loading.rise(point.tangent)));
         let end = (self.interval.length, height(self.interval.length));
         let (mut before, mut last) = (start, start);
+        // Signs at the Gauss points bracket every zero, except for pairs of zeros between two of them.
         for next in inner.chain([end]).filter(|next| next.0 > from) {
             if next.1 < 0.0 {
                 // A derivative that is 0 at `from` and already negative here has its maximum in between.
@@ -257,6 +258,7 @@ impl<'a> EquilibriumPath<'a> {
         if a < self.interval.length {
             return RULE.integrate(0.0, a, at);
         }
+        // The responses at the Gauss points of the whole interval are known already.
         let known = |i: usize| f(self.position + sign * self.point(RULE.nodes[i]), self.points[i]);
         0.5 * a * (0..NODES).map(|i| RULE.weights[i] * known(i)).sum::<f64>()
     }

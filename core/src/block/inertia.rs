@@ -76,6 +76,7 @@ impl QuasistaticRun<'_> {
     ) -> Result<SwingEnd> {
         self.offered.clear();
         let (energy, pull) = (self.stored_in_contacts(), self.state(drive, 0.0).spring_force.abs());
+        // The speed from all elastic energy, or the terminal speed under the force of the spring.
         let fast = (2.0 * energy / mass).sqrt().min(pull / damping);
         let mut swing = Swing {
             body: Body { mass, damping },
@@ -188,6 +189,8 @@ impl QuasistaticRun<'_> {
         let end = self.path.interval.length;
         let begin =
             (self.path.excess(swing.drive, swing.place) - swing.body.damping * swing.speed) / swing.body.mass;
+        // Somewhat longer than uniformly accelerated motion takes to the end of the interval, which then lies
+        // inside the step.
         let mut time = (1.2 * uniform(swing.speed, begin, end - swing.place)).min(4.0 * swing.step);
         for _ in 0..MOST_HALVINGS {
             let Some(step) = self.collocated(swing, time) else {

@@ -113,6 +113,7 @@ fn segments(start: f64, drive: &Drive) -> Result<Vec<DriveSegment>> {
     for &to in turning_points {
         let (width, sign) = ((to - from).abs(), (to - from).signum());
         let spacing = total / (points - 1) as f64;
+        // Points are evenly spaced along the whole path, not on each segment.
         let first = (done / spacing).floor() as usize + 1;
         let inside = (first..*points).map(|i| i as f64 * spacing - done);
         let inside = inside.take_while(|a| *a < width * (1.0 - 1e-12)).map(|a| from + sign * a);

@@ -265,6 +265,7 @@ impl BlockSimulation {
         report(monitor, ((here.drive - from).abs() / length).min(1.0))?;
         let before = (from - memory.segment_start.drive).abs();
         let mut run = QuasistaticRun::resumed(&self.block, population.as_mut(), memory.clone(), monitor)?;
+        // Progress is counted from the start of the present run of the drive, not from its last turn.
         run.path_length = (length, -before);
         let requested = [until];
         let mut requested = requested.as_slice();

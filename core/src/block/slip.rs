@@ -53,6 +53,7 @@ impl QuasistaticRun<'_> {
         let Some(most) = self.block.slip_fraction.filter(|_| self.block.slip == Slip::Arrest) else {
             return Ok(false);
         };
+        // The avalanche is tried on the contacts themselves, and undone by the mark.
         self.path.mark();
         self.path.cross()?;
         let next = self.net_force_direction(drive, direction)?;
@@ -186,6 +187,7 @@ impl QuasistaticRun<'_> {
         let (loading, sign) = (self.path.loading, direction.sign());
         loop {
             self.find_interval(direction)?;
+            // Only a stable equilibrium ends a slide, and a slide from a lost one has to leave it first.
             let rises = !std::mem::take(&mut lost) && self.path.rises();
             let ahead = sign * (self.path.drive_here() - drive) > 0.0;
             if rises && (ahead || self.is_balanced(drive)) {
@@ -195,6 +197,7 @@ impl QuasistaticRun<'_> {
             if a.is_infinite() {
                 return Ok(SlideEnd::Away);
             }
+            // A slider without inertia dissipates the work of the net force.
             self.memory.open.work += loading.work_at_rest(drive, sign * a);
             self.memory.open.slip +=
                 sign * self.path.integral(a, |x, response| loading.excess(drive, x, response.force));

@@ -108,6 +108,8 @@ impl SliderMotion {
         let mut duration = self.control.first(left);
         loop {
             self.control.check(duration, left, self.time)?;
+            // A trial step is repeated with a shorter duration until its stages converge, its error is
+            // within the tolerance, and the cell does not move back.
             let tried = self.attempt(solver, drive, duration, &Watch::new(monitor))?;
             let Some(step) = tried else {
                 duration *= MotionStepControl::SHRINK;

@@ -68,6 +68,8 @@ impl SliderMotion {
         let (equation, from, accuracy) = (&self.equation, &self.cells, self.control.stage_accuracy());
         let (number, time) = (from.len(), GAMMA * duration);
         let start: Vec<f64> = from.iter().map(|cell| equation.acceleration(cell, drive.position)).collect();
+        // First stage: the trapezoidal rule to the fraction γ of the step. Second stage: the backward
+        // difference formula of second order to its end.
         let trapezoidal = |j: usize| StageRates::trapezoidal(duration, from[j].velocity, start[j]);
         let rates = (0..number).map(trapezoidal).collect();
         let first =

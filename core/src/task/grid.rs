@@ -42,6 +42,7 @@ impl Grid {
             laws.iter().map(|&law| farthest(law)).fold(0.0, f64::max).min(thresholds.quantile(1.0))
         };
         let top = 1.05 * reach;
+        // Mature thresholds may vary on a shorter length than newborn ones.
         laws.extend(contacts.rules.ageing.as_ref().and_then(Ageing::mature).map(AsRef::as_ref));
         let widths = laws.iter().flat_map(|law| law.zones()).map(|zone| zone.resolution);
         let resolution = widths.fold(top, f64::min);

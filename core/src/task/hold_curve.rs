@@ -179,6 +179,7 @@ pub(super) fn peak(position: &[f64], force: &[f64]) -> Peak {
         return top;
     }
     let (before, after) = (position[highest - 1] - top.position, position[highest + 1] - top.position);
+    // Divided differences (Newton's interpolation) for points that need not be evenly spaced.
     let (left, right) = ((force[highest - 1] - top.force) / before, (force[highest + 1] - top.force) / after);
     let bend = (right - left) / (after - before);
     let slope = left - bend * before;

@@ -227,6 +227,7 @@ impl Log {
                 self.end(moment, fast, slider.cell().position);
             }
         }
+        // The velocity has a maximum within the last three points where it ceases to increase.
         let rising = moment.velocity > self.last.velocity;
         if self.rising && !rising {
             let velocity =

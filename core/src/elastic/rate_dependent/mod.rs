@@ -109,6 +109,8 @@ impl RateDependentInterface {
         let equation =
             EquationOfMotion { connection, connected, mass: 0.0, viscosity, arrest: Arrest::Stand };
         let pull = connected as f64 * connection;
+        // At this drive the springs carry the total friction force. The equilibrium positions solve a linear
+        // system, because contacts do not move with them.
         let drive = contacts.iter().map(|contacts| contacts.force()).sum::<f64>() / pull;
         let springs: Vec<f64> = (0..number).map(|j| equation.connection(j)).collect();
         let balance =

@@ -123,6 +123,7 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         let end = output_points.last().map_or(0.0, |output| output.drive);
         for output in &output_points[self.passed..] {
             match self.reach(output.drive, end, monitor) {
+                // A stopped run stores its state; if that fails, its error replaces the stop.
                 Err(Error::Stopped) => return self.keep().and(Err(Error::Stopped)),
                 reached => reached?,
             }
@@ -156,6 +157,8 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
             let began = Instant::now();
             let reached = self.model.advance(next, most, &mut part, &mut |event| slice.push(event));
             self.slice = next_slice(self.slice, began.elapsed());
+            // Events before a stop by the monitor count, too: the result of `advance` is checked after they
+            // have been recorded.
             self.record(&slice)?;
             if self.events_left() == 0 {
                 self.keep()?;
@@ -196,6 +199,7 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
     /// Writes a checkpoint, if checkpoints are kept.
     fn keep(&mut self) -> Result<()> {
         let Some(checkpoints) = &mut self.checkpoints else { return Ok(()) };
+        // Only the rows since the last checkpoint are written, so that every number is written once.
         let added = self.found.columns().zip(&self.kept);
         let rows = added.map(|(column, &kept)| column[kept..].to_vec()).collect();
         let kept = RunState { state: self.model.state(), count: self.count, passed: self.passed };
