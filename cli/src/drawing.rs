@@ -1,4 +1,4 @@
-//! Wrong input, drawn with the line and key at fault.
+//! Display of wrong input, with line and key marked.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use miette::{LabeledSpan, MietteHandlerOpts, ReportHandler, SourceCode};
 
 use super::excerpt::Excerpt;
 
-/// A diagnostic as miette draws it.
+/// A diagnostic in the form for miette.
 #[derive(Debug)]
 struct Drawn {
     diagnostic: Diagnostic,
@@ -41,7 +41,7 @@ impl miette::Diagnostic for Drawn {
     }
 }
 
-/// The diagnostic for a person; colours only where the standard error shows them and `NO_COLOR` is not set.
+/// The diagnostic as text; coloured only if the standard error supports it and `NO_COLOR` is not set.
 pub fn draw(diagnostic: Diagnostic) -> String {
     struct Report(Drawn);
     impl fmt::Display for Report {

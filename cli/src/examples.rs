@@ -11,7 +11,7 @@ macro_rules! shipped {
     };
 }
 
-/// All of them, simple ones first; tables stand after the scenario that names them.
+/// All files, simple ones first. Tables follow the scenario that names them.
 const SHIPPED: [Shipped; 35] = shipped![
     "fig2.toml",
     "fig3.toml",
@@ -50,12 +50,12 @@ const SHIPPED: [Shipped; 35] = shipped![
     "front-chain.csv",
 ];
 
-/// The text called `name`, with or without `.toml`.
+/// The text of the example `name`, with or without `.toml`.
 pub fn find(name: &str) -> Option<&'static str> {
     SHIPPED.iter().find(|(file, _)| *file == name || file.strip_suffix(".toml") == Some(name)).map(|s| s.1)
 }
 
-/// Their names and titles.
+/// Names and titles of the examples.
 pub fn list() -> String {
     let mut list = String::new();
     for (file, text) in SHIPPED {

@@ -1,29 +1,29 @@
-//! A text of which long lines are shown around what is marked alone: tables in scenarios may be megabytes on one line.
+//! A text with long lines shortened around its marks. Tables in scenarios may be megabytes on one line.
 
 use std::ops::Range;
 
 use asperity_runner::input::{Mark, Source};
 use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 
-/// Letters of a line that are shown before a mark …
+/// Letters that are shown before a mark.
 const BEFORE: usize = 60;
-/// … and from its beginning on.
+/// Letters that are shown from the beginning of a mark.
 const BEHIND: usize = 90;
-/// In the place of what is left out.
+/// Placeholder of omitted text.
 const GAP: &str = "…";
 
-/// The text, its marks in it, and how far the first mark was moved within its line.
+/// The text, its marks, and the shift of the first mark within its line.
 #[derive(Debug)]
 pub struct Excerpt {
     name: String,
     text: String,
-    /// What is marked, and what is said beside it.
+    /// A mark and its label.
     pub marks: Vec<Mark>,
     moved: usize,
 }
 
 impl Excerpt {
-    /// What is shown of a source.
+    /// The visible part of a source.
     pub fn of(source: &Source) -> Self {
         let mut excerpt =
             Self { name: source.name.clone(), text: String::new(), marks: Vec::new(), moved: 0 };
@@ -65,12 +65,12 @@ impl Excerpt {
     }
 }
 
-/// The part of a line that is shown, around a place in it.
+/// The part of a line that is shown around a position.
 fn window(line: &str, at: usize) -> Range<usize> {
     let ends = |from: &str, letters: usize| from.char_indices().nth(letters).map_or(from.len(), |end| end.0);
     let back: usize = line[..at].chars().rev().take(BEFORE).map(char::len_utf8).sum();
     let begin = at - back;
-    // What would be left out may as well be shown where it is no longer than that.
+    // An omitted part that is not longer than its placeholder is shown.
     let begin = if begin <= GAP.len() { 0 } else { begin };
     begin..at + ends(&line[at..], BEHIND)
 }
@@ -83,7 +83,7 @@ impl SourceCode for Excerpt {
         after: usize,
     ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
         let found = self.text.read_span(span, before, after)?;
-        // Without lines around it, it is asked where a mark is.
+        // Without context lines, the request is for the position of a mark only.
         let moved = if before == 0 { self.moved } else { 0 };
         Ok(Box::new(MietteSpanContents::new_named(
             self.name.clone(),

@@ -1,8 +1,8 @@
-//! What ends a run before its end: Ctrl-C, SIGTERM, SIGHUP, and the limit of `--max-time`.
+//! Interruption of a run: Ctrl-C, SIGTERM, SIGHUP, and the limit of `--max-time`.
 //!
-//! A run that has nothing to bring to the disk ends at once, wherever it is. One that keeps checkpoints is asked to stop,
-//! and writes one first; one that writes its results goes on. A second signal ends any at once: results and checkpoints are
-//! put in place whole, so that none is lost or left in half.
+//! A run without checkpoints ends at once. A run with checkpoints is stopped by its monitor and writes one first. A run that
+//! writes its results completes them. A second signal ends any run at once: results and checkpoints are
+//! moved into place as a whole, so that none is lost or incomplete.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::path::Path;
@@ -14,54 +14,54 @@ use std::time::{Duration, Instant};
 use asperity_runner::duration;
 use signal_hook::{consts, flag};
 
-/// The exit code of a run that was ended.
+/// The exit code of an interrupted run.
 pub const CODE: u8 = 130;
 
-/// Time between two looks at what has come.
-const LOOK: Duration = Duration::from_millis(20);
-/// A signal is a second one from this time after the first on: some senders, such as `timeout`, send each one twice.
+/// Time between two checks for signals and limits.
+const CHECK: Duration = Duration::from_millis(20);
+/// Signals within this time after the first one are ignored: some senders, such as `timeout`, send each signal twice.
 const SECOND: Duration = Duration::from_millis(250);
-/// A run that has not stopped after this time says why.
+/// Time after which a run that has not stopped prints the reason.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Why a run ends before its end.
+/// The reason why a run is interrupted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reason {
     /// Ctrl-C, or a signal from elsewhere.
     Signal,
-    /// It has taken as long as it may.
+    /// The time limit.
     Time(Duration),
 }
 
-/// What a run does when it is to end.
+/// The reaction of a run to an interruption.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stage {
-    /// Ends at once.
+    /// The run ends at once.
     Free,
-    /// Writes a checkpoint first.
+    /// The run writes a checkpoint first.
     Keeping,
-    /// Writes its results, and is done.
+    /// The run completes its results.
     Writing,
 }
 
-/// What a run asks whether it is to end.
+/// The state of interruptions, shared with the run.
 pub struct Interrupts(Arc<Shared>);
 
 struct Shared {
     signalled: Arc<AtomicBool>,
-    /// When the next signal ends the process by itself.
+    /// Whether the next signal ends the process.
     second: Arc<AtomicBool>,
     began: Instant,
-    /// How long the run may take; unknown until it computes.
+    /// Time limit of the run; unknown until it computes.
     limit: OnceLock<Duration>,
     stage: Mutex<Stage>,
 }
 
 impl Interrupts {
-    /// Listens from now on.
+    /// Starts to listen for signals.
     ///
     /// # Errors
-    /// The system has no thread for it, or refuses to be listened to.
+    /// The system refuses a thread or a signal handler.
     pub fn listen() -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
             signalled: Arc::default(),
@@ -79,36 +79,36 @@ impl Interrupts {
         Ok(Self(shared))
     }
 
-    /// The run, which computes from here on, may take as long as `limit` since it was first listened.
+    /// Sets the time limit, counted from the start of listening.
     pub fn limit(&self, limit: Duration) {
         let _ = self.0.limit.set(limit);
     }
 
-    /// Why the run is to end, if it is.
+    /// The reason of the interruption, if there is one.
     pub fn asked(&self) -> Option<Reason> {
         self.0.asked()
     }
 
-    /// Does what must not be left half done.
+    /// Runs a function that must not be interrupted.
     pub fn whole<T>(&self, work: impl FnOnce() -> T) -> T {
         let _stage = self.0.stage();
         work()
     }
 
-    /// From here on there are checkpoints to write: the run has to ask whether to end.
+    /// From now on the run has checkpoints, and must check for interruptions.
     pub fn keep_checkpoints(&self) {
         *self.0.stage() = Stage::Keeping;
     }
 
-    /// From here on results are written, whatever has come or comes.
+    /// From now on the run completes its results, whatever the signals.
     pub fn finish(&self) {
         *self.0.stage() = Stage::Writing;
     }
 
-    /// From here on results are written, whatever comes.
+    /// From now on the run completes its results, unless it was interrupted before.
     ///
     /// # Errors
-    /// Something has come.
+    /// The run was interrupted before.
     pub fn write_results(&self) -> Result<(), Reason> {
         let mut stage = self.0.stage();
         let asked = self.asked().filter(|_| *stage != Stage::Writing);
@@ -134,7 +134,7 @@ impl Shared {
             if let Some(reason) = self.asked() {
                 break reason;
             }
-            thread::sleep(LOOK);
+            thread::sleep(CHECK);
         };
         let since = Instant::now();
         let mut told = false;
@@ -154,26 +154,26 @@ impl Shared {
                     "stopping after the current file is written; a second Ctrl-C stops the run immediately\n",
                 );
             }
-            thread::sleep(LOOK);
+            thread::sleep(CHECK);
         }
     }
 }
 
-/// Ends the process; nothing it has to do is left to do.
+/// Ends the process at once.
 fn end_at_once(reason: Reason) -> ! {
     say(&message(reason, None));
     std::process::exit(CODE.into())
 }
 
-/// Tells on the standard error, in the place of a bar if there is one.
+/// Prints to the standard error, in place of the progress bar if there is one.
 fn say(words: &str) {
     let mut errors = std::io::stderr();
     let clear = if errors.is_terminal() { "\r\x1b[K" } else { "" };
-    // Where this cannot be written, the exit code still tells.
+    // If this cannot be written, the exit code still reports it.
     let _ = errors.write_all(format!("{clear}{words}").as_bytes());
 }
 
-/// What is said of a run that ended for this reason, and of the checkpoint that it left.
+/// The message of a run that was interrupted for this reason, with its checkpoint.
 pub fn message(reason: Reason, checkpoint: Option<&Path>) -> String {
     let why = match reason {
         Reason::Signal => "interrupted".into(),
@@ -185,7 +185,7 @@ pub fn message(reason: Reason, checkpoint: Option<&Path>) -> String {
     }
 }
 
-/// The signals that end a run.
+/// The signals that interrupt a run.
 fn signals() -> Vec<i32> {
     let mut signals = vec![consts::SIGINT, consts::SIGTERM];
     #[cfg(unix)]
@@ -195,7 +195,7 @@ fn signals() -> Vec<i32> {
     signals
 }
 
-/// Whether whoever started the program has told it to outlive the terminal, as `nohup` does.
+/// Whether the parent process has set SIGHUP to be ignored, as `nohup` does.
 #[cfg(unix)]
 #[allow(unsafe_code, reason = "no safe function asks what is done about a signal without changing it")]
 fn hangup_is_ignored() -> bool {

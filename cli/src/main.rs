@@ -22,13 +22,13 @@ use clap::{CommandFactory as _, Parser as _};
 use arguments::{Arguments, Command};
 use interrupt::Reason;
 
-/// Why a command did not do what it was told; each has its exit code.
+/// The reason why a command failed; each has its exit code.
 enum Failure {
     /// The run failed: disk, memory.
     Run(String),
-    /// Wrong input, drawn.
+    /// Wrong input, as displayed text.
     Input(String),
-    /// It was told to end, and can go on from this checkpoint.
+    /// The run was stopped, and can be resumed from this checkpoint.
     Interrupted(Reason, Option<PathBuf>),
 }
 
@@ -62,7 +62,7 @@ fn main() -> ExitCode {
             (interrupt::message(reason, checkpoint.as_deref()), interrupt::CODE)
         }
     };
-    // Where even this cannot be written, the exit code still tells.
+    // If even this cannot be written, the exit code still reports the failure.
     let _ = std::io::stderr().write_all(message.as_bytes());
     ExitCode::from(code)
 }
@@ -92,7 +92,7 @@ fn execute(command: Command) -> Result<(), Failure> {
     }
 }
 
-/// Writes to the standard output; a reader that has seen enough is no error.
+/// Writes to the standard output. A reader that closes it is no error.
 fn print(text: &str) -> Result<(), Failure> {
     let mut output = std::io::stdout().lock();
     match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {

@@ -1,4 +1,4 @@
-//! Watching a run: a bar where someone is looking, lines where a log is kept.
+//! Progress of a run: a bar at a terminal, lines in a log.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::ops::ControlFlow;
@@ -10,34 +10,34 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::interrupt::Interrupts;
 
-/// Shows how far a run is, and asks it to stop when it is to.
+/// Shows the progress of a run, and stops it on request.
 pub struct Progress<'a> {
     interrupts: &'a Interrupts,
     began: Instant,
-    /// When something was first heard of the run, and how far it was: a run that goes on does not begin at 0.
+    /// Time and fraction of the first report. A resumed run does not begin at 0.
     first: Option<(Duration, f64)>,
     view: View,
-    /// How many events there were, where they are counted.
+    /// Number of events, if they are counted.
     counted: String,
 }
 
-/// Where the progress of a run is shown.
+/// The form in which progress is shown.
 enum View {
     Nowhere,
-    /// At a terminal, once the run has taken a second.
+    /// A bar at a terminal, after one second.
     Bar(Option<ProgressBar>),
-    /// In a log, when the run has taken this long.
+    /// Lines in a log, the next one at this time.
     Log(Duration),
 }
 
 const STEPS: u64 = 1000;
-/// The first line in a log, and the least time to the next one.
+/// Time of the first line in a log, and the shortest time between two lines.
 const LINE: Duration = Duration::from_secs(10);
-/// The longest time to the next line.
+/// The longest time between two lines.
 const LONGEST: Duration = Duration::from_secs(600);
 
 impl<'a> Progress<'a> {
-    /// A watcher, from now on.
+    /// A monitor that starts now.
     pub fn new(quiet: bool, interrupts: &'a Interrupts) -> Self {
         let view = match (quiet, std::io::stderr().is_terminal()) {
             (true, _) => View::Nowhere,
@@ -60,7 +60,7 @@ impl<'a> Progress<'a> {
             View::Log(next) if elapsed >= *next => {
                 *next = next_line(elapsed);
                 let line = line(elapsed, fraction, &left(), &self.counted);
-                // Where this cannot be written there is nobody to read it.
+                // If this cannot be written, nobody reads it.
                 let _ = std::io::stderr().write_all(line.as_bytes());
             }
             _ => {}
@@ -74,7 +74,7 @@ fn new_bar(elapsed: Duration) -> ProgressBar {
     ProgressBar::new(STEPS).with_style(style).with_elapsed(elapsed)
 }
 
-/// When the line after the one at `elapsed` is due: after another quarter of the time, within bounds.
+/// The time of the line after the one at `elapsed`: a quarter of that time later, within bounds.
 fn next_line(elapsed: Duration) -> Duration {
     elapsed + (elapsed / 4).clamp(LINE, LONGEST)
 }
@@ -84,10 +84,10 @@ fn line(elapsed: Duration, fraction: f64, left: &str, counted: &str) -> String {
     format!("{:.1} % after {}{left}{counted}\n", 100.0 * fraction, duration::words(elapsed))
 }
 
-/// The time that is left if the rest takes as long as what was done since `first`, a time and a fraction; nothing where
-/// this cannot be told, or too little is done to tell it from.
+/// The remaining time, as text, at the mean speed since `first`, a time and a fraction. Empty if too little of the work is
+/// done for an estimate.
 fn left(first: (Duration, f64), elapsed: Duration, fraction: f64) -> String {
-    /// A thousandth of the run.
+    /// Smallest fraction of the run for an estimate.
     const LEAST: f64 = 1e-3;
     let (time, done) = ((elapsed - first.0).as_secs_f64(), fraction - first.1);
     if done < LEAST {

@@ -25,7 +25,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     arguments.max_time.into_iter().for_each(|limit| interrupts.limit(limit));
     let outcome = compute(&input, checkpoints.as_mut(), arguments, &interrupts)?;
     if checkpoints.is_some() {
-        // The work is done, and no checkpoint holds the end of it.
+        // The work is done, and no checkpoint has the end of the run.
         interrupts.finish();
     }
     let figures = figure::draw(&outcome).map_err(Failure::run)?;
@@ -38,7 +38,7 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
     tell(&outcome.summary, &directory, arguments)
 }
 
-/// Prints the summary, as it is asked for.
+/// Prints the summary in the requested form.
 fn tell(summary: &Summary, directory: &Path, arguments: &Run) -> Result<(), Failure> {
     if arguments.json {
         let json = serde_json::to_string_pretty(summary).expect("a summary is plain data");
@@ -50,25 +50,25 @@ fn tell(summary: &Summary, directory: &Path, arguments: &Run) -> Result<(), Fail
     print(&format!("{}{:<22} {}\n", summary::readable(summary), "results", directory.display()))
 }
 
-/// Says what is valid but may surprise.
+/// Prints the warnings.
 pub fn warn(scenario: &Scenario) {
     for warning in scenario.warnings() {
         say(&format!("warning: {warning}"));
     }
 }
 
-/// Says what became of a file of somebody else where results go.
+/// Reports a file of the user that was renamed because a result has its name.
 fn moved(file: &output::Renamed) -> String {
     let [from, to] = [&file.from, &file.to].map(|path| path.display());
     format!("warning: {from} was not written by asperity, or was changed; it is kept as {to}")
 }
 
-/// Tells on the standard error; where this cannot be written there is nobody to be told.
+/// Writes to the standard error. If that fails, there is no reader to inform.
 fn say(words: &str) {
     let _ = writeln!(std::io::stderr(), "{words}");
 }
 
-/// The checkpoints that are asked for; a run that is to stop after a time keeps one if it can.
+/// The requested checkpoints. A run with a time limit keeps one if it can.
 fn checkpoints(
     scenario: &Scenario,
     arguments: &Run,
@@ -97,7 +97,7 @@ fn checkpoints(
     Ok(Some(checkpoints))
 }
 
-/// The outcome of the scenario, on as many threads as asked for.
+/// Computes the scenario on the requested number of threads.
 fn compute(
     input: &input::Input,
     mut checkpoints: Option<&mut Checkpoints>,
@@ -109,7 +109,7 @@ fn compute(
     threads::on(arguments.threads, compute)?.map_err(|error| match error {
         asperity::Error::Stopped => stopped(checkpoints, interrupts),
         asperity::Error::Invalid { .. } => input.diagnose(&error).into(),
-        // Not wrong, but too much.
+        // The input is valid but too large.
         asperity::Error::TooLarge { .. } | asperity::Error::Accuracy { .. } => {
             Failure::Run(drawing::draw(*input.diagnose(&error)))
         }
@@ -117,7 +117,7 @@ fn compute(
     })
 }
 
-/// Why a run was stopped.
+/// The reason why a run was stopped.
 fn stopped(checkpoints: Option<&mut Checkpoints>, interrupts: &Interrupts) -> Failure {
     let reason = interrupts.asked().unwrap_or(Reason::Signal);
     let Some(checkpoints) = checkpoints else { return Failure::Interrupted(reason, None) };

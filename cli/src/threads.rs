@@ -1,19 +1,19 @@
-//! On how many threads a run computes.
+//! The number of threads of a run.
 
 use std::num::NonZeroUsize;
 use std::thread::available_parallelism;
 
 use super::Failure;
 
-/// Threads for each core, at most: more gain nothing, and each takes memory of its own.
+/// Largest number of threads per core: more gain nothing, and each needs memory.
 const PER_CORE: usize = 8;
-/// Where the number is taken from that `--threads` does not give.
+/// The environment variable with the default of `--threads`.
 const VARIABLE: &str = "RAYON_NUM_THREADS";
 
-/// The number that `text` says.
+/// Parses a number of threads.
 ///
 /// # Errors
-/// No number above 0, or more threads than are of use on this machine.
+/// Text that is not a number above 0, or more threads than are useful on this machine.
 pub fn parse(text: &str) -> Result<usize, String> {
     let cores = available_parallelism().map_or(1, NonZeroUsize::get);
     let most = PER_CORE * cores;
@@ -24,13 +24,13 @@ pub fn parse(text: &str) -> Result<usize, String> {
     })
 }
 
-/// Computes on so many threads, or on as many as the environment says, or on one for each core.
+/// Sets the number of threads: the given one, that of the environment, or one per core.
 ///
 /// # Errors
-/// The environment says too many, or the system has not so many.
+/// Too many threads in the environment, or more than the system allows.
 pub fn on<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
     let Some(threads) = threads else {
-        // The number 0 is that of the cores.
+        // 0 selects the number of cores.
         let asked = std::env::var(VARIABLE).ok().filter(|number| number.parse::<u64>().is_ok_and(|n| n > 0));
         let refused = |text: &String| parse(text).err().map(|expected| (text.clone(), expected));
         return match asked.as_ref().and_then(refused) {

@@ -93,3 +93,19 @@ impl Error {
         self
     }
 }
+
+/// Returns `value` if it is a finite number above 0; `key` names it in the error.
+pub(crate) fn positive(key: &str, value: f64) -> Result<f64> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(value);
+    }
+    Err(Error::invalid(key, "a finite number above 0", value))
+}
+
+/// Returns `value` if it is a finite number, 0 or above; `key` names it in the error.
+pub(crate) fn not_negative(key: &str, value: f64) -> Result<f64> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(value);
+    }
+    Err(Error::invalid(key, "a finite number, 0 or above", value))
+}

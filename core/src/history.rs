@@ -62,6 +62,17 @@ impl History {
         (self.knots.partition_point(|knot| knot.0 <= time).max(1) - 1).min(self.pieces.len() - 1)
     }
 
+    /// Refuses times that are not ascending or are outside the motion.
+    pub(crate) fn check_times(&self, times: &[f64]) -> Result<()> {
+        let end = self.duration();
+        let outside = times.iter().find(|&&time| !(time >= 0.0 && time <= end));
+        let falling = times.windows(2).find(|pair| pair[1] <= pair[0]).map(|pair| &pair[1]);
+        match outside.or(falling) {
+            Some(time) => Err(Error::invalid("times", format!("rising times from 0 to {end}"), time)),
+            None => Ok(()),
+        }
+    }
+
     /// X at a time from 0 to the end.
     pub fn position(&self, time: f64) -> f64 {
         let piece = self.piece_at(time);

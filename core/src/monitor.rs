@@ -36,7 +36,7 @@ impl Monitor for () {
 pub struct Aside<'a> {
     /// The fraction of the whole that is done.
     pub fraction: f64,
-    /// Who hears of the whole.
+    /// The monitor of the whole.
     pub monitor: &'a mut dyn Monitor,
 }
 
@@ -56,7 +56,7 @@ impl Monitor for Aside<'_> {
     }
 }
 
-/// Tells another monitor of work that may have to be done once more: no less than it was told before.
+/// Forwards progress that may go back, because work is repeated, as its running maximum.
 pub(crate) struct Rising<'a> {
     most: f64,
     monitor: &'a mut dyn Monitor,
@@ -79,7 +79,7 @@ impl Monitor for Rising<'_> {
     }
 }
 
-/// Tells another monitor of a part of its work as a part of the whole.
+/// Forwards the progress of a part of the work as progress of the whole.
 pub struct Part<'a> {
     whole: &'a mut dyn Monitor,
     start: f64,
@@ -111,25 +111,25 @@ impl Monitor for Part<'_> {
 
 /// A monitor for functions that are evaluated many times in adaptive loops, and on many threads.
 ///
-/// Once the monitor has asked to stop, such a function must return 0, at which every adaptive loop ends at
+/// Once the monitor has stopped the work, such a function must return 0, at which every adaptive loop ends at
 /// once. The caller of the loop then calls [`Watch::check`], so that no such result is used.
 pub(crate) struct Watch<'a> {
     monitor: Mutex<&'a mut dyn Monitor>,
-    /// The thread that asks the monitor. Python receives Ctrl-C on its main thread only; other threads use
-    /// the answer given there.
-    asking: ThreadId,
+    /// The thread that calls the monitor. Python receives Ctrl-C on its main thread only; other threads use
+    /// the result of its last call.
+    calling: ThreadId,
     stopped: AtomicBool,
     /// The bits of the fraction done, as far as it is known. Positive numbers are in the order of their bits.
     done: AtomicU64,
 }
 
 impl<'a> Watch<'a> {
-    /// Asks `monitor`, on this thread.
+    /// A watch that calls `monitor` on this thread.
     pub(crate) fn new(monitor: &'a mut dyn Monitor) -> Self {
-        let asking = std::thread::current().id();
+        let calling = std::thread::current().id();
         Self {
             monitor: Mutex::new(monitor),
-            asking,
+            calling,
             stopped: AtomicBool::new(false),
             done: AtomicU64::new(0),
         }
@@ -141,11 +141,11 @@ impl<'a> Watch<'a> {
         self.done.fetch_max(fraction.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
     }
 
-    /// Asks whether to stop.
+    /// Whether to stop.
     pub(crate) fn stops(&self) -> bool {
-        let told = self.stopped.load(Ordering::Relaxed);
-        if told || std::thread::current().id() != self.asking {
-            return told;
+        let stopped = self.stopped.load(Ordering::Relaxed);
+        if stopped || std::thread::current().id() != self.calling {
+            return stopped;
         }
         let mut monitor = self.monitor.lock().unwrap_or_else(PoisonError::into_inner);
         let stops = monitor.progress(f64::from_bits(self.done.load(Ordering::Relaxed))).is_break();
@@ -158,13 +158,13 @@ impl<'a> Watch<'a> {
         if self.stops() { T::default() } else { of() }
     }
 
-    /// [`Error::Stopped`] if the monitor has asked to stop.
+    /// [`Error::Stopped`] if the monitor has stopped the work.
     pub(crate) fn check(&self) -> Result<()> {
         if self.stops() { Err(Error::Stopped) } else { Ok(()) }
     }
 
     /// Computes `each`(number) for all numbers below `count` on all threads, each with its own `tools`;
-    /// returns the results in order. The calling thread works, too, since it asks the monitor only between
+    /// returns the results in order. The calling thread works, too, since it calls the monitor only between
     /// pieces of its own work.
     ///
     /// # Errors
@@ -175,6 +175,8 @@ impl<'a> Watch<'a> {
         tools: impl Fn() -> R + Sync,
         each: impl Fn(&mut R, usize) -> T + Sync,
     ) -> Result<Vec<T>> {
+        // Threads take numbers from a common counter, which balances pieces of different cost. Results are
+        // stored by number, so that their order does not depend on the threads.
         let next = AtomicUsize::new(0);
         let made: Vec<OnceLock<T>> = (0..count).map(|_| OnceLock::new()).collect();
         let work = || {
@@ -195,7 +197,7 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// What is asked on the way is asked of the monitor that is watched for; the fraction told is that of the whole.
+/// Forwards to the watched monitor; progress is that of the whole.
 impl Monitor for &Watch<'_> {
     fn progress(&mut self, _fraction: f64) -> ControlFlow<()> {
         if self.stops() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -214,7 +216,7 @@ pub(crate) fn fits(key: &str, what: impl Into<String>, needed: u64, allowed: u64
     Err(Error::TooLarge { key: key.into(), what: what.into(), needed, allowed })
 }
 
-/// Asks `monitor` whether to go on, as a `Result` for use with `?`.
+/// Reports progress to `monitor`. Returns [`Error::Stopped`] if it stops the work, for use with `?`.
 pub(crate) fn report(monitor: &mut dyn Monitor, fraction: f64) -> Result<()> {
     match monitor.progress(fraction) {
         ControlFlow::Continue(()) => Ok(()),

@@ -12,7 +12,7 @@ use crate::monitor::Monitor;
 use crate::numerics::breakpoints::Atom;
 use crate::rate_dependent::ContactsState;
 
-/// Direction of motion of the bottom of the slider.
+/// Direction of motion of the base of the slider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Direction {
     /// Towards larger X.
@@ -74,10 +74,10 @@ pub struct Books {
 
 /// Contacts that move together.
 ///
-/// Forces are totals, in the unit of stiffness × length; positions X are lengths. Long operations ask a
+/// Forces are totals, in the unit of stiffness × length; positions X are lengths. Long operations call a
 /// monitor, without progress; once it has stopped one, the population is invalid.
 pub trait Population: std::fmt::Debug + Send + Sync {
-    /// Position X of the slider's bottom.
+    /// Position X of the slider's base.
     fn position(&self) -> f64;
 
     /// The smooth interval ahead in `direction`.
@@ -146,8 +146,8 @@ pub trait Population: std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// The density at given stretches of the contacts that hold, per length, with the stretches that many share; where they
-    /// are a distribution. It and the weights add up to the fraction that holds.
+    /// The density of attached contacts at given stretches, per length, and its point masses; `None` unless contacts are a
+    /// distribution. Density and point masses add up to the attached fraction.
     ///
     /// # Errors
     /// Stopped by the monitor.
@@ -162,10 +162,10 @@ pub trait Population: std::fmt::Debug + Send + Sync {
     /// A copy in its present state.
     fn copy(&self) -> Box<dyn Population>;
 
-    /// What the contacts have come to; without the state that is marked.
+    /// The present state, without the marked one.
     fn state(&self) -> ContactsState;
 
-    /// Goes to what contacts of the same description have come to: they go on from there bit for bit.
+    /// Restores the state of contacts of the same description, from which they continue bit for bit.
     ///
     /// # Errors
     /// A state of other contacts; those of [`Population::way`].

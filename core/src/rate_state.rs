@@ -79,13 +79,13 @@ impl VelocityStep {
             return None;
         }
         let peak = peak(force, size.signum())?;
-        let (way, force) = (position.get(peak..)?, force.get(peak..)?);
-        let way: Vec<f64> = way.iter().map(|x| x - way[0]).collect();
-        if way.len() < FEWEST {
+        let (displacement, force) = (position.get(peak..)?, force.get(peak..)?);
+        let displacement: Vec<f64> = displacement.iter().map(|x| x - displacement[0]).collect();
+        if displacement.len() < FEWEST {
             return None;
         }
-        let reach = *way.last()?;
-        let fit = StepFit::of(&DECAY, &way, force, (1e-3 * reach, 3.0 * reach))?;
+        let reach = *displacement.last()?;
+        let fit = StepFit::of(&DECAY, &displacement, force, (1e-3 * reach, 3.0 * reach))?;
         let error = |gradient: [f64; 3]| fit.error(gradient) / size.abs();
         Some(Self {
             direct: Fitted { value: (fit.offset + fit.size - before) / size, error: error([1.0, 1.0, 0.0]) },
@@ -99,8 +99,8 @@ impl VelocityStep {
 
     /// The fitted force at `position` after the step by the factor `ratio`; before the peak that of the peak.
     pub fn force(&self, position: f64, ratio: f64) -> f64 {
-        let way = (position - self.peak).max(0.0);
-        let fallen = -(-way / self.distance.value).exp_m1();
+        let displacement = (position - self.peak).max(0.0);
+        let fallen = -(-displacement / self.distance.value).exp_m1();
         self.before + ratio.ln() * (self.direct.value - self.evolution.value * fallen)
     }
 }
@@ -251,7 +251,7 @@ impl Healing {
 mod tests {
     use super::*;
 
-    /// A step as the words of rate and state have it, reached over a way of 0.2.
+    /// A step as the words of rate and state have it, reached over a displacement of 0.2.
     fn step(a: f64, b: f64, length: f64, ratio: f64) -> (Vec<f64>, Vec<f64>) {
         let position: Vec<f64> = (0..400).map(|i| 0.05 * f64::from(i)).collect();
         let size = f64::ln(ratio);

@@ -8,7 +8,7 @@ use crate::{Error, Result};
 /// Arrangement of cells; adjacent ones are nearest neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// A chain of so many cells, with two neighbours each.
+    /// A chain with this number of cells, each with two neighbours.
     Chain(usize),
     /// Rows and columns of a square lattice, with four neighbours each; numbered along rows.
     Square([usize; 2]),
@@ -48,7 +48,7 @@ impl Shape {
         }
     }
 
-    /// z, the number of neighbours of an inner cell.
+    /// Coordination number z, the number of neighbours of an inner cell.
     pub fn neighbours(self) -> usize {
         match self {
             Self::Chain(_) => 2,

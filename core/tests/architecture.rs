@@ -1,4 +1,4 @@
-//! The rooms of `core/src` as ARCHITECTURE.md lists them: imports point down, and nothing is printed or read.
+//! The modules of `core/src` as ARCHITECTURE.md lists them: imports point down, and nothing is printed or read.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 /// What the core leaves to its front ends.
 const FOREIGN: [&str; 6] = ["print!", "println!", "dbg!", "std::fs", "std::env", "std::process"];
 
-/// The floor on which rooms may use each other.
-const GROUND: u32 = 0;
+/// The level whose modules may import each other.
+const LOWEST: u32 = 0;
 
 /// Names that more than one type has, and why.
 const SHARED: [(&[&str], &str); 4] = [
@@ -27,18 +27,18 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Floors by room, from the rows `| floor | rooms | … |` of the page.
-fn floors() -> BTreeMap<String, u32> {
+/// Levels by module, from the rows `| level | modules | … |` of the page.
+fn levels() -> BTreeMap<String, u32> {
     let page = std::fs::read_to_string(root().join("../ARCHITECTURE.md")).unwrap();
-    let mut floors = BTreeMap::new();
+    let mut levels = BTreeMap::new();
     for row in page.lines().filter_map(|line| line.strip_prefix("| ")) {
         let mut cells = row.split(" | ");
-        let (Some(Ok(floor)), Some(rooms)) = (cells.next().map(str::parse), cells.next()) else { continue };
-        for room in rooms.split('`').skip(1).step_by(2) {
-            floors.insert(room.to_owned(), floor);
+        let (Some(Ok(level)), Some(names)) = (cells.next().map(str::parse), cells.next()) else { continue };
+        for module in names.split('`').skip(1).step_by(2) {
+            levels.insert(module.to_owned(), level);
         }
     }
-    floors
+    levels
 }
 
 /// Every file of a folder and of those in it.
@@ -56,13 +56,13 @@ fn code(path: &Path) -> String {
     text.lines().filter(|line| !line.trim_start().starts_with("//")).map(|line| format!("{line}\n")).collect()
 }
 
-/// The room in which a file stands.
-fn room(path: &Path) -> String {
+/// The module of `core/src` to which a file belongs.
+fn top_module(path: &Path) -> String {
     let first = path.strip_prefix(root().join("src")).unwrap().components().next().unwrap();
     first.as_os_str().to_str().unwrap().trim_end_matches(".rs").to_owned()
 }
 
-/// The rooms that `code` names behind `crate::`, in lists too.
+/// The modules that `code` names behind `crate::`, in lists too.
 fn imports(code: &str) -> Vec<String> {
     named_after(code, "crate::")
 }
@@ -98,30 +98,30 @@ fn name(text: &str) -> String {
 }
 
 /// What is wrong with `from` using `to`, if anything.
-fn objection(floors: &BTreeMap<String, u32>, from: &str, to: &str) -> Option<String> {
-    let (Some(&above), Some(&below)) = (floors.get(from), floors.get(to)) else {
+fn objection(levels: &BTreeMap<String, u32>, from: &str, to: &str) -> Option<String> {
+    let (Some(&above), Some(&below)) = (levels.get(from), levels.get(to)) else {
         return Some(format!("{from} uses {to}: one of them is not in ARCHITECTURE.md"));
     };
-    let down = below < above || from == to || (above, below) == (GROUND, GROUND);
-    (!down).then(|| format!("{from} on floor {above} uses {to} on floor {below}"))
+    let down = below < above || from == to || (above, below) == (LOWEST, LOWEST);
+    (!down).then(|| format!("{from} on level {above} uses {to} on level {below}"))
 }
 
 #[test]
 fn imports_point_down() {
-    let floors = floors();
-    assert!(floors.len() > 10, "too few rooms in ARCHITECTURE.md: {floors:?}");
+    let levels = levels();
+    assert!(levels.len() > 10, "too few names in ARCHITECTURE.md: {levels:?}");
     let mut objections = Vec::new();
     for path in sources(&root().join("src")) {
-        let from = room(&path);
+        let from = top_module(&path);
         if from == "lib" {
             continue;
         }
         // What the crate shows at its top is `error`.
-        let rooms = imports(&code(&path)).into_iter().map(|to| match to.as_str() {
+        let names = imports(&code(&path)).into_iter().map(|to| match to.as_str() {
             "Error" | "Float" | "Result" => "error".to_owned(),
             _ => to,
         });
-        let found = rooms.filter_map(|to| objection(&floors, &from, &to));
+        let found = names.filter_map(|to| objection(&levels, &from, &to));
         objections.extend(found.map(|objection| format!("{}: {objection}", path.display())));
     }
     assert!(objections.is_empty(), "{}", objections.join("\n"));
@@ -229,11 +229,11 @@ fn types_are_found() {
 fn imports_are_found_and_upward_ones_refused() {
     let code = "use crate::{Error, law::{Law, Point}, master};\nlet x = crate::life::Life;";
     assert_eq!(imports(code), ["Error", "law", "master", "life"]);
-    let floors = floors();
+    let levels = levels();
     for (from, to) in [("law", "master"), ("ensemble", "master"), ("numerics", "law"), ("law", "cellar")] {
-        assert!(objection(&floors, from, to).is_some(), "{from} uses {to}");
+        assert!(objection(&levels, from, to).is_some(), "{from} uses {to}");
     }
     for (from, to) in [("master", "life"), ("law", "law"), ("numerics", "monitor")] {
-        assert_eq!(objection(&floors, from, to), None);
+        assert_eq!(objection(&levels, from, to), None);
     }
 }

@@ -2,7 +2,7 @@
 
 use asperity::block::{self, Curve, Loading};
 use asperity::scenario::{self, Slip};
-use asperity::task::{first_loading, stability};
+use asperity::task::{first_loading_distance, stability};
 use pyo3::IntoPyObjectExt as _;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString, PyType};
@@ -87,12 +87,12 @@ impl Damped {
     }
 }
 
-/// The class of a slip that is no word.
+/// The class of a slip rule that is not a word.
 pub fn slip_class(slip: Slip, py: Python<'_>) -> Bound<'_, PyType> {
     if let Slip::Damped { .. } = slip { py.get_type::<Damped>() } else { py.get_type::<Inertial>() }
 }
 
-/// The arguments that make such a slip.
+/// The arguments that make such a slip rule.
 pub fn slip_arguments(slip: Slip, into: &Bound<'_, PyDict>) -> PyResult<()> {
     match slip {
         Slip::Inertial { mass, damping } => {
@@ -383,17 +383,17 @@ impl Block {
         }
     }
 
-    /// As it stands in a scenario; `None` where it is rigid.
+    /// The stiffness as in a scenario; `None` for a rigid slider.
     pub fn table(block: &Bound<'_, Self>) -> Option<scenario::Block> {
         let Slider { stiffness, slip, slip_fraction, .. } = *Self::plain(block);
         stiffness.map(|stiffness| scenario::Block { stiffness, slip, slip_fraction })
     }
 
-    /// The curve of the first loading, for the method called `name`.
+    /// The curve of the first loading, for the method `name`.
     fn curve(slf: &Bound<'_, Self>, name: &str, distance: Option<f64>, points: Whole) -> PyResult<Curve> {
         let model = slf.get().model.bind(slf.py());
         let solver = Model::solver(model);
-        let distance = distance.unwrap_or_else(|| first_loading(solver.contacts()));
+        let distance = distance.unwrap_or_else(|| first_loading_distance(solver.contacts()));
         let asked = scenario::Pull { distance, points: points.get("points")?, ..scenario::Pull::default() };
         asked.check().map_err(|e| error::core(e.under(name)))?;
         watched(None, slf.py(), |monitor| {

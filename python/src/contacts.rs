@@ -1,4 +1,4 @@
-//! What an interface is: contacts, or the areas they follow from.
+//! Contacts, and the distributions of areas from which they follow.
 
 use asperity::scenario;
 use pyo3::prelude::*;

@@ -29,7 +29,7 @@ const PIECE: usize = 64;
 /// Largest allowed nesting depth of tables, lists and objects in a scenario; no valid one reaches half of it.
 const DEPTH: usize = 64;
 
-/// Something of a Python module, looked up once.
+/// An object of a Python module, looked up once.
 pub struct Import(PyOnceLock<Py<PyAny>>, &'static str, &'static str);
 
 impl Import {
@@ -70,7 +70,7 @@ impl Domain {
     }
 }
 
-/// How often checkpoints come: a number of events, a timedelta, or text as the command reads it.
+/// The interval between checkpoints: a number of events, a timedelta, or text as on the command line.
 pub fn every(value: &Bound<'_, PyAny>) -> PyResult<Every> {
     const KEY: &str = "checkpoint";
     let every = if let Ok(text) = value.cast::<PyString>() {
@@ -93,7 +93,7 @@ enum Numbers<'py> {
 }
 
 impl<'py> Numbers<'py> {
-    /// Reads what NumPy makes an array of whole or real numbers of.
+    /// Reads integers or real numbers in any form that NumPy converts to an array.
     fn read(key: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
         if value.is_instance_of::<PyFloat>() || value.is_instance_of::<PyInt>() {
             return value.extract().map(Self::One);
@@ -133,7 +133,7 @@ fn unmasked(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<()> {
     }
 }
 
-/// The depth left within what stands under `key`.
+/// The remaining nesting depth below `key`.
 fn deeper(key: &str, depth: usize) -> PyResult<usize> {
     depth.checked_sub(1).ok_or_else(|| {
         let outermost = key.split('.').next().unwrap_or(key);
@@ -153,7 +153,7 @@ fn as_floats<'py>(key: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, P
     array.call_method1("astype", ("float64",))
 }
 
-/// `function` of a number as a float, of an array as an array of its shape.
+/// Applies `function` to a number (returns a float) or to an array (returns an array of its shape).
 pub fn evaluate<'py>(
     key: &str,
     at: &Bound<'py, PyAny>,
@@ -175,7 +175,7 @@ pub fn evaluate<'py>(
     }
 }
 
-/// `function` of each of the values.
+/// Applies `function` to each of the values.
 fn each(
     values: ArrayViewD<'_, f64>,
     function: impl Fn(f64) -> f64,
@@ -202,7 +202,7 @@ pub fn list(key: &str, values: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     }
 }
 
-/// A list of numbers of a domain.
+/// A list of numbers in a domain.
 pub fn list_within(key: &str, values: &Bound<'_, PyAny>, domain: &Domain) -> PyResult<Vec<f64>> {
     let values = list(key, values)?;
     match values.iter().position(|&value| !domain.contains(value)) {
@@ -211,7 +211,7 @@ pub fn list_within(key: &str, values: &Bound<'_, PyAny>, domain: &Domain) -> PyR
     }
 }
 
-/// A number of a domain, as a list, or a list of them; and whether it was one number.
+/// One number of a domain or a list of them, as a list; and whether it was one number.
 pub fn one_or_list(key: &str, values: &Bound<'_, PyAny>, domain: &Domain) -> PyResult<(Vec<f64>, bool)> {
     match Numbers::read(key, values)? {
         Numbers::One(value) if domain.contains(value) => Ok((vec![value], true)),
@@ -228,7 +228,7 @@ pub fn contacts(key: &str, number: f64) -> PyResult<f64> {
     Err(invalid(key, "a number of contacts above 0", number))
 }
 
-/// An array of the given shape that owns `values` and does not let them be changed.
+/// An array of the given shape that owns `values` and is read-only.
 pub fn array<'py, T: Element>(
     py: Python<'py>,
     shape: &[usize],
@@ -242,12 +242,12 @@ pub fn array<'py, T: Element>(
     Ok(array)
 }
 
-/// An array of one dimension that owns `values` and does not let them be changed.
+/// A one-dimensional array that owns `values` and is read-only.
 pub fn row<T: Element>(py: Python<'_>, values: Vec<T>) -> PyResult<Bound<'_, PyAny>> {
     array(py, &[values.len()], values)
 }
 
-/// A seed: a whole number, or a number drawn from a generator of NumPy.
+/// A seed: an integer, or a number drawn from a generator of NumPy.
 pub struct Seed(pub u64);
 
 impl<'py> FromPyObject<'_, 'py> for Seed {
@@ -270,7 +270,7 @@ impl<'py> FromPyObject<'_, 'py> for Seed {
     }
 }
 
-/// A whole number, 0 or above, or the text of one that is not.
+/// An integer, 0 or above, or the text of a value that is not.
 pub struct Whole(Result<usize, String>);
 
 impl Whole {
@@ -278,7 +278,7 @@ impl Whole {
         Self(Ok(number))
     }
 
-    /// The number that stands under `key`.
+    /// The number under `key`.
     pub fn get<T: TryFrom<usize>>(self, key: &str) -> PyResult<T> {
         let number = self.0.and_then(|number| T::try_from(number).map_err(|_| number.to_string()));
         number.map_err(|found| invalid(key, "a whole number, 0 or above, and not too large", found))
@@ -299,7 +299,7 @@ impl<'py> FromPyObject<'_, 'py> for Whole {
     }
 }
 
-/// How many numbers are wanted: so many, or an array of a shape.
+/// A requested number of values, or the shape of an array of them.
 pub struct Size(pub Vec<usize>);
 
 impl<'py> FromPyObject<'_, 'py> for Size {
@@ -351,12 +351,12 @@ pub fn regime(kind: SlidingKind) -> &'static str {
     }
 }
 
-/// A part of a scenario, made of dictionaries, lists, numbers, texts, arrays and descriptions.
+/// A part of a scenario from dictionaries, lists, numbers, texts, arrays and descriptions.
 pub fn toml(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     within(key, value, DEPTH)
 }
 
-/// The same, of at most `depth` things within each other.
+/// The same, with a nesting depth of at most `depth`.
 fn within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> {
     if let Some(plain) = plain(key, value)? {
         return Ok(plain);
@@ -383,7 +383,7 @@ fn within(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> 
     Err(wrong_type(key, "a table, a list, a number or a text", value))
 }
 
-/// What has nothing within it, or is described already.
+/// A value that contains no others, or that is already a description.
 fn plain(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<Value>> {
     if let Ok(described) = value.cast::<Description>() {
         let toml = described.get().toml();

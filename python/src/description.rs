@@ -40,7 +40,7 @@ pub struct Interface {
     pub start: Start,
 }
 
-/// How a master equation is solved, and at which velocity, if it needs one.
+/// The settings of a master equation: tolerance and, for time-dependent contacts, velocity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Solved {
     pub own: scenario::MasterEquation,
@@ -51,7 +51,7 @@ pub struct Solved {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Slider {
     pub model: Box<Plain>,
-    /// `None` where the slider is rigid.
+    /// `None` for a rigid slider.
     pub stiffness: Option<f64>,
     pub slip: Slip,
     pub slip_fraction: f64,
@@ -117,7 +117,7 @@ impl Description {
         &self.plain
     }
 
-    /// The description as a part of a scenario, if it has a place there.
+    /// The description as a part of a scenario; `None` if it has no place there.
     pub fn toml(&self) -> Option<Value> {
         let value = match &self.plain {
             Plain::Law(law) => Value::try_from(law),

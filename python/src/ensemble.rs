@@ -174,7 +174,7 @@ impl Ensemble {
     }
 }
 
-/// Edges of even bins up to where hardly any contact holds.
+/// Edges of even bins up to a stretch at which hardly any contact is attached.
 fn even_edges(
     ensemble: &ensemble::Ensemble,
     velocity: Option<f64>,
@@ -188,7 +188,7 @@ fn even_edges(
     Ok(Grid::new(&equation, initial, &[]).edges(ensemble.size()))
 }
 
-/// The arguments that make an ensemble.
+/// The arguments of an ensemble.
 pub fn arguments(interface: &Interface, own: &scenario::Ensemble, into: &Bound<'_, PyDict>) -> PyResult<()> {
     interface_arguments(interface, into)?;
     into.set_item("size", own.size())?;
@@ -197,7 +197,7 @@ pub fn arguments(interface: &Interface, own: &scenario::Ensemble, into: &Bound<'
     given(into, "disorder", disorder)
 }
 
-/// What a pull of the ensemble found, as columns; no stretches where no snapshots were asked for.
+/// The results of a pull of the ensemble as columns; stretches only if there are snapshots.
 fn columns(positions: Vec<f64>, snapshots: Snapshots, pull: ensemble::EnsemblePull) -> record::Record {
     let Snapshots { positions: at, edges } = snapshots;
     let density = (0..at.len()).flat_map(|i| pull.stretch_density(i..i + 1)).collect();

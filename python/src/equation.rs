@@ -1,4 +1,4 @@
-//! The master equation, and what follows from it without a pull.
+//! The master equation, and the quantities that need no pull.
 
 use asperity::contacts::Initial;
 use asperity::master;
@@ -136,7 +136,7 @@ impl MasterEquation {
         }
     }
 
-    /// The stretches wanted, or ones close enough to show the distributions at X = `positions`.
+    /// The requested stretches, or by default ones that resolve the distributions at X = `positions`.
     pub fn stretches(&self, wanted: Option<&Bound<'_, PyAny>>, positions: &[f64]) -> PyResult<Vec<f64>> {
         const STRETCHES: Domain = Domain { low: 0.0, high: f64::MAX, what: "a stretch" };
         match wanted {
@@ -146,7 +146,7 @@ impl MasterEquation {
     }
 }
 
-/// The arguments that make a master equation.
+/// The arguments of a master equation.
 pub fn arguments(
     interface: &Interface,
     Solved { own, velocity }: &Solved,

@@ -1,4 +1,4 @@
-//! Rust errors as Python exceptions: the only place where this is decided.
+//! Conversion of Rust errors to Python exceptions.
 
 use std::io::Error as IoError;
 
@@ -56,7 +56,7 @@ pub fn invalid(key: &str, expected: impl Into<String>, found: impl ToString) -> 
     core(Error::invalid(key, expected, found))
 }
 
-/// The same where the type is wrong, `TypeError`.
+/// `TypeError` with what was expected under `key`, and what was found.
 pub fn wrong_type(key: &str, expected: &str, found: &Bound<'_, PyAny>) -> PyErr {
     let name = found.get_type().name().map_or_else(|_| "something else".into(), |name| name.to_string());
     PyTypeError::new_err(format!("{key}: expected {expected}, got {name}"))

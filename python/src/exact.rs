@@ -204,7 +204,7 @@ impl Quenched {
     }
 }
 
-/// A fraction of contacts too small to change any digit of a moment.
+/// A fraction of contacts that is too small to change any digit of a moment.
 const NEGLIGIBLE: f64 = 1e-18;
 
 /// Distributions of thresholds and of re-formed stretches.

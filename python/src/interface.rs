@@ -1,4 +1,4 @@
-//! Interfaces that deform: cells on an elastic slider, and contacts coupled one by one.
+//! Deformable interfaces: cells on an elastic slider, and contacts coupled one by one.
 
 use asperity::scenario::{
     self, CellLoading, CellSlip, Coupling, Disorder, Drive, Edges, PerCell, Scales, Scenario, Units,
@@ -145,7 +145,7 @@ impl Deformable {
     }
 
     fn made(surface: Surface) -> PyResult<PyClassInitializer<Self>> {
-        // What drives it is asked for later.
+        // The drive is set later.
         surface.scenario(Drive { velocity: Some(1.0), ..Drive::default() }).build().map_err(error::core)?;
         Ok(Description::new(Plain::Surface(surface)).add_subclass(Self))
     }
@@ -281,7 +281,7 @@ impl Interface {
     }
 }
 
-/// Contacts followed one by one, if their number is given.
+/// The ensemble of contacts, if their number is given.
 fn few(size: Option<usize>, seed: u64, quenched: bool) -> PyResult<Option<scenario::Ensemble>> {
     if size.is_none() && quenched {
         let expected = "False without a size: contacts that follow the master equation are annealed";

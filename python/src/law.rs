@@ -133,7 +133,7 @@ impl Law {
     }
 }
 
-/// A distribution as an argument: one of asperity, or anything that asperity.law converts to one.
+/// A distribution as an argument: one of asperity, or an object that asperity.law converts to one.
 pub struct AnyLaw(pub scenario::Law);
 
 impl<'py> FromPyObject<'_, 'py> for AnyLaw {
@@ -351,7 +351,7 @@ pub fn arguments(law: &scenario::Law, into: &Bound<'_, PyDict>) -> PyResult<()> 
     }
 }
 
-/// Sets an argument that is not left out.
+/// Sets an argument, unless it is omitted.
 pub fn given<'py, T: IntoPyObject<'py>>(
     into: &Bound<'py, PyDict>,
     name: &str,

@@ -1,4 +1,4 @@
-//! What the models have in common: contacts and their initial state.
+//! The common part of all models: contacts and their initial state.
 
 use asperity::block::{self, Loading, Slip};
 use asperity::monitor::{Aside, Monitor};
@@ -19,7 +19,7 @@ use crate::transport::Transport;
 use crate::watch::watched;
 use crate::{convert, error};
 
-/// What a model is made of.
+/// The components of a model.
 pub fn interface(
     contacts: &Bound<'_, Contacts>,
     initial: Option<AnyLaw>,
@@ -98,9 +98,9 @@ impl Model {
 /// A model of the core.
 #[derive(Clone, Copy)]
 pub enum Solver<'a> {
-    /// With its tolerance.
+    /// The renewal equation, with its tolerance.
     MasterEquation(&'a master::MasterEquation, master::Tolerance),
-    /// With that of a block over it.
+    /// Transport, with the tolerance of a block over it.
     Transport(&'a Transport, f64),
     Ensemble(&'a ensemble::Ensemble),
 }
@@ -146,7 +146,7 @@ impl Solver<'_> {
             Self::Transport(transport, tolerance) => Ok((transport.transport.copy(), tolerance * mean)),
             Self::Ensemble(ensemble) => {
                 let least = scenario::MasterEquation::default().tolerance_of_a_block();
-                let tolerance = task::tolerance_over(ensemble.size()).max(least);
+                let tolerance = task::finite_size_tolerance(ensemble.size()).max(least);
                 Ok((Box::new(ensemble.in_time(&mut Aside { fraction: 0.0, monitor })?), tolerance * mean))
             }
             Self::MasterEquation(..) => {

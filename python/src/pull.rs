@@ -1,4 +1,4 @@
-//! A pull of the slider's bottom, computed.
+//! The result of a pull of the slider's base.
 
 use asperity::master;
 use asperity::monitor::Monitor;
@@ -24,7 +24,7 @@ pub struct Pull {
 }
 
 impl Pull {
-    /// Pulls, and hands out what comes of it.
+    /// Computes a pull and returns its result.
     pub fn object(
         equation: Bound<'_, MasterEquation>,
         distance: f64,
@@ -39,7 +39,7 @@ impl Pull {
         let (pull, record) = watched(progress, py, |monitor| {
             let pull = solver.pull(distance, tolerance, monitor)?;
             let mut record = record::Record::default();
-            task::along_the_pull(&pull, asked.positions(), None, &mut record, monitor)?;
+            task::record_pull(&pull, asked.positions(), None, &mut record, monitor)?;
             Ok((pull, record))
         })?;
         let record = Record::new(py, record, Units::default())?;

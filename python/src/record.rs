@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 
 use crate::{convert, values};
 
-/// What the values of a column are, and the array that owns them.
+/// Description of the values of a column, and the array that owns them.
 struct Column {
     name: String,
     long_name: String,
@@ -26,7 +26,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// Hands the values of `record` over to NumPy.
+    /// Moves the values of `record` to NumPy.
     pub fn new(py: Python<'_>, record: record::Record, units: Units) -> PyResult<PyClassInitializer<Self>> {
         let lengths: Vec<(String, usize)> =
             record.dimensions().into_iter().map(|(name, length)| (name.to_owned(), length)).collect();
@@ -45,7 +45,7 @@ impl Record {
         Ok(Self { columns, units }.into())
     }
 
-    /// The record of the core, its values copied.
+    /// The record of the core, with copied values.
     pub fn copy(&self, py: Python<'_>) -> PyResult<record::Record> {
         let variable = |column: &Column| {
             let values: PyReadonlyArrayDyn<'_, f64> = column.values.bind(py).extract()?;

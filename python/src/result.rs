@@ -152,7 +152,7 @@ pub fn run(
     let mut kept = checkpoints(&input.scenario, &folder, checkpoint, resume)?;
     let outcome =
         watched(progress, py, |monitor| asperity_runner::run_with(&input.scenario, kept.as_mut(), monitor));
-    // A stop for a checkpoint that could not be written has its own reason.
+    // A failed checkpoint is reported as the reason of the stop.
     let failure = kept.as_mut().and_then(Checkpoints::failure);
     let outcome = failure.map_or(outcome, |failure| Err(error::checkpoint(failure)))?;
     detached(py, || output::write(&folder, &outcome, &[])).map_err(error::files)?;
@@ -214,7 +214,7 @@ fn written(value: &toml::Value) -> PyResult<String> {
     toml::to_string(value).map_err(|error| PyValueError::new_err(error.to_string()))
 }
 
-/// Overrides as the command line has them, `key=value`.
+/// Overrides in the form of the command line, `key=value`.
 fn assignments(overrides: &Bound<'_, PyDict>) -> PyResult<Vec<String>> {
     let assignment = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
         let key: String =

@@ -1,4 +1,4 @@
-//! The threads of parallel loops, which a fork leaves behind.
+//! Threads of parallel loops, which do not survive a fork.
 
 use std::cell::Cell;
 use std::process;
@@ -6,23 +6,23 @@ use std::sync::OnceLock;
 
 use rayon::ThreadPoolBuilder;
 
-/// The process that first computed here, in which the threads of all parallel loops are.
+/// The process in which the threads of parallel loops were started.
 static HOME: OnceLock<u32> = OnceLock::new();
 
 thread_local! {
-    /// Whether parallel loops of this thread are its own.
+    /// Whether this thread runs parallel loops alone.
     static ALONE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Lets this thread do parallel loops alone where the process was forked after the first computation.
+/// Makes this thread run parallel loops alone if the process was forked after the first computation.
 ///
-/// A fork copies the thread that calls it and no other; loops handed to those of the parent would wait for ever.
+/// A fork copies only the calling thread; loops given to threads of the parent process would wait for ever.
 pub fn settle() {
     let home = HOME.get_or_init(process::id);
     if *home == process::id() || ALONE.replace(true) {
         return;
     }
     let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
-    // It is this thread's for as long as it lives.
+    // The pool is leaked, because the thread uses it as long as it lives.
     std::mem::forget(pool.expect("a pool of the thread that asks for it"));
 }

@@ -81,7 +81,7 @@ pub fn step_arguments(step: &scenario::Step, into: &Bound<'_, PyDict>) -> PyResu
     given(into, "pieces", step.pieces)
 }
 
-/// Steps as a scenario has them.
+/// Steps in the form of a scenario.
 pub fn protocol(steps: Vec<Bound<'_, Step>>) -> PyResult<scenario::Protocol> {
     let protocol = scenario::Protocol(steps.iter().map(Step::plain).collect());
     protocol.check().map_err(|e| error::core(e.under("steps")))?;
@@ -164,7 +164,7 @@ impl Transport {
 }
 
 impl Transport {
-    /// How it is solved.
+    /// The method of solution.
     pub fn plain<'a>(transport: &'a Bound<'_, Self>) -> &'a scenario::MasterEquation {
         match transport.as_super().as_super().get().plain() {
             Plain::Transport(_, own) => own,
@@ -173,7 +173,7 @@ impl Transport {
     }
 }
 
-/// The arguments that make a transport.
+/// The arguments of a transport.
 pub fn arguments(
     interface: &Interface,
     own: &scenario::MasterEquation,
@@ -198,7 +198,7 @@ fn columns(trace: master::Trace) -> record::Record {
     record
 }
 
-/// What following an ensemble found, as columns.
+/// The results of an ensemble in time as columns.
 pub fn followed(trace: ensemble::EnsembleTrace) -> record::Record {
     let mut record = record::Record::default();
     let mut add = |name, words, quantity, values| record.push(name, words, quantity, &["point"], values);

@@ -10,19 +10,19 @@ use pyo3::prelude::*;
 
 use crate::{error, threads};
 
-/// How often Python is checked for signals and informed of the progress.
+/// Interval between two checks for signals, and between two reports of progress.
 const PERIOD: Duration = Duration::from_millis(20);
 
 struct Watch {
     progress: Option<Py<PyAny>>,
-    asked: Instant,
-    /// The largest fraction so far: whoever goes on with a way tells of all of it.
+    called: Instant,
+    /// The largest fraction so far, so that repeated work does not lower the reported progress.
     most: f64,
     raised: Option<PyErr>,
 }
 
 impl Watch {
-    fn look(&self, fraction: f64) -> PyResult<()> {
+    fn check(&self, fraction: f64) -> PyResult<()> {
         Python::attach(|py| {
             py.check_signals()?;
             self.progress.as_ref().map_or(Ok(()), |progress| progress.call1(py, (fraction,)).map(drop))
@@ -35,12 +35,12 @@ impl Monitor for Watch {
         if self.raised.is_some() {
             return ControlFlow::Break(());
         }
-        if self.asked.elapsed() < PERIOD {
+        if self.called.elapsed() < PERIOD {
             return ControlFlow::Continue(());
         }
         self.most = self.most.max(fraction);
-        self.raised = self.look(self.most).err();
-        self.asked = Instant::now();
+        self.raised = self.check(self.most).err();
+        self.called = Instant::now();
         if self.raised.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
@@ -57,14 +57,14 @@ pub fn watched<T: Send>(
     work: impl FnOnce(&mut dyn Monitor) -> Result<T> + Send,
 ) -> PyResult<T> {
     let progress = progress.map(|wish| listener(wish)).transpose()?.flatten();
-    let mut watch = Watch { progress, asked: Instant::now(), most: 0.0, raised: None };
+    let mut watch = Watch { progress, called: Instant::now(), most: 0.0, raised: None };
     let outcome = detached(py, || work(&mut watch));
     match (outcome, watch.raised.take()) {
         (Err(Error::Stopped), Some(raised)) => Err(raised),
         (Err(other), _) => Err(error::core(other)),
         (Ok(done), _) => {
             if watch.progress.is_some() {
-                watch.look(1.0)?;
+                watch.check(1.0)?;
             }
             Ok(done)
         }

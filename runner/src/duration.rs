@@ -1,29 +1,29 @@
-//! Times as people write them: `90s`, `10min`, `1h30min`, `2d`, and `[days-]hours:minutes:seconds` as schedulers do.
+//! Durations as text: `90s`, `10min`, `1h30min`, `2d`, and `[days-]hours:minutes:seconds` as for batch schedulers.
 
 use std::time::Duration;
 
-/// Units and their seconds, as far as they are known.
+/// Units and their seconds.
 const UNITS: [(&str, f64); 4] = [("d", 86400.0), ("h", 3600.0), ("min", 60.0), ("s", 1.0)];
-/// What is expected where something else came.
+/// The expected form, for error messages.
 pub const EXPECTED: &str = "a time such as 90s, 10min, 1h30min, 2d or 23:50:00";
-/// A hundred years, in seconds: more is no time to wait for, and less has a place in every clock.
+/// A hundred years, in seconds: the largest duration, which every clock can represent.
 const LONGEST: f64 = 3.2e9;
 
-/// The time that `text` says.
+/// Parses a duration.
 ///
 /// # Errors
-/// No time above 0, in words.
+/// Text that is not a duration above 0, with the reason.
 pub fn parse(text: &str) -> Result<Duration, String> {
     let seconds = if text.contains(':') { clock(text) } else { sum(text) };
     seconds.and_then(within).ok_or_else(|| format!("expected {EXPECTED}"))
 }
 
-/// So many seconds, if they are a time to wait for.
+/// The duration of a number of seconds; `None` if it is out of range.
 pub fn within(seconds: f64) -> Option<Duration> {
     (seconds > 0.0 && seconds <= LONGEST).then(|| Duration::from_secs_f64(seconds))
 }
 
-/// Numbers with their units, one after the other: `1h30min`.
+/// Parses numbers with units, one after the other: `1h30min`.
 fn sum(text: &str) -> Option<f64> {
     let mut rest = text.trim();
     let mut seconds = 0.0;
@@ -38,7 +38,7 @@ fn sum(text: &str) -> Option<f64> {
     Some(seconds)
 }
 
-/// `[days-]hours:minutes:seconds`.
+/// Parses `[days-]hours:minutes:seconds`.
 fn clock(text: &str) -> Option<f64> {
     let (days, clock) = text.trim().split_once('-').unwrap_or(("0", text.trim()));
     let parts: Option<Vec<u32>> = clock.split(':').map(|part| part.parse().ok()).collect();
@@ -48,7 +48,7 @@ fn clock(text: &str) -> Option<f64> {
     Some(((days * 24.0 + hours) * 60.0 + minutes) * 60.0 + seconds)
 }
 
-/// `duration` in the two largest units that it has, for people.
+/// `duration` in its two largest units, as text.
 pub fn words(duration: Duration) -> String {
     let seconds = duration.as_secs();
     if seconds == 0 {

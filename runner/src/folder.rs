@@ -1,20 +1,20 @@
-//! The folders above a file that is to be written: made where they are missing, and gone again if nothing came of it.
+//! The folders above a file that will be written: created if missing, and removed again if they stay empty.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The folders that were made for something; those that are empty when it is dropped are removed.
+/// Created folders. Those that are empty when this is dropped are removed.
 #[derive(Debug)]
 pub struct Made(Vec<PathBuf>);
 
-/// The folder in which `path` lies.
+/// The parent folder of `path`.
 pub fn above(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 impl Made {
-    /// Makes the folder in which `path` lies, and those above it.
+    /// Creates the parent folder of `path`, and those above it.
     pub fn above(path: &Path) -> io::Result<Self> {
         let parent = above(path);
         let missing = parent.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists());
@@ -26,7 +26,7 @@ impl Made {
 impl Drop for Made {
     fn drop(&mut self) {
         for folder in &self.0 {
-            // One that is not empty has been of use.
+            // A folder that is not empty is kept.
             let _ = fs::remove_dir(folder);
         }
     }

@@ -1,4 +1,4 @@
-//! Scenario files in, results out: what every front end of asperity shares.
+//! Input and output shared by the command and the Python package: scenario files, checkpoints, results.
 
 pub mod checkpoint;
 pub mod duration;

@@ -1,22 +1,22 @@
-//! How much memory the operating system has left for a computation.
+//! Memory that is available for a computation.
 
 use std::fs;
 use std::path::Path;
 
 use asperity::monitor::MEMORY;
 
-/// Bytes that this process may still take: what the system has free, and what limits of the process and of its control
-/// group leave. 16 GiB where the system tells nothing, which Linux does.
+/// Bytes available to this process: the free memory of the system, within the limits of the process and of its control
+/// groups. 16 GiB if the system is not Linux.
 pub fn available() -> u64 {
     [free(), address_space(), group()].into_iter().flatten().min().unwrap_or(MEMORY)
 }
 
-/// What can be had without swapping.
+/// Memory available without swapping.
 fn free() -> Option<u64> {
     kibibytes("/proc/meminfo", "MemAvailable:")
 }
 
-/// What the limit of addresses leaves (`ulimit -v`), if there is one.
+/// Remaining address space (`ulimit -v`), if it is limited.
 fn address_space() -> Option<u64> {
     let limits = fs::read_to_string("/proc/self/limits").ok()?;
     let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
@@ -24,7 +24,7 @@ fn address_space() -> Option<u64> {
     Some(limit.saturating_sub(kibibytes("/proc/self/status", "VmSize:")?))
 }
 
-/// What the control group of this process leaves, and those above it, as in containers and batch jobs.
+/// Memory that the control groups of this process leave, as in containers and batch jobs.
 fn group() -> Option<u64> {
     let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
     let own = groups.lines().find_map(|line| line.strip_prefix("0::/"))?;
@@ -32,7 +32,7 @@ fn group() -> Option<u64> {
     root.join(own).ancestors().take_while(|folder| folder.starts_with(root)).filter_map(left).min()
 }
 
-/// What a control group leaves; files that the system keeps in memory make room.
+/// Memory that one control group leaves. Cached files count as free.
 fn left(folder: &Path) -> Option<u64> {
     let read = |name: &str| fs::read_to_string(folder.join(name)).ok();
     let number = |name: &str| read(name)?.trim().parse::<u64>().ok();
@@ -42,7 +42,7 @@ fn left(folder: &Path) -> Option<u64> {
     Some(limit.saturating_sub(number("memory.current")?.saturating_sub(files)))
 }
 
-/// The number behind a name in a table of the system, in bytes.
+/// The number after a name in a table of the system, in bytes.
 fn kibibytes(path: &str, name: &str) -> Option<u64> {
     let table = fs::read_to_string(path).ok()?;
     let value = table.lines().find_map(|line| line.strip_prefix(name))?;

@@ -1,4 +1,4 @@
-//! A scenario computed, from its text to what is written of it.
+//! Computation of a scenario, from its text to its outcome.
 
 use asperity::monitor::Monitor;
 use asperity::scenario::Scenario;
@@ -11,15 +11,15 @@ use crate::output::Outcome;
 /// Computes `scenario`.
 ///
 /// # Errors
-/// A value that makes no sense, results too large for one file, or the monitor's wish to stop.
+/// An invalid value, results too large for one file, a stop by the monitor.
 pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<Outcome> {
     run_with(scenario, None, monitor)
 }
 
-/// The same, going on from the last of `checkpoints` and keeping new ones. Only `[drive]` of an `[interface]` has any.
+/// As [`run`], resumed from the last of `checkpoints`, and storing new ones. Only `[drive]` of an `[interface]` uses them.
 ///
 /// # Errors
-/// As [`run`]; a stop, too, where a checkpoint could not be written or read ([`Checkpoints::failure`]).
+/// As [`run`]; a stop if a checkpoint cannot be written or read ([`Checkpoints::failure`]).
 pub fn run_with(
     scenario: &Scenario,
     checkpoints: Option<&mut Checkpoints>,

@@ -1,4 +1,4 @@
-//! `catalogue`: the force along the drive, how many events are how large, and how long one waits for the next.
+//! `catalogue`: the force along the drive, the distribution of magnitudes, and that of waiting times.
 
 use asperity::task::summary::{Catalogue, PowerLaw};
 use asperity_runner::output::Outcome;
@@ -12,15 +12,15 @@ use super::curve::{Point, line, thinned};
 use super::style::{self, BLUE, GREY, ORANGE, Plots};
 
 const DASHES: &str = "8 5";
-/// Bins per factor of ten.
+/// Bins per decade.
 const PER_DECADE: f64 = 8.0;
-/// Slides that the force is shown before and after of, at most.
+/// Largest number of slides for which the force before and after is shown.
 const FEW: usize = 500;
-/// Points of the fitted law.
+/// Points of the fitted distribution.
 const FINE: usize = 200;
-/// Waiting times that have a density.
+/// Smallest number of waiting times for a density.
 const FEWEST: usize = 10;
-/// Waiting times, over their mean, that are shown.
+/// Range of the waiting times that are shown, over their mean.
 const WAITING: (f64, f64) = (1e-3, 1e2);
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
@@ -28,12 +28,12 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let below = [Some(magnitudes(outcome, catalogue)?), waiting(outcome, catalogue)];
     let panels = std::iter::once(force(outcome)?).chain(below.into_iter().flatten());
     let (plots, layouts): (Vec<_>, Vec<_>) = panels.unzip();
-    // Where hardly anything was waited for, magnitudes take the place.
+    // With too few waiting times, magnitudes take the whole picture.
     let lower = if plots.len() > 2 { vec![vec![2], vec![3]] } else { vec![vec![2, 3]] };
     let (title, size) = style::heading(&outcome.summary.title);
     let events = format!("{} event{}", catalogue.events, if catalogue.events == 1 { "" } else { "s" });
     let mut legend = vec![style::marker(events, ORANGE, MarkerShape::Circle)];
-    legend.extend(catalogue.law.map(|law| style::line(told(&law), BLUE, None)));
+    legend.extend(catalogue.law.map(|law| style::line(fitted_text(&law), BLUE, None)));
     if plots.len() > 2 {
         legend.push(style::line("Poisson process", GREY, Some(DASHES)));
     }
@@ -51,8 +51,8 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     Some(figure.render())
 }
 
-/// The fitted law in words.
-fn told(law: &PowerLaw) -> String {
+/// The fitted distribution in words.
+fn fitted_text(law: &PowerLaw) -> String {
     let decimals = (1.0 - law.exponent.error.log10().floor()).clamp(0.0, 6.0) as usize;
     let exponent = format!("{:.decimals$} ± {:.decimals$}", law.exponent.value, law.exponent.error);
     if !law.is_cut_off() {
@@ -61,26 +61,26 @@ fn told(law: &PowerLaw) -> String {
     format!("τ = {exponent}, cut-off {}", rounded(law.cut_off.0))
 }
 
-/// `value` in two digits.
+/// `value` with two digits.
 fn rounded(value: f64) -> String {
     let two: f64 = format!("{value:.1e}").parse().unwrap_or(value);
     style::digits(two)
 }
 
-/// The force along the drive: at the points of the trace and, where they are few, before and after every slide.
+/// The force along the drive: at the points of the trace and, if there are few slides, before and after every slide.
 fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
     let mut points: Vec<Point> = pairs(record.values("drive")?, record.values("force")?).collect();
     let (before, after) = (record.values("event_force_before")?, record.values("event_force_after")?);
     let drives = record.values("event_drive").unwrap_or_default();
-    // Events at the same drive are parts of one slide, and have its forces.
+    // Events at the same drive are parts of one slide and share its forces.
     let mut slides: Vec<_> = drives.iter().zip(before.iter().zip(after)).collect();
     slides.dedup_by_key(|(drive, _)| *drive);
     if slides.len() <= FEW {
         let both = slides.iter().flat_map(|&(&drive, (&before, &after))| [(drive, before), (drive, after)]);
         points.extend(both);
     }
-    // Stable, so that the force falls in an event.
+    // A stable sort, so that the force drops in an event.
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let heights: Vec<f64> = points.iter().map(|point| point.1).collect();
     let (low, high) = style::range([heights.as_slice()]);
@@ -91,7 +91,7 @@ fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     Some((vec![line(thinned(points), BLUE, 1.2, None)], layout))
 }
 
-/// Share of events per unit of magnitude, and the fitted law.
+/// Fraction of events per unit of magnitude, and the fitted distribution.
 fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> {
     let variable = outcome.record.get(&format!("event_{}", catalogue.magnitude))?;
     let whole = variable.values.iter().all(|value| value.fract() == 0.0);
@@ -115,7 +115,7 @@ fn magnitudes(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout
     Some((plots, layout))
 }
 
-/// Density of the waiting times over their mean; few of them have none.
+/// Density of the waiting times over their mean; none if there are too few.
 fn waiting(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> {
     let drives = outcome.record.values("event_drive")?;
     let mean = catalogue.mean_waiting?;
@@ -137,7 +137,7 @@ fn waiting(outcome: &Outcome, catalogue: &Catalogue) -> Option<(Plots, Layout)> 
     Some((vec![line(chance, GREY, 1.4, Some(DASHES)), scatter(points)], layout))
 }
 
-/// Shares of `values` per unit, in bins of equal width on a logarithmic axis.
+/// Fraction of `values` per unit, in bins of equal width on a logarithmic axis.
 fn density(values: &[f64], whole: bool) -> Vec<Point> {
     let mut bins = std::collections::BTreeMap::<i64, u64>::new();
     for value in values.iter().filter(|&&value| value > 0.0) {
@@ -152,7 +152,7 @@ fn density(values: &[f64], whole: bool) -> Vec<Point> {
     bins.into_iter().map(share).collect()
 }
 
-/// The law from its lowest magnitude up to `last`, of which all of it is the given share of events.
+/// The distribution from its lowest magnitude to `last`; its total weight is the given fraction of events.
 fn fitted(law: &PowerLaw, share: f64, last: f64) -> Vec<Point> {
     let rate = law.cut_off.0.recip();
     let height = |x: f64| x.powf(-law.exponent.value) * (-rate * x).exp();

@@ -1,9 +1,9 @@
-//! Curves made of fewer points that look the same.
+//! Curves thinned to fewer points without visible change.
 
 use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::plots::Plot;
 
-/// Points that a drawn curve has at most: two for every dot that a picture is wide.
+/// Largest number of points of a drawn curve: two for every dot of the width of a picture.
 const MOST: usize = 4000;
 
 /// A point of a curve.
@@ -14,7 +14,7 @@ pub fn curve(x: &[f64], y: &[f64]) -> Vec<Point> {
     thinned(x.iter().copied().zip(y.iter().copied()).filter(|p| p.1.is_finite()).collect())
 }
 
-/// Keeps first, last, highest and lowest of every run of points, so that no extremum is lost.
+/// Keeps first, last, highest and lowest point of every group, so that no extremum is lost.
 pub fn thinned(points: Vec<Point>) -> Vec<Point> {
     if points.len() <= MOST {
         return points;
@@ -33,7 +33,7 @@ fn outline(run: &[Point]) -> Vec<Point> {
     kept.into_iter().map(|i| run[i]).collect()
 }
 
-/// The stretch of a curve below `top`, cut where it leaves.
+/// The pieces of a curve below `top`, cut where it crosses.
 pub fn below(points: &[Point], top: f64) -> Vec<Vec<Point>> {
     let mut pieces: Vec<Vec<Point>> = vec![Vec::new()];
     for pair in points.windows(2) {
@@ -56,7 +56,7 @@ pub fn below(points: &[Point], top: f64) -> Vec<Vec<Point>> {
     pieces
 }
 
-/// A line plot, drawn with dashes if given.
+/// A line plot, dashed if a pattern is given.
 pub fn line(points: Vec<Point>, color: &str, width: f64, dashes: Option<&str>) -> Plot {
     let plot = LinePlot::new().with_data(points).with_color(color).with_stroke_width(width);
     Plot::Line(match dashes {
@@ -65,7 +65,7 @@ pub fn line(points: Vec<Point>, color: &str, width: f64, dashes: Option<&str>) -
     })
 }
 
-/// Points with error bars, without where there are no errors.
+/// Points, with error bars if there are errors.
 pub fn errors(x: &[f64], y: &[f64], error: &[f64], color: &str) -> Vec<Plot> {
     let points = || x.iter().zip(y);
     let bar = |((&x, &y), &error): ((&f64, &f64), &f64)| {

@@ -1,5 +1,5 @@
-//! Dashed lines as the dashes themselves, for the PNG backend, which starts a dash anew at every
-//! point of a curve and rounds its ends: dense curves come out solid.
+//! Dashed lines drawn as separate dashes, for the PNG backend, which restarts a dash at every
+//! point of a curve and rounds its ends, so that dense curves look solid.
 
 use kuva::render::render::{Primitive, Scene};
 
@@ -28,8 +28,8 @@ fn pieces(element: Primitive) -> Vec<Primitive> {
     }
 }
 
-/// The drawn parts of a line through `points`, `pattern` being lengths drawn and left out in turn;
-/// shorter by the line's `width`, which round ends give back.
+/// The drawn parts of a line through `points`; `pattern` lists drawn and omitted lengths in turn.
+/// Each part is shorter by `width`, because of its round ends.
 fn dashes(points: &[Point], pattern: &str, width: f64) -> Vec<Vec<Point>> {
     let lengths: Vec<f64> = pattern.split([' ', ',']).filter_map(|word| word.parse().ok()).collect();
     let round_end = |turn: usize| if turn.is_multiple_of(2) { -width } else { width };

@@ -1,4 +1,4 @@
-//! `distribution`: the stretches of steady sliding, with the law of thresholds and the hazard.
+//! `distribution`: the stretches of steady sliding, with the distribution of thresholds and the hazard.
 
 use asperity::record::Record;
 use asperity_runner::output::Outcome;
@@ -38,7 +38,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     Some(render_twin_y(plots, axis.plots, style::legend_below(layout, legend)))
 }
 
-/// What stands against the axis on the right.
+/// The curves of the right axis.
 struct Second {
     plots: Plots,
     legend: Vec<LegendEntry>,
@@ -46,7 +46,7 @@ struct Second {
     top: f64,
 }
 
-/// The law of thresholds and its hazard; fractions alone where all thresholds are point masses.
+/// The distribution of thresholds and its hazard; fractions only, if all thresholds are point masses.
 fn second(outcome: &Outcome, thresholds: &[f64]) -> Option<Second> {
     let record = &outcome.record;
     let stretch = record.values("stretch")?;
@@ -75,7 +75,7 @@ fn second(outcome: &Outcome, thresholds: &[f64]) -> Option<Second> {
     Some(Second { plots, legend, label, top })
 }
 
-/// The ensemble, averaged over the end of a pull that was long enough to forget its start.
+/// The ensemble, averaged over the end of a pull if that is steady.
 fn crosses(outcome: &Outcome, plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
     let record = &outcome.record;
     let (Some(bin), Some(density)) = (record.values("bin"), record.values("steady_ensemble_density")) else {
@@ -98,7 +98,7 @@ fn crosses(outcome: &Outcome, plots: &mut Plots, legend: &mut Vec<LegendEntry>) 
     legend.push(style::marker(label, ORANGE, MarkerShape::Cross));
 }
 
-/// Point masses as stems, `top` high where all contacts are there.
+/// Point masses as stems; `top` is the height of the whole probability.
 pub fn stems(record: &Record, dimension: &str, top: f64, color: &str) -> Plots {
     let column = |name| record.values(&format!("{dimension}_{name}")).unwrap_or(&[]);
     let tips = column("stretch").iter().zip(column("weight")).map(|(&x, &weight)| (x, weight * top));

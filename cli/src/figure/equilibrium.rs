@@ -1,6 +1,6 @@
-//! `equilibrium`: the drive at which the slider is in balance, position by position, and its first slip.
+//! `equilibrium`: the equilibrium drive of the slider against its position, and the first slip.
 //!
-//! The curve is that of first loading, on which contacts re-form as they break: slips by `reset` and `arrest` leave it.
+//! The curve is that of the first loading, on which contacts re-form as they break. Slips by `reset` and `arrest` leave it.
 
 use asperity::record::Record;
 use asperity_runner::output::Outcome;
@@ -12,17 +12,17 @@ use super::curve::{curve, line};
 use super::style::{self, BLUE, GREY, Plots, RED};
 
 const DASHES: &str = "5 4";
-/// How far the picture goes, in lengths of the way to the end of the first slip.
+/// Range of the picture, in units of the position at the end of the first slip.
 const BEYOND: f64 = 1.6;
 
-/// The first slip: where it began and ended, at which drive.
+/// The first slip.
 #[derive(Debug, Clone, Copy)]
 pub struct Jump {
-    /// X_1.
+    /// Position X_1 at its beginning.
     pub from: f64,
-    /// Where the slider came to rest, or turned.
+    /// Position at which the slider came to rest or turned.
     pub to: f64,
-    /// X_T.
+    /// Drive X_T.
     pub drive: f64,
 }
 
@@ -36,7 +36,7 @@ pub fn first_slip(record: &Record) -> Option<Jump> {
     })
 }
 
-/// Where pictures of the first loading end.
+/// Upper end of pictures of the first loading.
 pub fn end(record: &Record) -> Option<f64> {
     let last = *record.values("branch_position")?.last()?;
     Some(first_slip(record).map_or(last, |slip| (BEYOND * slip.to).min(last)))
@@ -63,7 +63,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         *from += run.len();
         Some((*from - run.len())..*from)
     }) {
-        // each run reaches to the first point of the next
+        // Each piece extends to the first point of the next one.
         let points =
             curve(&position[run.start..shown.min(run.end + 1)], &drive[run.start..shown.min(run.end + 1)]);
         let is_stable = stable[run.start] > 0.0;
@@ -80,7 +80,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     Some(render_multiple(plots, style::legend_below(layout, legend)))
 }
 
-/// The area between the drive of a slip and the drive that would be in balance.
+/// The area between the drive of a slip and the equilibrium drive.
 fn excess(position: &[f64], drive: &[f64], slip: Jump) -> Option<Plot> {
     let rows =
         position.iter().zip(drive).filter(|(x, d)| (slip.from..=slip.to).contains(*x) && **d <= slip.drive);

@@ -11,11 +11,11 @@ use super::curve::{curve, histogram, line};
 use super::distribution::stem;
 use super::style::{self, BLUE, ORANGE, Plots};
 
-/// Panels that a picture has at most; of more snapshots some are left out.
+/// Largest number of panels; if there are more snapshots, some are left out.
 const PANELS: usize = 24;
-/// Share of contacts with a density from which on it rules the scale of a panel.
+/// Smallest fraction of contacts with a density that sets the scale of a panel.
 const SMOOTH: f64 = 0.02;
-/// Height that the label of the lowest axes takes.
+/// Height of the label of the lowest axes.
 const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (30.0, 24.0);
 
@@ -47,7 +47,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     Some(figure.render())
 }
 
-/// The snapshots drawn: all, or so many evenly chosen, first and last among them.
+/// The snapshots that are drawn: all, or an even selection with the first and the last.
 fn chosen(count: usize) -> Vec<usize> {
     if count <= PANELS {
         return (0..count).collect();
@@ -77,7 +77,7 @@ fn panel(outcome: &Outcome, snapshot: usize, end: f64) -> Option<(Plots, Layout)
     let top = style::headroom(tallest);
     let mut plots = Plots::new();
     if let (Some(bin), Some(heights)) = (record.values("bin"), heights) {
-        // bins that hold a point mass are as high as they are narrow: they end at the frame
+        // Bins that hold a point mass are very high; they are cut at the frame.
         let heights: Vec<f64> = heights.iter().map(|h| h.min(top)).collect();
         plots.push(histogram(bin, &heights, ORANGE));
     }
@@ -93,7 +93,7 @@ fn panel(outcome: &Outcome, snapshot: usize, end: f64) -> Option<(Plots, Layout)
     Some((plots, layout))
 }
 
-/// How far the axes go: as far as any of the distributions.
+/// Range of the axes, which includes all distributions.
 fn end(record: &Record) -> Option<f64> {
     let stretch = record.values("stretch")?;
     let densities: Vec<_> =
@@ -103,7 +103,7 @@ fn end(record: &Record) -> Option<f64> {
     Some(style::reach(stretch, &densities).max(1.05 * farthest))
 }
 
-/// Stretches and weights of the point masses at `position` that can be seen.
+/// Stretches and weights of the visible point masses at `position`.
 fn atoms(record: &Record, position: f64) -> Vec<(f64, f64)> {
     let column = |name| record.values(name).unwrap_or(&[]);
     let stretches = column("stretch_atom_stretch").iter().zip(column("stretch_atom_weight"));
@@ -114,7 +114,7 @@ fn atoms(record: &Record, position: f64) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Axis labels on the left and at the bottom of the figure only.
+/// Axis labels on the left and lower sides of the figure only.
 fn labelled(outcome: &Outcome, layouts: Vec<Layout>, columns: usize) -> Option<Vec<Layout>> {
     let record = &outcome.record;
     let x = style::axis(outcome, "Stretch x", record.get("stretch")?);

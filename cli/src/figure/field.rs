@@ -1,4 +1,4 @@
-//! Fields on a plane in colours that several panels share.
+//! Fields on a plane, with a colour scale shared by several panels.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use kuva::render::plots::Plot;
 
 use super::style;
 
-/// Cells that a picture draws at most: each is a rectangle of its own.
+/// Largest number of cells of a picture, each a rectangle of its own.
 const MOST: usize = 40_000;
 
 /// A field, row by row, and the ranges that it covers.
@@ -17,14 +17,14 @@ pub struct Field<'a> {
     pub values: &'a [f64],
     /// Rows and columns.
     pub sides: [usize; 2],
-    /// What the columns cover.
+    /// Range of the columns.
     pub x: (f64, f64),
-    /// What the rows cover.
+    /// Range of the rows.
     pub y: (f64, f64),
 }
 
 impl Field<'_> {
-    /// The field in the colours of `scale`, averaged over blocks of cells where there are too many for `panels` of them.
+    /// The field in the colours of `scale`, averaged over blocks of cells if there are too many for `panels` panels.
     pub fn plot(&self, scale: (f64, f64), panels: usize) -> Plot {
         let [rows, columns] = self.sides;
         let most = ((MOST / panels.max(1)) as f64).sqrt() as usize;
@@ -41,7 +41,7 @@ impl Field<'_> {
     }
 }
 
-/// The colours from the lower to the upper end of `scale`, as a panel of its own, and its axes.
+/// The colour scale as a panel of its own, and its axes.
 pub fn bar(scale: (f64, f64), label: &str) -> (Vec<Plot>, Layout) {
     const STEPS: usize = 128;
     let value = |i: usize| scale.0 + (scale.1 - scale.0) * i as f64 / (STEPS - 1) as f64;
@@ -54,13 +54,13 @@ pub fn bar(scale: (f64, f64), label: &str) -> (Vec<Plot>, Layout) {
     )
 }
 
-/// A scale that just holds all values, or a little more where they are the same.
+/// The range of all values, a little wider if they are equal.
 pub fn scale(values: &[f64]) -> (f64, f64) {
     let (low, high) = style::range([values]);
     if high > low { (low, high) } else { (low - 0.5, low + 0.5) }
 }
 
-/// Rows upward. The library spreads its colours over the values that there are: this is undone, so that panels agree.
+/// Draws rows upward. The plot library scales colours to the range of the values; this is undone, so that panels agree.
 fn heatmap(data: Vec<Vec<f64>>, scale: (f64, f64), x: (f64, f64), y: (f64, f64)) -> Heatmap {
     let (low, high) = style::range(data.iter().map(Vec::as_slice));
     let colour = move |part: f64| {
@@ -68,7 +68,7 @@ fn heatmap(data: Vec<Vec<f64>>, scale: (f64, f64), x: (f64, f64), y: (f64, f64))
         ColorMap::Viridis.map((value - scale.0) / (scale.1 - scale.0))
     };
     let mut heatmap = Heatmap::new().with_data(data).with_color_map(ColorMap::Custom(Arc::new(colour)));
-    // Full cells overlap a little, so that no line is left between them.
+    // Cells overlap a little, so that no gaps are visible between them.
     (heatmap.x_range, heatmap.y_range, heatmap.cell_size) = (Some(x), Some(y), 1.0);
     heatmap
 }

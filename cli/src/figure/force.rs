@@ -11,7 +11,7 @@ use kuva::render::render::{Scene, render_multiple, render_twin_y};
 use super::curve::{Point, curve, errors, line};
 use super::style::{self, BLACK, BLUE, GREEN, GREY, ORANGE, Plots};
 
-/// Markers that the force of the ensemble is shown by, at most.
+/// Largest number of markers of the force of the ensemble.
 const MARKERS: usize = 80;
 const DASHES: &str = "8 5";
 const DOTS: &str = "3 3";
@@ -46,7 +46,7 @@ fn axes(outcome: &Outcome, position: &[f64], force: &[f64]) -> Option<Layout> {
     )
 }
 
-/// A second axis that shows the same heights as friction coefficients.
+/// A second axis with friction coefficients.
 fn loaded(layout: Layout, normal_load: f64) -> Layout {
     let (low, high) = (layout.y_axis_min.unwrap_or(0.0), layout.y_axis_max.unwrap_or(1.0));
     let (low, high) = (low / normal_load, high / normal_load);
@@ -63,7 +63,7 @@ fn band(outcome: &Outcome, x: &[f64], force: &[f64], plots: &mut Plots, legend: 
     };
     let edge = |side: f64| -> Vec<f64> { force.iter().zip(std).map(|(f, s)| f + side * s).collect() };
     let (lower, upper) = (curve(x, &edge(-2.0)), curve(x, &edge(2.0)));
-    // thinning may keep different positions for the two edges: the band goes forth on one and back on the other
+    // The two edges may be thinned at different positions: the outline follows one edge and returns along the other.
     let x: Vec<f64> = merged(&lower, &upper);
     let (lower, upper) = (along(&x, &lower), along(&x, &upper));
     plots.push(Plot::Band(BandPlot::new(x, lower, upper).with_color(BLUE).with_opacity(0.22)));
@@ -77,7 +77,7 @@ fn merged(a: &[Point], b: &[Point]) -> Vec<f64> {
     x
 }
 
-/// The heights of a curve at rising positions, linear between its points.
+/// The values of a curve at ascending positions, by linear interpolation.
 fn along(x: &[f64], points: &[Point]) -> Vec<f64> {
     let mut next = 1;
     let height = |&x: &f64| {

@@ -1,4 +1,4 @@
-//! `hold_curve`: static friction against the logarithm of the hold time, with the healing fitted to it.
+//! `hold_curve`: static friction against the logarithm of the hold time, with the fitted healing curve.
 
 use asperity::record::Quantity;
 use asperity_runner::output::Outcome;
@@ -36,10 +36,10 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     Some(render_multiple(plots, style::legend_below(layout, legend)))
 }
 
-/// Points of the fitted law.
+/// Points of the fitted curve.
 const POINTS: u32 = 200;
 
-/// The fitted law, and the kinetic friction from which static friction grows.
+/// The fitted curve, and the kinetic friction.
 fn healing(outcome: &Outcome, hold: &[f64], plots: &mut Plots, legend: &mut Vec<LegendEntry>) {
     let Some(read) = outcome.summary.numbers.hold_curve() else { return };
     let unit = outcome.summary.units.label(Quantity::Force);

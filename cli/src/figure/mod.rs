@@ -25,13 +25,13 @@ use asperity_runner::output::{Attachment, Outcome};
 use kuva::backend::png::PngBackend;
 use kuva::backend::svg::SvgBackend;
 
-/// Dots per point of the canvas in PNG files: a picture is about 2000 dots wide.
+/// Dots per unit of the canvas in PNG files: a picture is about 2000 dots wide.
 const DENSITY: f32 = 3.0;
 
-/// Draws every picture that the record has the numbers for.
+/// Draws every picture for which the record has the variables.
 ///
 /// # Errors
-/// A picture that could not be turned into PNG, with its name.
+/// A picture that cannot be converted to PNG, with its name.
 pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
     let scenes = [
         ("force", force::scene(outcome)),
@@ -64,7 +64,7 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
     Ok(pictures)
 }
 
-/// The picture with its clip paths numbered from 0: the library counts them over the whole process.
+/// Renumbers the clip paths of a picture from 0, because the library counts them over the whole process.
 fn renumbered(svg: &str) -> String {
     const PREFIX: &str = "kuva-clip-";
     let mut parts = svg.split(PREFIX);

@@ -1,6 +1,6 @@
 //! `potential`: the energy of slider and contacts against the position, before, at and after the first slip.
 //!
-//! Forces are those of first loading, on which contacts re-form as they break: slips by `reset` and `arrest` leave it.
+//! The forces are those of the first loading, on which contacts re-form as they break. Slips by `reset` and `arrest` leave it.
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{MarkerShape, ScatterPlot};

@@ -1,4 +1,4 @@
-//! `protocol`: velocity above, force below, against time.
+//! `protocol`: velocity (top) and force (bottom) against time.
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{LegendEntry, MarkerShape};
@@ -9,16 +9,16 @@ use kuva::render::render::Scene;
 use super::curve::{Point, curve, errors, line, thinned};
 use super::style::{self, BLUE, GREEN, ORANGE, Plots};
 
-/// Heights of the panel of the velocity and of that of the force.
+/// Heights of the panels of velocity and force.
 const HEIGHTS: (f64, f64) = (150.0, 330.0);
 const MARGINS: (f64, f64) = (12.0, 24.0);
-/// Height that the label of the lower axis takes.
+/// Height of the label of the lower axis.
 const LABEL: f64 = 26.0;
-/// Markers that the force of the ensemble is shown by, at most.
+/// Largest number of markers of the force of the ensemble.
 const MARKERS: usize = 80;
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
-    // An interface has pictures of its own.
+    // Interfaces have pictures of their own.
     if outcome.summary.numbers.catalogue().is_some() {
         return None;
     }
@@ -59,7 +59,7 @@ fn velocity(outcome: &Outcome) -> Option<(Plots, Layout)> {
     Some((plots, layout))
 }
 
-/// The velocity as a curve that jumps where a step begins: a point of the trace has the velocity that follows it.
+/// The velocity as a curve that jumps at the beginning of a step: a point of the trace has the velocity after it.
 fn steps(time: &[f64], velocity: &[f64]) -> Vec<Point> {
     let before = std::iter::once(velocity[0]).chain(velocity.iter().copied());
     let points = time.iter().zip(before.zip(velocity));
@@ -69,7 +69,7 @@ fn steps(time: &[f64], velocity: &[f64]) -> Vec<Point> {
 fn force(outcome: &Outcome) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
     let (time, force) = (record.values("time")?, record.values("force")?);
-    // An ensemble under a block has points of its own.
+    // An ensemble under a block has its own points.
     let others = record.values("ensemble_force").filter(|_| record.get("ensemble_drive").is_none());
     let (low, high) = style::range([force, others.unwrap_or_default()]);
     let mut plots = vec![line(curve(time, force), BLUE, 2.0, None)];

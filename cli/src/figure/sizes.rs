@@ -1,4 +1,4 @@
-//! `sizes`: how many events of the ensemble break how many contacts.
+//! `sizes`: the number of events of the ensemble by the number of contacts that broke.
 
 use asperity_runner::output::Outcome;
 use kuva::plot::{MarkerShape, ScatterPlot};
@@ -9,7 +9,7 @@ use super::curve::line;
 use super::style::{self, GREY, ORANGE, Plots};
 
 const DASHES: &str = "8 5";
-/// Bins per factor of ten.
+/// Bins per decade.
 const PER_DECADE: f64 = 10.0;
 /// Exponent of sizes of a mean-field model swept to its instability (P. C. Hemmer and A. Hansen, 1992).
 const SWEPT: f64 = -2.5;
@@ -39,13 +39,13 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     Some(render_multiple(plots, style::legend_below(layout, legend)))
 }
 
-/// Whole numbers in the bin around `size`.
+/// Number of integers in the bin around `size`.
 fn whole_numbers(size: f64) -> f64 {
     let half = 10f64.powf(0.5 / PER_DECADE);
     ((size * half).floor() - (size / half).ceil() + 1.0).max(1.0)
 }
 
-/// A line on logarithmic axes down to the height `low`.
+/// A line on logarithmic axes, down to the value `low`.
 fn clipped(line: Vec<(f64, f64)>, low: f64) -> Vec<(f64, f64)> {
     let (first, last) = (line[0], line[1]);
     let steepness = (last.1 / first.1).ln() / (last.0 / first.0).ln();

@@ -9,7 +9,7 @@ use super::curve::{curve, line};
 use super::style::{self, BLUE, GREEN, Plots, RED};
 
 const HEIGHT: f64 = 190.0;
-/// Height that the label of the lowest axis takes.
+/// Height of the label of the lowest axis.
 const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (12.0, 24.0);
 

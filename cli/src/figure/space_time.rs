@@ -1,4 +1,4 @@
-//! `space_time`: the forces along a chain as it is driven, where it slips, and the fronts of its largest event.
+//! `space_time`: the forces along a chain during the drive, the cells that slip, and the fronts of the largest event.
 
 use asperity::record::Record;
 use asperity_runner::output::Outcome;
@@ -12,15 +12,15 @@ use super::curve::{Point, line};
 use super::field::{Field, bar, scale};
 use super::style::{self, BLACK, ORANGE, Plots, RED};
 
-/// Share of the cells that must take part in an event for it to be drawn.
+/// Smallest fraction of the cells in an event that is drawn.
 const LARGE: f64 = 0.05;
-/// Events that are drawn at most: the largest.
+/// Largest number of events that are drawn.
 const MOST: usize = 300;
-/// Share of the cells of an event that its time axis may leave out at the beginning.
+/// Fraction of the cells of an event that may be left out at the beginning of its time axis.
 const HESITANT: f64 = 0.1;
-/// Points of the line of a speed.
+/// Points of the line of a front speed.
 const FINE: u32 = 200;
-/// Width of the panel of colours.
+/// Width of the panel of the colour scale.
 const BAR: f64 = 95.0;
 const HEIGHT: f64 = 420.0;
 const DASHES: &str = "8 5";
@@ -53,7 +53,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     Some(figure.render())
 }
 
-/// The forces of the cells at the points of the trace, with the events that many cells took part in.
+/// The forces of the cells at the points of the trace, with the large events.
 fn forces(outcome: &Outcome, cells: usize, ends: (f64, f64)) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
     let (looks, points) = (record.values("map_drive")?, record.values("drive")?);
@@ -63,7 +63,7 @@ fn forces(outcome: &Outcome, cells: usize, ends: (f64, f64)) -> Option<(Plots, L
         .collect();
     let values: Vec<f64> =
         rows.iter().filter_map(|&row| record.row("cell_force", row)).flatten().copied().collect();
-    // A row shows the cells at a drive: it lies around it.
+    // A row shows the cells at one drive and is centred there.
     let half = 0.5 * last / (rows.len().max(2) - 1) as f64;
     let field = Field {
         values: &values,
@@ -81,7 +81,7 @@ fn forces(outcome: &Outcome, cells: usize, ends: (f64, f64)) -> Option<(Plots, L
     Some((plots, layout))
 }
 
-/// For each large event a line at its drive, from the first cell that took part in it to the last.
+/// For each large event a line at its drive, from the first to the last cell that took part in it.
 fn spans(record: &Record, cells: usize) -> Vec<Vec<Point>> {
     let Some((drives, slipped)) = record.values("event_drive").zip(record.values("slipped_event")) else {
         return Vec::new();
@@ -103,7 +103,7 @@ fn spans(record: &Record, cells: usize) -> Vec<Vec<Point>> {
     events.into_iter().take(MOST).map(|event| event.1).collect()
 }
 
-/// When the cells of the largest event began to slip, and the speeds of its fronts.
+/// The times at which the cells of the largest event began to slip, and the speeds of its fronts.
 fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
     let largest = outcome.summary.numbers.catalogue()?.largest?;
@@ -118,7 +118,7 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
         return None;
     }
     let epicentre = points.iter().find(|point| point.1 == first)?.0;
-    // The first cells may have hesitated long before the rest followed.
+    // The first cells may begin to slip long before the others.
     let mut sorted = times;
     sorted.sort_by(f64::total_cmp);
     let from = sorted[(HESITANT * sorted.len() as f64) as usize];

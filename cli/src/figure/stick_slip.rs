@@ -1,4 +1,4 @@
-//! `stick_slip`, `hysteresis`, `creep`: what a driven slider feels, against the drive.
+//! `stick_slip`, `hysteresis`, `creep`: force or position of a driven slider against the drive.
 
 use asperity::record::{Quantity, Record};
 use asperity_runner::output::Outcome;
@@ -9,7 +9,7 @@ use super::style::{self, BLUE, GREY, ORANGE, Plots};
 
 const DASHES: &str = "8 5";
 
-/// The picture, with the name that says what kind of drive it shows.
+/// The picture, with a name for the kind of drive.
 pub fn scene(outcome: &Outcome) -> (&'static str, Option<Scene>) {
     let record = &outcome.record;
     let Some(drive) = record.get("drive") else { return ("stick_slip", None) };
@@ -30,7 +30,7 @@ pub fn scene(outcome: &Outcome) -> (&'static str, Option<Scene>) {
     (name, traces(outcome, ("drive", "spring_force"), words))
 }
 
-/// The traces of both models as curves of two of their variables.
+/// The traces of both models as curves in two of their variables.
 fn traces(outcome: &Outcome, names: (&str, &str), words: (&str, &str)) -> Option<Scene> {
     let record = &outcome.record;
     let (mut plots, mut legend) = (Plots::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! `stress_map`: the forces of the cells of a lattice at the drives asked for, one panel each.
+//! `stress_map`: the forces of the cells of a lattice at the requested drives, one panel each.
 
 use asperity_runner::output::Outcome;
 use kuva::render::figure::Figure;
@@ -8,11 +8,11 @@ use kuva::render::render::Scene;
 use super::field::{Field, bar, scale};
 use super::style::{self, Plots};
 
-/// Panels that a picture has at most; of more maps some are left out.
+/// Largest number of panels; if there are more maps, some are left out.
 const PANELS: usize = 6;
-/// Width of the panel of colours.
+/// Width of the panel of the colour scale.
 const BAR: f64 = 95.0;
-/// Height of a panel, with its title.
+/// Height of a panel with its title.
 const HEIGHT: f64 = 270.0;
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
@@ -43,7 +43,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         (vec![field.plot(ends, shown.len())], layout)
     };
     let (mut plots, mut layouts): (Vec<_>, Vec<_>) = shown.iter().map(panel).unzip();
-    // Cells of the figure that are left empty.
+    // Empty cells of the grid of panels.
     for _ in shown.len()..rows * columns {
         plots.push(Plots::new());
         layouts.push(style::layout((0.0, 1.0), (0.0, 1.0)));
@@ -66,7 +66,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     Some(figure.render())
 }
 
-/// The maps drawn: all, or so many evenly chosen, first and last among them.
+/// The maps that are drawn: all, or an even selection with the first and the last.
 fn chosen(count: usize) -> Vec<usize> {
     if count <= PANELS {
         return (0..count).collect();
@@ -74,7 +74,7 @@ fn chosen(count: usize) -> Vec<usize> {
     (0..PANELS).map(|i| i * (count - 1) / (PANELS - 1)).collect()
 }
 
-/// Panels row by row; beside those of the first row the colours, as high as all of them.
+/// Arranges panels row by row, with the colour scale next to the first row.
 fn structure(rows: usize, columns: usize) -> Vec<Vec<usize>> {
     let width = columns + 1;
     let mut cells = Vec::new();

@@ -1,4 +1,4 @@
-//! What all pictures have in common: size, letters, colours, labels.
+//! The common style of all pictures: size, fonts, colours, labels.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::theme::Theme;
 
-/// Colours that stay apart for colour-blind readers and in grey (Okabe and Ito, 2008).
+/// Colours that are distinguishable for colour-blind readers and in grey (Okabe and Ito, 2008).
 pub const BLUE: &str = "#0072B2";
 pub const ORANGE: &str = "#E69F00";
 pub const RED: &str = "#D55E00";
@@ -18,12 +18,12 @@ pub const GREEN: &str = "#009E73";
 pub const BLACK: &str = "#000000";
 pub const GREY: &str = "#767676";
 
-/// Width of a picture, in points of the canvas; letters are sized for 8.6 cm columns.
+/// Width of a picture, in units of the canvas. Font sizes are for 8.6 cm columns.
 pub const WIDTH: f64 = 660.0;
 /// Height of a picture of one panel.
 pub const HEIGHT: f64 = 480.0;
 
-/// Axes that just hold `x` and `y`, with the common letters and lines.
+/// Axes that include `x` and `y`, with the common fonts and lines.
 pub fn layout(x: (f64, f64), y: (f64, f64)) -> Layout {
     let mut theme = Theme::light();
     theme.legend_border = "none".into();
@@ -43,16 +43,16 @@ pub fn layout(x: (f64, f64), y: (f64, f64)) -> Layout {
         .with_tick_align("in")
 }
 
-/// The title above `layout`, as large as its length allows.
+/// The title above `layout`, with a font size that fits its length.
 pub fn titled(layout: Layout, title: &str) -> Layout {
     let (text, size) = heading(title);
     layout.with_title(text).with_title_size(size)
 }
 
-/// A title that fits on one line, cut if need be, and the size of its letters.
+/// A title that fits on one line, shortened if needed, and its font size.
 pub fn heading(title: &str) -> (String, u32) {
     const SIZES: std::ops::RangeInclusive<usize> = 10..=15;
-    // letters of size s are about 0.58 s wide, and the axes begin to the right of the canvas's edge
+    // Letters of size s are about 0.58 s wide, and the axes begin to the right of the canvas's edge.
     let room = (WIDTH - 80.0) / 0.58;
     let length = title.chars().count();
     let size = ((room / length.max(1) as f64) as usize).clamp(*SIZES.start(), *SIZES.end());
@@ -63,10 +63,10 @@ pub fn heading(title: &str) -> (String, u32) {
     (title.chars().take(most - 1).chain(['…']).collect(), size as u32)
 }
 
-/// Share of contacts, or of the highest point of a curve, that is too small to be seen.
+/// Fraction of contacts, or of the maximum of a curve, that is too small to be visible.
 pub const INVISIBLE: f64 = 1e-3;
 
-/// The first place beyond which no curve rises above a thousandth of its highest point.
+/// The smallest abscissa beyond which no curve exceeds a thousandth of its maximum.
 pub fn reach(x: &[f64], curves: &[&[f64]]) -> f64 {
     let last = |curve: &&[f64]| {
         let high = range([*curve]).1;
@@ -76,7 +76,7 @@ pub fn reach(x: &[f64], curves: &[&[f64]]) -> f64 {
     x[index.min(x.len()) - 1]
 }
 
-/// A legend below the axes, where it hides nothing.
+/// A legend below the axes, where it covers nothing.
 pub fn legend_below(layout: Layout, entries: Vec<LegendEntry>) -> Layout {
     layout.with_legend_entries(entries).with_legend_position(LegendPosition::OutsideBottomColumns)
 }
@@ -106,7 +106,7 @@ pub fn area(label: impl Into<String>, color: &str) -> LegendEntry {
     LegendEntry { label: label.into(), color: color.into(), shape: LegendShape::Rect, dasharray: None }
 }
 
-/// `words (unit)`, without the unit where there is none.
+/// `words (unit)`, or `words` without a unit.
 pub fn axis(outcome: &Outcome, words: &str, variable: &Variable) -> String {
     match outcome.summary.units.label(variable.quantity).as_str() {
         "1" => words.to_owned(),
@@ -114,7 +114,7 @@ pub fn axis(outcome: &Outcome, words: &str, variable: &Variable) -> String {
     }
 }
 
-/// What the ensemble is called.
+/// The label of the ensemble.
 pub fn ensemble(outcome: &Outcome) -> &'static str {
     match outcome.summary.disorder {
         Some(Disorder::Quenched) => "quenched ensemble",
@@ -122,12 +122,12 @@ pub fn ensemble(outcome: &Outcome) -> &'static str {
     }
 }
 
-/// What the ensemble is called, with its number of contacts.
+/// The label of the ensemble with its number of contacts.
 pub fn sized_ensemble(outcome: &Outcome) -> String {
     format!("{}, N = {}", ensemble(outcome), digits(outcome.summary.sample.unwrap_or(f64::NAN)))
 }
 
-/// `value` in five digits, for reading.
+/// `value` with five digits.
 pub fn digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     asperity_runner::output::shortest(rounded)
@@ -138,28 +138,28 @@ pub fn with_unit(value: f64, unit: &str) -> String {
     if unit == "1" { digits(value) } else { format!("{} {unit}", digits(value)) }
 }
 
-/// The least and the largest finite value of all curves.
+/// The smallest and the largest finite value of all curves.
 pub fn range<'a>(curves: impl IntoIterator<Item = &'a [f64]>) -> (f64, f64) {
     let finite = curves.into_iter().flatten().copied().filter(|v| v.is_finite());
     finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
 }
 
-/// The upper end of an axis from 0 that leaves some air above `top`.
+/// The upper end of an axis from 0, with a margin above `top`.
 pub fn headroom(top: f64) -> f64 {
     if top > 0.0 { 1.08 * top } else { 1.0 }
 }
 
-/// The ends of a logarithmic axis with some air beside the first and the last of rising values.
+/// The ends of a logarithmic axis, with margins around ascending values.
 pub fn decades(values: &[f64]) -> (f64, f64) {
     let (first, last) = (values[0], values[values.len() - 1]);
     let air = (last / first).powf(0.03);
     (first / air, last * air)
 }
 
-/// A lowest height, of the highest, above which 0 is not shown.
+/// Minimum of an axis, relative to its maximum, above which 0 is not shown.
 const SMALL: f64 = 0.7;
 
-/// The heights of an axis: from 0, if what is shown would not be squeezed to a line.
+/// The range of a vertical axis: from 0, unless the curves would then look flat.
 pub fn heights(low: f64, high: f64) -> (f64, f64) {
     if low > SMALL * high {
         let air = 0.3 * (high - low);
@@ -172,7 +172,7 @@ pub fn heights(low: f64, high: f64) -> (f64, f64) {
 pub fn powers() -> TickFormat {
     TickFormat::Custom(Arc::new(|value: f64| {
         let exponent = value.log10();
-        // Short axes have ticks between the powers of ten, too.
+        // Short axes also have ticks between powers of ten.
         if (exponent - exponent.round()).abs() < 1e-9 { power(exponent.round() + 0.0) } else { digits(value) }
     }))
 }

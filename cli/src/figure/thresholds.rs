@@ -1,4 +1,4 @@
-//! `thresholds`: the drives at which coupled contacts first break, with the law of their thresholds and the mean field's.
+//! `thresholds`: the distribution of the drives at which coupled contacts first break, with that of thresholds and mean field.
 
 use asperity_runner::output::Outcome;
 use kuva::plot::MarkerShape;

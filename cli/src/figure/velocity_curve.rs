@@ -1,4 +1,4 @@
-//! `velocity_curve`: kinetic friction against velocity, with the limits that are known.
+//! `velocity_curve`: kinetic friction against velocity, with its known limits.
 
 use asperity::record::{Quantity, Record};
 use asperity_runner::output::Outcome;
@@ -43,7 +43,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     Some(render_multiple(plots, style::legend_below(layout, legend)))
 }
 
-/// The curve of one temperature, with its ensemble and its closed forms.
+/// The curve of one temperature, with its ensemble and closed forms.
 fn draw(
     outcome: &Outcome,
     velocity: &[f64],
@@ -71,7 +71,7 @@ fn draw(
     }
 }
 
-/// What the curve of a row is called.
+/// The label of the curve of a row.
 fn called(outcome: &Outcome, row: usize) -> String {
     let unit = outcome.summary.units.label(Quantity::Energy);
     match outcome.summary.numbers.limits()[row].temperature {
@@ -80,7 +80,7 @@ fn called(outcome: &Outcome, row: usize) -> String {
     }
 }
 
-/// The forces of very fast and very slow sliding, where the curve comes to them.
+/// The forces of very fast and very slow sliding, if the curve reaches them.
 fn plateaus(
     outcome: &Outcome,
     velocity: &[f64],

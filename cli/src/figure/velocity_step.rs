@@ -1,4 +1,4 @@
-//! `velocity_step`: the force after each step of the velocity, with the fitted words of rate and state.
+//! `velocity_step`: the force after each velocity step, with the fitted rate-and-state curve.
 
 use asperity::task::summary::{ProtocolStep, RateState};
 use asperity_runner::output::Outcome;
@@ -10,14 +10,14 @@ use kuva::render::render::Scene;
 use super::curve::{Point, line, thinned};
 use super::style::{self, BLUE, GREEN, Plots, RED};
 
-/// Panels that a picture has at most.
+/// Largest number of panels.
 const PANELS: usize = 4;
-/// Height of a panel, and what the label of the lowest axis takes.
+/// Height of a panel, and of the label of the lowest axis.
 const HEIGHT: f64 = 240.0;
 const LABEL: f64 = 26.0;
 const MARGINS: (f64, f64) = (30.0, 24.0);
 const DASHES: &str = "8 5";
-/// Part of the way after a step that is shown before it.
+/// Displacement shown before a step, as a fraction of that after it.
 const BEFORE: f64 = 0.1;
 
 pub fn scene(outcome: &Outcome) -> Option<Scene> {
@@ -87,7 +87,7 @@ fn panel(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<(Pl
     Some((plots, layout))
 }
 
-/// The fitted force at a way behind the peak.
+/// The fitted force at a displacement from the peak.
 fn fit(step: &ProtocolStep, read: &RateState, way: f64) -> f64 {
     let fallen = -(-(way - read.peak) / read.distance.value).exp_m1();
     let size = (step.velocity / read.velocity_before).ln();

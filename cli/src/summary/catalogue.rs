@@ -1,11 +1,11 @@
-//! Events of an interface, for people.
+//! Text of the summary for the events of an interface.
 
 use asperity::record::Quantity;
 use asperity::task::summary::{Catalogue, Fitted, PowerLaw, Summary};
 
 use super::{digits, with_error, with_unit};
 
-/// Lines as those of the rest of the summary.
+/// Adds lines in the form of the rest of the summary.
 pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, String)> {
     let value = |number: f64, quantity| with_unit(digits(number), number, &summary.units.label(quantity));
     let drive = |number| value(number, Quantity::Length);

@@ -1,4 +1,4 @@
-//! The numbers of a run, for people.
+//! Text of the summary of a run.
 
 mod catalogue;
 mod renormalisation;
@@ -10,7 +10,7 @@ use asperity::record::Quantity;
 use asperity::scenario::Disorder;
 use asperity::task::summary::{Fitted, Friction, SliderState, Sliding, StaticFriction, Summary};
 
-/// Aligned lines: what it is, its value with its unit.
+/// Aligned lines: a label, and a value with its unit.
 pub fn readable(summary: &Summary) -> String {
     let value = |number: f64, quantity| with_unit(digits(number), number, &summary.units.label(quantity));
     let mut lines = summary.numbers.friction().map_or_else(Vec::new, |friction| rubbed(summary, friction));
@@ -57,7 +57,7 @@ pub fn readable(summary: &Summary) -> String {
     text
 }
 
-/// What a pull at one velocity says.
+/// The friction of a pull at one velocity.
 fn rubbed(summary: &Summary, friction: &Friction) -> Vec<(&'static str, String)> {
     let value = |number: f64, quantity| with_unit(digits(number), number, &summary.units.label(quantity));
     let peak = match friction.static_friction {
@@ -80,7 +80,7 @@ fn rubbed(summary: &Summary, friction: &Friction) -> Vec<(&'static str, String)>
     ]
 }
 
-/// How a driven slider slid.
+/// The motion of a driven slider.
 fn slid(summary: &Summary, sliding: &Sliding) -> Vec<(&'static str, String)> {
     let value = |number: f64, quantity| with_unit(fine(number), number, &summary.units.label(quantity));
     let place = |place: &SliderState| {
@@ -104,12 +104,12 @@ fn slid(summary: &Summary, sliding: &Sliding) -> Vec<(&'static str, String)> {
     lines
 }
 
-/// A fitted number, no finer than two digits of its error.
+/// A fitted number, with at most two digits of its error.
 fn fitted(summary: &Summary, fitted: Fitted, quantity: Quantity) -> String {
     with_unit(with_error(fitted), fitted.value, &summary.units.label(quantity))
 }
 
-/// A fitted number and its error, both no finer than two digits of the error.
+/// A fitted number and its error, with at most two digits of the error.
 fn with_error(fitted: Fitted) -> String {
     let place = fitted.error.log10().floor() - 1.0;
     let decimals = (-place).clamp(0.0, 12.0) as usize;
@@ -123,7 +123,7 @@ fn with_unit(text: String, number: f64, unit: &str) -> String {
     if unit == "1" || !number.is_finite() { text } else { format!("{text} {unit}") }
 }
 
-/// Seven decimals of a number of the size of 1, as many digits of others.
+/// Seven decimals of a number of order 1, the same number of digits of others.
 fn fine(number: f64) -> String {
     let magnitude = number.abs().log10().floor();
     if !(-4.0..7.0).contains(&magnitude) {
@@ -133,7 +133,7 @@ fn fine(number: f64) -> String {
     format!("{number:.decimals$}").trim_end_matches('0').trim_end_matches('.').into()
 }
 
-/// Six significant digits, no trailing zeros.
+/// Six significant digits, without trailing zeros.
 fn digits(number: f64) -> String {
     if !number.is_finite() {
         return if number.is_nan() { "not known" } else { "infinite" }.into();

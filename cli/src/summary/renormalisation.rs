@@ -1,11 +1,11 @@
-//! The law of first breaks, for people.
+//! Text of the summary for first breaks.
 
 use asperity::record::Quantity;
 use asperity::task::summary::{Compared, FirstBreakStatistics, Summary};
 
 use super::{digits, fitted, with_unit};
 
-/// Lines as those of the rest of the summary.
+/// Adds lines in the form of the rest of the summary.
 pub fn lines(summary: &Summary, found: &FirstBreakStatistics) -> Vec<(&'static str, String)> {
     let length = |number: f64| with_unit(digits(number), number, &summary.units.label(Quantity::Length));
     let law = |law: &Compared| {

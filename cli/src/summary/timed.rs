@@ -1,14 +1,14 @@
-//! Steps, curves against velocity and hold time, and their reading by rate and state, for people.
+//! Text of the summary for motion in time: steps, curves, and rate-and-state parameters.
 
 use asperity::record::Quantity;
 use asperity::task::summary::{CurveLimits, HealingCurve, ProtocolStep, RateState, Stability, Summary};
 
 use super::{digits, fitted, with_unit};
 
-/// Steps of a protocol that are listed, at most.
+/// Largest number of steps that are listed.
 const LISTED: usize = 12;
 
-/// Lines as those of the rest of the summary.
+/// Adds lines in the form of the rest of the summary.
 pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
     let mut lines: Vec<_> =
         summary.numbers.limits().iter().flat_map(|limits| ends(summary, limits)).collect();
@@ -28,7 +28,7 @@ pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
     lines
 }
 
-/// A value in five digits, which motion in time is right to.
+/// A value with five digits, the accuracy of motion in time.
 fn value(summary: &Summary, number: f64, quantity: Quantity) -> String {
     let rounded = format!("{number:.4e}").parse().unwrap_or(number);
     with_unit(digits(rounded), number, &summary.units.label(quantity))
@@ -47,7 +47,7 @@ fn ends(summary: &Summary, limits: &CurveLimits) -> Vec<(&'static str, String)> 
     lines
 }
 
-/// For small deviations, without mass and damping or with those of the block.
+/// The stability of steady sliding, without mass and damping or with those of the block.
 fn stable(summary: &Summary, found: &Stability) -> String {
     let stiffness = found.critical_stiffness_sliding.0;
     let who = match found.unstable {

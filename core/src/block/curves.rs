@@ -8,31 +8,31 @@ use crate::numerics::roots::brent_minimum;
 use crate::population::{Direction, Population, Response};
 use crate::{Error, Result};
 
-/// Ways between two reports to the monitor.
+/// Intervals between two reports to the monitor.
 const REPORT: u32 = 1024;
 
-/// A jump of the force, of the largest, that a curve shows by two points.
+/// Smallest jump of the force that a curve shows by two points, relative to the largest force.
 const SHOWN: f64 = 1e-3;
 
-/// F(X) as the slider's bottom moves forward from where a population stands.
+/// The curve F(X) for forward motion of the slider's base from the present state of a population.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Curve {
-    /// X, rising; twice where the force jumps.
+    /// Position X, a length, in ascending order; given twice where the force jumps.
     pub position: Vec<f64>,
-    /// F.
+    /// Friction force F.
     pub force: Vec<f64>,
-    /// F'.
+    /// Tangent stiffness F' = dF/dX.
     pub tangent: Vec<f64>,
-    /// ∫F dX from the first position.
+    /// Work ∫F dX from the first position.
     pub work: Vec<f64>,
 }
 
 impl Curve {
-    /// The curve over `distance` at `points` even positions, both ends included, and at jumps of the force; the
-    /// population is left as it is.
+    /// The curve over `distance` at `points` evenly spaced positions, both ends included, and at jumps of the force.
+    /// The population does not change.
     ///
     /// # Errors
-    /// A distance that is not above 0, fewer than two points; those of the population; stopped by the monitor.
+    /// A distance that is not above 0, fewer than two points; those of the population; a stop by the monitor.
     pub fn new(
         population: &dyn Population,
         distance: f64,
@@ -47,21 +47,21 @@ impl Curve {
         let (mut curve, mut next, mut work) = (Self::default(), 0, 0.0);
         let mut largest: f64 = 0.0;
         let mut end: Option<CurveRow> = None;
-        along(population, distance, monitor, |look, length| {
-            let begin = CurveRow::at(look, 0.0, work);
+        along(population, distance, monitor, |path, length| {
+            let begin = CurveRow::at(path, 0.0, work);
             if let Some(end) = end.filter(|end| (end.force - begin.force).abs() > SHOWN * largest) {
                 curve.push(end);
                 curve.push(begin);
             }
-            while next < points && start + next as f64 * spacing <= look.position + length * (1.0 + 1e-12) {
-                let a = start + next as f64 * spacing - look.position;
-                curve.push(CurveRow::at(look, a.clamp(0.0, length), work));
+            while next < points && start + next as f64 * spacing <= path.position + length * (1.0 + 1e-12) {
+                let a = start + next as f64 * spacing - path.position;
+                curve.push(CurveRow::at(path, a.clamp(0.0, length), work));
                 next += 1;
             }
-            let last = CurveRow::at(look, length, work);
+            let last = CurveRow::at(path, length, work);
             largest = largest.max(last.force.abs());
             work = last.work;
-            end = look.way.breaks.then_some(last);
+            end = path.interval.breaks.then_some(last);
             true
         })?;
         Ok(curve)
@@ -74,18 +74,18 @@ impl Curve {
         self.work.push(state.work);
     }
 
-    /// X_T(X) = X + F/K, the drive at which each position is an equilibrium.
+    /// The drive X_T(X) = X + F/K at which each position is an equilibrium, for the stiffness K of the block.
     pub fn drive(&self, stiffness: f64) -> Vec<f64> {
         let loading = Loading::Spring(stiffness);
         self.position.iter().zip(&self.force).map(|(&x, &f)| loading.drive(x, f)).collect()
     }
 
-    /// Whether each equilibrium is stable, F' + K > 0.
+    /// Whether each equilibrium is stable: F' + K > 0.
     pub fn stable(&self, stiffness: f64) -> Vec<bool> {
         self.tangent.iter().map(|tangent| tangent + stiffness > 0.0).collect()
     }
 
-    /// V(X_T, X) = ½K(X_T − X)² + ∫F dX at each position.
+    /// The potential V(X_T, X) = ½K(X_T − X)² + ∫F dX at each position, an energy.
     pub fn potential(&self, stiffness: f64, drive: f64) -> Vec<f64> {
         let loading = Loading::Spring(stiffness);
         self.position.iter().zip(&self.work).map(|(&x, &work)| loading.stored(drive, x) + work).collect()
@@ -102,19 +102,19 @@ struct CurveRow {
 }
 
 impl CurveRow {
-    /// At an advance `a` on the way ahead, `work` having been done before it.
-    fn at(look: &EquilibriumPath<'_>, a: f64, work: f64) -> Self {
-        let Response { force, tangent } = look.response(a);
-        let work = work + look.integral(a, |_, response| response.force);
-        Self { position: look.position + a, force, tangent, work }
+    /// The row after an advance `a` in the interval ahead, with the work done before it.
+    fn at(path: &EquilibriumPath<'_>, a: f64, work: f64) -> Self {
+        let Response { force, tangent } = path.response(a);
+        let work = work + path.integral(a, |_, response| response.force);
+        Self { position: path.position + a, force, tangent, work }
     }
 }
 
-/// K_c = −min F' as the slider's bottom moves forward over `distance` from where a population stands, 0 where F
-/// never falls; infinite where it jumps down. A block that is less stiff is unstable.
+/// Critical stiffness K_c = −min F' for forward motion over `distance` from the present state of a population; 0 if F
+/// never decreases, infinite if it jumps down. A block with K < K_c becomes unstable.
 ///
 /// # Errors
-/// A distance that is not above 0; those of the population; stopped by the monitor.
+/// A distance that is not above 0; those of the population; a stop by the monitor.
 pub fn critical_stiffness(
     population: &dyn Population,
     distance: f64,
@@ -122,34 +122,35 @@ pub fn critical_stiffness(
 ) -> Result<f64> {
     let mut critical: f64 = 0.0;
     let mut end: Option<f64> = None;
-    along(population, distance, monitor, |look, length| {
-        let fallen = end.is_some_and(|end| look.here.force < end);
-        critical = if fallen { f64::INFINITY } else { critical.max(-lowest_tangent(look, length)) };
-        end = look.way.breaks.then(|| look.response(length).force);
+    along(population, distance, monitor, |path, length| {
+        let fallen = end.is_some_and(|end| path.here.force < end);
+        critical = if fallen { f64::INFINITY } else { critical.max(-lowest_tangent(path, length)) };
+        end = path.interval.breaks.then(|| path.response(length).force);
         critical.is_finite()
     })?;
     Ok(critical)
 }
 
-/// The lowest tangent on the way ahead up to `length`.
-fn lowest_tangent(look: &EquilibriumPath<'_>, length: f64) -> f64 {
-    let ends = look.here.tangent.min(look.response(length).tangent);
-    if look.way.straight {
+/// The smallest tangent in the interval ahead up to `length`.
+fn lowest_tangent(path: &EquilibriumPath<'_>, length: f64) -> f64 {
+    let ends = path.here.tangent.min(path.response(length).tangent);
+    if path.interval.straight {
         return ends;
     }
-    let tangent = |a: f64| look.response(a).tangent;
+    let tangent = |a: f64| path.response(a).tangent;
     let place = |i: usize| match i {
         0 => 0.0,
         i if i <= NODES => 0.5 * length * (1.0 + RULE.nodes[i - 1]),
         _ => length,
     };
+    // The tangent is a polynomial on the interval: the lowest Gauss point brackets its minimum.
     let lowest = (1..=NODES).min_by(|&i, &j| tangent(place(i)).total_cmp(&tangent(place(j)))).unwrap_or(1);
     let (_, inside) = brent_minimum(tangent, place(lowest - 1), place(lowest + 1), 1e-9 * length);
     ends.min(inside)
 }
 
-/// Moves a copy of a population forward over `distance`, way by way, as long as `visit` of what is ahead and how much
-/// of it is left says so.
+/// Moves a copy of a population forward over `distance`, one smooth interval after the other. `visit` receives the interval
+/// ahead and its length, and returns whether to continue.
 fn along(
     population: &dyn Population,
     distance: f64,
@@ -160,22 +161,22 @@ fn along(
         return Err(Error::invalid("distance", "a finite length above 0", distance));
     }
     let mut copy = population.copy();
-    let mut look = EquilibriumPath::new(copy.as_mut(), Loading::Rigid, Direction::Forward, monitor)?;
-    let start = look.position;
-    for ways in 0_u32.. {
-        let left = distance - (look.position - start);
-        let length = look.way.length.min(left);
-        if !visit(&look, length) || length >= left {
+    let mut path = EquilibriumPath::new(copy.as_mut(), Loading::Rigid, Direction::Forward, monitor)?;
+    let start = path.position;
+    for intervals in 0_u32.. {
+        let left = distance - (path.position - start);
+        let length = path.interval.length.min(left);
+        if !visit(&path, length) || length >= left {
             return Ok(());
         }
-        let breaks = look.way.breaks;
-        look.advance(length)?;
+        let breaks = path.interval.breaks;
+        path.advance(length)?;
         if breaks {
-            look.cross()?;
+            path.cross()?;
         }
-        look.towards(Direction::Forward)?;
-        if ways.is_multiple_of(REPORT) {
-            look.tell(1.0 - left / distance)?;
+        path.find_interval(Direction::Forward)?;
+        if intervals.is_multiple_of(REPORT) {
+            path.report_progress(1.0 - left / distance)?;
         }
     }
     Ok(())

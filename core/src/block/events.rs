@@ -1,4 +1,4 @@
-//! What happens at a fixed drive: slips, and the sizes of all events.
+//! Slips, which are events at a fixed drive, and the size statistics of all events.
 
 use super::{EnergyBalance, Point};
 use crate::record::{Quantity, Record};
@@ -6,27 +6,27 @@ use crate::record::{Quantity, Record};
 /// A slip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Event {
-    /// X_1 and F_1, where balance was lost.
+    /// State X_1, F_1 at the loss of stability.
     pub before: Point,
-    /// Where it was found again.
+    /// State of the next equilibrium.
     pub after: Point,
-    /// X_2 of an inertial slip, where the slider first came to rest; else the position after.
+    /// Position X_2 of the first arrest of an inertial slip; otherwise the position after the slip.
     pub position_turn: f64,
-    /// Breaks in the slip, per contact; a contact that breaks twice counts twice, but once in a reset, where this is 1.
+    /// Breaks in the slip, per contact. A contact that breaks twice counts twice; a reset counts as 1.
     pub broken_fraction: f64,
     /// Energies of the slip.
     pub energy: EnergyBalance,
-    /// Energies since the slip before, all that was no slip.
+    /// Energies between the previous slip and this one.
     pub approach: EnergyBalance,
 }
 
 impl Event {
-    /// F_1 less the force after the slip.
+    /// Force drop: F_1 minus the force after the slip.
     pub fn drop(&self) -> f64 {
         self.before.force - self.after.force
     }
 
-    /// Way of the slider's bottom.
+    /// Displacement of the slider's base.
     pub fn slip(&self) -> f64 {
         self.after.position - self.before.position
     }
@@ -39,24 +39,24 @@ pub struct Size {
     pub events: u64,
     /// Sum of breaks per contact.
     pub broken: f64,
-    /// Sum of ways of the slider.
+    /// Sum of displacements of the slider.
     pub slip: f64,
     /// Sum of force drops.
     pub drop: f64,
 }
 
-/// Statistics of all events by the share of contacts that break, in bins that are powers of 10^{1/10}: bin i holds
-/// shares nearest to 10^{i/10 − 12} (by their logarithm), the first also what is below, the last what is above 1.
+/// Statistics of all events by the fraction of contacts that break, in logarithmic bins: bin i holds fractions nearest to
+/// 10^{i/10 − 12}. The first bin also holds smaller fractions, the last one those above 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sizes {
-    /// One for each bin.
+    /// The bins.
     pub bins: Vec<Size>,
 }
 
 /// Bins per factor of ten.
 const PER_DECADE: usize = 10;
 
-/// Decades below a share of 1.
+/// Decades below a fraction of 1.
 const DECADES: usize = 12;
 
 impl Default for Sizes {
@@ -66,7 +66,7 @@ impl Default for Sizes {
 }
 
 impl Sizes {
-    /// The share of contacts in the middle of a bin.
+    /// The fraction of contacts at the middle of a bin.
     pub fn middle(bin: usize) -> f64 {
         10.0_f64.powf(bin as f64 / PER_DECADE as f64 - DECADES as f64)
     }
@@ -79,7 +79,7 @@ impl Sizes {
     #[inline]
     pub(super) fn add(&mut self, broken: f64, slip: f64, drop: f64) {
         let bin = (PER_DECADE as f64 * (broken.log10() + DECADES as f64)).round();
-        // Casting puts −∞, from no break, into the first.
+        // The cast saturates: −∞, the logarithm of no breaks, falls into the first bin.
         let bin = &mut self.bins[(bin as usize).min(PER_DECADE * DECADES)];
         bin.events += 1;
         bin.broken += broken;

@@ -1,9 +1,9 @@
-//! The inertial slip: a swing in time, from the loss of balance to the first arrest.
+//! The inertial slip: motion in time from the loss of stability to the first arrest.
 //!
-//! MẌ = K(X_T − X) − F(X) − γẊ with X_T held. At a smooth instability X_1 the net force and its derivative vanish,
-//! so that a slider at rest there would stay for ever; the drive, however slow, pushes it past, and the motion is
-//! the one that leaves X_1 with no energy but what it gains. It is followed from where the work done on it since
-//! X_1 is 1e-14 of the elastic energy: no speed that it may have there changes its energy by more.
+//! MẌ = K(X_T − X) − F(X) − γẊ at fixed X_T. At a smooth instability X_1 the net force and its derivative vanish, so that a
+//! slider at rest there would stay for ever. An arbitrarily slow drive pushes it beyond X_1, and the slip is the motion that
+//! leaves X_1 with zero energy. The integration starts where the work done since X_1 is 1e-14 of the elastic energy, which
+//! bounds the error of the energy by the initial speed.
 
 use super::quasistatic::QuasistaticRun;
 use super::trace::Point;
@@ -12,70 +12,71 @@ use crate::numerics::roots::brent_root;
 use crate::population::Direction;
 use crate::{Error, Float, Result};
 
-/// Work, of the elastic energy of the contacts, at which the motion is first followed.
+/// Work at which the integration starts, relative to the elastic energy of the contacts.
 const UNSEEN: f64 = 1e-14;
 
-/// Error of the speed in a step, of the one that the elastic energy of the contacts would give the slider, or that
-/// its damping would let the pull have: at lower speeds it matters less, and rounding of the forces shows.
+/// Error of the speed in a step, relative to the speed from all elastic energy of the contacts, or to the speed at which
+/// damping balances the force of the spring, if that is smaller.
 const ACCURACY: f64 = 1e-12;
 
-/// A distance from the balance, of the way gone, at which a damped motion is at its end: the energy left is 1e-18.
+/// Distance from equilibrium at which a damped motion ends, relative to its displacement. The remaining energy is 1e-18.
 const SETTLED: f64 = 1e-9;
 
-/// Halvings of a step before it is given up.
+/// Largest number of halvings of a step.
 const MOST_HALVINGS: u32 = 60;
 
-/// How a swing ends.
+/// The end of a swing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Swung {
-    /// At rest.
+pub(super) enum SwingEnd {
+    /// The slider is at rest.
     Arrested,
-    /// Where it began: the slider is not pushed by more than rounding.
+    /// The net force is zero within rounding; nothing has moved.
     Still,
-    /// Nowhere.
+    /// The slider has run away.
     Away,
 }
 
-/// How a step ends.
+/// The end of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Ending {
-    /// On the way.
+enum StepEnd {
+    /// Inside the interval, in motion.
     Under,
-    /// At the end of the way.
+    /// At the end of the interval.
     Through,
     /// At rest.
     Arrested,
 }
 
-/// The state of a swing on the way ahead.
+/// The state of a swing on the interval ahead.
 struct Swing {
     body: Body,
     drive: f64,
-    /// Since it was first followed.
+    /// Time since the start of the integration.
     time: f64,
-    /// The advance on the way ahead.
+    /// Advance on the interval ahead.
     place: f64,
     speed: f64,
-    /// Of the last step.
+    /// Duration of the last step.
     step: f64,
-    /// Elastic energy of the contacts when balance was lost.
+    /// Elastic energy of the contacts at the loss of stability.
     energy: f64,
-    /// The error of a speed.
+    /// Largest error of a speed.
     accuracy: f64,
     start: f64,
 }
 
 impl QuasistaticRun<'_> {
-    /// Swings to the first arrest.
+    /// Integrates the motion to the first arrest.
     pub(super) fn swing(
         &mut self,
         drive: f64,
         direction: Direction,
         mass: f64,
         damping: f64,
-    ) -> Result<Swung> {
+    ) -> Result<SwingEnd> {
         self.offered.clear();
         let (energy, pull) = (self.stored_in_contacts(), self.state(drive, 0.0).spring_force.abs());
+        // The speed from all elastic energy, or the terminal speed under the force of the spring.
         let fast = (2.0 * energy / mass).sqrt().min(pull / damping);
         let mut swing = Swing {
             body: Body { mass, damping },
@@ -86,59 +87,59 @@ impl QuasistaticRun<'_> {
             step: f64::INFINITY,
             energy,
             accuracy: ACCURACY * fast,
-            start: self.look.position,
+            start: self.path.position,
         };
-        self.towards(direction)?;
+        self.find_interval(direction)?;
         if !self.leave(&mut swing) {
-            return Ok(Swung::Still);
+            return Ok(SwingEnd::Still);
         }
         let arrested = self.follow(&mut swing)?;
         if self.course.is_none() {
             self.offered.push(swing.time, 0.0, self.state(drive, 0.0));
         }
-        Ok(if arrested { Swung::Arrested } else { Swung::Away })
+        Ok(if arrested { SwingEnd::Arrested } else { SwingEnd::Away })
     }
 
-    /// Goes through way after way; whether there was an arrest.
+    /// Moves through one interval after the other. Returns whether the slider came to rest.
     fn follow(&mut self, swing: &mut Swing) -> Result<bool> {
         loop {
             let ending = self.step(swing)?;
-            let (sign, settled) = (self.look.sign(), self.is_settled(swing));
-            if ending == Ending::Under && !settled {
+            let (sign, settled) = (self.path.sign(), self.is_settled(swing));
+            if ending == StepEnd::Under && !settled {
                 continue;
             }
-            let breaks = self.look.way.breaks;
-            let (loading, drive) = (self.look.loading, swing.drive);
+            let breaks = self.path.interval.breaks;
+            let (loading, drive) = (self.path.loading, swing.drive);
             self.memory.open.work += loading.work_at_rest(drive, sign * swing.place);
-            self.look.advance(swing.place)?;
-            if ending == Ending::Arrested || settled {
+            self.path.advance(swing.place)?;
+            if ending == StepEnd::Arrested || settled {
                 return Ok(true);
             }
-            if self.is_gone(swing.drive) {
+            if self.has_run_away(swing.drive) {
                 return Ok(false);
             }
             if breaks {
-                self.look.cross()?;
+                self.path.cross()?;
             }
             swing.place = 0.0;
-            self.towards(self.look.direction)?;
+            self.find_interval(self.path.direction)?;
         }
     }
 
-    /// The first place and speed of a motion; `false` where no net force can be told from rounding.
+    /// Sets the initial advance u and speed v of the motion; `false` if the net force is zero within rounding.
     ///
-    /// From a balance, at which the slider is not pushed, they solve (3/2) M v²/u + γ v = g: exact where the net force
-    /// g grows as u² and there is either no damping or little else.
+    /// From an equilibrium they solve (3/2) M v²/u + γ v = g. This is exact for a net force g ∝ u², without damping or
+    /// without inertia.
     fn leave(&self, swing: &mut Swing) -> bool {
-        let excess = |a: f64| self.look.excess(swing.drive, a);
+        let excess = |a: f64| self.path.excess(swing.drive, a);
         if excess(0.0) > 0.0 && !self.is_balanced(swing.drive) {
             return true;
         }
         let unseen = UNSEEN * swing.energy;
-        let visible = |place: f64| place > f64::EPSILON * self.look.position.abs();
-        // Contacts are stretched by twice that, or more.
+        let visible = |place: f64| place > f64::EPSILON * self.path.position.abs();
+        // Contacts are stretched by at least twice this length, energy over force.
         let stretch = swing.energy / self.state(swing.drive, 0.0).spring_force.abs();
-        let mut place = self.look.way.length.min(self.look.position.abs().max(stretch));
+        let mut place = self.path.interval.length.min(self.path.position.abs().max(stretch));
         while visible(place) && !(excess(place) > 0.0 && place * excess(place) < unseen) {
             place *= 0.5;
         }
@@ -149,136 +150,138 @@ impl QuasistaticRun<'_> {
         visible(place)
     }
 
-    /// Whether what is left of a damped motion cannot be seen.
+    /// Whether a damped motion is within [`SETTLED`] of its equilibrium, in position and in speed.
     fn is_settled(&self, swing: &Swing) -> bool {
-        let look = &self.look;
-        let resistance = look.loading.resistance(look.response(swing.place).tangent);
-        let gone = (look.position + look.sign() * swing.place - swing.start).abs();
+        let path = &self.path;
+        let resistance = path.loading.resistance(path.response(swing.place).tangent);
+        let gone = (path.position + path.sign() * swing.place - swing.start).abs();
         let near = SETTLED * gone;
         resistance > 0.0
-            && look.excess(swing.drive, swing.place).abs() <= near * resistance
+            && path.excess(swing.drive, swing.place).abs() <= near * resistance
             && swing.body.mass * swing.speed * swing.speed <= near * near * resistance
     }
 
-    fn step(&mut self, swing: &mut Swing) -> Result<Ending> {
-        if self.look.way.straight { Ok(self.straight(swing)) } else { self.curved(swing) }
+    fn step(&mut self, swing: &mut Swing) -> Result<StepEnd> {
+        if self.path.interval.straight { Ok(self.straight(swing)) } else { self.curved(swing) }
     }
 
-    /// A step where the force is a straight line.
-    fn straight(&mut self, swing: &mut Swing) -> Ending {
-        let resistance = self.look.loading.resistance(self.look.here.tangent);
-        let excess = self.look.excess(swing.drive, swing.place);
-        let left = self.look.way.length - swing.place;
+    /// A step on an interval where the force is linear, with the closed-form solution.
+    fn straight(&mut self, swing: &mut Swing) -> StepEnd {
+        let resistance = self.path.loading.resistance(self.path.here.tangent);
+        let excess = self.path.excess(swing.drive, swing.place);
+        let left = self.path.interval.length - swing.place;
         let passage = swing.body.passage(swing.speed, excess, resistance, left);
         self.memory.open.viscous += swing.body.damping * passage.squared;
         swing.time += passage.time;
         swing.speed = passage.speed;
         let through = passage.way == left;
-        swing.place = if through { self.look.way.length } else { swing.place + passage.way };
+        swing.place = if through { self.path.interval.length } else { swing.place + passage.way };
         self.offer(swing, swing.time, swing.place, swing.speed);
         match (through, swing.speed == 0.0) {
-            (true, _) => Ending::Through,
-            (_, true) => Ending::Arrested,
-            _ => Ending::Under,
+            (true, _) => StepEnd::Through,
+            (_, true) => StepEnd::Arrested,
+            _ => StepEnd::Under,
         }
     }
 
-    /// A step on a smooth way, cut where the way or the motion ends.
-    fn curved(&mut self, swing: &mut Swing) -> Result<Ending> {
-        let end = self.look.way.length;
+    /// A step on a smooth interval, shortened to end with the interval or with the motion.
+    fn curved(&mut self, swing: &mut Swing) -> Result<StepEnd> {
+        let end = self.path.interval.length;
         let begin =
-            (self.look.excess(swing.drive, swing.place) - swing.body.damping * swing.speed) / swing.body.mass;
+            (self.path.excess(swing.drive, swing.place) - swing.body.damping * swing.speed) / swing.body.mass;
+        // Somewhat longer than uniformly accelerated motion takes to the end of the interval, which then lies
+        // inside the step.
         let mut time = (1.2 * uniform(swing.speed, begin, end - swing.place)).min(4.0 * swing.step);
         for _ in 0..MOST_HALVINGS {
             let Some(step) = self.collocated(swing, time) else {
                 time *= 0.5;
                 continue;
             };
-            let (share, ending) = first_ending(&step, end, swing.accuracy);
-            // Landed on what ends it, or nothing does.
-            if share < 1.0 {
-                time *= share;
+            let (fraction, ending) = first_ending(&step, end, swing.accuracy);
+            // The step is repeated with the shorter time until the event that ends it is at its end.
+            if fraction < 1.0 {
+                time *= fraction;
                 continue;
             }
             swing.step = time;
             self.accept(swing, &step, ending);
             return Ok(ending);
         }
-        let what = format!("a slip with inertia at X = {}", self.look.position);
+        let what = format!("a slip with inertia at X = {}", self.path.position);
         Err(Error::Accuracy { key: String::new(), what, reached: Float(time), wanted: Float(ACCURACY) })
     }
 
-    /// The step of that duration, if it is accurate. Beyond the way the force goes on as its tangent, for a first
-    /// guess of when the end is reached.
+    /// The step of duration `time`; `None` if it is not accurate. Beyond the interval the force is continued along its
+    /// tangent, which gives a first guess of the time at its end.
     fn collocated(&self, swing: &Swing, time: f64) -> Option<MotionStep> {
-        let (look, end) = (&self.look, self.look.way.length);
+        let (path, end) = (&self.path, self.path.interval.length);
         let force = |u: f64| {
             let within = u.clamp(0.0, end);
-            let resistance = look.loading.resistance(look.response(within).tangent);
-            (look.excess(swing.drive, within) - resistance * (u - within), -resistance)
+            let resistance = path.loading.resistance(path.response(within).tangent);
+            (path.excess(swing.drive, within) - resistance * (u - within), -resistance)
         };
         swing.body.step((swing.place, swing.speed), time, swing.accuracy, force)
     }
 
-    fn accept(&mut self, swing: &mut Swing, step: &MotionStep, ending: Ending) {
+    fn accept(&mut self, swing: &mut Swing, step: &MotionStep, ending: StepEnd) {
         self.memory.open.viscous += swing.body.damping * step.squared();
         for ((time, place), speed) in step.times().into_iter().zip(step.places()).zip(step.speeds()) {
             self.offer(swing, swing.time + time, place, speed);
         }
         let (place, speed) = step.at(1.0);
         swing.time += step.time;
-        swing.place = if ending == Ending::Through { self.look.way.length } else { place };
-        swing.speed = if ending == Ending::Arrested { 0.0 } else { speed };
+        swing.place = if ending == StepEnd::Through { self.path.interval.length } else { place };
+        swing.speed = if ending == StepEnd::Arrested { 0.0 } else { speed };
     }
 
-    /// Keeps a point of the time course, until there is one of a slip.
+    /// Adds a point to the time course, as long as no slip has been recorded.
     fn offer(&mut self, swing: &Swing, time: f64, place: f64, speed: f64) {
         if self.course.is_none() {
             let state = self.state(swing.drive, place);
-            self.offered.offer(time, self.look.sign() * speed, state);
+            self.offered.offer(time, self.path.sign() * speed, state);
         }
     }
 
-    /// The state at an advance `a` on the way, at a given drive.
+    /// The state after an advance `a`, at a fixed drive.
     fn state(&self, drive: f64, a: f64) -> Point {
-        let position = self.look.position + self.look.sign() * a;
-        let force = self.look.response(a.clamp(0.0, self.look.way.length)).force;
-        Point { drive, position, force, spring_force: self.look.loading.pull(drive, position, force) }
+        let position = self.path.position + self.path.sign() * a;
+        let force = self.path.response(a.clamp(0.0, self.path.interval.length)).force;
+        Point { drive, position, force, spring_force: self.path.loading.pull(drive, position, force) }
     }
 }
 
-/// How far the end of a way may be missed, of its length.
+/// Distance from the end of an interval that counts as the end, relative to its length.
 const MISSED: f64 = 1e-13;
 
-/// Speeds below which a slider is at rest, of the highest in a step.
+/// Speed below which a slider is at rest, relative to the highest speed in a step.
 const STILL: f64 = 1e-10;
 
-/// The share of a step at which it first ends, and how; 1 where that is at its end, to rounding and to the `accuracy`
-/// of the speed.
-fn first_ending(step: &MotionStep, length: f64, accuracy: f64) -> (f64, Ending) {
-    let (share, ending) = first_rest(step, accuracy);
-    let farthest = step.at(share).0;
+/// The fraction of a step at which it first ends, and how; 1 if that is the end of the step, within rounding and the
+/// `accuracy` of the speed.
+fn first_ending(step: &MotionStep, length: f64, accuracy: f64) -> (f64, StepEnd) {
+    let (fraction, ending) = first_rest(step, accuracy);
+    let farthest = step.at(fraction).0;
     if (farthest - length).abs() <= MISSED * length {
-        return (share, Ending::Through);
+        return (fraction, StepEnd::Through);
     }
     if farthest < length {
-        return (share, ending);
+        return (fraction, ending);
     }
-    (brent_root(|s| step.at(s).0 - length, 0.0, share, 0.0).unwrap_or(share), Ending::Through)
+    (brent_root(|s| step.at(s).0 - length, 0.0, fraction, 0.0).unwrap_or(fraction), StepEnd::Through)
 }
 
-/// The share of a step at which the motion first comes to rest, if it does.
-fn first_rest(step: &MotionStep, accuracy: f64) -> (f64, Ending) {
-    let (speeds, shares) = (step.speeds(), step.times().map(|time| time / step.time));
+/// The fraction of a step at which the motion first comes to rest; 1 if it does not.
+fn first_rest(step: &MotionStep, accuracy: f64) -> (f64, StepEnd) {
+    let (speeds, fractions) = (step.speeds(), step.times().map(|time| time / step.time));
     let last = step.at(1.0).1;
     let highest = speeds.iter().fold(step.speed, |most: f64, v| most.max(*v));
     let still = STILL * highest + 2.0 * accuracy;
-    let node = speeds.iter().position(|v| *v < -still).map(|i| shares[i]);
+    let node = speeds.iter().position(|v| *v < -still).map(|i| fractions[i]);
     let Some(after) = node.or((last < -still).then_some(1.0)) else {
-        return (1.0, if last <= still { Ending::Arrested } else { Ending::Under });
+        return (1.0, if last <= still { StepEnd::Arrested } else { StepEnd::Under });
     };
-    // A motion that begins at rest is not at its end there.
-    let begun = speeds.iter().position(|v| *v > 0.0).map_or(0.0, |i| shares[i]);
+    // The rest at the beginning of a motion is not its end.
+    let begun = speeds.iter().position(|v| *v > 0.0).map_or(0.0, |i| fractions[i]);
     let before = if step.speed > 0.0 { 0.0 } else { begun };
-    (brent_root(|s| step.at(s).1, before, after, 0.0).unwrap_or(after), Ending::Arrested)
+    (brent_root(|s| step.at(s).1, before, after, 0.0).unwrap_or(after), StepEnd::Arrested)
 }

@@ -1,25 +1,25 @@
-//! What pulls the slider's bottom, and the drive at which it balances the contacts.
+//! Loading of the slider's base, and the drive at which it is in equilibrium with the contacts.
 
 use crate::population::Response;
 use crate::record::Quantity;
 use crate::{Error, Result};
 
-/// What pulls the slider's bottom.
+/// Loading of the slider's base.
 ///
-/// Its *drive* is what is set from outside: the position X_T of the slider's top behind a spring, the position X of
-/// the bottom itself where the slider is rigid (K = ∞), the force where that is imposed (K → 0).
+/// Its *drive* is the quantity that is imposed: the position X_T of the slider's top behind a spring, the position X of the
+/// base of a rigid slider (K = ∞), or a force (K → 0).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Loading {
     /// A block of shear stiffness K, force per length: K(X_T − X) = F.
     Spring(f64),
-    /// A rigid slider: X is imposed and nothing is ever unstable.
+    /// A rigid slider: X is imposed, and every state is stable.
     Rigid,
     /// An imposed force.
     Force,
 }
 
 impl Loading {
-    /// Whether a stiffness is one.
+    /// Refuses a stiffness that is not a finite number above 0.
     pub(super) fn check(self) -> Result<()> {
         match self {
             Self::Spring(stiffness) if !(stiffness > 0.0 && stiffness.is_finite()) => {
@@ -29,7 +29,7 @@ impl Loading {
         }
     }
 
-    /// The drive in balance with the force F at X: X + F/K, X or F.
+    /// Equilibrium drive at position X and force F: X + F/K, X or F.
     pub fn drive(self, position: f64, force: f64) -> f64 {
         match self {
             Self::Spring(stiffness) => position + force / stiffness,
@@ -38,7 +38,7 @@ impl Loading {
         }
     }
 
-    /// The derivative of the drive by X, 1 + F'/K, 1 or F': in balance the slider is stable where it is above 0.
+    /// Derivative of the equilibrium drive with respect to X: 1 + F'/K, 1 or F'. An equilibrium is stable if it is above 0.
     pub fn rise(self, tangent: f64) -> f64 {
         match self {
             Self::Spring(stiffness) => 1.0 + tangent / stiffness,
@@ -47,7 +47,7 @@ impl Loading {
         }
     }
 
-    /// The force by which the pull exceeds F at a given drive: K(X_T − X) − F; 0 for a rigid slider.
+    /// Net force on the slider at a fixed drive: K(X_T − X) − F, 0 for a rigid slider.
     pub fn excess(self, drive: f64, position: f64, force: f64) -> f64 {
         match self {
             Self::Spring(stiffness) => stiffness * (drive - position) - force,
@@ -56,7 +56,7 @@ impl Loading {
         }
     }
 
-    /// The derivative of the excess by X at a given drive, with the sign of resistance: K + F', or F'.
+    /// Minus the derivative of the net force with respect to X at a fixed drive: K + F', ∞ or F'.
     pub(super) fn resistance(self, tangent: f64) -> f64 {
         match self {
             Self::Spring(stiffness) => stiffness + tangent,
@@ -65,7 +65,7 @@ impl Loading {
         }
     }
 
-    /// What the drive is.
+    /// The quantity of the drive: a length or a force.
     pub(super) fn drive_quantity(self) -> Quantity {
         match self {
             Self::Spring(_) | Self::Rigid => Quantity::Length,
@@ -73,7 +73,7 @@ impl Loading {
         }
     }
 
-    /// Force of the spring at a given drive, `force` where there is no spring.
+    /// Force of the spring at a fixed drive; `force` for a rigid slider.
     pub(super) fn pull(self, drive: f64, position: f64, force: f64) -> f64 {
         match self {
             Self::Spring(stiffness) => stiffness * (drive - position),
@@ -90,7 +90,7 @@ impl Loading {
         }
     }
 
-    /// Work of the drive per advance of X in balance: F dX_T/dX behind a spring, else F.
+    /// Work of the drive per advance of X in equilibrium: F dX_T/dX behind a spring, otherwise F.
     pub(super) fn work(self, response: Response) -> f64 {
         match self {
             Self::Spring(_) => response.force * self.rise(response.tangent),
@@ -98,7 +98,7 @@ impl Loading {
         }
     }
 
-    /// Work of the drive when X advances at a given drive: that of an imposed force alone.
+    /// Work of the drive for an advance of X at a fixed drive, which only an imposed force does.
     pub(super) fn work_at_rest(self, drive: f64, advance: f64) -> f64 {
         match self {
             Self::Spring(_) | Self::Rigid => 0.0,

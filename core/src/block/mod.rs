@@ -1,14 +1,13 @@
 //! A slider block pulled over its contacts through a spring: stick-slip and smooth sliding.
 //!
-//! The bottom of the slider is at X, its top at X_T; the shear stiffness K of the block joins them:
+//! The base of the slider is at X, its top at X_T, and K is the shear stiffness of the block between them:
 //!
 //! K(X_T − X) = F(X), X_T(X) = X + F(X)/K.
 //!
-//! The contacts are a [`Population`] and nothing else is known of them. While X_T rises slowly the slider creeps
-//! along X_T(X), which is stable where F' + K > 0. Where that is lost, or contacts break together, it moves on at
-//! fixed X_T, in a way that the rule [`Slip`] says, until it finds balance again. An imposed position of the
-//! bottom (K = ∞) and an imposed force (K → 0) are the same with another [`Loading`]; backward motion is the
-//! mirror image of forward motion.
+//! The contacts are a [`Population`]. While X_T increases slowly, the slider creeps along the equilibria X_T(X), which are
+//! stable if F' + K > 0. At an instability, or where contacts break simultaneously, it slips at fixed X_T by the rule
+//! [`Slip`] to another equilibrium. An imposed position of the base (K = ∞) and an imposed force (K → 0) are other cases of
+//! [`Loading`]. Backward motion is the mirror image of forward motion.
 
 mod curves;
 mod equilibrium_path;
@@ -76,16 +75,16 @@ pub struct Block {
     slip_fraction: Option<f64>,
 }
 
-/// The largest γ/√(MK). A slip lasts some γ/K, in which the speed follows the force within M/γ: following the one
-/// in steps of the other takes γ²/(MK) of them.
+/// Largest γ/√(MK). A slip lasts about γ/K, and the speed relaxes within M/γ, so that the integration takes about γ²/(MK)
+/// steps.
 const MOST_DAMPING: f64 = 1e3;
 
 impl Block {
     /// A slider pulled by `loading`.
     ///
-    /// `slip_fraction`: an event in which a larger share of the contacts breaks is a slip, what is smaller enters the
-    /// statistics of sizes alone, its contacts re-forming as they break. `None`: every event in which the slider moves a
-    /// finite way, as it should be for the master equation, whose contacts break one after another without any event.
+    /// `slip_fraction`: an event in which a larger fraction of the contacts breaks is a slip. Smaller events enter only the
+    /// size statistics, and their contacts re-form as they break. `None`: every event with a finite displacement is a slip.
+    /// This is the choice for the master equation, in which contacts break continuously, without events.
     ///
     /// # Errors
     /// Stiffness or mass not above 0, damping below 0 or above 10³√(MK); a fraction outside (0, 1].
@@ -93,9 +92,9 @@ impl Block {
         loading.check()?;
         match slip {
             Slip::Inertial { mass, damping } => {
-                inertial(loading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
+                check_inertia(loading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
             }
-            Slip::Damped { damping } => damped(damping).map_err(|e| e.under("slip.damped"))?,
+            Slip::Damped { damping } => check_damping(damping).map_err(|e| e.under("slip.damped"))?,
             Slip::Reset | Slip::Overdamped | Slip::Arrest => {}
         }
         if let Some(fraction) = slip_fraction.filter(|f| !(*f > 0.0 && *f <= 1.0)) {
@@ -104,12 +103,12 @@ impl Block {
         Ok(Self { loading, slip, slip_fraction })
     }
 
-    /// What pulls it.
+    /// The loading.
     pub fn loading(&self) -> Loading {
         self.loading
     }
 
-    /// Its rule of slip.
+    /// The slip rule.
     pub fn slip(&self) -> Slip {
         self.slip
     }
@@ -117,7 +116,7 @@ impl Block {
     /// Pulls the slider over `population` through the turning points of `drive`.
     ///
     /// # Errors
-    /// Turning points that do not turn; those of the population; stopped by the monitor.
+    /// Turning points at which the drive does not turn; those of the population; a stop by the monitor.
     pub fn pull(
         &self,
         population: &mut dyn Population,
@@ -128,8 +127,8 @@ impl Block {
     }
 }
 
-/// Whether the motion with that mass and damping can be followed.
-fn inertial(loading: Loading, mass: f64, damping: f64) -> Result<()> {
+/// Refuses a mass and a damping with which the motion cannot be integrated.
+fn check_inertia(loading: Loading, mass: f64, damping: f64) -> Result<()> {
     if !(mass > 0.0 && mass.is_finite()) {
         return Err(Error::invalid("mass", "a finite mass above 0", mass));
     }
@@ -137,21 +136,21 @@ fn inertial(loading: Loading, mass: f64, damping: f64) -> Result<()> {
         return Err(Error::invalid("damping", "a finite damping, 0 or above", damping));
     }
     match loading {
-        Loading::Spring(stiffness) => bearable(stiffness, mass, damping),
+        Loading::Spring(stiffness) => check_damping_ratio(stiffness, mass, damping),
         Loading::Rigid | Loading::Force => Ok(()),
     }
 }
 
-/// Whether there is a damping.
-fn damped(damping: f64) -> Result<()> {
+/// Refuses a damping that is not a finite number above 0.
+fn check_damping(damping: f64) -> Result<()> {
     if damping > 0.0 && damping.is_finite() {
         return Ok(());
     }
     Err(Error::invalid("damping", "a finite damping above 0", damping))
 }
 
-/// Whether γ ≤ 10³ √(MK).
-fn bearable(stiffness: f64, mass: f64, damping: f64) -> Result<()> {
+/// Refuses γ > 10³ √(MK).
+fn check_damping_ratio(stiffness: f64, mass: f64, damping: f64) -> Result<()> {
     let most = MOST_DAMPING * (mass * stiffness).sqrt();
     if damping > most {
         let expected = format!(

@@ -1,4 +1,4 @@
-//! Creep in balance from instability to instability, with what is kept of it.
+//! Quasistatic motion: creep along equilibria from one instability to the next, with its records.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,74 +10,74 @@ use crate::Result;
 use crate::monitor::Monitor;
 use crate::population::{Books, Direction, Population};
 
-/// Ways between two reports to the monitor.
+/// Intervals between two reports to the monitor.
 const REPORT: u32 = 1024;
 
-/// A slider that has moved this often the mean stretch of contacts that carry the imposed force has run away.
+/// Displacement at which a slider under an imposed force has run away, in mean stretches of contacts that carry the force.
 const RUNAWAY: f64 = 100.0;
 
-/// Why a creep ended.
+/// The end of a creep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Stop {
-    /// The drive is where it should be, so far ahead on the way.
+    /// The requested drive is reached after this advance on the interval ahead.
     Reached(f64),
-    /// Balance is lost here.
+    /// The equilibrium becomes unstable here.
     Unstable,
-    /// Contacts are about to break together.
+    /// Contacts break simultaneously here.
     Breakpoint,
-    /// There is no balance near.
+    /// There is no equilibrium nearby.
     Runaway,
 }
 
-/// What happens next to a slider that is driven.
+/// The next event of a driven slider.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Next {
-    /// The drive is where it should be, so far ahead on the way; the slider has not gone there.
+    /// The requested drive is reached after this advance on the interval ahead. The slider has not moved there yet.
     Reached(f64),
-    /// Something has happened at a fixed drive, an event, or too little to be one.
+    /// Contacts have broken at a fixed drive; `None` if too few for an event.
     Happened(Option<Event>),
-    /// From here there is no balance.
+    /// There is no equilibrium ahead of this state.
     Runaway(Point),
 }
 
-/// What is to be remembered of a run from one event to the next.
+/// The state of a run between two events, except for the contacts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Memory {
-    /// Where the slider is, and how far it was moved while no contact held.
+    /// Position of the slider, and its displacement while no contact was attached.
     position: f64,
     carried: f64,
-    /// Which way the drive goes.
+    /// Direction of the drive.
     pub direction: Direction,
-    /// All that is closed.
+    /// Energy balance up to the last closing.
     pub energy: EnergyBalance,
-    /// What is closed since the last slip.
+    /// The part of it since the last slip.
     pub approach: EnergyBalance,
-    /// Work and losses of the slider since the energy balance was last closed.
+    /// Work and dissipation since the last closing.
     pub open: EnergyBalance,
-    /// The energies then, and the energy of the spring.
+    /// Energies of the contacts and of the spring at the last closing.
     books: Books,
     stored: f64,
-    /// Where the drive last turned.
-    pub leg_start: Point,
-    /// N⟨k⟩ where a force is imposed.
+    /// State at the last turn of the drive.
+    pub segment_start: Point,
+    /// N⟨k⟩, for an imposed force only.
     stiffness: Option<f64>,
-    /// Where it was.
+    /// Position after the last event or turn.
     pub rest: f64,
 }
 
-/// A slider on its way.
+/// A slider in quasistatic motion.
 pub(super) struct QuasistaticRun<'a> {
     pub block: Block,
-    pub look: EquilibriumPath<'a>,
+    pub path: EquilibriumPath<'a>,
     pub trace: Vec<Point>,
     pub events: Vec<Event>,
     pub sizes: Sizes,
     pub course: Option<SlipCourse>,
-    /// The course of the last swing, as long as there is none of a slip.
+    /// The time course of the last swing, until one of a slip is recorded.
     pub offered: SlipCourse,
     pub memory: Memory,
-    /// Length of the way of the drive: all of it, of the legs done.
-    pub path: (f64, f64),
+    /// Path length of the drive: in total, and up to the last turn.
+    pub path_length: (f64, f64),
     ways: u32,
 }
 
@@ -88,9 +88,9 @@ impl<'a> QuasistaticRun<'a> {
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
         let books = population.books();
-        let look = EquilibriumPath::new(population, block.loading, Direction::Forward, monitor)?;
-        let drive = look.drive_here();
-        let (position, force) = (look.position, look.here.force);
+        let path = EquilibriumPath::new(population, block.loading, Direction::Forward, monitor)?;
+        let drive = path.drive_here();
+        let (position, force) = (path.position, path.here.force);
         let memory = Memory {
             position,
             carried: 0.0,
@@ -100,108 +100,108 @@ impl<'a> QuasistaticRun<'a> {
             open: EnergyBalance::default(),
             books,
             stored: block.loading.stored(drive, position),
-            leg_start: Point { drive, position, force, spring_force: force },
+            segment_start: Point { drive, position, force, spring_force: force },
             stiffness: None,
             rest: position,
         };
-        Ok(Self::with(block, look, memory))
+        Ok(Self::with(block, path, memory))
     }
 
-    /// The run that is remembered, taken up where its population stands.
+    /// Resumes a run from its memory and its population.
     pub fn resumed(
         block: &Block,
         population: &'a mut dyn Population,
         memory: Memory,
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
-        let mut look = EquilibriumPath::new(population, block.loading, memory.direction, monitor)?;
-        (look.position, look.carried) = (memory.position, memory.carried);
-        Ok(Self::with(block, look, memory))
+        let mut path = EquilibriumPath::new(population, block.loading, memory.direction, monitor)?;
+        (path.position, path.carried) = (memory.position, memory.carried);
+        Ok(Self::with(block, path, memory))
     }
 
-    fn with(block: &Block, look: EquilibriumPath<'a>, memory: Memory) -> Self {
+    fn with(block: &Block, path: EquilibriumPath<'a>, memory: Memory) -> Self {
         Self {
             block: *block,
-            look,
+            path,
             trace: Vec::new(),
             events: Vec::new(),
             sizes: Sizes::default(),
             course: None,
             offered: SlipCourse::default(),
             memory,
-            path: (0.0, 0.0),
+            path_length: (0.0, 0.0),
             ways: 0,
         }
     }
 
-    /// What is to be remembered to take up the run between two events.
-    pub fn remembered(self) -> Memory {
-        Memory { position: self.look.position, carried: self.look.carried, ..self.memory }
+    /// The memory from which the run can be resumed between two events.
+    pub fn into_memory(self) -> Memory {
+        Memory { position: self.path.position, carried: self.path.carried, ..self.memory }
     }
 
-    /// The drive in balance here.
+    /// The equilibrium drive at the present position.
     pub fn drive(&self) -> f64 {
-        self.look.drive_here()
+        self.path.drive_here()
     }
 
-    /// The state here, in balance.
+    /// The present state, an equilibrium.
     pub fn point(&self) -> Point {
-        let force = self.look.here.force;
-        Point { drive: self.drive(), position: self.look.position, force, spring_force: force }
+        let force = self.path.here.force;
+        Point { drive: self.drive(), position: self.path.position, force, spring_force: force }
     }
 
-    /// N⟨k⟩, the slope of F when the slider moves back.
+    /// N⟨k⟩, the slope of F on unloading.
     pub fn unloading(&mut self) -> Result<f64> {
-        let forward = self.look.direction;
-        self.look.towards(forward.reversed())?;
-        let stiffness = self.look.here.tangent;
-        self.look.towards(forward)?;
+        let forward = self.path.direction;
+        self.path.find_interval(forward.reversed())?;
+        let stiffness = self.path.here.tangent;
+        self.path.find_interval(forward)?;
         Ok(stiffness)
     }
 
-    /// Looks ahead; now and then tells the monitor.
-    pub fn towards(&mut self, direction: Direction) -> Result<()> {
+    /// Computes the interval ahead, and reports to the monitor from time to time.
+    pub fn find_interval(&mut self, direction: Direction) -> Result<()> {
         self.ways += 1;
         if self.ways >= REPORT {
             self.ways = 0;
-            let done = self.path.1 + (self.drive() - self.memory.leg_start.drive).abs();
-            self.look.tell(done / self.path.0)?;
+            let done = self.path_length.1 + (self.drive() - self.memory.segment_start.drive).abs();
+            self.path.report_progress(done / self.path_length.0)?;
         }
-        self.look.towards(direction)
+        self.path.find_interval(direction)
     }
 
-    /// Brings the drive through the values asked for; where the slider runs away on the way, from where.
-    pub fn leg(&mut self, direction: Direction, asked: &[f64]) -> Result<Option<Point>> {
+    /// Moves the drive through the requested values. Returns the state from which the slider ran away, if it did.
+    pub fn follow_segment(&mut self, direction: Direction, requested: &[f64]) -> Result<Option<Point>> {
         self.turn(direction)?;
-        let mut asked = asked;
+        let mut requested = requested;
         loop {
-            match self.next(&mut asked)? {
+            match self.next(&mut requested)? {
                 Next::Happened(_) => {}
                 Next::Runaway(from) => return Ok(Some(from)),
                 Next::Reached(ahead) => {
-                    self.glide(ahead)?;
-                    self.path.1 += (self.drive() - self.memory.leg_start.drive).abs();
+                    self.advance(ahead)?;
+                    self.path_length.1 += (self.drive() - self.memory.segment_start.drive).abs();
                     return Ok(None);
                 }
             }
         }
     }
 
-    /// Begins to drive the slider in a direction.
+    /// Turns the drive to a direction.
     pub fn turn(&mut self, direction: Direction) -> Result<()> {
         self.memory.direction = direction;
-        self.memory.leg_start = self.point();
+        self.memory.segment_start = self.point();
         if self.block.loading == Loading::Force {
             self.memory.stiffness = Some(self.unloading()?);
         }
-        self.memory.rest = self.look.position;
+        self.memory.rest = self.path.position;
         Ok(())
     }
 
-    /// Brings the drive on through the values asked for, which lose what is passed, or to where something happens at a fixed
-    /// drive, and through that.
-    pub fn next(&mut self, asked: &mut &[f64]) -> Result<Next> {
-        let breaks = match self.creep(self.memory.direction, asked)? {
+    /// Moves the drive through the requested values, or to the next breaks at a fixed drive and through these. Values that
+    /// have been passed are removed from `requested`.
+    pub fn next(&mut self, requested: &mut &[f64]) -> Result<Next> {
+        let breaks = match self.creep(self.memory.direction, requested)? {
             Stop::Reached(ahead) => return Ok(Next::Reached(ahead)),
             Stop::Runaway => return Ok(Next::Runaway(self.point())),
             Stop::Unstable => false,
@@ -209,72 +209,72 @@ impl<'a> QuasistaticRun<'a> {
         };
         let here = self.point();
         let Some(happened) = self.event(breaks)? else { return Ok(Next::Runaway(here)) };
-        self.memory.rest = self.look.position;
+        self.memory.rest = self.path.position;
         Ok(Next::Happened(happened))
     }
 
-    /// Creeps in balance, `asked` losing what is passed.
-    fn creep(&mut self, direction: Direction, asked: &mut &[f64]) -> Result<Stop> {
+    /// Creeps along equilibria. Values that have been passed are removed from `requested`.
+    fn creep(&mut self, direction: Direction, requested: &mut &[f64]) -> Result<Stop> {
         let sign = direction.sign();
         loop {
-            self.towards(direction)?;
-            if !self.look.rises() {
+            self.find_interval(direction)?;
+            if !self.path.rises() {
                 return Ok(Stop::Unstable);
             }
-            let turn = self.look.turn(0.0, true);
-            let end = turn.unwrap_or(self.look.way.length);
-            let top = if end.is_finite() { self.look.drive(end) } else { f64::INFINITY };
+            let turn = self.path.turn(0.0, true);
+            let end = turn.unwrap_or(self.path.interval.length);
+            let top = if end.is_finite() { self.path.drive(end) } else { f64::INFINITY };
             let mut reached = 0.0;
-            while let Some((&next, rest)) = asked.split_first()
+            while let Some((&next, rest)) = requested.split_first()
                 && sign * next <= top
             {
-                reached = self.look.reaches(sign * next, reached, end);
-                self.keep(next, reached);
-                *asked = rest;
+                reached = self.path.reaches(sign * next, reached, end);
+                self.add_to_trace(next, reached);
+                *requested = rest;
             }
-            let stop = match (asked.is_empty(), turn.is_some(), self.look.way.breaks) {
+            let stop = match (requested.is_empty(), turn.is_some(), self.path.interval.breaks) {
                 (true, ..) => return Ok(Stop::Reached(reached)),
                 (_, true, _) => Some(Stop::Unstable),
                 (_, _, true) => Some(Stop::Breakpoint),
-                _ => self.is_gone(self.drive()).then_some(Stop::Runaway),
+                _ => self.has_run_away(self.drive()).then_some(Stop::Runaway),
             };
-            self.glide(end)?;
+            self.advance(end)?;
             if let Some(stop) = stop {
                 return Ok(stop);
             }
         }
     }
 
-    /// Whether the slider is too far from where it was at rest for a drive, or for the one that the leg began at.
-    pub fn is_gone(&self, drive: f64) -> bool {
-        let largest = drive.abs().max(self.memory.leg_start.drive.abs());
-        let gone = (self.look.position - self.memory.rest).abs();
+    /// Whether the slider has run away: its displacement since the last event is too large for the imposed force.
+    pub fn has_run_away(&self, drive: f64) -> bool {
+        let largest = drive.abs().max(self.memory.segment_start.drive.abs());
+        let gone = (self.path.position - self.memory.rest).abs();
         self.memory.stiffness.is_some_and(|stiffness| gone > RUNAWAY * largest / stiffness)
     }
 
-    /// How large a drive is that belongs to a length: an imposed force is that of contacts so far stretched.
+    /// The drive that corresponds to a length. For an imposed force it is the force of contacts with that stretch.
     pub fn drive_of(&self, length: f64) -> f64 {
         self.memory.stiffness.unwrap_or(1.0) * length
     }
 
-    /// Keeps the state of balance at an advance `a` for the trace.
-    fn keep(&mut self, drive: f64, a: f64) {
-        let position = self.look.position + self.look.sign() * a;
-        let force = self.look.response(a).force;
-        let spring_force = self.look.loading.pull(drive, position, force);
+    /// Adds the equilibrium after an advance `a` to the trace.
+    fn add_to_trace(&mut self, drive: f64, a: f64) {
+        let position = self.path.position + self.path.sign() * a;
+        let force = self.path.response(a).force;
+        let spring_force = self.path.loading.pull(drive, position, force);
         self.trace.push(Point { drive, position, force, spring_force });
     }
 
-    /// Moves on by `a` in balance.
-    pub fn glide(&mut self, a: f64) -> Result<()> {
-        let (loading, sign) = (self.look.loading, self.look.sign());
-        self.memory.open.work += sign * self.look.integral(a, |_, response| loading.work(response));
-        self.look.advance(a)
+    /// Advances by `a` along equilibria.
+    pub fn advance(&mut self, a: f64) -> Result<()> {
+        let (loading, sign) = (self.path.loading, self.path.sign());
+        self.memory.open.work += sign * self.path.integral(a, |_, response| loading.work(response));
+        self.path.advance(a)
     }
 
-    /// The energy balance since it was last closed; it is closed here, at a given drive.
-    pub fn closed(&mut self, drive: f64) -> EnergyBalance {
-        let (books, stored) = (self.look.books(), self.look.loading.stored(drive, self.look.position));
+    /// Closes the energy balance at a fixed drive. Returns the energies since the last closing.
+    pub fn close_energy_balance(&mut self, drive: f64) -> EnergyBalance {
+        let (books, stored) = (self.path.books(), self.path.loading.stored(drive, self.path.position));
         let mut energy = std::mem::take(&mut self.memory.open);
         energy.spring = stored - self.memory.stored;
         energy.elastic = books.elastic - self.memory.books.elastic;
@@ -284,12 +284,12 @@ impl<'a> QuasistaticRun<'a> {
         energy
     }
 
-    /// Breaks since the energy balance was last closed, per contact.
+    /// Breaks since the last closing of the energy balance, per contact.
     pub fn broken(&self) -> f64 {
-        self.look.books().broken - self.memory.books.broken
+        self.path.books().broken - self.memory.books.broken
     }
 
-    /// Elastic energy of the contacts when the energy balance was last closed.
+    /// Elastic energy of the contacts at the last closing of the energy balance.
     pub fn stored_in_contacts(&self) -> f64 {
         self.memory.books.elastic
     }
@@ -297,7 +297,7 @@ impl<'a> QuasistaticRun<'a> {
     /// Closes the energy balance at the end of the drive.
     pub fn close(&mut self) {
         let drive = self.drive();
-        let energy = self.closed(drive);
+        let energy = self.close_energy_balance(drive);
         self.memory.approach += energy;
     }
 }

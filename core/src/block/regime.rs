@@ -1,83 +1,82 @@
-//! What kind of sliding a drive showed, and why it is called so.
+//! Classification of sliding: smooth, transient or persistent stick-slip, runaway.
 
 use super::trace::{End, Point};
 
-/// What kind of sliding a drive showed since it last turned. Its text says why, in plain words.
+/// The kind of sliding since the last turn of the drive. Its text gives the reason in words.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Regime {
-    /// No slip, over a long way.
+    /// No slip over a long distance.
     Smooth {
-        /// How far the slider slid.
+        /// Sliding distance.
         slid: f64,
     },
-    /// Slips, and then none over a long way: the contacts have lost step with each other.
+    /// Slips, and then none over a long distance, because the contacts have lost their common phase.
     Transient {
         /// Number of slips.
         slips: usize,
-        /// How far the slider has slid since the last one.
+        /// Sliding distance since the last slip.
         slid: f64,
     },
-    /// Slips to the end, of sizes that no longer change but for scatter.
+    /// Slips to the end, with constant sizes apart from scatter.
     Persistent {
         /// Number of slips.
         slips: usize,
         /// Mean advance of the drive from slip to slip.
         period: f64,
-        /// Mean drop of the force.
+        /// Mean force drop.
         drop: f64,
-        /// Mean way of the slider in a slip.
+        /// Mean displacement of the slider in a slip.
         slip: f64,
-        /// Scatter of the recurrence: standard deviation of the advances from slip to slip over their mean, 0 for
-        /// clockwork.
+        /// Coefficient of variation of the advances from slip to slip; 0 for exactly periodic slips.
         scatter: f64,
     },
     /// An imposed force that the contacts cannot carry.
     Runaway,
-    /// The drive ended too early to tell.
+    /// The drive was too short to decide.
     Undecided {
         /// Number of slips.
         slips: usize,
-        /// What is missing.
+        /// The reason.
         missing: Missing,
     },
 }
 
-/// What keeps a regime from being told.
+/// The reason why a regime is undecided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Missing {
-    /// No slip yet, but the slider has not slid far.
+    /// No slip yet, but the sliding distance is too short.
     Way,
-    /// Slips to the end, too few to see whether they go on.
+    /// Slips to the end, but too few to see whether they continue.
     Slips,
-    /// Slips to the end, of sizes that still change.
+    /// Slips to the end, with sizes that still change.
     Constancy,
-    /// No slip for a while, but not for long.
+    /// No slip for some distance, but not for long enough.
     Silence,
     /// No slip, but oscillations of the slider about the velocity of the drive that still grow.
     Calm,
 }
 
-/// Sliding is smooth after this many times the longest way between two slips, or the largest mean stretch of the
-/// contacts: the force has then gone through that many of its oscillations.
+/// Sliding distance without slips that counts as smooth, in units of the longest distance between two slips or of the
+/// largest mean stretch of the contacts. The force then has gone through that many of its oscillations.
 const LONG: f64 = 3.0;
 
-/// Slips stop to be expected after this many times the longest way between two of them.
+/// Sliding distance after which the next slip is overdue, in units of the longest distance between two slips.
 const LATE: f64 = 1.5;
 
-/// Fewest slips, after the first, whose sizes can be called equal.
+/// Smallest number of slips, after the first, whose sizes are compared.
 const FEWEST: usize = 3;
 
-/// By how much equal sizes may differ.
+/// Largest relative difference of equal sizes.
 const EQUAL: f64 = 1e-3;
 
-/// Fewest slips of which a trend can be told from scatter: at 6, equal steps make a difference of the two halves
-/// of 5 standard errors.
+/// Smallest number of slips for a test for a trend. For 6 slips, a linear trend makes the two halves differ by 5 standard
+/// errors.
 const FEWEST_SCATTERED: usize = 6;
 
-/// Standard errors by which the two halves of scattered sizes may differ.
+/// Largest difference of the means of the two halves of scattered sizes, in standard errors.
 const ERRORS: f64 = 3.0;
 
-/// A slip, from one balance to another.
+/// A slip, from one equilibrium to another.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Jump {
     pub before: Point,
@@ -94,9 +93,9 @@ impl Jump {
     }
 }
 
-/// The regime of the slips of a leg that began at `start` and ended at `last`, with contacts whose mean stretch was
-/// `stretch` at most.
-pub(super) fn tell(events: &[Jump], start: Point, last: Point, stretch: f64, end: End) -> Regime {
+/// The regime of a segment of the drive from `start` to `last` with these slips. `stretch` is the largest mean stretch of the
+/// contacts.
+pub(super) fn classify(events: &[Jump], start: Point, last: Point, stretch: f64, end: End) -> Regime {
     if end != End::Reached {
         return Regime::Runaway;
     }
@@ -114,7 +113,7 @@ pub(super) fn tell(events: &[Jump], start: Point, last: Point, stretch: f64, end
     if slid > LATE * longest {
         return undecided(Missing::Silence);
     }
-    // The first slip starts from other contacts than those after it.
+    // The first slip starts from the initial state, unlike all others.
     let rest = &events[1..];
     let tail = &rest[rest.len() / 2..];
     if tail.len() < FEWEST {
@@ -123,19 +122,19 @@ pub(super) fn tell(events: &[Jump], start: Point, last: Point, stretch: f64, end
     if steady(tail) { persistent(slips, tail) } else { undecided(Missing::Constancy) }
 }
 
-/// A velocity of the slider that is higher than those before and after it, in units of that of the drive, and where.
+/// A local maximum of the velocity of the slider, in units of the velocity of the drive, and its position.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Oscillation {
     pub position: f64,
     pub velocity: f64,
 }
 
-/// The regime of a motion in time: not smooth where the last oscillations grow, one after the other, to
-/// more than `seen`.
-pub(super) fn calm(regime: Regime, oscillations: &[Oscillation], seen: f64) -> Regime {
-    /// Oscillations looked at: noise makes so many rise in a row once in 120.
+/// The regime of a motion in time. It is undecided instead of smooth if the last oscillations grow monotonically to an
+/// amplitude above `seen`, a length.
+pub(super) fn with_oscillations(regime: Regime, oscillations: &[Oscillation], seen: f64) -> Regime {
+    /// Number of oscillations compared. Noise makes so many increase in a row with probability 1/5! = 1/120.
     const LAST: usize = 5;
-    /// Least growth from the first to the last of them.
+    /// Smallest growth factor from the first to the last of them.
     const GROWTH: f64 = 1.01;
     let slips = match regime {
         Regime::Smooth { .. } => 0,
@@ -150,20 +149,20 @@ pub(super) fn calm(regime: Regime, oscillations: &[Oscillation], seen: f64) -> R
     let excess = |oscillation: &Oscillation| oscillation.velocity - 1.0;
     let grow =
         oscillations[oscillations.len() - LAST..].windows(2).all(|pair| pair[1].velocity > pair[0].velocity);
-    let way = excess(last) * (last.position - before.position) / std::f64::consts::TAU;
-    if grow && excess(last) > GROWTH * excess(first) && way > seen {
+    let amplitude = excess(last) * (last.position - before.position) / std::f64::consts::TAU;
+    if grow && excess(last) > GROWTH * excess(first) && amplitude > seen {
         return Regime::Undecided { slips, missing: Missing::Calm };
     }
     regime
 }
 
-/// The longest way in balance before a slip.
+/// The longest distance between two slips, or from the start to the first one.
 fn longest_stick(events: &[Jump], start: Point) -> f64 {
     let rests = std::iter::once(start.position).chain(events.iter().map(|e| e.after.position));
     rests.zip(events).map(|(rest, event)| (event.before.position - rest).abs()).fold(0.0, f64::max)
 }
 
-/// Whether force drops are equal, or scatter without a trend.
+/// Whether force drops are equal, or scatter without a trend. The trend is tested by the means of the two halves.
 fn steady(events: &[Jump]) -> bool {
     let drops: Vec<f64> = events.iter().map(|e| e.drop().abs()).collect();
     let mean = mean(&drops);
@@ -171,7 +170,7 @@ fn steady(events: &[Jump]) -> bool {
         return true;
     }
     let (earlier, later) = drops.split_at(drops.len() / 2);
-    // From differences of neighbours, which a trend hardly enters.
+    // The variance from successive differences (von Neumann, 1941) is hardly affected by a trend.
     let squares: f64 = drops.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
     let variance = squares / (2.0 * (drops.len() - 1) as f64);
     let error = (variance * (1.0 / earlier.len() as f64 + 1.0 / later.len() as f64)).sqrt();

@@ -1,41 +1,41 @@
-//! A drive through its turning points, and what came of it.
+//! A quasistatic drive through its turning points, and its results.
 
 use super::events::{self, Event, Sizes};
 use super::quasistatic::QuasistaticRun;
 use super::regime::Jump;
 use super::trace::{self, End, Point, SlipCourse};
-use super::{Block, EnergyBalance, Loading, Regime, Slip, bearable, regime};
+use super::{Block, EnergyBalance, Loading, Regime, Slip, check_damping_ratio, regime};
 use crate::monitor::Monitor;
 use crate::population::{Direction, Population};
 use crate::record::{Quantity, Record};
 use crate::{Error, Result};
 
-/// How the drive goes: from where it is in balance at the start, forth, back, forth.
+/// The path of the drive, from its equilibrium value at the start through turning points, back and forth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// Values of the drive (X_T; X of a rigid slider; an imposed force) at which it turns, the end the last.
+    /// Values of the drive (X_T; X of a rigid slider; an imposed force) at which it turns; the last one is its end.
     pub turning_points: Vec<f64>,
-    /// Points of the trace, evenly along the way of the drive, both ends included; turning points and points before
-    /// and after every slip come on top.
+    /// Number of points of the trace, evenly spaced along the path of the drive, both ends included. Turning points and
+    /// the points before and after every slip are added to them.
     pub points: usize,
 }
 
-/// What came of a drive.
+/// Results of a quasistatic drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StickSlip {
-    /// States of balance.
+    /// The trace, a sequence of equilibria.
     pub trace: Vec<Point>,
     /// The slips.
     pub events: Vec<Event>,
-    /// Statistics of all events, those too small for a slip too.
+    /// Size statistics of all events, including those too small for a slip.
     pub sizes: Sizes,
     /// Time course of the first inertial slip.
     pub course: Option<SlipCourse>,
-    /// Energies of the whole drive; of a runaway, up to where it began.
+    /// Energy balance of the whole drive, or up to the start of a runaway.
     pub energy: EnergyBalance,
-    /// Whether the last part of the drive, since it last turned, was stick-slip.
+    /// The kind of sliding since the last turn of the drive.
     pub regime: Regime,
-    /// How it ended.
+    /// The end of the drive.
     pub end: End,
     loading: Loading,
 }
@@ -52,17 +52,17 @@ impl StickSlip {
         events::record(&self.events, self.loading.drive_quantity())
     }
 
-    /// The columns of a trace and of slips, without values, of a slider whose top is moved.
+    /// The columns of a trace and of slips, without values, for a slider whose top is moved.
     pub fn columns() -> [Record; 2] {
         [trace::record(&[], Quantity::Length), events::record(&[], Quantity::Length)]
     }
 }
 
-/// One way of the drive, without a turn.
+/// A part of the drive between two turns.
 struct DriveSegment {
     direction: Direction,
-    /// Values of the drive at which a point is asked for, its end the last.
-    asked: Vec<f64>,
+    /// Values of the drive at which a point of the trace is requested; the last one is its end.
+    requested: Vec<f64>,
 }
 
 /// See [`Block::pull`].
@@ -72,65 +72,66 @@ pub(super) fn pull(
     drive: &Drive,
     monitor: &mut dyn Monitor,
 ) -> Result<StickSlip> {
-    let mut walk = QuasistaticRun::new(block, population, monitor)?;
-    let (start, unloading) = (walk.drive(), walk.unloading()?);
+    let mut run = QuasistaticRun::new(block, population, monitor)?;
+    let (start, unloading) = (run.drive(), run.unloading()?);
     if let (Loading::Force, Slip::Inertial { mass, damping }) = (block.loading, block.slip) {
-        bearable(unloading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
+        check_damping_ratio(unloading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
     }
-    let legs = legs(start, drive)?;
-    walk.path.0 = length(start, &drive.turning_points);
-    walk.trace.push(walk.point());
+    let segments = segments(start, drive)?;
+    run.path_length.0 = length(start, &drive.turning_points);
+    run.trace.push(run.point());
     let (mut end, mut first) = (End::Reached, 0);
-    for leg in &legs {
-        first = walk.events.len();
-        if let Some(point) = walk.leg(leg.direction, &leg.asked)? {
-            walk.trace.push(point);
+    for segment in &segments {
+        first = run.events.len();
+        if let Some(point) = run.follow_segment(segment.direction, &segment.requested)? {
+            run.trace.push(point);
             end = End::Runaway(point);
             break;
         }
     }
     if end == End::Reached {
-        walk.close();
-        walk.look.tell(1.0)?;
+        run.close();
+        run.path.report_progress(1.0)?;
     }
-    let stretch = walk.trace.iter().fold(0.0, |most: f64, point| most.max(point.force.abs())) / unloading;
+    let stretch = run.trace.iter().fold(0.0, |most: f64, point| most.max(point.force.abs())) / unloading;
     let jumps: Vec<Jump> =
-        walk.events[first..].iter().map(|e| Jump { before: e.before, after: e.after }).collect();
-    let regime = regime::tell(&jumps, walk.memory.leg_start, walk.point(), stretch, end);
-    let QuasistaticRun { trace, events, sizes, course, memory, .. } = walk;
+        run.events[first..].iter().map(|e| Jump { before: e.before, after: e.after }).collect();
+    let regime = regime::classify(&jumps, run.memory.segment_start, run.point(), stretch, end);
+    let QuasistaticRun { trace, events, sizes, course, memory, .. } = run;
     Ok(StickSlip { trace, events, sizes, course, energy: memory.energy, regime, end, loading: block.loading })
 }
 
-/// The legs of a drive that starts at `start`.
-fn legs(start: f64, drive: &Drive) -> Result<Vec<DriveSegment>> {
+/// The segments of a drive that starts at `start`.
+fn segments(start: f64, drive: &Drive) -> Result<Vec<DriveSegment>> {
     let Drive { turning_points, points } = drive;
     if *points < 2 {
         return Err(Error::invalid("points", "at least the 2 ends", points));
     }
     turns(start, turning_points)?;
-    let path = length(start, turning_points);
-    let (mut legs, mut done, mut from) = (Vec::new(), 0.0, start);
+    let total = length(start, turning_points);
+    let (mut segments, mut done, mut from) = (Vec::new(), 0.0, start);
     for &to in turning_points {
         let (width, sign) = ((to - from).abs(), (to - from).signum());
-        let spacing = path / (points - 1) as f64;
+        let spacing = total / (points - 1) as f64;
+        // Points are evenly spaced along the whole path, not on each segment.
         let first = (done / spacing).floor() as usize + 1;
         let inside = (first..*points).map(|i| i as f64 * spacing - done);
         let inside = inside.take_while(|a| *a < width * (1.0 - 1e-12)).map(|a| from + sign * a);
-        let asked = inside.chain([to]).collect();
+        let requested = inside.chain([to]).collect();
         let direction = if sign > 0.0 { Direction::Forward } else { Direction::Backward };
-        legs.push(DriveSegment { direction, asked });
+        segments.push(DriveSegment { direction, requested });
         (done, from) = (done + width, to);
     }
-    Ok(legs)
+    Ok(segments)
 }
 
-/// Length of the way from `start` through all turning points.
+/// Path length from `start` through all turning points.
 fn length(start: f64, turning_points: &[f64]) -> f64 {
     let from = std::iter::once(&start).chain(turning_points);
     from.zip(turning_points).map(|(from, to)| (to - from).abs()).sum()
 }
 
-/// Whether there are turning points, and the drive turns at each.
+/// Refuses a drive without turning points, or one that does not turn at each of them.
 fn turns(start: f64, turning_points: &[f64]) -> Result<()> {
     let wrong = |found: String| {
         let expected =

@@ -1,9 +1,9 @@
-//! A slider that is driven step by step, from event to event, and looked at in between.
+//! A slider that is driven step by step, from event to event, and can be observed in between.
 
 use serde::{Deserialize, Serialize};
 
 use super::quasistatic::{Memory, Next, QuasistaticRun};
-use super::{Block, EnergyBalance, Event, Loading, Point, Slip, bearable, events};
+use super::{Block, EnergyBalance, Event, Loading, Point, Slip, check_damping_ratio, events};
 use crate::law::Atom;
 use crate::monitor::{Monitor, report};
 use crate::population::{Direction, Population};
@@ -11,15 +11,15 @@ use crate::rate_dependent::ContactsState;
 use crate::record::Record;
 use crate::{Error, Result};
 
-/// Breaks per contact, and events, after which a copy of the contacts is made to come back to: so rarely that copies take
-/// less time than the breaks, so often that what has happened since is done again in less than a tenth of a second.
+/// Breaks per contact, and events, after which a copy of the contacts is made for a return. Copies are rare enough to take
+/// less time than the breaks, and frequent enough for the events since the last one to be repeated within 0.1 s.
 const COPY_AFTER: (f64, u64) = (0.1, 10_000);
 
 /// A slider on its contacts, driven from event to event.
 ///
-/// The run is that of [`Block::pull`], event by event. Stops on the way leave no trace in it: contacts stay at the last event
-/// or kink of the force, and what is asked for at a stop is found ahead of there. Only where the drive turns the stop is a
-/// part of the way. Contacts are kept twice, to come back to where they were when a step is stopped half-way.
+/// The run is that of [`Block::pull`], event by event. Intermediate stops do not change it: contacts stay at the last event
+/// or kink of the force, and the state at a stop is computed ahead of that point. Only a turn of the drive moves the contacts
+/// to the stop. A second copy of the contacts allows a return if a step is interrupted.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -44,11 +44,11 @@ const COPY_AFTER: (f64, u64) = (0.1, 10_000);
 pub struct BlockSimulation {
     block: Block,
     now: SliderOnContacts,
-    /// A copy to come back to, and events since.
+    /// A copy for a return, and the number of events since.
     copied: SliderOnContacts,
     since: u64,
-    /// Where the present run began, and its end.
-    path: (f64, f64),
+    /// Start and end of the present run of the drive.
+    span: (f64, f64),
 }
 
 /// A slider and its contacts.
@@ -56,13 +56,12 @@ pub struct BlockSimulation {
 struct SliderOnContacts {
     population: Box<dyn Population>,
     memory: Memory,
-    /// How far ahead of the contacts the slider is, and its state there.
+    /// Advance of the slider beyond the contacts, and its state there.
     ahead: f64,
     here: Point,
 }
 
-/// What a slider and its contacts have come to. A simulation of the same description goes on from it as if it had never
-/// stopped, bit for bit.
+/// The state of a slider and its contacts. A simulation of the same description continues from it bit for bit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SimulationState {
     memory: Memory,
@@ -72,10 +71,10 @@ pub struct SimulationState {
 }
 
 impl Block {
-    /// The slider on these contacts, in balance where they stand, to be driven step by step.
+    /// A simulation of the slider on these contacts, in equilibrium with them.
     ///
     /// # Errors
-    /// Those of the population; of an imposed force, more damping than can be followed; stopped by the monitor.
+    /// Those of the population; a damping too large for an imposed force; a stop by the monitor.
     pub fn simulation(
         &self,
         population: Box<dyn Population>,
@@ -85,14 +84,14 @@ impl Block {
         let mut run = QuasistaticRun::new(self, population.as_mut(), monitor)?;
         let unloading = run.unloading()?;
         if let (Loading::Force, Slip::Inertial { mass, damping }) = (self.loading, self.slip) {
-            bearable(unloading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
+            check_damping_ratio(unloading, mass, damping).map_err(|e| e.under("slip.inertial"))?;
         }
         run.turn(Direction::Forward)?;
         let here = run.point();
-        let memory = run.remembered();
+        let memory = run.into_memory();
         let now = SliderOnContacts { population, memory, ahead: 0.0, here };
-        let path = (here.drive, here.drive);
-        Ok(BlockSimulation { block: *self, copied: now.copy(), now, since: 0, path })
+        let span = (here.drive, here.drive);
+        Ok(BlockSimulation { block: *self, copied: now.copy(), now, since: 0, span })
     }
 }
 
@@ -102,7 +101,7 @@ impl SliderOnContacts {
         Self { population: population.copy(), memory: memory.clone(), ahead: *ahead, here: *here }
     }
 
-    /// Takes the contacts to where the slider is, and does something to the run there.
+    /// Moves the contacts to the position of the slider, and applies `then` to the run there.
     fn catch_up<T>(
         &mut self,
         block: &Block,
@@ -110,25 +109,25 @@ impl SliderOnContacts {
     ) -> Result<T> {
         let (ahead, memory, nobody) = (std::mem::take(&mut self.ahead), self.memory.clone(), &mut ());
         let mut run = QuasistaticRun::resumed(block, self.population.as_mut(), memory, nobody)?;
-        run.glide(ahead)?;
+        run.advance(ahead)?;
         let done = then(&mut run)?;
-        self.memory = run.remembered();
+        self.memory = run.into_memory();
         Ok(done)
     }
 }
 
 impl BlockSimulation {
-    /// X_T; X of a rigid slider; an imposed force.
+    /// The drive: X_T, X of a rigid slider, or an imposed force.
     pub fn drive(&self) -> f64 {
         self.now.here.drive
     }
 
-    /// Drive, position of the slider's bottom, friction force and that of the spring.
+    /// Drive, position of the slider's base, friction force and force of the spring.
     pub fn point(&self) -> Point {
         self.now.here
     }
 
-    /// Where the work of the drive has gone so far.
+    /// The energy balance since the start.
     ///
     /// # Errors
     /// Those of the population.
@@ -148,20 +147,20 @@ impl BlockSimulation {
         self.now.population.books().broken
     }
 
-    /// Estimated error of the force, the largest so far; 0 of contacts that are followed one by one.
+    /// Largest estimated error of the force so far; 0 for contacts that are followed one by one.
     pub fn error(&self) -> f64 {
         self.now.population.error()
     }
 
-    /// The stretches of the contacts that hold, in no order, where they are followed one by one.
+    /// The stretches of the attached contacts, in no order; `None` unless contacts are followed one by one.
     ///
     /// # Errors
     /// Those of the population.
     pub fn stretches(&self) -> Result<Option<Vec<f64>>> {
-        self.look(|population| Ok(population.stretches()))
+        self.observe(|population| Ok(population.stretches()))
     }
 
-    /// The density of stretches, see [`Population::stretch_density`].
+    /// The density of stretches; see [`Population::stretch_density`].
     ///
     /// # Errors
     /// Those of the population; stopped by the monitor.
@@ -170,27 +169,27 @@ impl BlockSimulation {
         stretches: &[f64],
         monitor: &mut dyn Monitor,
     ) -> Result<Option<(Vec<f64>, Vec<Atom>)>> {
-        self.look(|population| population.stretch_density(stretches, monitor))
+        self.observe(|population| population.stretch_density(stretches, monitor))
     }
 
-    /// What is seen of the contacts where the slider is.
-    fn look<T>(&self, see: impl FnOnce(&dyn Population) -> Result<T>) -> Result<T> {
+    /// Applies `evaluate` to the contacts at the position of the slider.
+    fn observe<T>(&self, evaluate: impl FnOnce(&dyn Population) -> Result<T>) -> Result<T> {
         if self.now.ahead == 0.0 {
-            return see(self.now.population.as_ref());
+            return evaluate(self.now.population.as_ref());
         }
         let mut there = self.now.copy();
         there.catch_up(&self.block, |_| Ok(()))?;
-        see(there.population.as_ref())
+        evaluate(there.population.as_ref())
     }
 
-    /// Moves the drive, forward or back, to `until` or through the next event on the way; none if it got there.
+    /// Moves the drive, forward or back, to `until` or through the next event before it. Returns `None` at `until`.
     ///
-    /// An event is a slip; of a rigid slider, contacts that break together. With a `slip_fraction` those are left out in which
-    /// fewer contacts break.
+    /// An event is a slip or, for a rigid slider, a set of simultaneous breaks. With a `slip_fraction`, events in which fewer
+    /// contacts break are omitted.
     ///
     /// # Errors
-    /// A drive that is no finite number; those of the population; an imposed force that the contacts cannot carry; stopped
-    /// by the monitor. All is as before the call then.
+    /// A drive that is not a finite number; those of the population; an imposed force that the contacts cannot carry; a stop
+    /// by the monitor. The state is then the one before the call.
     pub fn next_event(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Option<Event>> {
         if !until.is_finite() {
             return Err(Error::invalid("drive", "a finite number", until));
@@ -200,15 +199,15 @@ impl BlockSimulation {
             report(monitor, 1.0)?;
             return Ok(None);
         }
-        if self.path.1 != until {
-            self.path = (here, until);
+        if self.span.1 != until {
+            self.span = (here, until);
         }
         let direction = if until > here { Direction::Forward } else { Direction::Backward };
         let turns = direction != self.now.memory.direction;
         let turned = if turns { self.now.catch_up(&self.block, |run| run.turn(direction)) } else { Ok(()) };
         let mut happened = turned.and_then(|()| self.step(until, monitor));
         if turns && happened.is_ok() {
-            // Some contacts tell that they cannot go back only as they are moved.
+            // Contacts that cannot move back report it only when they are moved, so a copy is moved now.
             happened = self.now.copy().catch_up(&self.block, |_| Ok(())).and(happened);
         }
         if happened.is_err() {
@@ -228,10 +227,10 @@ impl BlockSimulation {
         events::record(events, self.block.loading.drive_quantity())
     }
 
-    /// Moves the drive to `until`, and tells `each` event on the way.
+    /// Moves the drive to `until`, and calls `each` for every event.
     ///
     /// # Errors
-    /// See [`BlockSimulation::next_event`]; all is as after the last event then.
+    /// See [`BlockSimulation::next_event`]; the state is then the one after the last event.
     pub fn run(&mut self, until: f64, monitor: &mut dyn Monitor, each: &mut dyn FnMut(&Event)) -> Result<()> {
         while let Some(event) = self.next_event(until, monitor)? {
             each(&event);
@@ -239,13 +238,13 @@ impl BlockSimulation {
         Ok(())
     }
 
-    /// What slider and contacts have come to.
+    /// The present state of slider and contacts.
     pub fn state(&self) -> SimulationState {
         let SliderOnContacts { memory, ahead, here, population } = &self.now;
         SimulationState { memory: memory.clone(), ahead: *ahead, here: *here, contacts: population.state() }
     }
 
-    /// Goes to what a simulation of the same description has come to.
+    /// Restores the state of a simulation of the same description.
     ///
     /// # Errors
     /// A state of other contacts; those of the population.
@@ -255,26 +254,27 @@ impl BlockSimulation {
         population.restore(&contacts, monitor)?;
         self.now = SliderOnContacts { population, memory, ahead, here };
         (self.copied, self.since) = (self.now.copy(), 0);
-        self.path = (here.drive, here.drive);
+        self.span = (here.drive, here.drive);
         Ok(())
     }
 
-    /// Goes on in the direction of the drive, to `until` or through the next event.
+    /// Continues in the present direction of the drive, to `until` or through the next event.
     fn step(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Option<Event>> {
-        let ((from, to), SliderOnContacts { population, memory, ahead, here }) = (self.path, &mut self.now);
+        let ((from, to), SliderOnContacts { population, memory, ahead, here }) = (self.span, &mut self.now);
         let length = (to - from).abs().max(f64::MIN_POSITIVE);
         report(monitor, ((here.drive - from).abs() / length).min(1.0))?;
-        let before = (from - memory.leg_start.drive).abs();
+        let before = (from - memory.segment_start.drive).abs();
         let mut run = QuasistaticRun::resumed(&self.block, population.as_mut(), memory.clone(), monitor)?;
-        run.path = (length, -before);
-        let asked = [until];
-        let mut asked = asked.as_slice();
+        // Progress is counted from the start of the present run of the drive, not from its last turn.
+        run.path_length = (length, -before);
+        let requested = [until];
+        let mut requested = requested.as_slice();
         loop {
-            let event = match run.next(&mut asked)? {
+            let event = match run.next(&mut requested)? {
                 Next::Happened(event) => event,
-                Next::Reached(way) => {
-                    *here = run.trace.pop().expect("a point is kept at each drive that is asked for");
-                    (*memory, *ahead) = (run.remembered(), way);
+                Next::Reached(distance) => {
+                    *here = run.trace.pop().expect("the trace has a point at each requested drive");
+                    (*memory, *ahead) = (run.into_memory(), distance);
                     return Ok(None);
                 }
                 Next::Runaway(_) => {
@@ -283,13 +283,13 @@ impl BlockSimulation {
                 }
             };
             if let Some(event) = event {
-                (*memory, *ahead, *here) = (run.remembered(), 0.0, event.after);
+                (*memory, *ahead, *here) = (run.into_memory(), 0.0, event.after);
                 return Ok(Some(event));
             }
         }
     }
 
-    /// Comes back to where the slider was at a drive before a step: from the copy it goes through the same events again.
+    /// Returns to the state at `drive`, before a step: repeats the events since the copy.
     fn go_back(&mut self, drive: f64) -> Result<()> {
         self.now = self.copied.copy();
         let end = self.now.memory.direction.sign() * f64::MAX;

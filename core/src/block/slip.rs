@@ -1,72 +1,73 @@
-//! What happens at a fixed drive, from the loss of balance to the next one.
+//! Motion at a fixed drive, from a loss of stability to the next equilibrium.
 
 use super::events::Event;
-use super::inertia::Swung;
+use super::inertia::SwingEnd;
 use super::quasistatic::QuasistaticRun;
 use super::{EnergyBalance, Loading, Point, Slip};
 use crate::Result;
 use crate::population::Direction;
 
-/// A lag of the drive, relative to what it is computed from, that is rounding.
+/// Difference of drives that counts as rounding, relative to the numbers from which it is computed.
 const ROUNDING: f64 = 1e-12;
 
-/// How a slide ended.
+/// The end of a slide.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Slid {
-    /// In balance.
+enum SlideEnd {
+    /// The slider is in equilibrium.
     Balanced,
-    /// More contacts have broken than may.
+    /// More contacts have broken than allowed.
     Exceeded,
-    /// Nowhere.
+    /// The slider has run away.
     Away,
 }
 
 impl QuasistaticRun<'_> {
-    /// All that happens here at a fixed drive, after a loss of balance or, if it `breaks`, with the contacts that
-    /// break here: what has happened, if it is no less than an event; none if the slider found no new balance.
+    /// The event at the present drive: after a loss of stability or, with `breaks`, with the simultaneous breaks here. Returns
+    /// the event, or `None` inside if it is too small to count; `None` outside if the slider found no new equilibrium.
     pub fn event(&mut self, breaks: bool) -> Result<Option<Option<Event>>> {
-        let (before, direction) = (self.point(), self.look.direction);
+        let (before, direction) = (self.point(), self.path.direction);
         let drive = before.drive;
-        let approach = self.closed(drive);
+        let approach = self.close_energy_balance(drive);
         self.memory.approach += approach;
         if breaks && self.dies_out(drive, direction)? {
-            return Ok(Some(self.account(before, self.look.position, self.broken())));
+            return Ok(Some(self.record_event(before, self.path.position, self.broken())));
         }
-        if self.holds(breaks) {
-            self.look.hold()?;
+        if self.stay_free(breaks) {
+            self.path.hold()?;
         }
         let pushed = if breaks {
-            self.look.cross()?;
-            self.pushed(drive, direction)?
+            self.path.cross()?;
+            self.net_force_direction(drive, direction)?
         } else {
             Some(direction)
         };
         let Some(turn) = self.slip(drive, pushed, !breaks)? else { return Ok(None) };
-        Ok(Some(self.account(before, turn, self.broken())))
+        Ok(Some(self.record_event(before, turn, self.broken())))
     }
 
-    /// In `arrest`, whether the contacts that break here take along no more than may break without a slip; if they do,
-    /// all is as it was before them.
+    /// For `arrest`: whether the avalanche that the breaks here set off stays below the slip fraction. If it does not, the
+    /// state before the breaks is restored.
     ///
-    /// Until there is a slip contacts re-form as they break: held free from here on they would begin one before its time.
+    /// Contacts re-form as they break until there is a slip. If they stayed free, a slip would begin too early.
     fn dies_out(&mut self, drive: f64, direction: Direction) -> Result<bool> {
         let Some(most) = self.block.slip_fraction.filter(|_| self.block.slip == Slip::Arrest) else {
             return Ok(false);
         };
-        self.look.mark();
-        self.look.cross()?;
-        let next = self.pushed(drive, direction)?;
-        if self.avalanche(drive, next, most)? == Slid::Balanced && self.broken() <= most {
+        // The avalanche is tried on the contacts themselves, and undone by the mark.
+        self.path.mark();
+        self.path.cross()?;
+        let next = self.net_force_direction(drive, direction)?;
+        if self.avalanche(drive, next, most)? == SlideEnd::Balanced && self.broken() <= most {
             return Ok(true);
         }
-        self.look.recall()?;
+        self.path.recall()?;
         self.memory.open = EnergyBalance::default();
         Ok(false)
     }
 
-    /// Whether contacts that break at the start of an event stay free: in `arrest` until the slider is at rest, in
-    /// a `reset` until all re-form together.
-    fn holds(&self, breaks: bool) -> bool {
+    /// Whether contacts that break at the start of an event stay free: for `arrest` until the slider is at rest, for `reset`
+    /// until all contacts re-form together.
+    fn stay_free(&self, breaks: bool) -> bool {
         match self.block.slip {
             Slip::Arrest => true,
             Slip::Reset => breaks && self.block.slip_fraction.is_none(),
@@ -74,13 +75,13 @@ impl QuasistaticRun<'_> {
         }
     }
 
-    /// Moves by the rule of slip, first in the direction `pushed`, from a balance that is `lost` there without a push
-    /// or with one. Where the slider turned or came to rest; `None` if it ran away.
+    /// Moves by the slip rule, first in the direction `pushed` of the net force. `lost`: the slider is at an equilibrium that
+    /// is unstable, without a net force. Returns the position of the turn or of the rest; `None` if the slider ran away.
     fn slip(&mut self, drive: f64, pushed: Option<Direction>, lost: bool) -> Result<Option<f64>> {
         let Some(direction) = pushed else {
-            self.let_go()?;
-            self.look.towards(self.look.direction)?;
-            return Ok(Some(self.look.position));
+            self.reattach()?;
+            self.path.find_interval(self.path.direction)?;
+            return Ok(Some(self.path.position));
         };
         let calm = match self.block.slip {
             Slip::Reset => self.reset(drive, direction)?,
@@ -89,134 +90,143 @@ impl QuasistaticRun<'_> {
             }
             Slip::Inertial { mass, damping } => {
                 let (next, lost) = match self.swing(drive, direction, mass, damping)? {
-                    Swung::Arrested => (self.pushed(drive, direction)?, false),
-                    Swung::Still => (Some(direction), true),
-                    Swung::Away => return Ok(None),
+                    SwingEnd::Arrested => (self.net_force_direction(drive, direction)?, false),
+                    SwingEnd::Still => (Some(direction), true),
+                    SwingEnd::Away => return Ok(None),
                 };
-                let turn = self.look.position;
+                let turn = self.path.position;
                 return Ok(self.settle(drive, next, lost)?.then_some(turn));
             }
         };
-        Ok(calm.then_some(self.look.position))
+        Ok(calm.then_some(self.path.position))
     }
 
-    /// Slides without inertia, in one direction after the other, until there is balance; whether there is one.
+    /// Slides without inertia, in one direction after the other, to an equilibrium. Returns whether there is one.
     fn settle(&mut self, drive: f64, mut next: Option<Direction>, mut lost: bool) -> Result<bool> {
         while let Some(direction) = next {
-            if self.slide(drive, direction, lost, None)? == Slid::Away {
+            if self.slide(drive, direction, lost, None)? == SlideEnd::Away {
                 return Ok(false);
             }
             lost = false;
-            self.let_go()?;
-            next = self.pushed(drive, direction)?;
+            self.reattach()?;
+            next = self.net_force_direction(drive, direction)?;
         }
         Ok(true)
     }
 
-    /// What is held free re-forms.
-    fn let_go(&mut self) -> Result<()> {
-        if self.holds(true) { self.look.release() } else { Ok(()) }
+    /// Re-forms the contacts that stayed free.
+    fn reattach(&mut self) -> Result<()> {
+        if self.stay_free(true) { self.path.release() } else { Ok(()) }
     }
 
-    /// Slides until more contacts have broken than a slip needs; then all break, and re-form where the spring meets
-    /// their force.
+    /// Slides until more contacts have broken than the slip fraction. Then all contacts break, and re-form where the spring
+    /// balances their force.
     fn reset(&mut self, drive: f64, direction: Direction) -> Result<bool> {
         let slid = match self.block.slip_fraction {
             Some(most) => self.avalanche(drive, Some(direction), most)?,
-            None => Slid::Exceeded,
+            None => SlideEnd::Exceeded,
         };
         match slid {
-            Slid::Balanced => Ok(true),
-            Slid::Exceeded => self.renew(drive),
-            Slid::Away => Ok(false),
+            SlideEnd::Balanced => Ok(true),
+            SlideEnd::Exceeded => self.renew_contacts(drive),
+            SlideEnd::Away => Ok(false),
         }
     }
 
-    /// Slides without inertia, in one direction after the other, until there is balance or `most` is exceeded.
-    fn avalanche(&mut self, drive: f64, mut next: Option<Direction>, most: f64) -> Result<Slid> {
+    /// Slides without inertia, in one direction after the other, to an equilibrium or until more than `most` contacts broke.
+    fn avalanche(&mut self, drive: f64, mut next: Option<Direction>, most: f64) -> Result<SlideEnd> {
         while let Some(direction) = next {
             match self.slide(drive, direction, false, Some(most))? {
-                Slid::Balanced => next = self.pushed(drive, direction)?,
+                SlideEnd::Balanced => next = self.net_force_direction(drive, direction)?,
                 end => return Ok(end),
             }
         }
-        Ok(Slid::Balanced)
+        Ok(SlideEnd::Balanced)
     }
 
-    fn renew(&mut self, drive: f64) -> Result<bool> {
-        let (loading, direction) = (self.look.loading, self.look.direction);
-        self.look.reset()?;
-        self.look.towards(direction)?;
+    /// Breaks and re-forms all contacts, and moves the slider to equilibrium. Returns whether there is one.
+    fn renew_contacts(&mut self, drive: f64) -> Result<bool> {
+        let (loading, direction) = (self.path.loading, self.path.direction);
+        self.path.reset()?;
+        self.path.find_interval(direction)?;
         let Loading::Spring(stiffness) = loading else { return Ok(false) };
-        let position = drive - self.look.here.force / stiffness;
-        let released = loading.stored(drive, self.look.position) - loading.stored(drive, position);
+        let position = drive - self.path.here.force / stiffness;
+        let released = loading.stored(drive, self.path.position) - loading.stored(drive, position);
         self.memory.open.slip += released;
-        self.look.carry(position);
+        self.path.carry(position);
         Ok(true)
     }
 
-    /// The direction in which the slider is out of balance, after a look ahead.
-    fn pushed(&mut self, drive: f64, direction: Direction) -> Result<Option<Direction>> {
-        self.look.towards(direction)?;
+    /// The direction of the net force; `None` in equilibrium.
+    fn net_force_direction(&mut self, drive: f64, direction: Direction) -> Result<Option<Direction>> {
+        self.path.find_interval(direction)?;
         if self.is_balanced(drive) {
             return Ok(None);
         }
-        let behind = direction.sign() * (drive - self.look.drive_here()) > 0.0;
+        let behind = direction.sign() * (drive - self.path.drive_here()) > 0.0;
         Ok(Some(if behind { direction } else { direction.reversed() }))
     }
 
-    /// Whether the slider is in balance here at a given drive, but for rounding.
+    /// Whether the slider is in equilibrium at a given drive, within rounding.
     pub(super) fn is_balanced(&self, drive: f64) -> bool {
-        let here = self.look.drive_here();
-        // Where all of these are near 0, stretches are still differences of positions as far away as the slider was.
+        let here = self.path.drive_here();
+        // Stretches are differences of positions, so that positions set the scale of rounding even near drive 0.
         let scale =
-            drive.abs() + here.abs() + self.drive_of(self.look.position.abs() + self.memory.rest.abs());
+            drive.abs() + here.abs() + self.drive_of(self.path.position.abs() + self.memory.rest.abs());
         (drive - here).abs() <= ROUNDING * scale
     }
 
-    /// Slides in one direction to the next balance at a fixed drive, from one that is `lost` there or from none.
-    fn slide(&mut self, drive: f64, direction: Direction, mut lost: bool, most: Option<f64>) -> Result<Slid> {
-        let (loading, sign) = (self.look.loading, direction.sign());
+    /// Slides in one direction to the next equilibrium at a fixed drive. `lost`: the present equilibrium is unstable.
+    fn slide(
+        &mut self,
+        drive: f64,
+        direction: Direction,
+        mut lost: bool,
+        most: Option<f64>,
+    ) -> Result<SlideEnd> {
+        let (loading, sign) = (self.path.loading, direction.sign());
         loop {
-            self.towards(direction)?;
-            let rises = !std::mem::take(&mut lost) && self.look.rises();
-            let ahead = sign * (self.look.drive_here() - drive) > 0.0;
+            self.find_interval(direction)?;
+            // Only a stable equilibrium ends a slide, and a slide from a lost one has to leave it first.
+            let rises = !std::mem::take(&mut lost) && self.path.rises();
+            let ahead = sign * (self.path.drive_here() - drive) > 0.0;
             if rises && (ahead || self.is_balanced(drive)) {
-                return Ok(Slid::Balanced);
+                return Ok(SlideEnd::Balanced);
             }
             let (a, found) = self.landing(sign * drive, rises);
             if a.is_infinite() {
-                return Ok(Slid::Away);
+                return Ok(SlideEnd::Away);
             }
+            // A slider without inertia dissipates the work of the net force.
             self.memory.open.work += loading.work_at_rest(drive, sign * a);
             self.memory.open.slip +=
-                sign * self.look.integral(a, |x, response| loading.excess(drive, x, response.force));
-            let breaks = self.look.way.breaks;
-            self.look.advance(a)?;
+                sign * self.path.integral(a, |x, response| loading.excess(drive, x, response.force));
+            let breaks = self.path.interval.breaks;
+            self.path.advance(a)?;
             if found {
-                return Ok(Slid::Balanced);
+                return Ok(SlideEnd::Balanced);
             }
-            if self.is_gone(drive) {
-                return Ok(Slid::Away);
+            if self.has_run_away(drive) {
+                return Ok(SlideEnd::Away);
             }
             if breaks {
-                self.look.cross()?;
+                self.path.cross()?;
             }
             if most.is_some_and(|most| self.broken() > most) {
-                return Ok(Slid::Exceeded);
+                return Ok(SlideEnd::Exceeded);
             }
         }
     }
 
-    /// Where on the way ahead the drive in balance comes back to `drive` (signed), and whether it does; else the
-    /// end of the way.
+    /// The advance at which the equilibrium drive increases to `drive` (signed) on the interval ahead, and `true`; the end of
+    /// the interval and `false` if it does not.
     fn landing(&self, drive: f64, rises: bool) -> (f64, bool) {
         let (mut from, mut rising) = (0.0, rises);
         loop {
-            let turn = self.look.turn(from, rising);
-            let to = turn.unwrap_or(self.look.way.length);
-            if rising && (to.is_infinite() || self.look.drive(to) >= drive) {
-                return (self.look.reaches(drive, from, to), true);
+            let turn = self.path.turn(from, rising);
+            let to = turn.unwrap_or(self.path.interval.length);
+            if rising && (to.is_infinite() || self.path.drive(to) >= drive) {
+                return (self.path.reaches(drive, from, to), true);
             }
             match turn {
                 Some(turn) => (from, rising) = (turn, !rising),
@@ -225,12 +235,12 @@ impl QuasistaticRun<'_> {
         }
     }
 
-    /// Enters what has happened in the energy balance; it is told unless it is too little, and kept if it is a slip.
-    fn account(&mut self, before: Point, position_turn: f64, broken_fraction: f64) -> Option<Event> {
+    /// Closes the energy balance of an event and records it. Returns it unless it is too small; only a slip is kept.
+    fn record_event(&mut self, before: Point, position_turn: f64, broken_fraction: f64) -> Option<Event> {
         let drive = before.drive;
-        let energy = self.closed(drive);
-        let (position, force) = (self.look.position, self.look.here.force);
-        let spring_force = self.look.loading.pull(drive, position, force);
+        let energy = self.close_energy_balance(drive);
+        let (position, force) = (self.path.position, self.path.here.force);
+        let spring_force = self.path.loading.pull(drive, position, force);
         let after = Point { drive, position, force, spring_force };
         let (slip, drop) = (position - before.position, before.force - force);
         self.sizes.add(broken_fraction, slip, drop);
@@ -248,7 +258,7 @@ impl QuasistaticRun<'_> {
         if self.course.is_none() && matches!(self.block.slip, Slip::Inertial { .. }) {
             self.course = Some(std::mem::take(&mut self.offered).begun());
         }
-        // In a reset all have broken, however many did so before the share was exceeded.
+        // A reset breaks all contacts, however many broke before the slip fraction was exceeded.
         let most = if self.block.slip == Slip::Reset { 1.0 } else { f64::INFINITY };
         let broken_fraction = broken_fraction.min(most);
         self.memory.approach = EnergyBalance::default();

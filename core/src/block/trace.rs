@@ -1,4 +1,4 @@
-//! What is kept of a motion: points of equilibrium, how it ended, and the time course of a slip.
+//! Records of a motion: equilibria, its end, and the time course of a slip.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,58 +7,58 @@ use crate::record::{Quantity, Record};
 /// A state of the slider.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Point {
-    /// The drive: X_T, or X, or the imposed force.
+    /// The drive: X_T, X, or the imposed force.
     pub drive: f64,
-    /// X, position of the slider's base.
+    /// Position X of the slider's base.
     pub position: f64,
-    /// F, friction force.
+    /// Friction force F.
     pub force: f64,
-    /// K(X_T − X), what pulls; F in balance.
+    /// Force of the spring, K(X_T − X); equal to F in equilibrium.
     pub spring_force: f64,
 }
 
-/// How a drive ended.
+/// The end of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum End {
-    /// At its last displacement, or force.
+    /// The drive reached its last value.
     Reached,
-    /// Under an imposed force the slider ran away: from here it found no balance within a hundred times the mean
-    /// stretch of contacts that carry that force.
+    /// The slider ran away under an imposed force: from this state there was no equilibrium within a hundred times the mean
+    /// stretch of contacts that carry the force.
     Runaway(Point),
 }
 
-/// Most points of a course.
+/// Largest number of points of a time course.
 const MOST: usize = 4096;
 
-/// A share of the way below which a motion has not begun for the eye: it leaves an instability infinitely slowly.
+/// Fraction of the displacement before which a time course is cut: a motion leaves an instability infinitely slowly.
 const BEGUN: f64 = 1e-2;
 
 /// The time course of an inertial slip.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SlipCourse {
-    /// Time since the slider had moved by a hundredth of the way to its arrest.
+    /// Time since the slider had moved by a hundredth of its displacement.
     pub time: Vec<f64>,
-    /// X.
+    /// Position X.
     pub position: Vec<f64>,
-    /// Ẋ.
+    /// Velocity Ẋ.
     pub velocity: Vec<f64>,
-    /// F.
+    /// Friction force F.
     pub force: Vec<f64>,
-    /// K(X_T − X).
+    /// Force of the spring, K(X_T − X).
     pub spring_force: Vec<f64>,
-    /// Points offered between two kept ones.
+    /// One of `stride` offered points is kept.
     stride: usize,
     offered: usize,
 }
 
 impl SlipCourse {
-    /// Forgets all.
+    /// Removes all points.
     pub(super) fn clear(&mut self) {
         self.columns().into_iter().for_each(Vec::clear);
         (self.stride, self.offered) = (1, 0);
     }
 
-    /// Keeps a point, as far as there are not too many: then every other one is dropped.
+    /// Keeps one of `stride` points. At [`MOST`] points every other one is dropped, and the stride doubles.
     pub(super) fn offer(&mut self, time: f64, velocity: f64, point: Point) {
         self.offered += 1;
         if !self.offered.is_multiple_of(self.stride) {
@@ -71,7 +71,7 @@ impl SlipCourse {
         self.push(time, velocity, point);
     }
 
-    /// Keeps a point whatever there is.
+    /// Keeps a point in any case.
     pub(super) fn push(&mut self, time: f64, velocity: f64, point: Point) {
         let values = [time, point.position, velocity, point.force, point.spring_force];
         for (column, value) in self.columns().into_iter().zip(values) {
@@ -79,7 +79,7 @@ impl SlipCourse {
         }
     }
 
-    /// Drops what comes before the motion can be seen, and starts the clock there.
+    /// Removes the slow start of the motion, and sets the time to 0 at the new first point.
     pub(super) fn begun(mut self) -> Self {
         let (Some(&first), Some(&last)) = (self.position.first(), self.position.last()) else { return self };
         let hidden = |x: &f64| (x - first).abs() < BEGUN * (last - first).abs();

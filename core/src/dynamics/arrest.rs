@@ -1,4 +1,4 @@
-//! Arrest: what becomes of a cell that its contacts would pull back.
+//! Arrest: the end of the motion of a cell whose contacts would pull it back.
 
 use super::{DriveMotion, EquationOfMotion, MotionStepControl, SliderMotion, SlidingCell};
 use crate::Result;
@@ -7,42 +7,43 @@ use crate::monitor::Monitor;
 /// Fraction of the tolerance by which the pull may be short of the friction without a move back.
 const SLACK: f64 = 1e-3;
 
-/// What becomes of a cell that its contacts would pull back. They do not turn back themselves.
+/// Rule for a cell whose contacts would pull it back. Time-dependent contacts cannot move backward.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrest {
-    /// It stands where it is.
+    /// The cell stays at its position.
     Stand,
-    /// A single cell comes to rest at X_2 as without inertia on the straight line on which its contacts unload,
-    /// X = X_2 + [K(X_T − X_2) − F(X_2)]/(K + F'), and moves on when the spring has brought it back to X_2. Until then its
-    /// state is that at X_2, where time passes for the contacts.
+    /// A single cell that stops at X_2 moves back, without inertia, to the equilibrium on the straight unloading line of its
+    /// contacts, X = X_2 + [K(X_T − X_2) − F(X_2)]/(K + F'). It moves on when the spring has brought it back to X_2. Until
+    /// then the contacts age in their state at X_2.
     Unload,
 }
 
 impl EquationOfMotion {
-    /// K(X_T − X) − F.
+    /// Net force K(X_T − X) − F without drag and inertia.
     pub fn excess(&self, cell: &SlidingCell, drive: f64) -> f64 {
         self.connection * (drive - cell.position) - cell.force
     }
 
-    /// K + F'.
+    /// Stiffness K + F' of spring and contacts.
     pub fn resistance(&self, cell: &SlidingCell) -> f64 {
         self.connection + cell.contacts.tangent()
     }
 
-    /// X − X_2 ≤ 0 of a cell at rest; 0 where it is not unloaded.
+    /// Displacement X − X_2 ≤ 0 of a cell at rest on its unloading line; 0 if it is not unloaded.
     pub fn unloaded(&self, cell: &SlidingCell, drive: f64) -> f64 {
         let excess = self.excess(cell, drive);
         if cell.velocity == 0.0 && excess < 0.0 { excess / self.resistance(cell) } else { 0.0 }
     }
 
-    /// How far a cell goes on at a velocity until spring and contacts stop it.
+    /// Distance within which spring and contacts stop a cell with a velocity.
     fn stopping_distance(&self, cell: &SlidingCell, velocity: f64) -> f64 {
         let resistance = self.resistance(cell);
         velocity * (self.viscosity + (self.mass * resistance).sqrt()) / resistance
     }
 
-    /// Work of the drive on a cell at rest, by the trapezoidal rule, and what unloading adds to the loss in breaks. Contacts
-    /// count their breaks at the stretches of X_2; a cell b behind it changes these energies by b ΔF + ½b² ΔF'.
+    /// Work of the drive on a cell at rest, by the trapezoidal rule, and a correction of the energy dissipated in breaks. The
+    /// contacts break at the stretches of X_2, but the cell is at a distance b from X_2, which changes the energy by
+    /// b ΔF + ½b² ΔF'.
     fn at_rest(&self, states: [&SlidingCell; 2], drive: DriveMotion, duration: f64) -> (f64, f64) {
         let [before, after] = states;
         let drives = [drive.position, drive.after(duration)];
@@ -66,18 +67,18 @@ impl SliderMotion {
         self.equation.excess(cell, self.drive) < -slack
     }
 
-    /// Whether the cell rests behind X_2.
+    /// Whether the cell is at rest on its unloading line, behind X_2.
     pub(super) fn is_held(&self) -> bool {
         self.cells[0].velocity == 0.0 && self.is_pulled_back()
     }
 
-    /// Whether the cell is on its way to an arrest.
+    /// Whether the cell still moves, but its contacts already exceed the force of the spring.
     pub fn is_stopping(&self) -> bool {
         self.cells[0].velocity > 0.0 && self.is_pulled_back()
     }
 
-    /// The factor by which a step has to be shortened that ends with a backward velocity, from which the cell would go back by
-    /// more than the tolerance.
+    /// The factor by which a step must be shortened that ends with a backward velocity too large for the tolerance. The factor
+    /// comes from the zero of the velocity, taken as linear in time.
     pub(super) fn before_turning(&self, end: &[SlidingCell]) -> Option<f64> {
         if self.equation.arrest == Arrest::Stand {
             return None;
@@ -88,7 +89,7 @@ impl SliderMotion {
             .then(|| (before / (before - after)).clamp(MotionStepControl::SHRINK, 0.9))
     }
 
-    /// A cell that has come to rest in a step moves back to the balance behind X_2, and the excess energy is lost.
+    /// Moves a cell that has come to rest back to the equilibrium behind X_2. The excess energy is dissipated.
     pub(super) fn arrest(&mut self, drive: f64) {
         if self.equation.arrest == Arrest::Stand || self.cells[0].velocity > 0.0 {
             return;
@@ -98,12 +99,12 @@ impl SliderMotion {
         self.energies.arrest += 0.5 * excess * excess / self.equation.resistance(&self.cells[0]);
     }
 
-    /// Rests behind X_2 until the spring pulls again, at most for a time; how long.
+    /// Rests behind X_2 until the spring pulls again, at most for the time `left`. Returns the duration.
     pub(super) fn rest(&mut self, drive: DriveMotion, left: f64, monitor: &mut dyn Monitor) -> Result<f64> {
         let (equation, cell, tolerance) = (self.equation, &self.cells[0], self.control.tolerance);
         let short = -equation.excess(cell, drive.position);
         let behind = short / equation.resistance(cell);
-        // So that energies by the trapezoidal rule are right.
+        // Limits the error of the energies by the trapezoidal rule, which is of second order in the displacement.
         let most = (tolerance * behind).sqrt();
         let rate = equation.connection * drive.velocity;
         let mut duration = (short.min(most * equation.resistance(cell)) / rate).min(left);

@@ -4,17 +4,17 @@ use crate::Result;
 use crate::monitor::Watch;
 use crate::rate_dependent::RateDependentContacts;
 
-/// A cell and its contacts at one moment.
+/// The state of a cell and of its contacts.
 #[derive(Debug)]
 pub struct SlidingCell {
     pub contacts: Box<dyn RateDependentContacts>,
-    /// X_j.
+    /// Position X_j.
     pub position: f64,
-    /// F_j.
+    /// Friction force F_j.
     pub force: f64,
-    /// Ẋ_j.
+    /// Velocity Ẋ_j.
     pub velocity: f64,
-    /// dF/dX on the last advance, the first guess for the next one.
+    /// Secant slope dF/dX of the last advance, the first guess for the next one.
     pub slope: f64,
 }
 
@@ -25,7 +25,7 @@ impl SlidingCell {
         Self { contacts, position, force, velocity: 0.0, slope }
     }
 
-    /// Its contacts after an advance at constant velocity in a time.
+    /// A copy of its contacts after an advance at constant velocity in the time `duration`.
     ///
     /// # Errors
     /// Those of [`RateDependentContacts::step`].
@@ -40,7 +40,7 @@ impl SlidingCell {
         Ok(contacts)
     }
 
-    /// The cell after an advance that took its contacts to a force. An advance within `accuracy` tells nothing of the slope.
+    /// The cell after an advance that led to `force`. The slope stays if the advance is within `accuracy`.
     pub fn advanced(
         &self,
         contacts: Box<dyn RateDependentContacts>,

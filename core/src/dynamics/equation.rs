@@ -1,28 +1,28 @@
-//! The equation of motion, but for the coupling of cells.
+//! The equation of motion without the coupling of cells.
 
 use super::{Arrest, SlidingCell};
 
 /// Coefficients of the equation of motion.
 #[derive(Debug, Clone, Copy)]
 pub struct EquationOfMotion {
-    /// K_0, stiffness of the spring from a cell to the drive.
+    /// Stiffness K_0 of the spring from a cell to the drive.
     pub connection: f64,
-    /// How many cells have one: the first ones.
+    /// Number of cells that have such a spring, from the first one.
     pub connected: usize,
-    /// M of a cell, or 0.
+    /// Mass M of a cell, 0 or above.
     pub mass: f64,
-    /// η, force on a cell per velocity; above 0 where M is 0.
+    /// Viscosity η, a force on a cell per velocity; above 0 if M is 0.
     pub viscosity: f64,
-    /// What becomes of a cell that its contacts would pull back.
+    /// Rule for a cell whose contacts would pull it back.
     pub arrest: Arrest,
 }
 
-/// The drive in a step.
+/// The motion of the drive in a step.
 #[derive(Debug, Clone, Copy)]
 pub struct DriveMotion {
-    /// X_T at the start.
+    /// X_T at the start of the step.
     pub position: f64,
-    /// Its velocity.
+    /// Velocity of the drive.
     pub velocity: f64,
 }
 
@@ -34,12 +34,12 @@ impl DriveMotion {
 }
 
 impl EquationOfMotion {
-    /// K_0j.
+    /// Stiffness K_0j of the spring of a cell; 0 if it has none.
     pub fn connection(&self, cell: usize) -> f64 {
         if cell < self.connected { self.connection } else { 0.0 }
     }
 
-    /// Ẍ of a cell that is not coupled to others; 0 without mass.
+    /// Acceleration Ẍ of a cell without coupling to others; 0 without mass.
     pub fn acceleration(&self, cell: &SlidingCell, drive: f64) -> f64 {
         if self.mass == 0.0 {
             return 0.0;

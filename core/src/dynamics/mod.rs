@@ -2,13 +2,13 @@
 //!
 //! M Ẍ_j + η Ẋ_j = K_0j(X_T − X_j) − (AX)_j − F_j[X_j(·), t]
 //!
-//! Cell j is at X_j. A spring K_0j joins it to the drive X_T, which moves at a constant velocity in a step; the stiffness matrix
-//! A of the slider couples the cells; F_j is the friction of its contacts. A deformable interface has many cells and M = 0. A
-//! block is one cell, which may have a mass.
+//! Cell j is at X_j. A spring K_0j connects it to the drive X_T, which moves at a constant velocity in a step. The stiffness
+//! matrix A of the slider couples the cells, and F_j is the friction of the contacts. A deformable interface has many cells and
+//! M = 0. A block is one cell, which may have a mass.
 //!
-//! A step ([`tr_bdf2`]) is implicit in friction, springs and coupling, so that it may be as long as a stick. Its two stages are
-//! solved by a [`StageSolver`]: the one of [`OneCell`] is here, that of coupled cells in `elastic`. Contacts move forward only;
-//! [`Arrest`] says what becomes of a cell that they would pull back.
+//! A step ([`tr_bdf2`]) is implicit in friction, springs and coupling, so that it may be as long as a stick phase. Its two stages
+//! are solved by a [`StageSolver`]: [`OneCell`] for a block, and a solver for coupled cells in `elastic`. Contacts move forward
+//! only; [`Arrest`] is the rule for a cell that they would pull back.
 
 mod arrest;
 mod cell;
@@ -32,53 +32,53 @@ use crate::monitor::{Monitor, Watch};
 use crate::numerics::tr_bdf2::GAMMA;
 use crate::rate_dependent::ErrorEstimator;
 
-/// Cells in motion, and what has come of them so far.
+/// Cells in motion, with their energies and errors so far.
 #[derive(Debug)]
 pub struct SliderMotion {
     pub equation: EquationOfMotion,
     pub control: MotionStepControl,
     pub cells: Vec<SlidingCell>,
-    /// t, since the start.
+    /// Time t since the start.
     pub time: f64,
-    /// X_T.
+    /// Drive X_T.
     pub drive: f64,
     pub energies: MotionEnergies,
-    /// Estimators of the errors of the forces of cells, if that is asked for.
+    /// Error estimators of the forces of cells, if an error is requested.
     pub estimators: Option<Vec<ErrorEstimator>>,
-    /// The largest error of a force so far.
+    /// Largest estimated error of a force so far.
     pub error: f64,
 }
 
-/// Energies that came and went since the start, and that contacts do not count.
+/// Energies since the start that are not part of the energies of the contacts.
 #[derive(Debug, Clone, Default)]
 pub struct MotionEnergies {
     /// Work of the drive.
     pub work: f64,
-    /// Lost by viscous drag, ∫ηẊ² dt of each cell.
+    /// Dissipated by viscous drag, ∫ηẊ² dt of each cell.
     pub viscous: Vec<f64>,
-    /// Lost in the last swing of a slider after its arrest.
+    /// Dissipated when a slider moves back after its arrest.
     pub arrest: f64,
-    /// What the unloading of a slider at rest adds to the loss in breaks that its contacts count.
+    /// Correction of the energy dissipated in breaks for the unloading of a slider at rest.
     pub breaks: f64,
 }
 
 impl SliderMotion {
-    /// Cells that start from rest where the drive is at `drive`; steps are right to `tolerance`, a length.
+    /// Cells that start from rest at `drive`. The tolerance of a step is a length.
     pub fn new(equation: EquationOfMotion, cells: Vec<SlidingCell>, drive: f64, tolerance: f64) -> Self {
         let energies = MotionEnergies { viscous: vec![0.0; cells.len()], ..MotionEnergies::default() };
         let control = MotionStepControl::new(tolerance);
         Self { equation, control, cells, time: 0.0, drive, energies, estimators: None, error: 0.0 }
     }
 
-    /// The largest error of the force of a cell so far, if that was asked for.
+    /// Largest estimated error of the force of a cell so far; `None` if it was not requested.
     pub fn error(&self) -> Option<f64> {
         self.estimators.as_ref().map(|_| self.error)
     }
 
-    /// Makes one step of at most `left`, the drive moving at a velocity; returns how long it took.
+    /// Makes one step of at most `left`, with a velocity of the drive. Returns its duration.
     ///
     /// # Errors
-    /// An accuracy that steps do not reach; those of the contacts; stopped by the monitor, nothing having moved then.
+    /// An accuracy that steps do not reach; those of the contacts; a stop by the monitor, after which nothing has moved.
     pub fn step(
         &mut self,
         solver: &mut dyn StageSolver,
@@ -97,7 +97,7 @@ impl SliderMotion {
         Ok(duration)
     }
 
-    /// A step of TR-BDF2, as long as the control of its size allows.
+    /// One accepted step of TR-BDF2 with the size from the step-size control.
     fn advance(
         &mut self,
         solver: &mut dyn StageSolver,
@@ -108,6 +108,8 @@ impl SliderMotion {
         let mut duration = self.control.first(left);
         loop {
             self.control.check(duration, left, self.time)?;
+            // A trial step is repeated with a shorter duration until its stages converge, its error is
+            // within the tolerance, and the cell does not move back.
             let tried = self.attempt(solver, drive, duration, &Watch::new(monitor))?;
             let Some(step) = tried else {
                 duration *= MotionStepControl::SHRINK;
@@ -128,7 +130,7 @@ impl SliderMotion {
         }
     }
 
-    /// Moves the estimators of errors in the same step; if the monitor stops that, nothing has moved.
+    /// Moves copies of the error estimators in the same step, so that nothing has moved if the monitor stops it.
     fn estimate(&mut self, step: &TrBdf2Step, duration: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let (cells, time) = (&self.cells, GAMMA * duration);
         let Some(estimators) = &mut self.estimators else { return Ok(()) };

@@ -4,7 +4,7 @@ use super::{ImplicitStage, SlidingCell, StageSolver};
 use crate::Result;
 use crate::monitor::Watch;
 
-/// Iterations of the secant method after which the step is taken to be too long.
+/// Largest number of iterations of the secant method; without convergence the step is shortened.
 const ROUNDS: u32 = 12;
 
 /// Solves the stage of a single cell by the secant method for the residual.
@@ -18,7 +18,7 @@ impl StageSolver for OneCell {
         let residual =
             |advance: f64, force: f64| stage.drag(0, advance) + force + connection * advance - pull;
         let own = stage.stiffness(0);
-        // Where friction falls faster than all else rises, a secant leads away from the solution.
+        // If friction decreases faster than the other forces increase, a secant leads away from the solution.
         let held = own + from.contacts.tangent();
         let mut slope = if own + from.slope > 0.0 { own + from.slope } else { held };
         let mut advance = (-residual(0.0, from.force) / slope).max(0.0);
@@ -26,22 +26,22 @@ impl StageSolver for OneCell {
         for _ in 0..ROUNDS {
             let contacts = from.contacts_ahead(advance, stage.duration, watch)?;
             let force = contacts.force();
-            let off = residual(advance, force);
+            let remaining = residual(advance, force);
             if let Some((before, then)) = last {
-                let secant = (off - then) / (advance - before);
+                let secant = (remaining - then) / (advance - before);
                 slope = if secant > 0.0 { secant } else { held };
             }
-            let rests = advance == 0.0 && off >= 0.0;
-            if rests || (off / slope).abs() <= stage.accuracy {
+            let rests = advance == 0.0 && remaining >= 0.0;
+            if rests || (remaining / slope).abs() <= stage.accuracy {
                 let velocity = rates.velocity(advance);
                 let velocity = if rests { velocity.min(0.0) } else { velocity };
-                // A block is where its contacts are.
+                // A block has the position of its contacts, without the rounding of a second sum.
                 let position = contacts.position();
                 let end = from.advanced(contacts, advance, force, velocity, stage.accuracy);
                 return Ok(Some(vec![SlidingCell { position, ..end }]));
             }
-            last = Some((advance, off));
-            advance = (advance - off / slope).max(0.0);
+            last = Some((advance, remaining));
+            advance = (advance - remaining / slope).max(0.0);
         }
         Ok(None)
     }

@@ -1,6 +1,6 @@
-//! When a slip begins and ends.
+//! The velocity at which a slip begins and ends.
 
-/// A cell slips while it is faster than the drive by this factor.
+/// Velocity of a cell above which it slips, in units of the velocity of the drive.
 pub const SLIP_VELOCITY: f64 = 10.0;
 
 /// The fraction of a step at which a quantity passes `value`, linear in time from `before` to `after`.

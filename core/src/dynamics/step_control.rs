@@ -2,51 +2,52 @@
 
 use crate::{Error, Float, Result};
 
-/// The first step, as a fraction of what it may be.
+/// First step, as a fraction of the available time.
 const FIRST: f64 = 1e-3;
 
-/// Steps shorter than this fraction of the time are rounded away.
+/// Steps shorter than this fraction of the time are lost in rounding.
 const SHORTEST: f64 = 1e-15;
 
-/// The largest factor by which a step grows.
+/// Largest growth factor of a step.
 const GROW: f64 = 3.0;
 
-/// Equations of stages are solved to this fraction of the tolerance.
+/// Tolerance of the equations of the stages, as a fraction of the tolerance of a step.
 const STAGE: f64 = 0.01;
 
-/// Step-size control of a method of second order, whose local error is of third order in the duration.
+/// Elementary step-size control of a method of second order: the local error is of third order in the duration, so that the
+/// step is multiplied by 0.9 (error/tolerance)^{−1/3} within bounds.
 #[derive(Debug, Clone, Copy)]
 pub struct MotionStepControl {
-    /// The length to which a step is right.
+    /// Tolerance of a step, a length.
     pub tolerance: f64,
-    /// How long the next step may be; infinite before the first one.
+    /// Duration of the next step; infinite before the first one.
     pub next: f64,
 }
 
 impl MotionStepControl {
-    /// The least factor by which a step shrinks that is tried again.
+    /// Smallest factor by which a rejected step is shortened.
     pub const SHRINK: f64 = 0.2;
 
-    /// For steps that are right to a length.
+    /// Control for a tolerance, a length.
     pub fn new(tolerance: f64) -> Self {
         Self { tolerance, next: f64::INFINITY }
     }
 
-    /// The length to which advances of stages are wanted.
+    /// Tolerance of the advances of stages, a length.
     pub fn stage_accuracy(&self) -> f64 {
         STAGE * self.tolerance
     }
 
-    /// The duration to try first where so much is left. A step that does not reach the end leaves at least as much again.
+    /// The first trial duration with the time `left`. A step that does not reach the end takes at most half of it.
     pub fn first(&self, left: f64) -> f64 {
         let duration = if self.next.is_finite() { self.next } else { FIRST * left };
         if duration >= left { left } else { duration.min(0.5 * left) }
     }
 
-    /// Whether a step of a duration is long enough to change the time at all.
+    /// Refuses a duration that is too short to change the time.
     ///
     /// # Errors
-    /// It is not.
+    /// A duration lost in rounding.
     pub fn check(&self, duration: f64, left: f64, time: f64) -> Result<()> {
         if !self.is_too_short(duration, time + left) {
             return Ok(());
@@ -55,20 +56,20 @@ impl MotionStepControl {
         Err(Error::Accuracy { key: String::new(), what: format!("a slider at t = {time}"), reached, wanted })
     }
 
-    /// Whether a step cannot be shortened further, beside this time.
+    /// Whether a step is lost in the rounding of `time`.
     pub fn is_too_short(&self, duration: f64, time: f64) -> bool {
         duration < SHORTEST * time
     }
 
-    /// The factor by which a step of this error has to be shortened, if it has to be.
+    /// The factor by which a step with this error must be shortened; `None` if it is accepted.
     pub fn shorter(&self, error: f64) -> Option<f64> {
         (error / self.tolerance > 1.0).then(|| self.factor(error).min(0.9))
     }
 
-    /// A step of this error is taken, where so much was left.
+    /// Sets the next duration after an accepted step with this error and the time `left` at its beginning.
     pub fn accept(&mut self, error: f64, duration: f64, left: f64) {
         let longer = self.factor(error) * duration;
-        // A step that was cut short by the end tells nothing against longer ones.
+        // A step that was cut short by the end is no reason for a shorter next step.
         self.next = if duration < left { longer } else { self.next.max(longer) };
     }
 

@@ -1,4 +1,5 @@
-//! One step of all cells by TR-BDF2 ([`crate::numerics::tr_bdf2`]). In each of its two stages contacts move at constant velocities.
+//! One step of all cells by TR-BDF2 ([`crate::numerics::tr_bdf2`]). Contacts move at constant velocities in each of its two
+//! stages.
 
 use super::{Arrest, DriveMotion, EquationOfMotion, SliderMotion, SlidingCell};
 use crate::Result;
@@ -10,30 +11,30 @@ pub struct TrBdf2Step {
     pub end: Vec<SlidingCell>,
     /// Positions and forces of cells between the stages.
     pub middle: Vec<(f64, f64)>,
-    /// The estimate of the error of a position, the largest of all cells.
+    /// Largest estimated error of the position of a cell.
     pub error: f64,
     /// Work of the drive.
     pub work: f64,
-    /// Lost by viscous drag, ∫ηẊ² dt of each cell.
+    /// Energy dissipated by viscous drag, ∫ηẊ² dt of each cell.
     pub viscous: Vec<f64>,
 }
 
-/// An implicit stage of a step: the equation of motion has to hold at its end, after advances δ_j that are to be found.
+/// An implicit stage of a step. The unknowns are the advances δ_j for which the equation of motion holds at its end.
 pub struct ImplicitStage<'a> {
     pub equation: &'a EquationOfMotion,
     pub from: &'a [SlidingCell],
-    /// X_T at its end.
+    /// Drive X_T at the end of the stage.
     pub drive: f64,
     pub duration: f64,
-    /// Of each cell.
+    /// Velocity and acceleration of each cell as functions of its advance.
     pub rates: Vec<StageRates>,
     /// Accuracy of the advances.
     pub accuracy: f64,
 }
 
-/// Finds the advances of an implicit stage.
+/// A solver for the advances of an implicit stage.
 pub trait StageSolver {
-    /// The cells at its end; `None` where no solution is found.
+    /// The cells at the end of the stage; `None` if no solution is found.
     ///
     /// # Errors
     /// Those of the contacts; stopped by the monitor.
@@ -41,14 +42,14 @@ pub trait StageSolver {
 }
 
 impl ImplicitStage<'_> {
-    /// M Ẍ + η Ẋ of a cell after an advance.
+    /// Inertia and drag M Ẍ + η Ẋ of a cell after an advance.
     pub fn drag(&self, cell: usize, advance: f64) -> f64 {
         let rates = &self.rates[cell];
         let velocity = rates.velocity(advance);
         self.equation.mass * rates.acceleration(velocity) + self.equation.viscosity * velocity
     }
 
-    /// Derivative of that and of the force of the spring to the drive with respect to the advance.
+    /// Derivative of inertia, drag and spring force with respect to the advance.
     pub fn stiffness(&self, cell: usize) -> f64 {
         let (alpha, EquationOfMotion { mass, viscosity, .. }) = (self.rates[cell].alpha, self.equation);
         (mass * alpha + viscosity) * alpha + self.equation.connection(cell)
@@ -56,7 +57,7 @@ impl ImplicitStage<'_> {
 }
 
 impl SliderMotion {
-    /// A step of a duration; `None` where one of its stages has no solution.
+    /// A trial step; `None` if one of its stages has no solution.
     pub(super) fn attempt(
         &self,
         solver: &mut dyn StageSolver,
@@ -67,6 +68,8 @@ impl SliderMotion {
         let (equation, from, accuracy) = (&self.equation, &self.cells, self.control.stage_accuracy());
         let (number, time) = (from.len(), GAMMA * duration);
         let start: Vec<f64> = from.iter().map(|cell| equation.acceleration(cell, drive.position)).collect();
+        // First stage: the trapezoidal rule to the fraction γ of the step. Second stage: the backward
+        // difference formula of second order to its end.
         let trapezoidal = |j: usize| StageRates::trapezoidal(duration, from[j].velocity, start[j]);
         let rates = (0..number).map(trapezoidal).collect();
         let first =
@@ -89,7 +92,7 @@ impl SliderMotion {
             }
             let [one, two] = [(&first, velocities[1]), (&second, velocities[2])]
                 .map(|(stage, velocity)| stage.rates[j].acceleration(velocity));
-            // An error of the velocity becomes one of the position within a part of an oscillation.
+            // An error of the velocity becomes an error of the position within about 1/ω = √(M/(K + F')).
             let time = (equation.mass / equation.resistance(&from[j])).sqrt();
             of_position.max(time * error(duration, [start[j], one, two]).abs())
         };
@@ -103,7 +106,7 @@ impl SliderMotion {
     }
 }
 
-/// Work of the drive in a step through these states, and what each cell loses by viscous drag.
+/// Work of the drive in a step, and dissipation of each cell by viscous drag, by the quadrature weights of the method.
 fn work_and_drag(
     equation: &EquationOfMotion,
     states: [&[SlidingCell]; 3],

@@ -74,6 +74,7 @@ impl InterfaceModel {
             return Ok(None);
         }
         let fastest = largest(number, |j| velocities[j].abs());
+        // F'' v² from a finite difference of the tangents along the velocities.
         let distance = DIFFERENCE * self.length() / fastest;
         let mut by = balance.forces;
         fill(&mut by, |j| velocities[j] * distance);

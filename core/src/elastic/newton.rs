@@ -98,6 +98,7 @@ impl InterfaceModel {
         let mut diagonal = vec![0.0; number];
         fill(&mut diagonal, |j| slopes[j].least + springs.of(j));
         drop(slopes);
+        // A is weakly diagonally dominant, so that a positive diagonal makes M positive definite.
         if all(number, |j| diagonal[j] > 0.0) {
             return Ok(true);
         }

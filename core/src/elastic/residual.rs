@@ -54,6 +54,8 @@ impl InterfaceModel {
         let stiff = stiffness > STIFF * self.cells.extremes().steepest;
         let mut configuration = Configuration::new(number, stiff && self.resists_differences_only(stiffness));
         if self.residual(&configuration)?.largest > 0.0 {
+            // At this drive the springs carry the whole friction force. Contacts do not move, so that the
+            // positions of the cells in equilibrium solve a linear system.
             configuration.drive = self.force() / self.springs.total();
             let residual = self.residual(&configuration)?;
             let mut positions = residual.forces;

@@ -71,6 +71,7 @@ impl SlideRecord {
     ) -> Result<()> {
         let (mut time, mut most) = (0.0, 0.0_f64);
         let mut stepper = Stepper::new(model, self.parameters.viscosity, configuration);
+        // Reports after a fixed number of steps of single cells: their cost is negligible for few cells, too.
         let quiet = REPORT.div_ceil(model.len() as u64);
         for steps in 0..MOST_STEPS {
             let Some(SlideStep { by, duration, residual }) = stepper.next(model, configuration)? else {

@@ -71,6 +71,7 @@ impl<C: TallyCell> BreakBatch<C> {
         self.thresholds[1..=upcoming.len()].copy_from_slice(upcoming);
         // No life begins with the threshold 0: breaks that fill the last row do not count.
         self.thresholds[1 + upcoming.len()..=rows * ROW].fill(0.0);
+        // Every break of a row is computed, without branches; `taken` is the first one that does not count.
         let mut taken = upcoming.len() as u64;
         for row in 0..rows + LAG {
             if row < rows {
@@ -111,6 +112,8 @@ impl<C: TallyCell> BreakBatch<C> {
             let (cell, position) = grid.guess(end);
             cells[i] = cell;
             changes[i] = C::change(contact.at(position), next.at(position));
+            // A break ends the batch if it is beyond `until`, if the guessed grid value is below it, or if
+            // the next threshold has to be redrawn above the stretch.
             let last = end > until || end > position || next.threshold <= stretch;
             taken = taken.min(if last { (from + i) as u64 } else { MOST as u64 });
         }

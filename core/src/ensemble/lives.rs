@@ -167,6 +167,8 @@ impl Lives {
     /// x_s ~ P_c conditional on x_s > `stretch`.
     #[cold]
     fn threshold_above(&mut self, stretch: f64) -> f64 {
+        // Rejection is fast if most thresholds are above the stretch. Inversion is as exact, and bounds the
+        // time if they are not.
         let drawn = (0..TRIES).map(|_| self.thresholds.next()).find(|&threshold| threshold > stretch);
         drawn.unwrap_or_else(|| {
             let law = &self.thresholds.law;
@@ -237,6 +239,7 @@ impl Draws {
 
     #[inline(never)]
     fn refill(&mut self) {
+        // As many as the contact is expected to need, then a few at a time: unused numbers cost time.
         self.filled = self.left.clamp(1, self.most);
         self.left = self.left.saturating_sub(self.filled).max(4);
         self.law.fill(&mut self.stream, &mut self.batch[..self.filled]);

@@ -211,6 +211,7 @@ impl EnsemblePopulation {
                 continue;
             }
             let own = || lives.clone();
+            // Contacts draw from streams of their own, so that the order of drawing does not matter.
             slice.par_chunks_mut(CHUNK).for_each_init(own, |lives, chunk| {
                 chunk.iter_mut().for_each(|contact| reform(contact, lives, position))
             });
@@ -236,6 +237,7 @@ impl Population for EnsemblePopulation {
 
     fn way(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<Way> {
         if direction != self.facing {
+            // `back` is a bound for the breaks on unloading. It is computed anew only when it is reached.
             if self.position <= self.back {
                 self.find_break_behind();
             }

@@ -120,6 +120,7 @@ impl Ladder {
     /// The rung of a contact, if it exists.
     #[inline]
     fn rung(self, contact: &QueuedContact) -> usize {
+        // The cast saturates: contacts below the ladder belong to its first rung.
         ((contact.end() - self.low) * self.density) as usize
     }
 }
@@ -132,6 +133,7 @@ impl Queue {
     #[inline]
     pub(super) fn push(&mut self, contact: QueuedContact) {
         let rung = self.ladder.rung(&contact);
+        // The rung has been sorted already: the contact goes to the heap.
         if rung < self.taken {
             self.late.push(contact);
         } else if let Some(contacts) = self.rungs.get_mut(rung) {
@@ -173,7 +175,7 @@ impl Queue {
     /// Removes all contacts, in no order.
     pub(super) fn drain(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<QueuedContact>> {
         let mut queue = mem::take(self);
-        // What is most of it where it has been put in place and not yet been needed.
+        // `beyond` holds most contacts of a queue that has just been filled.
         let mut contacts = queue.beyond;
         let rest = queue.near.len() + queue.late.len() + queue.rungs.iter().map(Vec::len).sum::<usize>();
         contacts.reserve_exact(rest);

@@ -171,6 +171,7 @@ impl UniformGrid {
     /// is below.
     #[inline(always)]
     pub(super) fn guess(&self, x: f64) -> (u32, f64) {
+        // The addition rounds to an integer, which is then in the low bits of the mantissa.
         let whole = (x * self.density + self.offset).max(0.0) + POWER;
         (whole.to_bits() as u32, self.value(whole - POWER))
     }

@@ -59,7 +59,7 @@ impl Erlang {
 impl ClosedForm for Erlang {
     fn check(&self) -> Result<()> {
         positive("shape", f64::from(self.shape))?;
-        positive("rate", self.rate)
+        positive("rate", self.rate).map(drop)
     }
 
     fn force(&self, position: f64) -> f64 {

@@ -97,7 +97,7 @@ impl ClosedForm for Gaussian {
         positive("mean", self.mean)?;
         positive("std", self.std)?;
         not_negative("initial_mean", self.initial_mean)?;
-        not_negative("initial_std", self.initial_std)
+        not_negative("initial_std", self.initial_std).map(drop)
     }
 
     fn reach(&self) -> f64 {

@@ -23,7 +23,7 @@ impl Identical {
 
 impl ClosedForm for Identical {
     fn check(&self) -> Result<()> {
-        positive("threshold", self.threshold)
+        positive("threshold", self.threshold).map(drop)
     }
 
     fn force(&self, position: f64) -> f64 {

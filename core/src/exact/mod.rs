@@ -25,7 +25,8 @@ pub use steady::{
     kinetic_friction, kinetic_friction_per_threshold, steady_variance, steady_variance_per_threshold,
 };
 
-use crate::{Error, Result};
+use crate::Result;
+use crate::error::{not_negative, positive};
 
 /// A friction curve F(X) in closed form.
 pub trait ClosedForm {
@@ -54,16 +55,4 @@ pub trait ClosedForm {
 
     /// K_c/(N_c⟨k⟩) = max(0, −min F'): a softer slider block is unstable; infinite where F jumps down.
     fn critical_stiffness(&self) -> f64;
-}
-
-/// Whether `value` is finite and, as `key` must be, above 0.
-fn positive(key: &str, value: f64) -> Result<()> {
-    let holds = value.is_finite() && value > 0.0;
-    if holds { Ok(()) } else { Err(Error::invalid(key, "a finite number above 0", value)) }
-}
-
-/// Whether `value` is finite and, as `key` must be, 0 or above.
-fn not_negative(key: &str, value: f64) -> Result<()> {
-    let holds = value.is_finite() && value >= 0.0;
-    if holds { Ok(()) } else { Err(Error::invalid(key, "a finite number, 0 or above", value)) }
 }

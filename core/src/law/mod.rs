@@ -6,9 +6,7 @@
 //! documented parameters are the parent's, while [`Law::mean`] and [`Law::std`] are those of the conditioned
 //! distribution.
 //!
-//! To add a distribution: a file of its own, shaped like its neighbours; its name in the list below; a
-//! variant of the scenario; a row of the table of distributions in the documentation; a line in the tests of
-//! the family.
+//! To add a distribution: see CONTRIBUTING.md, which lists all files. The code calls a distribution a *law*.
 
 mod critical_coupling;
 mod derivative;
@@ -59,6 +57,7 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
+use crate::error::{not_negative, positive};
 use crate::random::Stream;
 use crate::{Error, Result};
 
@@ -220,22 +219,6 @@ pub trait Law: Debug + Send + Sync {
     /// Fills `out` with independent draws. Numbers are taken from the stream strictly in order, so that
     /// filling in pieces gives the same numbers as filling at once.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]);
-}
-
-/// Returns `value` if it is a finite number above 0.
-fn positive(key: &str, value: f64) -> Result<f64> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(value);
-    }
-    Err(Error::invalid(key, "a finite number above 0", value))
-}
-
-/// Returns `value` if it is a finite number, 0 or above.
-fn not_negative(key: &str, value: f64) -> Result<f64> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(value);
-    }
-    Err(Error::invalid(key, "a finite number, 0 or above", value))
 }
 
 /// The error for a parameter `name` that the distribution does not have.

@@ -181,6 +181,7 @@ fn follow_tail(density: &mut impl Density, cells: &mut Vec<RefinedCell>) -> Resu
     let [mut mass, mut second] = [0, 2].map(|order| cells.iter().map(|cell| cell.moment(order)).sum::<f64>());
     while end < FARTHEST {
         let mut next = [RefinedCell::new(end, end + width)];
+        // The number of cells grows only as the logarithm of the length of the tail.
         evaluate(density, &mut next)?;
         let here = (next[0].moment(0), next[0].moment(2));
         (mass, second, end, width) = (mass + here.0, second + here.1, end + width, 2.0 * width);

@@ -268,6 +268,7 @@ impl Series {
         let first = (next - end).abs();
         let at = |octave: f64| Law::density(self, end - side * first * octave);
         let (near, far) = ((at(2.0) / at(1.0)).log2(), (at(4.0) / at(2.0)).log2());
+        // Richardson extrapolation of the logarithmic slopes over two octaves to the end of the support.
         let exponent = 2.0 * near - far;
         let steep =
             first < 0.01 * self.std && (near - far).abs() < 0.1 && (exponent - exponent.round()).abs() > 0.01;

@@ -306,7 +306,7 @@ impl Cohorts {
     /// The sums at an advance.
     fn sums(&self, panels: &Panels<'_>, advance: f64, per_threshold: bool, watch: &Watch<'_>) -> CohortSums {
         let mut sums = CohortSums::default();
-        for (point_mass, cohort) in self.starts.point_masses.iter().zip(&self.together) {
+        for (point_mass, cohort) in self.point_masses() {
             sums.add(
                 cohort.survival_moments(advance),
                 point_mass.weight,
@@ -380,10 +380,20 @@ impl Cohorts {
         all.flat_map(|cohort| cohort.blurred_edges()).flat_map(BlurredEdge::approach)
     }
 
+    /// The point masses of the starts, with their cohorts.
+    fn point_masses(&self) -> impl Iterator<Item = (&super::PointMass, &Arc<dyn Cohort>)> {
+        self.starts.point_masses.iter().zip(&self.together)
+    }
+
+    /// Those at or below a stretch x.
+    fn point_masses_up_to(&self, x: f64) -> impl Iterator<Item = (&super::PointMass, &Arc<dyn Cohort>)> {
+        self.point_masses().filter(move |(point_mass, _)| point_mass.position <= x)
+    }
+
     /// Point masses of the energy lost.
     fn simultaneous(&self, per_threshold: bool) -> Vec<(f64, f64)> {
         let mut out = Vec::new();
-        for (point_mass, cohort) in self.starts.point_masses.iter().zip(&self.together) {
+        for (point_mass, cohort) in self.point_masses() {
             for met in cohort.breakpoints().into_iter().filter(Breakpoint::is_atom) {
                 let stretch = point_mass.position + met.position;
                 let power = if per_threshold { 3 } else { 2 };
@@ -403,7 +413,7 @@ impl Cohorts {
 
     /// Stretches of the contacts that formed u ago at point masses, with the surviving fraction.
     pub(super) fn atoms(&self, advance: f64) -> impl Iterator<Item = Atom> + '_ {
-        self.starts.point_masses.iter().zip(&self.together).map(move |(point_mass, cohort)| Atom {
+        self.point_masses().map(move |(point_mass, cohort)| Atom {
             position: point_mass.position + advance,
             weight: point_mass.weight * cohort.survival_moments(advance).unbroken[0],
         })
@@ -412,35 +422,23 @@ impl Cohorts {
     /// Density at stretch x of contacts that have formed at the rate `rate(advance)`, not smooth at starts in
     /// `cuts`.
     pub(super) fn standing(&self, x: f64, rate: impl Fn(f64) -> f64, cuts: &[f64], watch: &Watch<'_>) -> f64 {
-        let point_masses = self
-            .starts
-            .point_masses
-            .iter()
-            .zip(&self.together)
-            .filter(|(point_mass, _)| point_mass.position <= x);
         let one = |(point_mass, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
             let advance = x - point_mass.position;
             point_mass.weight * cohort.survival_moments(advance).unbroken[0] * rate(advance)
         };
         let left = |r: f64| self.survival_moments(r, x - r, watch).unbroken[0] * rate(x - r);
-        point_masses.map(one).sum::<f64>() + self.below(x, cuts, left)
+        self.point_masses_up_to(x).map(one).sum::<f64>() + self.below(x, cuts, left)
     }
 }
 
 impl Cohorts {
     /// Density at x of the stretches at which contacts break, without point masses.
     pub(super) fn breaking(&self, x: f64, watch: &Watch<'_>) -> f64 {
-        let point_masses = self
-            .starts
-            .point_masses
-            .iter()
-            .zip(&self.together)
-            .filter(|(point_mass, _)| point_mass.position <= x);
         let one = |(point_mass, cohort): (&super::PointMass, &Arc<dyn Cohort>)| {
             point_mass.weight * cohort.survival_moments(x - point_mass.position).breaking[0]
         };
         let met = |r: f64| self.survival_moments(r, x - r, watch).breaking[0];
-        point_masses.map(one).sum::<f64>() + self.below(x, &[], met)
+        self.point_masses_up_to(x).map(one).sum::<f64>() + self.below(x, &[], met)
     }
 
     /// Stretches at which contacts that formed at point masses break simultaneously.
@@ -451,7 +449,7 @@ impl Cohorts {
             met.map(move |b| Atom { position: position + b.position, weight: weight * b.amplitude })
                 .collect::<Vec<_>>()
         };
-        self.starts.point_masses.iter().zip(&self.together).flat_map(of).collect()
+        self.point_masses().flat_map(of).collect()
     }
 }
 

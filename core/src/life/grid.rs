@@ -106,6 +106,7 @@ impl ThresholdGrid {
         mut visit: impl FnMut(ThresholdGroup),
     ) -> f64 {
         let at = |place: usize| (self.fixed[place], known(exposed, place));
+        // Survival rises with the threshold: the sum ends at the first threshold that all contacts survive.
         let first = self.parts.partition_point(|part| part.ends[1] <= least.0);
         let sought = self.parts[first..].iter().try_for_each(|part| {
             let low = if part.ends[0] < least.0 { least } else { at(part.place) };

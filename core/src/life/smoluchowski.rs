@@ -233,6 +233,8 @@ impl FokkerPlanckLife {
         }
         evolution.field.diffusion = self.at_least(layers * RESOLVED);
         let begun = evolution.density.mass();
+        // No contact breaks before the stretch reaches the support of the thresholds. From there on the lower
+        // boundary moves with the stretch and absorbs.
         for (end, absorbing) in [((low - start) / velocity, false), (lasting, true)] {
             if end <= evolution.time {
                 continue;

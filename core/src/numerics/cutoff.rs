@@ -103,6 +103,7 @@ impl CutoffDistribution {
     /// The distribution with the given means of ln y and y: damped Newton iteration on the log-likelihood,
     /// which is concave.
     fn with_means(means: [f64; 2]) -> Option<Self> {
+        // The maximum-likelihood estimate (Hill, 1975) without a cut-off, ξ = ∞.
         let pure = Self { exponent: 1.0 + means[0].recip(), rate: 0.0 };
         // ⟨y⟩ = (τ − 1)/(τ − 2) for a pure power law.
         if pure.exponent > 2.0 && (pure.exponent - 1.0) / (pure.exponent - 2.0) <= means[1] {

@@ -34,6 +34,7 @@ pub fn sqrt_laplacian([rows, columns]: [usize; 2]) -> Vec<f64> {
     weights.par_chunks_mut(GROUP * columns).enumerate().for_each(|(group, weights)| {
         for (weight, scaled_bessel) in &nodes {
             for (m, row) in (GROUP * group..).zip(weights.chunks_mut(columns)) {
+                // The integrand is a product of functions of m and of n: each node adds an outer product.
                 let factor = weight * scaled_bessel[m];
                 row.iter_mut().zip(scaled_bessel).for_each(|(w, g)| *w += factor * g);
             }
@@ -76,6 +77,7 @@ fn by_recurrence(z: f64, count: usize) -> Vec<f64> {
         }
         sum += 2.0 * here;
         (above, here) = (here, above + (2.0 * m as f64 / z) * here);
+        // The recurrence grows beyond the range of numbers: everything so far is scaled down together.
         if here > 1.0 / SMALL {
             (above, here, sum) = (above * SMALL, here * SMALL, sum * SMALL);
             values.iter_mut().take(start + 1).skip(m).for_each(|value| *value *= SMALL);

@@ -2,7 +2,7 @@
 //!
 //! The monic polynomials orthogonal with respect to a measure μ satisfy π_{k+1} = (x − α_k) π_k − β_k
 //! π_{k−1}. The n zeros of π_n are the nodes of the quadrature rule that is exact to degree 2n − 1. α and β
-//! follow from Stieltjes' procedure (W. Gautschi, OrthogonalPolynomials Polynomials: Computation and Approximation
+//! follow from Stieltjes' procedure (W. Gautschi, Orthogonal Polynomials: Computation and Approximation
 //! (Oxford, 2004), section 2.2.3.1). For another function g the error is g^{(2n)}(ξ)/(2n)! ∫π_n² dμ with some
 //! ξ in the support of μ (A. A. Markov).
 

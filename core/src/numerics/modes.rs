@@ -49,6 +49,7 @@ impl Modes {
     /// Replaces `field` by f(Δ) `field`, Δ the lattice Laplacian with eigenvalues λ ≥ 0.
     pub fn apply(&mut self, field: &mut [f64], f: impl Fn(f64) -> f64 + Sync) {
         let [down, along] = std::mem::take(&mut self.eigenvalues);
+        // Eigenvalues add up over the two directions, since the Laplacian of the lattice is a sum of both.
         self.multiply(field, |mode, column| {
             column.iter_mut().zip(&down).for_each(|(amplitude, other)| *amplitude *= f(along[mode] + other));
         });

@@ -124,6 +124,7 @@ impl Piecewise {
                 cell += taken;
                 out.boundaries.push(self.boundaries[cell]);
             }
+            // Pairs are joined in rounds, each of which at best halves the number of cells, until none fits.
             if out.coefficients.len() == self.coefficients.len() {
                 return out;
             }

@@ -51,6 +51,7 @@ impl Chain {
         }
         definite &= behind > 0.0;
         right[last] /= behind;
+        // Back substitution, with sums of positive terms only if all g_j and r_j are ≥ 0.
         let mut ahead = right[last];
         for j in (0..last).rev() {
             ahead = self.ratios[j] * (right[j] / k + ahead);

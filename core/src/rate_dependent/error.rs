@@ -1,15 +1,14 @@
-//! The error of contacts that are moved step by step, estimated from copies that are moved the same way.
+//! Error estimate for time-dependent contacts, from copies that follow the same motion.
 
 use super::{ContactsState, RateDependentContacts};
 use crate::Result;
 use crate::monitor::Monitor;
 
-/// How much larger an error is than what half the step changes: of first order by 2, of fourth by 16/15.
+/// Ratio of the error to the change by halved steps (Richardson extrapolation): 2 for first order, 16/15 for fourth.
 const HALVED: f64 = 2.0;
 
-/// Two copies of contacts. One is followed with a larger tolerance: its difference is the error of the steps of contacts
-/// where these are shorter than those of the slider. The other one is followed in steps half as long: its difference is the
-/// error of the steps of the slider.
+/// Two copies of contacts that follow the same motion. The first has a larger tolerance; its deviation is the error of the
+/// steps of the contacts. The second moves in steps half as long; its deviation is the error of the steps of the slider.
 #[derive(Debug)]
 pub struct ErrorEstimator {
     rough: Box<dyn RateDependentContacts>,
@@ -17,12 +16,12 @@ pub struct ErrorEstimator {
 }
 
 impl ErrorEstimator {
-    /// That of `contacts` from here on, where they have an error at all.
+    /// The estimator of `contacts` from the present state; `None` for contacts that are followed one by one.
     pub fn of(contacts: &dyn RateDependentContacts) -> Option<Self> {
         contacts.rough().map(|rough| Self { rough, halved: contacts.copy() })
     }
 
-    /// Moves as the contacts have moved, which now carry a `force`. Returns an estimate of its error, on the safe side.
+    /// Repeats a step of the contacts, which led to `force`. Returns an estimated upper limit of the error of that force.
     ///
     /// # Errors
     /// Those of [`RateDependentContacts::step`].
@@ -39,12 +38,12 @@ impl ErrorEstimator {
         Self { rough: self.rough.copy(), halved: self.halved.copy() }
     }
 
-    /// What both have come to.
+    /// The states of both copies.
     pub fn state(&self) -> [ContactsState; 2] {
         [self.rough.state(), self.halved.state()]
     }
 
-    /// Goes to what others of the same description have come to.
+    /// Restores the states of copies of the same description.
     ///
     /// # Errors
     /// Those of [`RateDependentContacts::restore`].

@@ -1,7 +1,6 @@
-//! Time-dependent contacts that move together, seen from outside: what a block needs to know of them.
+//! The interface of time-dependent contacts that move together, for a block or for a cell of an interface.
 //!
-//! Where a [`crate::population::Population`] has no time of its own, here every move takes its time, and time passes at
-//! rest, too.
+//! In contrast to a [`crate::population::Population`], every displacement takes a time, and contacts change at rest, too.
 
 mod error;
 mod state;
@@ -14,15 +13,15 @@ pub use stretch_interval::{StretchInterval, binned};
 use crate::Result;
 use crate::monitor::Monitor;
 
-/// What time-dependent contacts store, and what came and went otherwise than by work, each summed on its own.
+/// Energies of time-dependent contacts, each summed independently.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Books {
-    /// Elastic energy Σ ½k x² of the contacts, now.
+    /// Present elastic energy Σ ½k x² of the contacts.
     pub elastic: f64,
-    /// Energy lost in breaks since the beginning: Σ over breaks of ½k x_b², less the ½k r² of what re-formed.
+    /// Energy dissipated in breaks since the beginning: Σ over breaks of ½k x_b², minus the ½k r² of re-formed contacts.
     pub lost: f64,
-    /// Energy ∫Σ ½x² dk since the beginning, brought by ageing that makes stretched contacts stiffer (k = κ x_s with the
-    /// present threshold); below 0 where they weaken.
+    /// Energy ∫Σ ½x² dk since the beginning, supplied by ageing that makes stretched contacts stiffer (k = κ x_s with the
+    /// present threshold); negative if they weaken.
     pub gained: f64,
     /// Breaks since the beginning, per contact.
     pub broken: f64,
@@ -32,7 +31,7 @@ pub struct Books {
 ///
 /// Forces are totals, in the unit of stiffness × length; positions X are lengths.
 pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
-    /// Position X of the slider's bottom.
+    /// Position X of the slider's base.
     fn position(&self) -> f64;
 
     /// Time t.
@@ -41,37 +40,37 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// Force F.
     fn force(&self) -> f64;
 
-    /// dF/dX if the slider moved at once: what holds, stretched.
+    /// Instantaneous tangent dF/dX, the stiffness of the attached contacts.
     fn tangent(&self) -> f64;
 
     /// Energies and breaks: the work on the contacts is the change of elastic − gained + lost.
     fn books(&self) -> Books;
 
-    /// The fraction of contacts that is free.
+    /// Fraction of detached contacts.
     fn free(&self) -> f64;
 
-    /// The contacts that hold, by their stretches.
+    /// The distribution of the stretches of the attached contacts.
     fn stretches(&self) -> Vec<StretchInterval>;
 
-    /// Moves by `by`, 0 or above, at one velocity in the time `during`, above 0.
+    /// Moves by `by` ≥ 0 at constant velocity in the time `during` > 0.
     ///
     /// # Errors
-    /// Accuracy not reached; stopped by the monitor, somewhere on the way.
+    /// Accuracy not reached; a stop by the monitor, after which the contacts are invalid.
     fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()>;
 
-    /// The same contacts here and now, followed less accurately: moved the same way they tell the error of the force. None of
-    /// contacts that are followed one by one.
+    /// A copy in the present state with a larger tolerance, for an estimate of the error of the force. `None` for contacts
+    /// that are followed one by one.
     fn rough(&self) -> Option<Box<dyn RateDependentContacts>> {
         None
     }
 
-    /// A copy in the present state, to come back to.
+    /// A copy in the present state.
     fn copy(&self) -> Box<dyn RateDependentContacts>;
 
-    /// What they have come to.
+    /// The present state.
     fn state(&self) -> ContactsState;
 
-    /// Goes to what contacts of the same description have come to: they go on from there bit for bit.
+    /// Restores the state of contacts of the same description, from which they continue bit for bit.
     ///
     /// # Errors
     /// A state of other contacts.

@@ -1,4 +1,4 @@
-//! What time-dependent contacts have come to, to be kept and taken up again.
+//! The state of contacts as opaque bytes, for checkpoints and simulations.
 
 use ciborium::Value;
 use serde::de::{DeserializeOwned, Deserializer, Error as _};
@@ -6,32 +6,32 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use crate::{Error, Result};
 
-/// What contacts have come to, for contacts of the same description alone to read: as CBOR (RFC 8949), which keeps every
-/// number bit for bit.
+/// The state of contacts, readable only by contacts of the same description. It is CBOR (RFC 8949), which keeps every number
+/// bit for bit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ContactsState(Vec<u8>);
 
 impl ContactsState {
-    /// A state that is plain data.
+    /// The state from plain data.
     ///
     /// # Panics
-    /// If it cannot be told as plain data, such as a map whose length is not known.
+    /// If it cannot be serialised as plain data, such as a map of unknown length.
     pub fn of<T: Serialize>(kept: &T) -> Self {
         let mut bytes = Vec::new();
         ciborium::into_writer(kept, &mut bytes)
-            .expect("a state is plain data, and memory does not refuse it");
+            .expect("a state is plain data, and writing to memory does not fail");
         Self(bytes)
     }
 
     /// The plain data.
     ///
     /// # Errors
-    /// It is that of something else.
+    /// The data have another type.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T> {
         ciborium::from_reader(self.0.as_slice()).map_err(|error| Self::another(&error.to_string()))
     }
 
-    /// The error of a state that is not that of these contacts, but another one.
+    /// The error for a state of other contacts.
     pub fn another(found: &str) -> Error {
         Error::invalid("state", "that of contacts of the same description", found)
     }

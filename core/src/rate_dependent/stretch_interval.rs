@@ -1,25 +1,25 @@
-//! The stretches of contacts, portion by portion.
+//! The distribution of stretches as a list of intervals.
 
 use crate::{Error, Result};
 
-/// Contacts that hold: spread evenly over a range of stretches, or all at one.
+/// Attached contacts with stretches distributed uniformly on an interval, or all with the same stretch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StretchInterval {
-    /// The least of their stretches …
+    /// Smallest stretch.
     pub low: f64,
-    /// … and the largest, the same where they are together.
+    /// Largest stretch; equal to `low` for a point mass.
     pub high: f64,
-    /// Their share of all contacts.
+    /// Fraction of all contacts.
     pub share: f64,
 }
 
 impl StretchInterval {
-    /// Whether all have one stretch.
+    /// Whether all contacts have the same stretch.
     pub fn is_point(&self) -> bool {
         self.low == self.high
     }
 
-    /// The part of it above one stretch, up to another.
+    /// The fraction of its contacts with stretches in (`low`, `high`].
     fn between(&self, low: f64, high: f64) -> f64 {
         if self.is_point() {
             return f64::from(u8::from(low < self.low && self.low <= high));
@@ -27,24 +27,25 @@ impl StretchInterval {
         ((self.high.min(high) - self.low.max(low)) / (self.high - self.low)).max(0.0)
     }
 
-    /// The same contacts, all stretches `scale` times as large.
+    /// The same contacts with all stretches multiplied by `scale`.
     #[must_use]
     pub fn scaled(self, scale: f64) -> Self {
         Self { low: scale * self.low, high: scale * self.high, ..self }
     }
 }
 
-/// Q(x) as its mean over each bin between two edges, per length; what stands at an edge counts below it, at the first
-/// above it.
+/// Mean of the density Q(x) over each bin between two edges, per length. A point mass at an edge belongs to the bin below it,
+/// at the first edge to the first bin.
 ///
 /// # Errors
-/// Fewer than two edges; edges that are not finite numbers, each above the one before.
-pub fn binned(portions: &[StretchInterval], edges: &[f64]) -> Result<Vec<f64>> {
+/// Fewer than two edges; edges that are not finite or not ascending.
+pub fn binned(intervals: &[StretchInterval], edges: &[f64]) -> Result<Vec<f64>> {
     rising(edges)?;
     let density = |(bin, ends): (usize, &[f64])| {
         let low = if bin == 0 { ends[0].next_down() } else { ends[0] };
-        let share: f64 = portions.iter().map(|portion| portion.share * portion.between(low, ends[1])).sum();
-        share / (ends[1] - ends[0])
+        let fraction: f64 =
+            intervals.iter().map(|interval| interval.share * interval.between(low, ends[1])).sum();
+        fraction / (ends[1] - ends[0])
     };
     Ok(edges.windows(2).enumerate().map(density).collect())
 }

@@ -1,4 +1,4 @@
-//! The error budget of a task: what its forces are off by, held against what was asked for, and told.
+//! The error budget of a task: the estimated error of its forces, compared with the required accuracy.
 
 use crate::Result;
 use crate::monitor::Monitor;
@@ -9,41 +9,41 @@ use crate::scenario::Model;
 
 /// How accurate the forces of a task are.
 pub struct ForceAccuracy {
-    /// Estimated error of F/(N_c⟨k⟩), a length: all parts of the budget together.
+    /// Estimated total error of F/(N_c⟨k⟩), a length.
     pub error: f64,
-    /// The length that tolerances are counted in: the mean life of a contact, or its mean threshold in time.
+    /// The unit of tolerances, a length: the mean life of a contact, or the mean threshold for motion in time.
     pub life: f64,
-    /// The error aimed at where none is asked for, of that length; none in time, where estimates are on the safe side.
+    /// Default target of the error, in units of `life`. `None` for motion in time, where estimates are upper limits.
     pub aim: Option<f64>,
 }
 
 impl ForceAccuracy {
-    /// That of contacts that are solved for to the tolerance of a pull.
+    /// Accuracy of a solution of the renewal equation, with the error of F/(N_c⟨k⟩) and the mean life, both lengths.
     pub fn new(model: &Model, error: f64, life: f64) -> Self {
         Self { error, life, aim: Some(model.master_equation.tolerance().value()) }
     }
 
-    /// That of contacts followed through time, of an error of their force.
+    /// Accuracy of contacts followed through time, from the error of their force.
     pub fn in_time(model: &Model, force: f64) -> Self {
         Self { error: force / model.stiffness(), life: model.contacts.thresholds.mean(), aim: None }
     }
 
-    /// The larger of two errors, with the length that it is counted in.
+    /// The one with the larger relative error.
     #[must_use]
     pub fn worse(self, other: Self) -> Self {
         if other.error / other.life > self.error / self.life { other } else { self }
     }
 
-    /// How many times as large it is as what the scenario requires; 0 where that is nothing.
-    pub fn missing(&self, model: &Model) -> f64 {
+    /// Ratio of the error to the one that the scenario requires; 0 without a requirement.
+    pub fn excess(&self, model: &Model) -> f64 {
         let required = model.master_equation.tolerance;
         required.map_or(0.0, |required| self.error / self.life / required)
     }
 
-    /// Adds it to an output, with a warning where it falls short of the aim; `what` it is the accuracy of.
+    /// Adds the accuracy of the force named `what` to an output, with a warning if the error is above the default target.
     ///
     /// # Errors
-    /// Larger than what the scenario requires.
+    /// The error is larger than the scenario requires.
     pub fn of<N>(self, model: &Model, what: &str, mut output: Output<N>) -> Result<Output<N>> {
         let reached = self.error / self.life;
         model.master_equation.tolerance().allows(reached, || what.to_owned())?;
@@ -58,8 +58,7 @@ impl ForceAccuracy {
     }
 }
 
-/// What `solve` makes of contacts that are followed with a tolerance; where that is less accurate than what the scenario
-/// requires, with a smaller one.
+/// Calls `solve` with a tolerance, and once more with a smaller one if the result is less accurate than the scenario requires.
 ///
 /// # Errors
 /// Those of `solve`.
@@ -69,20 +68,21 @@ pub fn as_required<T>(
     monitor: &mut dyn Monitor,
     mut solve: impl FnMut(f64, &mut Part<'_>) -> Result<(T, ForceAccuracy)>,
 ) -> Result<(T, ForceAccuracy)> {
-    /// How often that is tried, …
+    /// Largest number of calls of `solve`.
     const ATTEMPTS: u32 = 2;
-    /// … and the smallest tolerance that there is.
+    /// Smallest tolerance.
     const FINEST: f64 = 1e-12;
     let required = model.master_equation.tolerance.is_some();
-    let share = if required { 1.0 / f64::from(ATTEMPTS) } else { 1.0 };
+    let fraction = if required { 1.0 / f64::from(ATTEMPTS) } else { 1.0 };
     let mut attempt = 1;
     loop {
         let (found, accuracy) =
-            solve(tolerance, &mut Part::new(monitor, f64::from(attempt - 1) * share, share))?;
-        let missing = accuracy.missing(model);
-        if missing <= 1.0 || attempt == ATTEMPTS || tolerance == FINEST {
+            solve(tolerance, &mut Part::new(monitor, f64::from(attempt - 1) * fraction, fraction))?;
+        let excess = accuracy.excess(model);
+        if excess <= 1.0 || attempt == ATTEMPTS || tolerance == FINEST {
             return Ok((found, accuracy));
         }
-        (tolerance, attempt) = ((0.5 * tolerance / missing).max(FINEST), attempt + 1);
+        // The error is taken as proportional to the tolerance; the factor ½ is a margin.
+        (tolerance, attempt) = ((0.5 * tolerance / excess).max(FINEST), attempt + 1);
     }
 }

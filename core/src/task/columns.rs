@@ -1,4 +1,4 @@
-//! The variables that each task may record, from the declarations that the tasks themselves use.
+//! The variables that each task may record, collected from the column declarations of the tasks.
 
 use super::{
     COMPARED, distribution, drive, ensemble, hold_curve, in_time, interface, pull, renormalisation, sliding,
@@ -8,7 +8,7 @@ use crate::block::{Slide, StickSlip};
 use crate::record::{Column, Record};
 
 /// The variables of each task, without values: what its [`Output`](super::Output) may hold. The names of tasks are those of
-/// [`Numbers`](super::summary::Numbers); contacts coupled one by one stand apart.
+/// [`Numbers`](super::summary::Numbers). Contacts coupled one by one have an entry of their own.
 pub fn columns() -> Vec<(&'static str, Record)> {
     let of = |lists: &[&[Column]]| {
         let mut record = Record::default();
@@ -39,7 +39,7 @@ pub fn columns() -> Vec<(&'static str, Record)> {
     ]
 }
 
-/// The same variables with `prefix` before their names and those of their dimensions.
+/// The variables of `record` with `prefix` before their names and the names of their dimensions.
 fn prefixed(record: &Record, prefix: &str) -> Record {
     let mut variables = record.variables.clone();
     for variable in &mut variables {

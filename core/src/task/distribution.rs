@@ -9,7 +9,7 @@ use crate::monitor::Monitor;
 use crate::record::{Column, Quantity, Record};
 use crate::scenario;
 
-/// Densities of attached contacts below this, per breaking rate, are rounding: no hazard is told there.
+/// Densities of attached contacts below this, per breaking rate, are rounding errors. The hazard there is infinite.
 const NONE: f64 = 1e-12;
 
 const STRETCH: Column = Column::new("stretch", "stretch x", Quantity::Length, &["stretch"]);
@@ -39,7 +39,7 @@ const STEADY_STRETCH_DENSITY: Column = Column::new(
 );
 const THRESHOLD_DENSITY: Column =
     Column::new("threshold_density", "density of thresholds", Quantity::PerLength, &["stretch"]);
-/// The same of time-dependent contacts.
+/// `THRESHOLD_DENSITY` for time-dependent contacts.
 const BREAKING_STRETCH_DENSITY: Column = Column {
     long_name: "density of the stretches at which contacts break in steady sliding",
     ..THRESHOLD_DENSITY
@@ -87,7 +87,7 @@ pub(super) const COLUMNS: [Column; 13] = [
 /// Q(x; X) at the snapshots.
 ///
 /// # Errors
-/// The monitor's wish to stop.
+/// A stop by the monitor.
 pub(super) fn evolving(
     task: &scenario::Pull,
     pull: &Pull,
@@ -112,10 +112,11 @@ pub(super) fn evolving(
     Ok(())
 }
 
-/// Q_s with P_c and P; of time-dependent contacts, with the thresholds that they meet, and P from these.
+/// Q_s with P_c and P. For time-dependent contacts P_c is replaced by the distribution of the thresholds at which they
+/// break, and P is computed from that.
 ///
 /// # Errors
-/// The monitor's wish to stop.
+/// A stop by the monitor.
 pub(super) fn steady(
     contacts: &Contacts,
     steady: &SteadyState,
@@ -127,7 +128,7 @@ pub(super) fn steady(
     let law = contacts.thresholds.as_ref();
     let (column, thresholds, hazard) = if contacts.rules.are_time_dependent() {
         let met = steady.thresholds_met(&grid.stretches, monitor)?;
-        // Where no contact is seen to hold, both are rounding.
+        // Where hardly any contact is attached, numerator and denominator are rounding errors.
         let rate = |(met, &held): (&f64, &f64)| {
             if held > NONE * steady.breaking_rate() {
                 met * steady.breaking_rate() / held

@@ -1,4 +1,4 @@
-//! `[drive]`: the slider's top is moved, or a force imposed, and its bottom follows.
+//! `[drive]`: the top of the slider is moved, or a force imposed, and the base of the slider follows.
 
 use super::accuracy::ForceAccuracy;
 use super::sliding::{self, adopt};
@@ -13,7 +13,7 @@ use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Model};
 use crate::{Error, Result};
 
-/// Mean thresholds that the first loading is followed for.
+/// Length of the first loading, in mean thresholds.
 const LOADING: f64 = 5.0;
 /// Points of the curves of equilibria and of the potential.
 const FINE: usize = 2001;
@@ -46,7 +46,7 @@ pub(super) const COLUMNS: [Column; 6] =
 /// Drives the slider as `task` says.
 ///
 /// # Errors
-/// Results too large for one file, what the solvers run into, or the monitor's wish to stop.
+/// Results too large for one file, errors of the solvers, a stop by the monitor.
 pub(super) fn run(
     model: &Model,
     task: &scenario::Drive,
@@ -65,31 +65,32 @@ pub(super) fn run(
     ensemble.as_ref().map_or(Ok(()), |ensemble| ensemble.population_fits(monitor.memory()))?;
     let equation = MasterEquation::new(contacts.clone(), initial, &mut Part::new(monitor, 0.0, 0.0))?;
     let tolerance = model.master_equation.tolerance();
-    let loading = first_loading(contacts);
+    let loading = first_loading_distance(contacts);
     let reach = task.turns().iter().fold(loading, |far, turn| far.max(*turn));
-    let shares = if model.ensemble.is_some() { [0.05, 0.25] } else { [0.1, 0.9] };
-    let pull = equation.pull(reach, tolerance, &mut Part::new(monitor, 0.0, shares[0]))?;
-    let mut population = equation.population(tolerance, &mut Part::new(monitor, shares[0], 0.0))?;
-    let (block, way) = (model.block.as_ref(), task.build());
+    let fractions = if model.ensemble.is_some() { [0.05, 0.25] } else { [0.1, 0.9] };
+    let pull = equation.pull(reach, tolerance, &mut Part::new(monitor, 0.0, fractions[0]))?;
+    let mut population = equation.population(tolerance, &mut Part::new(monitor, fractions[0], 0.0))?;
+    let (block, protocol) = (model.block.as_ref(), task.build());
     let mut record = Record::default();
     let fresh = population.copy();
     let master = task.slider(block, false)?;
-    let run = master.pull(&mut population, &way, &mut Part::new(monitor, shares[0], shares[1]));
-    let run = run.map_err(|e| e.under("drive"))?;
-    // The forces of the contacts; and energies that do not balance, over the way of a life, where motion is off besides.
+    let part = &mut Part::new(monitor, fractions[0], fractions[1]);
+    let run = master.pull(&mut population, &protocol, part).map_err(|e| e.under("drive"))?;
+    // The error of the force has two parts: that of the contacts, and that of the motion. The energy imbalance divided by
+    // a mean life, the distance over which contacts are replaced, measures the second one.
     let lives = model.stiffness() * equation.steady_state().mean_life();
-    let off = population.error() / model.stiffness() + run.energy.imbalance().abs() / lives;
+    let error = population.error() / model.stiffness() + run.energy.imbalance().abs() / lives;
     adopt(sliding::motion(&run), "", &mut record);
     adopt(sliding::course(&run), "", &mut record);
     if let Loading::Spring(stiffness) = master.loading() {
-        balance(&run, fresh.as_ref(), stiffness, loading, &mut record)?;
+        record_equilibria(&run, fresh.as_ref(), stiffness, loading, &mut record)?;
     }
     let mut sliding = Sliding::new(&run);
     if let Some(ensemble) = ensemble {
-        let done = shares[0] + shares[1];
+        let done = fractions[0] + fractions[1];
         let mut part = Part::new(monitor, done, 1.0 - done);
         let mut contacts = ensemble.population(&mut Aside { fraction: 0.0, monitor: &mut part })?;
-        let run = task.slider(block, true)?.pull(&mut contacts, &way, &mut part)?;
+        let run = task.slider(block, true)?.pull(&mut contacts, &protocol, &mut part)?;
         adopt(sliding::motion(&run), "ensemble_", &mut record);
         adopt(sliding::sizes(&run, ensemble.size()), "", &mut record);
         sliding.ensemble = Some(Box::new(Sliding::new(&run)));
@@ -98,11 +99,11 @@ pub(super) fn run(
     let steady = equation.steady_state();
     let friction = friction(model, &steady, &relaxation, &pull);
     let output = Output::new(model, DriveNumbers { friction, sliding: Some(sliding) }, record);
-    let accuracy = ForceAccuracy::new(model, pull.error_estimate().max(off), steady.mean_life());
+    let accuracy = ForceAccuracy::new(model, pull.error_estimate().max(error), steady.mean_life());
     accuracy.of(model, "the force on a slider that is driven", output)
 }
 
-/// Drives the slider over time-dependent contacts; friction is that of a pull at the velocity of its top.
+/// Drives the slider over time-dependent contacts. Friction is that of a pull at the velocity of the drive.
 fn at_a_velocity(
     model: &Model,
     protocol: &scenario::Protocol,
@@ -116,11 +117,11 @@ fn at_a_velocity(
         MasterEquation::at(contacts.clone(), initial, velocity, &mut Part::new(monitor, 0.0, 0.5 * PULL))?;
     let tolerance = model.master_equation.tolerance();
     let part = &mut Part::new(monitor, 0.5 * PULL, 0.5 * PULL);
-    let pull = equation.pull(first_loading(contacts), tolerance, part)?;
+    let pull = equation.pull(first_loading_distance(contacts), tolerance, part)?;
     let part = &mut Part::new(monitor, PULL, 1.0 - PULL);
-    let (sliding, record, moved) = match &model.block {
+    let (sliding, record, in_time) = match &model.block {
         Some(block) => in_time::behind(model, protocol, block, part)
-            .map(|(sliding, record, moved)| (Some(sliding), record, moved))?,
+            .map(|(sliding, record, accuracy)| (Some(sliding), record, accuracy))?,
         None => {
             let (trace, record) = in_time::rigid(model, protocol, part)?;
             (None, record, Some(ForceAccuracy::in_time(model, trace.error)))
@@ -131,16 +132,16 @@ fn at_a_velocity(
     let friction = friction(model, &steady, &relaxation, &pull);
     let output = Output::new(model, DriveNumbers { friction, sliding }, record);
     let accuracy = ForceAccuracy::new(model, pull.error_estimate(), steady.mean_life());
-    let accuracy = moved.into_iter().fold(accuracy, ForceAccuracy::worse);
+    let accuracy = in_time.into_iter().fold(accuracy, ForceAccuracy::worse);
     accuracy.of(model, "the force on a slider that is driven", output)
 }
 
-/// How far the first loading of a slider is followed: five mean thresholds.
-pub fn first_loading(contacts: &Contacts) -> f64 {
+/// Length of the first loading of a slider: five mean thresholds.
+pub fn first_loading_distance(contacts: &Contacts) -> f64 {
     LOADING * contacts.thresholds.mean()
 }
 
-/// Refuses before any work what could not be written after it.
+/// Refuses, before any work, results that are too large for one file.
 fn check_size(task: &scenario::Drive, ensemble: bool) -> Result<()> {
     let traces = if ensemble { 2 } else { 1 };
     fits("drive.points", task.points * WIDTH * traces, || {
@@ -148,8 +149,8 @@ fn check_size(task: &scenario::Drive, ensemble: bool) -> Result<()> {
     })
 }
 
-/// Where the slider is in balance on the first loading, and the potential at the first slip.
-fn balance(
+/// Records the equilibria of the slider on the first loading, and its potential around the first slip.
+fn record_equilibria(
     run: &StickSlip,
     fresh: &dyn Population,
     stiffness: f64,

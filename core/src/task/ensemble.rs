@@ -1,4 +1,4 @@
-//! The same pull by the ensemble: contacts one by one, drawn at random.
+//! A pull computed by the ensemble: single contacts, drawn at random.
 
 use crate::Result;
 use crate::ensemble::{Ensemble, Snapshots};
@@ -8,10 +8,10 @@ use crate::scenario;
 
 use super::grid::Grid;
 
-/// Mean thresholds that a pull must be long, and relaxation lengths, before its end is called steady.
-/// The first is a little below 200: laws cut at 0 have means a little above their parameter.
+/// Smallest length of a pull whose end counts as steady sliding, in mean thresholds and in relaxation lengths.
+/// The first is a little below 200, because laws truncated at 0 have means a little above their parameter.
 const SETTLED: (f64, f64) = (199.9, 5.0);
-/// Mean thresholds at the end of such a pull over which stretches are averaged, and snapshots for it.
+/// Length of the end of such a pull over which stretches are averaged, in mean thresholds, and the number of snapshots.
 const WINDOW: (f64, usize) = (10.0, 101);
 
 const FORCE: Column =
@@ -40,7 +40,7 @@ const AVERAGED: Column = Column::new(
 /// The variables of a pull of the ensemble.
 pub(super) const COLUMNS: [Column; 6] = [FORCE, ERROR, BIN, STRETCH_DENSITY, STEADY_DENSITY, AVERAGED];
 
-/// The force of the ensemble and its standard error, along another dimension than the position.
+/// Columns of the force of the ensemble and its standard error along `dimensions`.
 pub(super) const fn force_columns(
     long_name: &'static str,
     dimensions: &'static [&'static str],
@@ -52,7 +52,7 @@ pub(super) const fn force_columns(
 pub(super) struct PulledEnsemble<'a> {
     /// The task.
     pub task: &'a scenario::Pull,
-    /// Where histograms reach.
+    /// The stretches, which give the range of histograms.
     pub grid: &'a Grid,
     /// Mean threshold.
     pub mean: f64,
@@ -60,7 +60,7 @@ pub(super) struct PulledEnsemble<'a> {
     pub memory: f64,
 }
 
-/// Records the force of an ensemble, and its standard error where there is one: the scatter of one contact is not known.
+/// Records the force of an ensemble, and its standard error unless there is a single contact, whose scatter is unknown.
 pub(super) fn add_force(record: &mut Record, columns: [Column; 2], force: Vec<f64>, error: Vec<f64>) {
     record.add(columns[0], force);
     if !error.iter().any(|error| error.is_nan()) {
@@ -72,12 +72,12 @@ impl PulledEnsemble<'_> {
     /// Pulls `model` and records force, stretches at the snapshots, and stretches in steady sliding.
     ///
     /// # Errors
-    /// A job too big, or stopped by the monitor.
+    /// A computation that is too large, a stop by the monitor.
     pub fn record(&self, model: &Ensemble, record: &mut Record, monitor: &mut dyn Monitor) -> Result<()> {
-        let asked = &self.task.snapshots;
+        let requested = &self.task.snapshots;
         let last = self.last_positions();
-        // the two lists overlap: one histogram is taken at each position of either
-        let mut positions = [asked.as_slice(), &last].concat();
+        // The two lists overlap: one histogram is taken at each position that is in either of them.
+        let mut positions = [requested.as_slice(), &last].concat();
         positions.sort_by(f64::total_cmp);
         positions.dedup();
         let edges = self.grid.edges(model.size());
@@ -89,12 +89,12 @@ impl PulledEnsemble<'_> {
         };
         add_force(record, [FORCE, ERROR], pull.force.clone(), pull.error.clone());
         let at = |x: &f64| snapshots.positions.partition_point(|p| p < x);
-        if asked.is_empty() && last.is_empty() {
+        if requested.is_empty() && last.is_empty() {
             return Ok(());
         }
         record.add(BIN, centres);
-        if !asked.is_empty() {
-            let density = asked.iter().flat_map(|x| pull.stretch_density(at(x)..at(x) + 1)).collect();
+        if !requested.is_empty() {
+            let density = requested.iter().flat_map(|x| pull.stretch_density(at(x)..at(x) + 1)).collect();
             record.add(STRETCH_DENSITY, density);
         }
         if let (Some(first), Some(end)) = (last.first(), last.last()) {
@@ -105,7 +105,7 @@ impl PulledEnsemble<'_> {
         Ok(())
     }
 
-    /// Positions at the end of the pull, if it is long enough for contacts to have forgotten the start.
+    /// Positions at the end of the pull over which stretches are averaged; none if the pull is too short to be steady there.
     fn last_positions(&self) -> Vec<f64> {
         let end = self.task.distance;
         let settled = end >= SETTLED.0 * self.mean && end >= SETTLED.1 * self.memory;

@@ -1,32 +1,32 @@
-//! The stretches at which distributions are given.
+//! The stretches at which distributions are evaluated.
 
 use crate::contacts::{Ageing, Initial, Start};
 use crate::law::Law;
 use crate::master::MasterEquation;
 
-/// Share of contacts that may lie above the last stretch.
+/// Largest fraction of contacts above the last stretch.
 const BEYOND: f64 = 1e-6;
-/// Fewest and most even steps up to the last stretch.
+/// Smallest and largest number of even steps up to the last stretch.
 const STEPS: (f64, f64) = (400.0, 8000.0);
-/// Steps per length over which a density varies.
+/// Steps per length on which a density varies.
 const FINENESS: f64 = 8.0;
-/// Fewest and most bins of a histogram of many contacts.
+/// Smallest and largest number of bins of a histogram of many contacts.
 const BINS: (f64, f64) = (120.0, 400.0);
 /// Bins of a histogram of few contacts.
 const COARSE: f64 = 20.0;
 
-/// Stretches up to where hardly any contact holds, close enough to show every density.
+/// Stretches from 0 to where hardly any contact is attached, fine enough to resolve every density.
 #[derive(Debug)]
 pub struct Grid {
-    /// Rising; where a density may jump there are two neighbours, one on either side.
+    /// In ascending order. Each possible jump of a density lies between two neighbouring numbers of the list.
     pub stretches: Vec<f64>,
     top: f64,
     resolution: f64,
 }
 
 impl Grid {
-    /// Stretches for the distributions of an equation's contacts at X = `snapshots` and in steady sliding. Contacts that know
-    /// time come to where their lives end, whatever the law of the newborn.
+    /// Stretches for the distributions at X = `snapshots` and in steady sliding. The lives of time-dependent contacts set
+    /// the range, because thresholds that change with age may exceed those of newborn contacts.
     pub fn new(equation: &MasterEquation, initial: &Initial, snapshots: &[f64]) -> Self {
         let contacts = equation.contacts();
         let (thresholds, reforming) = (contacts.thresholds.as_ref(), contacts.reforming.as_ref());
@@ -42,6 +42,7 @@ impl Grid {
             laws.iter().map(|&law| farthest(law)).fold(0.0, f64::max).min(thresholds.quantile(1.0))
         };
         let top = 1.05 * reach;
+        // Mature thresholds may vary on a shorter length than newborn ones.
         laws.extend(contacts.rules.ageing.as_ref().and_then(Ageing::mature).map(AsRef::as_ref));
         let widths = laws.iter().flat_map(|law| law.zones()).map(|zone| zone.resolution);
         let resolution = widths.fold(top, f64::min);
@@ -55,21 +56,21 @@ impl Grid {
         Self { stretches, top, resolution }
     }
 
-    /// Number of bins of histograms of `size` contacts: fine where many are counted.
+    /// Number of bins of histograms of `size` contacts; more contacts give more bins.
     pub fn bins(&self, size: usize) -> usize {
         let fine = (2.5 * self.top / self.resolution).clamp(BINS.0, BINS.1);
         fine.min((size as f64).sqrt()).max(COARSE) as usize
     }
 
-    /// Edges of the bins, even from 0 up to the last stretch.
+    /// Edges of the bins, evenly spaced from 0 to the last stretch.
     pub fn edges(&self, size: usize) -> Vec<f64> {
         let bins = self.bins(size);
         (0..=bins).map(|i| self.top * (i as f64 / bins as f64)).collect()
     }
 }
 
-/// Where densities may jump: with the laws themselves, with the start carried along, and with what
-/// the first contacts left behind when they broke.
+/// Stretches at which densities may jump: the breakpoints of the laws, those of the initial distribution advanced to the
+/// snapshots, and those of the first generation that re-formed.
 fn jumps<'a>(
     thresholds: &'a dyn Law,
     reforming: &'a dyn Law,

@@ -1,4 +1,4 @@
-//! `[hold_curve]`: slide until that is steady, hold, slide on; static friction against how long it was held.
+//! `[hold_curve]`: a slide–hold–slide test, static friction against hold time.
 
 use super::accuracy::{ForceAccuracy, as_required};
 use super::settling::Steady;
@@ -13,18 +13,18 @@ use crate::rate_state::Healing;
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Model};
 
-/// The part of the work that steady sliding takes.
+/// Fraction of the work for steady sliding.
 const LIVES: f64 = 0.1;
-/// Mean thresholds, of newborn or mature contacts, within which the force peaks after a hold.
+/// Distance within which the force peaks after a hold, in mean thresholds of newborn or mature contacts.
 const REACH: f64 = 2.0;
-/// Points between which the peak is looked for first, …
+/// Points of the first search for the peak.
 const POINTS: usize = 41;
-/// … and, round by round, between the neighbours of the highest of them.
+/// Points of each further search, between the neighbours of the highest point.
 const CLOSER: usize = 21;
-/// Rounds, at most: each brings points ten times nearer to each other.
+/// Largest number of further searches; each divides the spacing of points by ten.
 const ROUNDS: usize = 4;
 
-/// Share of the work that the master equation is, beside an ensemble.
+/// Fraction of the work for the master equation if there is an ensemble.
 const MASTER: f64 = 0.5;
 
 const HOLD: Column = Column::new("hold", "time for which the slider was held", Quantity::Time, &["hold"]);
@@ -45,10 +45,10 @@ const ENSEMBLE: [Column; 2] =
 pub(super) const COLUMNS: [Column; 6] =
     [HOLD, STATIC_FRICTION, PEAK_POSITION, HELD_FORCE, ENSEMBLE[0], ENSEMBLE[1]];
 
-/// Computes the curve that `task` asks for.
+/// Computes the curve of `task`.
 ///
 /// # Errors
-/// What the solvers run into, or the monitor's wish to stop.
+/// Errors of the solvers, a stop by the monitor.
 pub(super) fn run(
     model: &Model,
     task: &scenario::HoldCurve,
@@ -70,15 +70,15 @@ pub(super) fn run(
         Ok((columns, ForceAccuracy::in_time(model, force)))
     })?;
     if let Some(drawn) = &model.ensemble {
-        let slide = moving(task.velocity, steady.way);
+        let slide = moving(task.velocity, steady.distance);
         for (done, &hold) in holds.iter().enumerate() {
-            let share = (1.0 - master) / holds.len() as f64;
-            let part = &mut Part::new(monitor, master + done as f64 * share, share);
+            let fraction = (1.0 - master) / holds.len() as f64;
+            let part = &mut Part::new(monitor, master + done as f64 * fraction, fraction);
             let first = (done * drawn.size()) as u64;
             let ensemble = drawn.build(contacts.clone(), initial.clone())?.numbered_from(first);
-            let moment = slide.duration + hold + columns.place[done] / task.velocity;
+            let time = slide.duration + hold + columns.place[done] / task.velocity;
             let history = History::new(vec![slide, Piece { velocity: 0.0, duration: hold }, on])?;
-            let run = ensemble.follow(&history, &[moment], part)?;
+            let run = ensemble.follow(&history, &[time], part)?;
             columns.ensemble_force.push(run.force[0]);
             columns.ensemble_error.push(run.error[0]);
         }
@@ -88,8 +88,8 @@ pub(super) fn run(
     accuracy.of(model, "the force after a hold", Output::new(model, numbers, columns.record(holds)))
 }
 
-/// Holds and what comes after them by the master equation, which slides `on`: columns without an ensemble, and the estimated
-/// error of the forces.
+/// Holds, each followed by sliding `on`, computed by the master equation. Returns the columns without those of the ensemble,
+/// and the estimated error of the forces.
 fn held_and_slid(
     contacts: &Contacts,
     task: &scenario::HoldCurve,
@@ -102,9 +102,9 @@ fn held_and_slid(
     let mut columns = Columns::default();
     let (mut before, mut error) = (0.0, 0.0_f64);
     for (done, &hold) in holds.iter().enumerate() {
-        let share = 1.0 / holds.len() as f64;
-        let part = &mut Part::new(monitor, done as f64 * share, share);
-        // A longer hold goes on where the shorter one ended.
+        let fraction = 1.0 / holds.len() as f64;
+        let part = &mut Part::new(monitor, done as f64 * fraction, fraction);
+        // A longer hold continues from the end of the shorter one.
         let longer = History::new(vec![Piece { velocity: 0.0, duration: hold - before }])?;
         let rest = held.follow(&longer, &[longer.duration()], &mut Part::new(part, 0.0, 0.2))?;
         before = hold;
@@ -116,17 +116,18 @@ fn held_and_slid(
     Ok((columns, error))
 }
 
-fn moving(velocity: f64, way: f64) -> Piece {
-    Piece { velocity, duration: way / velocity }
+fn moving(velocity: f64, distance: f64) -> Piece {
+    Piece { velocity, duration: distance / velocity }
 }
 
-/// The highest force of contacts that were held and then slide `on`, by the way since, and its estimated error: that of the
-/// forces, and how far the peak is from that of every other of them.
+/// The highest force of contacts that were held and then slide `on`, at its displacement since the hold, and its estimated
+/// error. The error is that of the forces plus the difference between the peak and the peak of every other point.
 fn slid(held: &Transport, on: Piece, monitor: &mut dyn Monitor) -> Result<(Peak, f64)> {
     let moved = |duration: f64| History::new(vec![Piece { duration, ..on }]);
     let times = spread((0.0, on.duration), POINTS);
     let trace = held.clone().follow(&moved(on.duration)?, &times, &mut Part::new(monitor, 0.0, 0.5))?;
     let (start, end) = beside(&times, &trace.force);
+    // The search repeats on an ever smaller interval around the highest point, from a state kept just before it.
     let mut near = held.clone();
     if start > 0.0 {
         near.follow(&moved(start)?, &[], &mut Part::new(monitor, 0.5, 0.3))?;
@@ -147,7 +148,7 @@ fn slid(held: &Transport, on: Piece, monitor: &mut dyn Monitor) -> Result<(Peak,
     }
 }
 
-/// So many times, evenly from one to another.
+/// Evenly spaced times, both ends included.
 fn spread((from, to): (f64, f64), points: usize) -> Vec<f64> {
     let time = |i: usize| {
         if i + 1 < points { from + (to - from) * (i as f64 / (points - 1) as f64) } else { to }
@@ -155,13 +156,13 @@ fn spread((from, to): (f64, f64), points: usize) -> Vec<f64> {
     (0..points).map(time).collect()
 }
 
-/// The times before and after that of the highest force.
+/// The times before and after the highest force.
 fn beside(times: &[f64], force: &[f64]) -> (f64, f64) {
     let highest = highest(force);
     (times[highest.saturating_sub(1)], times[(highest + 1).min(times.len() - 1)])
 }
 
-/// Every other value, the first and the last of an odd number among them.
+/// Every other value. The first and the last are included if the number of values is odd.
 fn every_other(values: &[f64]) -> Vec<f64> {
     values.iter().copied().step_by(2).collect()
 }
@@ -178,6 +179,7 @@ pub(super) fn peak(position: &[f64], force: &[f64]) -> Peak {
         return top;
     }
     let (before, after) = (position[highest - 1] - top.position, position[highest + 1] - top.position);
+    // Divided differences (Newton's interpolation) for points that need not be evenly spaced.
     let (left, right) = ((force[highest - 1] - top.force) / before, (force[highest + 1] - top.force) / after);
     let bend = (right - left) / (after - before);
     let slope = left - bend * before;

@@ -1,4 +1,4 @@
-//! A slider moved in time: rigid, or behind its block.
+//! A slider moved in time, rigid or driven through a block.
 
 use super::accuracy::{ForceAccuracy, as_required};
 use super::summary::Sliding;
@@ -12,12 +12,12 @@ use crate::monitor::{Monitor, Part};
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Model};
 
-/// Columns of a trace, at most.
+/// Largest number of columns of a trace.
 const WIDTH: usize = 11;
-/// Share of the work that the master equation is, beside an ensemble.
+/// Fraction of the work for the master equation if there is an ensemble.
 const MASTER: f64 = 0.5;
-/// What a step of a block may be off over N contacts, in units of the mean threshold × N^{−2/3}, by which drives at slips
-/// scatter: less would follow single contacts.
+/// Largest error of a step of a block over N contacts, in units of the mean threshold × N^{−2/3}, which is the scatter of
+/// the drive at slips. A smaller tolerance would resolve the breaks of single contacts.
 const FINITE: f64 = 0.1;
 
 const TIME: Column = of("time", "time", Quantity::Time);
@@ -49,7 +49,7 @@ const fn of(name: &'static str, long_name: &'static str, quantity: Quantity) -> 
     Column::new(name, long_name, quantity, &["point"])
 }
 
-/// Refuses before any work a trace that could not be written after it.
+/// Refuses, before any work, a trace that is too large for one file.
 ///
 /// # Errors
 /// A trace too large for one file.
@@ -59,10 +59,10 @@ pub(super) fn check_size(protocol: &scenario::Protocol, model: &Model) -> Result
     fits("protocol", points * WIDTH * traces, || format!("a result file of a trace of {points} points"))
 }
 
-/// Moves a rigid slider: its trace, and that as variables, with the force of the ensemble beside.
+/// Moves a rigid slider. Returns its trace, and the variables of the trace and of the force of the ensemble.
 ///
 /// # Errors
-/// What the solvers run into, or the monitor's wish to stop.
+/// Errors of the solvers, a stop by the monitor.
 pub(super) fn rigid(
     model: &Model,
     protocol: &scenario::Protocol,
@@ -76,7 +76,7 @@ pub(super) fn rigid(
     let mut transport = Transport::new(contacts.clone(), initial, tolerance, aside)?;
     let trace = transport.follow(&history, &times, &mut Part::new(monitor, 0.0, master))?;
     trace.check(transport.unit(), model.master_equation.tolerance)?;
-    let mut record = traced(&trace, contacts.rules.delay > 0.0);
+    let mut record = trace_record(&trace, contacts.rules.delay > 0.0);
     if let Some(drawn) = &model.ensemble {
         let drawn = drawn.build(contacts.clone(), initial.clone())?;
         let run = drawn.follow(&history, &times, &mut Part::new(monitor, master, 1.0 - master))?;
@@ -85,8 +85,8 @@ pub(super) fn rigid(
     Ok((trace, record))
 }
 
-/// The trace; of a rigid slider the drive is its position.
-fn traced(trace: &Trace, free: bool) -> Record {
+/// The variables of a trace. The drive of a rigid slider is its position.
+fn trace_record(trace: &Trace, free: bool) -> Record {
     let mut record = Record::default();
     for (column, values) in [
         (TIME, &trace.time),
@@ -105,11 +105,11 @@ fn traced(trace: &Trace, free: bool) -> Record {
     record
 }
 
-/// Moves the top of a block, and its bottom follows: over the master equation, with its accuracy where that is required, and over
-/// the ensemble.
+/// Moves the top of a block, over the master equation and over the ensemble if there is one. The accuracy is estimated only
+/// if the scenario requires one.
 ///
 /// # Errors
-/// What the solvers run into, or the monitor's wish to stop.
+/// Errors of the solvers, a stop by the monitor.
 pub(super) fn behind(
     model: &Model,
     protocol: &scenario::Protocol,
@@ -122,24 +122,24 @@ pub(super) fn behind(
     let mean = contacts.thresholds.mean();
     let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
     let part = &mut Part::new(monitor, 0.0, master);
-    let (run, accuracy) = moved(model, &block.in_time(false)?, (&history, &times), part)?;
+    let (run, accuracy) = move_block(model, &block.in_time(false)?, (&history, &times), part)?;
     let mut record = Record::default();
-    sliding::adopt(known(sliding::motion_in_time(&run), contacts), "", &mut record);
+    sliding::adopt(used(sliding::motion_in_time(&run), contacts), "", &mut record);
     let mut summary = Sliding::in_time(&run);
     if let Some(drawn) = &model.ensemble {
         let aside = &mut Part::new(monitor, master, 0.0);
-        let followed = drawn.build(contacts.clone(), initial.clone())?.in_time(aside)?;
-        let length = mean * tolerance_over(drawn.size()).max(tolerance);
+        let ensemble = drawn.build(contacts.clone(), initial.clone())?.in_time(aside)?;
+        let length = mean * finite_size_tolerance(drawn.size()).max(tolerance);
         let part = &mut Part::new(monitor, master, 1.0 - master);
-        let run = block.in_time(true)?.follow(&followed, &history, &times, length, part)?;
-        sliding::adopt(known(sliding::motion_in_time(&run), contacts), "ensemble_", &mut record);
+        let run = block.in_time(true)?.follow(&ensemble, &history, &times, length, part)?;
+        sliding::adopt(used(sliding::motion_in_time(&run), contacts), "ensemble_", &mut record);
         summary.ensemble = Some(Box::new(Sliding::in_time(&run)));
     }
     Ok((summary, record, accuracy))
 }
 
-/// The motion of a block over the master equation. What its accuracy takes is for those who require one.
-fn moved(
+/// The motion of a block over the master equation. An error estimate costs more, so it is made only if one is required.
+fn move_block(
     model: &Model,
     block: &Block,
     (drive, times): (&History, &[f64]),
@@ -164,13 +164,13 @@ fn moved(
     Ok((run, Some(accuracy)))
 }
 
-/// What a step of a block may be off over so many contacts followed one by one, per mean threshold.
-pub fn tolerance_over(size: usize) -> f64 {
+/// Largest error of a step of a block over `size` contacts followed one by one, per mean threshold.
+pub fn finite_size_tolerance(size: usize) -> f64 {
     FINITE * (size as f64).powf(-2.0 / 3.0)
 }
 
-/// A motion without what these contacts do not know.
-fn known(mut motion: Record, contacts: &Contacts) -> Record {
+/// The variables of a motion without those that have no meaning for these contacts.
+fn used(mut motion: Record, contacts: &Contacts) -> Record {
     let Rules { ref ageing, delay, .. } = contacts.rules;
     let stiffens = ageing.is_some() && matches!(contacts.stiffness, Stiffness::PerThreshold(_));
     let unused = |name: &str| match name {

@@ -1,8 +1,8 @@
-//! Tasks: what is computed of a [`Model`], as a few numbers and as labelled columns.
+//! Tasks: computations on a [`Model`], with their results as a few numbers and as labelled columns.
 //!
-//! A task is one of the descriptions of [`scenario`](crate::scenario). Each has a `check` of its values, and a `run` here that
-//! checks what it is asked to do and returns an [`Output`]: the numbers of the task, the accuracy reached, and every array as a
-//! variable of a [`Record`]. [`columns`] lists the variables of each task. No file is needed:
+//! A task is described in [`scenario`](crate::scenario). Each has a method `check` for its values, and a method `run`, which
+//! checks them and returns an [`Output`]: the numbers of the task, the accuracy reached, and every array as a variable of a
+//! [`Record`]. [`columns`] lists the variables of each task. No file is needed:
 //!
 //! ```
 //! use std::sync::Arc;
@@ -14,7 +14,7 @@
 //! let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), zero.clone());
 //! let model = Model::new(contacts, Initial { law: zero, start: Start::Conditional });
 //! let curve = VelocityCurve::between(0.1, 10.0).run(&model, &mut ())?;
-//! // Friction of contacts without a rule in time is the same at all velocities: F_k = (1 + σ²)/2 of a narrow Gaussian.
+//! // Without time-dependent rules friction is the same at all velocities: F_k = (1 + σ²)/2 for a narrow Gaussian.
 //! let friction = curve.record.values("kinetic_friction").unwrap();
 //! assert!(friction.iter().all(|force| (force - 0.505).abs() < 1e-9));
 //! # Ok::<(), asperity::Error>(())
@@ -50,24 +50,24 @@ use crate::{Error, Result};
 
 pub use checkpoint::{Checkpoint, Checkpoints};
 pub use columns::columns;
-pub use drive::first_loading;
+pub use drive::first_loading_distance;
 pub use grid::Grid;
-pub use in_time::tolerance_over;
+pub use in_time::finite_size_tolerance;
 pub use interface::cells_in_time;
-pub use pull::along_the_pull;
+pub use pull::record_pull;
 pub use stability::{LinearStability, stability};
 use summary::{Comparison, Extended, Friction, FrictionCoefficients, Numbers, StaticFriction, Summary};
 
-/// What a task has computed.
+/// The results of a task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Output<N> {
     /// The numbers of the task.
     pub numbers: N,
     /// Estimated error of F/(N_c⟨k⟩), a length; `None` where all contacts are followed one by one.
     pub accuracy: Option<f64>,
-    /// What is valid but may surprise.
+    /// Warnings about valid but surprising input or results.
     pub warnings: Vec<String>,
-    /// Number of contacts that the finite-size band and the ensemble stand for.
+    /// Number of contacts of the finite-size band and of the ensemble.
     pub sample: Option<f64>,
     /// Seed of the random numbers; `None` where none were drawn.
     pub seed: Option<u64>,
@@ -76,13 +76,13 @@ pub struct Output<N> {
 }
 
 impl<N> Output<N> {
-    /// That of a task of `model` whose accuracy is not known.
+    /// An output without an accuracy.
     fn new(model: &Model, numbers: N, record: Record) -> Self {
         let seed = model.ensemble.as_ref().map(|ensemble| ensemble.seed);
         Self { numbers, accuracy: None, warnings: Vec::new(), sample: model.sample(), seed, record }
     }
 
-    /// The same with its numbers as those of any task.
+    /// The output with its numbers converted to [`Numbers`].
     fn erased(self) -> Output<Numbers>
     where
         N: Into<Numbers>,
@@ -92,18 +92,18 @@ impl<N> Output<N> {
     }
 }
 
-/// Computes the task of `scenario`: its summary, and all arrays.
+/// Computes the task of `scenario`; returns its summary and all arrays.
 ///
 /// # Errors
-/// A value that makes no sense, results too large for one file, or the monitor's wish to stop.
+/// An invalid value, results too large for one file, errors of the solvers, a stop by the monitor.
 pub fn run(scenario: &Scenario, monitor: &mut dyn Monitor) -> Result<(Summary, Record)> {
     run_with(scenario, None, monitor)
 }
 
-/// The same, going on from the last of `checkpoints` and keeping new ones. Only `[drive]` of an `[interface]` has any.
+/// As [`run`], resumed from the last of `checkpoints`, and storing new ones. Only `[drive]` of an `[interface]` uses them.
 ///
 /// # Errors
-/// As [`run`]; a stop, too, where a checkpoint could not be written or read.
+/// As [`run`]; a stop if a checkpoint cannot be written or read.
 pub fn run_with(
     scenario: &Scenario,
     checkpoints: Option<&mut dyn Checkpoints>,
@@ -142,15 +142,15 @@ pub fn run_with(
     Ok((summary, record))
 }
 
-/// Gives a task its public `run`, which checks first.
+/// Defines the public `run` of a task, which checks first.
 macro_rules! runs {
     ($($task:ident: $run:path => $numbers:ident;)*) => {$(
         impl crate::scenario::$task {
-            /// Computes it of `model`: see [`task`](crate::task).
+            /// Computes the task for `model`: see [`task`](crate::task).
             ///
             /// # Errors
-            /// A value that makes no sense, or does not go with the model; results too large for one file; what the solvers
-            /// run into; [`Error::Stopped`] by the monitor.
+            /// A value that is invalid or incompatible with the model; results too large for one file; errors of the
+            /// solvers; [`Error::Stopped`] by the monitor.
             pub fn run(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<summary::$numbers>> {
                 Task::$task(self).check(model)?;
                 $run(model, self, monitor)
@@ -168,7 +168,7 @@ runs! {
     Renormalisation: renormalisation::run => RenormalisationNumbers;
 }
 
-/// What a pull and steady sliding tell of friction.
+/// Friction from a pull and from steady sliding.
 fn friction(model: &Model, steady: &SteadyState, relaxation: &Relaxation, pull: &Pull) -> Friction {
     let kinetic_friction = steady.kinetic_friction();
     let peak = pull.static_friction();
@@ -195,7 +195,7 @@ const COMPARED: [Column; 2] = [
     Column::new("compared_force", "measured force", Quantity::Force, &["compared"]),
 ];
 
-/// Adds the measured curve, and returns how far it is from the computed `force`, known up to X = `end`.
+/// Adds the measured curve to `record`, and compares it with the computed `force`, which is defined up to X = `end`.
 fn compare(curve: &Compare, end: f64, force: impl Fn(f64) -> f64, record: &mut Record) -> Comparison {
     let (positions, forces) = curve.points();
     let within = |x: &f64| (0.0..=end).contains(x);
@@ -206,7 +206,7 @@ fn compare(curve: &Compare, end: f64, force: impl Fn(f64) -> f64, record: &mut R
     Comparison { points, residual_rms: (points > 0).then(|| (squares / points as f64).sqrt()) }
 }
 
-/// Adds point masses: a column of each number that places them, and the one of their weights. Nothing where there are none.
+/// Adds point masses: a column for each of their coordinates, and one for their weights. Adds nothing if there are none.
 fn add_atoms<const N: usize>(
     record: &mut Record,
     (places, weight): ([Column; N], Column),
@@ -222,12 +222,12 @@ fn add_atoms<const N: usize>(
     record.add(weight, weights);
 }
 
-/// A point mass as [`add_atoms`] takes it.
+/// A point mass in the form of the argument of [`add_atoms`].
 fn placed(atom: &Atom) -> ([f64; 1], f64) {
     ([atom.position], atom.weight)
 }
 
-/// Refuses before any work a record of so many numbers that could not be written after it.
+/// Refuses, before any work, a record of more numbers than fit in one file.
 fn fits(key: &str, numbers: usize, what: impl FnOnce() -> String) -> Result<()> {
     let needed = (numbers * size_of::<f64>()) as u64;
     if needed <= crate::record::LARGEST {

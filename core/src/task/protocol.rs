@@ -11,11 +11,11 @@ use crate::record::Record;
 use crate::scenario::{self, Model, Task};
 use crate::{Error, Result};
 
-/// Most velocities at which steady sliding is computed beside the trace.
+/// Largest number of velocities for which steady sliding is computed in addition to the trace.
 const SPEEDS: usize = 16;
 
 impl scenario::Protocol {
-    /// Moves the top of the block of `model`, and its bottom follows.
+    /// Moves the top of the block of `model`; the base follows.
     ///
     /// # Errors
     /// A model without a block, and those of [`run`](Self::run).
@@ -30,7 +30,7 @@ impl scenario::Protocol {
 /// Moves a rigid slider as `task` says.
 ///
 /// # Errors
-/// Results too large for one file, what the solvers run into, or the monitor's wish to stop.
+/// Results too large for one file, errors of the solvers, a stop by the monitor.
 pub(super) fn run(
     model: &Model,
     task: &scenario::Protocol,
@@ -67,13 +67,13 @@ pub(super) fn run_block(
     }
 }
 
-/// The measured curve, and how far it is from the trace, linear between its points.
+/// Adds the measured curve to `record`, and compares it with the trace, interpolated linearly.
 fn compared(curve: &scenario::Compare, trace: &Trace, record: &mut Record) -> Comparison {
     let force = |x: f64| {
         let next = trace.position.partition_point(|at| *at < x).clamp(1, trace.position.len() - 1);
         let (a, b) = (trace.position[next - 1], trace.position[next]);
-        let share = if b > a { (x - a) / (b - a) } else { 1.0 };
-        trace.force[next - 1] + share * (trace.force[next] - trace.force[next - 1])
+        let fraction = if b > a { (x - a) / (b - a) } else { 1.0 };
+        trace.force[next - 1] + fraction * (trace.force[next] - trace.force[next - 1])
     };
     compare(curve, trace.position[trace.position.len() - 1], force, record)
 }
@@ -113,7 +113,7 @@ fn steps(
     Ok(steps)
 }
 
-/// F_k at a velocity, remembered; `None` when there are too many of them.
+/// F_k at a velocity, from the cache `known` if it is there; `None` once [`SPEEDS`] velocities are cached.
 fn steady(
     model: &Model,
     velocity: f64,
@@ -132,11 +132,12 @@ fn steady(
     Ok(Some(friction))
 }
 
-/// The step from one velocity to another in the words of rate and state, the force before it being that at its start.
+/// The rate-and-state parameters of a step from velocity `before` to `after`. Its first force is the force before the step.
 fn read(before: f64, after: f64, position: &[f64], force: &[f64]) -> Option<RateState> {
     if !(before > 0.0 && after > 0.0) {
         return None;
     }
-    let way: Vec<f64> = position.iter().map(|x| x - position[0]).collect();
-    VelocityStep::read(&way, force, force[0], after / before).map(|step| RateState::new(before, &step))
+    let displacement: Vec<f64> = position.iter().map(|x| x - position[0]).collect();
+    VelocityStep::read(&displacement, force, force[0], after / before)
+        .map(|step| RateState::new(before, &step))
 }

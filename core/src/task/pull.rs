@@ -1,4 +1,4 @@
-//! `[pull]`: force, breaking rate and distributions as the bottom of the slider is moved.
+//! `[pull]`: force, breaking rate and distributions as the base of the slider is moved.
 
 use super::accuracy::ForceAccuracy;
 use super::grid::Grid;
@@ -13,7 +13,7 @@ use crate::scenario::{self, Model};
 /// Positions evaluated between two reports to the monitor.
 const ROUND: usize = 1024;
 
-/// The part of the work that the lives of contacts at a velocity take.
+/// Fraction of the work for the lives of time-dependent contacts.
 const LIVES: f64 = 0.5;
 
 const POSITION: Column =
@@ -47,7 +47,7 @@ pub(super) const COLUMNS: [Column; 6] =
 /// Pulls the slider as `task` says.
 ///
 /// # Errors
-/// Results too large for one file, or the monitor's wish to stop.
+/// Results too large for one file, a stop by the monitor.
 pub(super) fn run(
     model: &Model,
     task: &scenario::Pull,
@@ -69,7 +69,7 @@ pub(super) fn run(
     let pull = equation.pull(task.distance, tolerance, &mut Part::new(monitor, 0.0, 0.6 * master))?;
     let mut record = Record::default();
     let part = &mut Part::new(monitor, 0.6 * master, 0.4 * master);
-    along_the_pull(&pull, task.positions(), model.sample(), &mut record, part)?;
+    record_pull(&pull, task.positions(), model.sample(), &mut record, part)?;
     let compare =
         model.compare.as_ref().map(|curve| compare(curve, pull.distance(), |x| pull.force(x), &mut record));
     let aside = &mut Part::new(monitor, master, 0.0);
@@ -91,7 +91,7 @@ pub(super) fn run(
     accuracy.of(model, "the force on a pull", Output::new(model, numbers, record))
 }
 
-/// Refuses before any work what could not be written after it; the grid is known once there is an equation.
+/// Refuses, before any work, results too large for one file. The grid is known once there is an equation.
 fn check_size(model: &Model, pull: &scenario::Pull, grid: Option<&Grid>) -> Result<()> {
     let densities = (pull.snapshots.len() + 3) * grid.map_or(0, |grid| grid.stretches.len());
     let bins = grid.zip(model.ensemble.as_ref()).map_or(0, |(grid, ensemble)| grid.bins(ensemble.size()));
@@ -101,12 +101,12 @@ fn check_size(model: &Model, pull: &scenario::Pull, grid: Option<&Grid>) -> Resu
     })
 }
 
-/// Adds force and breaking rate at `positions` to `record`, the scatter of the force of `sample` contacts, and the
-/// positions at which contacts break together.
+/// Adds force and breaking rate at `positions` to `record`, the standard deviation of the force of `sample` contacts, and
+/// the positions of simultaneous breaks.
 ///
 /// # Errors
-/// The monitor's wish to stop.
-pub fn along_the_pull(
+/// A stop by the monitor.
+pub fn record_pull(
     pull: &Pull,
     positions: Vec<f64>,
     sample: Option<f64>,

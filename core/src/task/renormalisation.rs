@@ -1,5 +1,5 @@
-//! `[renormalisation]`: the law of the drives at which coupled contacts break first, beside that of their thresholds and
-//! what mean field makes of it.
+//! `[renormalisation]`: the distribution of the drives at which coupled contacts first break, compared with that of their
+//! thresholds and with its mean-field renormalisation.
 
 use super::summary::{Compared, FirstBreakStatistics, Fitted, InterfaceSize, RenormalisationNumbers};
 use super::{Output, interface};
@@ -10,7 +10,7 @@ use crate::monitor::{Monitor, Part};
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{Ensemble, Interface, Model, PerCell, Renormalisation};
 
-/// Share of a law that is not shown at either end.
+/// Probability of each tail that is not shown.
 const TAIL: f64 = 1e-4;
 
 const DRIVE: Column =
@@ -29,16 +29,16 @@ const fn of(name: &'static str, long_name: &'static str) -> Column {
     Column::new(name, long_name, Quantity::PerLength, &["drive"])
 }
 
-/// Drives the interfaces that `task` asks for.
+/// Drives the interfaces of `task`.
 ///
 /// # Errors
-/// What the interface refuses, or the monitor's wish to stop.
+/// Values that the interface refuses, a stop by the monitor.
 pub(super) fn run(
     model: &Model,
     task: &Renormalisation,
     monitor: &mut dyn Monitor,
 ) -> Result<Output<RenormalisationNumbers>> {
-    let interface = model.interface.as_ref().expect("the check of this task asks for one");
+    let interface = model.interface.as_ref().expect("the check of this task requires one");
     let shared = interface.thresholds(&model.contacts)?;
     let thresholds = shared.as_ref();
     let coupling = interface.total_share(&model.contacts)?;
@@ -69,7 +69,7 @@ pub(super) fn run(
     Ok(Output { seed, sample: None, ..Output::new(model, numbers, record) })
 }
 
-/// The law of first breaks in each run.
+/// The distribution of first breaks in each run.
 fn measured(
     model: &Model,
     task: &Renormalisation,
@@ -77,9 +77,9 @@ fn measured(
     coupling: f64,
     monitor: &mut dyn Monitor,
 ) -> Result<Vec<FirstBreaks>> {
-    let share = 1.0 / task.runs as f64;
+    let fraction = 1.0 / task.runs as f64;
     let run = |run: usize| {
-        let mut part = Part::new(monitor, run as f64 * share, share);
+        let mut part = Part::new(monitor, run as f64 * fraction, fraction);
         match interface.contacts {
             PerCell::One => of_contacts(model, interface, run, &mut part),
             PerCell::Many => of_cells(model, &interface.redrawn(run), coupling, &mut part),
@@ -88,7 +88,7 @@ fn measured(
     (0..task.runs).map(run).collect()
 }
 
-/// Contacts coupled one by one, drawn from the seed of the ensemble and as many further on as there were runs before.
+/// First breaks of contacts coupled one by one. The seed is that of the ensemble plus the number of the run.
 fn of_contacts(
     model: &Model,
     interface: &Interface,
@@ -102,7 +102,7 @@ fn of_contacts(
     Ok(FirstBreaks::of_contacts(&lattice.first_breaks(monitor)?))
 }
 
-/// Contacts of cells.
+/// First breaks of the contacts of cells.
 fn of_cells(
     model: &Model,
     interface: &Interface,
@@ -115,7 +115,7 @@ fn of_cells(
     cells.first_breaks(contacts.thresholds.as_ref(), coupling, monitor)
 }
 
-/// The mean of runs, with its standard error.
+/// The mean of independent values, with its standard error.
 fn scatter(values: impl ExactSizeIterator<Item = f64> + Clone) -> Fitted {
     let count = values.len() as f64;
     let mean = values.clone().sum::<f64>() / count;
@@ -123,14 +123,14 @@ fn scatter(values: impl ExactSizeIterator<Item = f64> + Clone) -> Fitted {
     Fitted { value: mean, error: (square / (count * (count - 1.0))).sqrt() }
 }
 
-/// Boundaries of so many intervals over all laws, but for their tails.
+/// Edges of `points` intervals that cover all laws except for their tails.
 fn edges(laws: &[&dyn Law], measured: &FirstBreaks, points: usize) -> Vec<f64> {
     let ends = laws.iter().map(|law| (law.quantile(TAIL), law.upper_quantile(TAIL)));
     let (low, high) = ends.fold(measured.range(TAIL), |(low, high), end| (low.min(end.0), high.max(end.1)));
     (0..=points).map(|i| low + (high - low) * (i as f64 / points as f64)).collect()
 }
 
-/// Mean densities between neighbouring edges.
+/// The variables of the task: mean densities between neighbouring edges.
 fn record(edges: &[f64], thresholds: &dyn Law, mean_field: Option<&dyn Law>, runs: &[FirstBreaks]) -> Record {
     let along = |law: &dyn Law| -> Vec<f64> {
         let density =

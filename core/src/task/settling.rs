@@ -1,24 +1,25 @@
-//! How far to slide until nothing tells where one started.
+//! The sliding distance after which steady sliding does not depend on the initial state.
 
 use crate::Result;
 use crate::contacts::{Contacts, Initial};
 use crate::master::MasterEquation;
 use crate::monitor::Monitor;
 
-/// Lengths of dephasing after which a start is forgotten: e^{−12} is 6e-6 of what it was.
+/// Distance in dephasing lengths: deviations from steady sliding decay to e^{−12} = 6e-6.
 const FORGOTTEN: f64 = 12.0;
-/// Lives of contacts as they are found in sliding, after which the longest of broad laws have come to their share.
+/// Distance in mean lives of the contacts present at one time, after which the longest lives of broad laws have their
+/// steady weight.
 const FOUND: f64 = 15.0;
-/// Most mean lives: contacts of the same threshold never lose step.
+/// Largest distance in mean lives: contacts with the same threshold stay in phase for ever.
 const MOST: f64 = 1000.0;
 
 /// Steady sliding at a velocity.
 pub(super) struct Steady {
-    /// F_k.
+    /// Kinetic friction F_k, a force.
     pub friction: f64,
-    /// A way after which sliding is steady, wherever it started.
-    pub way: f64,
-    /// Mean way of a contact from birth to break.
+    /// Sliding distance after which sliding is steady from any initial state.
+    pub distance: f64,
+    /// Mean sliding distance of a contact from its formation to its break.
     pub life: f64,
     /// Estimated error of F_k/(N_c⟨k⟩).
     pub error: f64,
@@ -38,7 +39,8 @@ impl Steady {
         let equation = MasterEquation::at(contacts.clone(), initial, velocity, monitor)?;
         let steady = equation.steady_state();
         let life = steady.mean_life();
-        let way = (FORGOTTEN * steady.dephasing_length()).max(FOUND * steady.life_found()).min(MOST * life);
-        Ok(Self { friction: steady.kinetic_friction(), way, life, error: steady.error_estimate() })
+        let forgotten = FORGOTTEN * steady.dephasing_length();
+        let distance = forgotten.max(FOUND * steady.life_found()).min(MOST * life);
+        Ok(Self { friction: steady.kinetic_friction(), distance, life, error: steady.error_estimate() })
     }
 }

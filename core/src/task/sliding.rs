@@ -1,4 +1,4 @@
-//! What came of the drive of a slider, as variables: its trace and slips, the course of one, sizes of events.
+//! Results of the drive of a slider as variables: trace, slips, the time course of one slip, and sizes of events.
 
 use crate::block::{Size, Sizes, Slide, StickSlip};
 use crate::record::{Column, Quantity, Record, Variable};
@@ -37,17 +37,17 @@ const fn size_column(name: &'static str, long_name: &'static str, quantity: Quan
     Column::new(name, long_name, quantity, &["size"])
 }
 
-/// The trace, and the slips as variables `event_…`.
+/// The trace of a quasistatic motion, with its slips as variables `event_…`.
 pub fn motion(run: &StickSlip) -> Record {
     joined(run.trace_record(), run.events_record())
 }
 
-/// The same of a motion in time.
+/// The trace of a motion in time, with its slips as variables `event_…`.
 pub fn motion_in_time(run: &Slide) -> Record {
     joined(run.trace_record(), run.events_record())
 }
 
-/// Takes over the variables of a `part` that have values, `prefix` before their names and those of their dimensions.
+/// Moves the variables of `part` that have values to `record`, with `prefix` before their names and dimensions.
 pub fn adopt(part: Record, prefix: &str, record: &mut Record) {
     for variable in part.variables.into_iter().filter(|v| !v.values.is_empty()) {
         let name = format!("{prefix}{}", variable.name);
@@ -56,6 +56,7 @@ pub fn adopt(part: Record, prefix: &str, record: &mut Record) {
     }
 }
 
+/// `trace` with the variables of `events` appended under names `event_…`.
 pub(super) fn joined(mut trace: Record, events: Record) -> Record {
     for slips in events.variables {
         let name = format!("event_{}", slips.name);
@@ -64,7 +65,7 @@ pub(super) fn joined(mut trace: Record, events: Record) -> Record {
     trace
 }
 
-/// The time course of the first inertial slip, if there was one.
+/// The time course of the first inertial slip; empty if there was none.
 pub fn course(run: &StickSlip) -> Record {
     let mut record = Record::default();
     let Some(course) = &run.course else { return record };
@@ -76,7 +77,7 @@ pub fn course(run: &StickSlip) -> Record {
     record
 }
 
-/// How many events of each size there were over an ensemble of `size` contacts, small ones that are no slips among them.
+/// Numbers of events by size over an ensemble of `size` contacts, including those too small to count as slips.
 pub fn sizes(run: &StickSlip, size: usize) -> Record {
     let mut record = Record::default();
     let bins = run.sizes.bins.iter().enumerate().filter(|(_, bin)| bin.events > 0);

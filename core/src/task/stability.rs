@@ -1,4 +1,4 @@
-//! Whether steady sliding is stable, with the mass and the damping of a slider.
+//! Linear stability of steady sliding, with the mass and the damping of the slider.
 
 use crate::contacts::Contacts;
 use crate::master::{Slider, Transport};
@@ -7,28 +7,28 @@ use crate::{Result, scenario};
 
 use crate::monitor::Part;
 
-/// Mean lives of a contact for which the response of steady sliding is followed.
+/// Sliding distance over which the response of steady sliding is computed, in mean lives of a contact.
 const LIVES: f64 = 30.0;
-/// Tolerance of that response, with which K_c is right to some 1e-3 of the stiffness of the contacts.
+/// Tolerance of that response; the error of K_c is then some 1e-3 of the stiffness of the contacts.
 const RESPONSE: f64 = 1e-5;
 
-/// What linear stability says of steady sliding at one velocity.
+/// Linear stability of steady sliding at one velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearStability {
-    /// K_c(v; M, γ), above which steady sliding is stable: 0 where it is behind any spring, infinite where behind none.
+    /// Critical stiffness K_c(v; M, γ), above which steady sliding is stable; 0 if it always is, infinite if it never is.
     pub critical_stiffness: f64,
-    /// Angular frequency of the oscillation that sets in there; 0 where none does, infinite where the slider jumps.
+    /// Angular frequency at K_c (Hopf bifurcation), per time; 0 if there is no instability, infinite if the slider jumps.
     pub frequency: f64,
-    /// The rate at which the fastest growing deviation grows behind the spring of the block; 0 where steady sliding is stable.
+    /// Growth rate of the fastest growing deviation with the spring of the block, per time; 0 if steady sliding is stable.
     pub growth_rate: f64,
-    /// Its angular frequency.
+    /// Angular frequency of that deviation, per time.
     pub growth_frequency: f64,
 }
 
-/// The stability of steady sliding of `contacts` at a velocity, of a slider without mass and damping, or of a block.
+/// Linear stability of steady sliding of `contacts` at `velocity`, with a slider without mass and damping or with a block.
 ///
 /// # Errors
-/// A block that limits no velocity; those of [`Transport::step_response`]; stopped by the monitor.
+/// A slip rule without a velocity limit; those of [`Transport::step_response`]; a stop by the monitor.
 pub fn stability(
     contacts: &Contacts,
     velocity: f64,
@@ -46,7 +46,7 @@ pub fn stability(
     Ok(LinearStability { critical_stiffness, frequency, growth_rate, growth_frequency })
 }
 
-/// What moves a block in time.
+/// Stiffness, mass and damping of a block.
 fn slider(block: &scenario::Block) -> Result<Slider> {
     block.in_time(false)?;
     let (mass, damping) = block.slip.limits()?;

@@ -32,8 +32,7 @@ const CREEP_FRICTION: Column =
 const VISCOUS_FRICTION: Column =
     of("viscous_friction", "friction force of viscous flow, the limit of low velocities", Quantity::Force);
 
-/// The variables of the task. Where several temperatures are asked for, all but the velocity have the temperature as their first
-/// dimension.
+/// The variables of the task. With several temperatures, the temperature is the first dimension of all except the velocity.
 pub(super) const COLUMNS: [Column; 11] = [
     VELOCITY,
     TEMPERATURE,
@@ -52,10 +51,10 @@ const fn of(name: &'static str, long_name: &'static str, quantity: Quantity) -> 
     Column::new(name, long_name, quantity, &["velocity"])
 }
 
-/// Computes the curve that `task` asks for.
+/// Computes the curve, or the curves, of `task`.
 ///
 /// # Errors
-/// What the solvers run into, or the monitor's wish to stop.
+/// Errors of the solvers, a stop by the monitor.
 pub(super) fn run(
     model: &Model,
     task: &scenario::VelocityCurve,
@@ -68,7 +67,7 @@ pub(super) fn run(
     let mut critical = Critical::default();
     let mut accuracy = ForceAccuracy::new(model, 0.0, model.contacts.thresholds.mean());
     let points = (curves.len() * velocities.len()) as f64;
-    // By the master equation, by the ensemble, and whether sliding is stable.
+    // The master equation, the ensemble, and the stability of steady sliding.
     let jobs = 1.0 + f64::from(u8::from(model.ensemble.is_some()) + u8::from(task.stability));
     for (temperature, contacts) in &curves {
         let limit = Limits::of(contacts, &mut Part::new(monitor, friction.len() as f64 / points, 0.0))?;
@@ -76,21 +75,25 @@ pub(super) fn run(
         for &velocity in &velocities {
             let begun = friction.len() as f64;
             let start = |job: f64| (begun + job / jobs) / points;
-            let share = 1.0 / (jobs * points);
-            let steady =
-                Steady::at(contacts, &model.initial, velocity, &mut Part::new(monitor, start(0.0), share))?;
+            let fraction = 1.0 / (jobs * points);
+            let steady = Steady::at(
+                contacts,
+                &model.initial,
+                velocity,
+                &mut Part::new(monitor, start(0.0), fraction),
+            )?;
             friction.push(steady.friction);
             accuracy = accuracy.worse(ForceAccuracy::new(model, steady.error, steady.life));
             slow.push(contacts, velocity, limit.viscosity);
             if let Some(ensemble) = &model.ensemble {
                 let first = (force.len() * ensemble.size()) as u64;
-                let part = &mut Part::new(monitor, start(1.0), share);
-                let slid = slide(model, contacts, (ensemble, first), velocity, steady.way, part)?;
+                let part = &mut Part::new(monitor, start(1.0), fraction);
+                let slid = slide(model, contacts, (ensemble, first), velocity, steady.distance, part)?;
                 force.push(slid.0);
                 error.push(slid.1);
             }
             if task.stability {
-                let part = &mut Part::new(monitor, start(jobs - 1.0), share);
+                let part = &mut Part::new(monitor, start(jobs - 1.0), fraction);
                 let pulled = critical.push(contacts, model, velocity, part)?;
                 accuracy = accuracy.worse(ForceAccuracy::new(model, pulled, steady.life));
             }
@@ -121,7 +124,7 @@ pub(super) fn run(
     accuracy.of(model, "the friction force of steady sliding", Output::new(model, numbers, record))
 }
 
-/// The contacts of each curve, with the temperature by which it is known.
+/// The contacts of each curve, and its temperature if the task lists several.
 fn curves(contacts: &Contacts, task: &scenario::VelocityCurve) -> Vec<(Option<f64>, Contacts)> {
     if task.temperatures.is_empty() {
         return vec![(None, contacts.clone())];
@@ -134,21 +137,21 @@ fn curves(contacts: &Contacts, task: &scenario::VelocityCurve) -> Vec<(Option<f6
     task.temperatures.iter().map(at).collect()
 }
 
-/// The stiffnesses of a slider below which it is unstable.
+/// Stability at each velocity.
 #[derive(Default)]
 struct Critical {
-    /// −min F' of a pull from the start.
+    /// Critical stiffness −min F' of a pull from the initial state.
     pulled: Vec<f64>,
-    /// That of steady sliding, by its linear response; 0 where every slider slides steadily, infinite where none does.
+    /// Critical stiffness of steady sliding, from its linear response; 0 if it is always stable, infinite if never.
     sliding: Vec<f64>,
-    /// How fast deviations from steady sliding grow behind a block, if there is one; 0 where they die out.
+    /// Growth rate of deviations from steady sliding of the block, if there is one; 0 if they decay.
     rate: Vec<f64>,
     /// Their angular frequency.
     frequency: Vec<f64>,
 }
 
 impl Critical {
-    /// Adds those at a velocity; the estimated error of the pull, F/(N_c⟨k⟩).
+    /// Adds the values at a velocity; returns the estimated error of F/(N_c⟨k⟩) of the pull.
     fn push(
         &mut self,
         contacts: &Contacts,
@@ -160,7 +163,7 @@ impl Critical {
         if let (false, None, Some(&pulled), Some(&sliding)) =
             (contacts.rules.are_time_dependent(), block, self.pulled.last(), self.sliding.last())
         {
-            // The same at all velocities.
+            // Without time dependence and block the values are the same at all velocities.
             self.pulled.push(pulled);
             self.sliding.push(sliding);
             return Ok(0.0);
@@ -168,8 +171,11 @@ impl Critical {
         let part = &mut Part::new(monitor, 0.0, 0.05);
         let equation = MasterEquation::at(contacts.clone(), &model.initial, velocity, part)?;
         let tolerance = model.master_equation.tolerance();
-        let pull =
-            equation.pull(super::first_loading(contacts), tolerance, &mut Part::new(monitor, 0.05, 0.05))?;
+        let pull = equation.pull(
+            super::first_loading_distance(contacts),
+            tolerance,
+            &mut Part::new(monitor, 0.05, 0.05),
+        )?;
         self.pulled.push(pull.critical_stiffness());
         let found = stability(contacts, velocity, block, &mut Part::new(monitor, 0.1, 0.9))?;
         self.sliding.push(found.critical_stiffness);
@@ -180,7 +186,7 @@ impl Critical {
         Ok(pull.error_estimate())
     }
 
-    /// The stability at all velocities together; `None` where it was not asked for.
+    /// The stability at all velocities together; `None` if it was not computed.
     fn stability(&self) -> Option<Stability> {
         let largest = self.sliding.iter().copied().reduce(f64::max)?;
         let unstable = self.rate.iter().filter(|rate| **rate > 0.0).count();
@@ -192,7 +198,7 @@ impl Critical {
     }
 }
 
-/// The closed forms of slow sliding along the velocities; not a number where there are none.
+/// The closed forms of slow sliding at each velocity; not a number where they do not hold.
 #[derive(Default)]
 struct Slow {
     creep: Vec<f64>,
@@ -206,17 +212,17 @@ impl Slow {
     }
 }
 
-/// Force of the ensemble, its contacts numbered from `first` on, and its standard error after a `way` at a velocity.
+/// Force of the ensemble and its standard error after `distance` at a velocity, with contacts numbered from `first`.
 fn slide(
     model: &Model,
     contacts: &Contacts,
     (ensemble, first): (&scenario::Ensemble, u64),
     velocity: f64,
-    way: f64,
+    distance: f64,
     monitor: &mut dyn Monitor,
 ) -> Result<(f64, f64)> {
     let drawn = ensemble.build(contacts.clone(), model.initial.clone())?.numbered_from(first);
-    let history = History::new(vec![Piece { velocity, duration: way / velocity }])?;
+    let history = History::new(vec![Piece { velocity, duration: distance / velocity }])?;
     let trace = drawn.follow(&history, &[history.duration()], monitor)?;
     Ok((trace.force[0], trace.error[0]))
 }

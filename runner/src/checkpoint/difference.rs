@@ -1,4 +1,4 @@
-//! In what a checkpoint differs from the run that would go on from it.
+//! Differences between a checkpoint and the run that would be resumed from it.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use toml::{Table, Value};
 use super::error::{Error, Result};
 use super::file::Header;
 
-/// Differences that are told.
+/// Largest number of differences that are listed.
 const TOLD: usize = 3;
 
 /// Refuses a checkpoint of another version of asperity or of another scenario.
@@ -37,7 +37,7 @@ pub fn refuse(path: &Path, header: &Header, scenario: &str) -> Result<()> {
     )
 }
 
-/// A key whose values differ.
+/// A key with different values.
 struct Difference {
     key: String,
     here: String,

@@ -1,46 +1,46 @@
-//! What can go wrong with checkpoints.
+//! Errors of checkpoints.
 
 use std::path::{Path, PathBuf};
 
 /// The result of reading or writing a checkpoint.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why there is no going on.
+/// The reason why a run cannot be started or resumed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A run that begins anew would overwrite what another has come to.
+    /// A new run would overwrite the checkpoints of another one.
     #[error("{path}: the checkpoint of an unfinished run; continue it with --resume, or remove it")]
     Unfinished {
         /// The file.
         path: PathBuf,
     },
-    /// Another run keeps its checkpoints in the same place.
+    /// Another run uses the same checkpoints.
     #[error(
         "{path}: another run{process} writes checkpoints for this folder; wait for its end, or choose another folder"
     )]
     Busy {
         /// The folder of results.
         path: PathBuf,
-        /// The process that runs it, as far as it is known, in brackets after a blank.
+        /// Its process number in brackets after a space, if known.
         process: String,
     },
-    /// The checkpoint belongs to something else.
+    /// The checkpoint belongs to another scenario or version.
     #[error("{path}: expected a checkpoint of {expected}, got one of {found}")]
     Another {
         /// The file.
         path: PathBuf,
-        /// What would go on from it.
+        /// The expected value.
         expected: String,
-        /// What it is of.
+        /// The value in the checkpoint.
         found: String,
     },
-    /// The file is not as it was written.
+    /// The file is damaged.
     #[error("{path}: a damaged checkpoint: {what}")]
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         what: String,
     },
     /// The system refused: permissions, a full disk, …
@@ -48,15 +48,15 @@ pub enum Error {
     System {
         /// The file or folder.
         path: PathBuf,
-        /// What was tried.
+        /// The attempted action.
         action: &'static str,
-        /// What the system said.
+        /// The message of the system.
         source: std::io::Error,
     },
 }
 
 impl Error {
-    /// For `map_err`: names the file and what was tried with it.
+    /// For `map_err`: adds the file and the attempted action.
     pub(super) fn system(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::System { path: path.to_owned(), action, source }
     }

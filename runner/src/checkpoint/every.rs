@@ -1,4 +1,4 @@
-//! How often checkpoints are written.
+//! The interval between checkpoints.
 
 use std::num::NonZeroU64;
 use std::str::FromStr;
@@ -6,17 +6,17 @@ use std::time::Duration;
 
 use crate::duration;
 
-/// What lies between two checkpoints.
+/// The interval between two checkpoints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Every {
     /// A number of events.
     Events(NonZeroU64),
-    /// A time; the event that is being computed when it is over is computed to its end first.
+    /// A time. The current event is completed first.
     Time(Duration),
 }
 
 impl Every {
-    /// What is expected where something else came.
+    /// The expected form, for error messages.
     pub fn expected() -> String {
         format!("a number of events above 0, or {}", duration::EXPECTED)
     }
@@ -25,7 +25,7 @@ impl Every {
 impl FromStr for Every {
     type Err = String;
 
-    /// A number of events, or a time with its unit.
+    /// Parses a number of events, or a time with a unit.
     fn from_str(text: &str) -> Result<Self, String> {
         let number = text.trim().parse().map(Self::Events);
         let every = number.or_else(|_| duration::parse(text).map(Self::Time));

@@ -1,6 +1,6 @@
-//! One checkpoint as a file: a line that says what it is, a header, the state, and a checksum of all before it.
+//! One checkpoint as a file: a line that identifies the format, a header, the state, and a checksum.
 //!
-//! The header is a line of JSON, which people can read; the state is CBOR (RFC 8949); the checksum is that of CRC-32.
+//! The header is a line of JSON, the state is CBOR (RFC 8949), and the checksum is the CRC-32 of everything before it.
 
 use std::fmt;
 use std::path::Path;
@@ -11,20 +11,20 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::error::{Error, Result};
 use super::found::Extent;
 
-/// The first line. Another layout of files has another number.
+/// The first line, with the version of the format.
 const FIRST: &[u8] = b"asperity checkpoint 2\n";
 const CHECKSUM: usize = size_of::<u32>();
 
-/// What a checkpoint is of.
+/// The header of a checkpoint.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// The version of asperity that wrote it.
+    /// Version of asperity that wrote it.
     pub version: String,
-    /// Its number, counted from 1 along all runs.
+    /// Number of the checkpoint, counted from 1 over all runs.
     pub number: u64,
-    /// Events so far.
+    /// Number of events so far.
     pub events: u64,
-    /// What it has found so far: how much of the file beside belongs to it.
+    /// The part of the file of columns that belongs to it.
     pub found: Extent,
     /// The resolved scenario.
     pub scenario: String,
@@ -48,7 +48,7 @@ pub fn encode(header: &Header, state: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The checkpoint at `path`, if there is one.
+/// Reads the checkpoint at `path`, if there is one.
 pub fn read(path: &Path) -> Result<Option<Content>> {
     match std::fs::read(path) {
         Ok(bytes) => decode(&bytes).map(Some).map_err(|what| Error::Damaged { path: path.to_owned(), what }),
@@ -70,7 +70,7 @@ fn decode(bytes: &[u8]) -> std::result::Result<Content, String> {
     Ok(Content { header, state: rest[end + 1..].to_vec() })
 }
 
-/// Numbers kept bit for bit, eight bytes each.
+/// Numbers kept bit for bit, in eight bytes each.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Bits(pub Vec<f64>);
 

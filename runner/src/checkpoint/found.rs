@@ -1,8 +1,8 @@
-//! What a run has found so far, as a file to which every checkpoint adds what is new, so that all of them together write
-//! each number once.
+//! The recorded columns of a run as a file to which every checkpoint appends its new rows, so that each number is written
+//! once.
 //!
-//! A first line says what it is; then there is a list of columns in CBOR (RFC 8949) from each checkpoint. A checkpoint says
-//! how many bytes of the file belong to it, and their CRC-32: what stands behind them was added for one that was lost.
+//! The first line identifies the format. Each checkpoint appends a list of columns in CBOR (RFC 8949), and stores how many
+//! bytes of the file belong to it, with their CRC-32. Bytes after these belong to a checkpoint that was lost.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Seek as _, SeekFrom, Write as _};
@@ -13,23 +13,23 @@ use serde::{Deserialize, Serialize};
 use super::error::{Error, Result};
 use super::file::Bits;
 
-/// The first line. Another layout has another number.
+/// The first line, with the version of the format.
 const FIRST: &[u8] = b"asperity results so far 1\n";
 
-/// How much of the file belongs to a checkpoint.
+/// The part of the file that belongs to a checkpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Extent {
-    /// Bytes.
+    /// Number of bytes.
     bytes: u64,
-    /// Their checksum.
+    /// CRC-32 of these bytes.
     checksum: u32,
 }
 
-/// The file, and how far it is written.
+/// The file, and the extent written so far.
 #[derive(Debug)]
 pub struct FoundFile {
     path: PathBuf,
-    /// Opened when something is added for the first time.
+    /// The open file; opened when rows are first appended.
     file: Option<File>,
     extent: Extent,
 }
@@ -40,7 +40,7 @@ impl FoundFile {
         Self { path, file: None, extent: Extent::default() }
     }
 
-    /// The columns that belong to a checkpoint, to which more will be added.
+    /// Reads the columns that belong to a checkpoint. More rows can be appended to them.
     ///
     /// # Errors
     /// The file is damaged, or cannot be read.
@@ -50,17 +50,17 @@ impl FoundFile {
         Ok(columns)
     }
 
-    /// How much of the file belongs to this run.
+    /// The part of the file that belongs to this run.
     pub fn extent(&self) -> Extent {
         self.extent
     }
 
-    /// Forgets what was added behind `extent`.
+    /// Drops everything after `extent`.
     pub fn go_back(&mut self, extent: Extent) {
         *self = Self { extent, ..Self::new(std::mem::take(&mut self.path)) };
     }
 
-    /// Adds rows to the columns and brings them to the disk. After an error, [`FoundFile::go_back`] is due.
+    /// Appends rows to the columns and flushes them to the disk. After an error, [`FoundFile::go_back`] must be called.
     ///
     /// # Errors
     /// The system refuses.
@@ -77,7 +77,7 @@ impl FoundFile {
         Ok(())
     }
 
-    /// The file, opened where what belongs to this run ends.
+    /// The file, opened at the end of the part that belongs to this run.
     fn open(&mut self) -> Result<&mut File> {
         if self.file.is_none() {
             let mut file = OpenOptions::new()
@@ -95,7 +95,7 @@ impl FoundFile {
     }
 }
 
-/// The columns in the first bytes of the file.
+/// Reads the columns in the first bytes of the file.
 fn read(path: &Path, extent: Extent) -> Result<Vec<Bits>> {
     let damaged = |what: &str| Error::Damaged { path: path.to_owned(), what: what.to_owned() };
     let bytes = std::fs::read(path).map_err(Error::system(path, "read"))?;

@@ -1,4 +1,4 @@
-//! One run at a time keeps its checkpoints beside a folder.
+//! A lock that lets one run at a time write the checkpoints of a folder.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read as _, Write as _};
@@ -7,14 +7,14 @@ use std::path::{Path, PathBuf};
 use super::error::{Error, Result};
 use crate::folder::Made;
 
-/// A file that is locked while the run lives; the system lets go of it however the run ends.
+/// A file that is locked while the run lives. The system releases it however the run ends.
 #[derive(Debug)]
 pub struct Lock {
     path: PathBuf,
-    /// Whether the system can lock files there; if not, nothing keeps other runs away.
+    /// Whether the file system supports locks; otherwise nothing excludes other runs.
     held: bool,
     _file: File,
-    /// Dropped last, when the file is gone.
+    /// Dropped last, after the file has been removed.
     _folders: Made,
 }
 
@@ -22,7 +22,7 @@ impl Lock {
     /// Locks the file at `path` for the checkpoints beside `directory`.
     ///
     /// # Errors
-    /// Another run holds it; the system refuses.
+    /// Another run holds the lock; the system refuses.
     pub fn take(path: &Path, directory: &Path) -> Result<Self> {
         let folders = Made::above(path).map_err(Error::system(path, "make the folder of"))?;
         loop {
@@ -42,16 +42,16 @@ impl Lock {
                 Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => false,
                 Err(TryLockError::Error(error)) => return Err(Error::system(path, "lock")(error)),
             };
-            // The run that had the file may have removed it between the two calls above.
+            // The previous owner may have removed the file between the two calls above.
             if !held || is_there(&file, path) {
-                // The number is for the message of other runs alone.
+                // The process number is used only in the message of other runs.
                 let _ = file.set_len(0).and_then(|()| write!(file, "{}", std::process::id()));
                 return Ok(Self { path: path.to_owned(), held, _file: file, _folders: folders });
             }
         }
     }
 
-    /// Whether no other run can write the same checkpoints.
+    /// Whether other runs are excluded.
     pub fn is_held(&self) -> bool {
         self.held
     }
@@ -63,7 +63,7 @@ impl Drop for Lock {
     }
 }
 
-/// The process that wrote its number into the file, if it can be read.
+/// The process number in the file, if it can be read.
 fn process(file: &mut File) -> String {
     let mut number = String::new();
     match file.read_to_string(&mut number) {
@@ -72,7 +72,7 @@ fn process(file: &mut File) -> String {
     }
 }
 
-/// Whether `path` still is the name of the file.
+/// Whether `path` is still the name of the file.
 #[cfg(unix)]
 fn is_there(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt as _;
@@ -82,7 +82,7 @@ fn is_there(file: &File, path: &Path) -> bool {
     }
 }
 
-/// Elsewhere, files that are open cannot be removed.
+/// Other systems do not allow the removal of open files.
 #[cfg(not(unix))]
 fn is_there(_file: &File, _path: &Path) -> bool {
     true

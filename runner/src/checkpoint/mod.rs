@@ -1,9 +1,9 @@
-//! What a long run has come to, kept on disk so that it can go on after having been stopped, however it was.
+//! Checkpoints of a long run, from which it can be resumed after any interruption.
 //!
-//! Beside the folder of results `DIR` there are up to two files, `DIR.checkpoint.0` and `DIR.checkpoint.1`, written in turn:
-//! each beside its place, brought to the disk, and only then renamed. So at any moment one of them is whole. What the run has
-//! found stands in `DIR.checkpoint.found`, to which each checkpoint adds what is new, before it is written itself. The file
-//! `DIR.checkpoint.lock` keeps a second run away.
+//! There are up to two files next to the folder of results `DIR`, `DIR.checkpoint.0` and `DIR.checkpoint.1`, written in turn:
+//! each under a temporary name, flushed to the disk, and then renamed. So one of them is complete at any time. The recorded
+//! columns are in `DIR.checkpoint.found`, to which new rows are appended before each checkpoint is written. The file
+//! `DIR.checkpoint.lock` excludes a second run.
 
 mod difference;
 mod error;
@@ -29,7 +29,7 @@ use file::{Content, Header};
 use found::FoundFile;
 use lock::Lock;
 
-/// Number of files written in turn.
+/// Number of checkpoint files, written in turn.
 const SLOTS: usize = 2;
 
 /// The checkpoints of a run.
@@ -40,11 +40,11 @@ pub struct Checkpoints {
     every: Option<Every>,
     /// The resolved scenario.
     scenario: String,
-    /// Number of the last one.
+    /// Number of the last checkpoint.
     number: u64,
-    /// Where the next one goes.
+    /// Index of the file for the next checkpoint.
     slot: usize,
-    /// When the last one was written.
+    /// Time of the last checkpoint.
     written: Instant,
     found: FoundFile,
     resumed: Option<Resumed>,
@@ -53,7 +53,7 @@ pub struct Checkpoints {
     lock: Lock,
 }
 
-/// The checkpoint that a run goes on from.
+/// The checkpoint from which a run is resumed.
 #[derive(Debug)]
 struct Resumed {
     path: PathBuf,
@@ -62,10 +62,10 @@ struct Resumed {
 }
 
 impl Checkpoints {
-    /// Those of a run that begins at its start, written every so often; without `every`, when it is stopped.
+    /// Checkpoints of a new run, written at the interval `every`; without it only when the run is stopped.
     ///
     /// # Errors
-    /// There are some already: of a run that was not finished, or of one that has not ended.
+    /// Checkpoints exist already, of a run that was not finished or is still running.
     pub fn begin(directory: &Path, scenario: &Scenario, every: Option<Every>) -> Result<Self> {
         let checkpoints = Self::new(directory, scenario, every)?;
         match checkpoints.paths().into_iter().find(|path| path.exists()) {
@@ -74,11 +74,11 @@ impl Checkpoints {
         }
     }
 
-    /// Those of a run that goes on from the last good one, or begins at its start where there is none.
+    /// Checkpoints of a run that is resumed from the last valid one, or begins at its start if there is none.
     ///
     /// # Errors
-    /// Checkpoints that are all damaged, cannot be read, are of another scenario or version of asperity, or of a run that
-    /// has not ended.
+    /// Checkpoints that are all damaged, cannot be read, or belong to another scenario or version of asperity; a run that is
+    /// still active.
     pub fn resume(directory: &Path, scenario: &Scenario, every: Option<Every>) -> Result<Self> {
         let mut checkpoints = Self::new(directory, scenario, every)?;
         let mut kept = checkpoints.kept()?;
@@ -99,7 +99,7 @@ impl Checkpoints {
         checkpoints.damaged.pop().map_or(Ok(checkpoints), Err)
     }
 
-    /// The files that are whole, each with the place that it has.
+    /// The valid files, with their indices.
     fn kept(&mut self) -> Result<Vec<(usize, PathBuf, Content)>> {
         let mut kept = Vec::new();
         for (slot, path) in self.paths().into_iter().enumerate() {
@@ -129,28 +129,28 @@ impl Checkpoints {
         })
     }
 
-    /// The file that the run goes on from, and the number of events there.
+    /// The file from which the run is resumed, and the number of events there.
     pub fn resumed(&self) -> Option<(&Path, u64)> {
         self.resumed.as_ref().map(|resumed| (resumed.path.as_path(), resumed.content.header.events))
     }
 
-    /// Files that were found damaged, and passed over.
+    /// Damaged files, which are ignored.
     pub fn damaged(&self) -> &[Error] {
         &self.damaged
     }
 
-    /// Why the run was stopped, if it was for a checkpoint that could not be written or taken up.
+    /// The error that stopped the run, if a checkpoint could not be written or read.
     pub fn failure(&mut self) -> Option<Error> {
         self.failure.take()
     }
 
-    /// The last one written, if any is there.
+    /// Path of the last checkpoint, if there is one.
     pub fn last(&self) -> Option<PathBuf> {
         let path = self.path((self.slot + SLOTS - 1) % SLOTS);
         path.exists().then_some(path)
     }
 
-    /// Removes the files of a run that is finished.
+    /// Removes the files of a finished run.
     ///
     /// # Errors
     /// The system refuses.
@@ -179,26 +179,26 @@ impl Checkpoints {
             let (number, found) = (self.number + 1, self.found.extent());
             self.put(&file::encode(&Header { version, number, events, found, scenario }, state))
         });
-        // Rows without their checkpoint would be there twice after the next one.
+        // Otherwise rows without a checkpoint would be there twice after the next one.
         written.inspect_err(|_| self.found.go_back(before))
     }
 
-    /// Puts a checkpoint in its place.
+    /// Moves a checkpoint into its place.
     fn put(&self, bytes: &[u8]) -> Result<()> {
         let path = self.path(self.slot);
-        // Where files cannot be locked, other runs may write there, too.
+        // Without locks, other runs may write there, too.
         let partial = beside(&self.directory, &format!("{}.partial", std::process::id()));
         let folder = folder::above(&path);
         let mut file = File::create(&partial).map_err(Error::system(&partial, "create"))?;
-        // Renamed before it is on the disk, a file may be found empty after the power has failed.
+        // If it were renamed before it is flushed, the file might be empty after a power failure.
         file.write_all(bytes).and_then(|()| file.sync_all()).map_err(Error::system(&partial, "write"))?;
         fs::rename(&partial, &path).map_err(Error::system(&path, "put in place"))?;
-        // Not every system lets a folder be brought to the disk by itself.
+        // Some systems cannot flush a folder.
         let _ = File::open(folder).and_then(|folder| folder.sync_all());
         Ok(())
     }
 
-    /// Removes what runs left that were killed while they wrote a checkpoint, where no other run can be writing one.
+    /// Removes temporary files of killed runs, if no other run can be writing one.
     fn remove_partial(&self) {
         let first = beside(&self.directory, "");
         let first = first.file_name().unwrap_or_default().to_string_lossy();
@@ -221,7 +221,7 @@ impl Checkpoints {
     }
 }
 
-/// [`Checkpoints::failure`] is the reason of a stop.
+/// [`Checkpoints::failure`] has the reason of a stop.
 impl task::Checkpoints for Checkpoints {
     fn events_left(&self, since: u64) -> u64 {
         match self.every {
@@ -253,7 +253,7 @@ impl task::Checkpoints for Checkpoints {
     }
 }
 
-/// The file of checkpoints called `what`, beside the folder of results.
+/// The checkpoint file `what` of a folder of results.
 fn beside(directory: &Path, what: &str) -> PathBuf {
     let mut name = directory.file_name().unwrap_or_default().to_owned();
     name.push(format!(".checkpoint.{what}"));

@@ -1,4 +1,4 @@
-//! From the tree of a document to the description, keeping track of keys and of what serde expected.
+//! A serde deserialiser for the tree of a document, which keeps track of keys and of expected values.
 
 use serde::de::{
     DeserializeSeed, Deserializer, EnumAccess, Error, Expected, IntoDeserializer, MapAccess, SeqAccess,
@@ -9,15 +9,15 @@ use serde::forward_to_deserialize_any;
 use super::document::{Kind, Node};
 use super::short;
 
-/// What is wrong, and under which key.
+/// A fault and its key.
 #[derive(Debug, Clone, Default)]
 pub struct Fault {
     pub path: Vec<String>,
     pub expected: String,
     pub found: String,
-    /// A known name that was probably meant.
+    /// The most similar known name.
     pub nearest: Option<&'static str>,
-    /// The key itself is wrong, not its value.
+    /// Whether the key itself is wrong, not its value.
     pub on_key: bool,
     /// Keys in the table at `path` that exclude one another.
     pub among: Vec<String>,
@@ -28,7 +28,7 @@ impl Fault {
         Self { expected: expected.to_owned(), found: found.to_owned(), ..Self::default() }
     }
 
-    /// The same under a dotted key.
+    /// The same fault under a dotted key.
     pub fn under(mut self, key: &str) -> Self {
         self.path.splice(0..0, key.split('.').map(str::to_owned));
         self
@@ -177,7 +177,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     }
 }
 
-/// More than one entry where one was to be chosen: a wrong name among them, or several right ones.
+/// The fault for several entries of which one must be chosen: a wrong name among them, or several right ones.
 fn several(entries: &[(String, Node)], variants: &[&'static str]) -> Fault {
     if let Some((name, _)) = entries.iter().find(|(name, _)| !variants.contains(&name.as_str())) {
         return Fault::wrong_name(name, variants).under(name);
@@ -238,7 +238,7 @@ impl<'a, 'de> EnumAccess<'de> for Choice<'a> {
 }
 
 impl Choice<'_> {
-    /// Reads what stands under the chosen name, of which `shape` says what it should be.
+    /// Reads the value under the chosen name; `shape` is its expected form.
     fn read<T>(self, shape: &str, read: impl FnOnce(Reader<'_>) -> Result<T, Fault>) -> Result<T, Fault> {
         let Some(content) = self.content else {
             return Err(Fault::new(

@@ -1,40 +1,40 @@
-//! An error in a scenario, with all that is needed to draw it.
+//! An error in a scenario, with all that is needed to display it.
 
 use std::ops::Range;
 use std::path::Path;
 
-/// What is wrong with a scenario, and where.
+/// An error in a scenario, and its position.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
-    /// Path of the key, empty where the whole is meant.
+    /// Path of the key; empty if the whole scenario is meant.
     pub key: String,
-    /// What would have been accepted.
+    /// What was expected.
     pub expected: String,
-    /// What came.
+    /// What was found.
     pub found: String,
-    /// A way out.
+    /// A hint for a correction.
     pub help: Option<String>,
-    /// The text at fault.
+    /// The text with the error.
     pub source: Option<Source>,
 }
 
-/// A text and the parts of it that are at fault.
+/// A text and its marked parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Source {
-    /// A file, or `--set`.
+    /// Name of the file, or `--set`.
     pub name: String,
     /// The whole text.
     pub text: String,
-    /// The first mark is where to look.
+    /// Marked parts; the first one is the position of the error.
     pub marks: Vec<Mark>,
 }
 
-/// A part of a text.
+/// A marked part of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mark {
-    /// Bytes of the text.
+    /// Byte range in the text.
     pub span: Range<usize>,
-    /// What is said beside it.
+    /// Label of the mark.
     pub label: String,
 }
 
@@ -50,7 +50,7 @@ impl std::fmt::Display for Diagnostic {
 impl std::error::Error for Diagnostic {}
 
 impl Diagnostic {
-    /// A scenario that cannot be read at all.
+    /// The error for a scenario that cannot be read at all.
     pub(super) fn unreadable(path: &Path, why: &str) -> Box<Self> {
         Box::new(Self {
             key: String::new(),

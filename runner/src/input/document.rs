@@ -1,4 +1,4 @@
-//! A TOML document as a tree that remembers where each key and value was written.
+//! A TOML document as a tree that keeps the position of each key and value in the text.
 
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ pub struct Document {
     pub root: Node,
 }
 
-/// Where something was written: in which source, and which bytes of it.
+/// The position of a key or value: source and byte range.
 #[derive(Debug, Clone)]
 pub struct Place {
     pub source: usize,
@@ -25,7 +25,7 @@ pub struct Place {
 
 #[derive(Debug, Clone)]
 pub struct Node {
-    /// The key, or the value itself in a list.
+    /// Position of the key, or of the value itself in a list.
     pub key: Place,
     pub value: Place,
     pub kind: Kind,
@@ -39,7 +39,7 @@ pub enum Kind {
     Boolean(bool),
     Date(String),
     List(Vec<Node>),
-    /// In the order of writing.
+    /// Entries in the order of the text.
     Table(Vec<(String, Node)>),
 }
 
@@ -54,24 +54,24 @@ impl Document {
         Ok(document)
     }
 
-    /// Adds a text from which nodes may come.
+    /// Adds a source text.
     pub fn add_source(&mut self, name: &str, text: &str) -> usize {
         self.sources.push((name.to_owned(), text.to_owned()));
         self.sources.len() - 1
     }
 
-    /// A text that is not TOML.
+    /// The error for a text that is not TOML.
     pub fn syntax(&self, source: usize, error: &toml::de::Error) -> Box<Diagnostic> {
         let message = error.message().trim().replace('\n', ", ");
         let span = error.span().unwrap_or(0..0);
         self.diagnose(&Fault::new("valid TOML", &message), Place { source, span }, &[])
     }
 
-    /// Brings a fault to the place where it was written.
+    /// Adds the position in the text to a fault.
     pub fn draw(&self, fault: Fault) -> Box<Diagnostic> {
         let mut node = &self.root;
         let mut path = fault.path.iter();
-        // What was read from a file is at fault where the file is named.
+        // For values that were read from a file, the position is that of the file name.
         while let Some(child) = path.next().and_then(|key| node.child(key).or_else(|| node.file(key))) {
             node = child;
         }
@@ -81,7 +81,7 @@ impl Document {
         self.diagnose(&fault, place, &others)
     }
 
-    /// The fault, drawn at `place` or at the keys among which there is one too many.
+    /// The fault, marked at `place`, or at all keys of which only one is allowed.
     pub fn diagnose(&self, fault: &Fault, place: Place, among: &[&Node]) -> Box<Diagnostic> {
         let (name, text) = &self.sources[place.source];
         let overrides: Vec<_> =
@@ -107,7 +107,7 @@ impl Document {
 }
 
 impl Place {
-    /// The end of a text, where what is missing could be added.
+    /// The end of a text, where a missing key could be added.
     fn end(text: &str) -> Self {
         let end = text.trim_end().len();
         Self { source: 0, span: end..end }
@@ -115,7 +115,7 @@ impl Place {
 }
 
 impl From<&str> for Node {
-    /// A text that stands nowhere.
+    /// The position of a value that is in no text.
     fn from(text: &str) -> Self {
         Self { key: Place::end(""), value: Place::end(""), kind: Kind::Text(text.to_owned()) }
     }
@@ -131,7 +131,7 @@ impl Node {
         }
     }
 
-    /// The entry of a table, or the item of a list.
+    /// An entry of a table, or an item of a list.
     pub fn child(&self, key: &str) -> Option<&Self> {
         match &self.kind {
             Kind::Table(entries) => entries.iter().find(|(k, _)| k == key).map(|(_, node)| node),
@@ -179,7 +179,7 @@ impl Kind {
         Self::Float(text.parse().unwrap_or(f64::NAN))
     }
 
-    /// What came, for people.
+    /// The found value, as text for messages.
     pub fn describe(&self) -> String {
         match self {
             Self::Text(text) => format!("the text \"{}\"", short(text)),

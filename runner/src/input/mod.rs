@@ -1,4 +1,4 @@
-//! Scenario files in: read, overridden, tables inlined, checked, and every error brought back to where it was written.
+//! Reading of scenario files: overrides, inlined tables, checks, and errors with their position in the text.
 
 mod deserialise;
 mod diagnostic;
@@ -18,10 +18,10 @@ pub use diagnostic::{Diagnostic, Mark, Source};
 use deserialise::{Fault, Reader};
 use document::{Document, Node};
 
-/// A valid scenario, and the text it came from.
+/// A valid scenario, and its source text.
 #[derive(Debug)]
 pub struct Input {
-    /// The scenario, its tables inlined.
+    /// The scenario, with its tables inlined.
     pub scenario: Scenario,
     document: Document,
 }
@@ -29,16 +29,16 @@ pub struct Input {
 /// Reads the scenario at `path`, with `overrides` of the form `key.path=value`.
 ///
 /// # Errors
-/// What is wrong with it, and where.
+/// An invalid scenario, with the position of the error.
 pub fn read(path: &Path, overrides: &[String]) -> Result<Input, Box<Diagnostic>> {
     let text = text::read(path).map_err(|why| Diagnostic::unreadable(path, &why))?;
     parse(&text, &path.display().to_string(), path.parent().unwrap_or(Path::new("")), overrides)
 }
 
-/// Reads a scenario from its text; `name` is what messages call it, `file` keys are relative to `directory`.
+/// Reads a scenario from its text. `name` is used in messages; paths in `file` keys are relative to `directory`.
 ///
 /// # Errors
-/// What is wrong with it, and where.
+/// An invalid scenario, with the position of the error.
 pub fn parse(
     text: &str,
     name: &str,
@@ -59,7 +59,7 @@ pub fn parse(
 }
 
 impl Input {
-    /// Where an error of the core comes from.
+    /// The diagnostic for an error of the core.
     pub fn diagnose(&self, error: &asperity::Error) -> Box<Diagnostic> {
         self.document.draw(match error {
             asperity::Error::Invalid { key, expected, found } => Fault::new(expected, found).under(key),
@@ -68,7 +68,7 @@ impl Input {
                 Fault::new(&format!("what fits in {}", amount(*allowed)), &found).under(key)
             }
             asperity::Error::Accuracy { key, what, reached, wanted } if !key.is_empty() => {
-                // Rounded to two digits it is above what was reached, where this is known.
+                // Rounded up to two digits, so that the suggested tolerance is above the error that was reached.
                 let enough = 1.05 * reached.0;
                 let expected = if enough.is_finite() {
                     format!("{enough:.1e} or more, which {what} reaches, or no tolerance")
@@ -82,7 +82,7 @@ impl Input {
     }
 }
 
-/// The beginning of a text that may be long, for messages.
+/// The beginning of a text, for messages.
 fn short(text: &str) -> String {
     const MOST: usize = 80;
     let mut letters = text.chars();
@@ -91,16 +91,16 @@ fn short(text: &str) -> String {
     if rest == 0 { begin } else { format!("{begin}… ({rest} more letters)") }
 }
 
-/// Bytes for people.
+/// A number of bytes, as text.
 fn amount(bytes: u64) -> String {
     let mebibytes = bytes as f64 / f64::from(1 << 20);
     if mebibytes < 1024.0 { format!("{mebibytes:.0} MiB") } else { format!("{:.1} GiB", mebibytes / 1024.0) }
 }
 
-/// Reads a value that is one word of several, such as `quenched`.
+/// Reads a value from a fixed set of words, such as `quenched`.
 ///
 /// # Errors
-/// Another word.
+/// A word that is not in the set.
 pub fn word<T: DeserializeOwned>(key: &str, word: &str) -> asperity::Result<T> {
     let refused = |fault: Fault| asperity::Error::invalid(key, fault.expected, fault.found);
     T::deserialize(Reader(&Node::from(word))).map_err(refused)
@@ -112,7 +112,7 @@ pub fn schema() -> String {
     serde_json::to_string_pretty(&schema).expect("a schema is JSON")
 }
 
-/// The text of a scenario, every value written out; reading it gives the same scenario.
+/// A scenario as TOML with every value written out. Reading it gives the same scenario.
 pub fn to_text(scenario: &Scenario) -> String {
     toml::to_string(scenario).expect("every scenario can be written as TOML")
 }

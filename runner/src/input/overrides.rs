@@ -1,5 +1,5 @@
-//! `--set key.path=value`: the value is TOML, or else text, unless it begins like a table, a list or a string;
-//! a law set in the place of another replaces it.
+//! `--set key.path=value`. The value is TOML, or plain text unless it begins like a table, a list or a string.
+//! A distribution replaces the one in the file.
 
 use asperity::scenario::Law;
 use toml::de::{DeTable, DeValue};
@@ -35,7 +35,7 @@ pub fn apply(document: &mut Document, argument: &str) -> Result<(), Box<Diagnost
     insert(&mut document.root, &keys, leaf).map_err(|fault| document.draw(fault))
 }
 
-/// The dotted key of a document that has only one.
+/// The dotted key of a document with a single key.
 fn path(table: DeTable<'_>, source: usize) -> Vec<(String, Place)> {
     let mut keys = Vec::new();
     let mut next = Some(table);
@@ -48,14 +48,14 @@ fn path(table: DeTable<'_>, source: usize) -> Vec<(String, Place)> {
     keys
 }
 
-/// The node `depth` keys down in a document that has only one dotted key.
+/// The node `depth` keys down in a document with a single dotted key.
 fn leaf(kind: Kind, depth: usize) -> Node {
     let Kind::Table(mut entries) = kind else { unreachable!("fewer tables than keys") };
     let node = entries.swap_remove(0).1;
     if depth == 1 { node } else { leaf(node.kind, depth - 1) }
 }
 
-/// A value as people type it: `.5` and `5.` are numbers to them, though not to TOML.
+/// Parses a value as it is typed: `.5` and `5.` are accepted as numbers, though not valid TOML.
 fn plain(value: &str) -> Kind {
     value.parse().map_or_else(|_| Kind::Text(value.to_owned()), Kind::Float)
 }

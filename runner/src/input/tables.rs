@@ -1,4 +1,4 @@
-//! The files that a scenario names, read and put in place of their names.
+//! The files named in a scenario, read and inserted in place of their names.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use asperity::scenario::{Protocol, Scenario, Step, Tabulated};
 use super::deserialise::Fault;
 use super::{short, text};
 
-/// Replaces every `file` key by what the file holds.
+/// Replaces every `file` key by the content of the file.
 pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
     for (key, table) in scenario.tables() {
         if let Some(file) = table.file.take_if(|_| table.samples.is_none() && table.stretch.is_none()) {
@@ -38,12 +38,12 @@ pub fn inline(scenario: &mut Scenario, directory: &Path) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The steps of a protocol, one in each row.
+/// The steps of a protocol, one per row.
 fn steps(path: &Path) -> Result<Vec<Step>, Fault> {
     let columns = read(path, &[&["duration", "velocity"], &["duration", "velocity", "points"]])?;
     let step = |row: usize| {
         let step = Step::moving(columns[1][row], columns[0][row]);
-        // what is no number of points is refused with the other values, as 0
+        // An invalid number of points becomes 0, which is refused together with the other values.
         columns.get(2).map_or(step.clone(), |points| Step { points: points[row] as usize, ..step })
     };
     Ok((0..columns[0].len()).map(step).collect())
@@ -64,7 +64,7 @@ fn exactly<const N: usize>(columns: Vec<Vec<f64>>) -> [Vec<f64>; N] {
     columns.try_into().expect("the number of columns was checked")
 }
 
-/// The columns of a CSV file that has one of the given `layouts`; the heading may be left out of a single column.
+/// The columns of a CSV file with one of the given `layouts`. The heading of a single column is optional.
 fn read(path: &Path, layouts: &[&[&str]]) -> Result<Vec<Vec<f64>>, Fault> {
     let name = path.display();
     let expected = layouts.iter().map(|columns| columns.join(",")).collect::<Vec<_>>().join(" or ");

@@ -1,16 +1,16 @@
-//! Files read as text, whatever they are: bounded, and in UTF-8 or refused with the place where they are not.
+//! Files read as text: limited in size, and refused with a position if they are not UTF-8.
 
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
-/// The largest file that is read, in bytes: a device may have no end.
+/// The largest file that is read, in bytes. A device may be endless.
 const LARGEST: u64 = 256 << 20;
 
-/// The text of the file at `path`.
+/// Reads the text of the file at `path`.
 ///
 /// # Errors
-/// Why there is none, in words.
+/// The reason, in words.
 pub fn read(path: &Path) -> Result<String, String> {
     let bytes = bounded(path, LARGEST)?;
     if let Some(what) = other_encoding(&bytes) {
@@ -32,7 +32,7 @@ fn bounded(path: &Path, largest: u64) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// What the file is, where it is no text in UTF-8 nor in any encoding that has the letters of ASCII as single bytes.
+/// The kind of a file that is neither UTF-8 nor another encoding with single-byte ASCII.
 fn other_encoding(bytes: &[u8]) -> Option<String> {
     match bytes {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => {
@@ -45,7 +45,7 @@ fn other_encoding(bytes: &[u8]) -> Option<String> {
     }
 }
 
-/// The byte at a place, and the place for people and programs.
+/// The byte at a position, and the position as line and column and as a byte range.
 fn misplaced(bytes: &[u8], at: usize, what: &str) -> String {
     let before = &bytes[..at];
     let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;

@@ -1,8 +1,8 @@
-//! Tables for spreadsheets and scripts: a header, then numbers in the fewest digits that read back exactly.
+//! CSV tables: a header, then numbers in the shortest form that reads back exactly.
 
 use asperity::record::Record;
 
-/// `value` in the fewest digits that give it back when read.
+/// `value` in the shortest form that reads back exactly.
 pub fn shortest(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || (1e-5..1e16).contains(&size) { value.to_string() } else { format!("{value:e}") }
@@ -34,7 +34,7 @@ const CURVE: [&str; 7] = [
     "growth_frequency",
 ];
 
-/// Names of the columns of events of an interface, as far as they are known.
+/// Names of the columns of events of an interface.
 const EVENT: [&str; 20] = [
     "drive",
     "position_before",
@@ -61,7 +61,7 @@ const EVENT: [&str; 20] = [
 /// Names of further columns of slips in time.
 const IN_TIME: [&str; 4] = ["time", "duration", "velocity", "strengthening"];
 
-/// The tables of a record: name and text of each that has any rows.
+/// The tables of a record that have any rows: name and text.
 pub(super) fn tables(record: &Record) -> impl Iterator<Item = (&'static str, String)> {
     let force = ["position", "force", "breaking_rate"].map(same);
     let ensemble = ["ensemble_force", "ensemble_error"].map(same);
@@ -87,20 +87,20 @@ fn same(name: &str) -> (String, String) {
 
 fn trace(record: &Record, prefix: &str) -> Option<String> {
     if prefix.is_empty() && record.get("spring_force").is_none() {
-        // An interface has no one spring, single contacts have no positions, and few have a time.
+        // An interface has several springs, single contacts have no positions, and only some tasks have a time.
         let optional = ["position", "time", "velocity"].map(same);
         return table(record, &["drive", "force"].map(same), &optional);
     }
     let column = |name: &str| (name.to_owned(), format!("{prefix}{name}"));
     let timed = ["time", "velocity", "free"].map(column);
     let ensemble = ["ensemble_force", "ensemble_error"].map(same);
-    // an ensemble at the same points stands beside, one with points of its own in its own table
+    // An ensemble at the same points is added to the table; one with its own points gets a table of its own.
     let beside = record.get("ensemble_drive").map_or(&ensemble[..], |_| &[]);
     let optional = [&timed[..], beside].concat();
     table(record, &["drive", "position", "force", "spring_force"].map(column), &optional)
 }
 
-/// One row for each velocity, of one temperature after the other where there are several.
+/// One row for each velocity, grouped by temperature if there are several.
 fn velocity_curve(record: &Record) -> Option<String> {
     let velocity = record.values("velocity")?;
     record.get("kinetic_friction")?;
@@ -146,7 +146,7 @@ fn catalogue(record: &Record) -> Option<String> {
     table(record, &[], &EVENT.map(named)).map(|text| numbered(&text))
 }
 
-/// The rows of a table numbered from 1.
+/// The rows of a table, numbered from 1.
 fn numbered(text: &str) -> String {
     let row = |(row, line): (usize, &str)| match row {
         0 => format!("event,{line}\n"),
@@ -161,7 +161,7 @@ fn sizes(record: &Record) -> Option<String> {
     table(record, &[&contacts[..], &["events", "slip", "drop"].map(column)].concat(), &[])
 }
 
-/// The columns `required`, and those of `optional` that are there: their headers and the variables they hold.
+/// The columns `required`, and those of `optional` that exist: their headers and their variables.
 fn table(record: &Record, required: &[(String, String)], optional: &[(String, String)]) -> Option<String> {
     let get = |(header, name): &(String, String)| record.get(name).map(|variable| (header.clone(), variable));
     let needed: Option<Vec<_>> = required.iter().map(get).collect();
@@ -176,7 +176,7 @@ fn table(record: &Record, required: &[(String, String)], optional: &[(String, St
     Some(text)
 }
 
-/// Point masses: the density that they complete, and the dimension along which they are listed.
+/// Point masses: the density to which they belong, and the dimension along which they are listed.
 const ATOMS: [(&str, &str); 4] = [
     ("breaking_rate", "breaking_atom"),
     ("stretch_density", "stretch_atom"),
@@ -184,7 +184,7 @@ const ATOMS: [(&str, &str); 4] = [
     ("threshold_density", "threshold_atom"),
 ];
 
-/// The point masses of all distributions: position of the pull and stretch, where they have one, and weight.
+/// The point masses of all distributions: position of the pull and stretch, if they have these, and weight.
 fn atoms(record: &Record) -> Option<String> {
     let mut rows = String::new();
     for (density, dimension) in ATOMS {

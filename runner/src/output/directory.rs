@@ -1,4 +1,4 @@
-//! A folder of results that is replaced whole or not at all, with what others put there left in it.
+//! A folder of results that is replaced as a whole or not at all. Files of others in it are kept.
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
@@ -8,28 +8,28 @@ use super::error::{Error, Result};
 use super::listing::Listing;
 use crate::folder::Made;
 
-/// The file that says: asperity made this folder, and these files in it.
+/// The file that marks a folder made by asperity, with the list of its files.
 const MARKER: &str = ".asperity";
 
-/// A file that was in the way of results, and how it is called now.
+/// A file in the place of results, which has been renamed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Renamed {
-    /// Where it was.
+    /// Its old path.
     pub from: PathBuf,
-    /// Where it is.
+    /// Its new path.
     pub to: PathBuf,
 }
 
-/// Refuses a destination that [`super::write`] would refuse, before any work is done for it.
+/// Refuses, before any work, a destination that [`super::write`] would refuse.
 ///
 /// # Errors
-/// Something that asperity did not make is there, or nothing can be written beside it.
+/// A folder or file that asperity did not make; a destination that cannot be written.
 pub fn check(dir: &Path) -> Result<()> {
     let (dir, _) = destination(dir)?;
     Staging::beside(&dir).map(drop)
 }
 
-/// Makes `files` (names and contents) the results in the folder `dir`; files of others that had to make way.
+/// Makes `files` (names and contents) the results in the folder `dir`. Returns the files of others that were renamed.
 pub(super) fn replace<'a>(
     dir: &Path,
     files: impl Iterator<Item = (&'a str, &'a [u8])>,
@@ -42,12 +42,12 @@ pub(super) fn replace<'a>(
         staging.store(name, bytes)?;
     }
     staging.store(MARKER, listing.to_text().as_bytes())?;
-    // Another run may have come first.
+    // Another run may have created the folder in the meantime.
     let (dir, occupied) = destination(&dir)?;
     if occupied { clear(&staging.swap_with(&dir)?, &dir) } else { staging.become_(&dir).map(|()| Vec::new()) }
 }
 
-/// The folder itself, links followed, and whether one of ours is already there.
+/// The folder itself, with links resolved, and whether it is already one of ours.
 fn destination(dir: &Path) -> Result<(PathBuf, bool)> {
     let foreign = |what| Err(Error::Foreign { path: dir.to_owned(), what });
     match fs::metadata(dir) {
@@ -64,12 +64,12 @@ fn destination(dir: &Path) -> Result<(PathBuf, bool)> {
     }
 }
 
-/// What asperity wrote into a folder of ours.
+/// The listing of what asperity wrote into a folder of ours.
 fn listing(dir: &Path) -> Option<Listing> {
     Listing::read(&fs::read_to_string(dir.join(MARKER)).ok()?)
 }
 
-/// Removes the folder `old`, in whose place `dir` is now: what asperity wrote is deleted, all else moves to `dir`.
+/// Removes the replaced folder `old`: files of asperity are deleted, all others move to `dir`.
 fn clear(old: &Path, dir: &Path) -> Result<Vec<Renamed>> {
     let former = listing(old).unwrap_or_default();
     let mut renamed = Vec::new();
@@ -77,7 +77,7 @@ fn clear(old: &Path, dir: &Path) -> Result<Vec<Renamed>> {
         entries.map(|entry| entry.map(|entry| entry.path())).collect::<std::io::Result<Vec<_>>>()
     });
     let mut paths = entries.map_err(Error::system(old, "read the folder"))?;
-    // Files that keep their names go first: a new name is not to be one of theirs.
+    // Files that keep their names move first, so that a new name cannot collide with one of theirs.
     let is_taken = |path: &PathBuf| dir.join(path.file_name().unwrap_or_default()).symlink_metadata().is_ok();
     paths.sort_by_cached_key(is_taken);
     for path in paths {
@@ -96,7 +96,7 @@ fn clear(old: &Path, dir: &Path) -> Result<Vec<Renamed>> {
     Ok(renamed)
 }
 
-/// `wanted` if nothing is there, or else the first of `NAME.kept`, `NAME.kept2`, … that is free.
+/// `wanted` if that path is free, otherwise the first free one of `NAME.kept`, `NAME.kept2`, ….
 fn free_name(dir: &Path, name: &str, wanted: PathBuf) -> PathBuf {
     let others = (1_u64..)
         .map(|i| dir.join(format!("{name}.kept{}", if i == 1 { String::new() } else { i.to_string() })));
@@ -104,15 +104,15 @@ fn free_name(dir: &Path, name: &str, wanted: PathBuf) -> PathBuf {
     std::iter::once(wanted).chain(others).find(is_free).expect("numbers do not end")
 }
 
-/// A hidden folder beside the destination; gone when dropped.
+/// A hidden folder next to the destination, which is removed when dropped.
 struct Staging {
     path: PathBuf,
-    /// Dropped last, when the folder is gone.
+    /// Dropped last, after the folder has been removed.
     _folders: Made,
 }
 
 impl Staging {
-    /// Another number where a run that was killed, of the same process number, has left a folder.
+    /// A killed run with the same process number may have left a folder; the next number is then taken.
     fn beside(dir: &Path) -> Result<Self> {
         let parent = dir.parent().unwrap_or(Path::new("/"));
         let folders = Made::above(dir).map_err(Error::system(parent, "make the folder"))?;
@@ -131,7 +131,7 @@ impl Staging {
     fn store(&self, name: &str, bytes: &[u8]) -> Result<()> {
         let path = self.path.join(name);
         let mut file = File::create_new(&path).map_err(Error::system(&path, "create"))?;
-        // a full disk may speak up only when the data are really there
+        // A full disk may be reported only when the data are flushed.
         file.write_all(bytes).and_then(|()| file.sync_all()).map_err(Error::system(&path, "write"))
     }
 
@@ -139,7 +139,7 @@ impl Staging {
         fs::rename(&self.path, dir).map_err(Error::system(dir, "put the results in place as"))
     }
 
-    /// Puts the folder in the place of `dir`; where that one is now.
+    /// Moves the folder to `dir`. Returns the new path of the old folder.
     fn swap_with(mut self, dir: &Path) -> Result<PathBuf> {
         let mut old = std::mem::take(&mut self.path);
         if exchange(&old, dir).is_err() {
@@ -168,7 +168,7 @@ impl Drop for Staging {
     }
 }
 
-/// Lets two folders trade places in one step, where the system can.
+/// Exchanges two folders in one step, if the system can.
 #[cfg(target_os = "linux")]
 fn exchange(a: &Path, b: &Path) -> std::io::Result<()> {
     use rustix::fs::{CWD, RenameFlags, renameat_with};

@@ -1,20 +1,20 @@
-//! What can go wrong with result files.
+//! Errors of reading and writing result files.
 
 use std::path::{Path, PathBuf};
 
 /// The result of reading or writing result files.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why result files could not be read or written.
+/// An error of reading or writing result files.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// Something else is where the results should go.
+    /// The destination exists and was not made by asperity.
     #[error("{path}: {what}; give another folder, or move this one away")]
     Foreign {
-        /// Where.
+        /// The path.
         path: PathBuf,
-        /// What is there.
+        /// What was found there.
         what: &'static str,
     },
     /// The system refused: permissions, a full disk, …
@@ -22,9 +22,9 @@ pub enum Error {
     System {
         /// The file or folder.
         path: PathBuf,
-        /// What was tried.
+        /// The attempted action.
         action: &'static str,
-        /// What the system said.
+        /// The message of the system.
         source: std::io::Error,
     },
     /// The results do not fit in one result file.
@@ -32,17 +32,17 @@ pub enum Error {
         "result.nc would need {needed} bytes, more than the {allowed} allowed; ask for fewer points or snapshots"
     )]
     TooLarge {
-        /// Bytes it would need.
+        /// Bytes needed.
         needed: u64,
-        /// Bytes that are allowed.
+        /// Bytes allowed.
         allowed: u64,
     },
-    /// A file is not what asperity writes.
+    /// A file was not written by asperity, or is damaged.
     #[error("{path}: {what}")]
     Malformed {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         what: String,
     },
     /// The results cannot be put into a NetCDF file.
@@ -51,12 +51,12 @@ pub enum Error {
 }
 
 impl Error {
-    /// For `map_err`: names the file and what was tried with it.
+    /// For `map_err`: adds the file and the attempted action.
     pub(super) fn system(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::System { path: path.to_owned(), action, source }
     }
 
-    /// For `map_err`: names the file that could not be understood.
+    /// For `map_err`: adds the file that could not be read.
     pub(super) fn malformed<E: ToString>(path: &Path) -> impl FnOnce(E) -> Self {
         move |error| Self::Malformed { path: path.to_owned(), what: error.to_string() }
     }

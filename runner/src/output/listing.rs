@@ -1,13 +1,13 @@
-//! What asperity wrote into a folder: the names of files with their sizes and checksums. A file that is not listed, or no
-//! longer as it was written, belongs to somebody else.
+//! The list of files that asperity wrote into a folder, with sizes and checksums. A file that is not listed, or has
+//! changed since, belongs to someone else.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// How a listing begins; behind it stands the version that wrote it.
+/// Beginning of a listing, followed by the version that wrote it.
 const FIRST: &str = "made by asperity ";
-/// The second line, for people.
+/// The second line, an explanation for readers.
 const SECOND: &str =
     "Other files in this folder, and files that were changed, are kept: a run replaces these alone.";
 
@@ -21,13 +21,13 @@ impl Listing {
         self.0.insert(name.to_owned(), (bytes.len() as u64, crc32fast::hash(bytes)));
     }
 
-    /// As [`Listing::read`] reads it: a line for each file, its checksum, size and name.
+    /// The text of the listing, for [`Listing::read`]: a line with checksum, size and name for each file.
     pub fn to_text(&self) -> String {
         let lines = self.0.iter().map(|(name, (size, sum))| format!("{sum:08x} {size} {name}\n"));
         format!("{FIRST}{}\n{SECOND}\n{}", env!("CARGO_PKG_VERSION"), lines.collect::<String>())
     }
 
-    /// The listing that a text is, if it is one that names any files.
+    /// Parses a listing; `None` if the text is not one, or names no files.
     pub fn read(text: &str) -> Option<Self> {
         let mut lines = text.lines();
         (lines.next()?.starts_with(FIRST) && lines.next()? == SECOND).then_some(())?;
@@ -40,7 +40,7 @@ impl Listing {
         lines.map(file).collect::<Option<_>>().map(Self)
     }
 
-    /// Whether the file at `path` is listed, and as it was written.
+    /// Whether the file at `path` is listed and unchanged.
     pub fn is_of_ours(&self, path: &Path) -> bool {
         let name = path.file_name().and_then(|name| name.to_str());
         let Some(&(size, sum)) = name.and_then(|name| self.0.get(name)) else { return false };

@@ -1,4 +1,4 @@
-//! What a run leaves on disk: one folder, written beside and then put in place whole.
+//! Writing of results: one folder, written under a temporary name and then moved into place.
 
 mod csv;
 mod directory;
@@ -29,24 +29,24 @@ pub struct Outcome {
     pub record: Record,
 }
 
-/// A file beside the results, pictures mostly.
+/// A file in addition to the results, such as a picture.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attachment {
-    /// Its name in the folder.
+    /// Name in the folder.
     pub name: String,
-    /// What is in it.
+    /// Content of the file.
     pub bytes: Vec<u8>,
 }
 
 /// Writes `outcome` and `attachments` as the folder `dir`.
 ///
-/// The files are written to a hidden folder beside `dir`, which then takes its place. Whatever goes
-/// wrong, `dir` is as it was and nothing is left beside it. A folder in the way is replaced only if
-/// it holds the file `.asperity`, which lists what asperity wrote. Other files there, and those that were
-/// changed since, stay; those that are in the way of results get another name, and are returned.
+/// The files are written to a hidden folder next to `dir`, which then takes its place. After any error
+/// `dir` is unchanged, and nothing is left next to it. An existing folder is replaced only if
+/// it holds the file `.asperity`, which lists what asperity wrote. Other files in it, and files changed
+/// since, are kept; those with the name of a result are renamed and returned.
 ///
 /// # Errors
-/// `dir` is not asperity's, cannot be written, or the results are too large for one file.
+/// `dir` was not made by asperity or cannot be written; the results are too large for one file.
 pub fn write(dir: &Path, outcome: &Outcome, attachments: &[Attachment]) -> Result<Vec<Renamed>> {
     let mut files = vec![
         ("scenario.toml".to_owned(), outcome.scenario.clone().into_bytes()),

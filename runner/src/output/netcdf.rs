@@ -1,4 +1,4 @@
-//! `result.nc`: the record as NetCDF-4, with labels, units and what it takes to run it again.
+//! `result.nc`: the record as NetCDF-4, with labels, units and the scenario that reproduces it.
 
 use asperity::record::{LARGEST, Variable};
 use asperity::scenario::Units;
@@ -14,14 +14,14 @@ pub fn check_size(needed: u64) -> Result<()> {
     if needed > LARGEST { Err(Error::TooLarge { needed, allowed: LARGEST }) } else { Ok(()) }
 }
 
-/// The bytes of `result.nc`: the same for the same outcome.
+/// The bytes of `result.nc`; the same outcome gives the same bytes.
 pub(super) fn encode(outcome: &Outcome) -> Result<Vec<u8>> {
     check_size(outcome.record.bytes())?;
     let mut file = NcFileBuilder::new();
     describe(&mut file, outcome)?;
     let mut dimensions = Vec::new();
     for (name, length) in outcome.record.dimensions() {
-        // Only a dimension without an end may have a length of 0.
+        // Only an unlimited dimension may have length 0.
         let id = match length {
             0 => file.add_unlimited_dimension(name)?,
             length => file.add_dimension(name, length as u64)?,
@@ -39,7 +39,7 @@ pub(super) fn encode(outcome: &Outcome) -> Result<Vec<u8>> {
     Ok(file.to_vec(NcWriteOptions { format: NcWriteFormat::Nc4 })?.1)
 }
 
-/// Title, version, seed, and the scenario: a variable, for attributes may not be long.
+/// Title, version, seed, and the scenario. The scenario is a variable, because attributes are limited in length.
 fn describe(file: &mut NcFileBuilder, outcome: &Outcome) -> Result<()> {
     let summary = &outcome.summary;
     file.add_attribute("title", text(&summary.title))?;

@@ -1,4 +1,4 @@
-//! A result folder read back.
+//! Reading of a result folder.
 
 use std::fs;
 use std::path::Path;
@@ -10,10 +10,10 @@ use serde_json::{Map, Value};
 
 use super::{Error, Outcome, Result};
 
-/// Reads what [`super::write`] wrote, every number as it was.
+/// Reads the files of [`super::write`], with every number unchanged.
 ///
 /// # Errors
-/// A file is missing, cannot be read, or is not what asperity writes.
+/// A file that is missing, cannot be read, or was not written by asperity.
 pub fn read(dir: &Path) -> Result<Outcome> {
     let path = dir.join("summary.json");
     let scenario = text(&dir.join("scenario.toml"))?;
@@ -21,7 +21,7 @@ pub fn read(dir: &Path) -> Result<Outcome> {
     Ok(Outcome { scenario, summary, record: record(&dir.join("result.nc"))? })
 }
 
-/// The key by which each task is known in a summary without `task`, as earlier versions wrote it.
+/// The key that identifies each task in a summary without `task`, as written by earlier versions.
 const TASKS: [(&str, &str); 7] = [
     ("catalogue", "interface_drive"),
     ("renormalisation", "renormalisation"),
@@ -36,7 +36,7 @@ fn summary(text: &str) -> serde_json::Result<Summary> {
     let mut summary: Map<String, Value> = serde_json::from_str(text)?;
     if !summary.contains_key("task") {
         let (_, task) = TASKS.into_iter().find(|(key, _)| summary.contains_key(*key)).unwrap_or_default();
-        // A block that is moved in time has no static friction.
+        // Only a block that is moved in time has no static friction.
         let task =
             if task == "drive" && !summary.contains_key("static_friction") { "block_protocol" } else { task };
         summary.insert("task".into(), task.into());

@@ -1,4 +1,4 @@
-//! What is kept of a slider's motion in time: moments, slips, and where the work of the drive went.
+//! The log of a slider's motion in time: trace, slips, and energy balance.
 
 use super::SlidingBlock;
 use crate::block::regime::{self, Jump, Oscillation};
@@ -7,39 +7,39 @@ use crate::block::{EnergyBalance, Point, Regime};
 use crate::dynamics::{SLIP_VELOCITY, SliderMotion, crossing};
 use crate::record::{Quantity, Record};
 
-/// A slider and what acts on it, at one moment.
+/// The state of a slider at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
     /// Time t since the start.
     pub time: f64,
-    /// X_T.
+    /// Drive X_T.
     pub drive: f64,
-    /// X.
+    /// Position X.
     pub position: f64,
-    /// Ẋ.
+    /// Velocity Ẋ.
     pub velocity: f64,
-    /// F.
+    /// Friction force F.
     pub force: f64,
-    /// K(X_T − X).
+    /// Force of the spring, K(X_T − X).
     pub spring_force: f64,
-    /// The fraction of contacts that is free.
+    /// Fraction of detached contacts.
     pub free: f64,
     /// Breaks so far, per contact.
     pub broken: f64,
-    /// What is stored now, and what came and went since the start.
+    /// Present stored energies, and energies supplied and dissipated since the start.
     pub energy: EnergyBalance,
 }
 
-/// A slip: from where the slider becomes ten times as fast as the drive to where it no longer is, or comes to rest.
+/// A slip: the time during which the slider is more than ten times as fast as the drive, or until it comes to rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateDependentSlip {
-    /// Where it begins.
+    /// State at its beginning.
     pub before: Moment,
-    /// Where it ends; after an arrest, at rest.
+    /// State at its end; at rest after an arrest.
     pub after: Moment,
-    /// X_2, the furthest position that the contacts saw.
+    /// Position X_2, the largest that the contacts reached.
     pub position_turn: f64,
-    /// The highest velocity.
+    /// Highest velocity.
     pub fastest: f64,
     /// Breaks in the slip, per contact.
     pub broken_fraction: f64,
@@ -47,43 +47,43 @@ pub struct RateDependentSlip {
     pub energy: EnergyBalance,
 }
 
-/// What came of a motion in time.
+/// Results of a motion in time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Slide {
-    /// The moments asked for, and all steps of slips.
+    /// States at the requested times, and all steps of slips.
     pub trace: Vec<Moment>,
     /// Slips that have ended.
     pub slips: Vec<RateDependentSlip>,
     /// Energies of the whole motion.
     pub energy: EnergyBalance,
-    /// What kind of sliding it was.
+    /// The kind of sliding.
     pub regime: Regime,
-    /// An estimate of the largest error of F on the way gone, on the safe side, if that was asked for: how far it is from F at a
-    /// larger tolerance of the contacts, and twice what steps half as long change. None of contacts that are followed one by one.
+    /// Estimated upper limit of the error of F, if it was requested: the difference from F at a larger tolerance of the
+    /// contacts, plus twice the change by steps half as long. `None` for contacts that are followed one by one.
     pub error: Option<f64>,
 }
 
-/// What is being kept.
+/// The log of a motion.
 pub(super) struct Log {
     trace: Vec<Moment>,
     slips: Vec<RateDependentSlip>,
-    /// The share of contacts that breaks in the smallest slip.
+    /// Fraction of contacts that breaks in the smallest slip.
     fraction: f64,
     start: Moment,
     last: Moment,
-    /// Time and velocity of the moment before that.
+    /// Time and velocity before `last`.
     earlier: (f64, f64),
-    /// Whether the slider was becoming faster.
+    /// Whether the velocity was increasing.
     rising: bool,
-    /// Since it last slipped, or the drive changed.
+    /// Oscillations since the last slip or the last change of the drive.
     oscillations: Vec<Oscillation>,
-    /// How far a step may be off.
+    /// Tolerance of a step, a length.
     tolerance: f64,
-    /// The velocity of the drive, when it last moved or, before, will first move.
+    /// Last velocity of the drive above 0; the first one before the drive moves.
     pulled: f64,
     open: Option<OpenSlip>,
-    /// The largest force, and the stiffness of all contacts.
-    most: (f64, f64),
+    /// Largest force, and largest stiffness of all contacts.
+    largest: (f64, f64),
 }
 
 /// A slip that has not ended.
@@ -93,7 +93,7 @@ struct OpenSlip {
 }
 
 impl SlidingBlock {
-    /// Slider and contacts now.
+    /// The present state.
     pub(super) fn moment(&self) -> Moment {
         let SliderMotion { ref equation, ref energies, time, drive, .. } = self.motion;
         let (cell, stiffness) = (self.cell(), equation.connection);
@@ -121,10 +121,10 @@ impl SlidingBlock {
 }
 
 impl Moment {
-    /// The moment between this one and the next at which the velocity is `velocity`, all values straight in time.
+    /// The state between this one and `next` at which the velocity is `velocity`, by linear interpolation in time.
     fn until(&self, next: &Self, velocity: f64) -> Self {
-        let share = crossing(self.velocity, next.velocity, velocity);
-        let between = |value: fn(&Self) -> f64| value(self) + share * (value(next) - value(self));
+        let fraction = crossing(self.velocity, next.velocity, velocity);
+        let between = |value: fn(&Self) -> f64| value(self) + fraction * (value(next) - value(self));
         Self {
             time: between(|m| m.time),
             drive: between(|m| m.drive),
@@ -134,7 +134,7 @@ impl Moment {
             spring_force: between(|m| m.spring_force),
             free: between(|m| m.free),
             broken: between(|m| m.broken),
-            energy: self.energy + (next.energy - self.energy) * share,
+            energy: self.energy + (next.energy - self.energy) * fraction,
         }
     }
 
@@ -143,14 +143,14 @@ impl Moment {
         (self.time, self.velocity)
     }
 
-    /// The same without time.
+    /// Drive, position and forces.
     pub fn point(&self) -> Point {
         let &Self { drive, position, force, spring_force, .. } = self;
         Point { drive, position, force, spring_force }
     }
 }
 
-/// The highest value of the parabola through three points, of which the middle one is the highest.
+/// The maximum of the parabola through three points, if the middle one is the highest.
 fn top([(t0, v0), (t1, v1), (t2, v2)]: [(f64, f64); 3]) -> f64 {
     let (before, after) = ((v1 - v0) / (t1 - t0), (v2 - v1) / (t2 - t1));
     let bend = (after - before) / (t2 - t0);
@@ -159,12 +159,12 @@ fn top([(t0, v0), (t1, v1), (t2, v2)]: [(f64, f64); 3]) -> f64 {
 }
 
 impl RateDependentSlip {
-    /// F before less F after.
+    /// Force drop: F before minus F after.
     pub fn drop(&self) -> f64 {
         self.before.force - self.after.force
     }
 
-    /// Way of the slider's bottom.
+    /// Displacement of the slider's base.
     pub fn slip(&self) -> f64 {
         self.after.position - self.before.position
     }
@@ -175,7 +175,7 @@ impl RateDependentSlip {
 }
 
 impl Log {
-    /// `pulled` is the first velocity of the drive, `fraction` the share of contacts that breaks in the smallest slip.
+    /// A log; `pulled` is the first velocity of the drive, `fraction` the fraction of contacts in the smallest slip.
     pub fn new(slider: &SlidingBlock, pulled: f64, fraction: f64) -> Self {
         let start = slider.moment();
         Self {
@@ -190,42 +190,44 @@ impl Log {
             tolerance: slider.motion.control.tolerance,
             pulled,
             open: None,
-            most: (start.force.abs(), slider.cell().contacts.tangent()),
+            largest: (start.force.abs(), slider.cell().contacts.tangent()),
         }
     }
 
-    /// The drive goes on at a velocity.
-    pub fn pull(&mut self, velocity: f64) {
+    /// The drive continues at a velocity.
+    pub fn set_velocity(&mut self, velocity: f64) {
         if velocity > 0.0 {
             self.pulled = velocity;
         }
         self.oscillations.clear();
     }
 
-    /// A moment asked for.
-    pub fn see(&mut self, moment: Moment) {
+    /// Adds a state to the trace.
+    pub fn add_to_trace(&mut self, moment: Moment) {
         if self.trace.last().is_none_or(|last| last.time < moment.time) {
             self.trace.push(moment);
         }
     }
 
-    /// The end of a step.
-    pub fn pass(&mut self, slider: &SlidingBlock) {
+    /// Records the end of a step: slips begin and end, oscillations have their maximum.
+    pub fn record_step(&mut self, slider: &SlidingBlock) {
         let (moment, fast) = (slider.moment(), SLIP_VELOCITY * self.pulled);
-        self.most = (self.most.0.max(moment.force.abs()), self.most.1.max(slider.cell().contacts.tangent()));
+        self.largest =
+            (self.largest.0.max(moment.force.abs()), self.largest.1.max(slider.cell().contacts.tangent()));
         if self.open.is_none() && moment.velocity > fast {
             let before = self.last.until(&moment, fast);
-            self.see(before);
+            self.add_to_trace(before);
             self.open = Some(OpenSlip { before, fastest: 0.0 });
         }
         if let Some(open) = &mut self.open {
             open.fastest = open.fastest.max(moment.velocity);
             if moment.velocity > fast || slider.motion.is_stopping() {
-                self.see(moment);
+                self.add_to_trace(moment);
             } else {
                 self.end(moment, fast, slider.cell().position);
             }
         }
+        // The velocity has a maximum within the last three points where it ceases to increase.
         let rising = moment.velocity > self.last.velocity;
         if self.rising && !rising {
             let velocity =
@@ -237,14 +239,14 @@ impl Log {
         self.last = moment;
     }
 
-    /// The open slip has ended in the step to a moment, the contacts having come to `turn`.
+    /// Ends the open slip in the step to `moment`. `turn` is the position of the contacts.
     fn end(&mut self, moment: Moment, fast: f64, turn: f64) {
         let Some(open) = self.open.take() else { return };
         self.oscillations.clear();
         let arrested = moment.position < turn;
         let slows = self.last.velocity > fast && !arrested;
         let after = if slows { self.last.until(&moment, fast) } else { moment };
-        self.see(after);
+        self.add_to_trace(after);
         let broken_fraction = after.broken - open.before.broken;
         if broken_fraction < self.fraction {
             return;
@@ -260,14 +262,15 @@ impl Log {
     }
 
     pub fn close(self, error: Option<f64>) -> Slide {
-        /// Tolerances that a oscillation must go beyond to be seen.
+        /// Smallest amplitude of an oscillation, in tolerances.
         const SEEN: f64 = 10.0;
-        let Self { trace, slips, start, last, most, fraction, oscillations, tolerance, .. } = self;
+        let Self { trace, slips, start, last, largest, fraction, oscillations, tolerance, .. } = self;
         let jumps: Vec<Jump> = slips.iter().map(RateDependentSlip::jump).collect();
-        let told = regime::tell(&jumps, start.point(), last.point(), most.0 / most.1, End::Reached);
-        // Of few contacts breaks make oscillations, by chance.
+        let regime =
+            regime::classify(&jumps, start.point(), last.point(), largest.0 / largest.1, End::Reached);
+        // The breaks of single contacts make random oscillations, which say nothing about stability.
         let seen = if fraction > 0.0 { f64::INFINITY } else { SEEN * tolerance };
-        let regime = regime::calm(told, &oscillations, seen);
+        let regime = regime::with_oscillations(regime, &oscillations, seen);
         Slide { trace, slips, energy: last.energy - start.energy, regime, error }
     }
 }

@@ -1,7 +1,7 @@
-//! A slider block in time, over time-dependent contacts: they age while it sticks.
+//! A slider block in time over time-dependent contacts, which age while it sticks.
 //!
-//! M Ẍ = K(X_T(t) − X) − F − γẊ, with the drive X_T(t) a [`History`] that begins in balance, X_T = X + F/K:
-//! the equation of motion of [`crate::dynamics`] for a single cell, which unloads its contacts where it is arrested.
+//! M Ẍ = K(X_T(t) − X) − F − γẊ. The drive X_T(t) is a [`History`] that begins in equilibrium, X_T = X + F/K. This is the
+//! equation of motion of [`crate::dynamics`] for a single cell, which unloads its contacts after an arrest.
 
 mod log;
 
@@ -15,12 +15,12 @@ use log::Log;
 pub use log::{Moment, RateDependentSlip, Slide};
 
 impl Block {
-    /// Moves the slider's top along `drive`, from where it is in balance over `contacts`, and sees what its bottom does, at
-    /// rising `times` since the start. A step in time is right to `tolerance`, a length.
+    /// Moves the slider's top along `drive`, from equilibrium with `contacts`, and records the motion of its base at ascending
+    /// `times` since the start. `tolerance` is the largest error of a step in time, a length.
     ///
     /// # Errors
-    /// A loading other than a spring; a rule of slip that does not say how fast a slip is; times that do not rise within
-    /// the drive; a tolerance that is not above 0; those of the contacts; stopped by the monitor.
+    /// A loading other than a spring; a slip rule without a velocity limit; times that are not ascending or outside the drive;
+    /// a tolerance that is not above 0; those of the contacts; a stop by the monitor.
     pub fn follow(
         &self,
         contacts: &dyn RateDependentContacts,
@@ -32,7 +32,7 @@ impl Block {
         self.followed(contacts, None, drive, times, tolerance, monitor)
     }
 
-    /// The same with [`Slide::error`], which takes some three times as long: contacts are followed twice more.
+    /// As [`Block::follow`] with [`Slide::error`]. It takes three times as long, because two copies of the contacts are moved.
     ///
     /// # Errors
     /// Those of [`Block::follow`].
@@ -60,32 +60,32 @@ impl Block {
         if !(tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Error::invalid("tolerance", "a finite length above 0", tolerance));
         }
-        check(times, drive.duration())?;
+        drive.check_times(times)?;
         let mut slider = SlidingBlock::at_rest(equation, contacts, tolerance);
         slider.motion.estimators = estimator.map(|estimator| vec![estimator]);
         let moving = drive.pieces().iter().map(|piece| piece.velocity).find(|velocity| *velocity > 0.0);
         let mut log = Log::new(&slider, moving.unwrap_or(f64::INFINITY), self.slip_fraction.unwrap_or(0.0));
         if times.first() == Some(&0.0) {
-            log.see(slider.moment());
+            log.add_to_trace(slider.moment());
         }
-        let mut asked = times.iter().copied().skip_while(|time| *time == 0.0).peekable();
+        let mut requested = times.iter().copied().skip_while(|time| *time == 0.0).peekable();
         for (piece, knots) in drive.pieces().iter().zip(drive.knots().windows(2)) {
             slider.velocity = piece.velocity;
-            log.pull(piece.velocity);
-            while let Some(time) = asked.next_if(|time| *time < knots[1].0) {
+            log.set_velocity(piece.velocity);
+            while let Some(time) = requested.next_if(|time| *time < knots[1].0) {
                 slider.follow(time, drive.duration(), &mut log, monitor)?;
-                log.see(slider.moment());
+                log.add_to_trace(slider.moment());
             }
             slider.follow(knots[1].0, drive.duration(), &mut log, monitor)?;
-            if asked.next_if_eq(&knots[1].0).is_some() {
-                log.see(slider.moment());
+            if requested.next_if_eq(&knots[1].0).is_some() {
+                log.add_to_trace(slider.moment());
             }
         }
         report(monitor, 1.0)?;
         Ok(log.close(slider.motion.error()))
     }
 
-    /// What moves the slider in time.
+    /// The equation of motion of the slider.
     fn equation_of_motion(&self) -> Result<EquationOfMotion> {
         let Loading::Spring(connection) = self.loading else {
             return Err(Error::invalid("stiffness", "a block with a stiffness, to be moved in time", "none"));
@@ -96,10 +96,10 @@ impl Block {
 }
 
 impl Slip {
-    /// Mass and damping, which limit how fast a slip is.
+    /// Mass M and damping γ, which limit the velocity of a slip.
     ///
     /// # Errors
-    /// None of them.
+    /// A slip rule that has neither.
     pub fn limits(self) -> Result<(f64, f64)> {
         let refused = |name: &str| {
             let expected = "damped or inertial where contacts are time-dependent: during a slip the velocity must be limited by a damping or a mass";
@@ -115,25 +115,15 @@ impl Slip {
     }
 }
 
-/// Refuses times that do not rise within a drive.
-fn check(times: &[f64], end: f64) -> Result<()> {
-    let outside = times.iter().find(|&&time| !(time >= 0.0 && time <= end));
-    let falling = times.windows(2).find(|pair| pair[1] <= pair[0]).map(|pair| &pair[1]);
-    match outside.or(falling) {
-        Some(time) => Err(Error::invalid("times", format!("rising times from 0 to {end}"), time)),
-        None => Ok(()),
-    }
-}
-
-/// A slider on its way.
+/// A slider in motion.
 struct SlidingBlock {
     motion: SliderMotion,
-    /// Of the drive, now.
+    /// Present velocity of the drive.
     velocity: f64,
 }
 
 impl SlidingBlock {
-    /// In balance over `contacts`, the drive at rest.
+    /// A slider in equilibrium with `contacts`; the drive is at rest.
     fn at_rest(equation: EquationOfMotion, contacts: &dyn RateDependentContacts, tolerance: f64) -> Self {
         let cell = SlidingCell::at_rest(contacts.copy(), contacts.position());
         let drive = cell.position + cell.force / equation.connection;
@@ -144,7 +134,7 @@ impl SlidingBlock {
         &self.motion.cells[0]
     }
 
-    /// Goes on until a time of a whole that lasts `whole`.
+    /// Continues until the time `end`. The whole motion lasts `whole`.
     fn follow(&mut self, end: f64, whole: f64, log: &mut Log, monitor: &mut dyn Monitor) -> Result<()> {
         let begin = (self.motion.time, self.motion.drive);
         while self.motion.time < end {
@@ -155,7 +145,7 @@ impl SlidingBlock {
                 motion.time = end;
             }
             motion.drive = begin.1 + self.velocity * (motion.time - begin.0);
-            log.pass(self);
+            log.record_step(self);
         }
         Ok(())
     }

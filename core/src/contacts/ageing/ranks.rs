@@ -195,6 +195,7 @@ impl RankTable {
             }
             if rank % every == every / 2 && rank < farther {
                 for row in &self.rows {
+                    // The values left out are known: the difference is the interpolation error at this spacing.
                     let told = Stencil::at(rank as f64 / every as f64, ranks + 1).value(|k| row[k * every]);
                     most = most.max((told - row[rank]).abs() * per_length(row));
                 }
@@ -205,6 +206,7 @@ impl RankTable {
 
     /// The thresholds at an age.
     pub(super) fn at(&self, age: f64) -> RanksAtAge<'_> {
+        // Ages are tabulated at equal steps of ln(1 + t/s): the position in the table is computed, not searched.
         let place = (age / self.time).ln_1p() / SPACING;
         let last = (self.rows.len() - 1) as f64;
         let pace = if place < last { 1.0 / (SPACING * (self.time + age)) } else { 0.0 };

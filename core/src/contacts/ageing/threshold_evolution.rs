@@ -130,6 +130,7 @@ impl ThresholdEvolution {
             Kind::Gaussian { newborn, mature, time } => {
                 let left = (-age / time).exp();
                 let mean = mature.mean + (newborn.mean - mature.mean) * left;
+                // σ_i² − σ_f² as a product, without cancellation for similar widths.
                 let excess = (newborn.std - mature.std) * (newborn.std + mature.std) * left * left;
                 let std = (mature.std * mature.std + excess).sqrt();
                 let factor = std / newborn.std;

@@ -180,6 +180,7 @@ impl Curve {
     /// The piece that x is in.
     #[inline]
     fn find(&self, x: f64) -> usize {
+        // One look-up and one comparison for nearly all x, instead of a bisection.
         let bucket = (((x - self.starts[0]) * self.density) as usize).min(self.buckets.len() - 1);
         let Bucket { second, piece, many } = self.buckets[bucket];
         let piece = piece as usize + usize::from(x >= second);
@@ -208,6 +209,8 @@ impl Curve {
             (at[0][lane], at[1][lane]) = (piece.start, piece.rate);
             (0..6).for_each(|k| force[k][lane] = piece.force[k]);
         }
+        // The coefficients are gathered first, so that Horner's rule runs on all lanes at once. The operations
+        // are those of `horner` in the same order, which gives the same bits.
         let [start, rate] = at;
         let t: [f64; LANES] = std::array::from_fn(|lane| (places[lane] - start[lane]) * rate[lane] - 1.0);
         let (mut value, mut slope) = (force[5], force[5]);

@@ -98,6 +98,7 @@ impl Curves {
 
     /// Extends the curves to cover an advance of all cells by `most`. Returns true if they had to be extended.
     fn extend_by(&mut self, most: f64, monitor: &mut dyn Monitor) -> Result<bool> {
+        // The margin is a bound for all cells, so that most steps need not look at each of them.
         if most <= self.margin {
             return Ok(false);
         }
@@ -281,6 +282,8 @@ impl Cells for Curves {
     fn detach(&mut self, cell: usize, by: f64, _monitor: &mut dyn Monitor) -> Result<()> {
         let batch = self.batch();
         let begun = batch.done(cell, self.marked[cell]);
+        // All contacts of the cell break and re-form: it keeps the elastic energy of re-formed contacts, and
+        // the rest is dissipated.
         let newborn = Cell { curve: batch.fresh, advance: 0.0, ..batch.cell(cell) }.done(0.0);
         let done = batch.cell(cell).done(by).renewed(newborn.elastic);
         self.detached.insert(cell, DetachedCell { done: done - begun, course: self.courses[cell] });

@@ -9,6 +9,7 @@ pub use half_space::HalfSpace;
 pub use neighbours::Neighbours;
 
 use super::batch;
+use crate::error::positive;
 use crate::numerics::product::product;
 use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
@@ -79,13 +80,6 @@ pub fn neighbours(shape: Shape, edges: Edges, stiffness: f64) -> Result<Box<dyn 
 /// What [`HalfSpace::new`] refuses.
 pub fn half_space(shape: Shape, edges: Edges, modulus: f64, cell: f64) -> Result<Box<dyn Coupling>> {
     Ok(Box::new(HalfSpace::new(shape, edges, modulus, cell)?))
-}
-
-fn positive(key: &str, value: f64) -> Result<()> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(Error::invalid(key, "a finite number above 0", value))
 }
 
 /// Refuses a coupling that takes more memory than is allowed.

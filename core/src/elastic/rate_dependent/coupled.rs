@@ -91,6 +91,8 @@ impl CoupledCells<'_> {
         let stand = |(guess, excess): (&Guess, &f64)| guess.advance == 0.0 && *excess <= 0.0;
         let stands: Vec<bool> = guesses.iter().zip(&excess).map(stand).collect();
         let held = |j: usize| stage.stiffness(j) + stage.from[j].contacts.tangent();
+        // Active-set method for the condition that cells move forward only: a cell at rest that is pushed
+        // back is fixed by a very stiff spring, so that the system keeps its size and its symmetry.
         let spring = |j: usize| {
             if stands[j] {
                 HOLD * (held(j) + self.0.self_stiffness(j))

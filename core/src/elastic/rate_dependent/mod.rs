@@ -16,6 +16,7 @@ pub use state::RateDependentInterfaceState;
 
 use super::{CellLoading, Coupling, EnergyBalance, Event, Slipped, event};
 use crate::dynamics::{Arrest, EquationOfMotion, SliderMotion, SlidingCell};
+use crate::error::positive;
 use crate::monitor::{Aside, Monitor, report};
 use crate::rate_dependent::{Books, ErrorEstimator, RateDependentContacts, StretchInterval};
 use crate::record::Record;
@@ -108,6 +109,8 @@ impl RateDependentInterface {
         let equation =
             EquationOfMotion { connection, connected, mass: 0.0, viscosity, arrest: Arrest::Stand };
         let pull = connected as f64 * connection;
+        // At this drive the springs carry the total friction force. The equilibrium positions solve a linear
+        // system, because contacts do not move with them.
         let drive = contacts.iter().map(|contacts| contacts.force()).sum::<f64>() / pull;
         let springs: Vec<f64> = (0..number).map(|j| equation.connection(j)).collect();
         let balance =
@@ -325,11 +328,4 @@ impl RateDependentInterface {
             contacts: self.motion.cells.iter().fold(Books::default(), add),
         }
     }
-}
-
-fn positive(key: &str, value: f64) -> Result<()> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(Error::invalid(key, "a finite number above 0", value))
 }

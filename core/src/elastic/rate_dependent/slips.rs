@@ -135,6 +135,7 @@ impl Slips {
         let change = |j: &usize| (now.cells[*j].velocity > fast) != self.slipping[*j];
         let mut changed: Vec<(usize, f64)> =
             (0..self.slipping.len()).filter(change).map(|j| (j, share(j))).collect();
+        // In the order of time: the event of a cell depends on which of its neighbours slip at that moment.
         changed.sort_by(|a, b| a.1.total_cmp(&b.1));
         let mut last = vec![None; self.slipping.len()];
         for (cell, share) in changed {
@@ -190,6 +191,7 @@ impl Slips {
             self.next += 1;
             return;
         };
+        // The cell connects the events around it. They merge into the earliest one, with the smallest number.
         let mut joined = vec![started];
         self.events.retain_mut(|event| {
             let merges = numbers[1..].contains(&event.number);

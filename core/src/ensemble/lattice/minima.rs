@@ -87,10 +87,13 @@ fn update_level(below: &[f64], above: &mut [f64], runs: &mut Vec<u32>) {
     for i in 0..runs.len() {
         let run = runs[i] as usize;
         let value = least(&below[run * ARITY..below.len().min((run + 1) * ARITY)]);
+        // An unchanged minimum leaves all nodes above it unchanged.
         if value == above[run] {
             continue;
         }
         above[run] = value;
+        // Runs of one parent mostly follow each other, so that this comparison removes most duplicates. The
+        // others cost time, but change nothing.
         let parent = (run / ARITY) as u32;
         if kept == 0 || runs[kept - 1] != parent {
             runs[kept] = parent;

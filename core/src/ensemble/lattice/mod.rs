@@ -251,6 +251,7 @@ impl Lattice {
 
     /// Drives the contacts to the next break, and runs its avalanche.
     pub fn next_event(&mut self) -> Avalanche {
+        // Breaking positions are relative to `base`. They keep their digits because it follows the drive.
         if self.drive > self.span {
             self.rebase();
         }

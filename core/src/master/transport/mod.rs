@@ -34,6 +34,7 @@ use std::sync::Arc;
 
 use super::{Stretches, Tolerance};
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness, ThresholdEvolution};
+use crate::error::positive;
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, Part, Watch, report};
 use crate::rate_dependent::{Books, ContactsState, RateDependentContacts, StretchInterval};
@@ -266,7 +267,7 @@ impl Transport {
     pub fn follow(&mut self, history: &History, times: &[f64], monitor: &mut dyn Monitor) -> Result<Trace> {
         /// Fraction of the work for the second solution.
         const ASIDE: f64 = 0.2;
-        rising(times, history.duration())?;
+        history.check_times(times)?;
         let mut rough = self.rough.take();
         let coarse =
             rough.as_mut().map(|rough| rough.run(history, times, &mut Part::new(monitor, 0.0, ASIDE)));
@@ -576,22 +577,4 @@ fn reforming(contacts: &Contacts, tolerance: f64) -> Vec<(Seed, Vec<StretchInter
 /// The widest cell of a distribution of stretches, limited by the scale of the thresholds.
 fn widest(contacts: &Contacts) -> f64 {
     4.0 * step_control::scale(contacts)
-}
-
-/// Refuses what is not a finite number above 0.
-fn positive(key: &str, value: f64) -> Result<()> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(Error::invalid(key, "a finite number above 0", value))
-}
-
-/// Refuses times that do not rise from 0 to the end of a history.
-fn rising(times: &[f64], end: f64) -> Result<()> {
-    let outside = times.iter().find(|&&time| !(time >= 0.0 && time <= end));
-    let falling = times.windows(2).find(|pair| pair[1] <= pair[0]).map(|pair| &pair[1]);
-    match outside.or(falling) {
-        Some(time) => Err(Error::invalid("times", format!("rising times from 0 to {end}"), time)),
-        None => Ok(()),
-    }
 }

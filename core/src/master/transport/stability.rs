@@ -97,6 +97,7 @@ impl StepResponse {
         let (mut low, mut high) = (0.0, self.bound(slider));
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
+            // Of all roots, that of the fastest growth is the last one to the right of the line.
             *(if self.right_of(slider, middle, &watch) > 0 { &mut low } else { &mut high }) = middle;
         }
         let off = |crossing: &Crossing| (crossing.stiffness - slider.stiffness).abs();

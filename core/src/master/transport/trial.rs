@@ -71,6 +71,7 @@ impl StepAttempt<'_> {
             let (end, spent) = cohort.advance_from_formation(self.model, path, part[born], context);
             (cohort, (BrokenShare { middle: 0.0, end }, EnergyChange { lost: spent.lost - stored, ..spent }))
         };
+        // Existing cohorts first, then those formed at the two Gauss nodes, seed by seed.
         let count = old + GAUSS.len() * seeds;
         let piece = |context: &mut StepContext<'_, '_>,
                      number: usize|
@@ -117,6 +118,7 @@ impl StepAttempt<'_> {
         let mut masses = [0.0; 2];
         for _ in 0..ROUNDS {
             let BirthMoments { mass, moment } = self.broken.births(self.time, path.duration, share);
+            // The masses at the Gauss nodes ½ ± 1/(2√3) with this sum and first moment.
             let tilt = 3.0_f64.sqrt() * moment;
             masses = [0.5 * mass - tilt, 0.5 * mass + tilt];
             let by_middle = mass * (alpha / 8.0 + beta / 24.0) - 12.0 * moment * (alpha / 24.0 + beta / 64.0);

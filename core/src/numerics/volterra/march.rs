@@ -169,6 +169,7 @@ impl March<'_> {
         for to in graded.into_iter().chain([stop]) {
             while self.density.end() < to {
                 if to < stop {
+                    // A graded cell ends at its own boundary, and halvings before it do not matter.
                     *control =
                         WidthControl { width: control.width.min(to - self.density.end()), patience: 0 };
                 }
@@ -222,6 +223,7 @@ impl March<'_> {
                 control.width = 2.0 * width;
                 return Ok(());
             }
+            // A constant density: one cell reaches to the next breakpoint.
             if !last && done.is_multiple_of(256) && self.is_flat() {
                 control.width = stop - here;
                 return Ok(());

@@ -1,4 +1,4 @@
-//! What is quoted of a catalogue of events: how large they are, and how long one waits for them.
+//! Statistics of a catalogue of events: distribution of magnitudes, waiting times, largest event.
 
 use crate::numerics::cutoff::{CutOff, fit_real, fit_whole};
 use crate::record::{Quantity, Record};
@@ -7,12 +7,12 @@ use crate::scenario::{Interface, Units};
 use super::model::DrivenInterface;
 use crate::task::summary::{Catalogue, Extended, Fitted, Largest, PowerLaw};
 
-/// Reads what `events` tell.
+/// The statistics of `events`.
 pub fn read<M: DrivenInterface>(interface: &Interface, units: &Units, events: &Record) -> Catalogue {
     let column = |name: &str| events.values(name).unwrap_or_default();
     let (drives, magnitudes) = (column("drive"), column(M::MAGNITUDE));
     let fit = if M::WHOLE { fit_whole(magnitudes) } else { fit_real(magnitudes) };
-    // Clusters of one slide are events at the same drive, and none waits for another.
+    // Clusters of one slide are events at the same drive, with no waiting time between them.
     let waiting: Vec<f64> =
         drives.windows(2).map(|pair| pair[1] - pair[0]).filter(|&wait| wait > 0.0).collect();
     let mean = (!waiting.is_empty()).then(|| waiting.iter().sum::<f64>() / waiting.len() as f64);

@@ -1,4 +1,4 @@
-//! DrivenCells of many contacts as an interface: an event is a connected part of a slide.
+//! Cells of many contacts as an interface: an event is a connected set of cells that slipped in one slide.
 
 use crate::Result;
 use crate::elastic::{self, Event, Slipped, State};
@@ -7,17 +7,17 @@ use crate::record::{Column, Quantity, Record};
 
 use super::model::DrivenInterface;
 
-/// Columns that only slides with viscosity have.
+/// Columns of slides with viscosity.
 const IN_TIME: [&str; 4] = ["time", "duration", "front_speed_left", "front_speed_right"];
 
-/// DrivenCells on an elastic slider.
+/// Cells of many contacts, coupled by the elasticity of the slider.
 #[derive(Debug)]
 pub struct DrivenCells {
     /// The cells.
     pub interface: elastic::Interface,
-    /// Whether slides take time.
+    /// Whether slides have a duration, set by a viscosity.
     pub timed: bool,
-    /// Whether contacts follow the master equation.
+    /// Whether contacts follow the master equation; the ensemble otherwise.
     pub solved: bool,
 }
 
@@ -84,7 +84,8 @@ impl DrivenInterface for DrivenCells {
     }
 }
 
-/// DrivenCells that slipped in events, the first of which has the number `first`; when they began where slides are `timed`.
+/// Cells that slipped in events, as columns. The first event has the number `first`. The times at which cells began to slip
+/// are included if slides are `timed`.
 pub fn slipped(events: &[(Event, Vec<Slipped>)], first: usize, timed: bool) -> Record {
     let mut record = Record::default();
     let mut add = |name: &str, words: &str, quantity, value: &dyn Fn(usize, &Slipped) -> f64| {
@@ -105,7 +106,7 @@ pub fn slipped(events: &[(Event, Vec<Slipped>)], first: usize, timed: bool) -> R
     record
 }
 
-/// Goes on by `next` slides for `most` events; whether it came to the end, where there are none.
+/// Calls `next` for one slide after the other until there have been `most` events. Returns whether there are no more slides.
 pub fn from_slide_to_slide<E>(
     most: u64,
     mut next: impl FnMut() -> Result<Vec<E>>,

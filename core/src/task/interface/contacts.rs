@@ -14,12 +14,12 @@ pub struct BrokenContacts {
     scar: Vec<usize>,
 }
 
-/// DrivenContacts on a lattice.
+/// Contacts coupled one by one on a lattice.
 #[derive(Debug)]
 pub struct DrivenContacts {
     /// The contacts.
     pub lattice: Lattice,
-    /// Whether they lie on a chain, of which it is told which ones break.
+    /// Whether they form a chain, where the contacts that break in an event are recorded.
     pub chain: bool,
 }
 
@@ -56,7 +56,7 @@ impl DrivenInterface for DrivenContacts {
         Ok(false)
     }
 
-    /// Cells are contacts; beside the columns of all interfaces there are `size`, breaks, and `released`.
+    /// Each cell is one contact. In addition to the columns of all interfaces there are `size` (breaks) and `released`.
     fn columns(&self, events: &[BrokenContacts]) -> Record {
         let avalanches: Vec<_> = events.iter().map(|event| event.avalanche).collect();
         event_columns(&avalanches, self.lattice.size())
@@ -98,7 +98,7 @@ pub fn event_columns(avalanches: &[Avalanche], size: usize) -> Record {
     record
 }
 
-/// Contacts that broke in events as columns, the first event being number `first`.
+/// Contacts that broke in events, as columns. The first event has the number `first`.
 pub fn broken_columns(events: &[BrokenContacts], first: usize) -> Record {
     let mut record = Record::default();
     let numbered = || events.iter().zip(first..);

@@ -1,4 +1,4 @@
-//! Cells whose contacts are time-dependent as an interface that is driven at a velocity.
+//! Cells with time-dependent contacts as an interface that is driven at a velocity.
 
 use crate::elastic::{Event, RateDependentInterface, RateDependentInterfaceState, Slipped};
 use crate::monitor::Monitor;
@@ -8,14 +8,14 @@ use crate::{Error, Result};
 
 use super::cells::{from_slide_to_slide, slipped};
 use super::model::DrivenInterface;
-use crate::task::tolerance_over;
+use crate::task::finite_size_tolerance;
 
-/// Cells in time on an elastic slider.
+/// Cells with time-dependent contacts, coupled by the elasticity of the slider.
 #[derive(Debug)]
 pub struct DrivenRateDependentCells {
     /// The cells.
     pub interface: RateDependentInterface,
-    /// Of the drive.
+    /// Velocity of the drive.
     pub velocity: f64,
 }
 
@@ -23,7 +23,7 @@ impl DrivenRateDependentCells {
     /// The cells that `interface` describes, driven as `task` says.
     ///
     /// # Errors
-    /// What [`scenario::Interface::in_time`] refuses; no velocity.
+    /// No velocity; those of [`scenario::Interface::in_time`].
     pub(super) fn new(
         model: &Model,
         task: &scenario::Drive,
@@ -34,17 +34,17 @@ impl DrivenRateDependentCells {
             return Err(Error::invalid("drive.velocity", "a velocity above 0", "none"));
         };
         let interface = cells_in_time(model, interface, monitor)?;
-        // What that takes is for those who ask.
+        // The error estimate moves copies of all contacts, so it is made only if an accuracy is required.
         let required = model.master_equation.tolerance.is_some() && model.ensemble.is_none();
         let interface = if required { interface.with_error() } else { interface };
         Ok(Self { interface, velocity })
     }
 }
 
-/// The cells that `interface` describes, of the contacts of `model` and to the accuracy that it asks for.
+/// The cells that `interface` describes, with the contacts and the accuracy of `model`.
 ///
 /// # Errors
-/// What [`scenario::Interface::in_time`] refuses.
+/// Those of [`scenario::Interface::in_time`].
 pub fn cells_in_time(
     model: &Model,
     interface: &scenario::Interface,
@@ -53,8 +53,9 @@ pub fn cells_in_time(
     let Model { contacts, initial, .. } = model;
     let tolerance = model.master_equation.tolerance_of_a_block();
     let ensemble = model.ensemble.as_ref();
-    let share = ensemble.map_or(tolerance, |ensemble| tolerance_over(ensemble.size()).max(tolerance));
-    let step = share * contacts.thresholds.mean();
+    let relative =
+        ensemble.map_or(tolerance, |ensemble| finite_size_tolerance(ensemble.size()).max(tolerance));
+    let step = relative * contacts.thresholds.mean();
     interface.in_time(contacts, initial, tolerance, step, ensemble, monitor)
 }
 

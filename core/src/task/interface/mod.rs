@@ -1,4 +1,4 @@
-//! `[drive]` with `[interface]`: cells that elasticity couples, driven from event to event.
+//! `[drive]` with `[interface]`: cells coupled by elasticity, driven from event to event.
 
 mod catalogue;
 mod cells;
@@ -55,7 +55,7 @@ impl Drive {
 /// Drives the interface as `task` says, from the last checkpoint if there is one.
 ///
 /// # Errors
-/// Results too large for one file, what the models run into, or the monitor's wish to stop.
+/// Results too large for one file, errors of the interface, a stop by the monitor.
 pub(super) fn run(
     model: &Model,
     task: &Drive,
@@ -108,7 +108,7 @@ fn drive<D: DrivenInterface>(
     }
 }
 
-/// How accurate the forces of cells are, `force` being the estimated error of one.
+/// The accuracy of the forces of cells, from the estimated error `force` of one cell.
 fn accuracy(model: &Model, force: f64) -> ForceAccuracy {
     let in_time = ForceAccuracy::in_time(model, force);
     if model.contacts.rules.are_time_dependent() {
@@ -117,7 +117,7 @@ fn accuracy(model: &Model, force: f64) -> ForceAccuracy {
     ForceAccuracy::new(model, in_time.error, in_time.life)
 }
 
-/// The seed of what is drawn at random, if anything is.
+/// The seed of the random numbers; `None` if none are drawn.
 pub(super) fn seed(model: &Model, interface: &scenario::Interface) -> Option<u64> {
     match (interface.contacts, &interface.disorder) {
         (PerCell::One, _) => Some(model.ensemble.clone().unwrap_or_default().seed),
@@ -131,7 +131,7 @@ fn chain(interface: &scenario::Interface) -> bool {
     interface.cells.len() == 1
 }
 
-/// Refuses before any work maps of the cells that could not be written after it.
+/// Refuses, before any work, maps of the cells that are too large for one file.
 fn check_size<D: DrivenInterface>(
     output_points: &[OutputPoint],
     interface: &scenario::Interface,
@@ -142,7 +142,7 @@ fn check_size<D: DrivenInterface>(
     if needed <= LARGEST {
         return Ok(());
     }
-    // Of a chain the cells are recorded at every point of the trace.
+    // The cells of a chain are recorded at every point of the trace.
     let key = if chain(interface) { "drive.points" } else { "drive.maps" };
     let expected = format!(
         "maps of the cells that fit in a result file of {} MB: {}",
@@ -152,8 +152,8 @@ fn check_size<D: DrivenInterface>(
     Err(Error::invalid(key, expected, format!("{maps}, which take {} MB", needed / 1_000_000)))
 }
 
-/// The variables that the drive of an interface may record, without values: of cells, and of contacts coupled one by one. On a
-/// lattice those of the cells lie along `row` and `column`.
+/// The variables that the drive of an interface may record, without values: for cells, and for contacts coupled one by one.
+/// On a lattice the dimensions of the cells are `row` and `column`.
 pub(super) fn columns() -> [Record; 2] {
     [
         columns_of::<DrivenRateDependentCells>(Event::columns(), cells::slipped(&[], 1, true)),
@@ -172,7 +172,7 @@ fn columns_of<D: DrivenInterface>(events: Record, slipped: Record) -> Record {
     record
 }
 
-/// Events as variables `event_…`, the trace, and cells at the drives of the maps.
+/// Events as variables `event_…`, the trace, and the maps of the cells.
 fn record<D: DrivenInterface>(
     interface: &scenario::Interface,
     output_points: &[OutputPoint],

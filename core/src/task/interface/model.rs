@@ -1,4 +1,4 @@
-//! An interface that is driven from event to event, whatever its cells are.
+//! The trait of interfaces that are driven from event to event.
 
 use crate::Result;
 use crate::monitor::Monitor;
@@ -6,29 +6,29 @@ use crate::record::{Column, Record};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// An interface that goes from event to event.
+/// An interface that is driven from event to event.
 pub trait DrivenInterface {
     /// An event.
     type Event;
-    /// All that changes as it is driven.
+    /// The state, which changes as the interface is driven.
     type State: Serialize + DeserializeOwned;
 
-    /// The name of the column that tells how large an event is.
+    /// Name of the column of the magnitude of an event.
     const MAGNITUDE: &'static str;
     /// Whether magnitudes are whole numbers.
     const WHOLE: bool;
-    /// What is known of the whole interface.
+    /// Columns of the whole interface.
     const TRACE: &'static [Column];
-    /// What is known of every cell.
+    /// Columns of every cell.
     const MAPS: &'static [Column];
 
-    /// The drive so far.
+    /// The present drive X_T, a length.
     fn drive(&self) -> f64;
 
-    /// Goes on to the drive `to`, or for `most` events, whichever comes first; whether it got there.
+    /// Advances to the drive `to`, or by `most` events, whichever comes first. Returns whether it reached `to`.
     ///
     /// # Errors
-    /// The monitor says stop; it is then between two events.
+    /// A stop by the monitor; the interface is then between two events.
     fn advance(
         &mut self,
         to: f64,
@@ -37,33 +37,33 @@ pub trait DrivenInterface {
         each: &mut dyn FnMut(Self::Event),
     ) -> Result<bool>;
 
-    /// Events as columns, the drive among them, under the names that they have in `events.csv`.
+    /// Events as columns, including the drive, with the names of `events.csv`.
     fn columns(&self, events: &[Self::Event]) -> Record;
 
-    /// The cells that took part in events of a chain, event after event, the first one being number `first`.
+    /// The cells that took part in events of a chain, event by event; the first event has the number `first`.
     fn slipped(&self, events: &[Self::Event], first: usize) -> Record;
 
-    /// Estimated error of the force of a cell, the largest so far; `None` where contacts are followed one by one.
+    /// Largest estimated error so far of the force of a cell; `None` if contacts are followed one by one.
     fn error(&self) -> Option<f64>;
 
-    /// What is known of the whole now, in the order of [`DrivenInterface::TRACE`].
+    /// Present values of the columns [`DrivenInterface::TRACE`], in their order.
     ///
     /// # Errors
     /// Those of the cells.
     fn trace(&mut self) -> Result<Vec<f64>>;
 
-    /// What is known of every cell now, in the order of [`DrivenInterface::MAPS`].
+    /// Present values of the columns [`DrivenInterface::MAPS`], in their order, one value per cell.
     ///
     /// # Errors
     /// Those of the cells.
     fn maps(&mut self) -> Result<Vec<Vec<f64>>>;
 
-    /// All of it that changes.
+    /// The present state.
     fn state(&self) -> Self::State;
 
-    /// Goes to where another one of the same description was.
+    /// Restores the state of another interface with the same description.
     ///
     /// # Errors
-    /// A state of something else; stopped by the monitor.
+    /// A state of a different description; a stop by the monitor.
     fn restore(&mut self, state: Self::State, monitor: &mut dyn Monitor) -> Result<()>;
 }

@@ -13,7 +13,7 @@ pub struct OutputPoint {
     pub map: bool,
 }
 
-/// The points of the trace, evenly spaced, and the maps asked for; of a chain there is a map at every point.
+/// The points of the trace, evenly spaced, and the maps of `task`. A chain has a map at every point.
 pub fn output_points(task: &Drive, interface: &Interface) -> Vec<OutputPoint> {
     let chain = interface.cells.len() == 1;
     let steps = task.points - 1;

@@ -1,4 +1,4 @@
-//! A drive from event to event, with the state recorded at output points, and checkpoints.
+//! A drive from event to event, with output points and checkpoints.
 
 use std::time::{Duration, Instant};
 
@@ -13,20 +13,20 @@ use crate::monitor::{Part, report};
 use crate::record::LARGEST;
 use crate::task::{Checkpoint, Checkpoints};
 
-/// Most events between two calls of the monitor.
+/// Largest number of events between two calls of the monitor.
 const SLICE: u64 = 256;
-/// Approximate time between two calls of the monitor: how long a run takes to stop.
+/// Approximate time between two calls of the monitor, which limits the time until a run stops.
 const CALL: Duration = Duration::from_millis(50);
 
-/// An interface that is driven, and what has been recorded of it.
+/// An interface that is driven, with the columns recorded so far.
 pub struct InterfaceRun<'a, M> {
     model: M,
-    /// Events so far, those among them that are not recorded.
+    /// Events so far, including those that are not recorded.
     count: u64,
     /// Output points passed so far.
-    looks: usize,
+    passed: usize,
     found: Found,
-    /// Drive from which on events are recorded.
+    /// Drive from which events are recorded.
     from: f64,
     /// Whether cells that took part in events are recorded.
     chain: bool,
@@ -39,7 +39,7 @@ pub struct InterfaceRun<'a, M> {
     slice: u64,
 }
 
-/// What is recorded.
+/// The recorded columns.
 #[derive(Debug, Clone, Default)]
 pub struct Found {
     /// Events as columns.
@@ -50,16 +50,16 @@ pub struct Found {
     pub trace: Vec<Vec<f64>>,
     /// Columns of the cells, one row at each output point with a map.
     pub maps: Vec<Vec<f64>>,
-    /// Estimated error of the force of a cell, where there is one.
+    /// Estimated error of the force of a cell; `None` if contacts are followed one by one.
     pub error: Option<f64>,
 }
 
-/// What a checkpoint holds beside the columns.
+/// The content of a checkpoint in addition to the columns.
 #[derive(Serialize, Deserialize)]
 struct RunState<S> {
     state: S,
     count: u64,
-    looks: usize,
+    passed: usize,
 }
 
 impl Found {
@@ -73,7 +73,7 @@ impl Found {
         }
     }
 
-    /// All columns, in the order in which checkpoints have them.
+    /// All columns, in the order of checkpoints.
     fn columns(&mut self) -> impl Iterator<Item = &mut Vec<f64>> {
         let records = self.events.variables.iter_mut().chain(&mut self.slipped.variables);
         records.map(|variable| &mut variable.values).chain(&mut self.trace).chain(&mut self.maps)
@@ -81,8 +81,8 @@ impl Found {
 }
 
 impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
-    /// A run of a new `model`, from the checkpoint to resume if there is one. Events are recorded `from` a drive on, with the
-    /// cells that took part in them if it is a `chain`.
+    /// A run of a new `model`, resumed from the checkpoint if there is one. Events are recorded from the drive `from`, with
+    /// the cells that took part in them if it is a `chain`.
     pub fn new(
         model: M,
         from: f64,
@@ -92,8 +92,8 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
     ) -> Result<Self> {
         let mut found = Found::empty(&model);
         let kept = vec![0; found.columns().count()];
-        let (count, looks, last) = (0, 0, 0);
-        let mut run = Self { model, count, looks, found, from, chain, checkpoints, last, kept, slice: 1 };
+        let (count, passed, last) = (0, 0, 0);
+        let mut run = Self { model, count, passed, found, from, chain, checkpoints, last, kept, slice: 1 };
         if let Some(kept) = run.checkpoints.as_mut().and_then(|checkpoints| checkpoints.take()) {
             run.resume(kept, monitor)?;
         }
@@ -102,7 +102,7 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
 
     fn resume(&mut self, kept: Checkpoint, monitor: &mut dyn Monitor) -> Result<()> {
         let Checkpoint { state, columns } = kept;
-        let RunState { state, count, looks } = match ciborium::from_reader(state.as_slice()) {
+        let RunState { state, count, passed } = match ciborium::from_reader(state.as_slice()) {
             Ok(kept) => kept,
             Err(error) => {
                 return Err(self
@@ -112,17 +112,18 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
             }
         };
         self.model.restore(state, monitor)?;
-        (self.count, self.last, self.looks) = (count, count, looks);
+        (self.count, self.last, self.passed) = (count, count, passed);
         self.found.columns().zip(columns).for_each(|(column, values)| *column = values);
         self.kept = self.found.columns().map(|column| column.len()).collect();
         Ok(())
     }
 
-    /// Drives to one output after the other, and returns what was found.
+    /// Drives to one output point after the other, and returns the recorded columns.
     pub fn follow(mut self, output_points: &[OutputPoint], monitor: &mut dyn Monitor) -> Result<Found> {
         let end = output_points.last().map_or(0.0, |output| output.drive);
-        for output in &output_points[self.looks..] {
+        for output in &output_points[self.passed..] {
             match self.reach(output.drive, end, monitor) {
+                // A stopped run stores its state; if that fails, its error replaces the stop.
                 Err(Error::Stopped) => return self.keep().and(Err(Error::Stopped)),
                 reached => reached?,
             }
@@ -140,11 +141,11 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
             let maps = self.found.maps.iter_mut().zip(self.model.maps()?);
             maps.for_each(|(column, now)| column.extend(now));
         }
-        self.looks += 1;
+        self.passed += 1;
         Ok(())
     }
 
-    /// Drives to `next`, the drive of the next output, on the way to `end`.
+    /// Drives to `next`, the drive of the next output point. The whole drive ends at `end`.
     fn reach(&mut self, next: f64, end: f64, monitor: &mut dyn Monitor) -> Result<()> {
         loop {
             let most = self.slice.min(self.events_left()).max(1);
@@ -156,6 +157,8 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
             let began = Instant::now();
             let reached = self.model.advance(next, most, &mut part, &mut |event| slice.push(event));
             self.slice = next_slice(self.slice, began.elapsed());
+            // Events before a stop by the monitor count, too: the result of `advance` is checked after they
+            // have been recorded.
             self.record(&slice)?;
             if self.events_left() == 0 {
                 self.keep()?;
@@ -166,7 +169,7 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         }
     }
 
-    /// Events that may pass before the next checkpoint.
+    /// Events left until the next checkpoint.
     fn events_left(&self) -> u64 {
         self.checkpoints
             .as_ref()
@@ -193,15 +196,16 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         Err(Error::invalid("interface.catalogue_from", expected, found))
     }
 
-    /// Writes a checkpoint, where there are to be any.
+    /// Writes a checkpoint, if checkpoints are kept.
     fn keep(&mut self) -> Result<()> {
         let Some(checkpoints) = &mut self.checkpoints else { return Ok(()) };
+        // Only the rows since the last checkpoint are written, so that every number is written once.
         let added = self.found.columns().zip(&self.kept);
         let rows = added.map(|(column, &kept)| column[kept..].to_vec()).collect();
-        let kept = RunState { state: self.model.state(), count: self.count, looks: self.looks };
+        let kept = RunState { state: self.model.state(), count: self.count, passed: self.passed };
         let mut state = Vec::new();
         ciborium::into_writer(&kept, &mut state)
-            .expect("a state is plain data, and memory does not refuse it");
+            .expect("a state is plain data, and writing to memory does not fail");
         checkpoints.keep(self.count, state, rows)?;
         self.last = self.count;
         self.kept = self.found.columns().map(|column| column.len()).collect();
@@ -209,12 +213,12 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
     }
 }
 
-/// Events until the look after the next, where `slice` events took this time. Results do not depend on it.
+/// Number of events of the next slice, after a slice of `slice` events that took this time. Results do not depend on it.
 fn next_slice(slice: u64, took: Duration) -> u64 {
     if took < CALL { (2 * slice).min(SLICE) } else { (slice / 2).max(1) }
 }
 
-/// Adds the values of `added` from the place `first` on, column by column.
+/// Appends the values of `added` from the index `first`, column by column.
 fn append(record: &mut Record, added: &Record, first: usize) {
     for (column, added) in record.variables.iter_mut().zip(&added.variables) {
         column.values.extend_from_slice(&added.values[first..]);

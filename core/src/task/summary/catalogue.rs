@@ -1,4 +1,4 @@
-//! What is quoted of the events of an interface.
+//! Statistics of the events of an interface.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,51 +11,51 @@ pub struct Catalogue {
     pub cells: usize,
     /// Number of events recorded.
     pub events: usize,
-    /// Drive from which on they are.
+    /// Drive from which events are recorded.
     pub from: f64,
-    /// The column of `events.csv` that tells how large an event is.
+    /// Name of the column of `events.csv` with the magnitude of an event.
     pub magnitude: String,
-    /// Its unit, `1` where it has none.
+    /// Unit of the magnitude, `1` if it has none.
     pub magnitude_unit: String,
-    /// The law of magnitudes; absent where there are too few events.
+    /// The distribution of magnitudes; absent if there are too few events.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<PowerLaw>,
     /// Mean advance of the drive from event to event; absent for fewer than two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_waiting: Option<f64>,
-    /// Standard deviation of these advances over their mean: 1 for a Poisson process.
+    /// Coefficient of variation of these advances: 1 for a Poisson process.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub waiting_variation: Option<f64>,
-    /// The largest event; absent where there is none.
+    /// The largest event; absent if there are no events.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub largest: Option<Largest>,
-    /// Energy lost in breaks, in all events.
+    /// Energy dissipated by breaks in all events.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipated_breaks: Option<f64>,
-    /// Energy lost in slips besides.
+    /// Energy dissipated in addition by the slips of all events.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dissipated_slip: Option<f64>,
 }
 
-/// p(x) ∝ x^{−τ} e^{−x/ξ} of magnitudes x from a lowest one on, fitted by maximum likelihood.
+/// p(x) ∝ x^{−τ} e^{−x/ξ} for magnitudes x from `from`, fitted by maximum likelihood.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PowerLaw {
-    /// τ, its error being that of independent events.
+    /// Exponent τ, with its standard error for independent events.
     pub exponent: Fitted,
-    /// ξ.
+    /// Cut-off ξ.
     pub cut_off: Extended,
-    /// Its error.
+    /// Standard error of ξ.
     pub cut_off_error: Extended,
-    /// The lowest magnitude that is fitted.
+    /// Lowest magnitude of the fit.
     pub from: f64,
-    /// Events from there on.
+    /// Number of events from that magnitude.
     pub events: usize,
-    /// Kolmogorov's distance of law and events.
+    /// Kolmogorov–Smirnov distance between fit and events.
     pub distance: f64,
 }
 
 impl PowerLaw {
-    /// Whether the events tell that there is a cut-off: where its error is as large as itself, they do not.
+    /// Whether the cut-off is significant: its standard error is smaller than the cut-off itself.
     pub fn is_cut_off(&self) -> bool {
         self.cut_off_error.0 < self.cut_off.0
     }
@@ -64,12 +64,12 @@ impl PowerLaw {
 /// The largest event.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Largest {
-    /// Its number, counted from 1 as in `events.csv`.
+    /// Number of the event, counted from 1 as in `events.csv`.
     pub event: usize,
-    /// Its magnitude.
+    /// Magnitude of the event.
     pub magnitude: f64,
-    /// The cells that took part.
+    /// Number of cells that took part.
     pub cells: f64,
-    /// The drive there.
+    /// Drive at the event.
     pub drive: f64,
 }

@@ -1,4 +1,4 @@
-//! The summary of a run, which stands in `summary.json`: a few numbers for each task.
+//! The summary of a run, written to `summary.json`: a few numbers for each task.
 
 mod catalogue;
 mod renormalisation;
@@ -25,9 +25,9 @@ pub struct Summary {
     /// Estimated error of F/(N_c⟨k⟩), a length; absent where all contacts are followed one by one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<f64>,
-    /// Number of contacts N_c that forces are scaled to.
+    /// Number of contacts N_c of the forces.
     pub contacts: f64,
-    /// Number of contacts that the finite-size band and the ensemble stand for.
+    /// Number of contacts of the finite-size band and of the ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sample: Option<f64>,
     /// Seed of the random numbers; null where none were drawn.
@@ -38,12 +38,12 @@ pub struct Summary {
     /// The numbers of the task.
     #[serde(flatten)]
     pub numbers: Numbers,
-    /// What is valid but may surprise.
+    /// Warnings about valid but surprising input or results.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
 
-/// The numbers of a task; `task` tells which one it was.
+/// The numbers of a task; the key `task` is its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "task", rename_all = "snake_case")]
 pub enum Numbers {
@@ -68,10 +68,10 @@ pub enum Numbers {
 /// The numbers of a pull.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PullNumbers {
-    /// Static and kinetic friction, and how the one becomes the other.
+    /// Static and kinetic friction, and the relaxation from one to the other.
     #[serde(flatten)]
     pub friction: Friction,
-    /// How far the compared curve is from F(X).
+    /// Comparison of a measured curve with F(X).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compare: Option<Comparison>,
 }
@@ -79,10 +79,10 @@ pub struct PullNumbers {
 /// The numbers of a slider whose top is driven.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DriveNumbers {
-    /// Those of a pull of its bottom, at the velocity of the drive if there is one.
+    /// Friction of a pull of its base, at the velocity of the drive if there is one.
     #[serde(flatten)]
     pub friction: Friction,
-    /// How the slider slid; absent of a rigid slider over time-dependent contacts.
+    /// The motion of the slider; absent for a rigid slider over time-dependent contacts.
     #[serde(flatten, default, skip_serializing_if = "Option::is_none")]
     pub sliding: Option<Sliding>,
 }
@@ -101,7 +101,7 @@ pub struct ProtocolNumbers {
     pub force_error: f64,
     /// The steps.
     pub steps: Vec<ProtocolStep>,
-    /// How far the compared curve is from F(X).
+    /// Comparison of a measured curve with F(X).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compare: Option<Comparison>,
 }
@@ -109,7 +109,7 @@ pub struct ProtocolNumbers {
 /// The numbers of a block that is moved in time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BlockNumbers {
-    /// How the slider slid.
+    /// The motion of the slider.
     #[serde(flatten)]
     pub sliding: Sliding,
 }
@@ -117,9 +117,9 @@ pub struct BlockNumbers {
 /// The numbers of a velocity curve, or of one for each of several temperatures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VelocityCurveNumbers {
-    /// What the curves tend to.
+    /// Limits of the curves.
     pub limits: Vec<CurveLimits>,
-    /// Whether steady sliding is stable, at all velocities of the curves.
+    /// Stability of steady sliding at all velocities of the curves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stability: Option<Stability>,
 }
@@ -160,7 +160,7 @@ numbers! {
 }
 
 impl Numbers {
-    /// Static and kinetic friction, where the task has a pull at one velocity.
+    /// Static and kinetic friction; `None` unless the task has a pull at one velocity.
     pub fn friction(&self) -> Option<&Friction> {
         match self {
             Self::Pull(PullNumbers { friction, .. }) | Self::Drive(DriveNumbers { friction, .. }) => {
@@ -170,7 +170,7 @@ impl Numbers {
         }
     }
 
-    /// How the slider slid, where its top was moved.
+    /// The motion of the slider; `None` unless its top was moved.
     pub fn sliding(&self) -> Option<&Sliding> {
         match self {
             Self::Drive(DriveNumbers { sliding, .. }) => sliding.as_ref(),
@@ -179,7 +179,7 @@ impl Numbers {
         }
     }
 
-    /// The catalogue of events, of an interface.
+    /// The catalogue of events; `None` unless the task drives an interface.
     pub fn catalogue(&self) -> Option<&Catalogue> {
         match self {
             Self::InterfaceDrive(InterfaceNumbers { catalogue }) => Some(catalogue),
@@ -203,7 +203,7 @@ impl Numbers {
         }
     }
 
-    /// Whether steady sliding is stable, where that was asked for.
+    /// Stability of steady sliding; `None` if it was not computed.
     pub fn stability(&self) -> Option<&Stability> {
         match self {
             Self::VelocityCurve(VelocityCurveNumbers { stability, .. }) => stability.as_ref(),
@@ -211,7 +211,7 @@ impl Numbers {
         }
     }
 
-    /// What a hold curve tells of healing.
+    /// The healing found from a hold curve; `None` for other tasks.
     pub fn hold_curve(&self) -> Option<&HealingCurve> {
         match self {
             Self::HoldCurve(HoldCurveNumbers { hold_curve }) => Some(hold_curve),
@@ -227,7 +227,7 @@ impl Numbers {
         }
     }
 
-    /// How far a compared curve is from the computed one, where there is one.
+    /// Comparison of a measured curve with the computed one; `None` without a measured curve.
     pub fn compare(&self) -> Option<&Comparison> {
         match self {
             Self::Pull(PullNumbers { compare, .. }) | Self::Protocol(ProtocolNumbers { compare, .. }) => {
@@ -238,52 +238,52 @@ impl Numbers {
     }
 }
 
-/// What a pull and steady sliding say of an interface.
+/// Friction from a pull and from steady sliding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Friction {
-    /// F_s and X_s.
+    /// Static friction F_s and its position X_s.
     pub static_friction: StaticFriction,
-    /// F_k.
+    /// Kinetic friction F_k.
     pub kinetic_friction: f64,
-    /// X*, from the slowest root.
+    /// Relaxation length X*, from the slowest root of the characteristic equation.
     pub relaxation_length: Extended,
     /// The paper's estimate x̄²/σ of X*.
     pub relaxation_length_paper: Extended,
-    /// K_c.
+    /// Critical stiffness K_c.
     pub critical_stiffness: Extended,
-    /// Forces over the normal load, where one is given.
+    /// Forces divided by the normal load; absent without a normal load.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_coefficients: Option<FrictionCoefficients>,
 }
 
-/// How a driven slider slid.
+/// The motion of a driven slider.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Sliding {
-    /// Smooth, or one of the kinds of stick-slip.
+    /// Smooth sliding, or a kind of stick-slip.
     pub regime: SlidingKind,
-    /// Why it is called so, in words.
+    /// The reason for that classification, in words.
     pub reason: String,
     /// Number of slips.
     pub slips: usize,
-    /// Mean advance of the drive from slip to slip; absent where slips do not go on alike.
+    /// Mean advance of the drive from slip to slip; absent unless stick-slip is persistent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub period: Option<f64>,
-    /// Mean drop of the force in such a slip.
+    /// Mean force drop of such a slip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_drop: Option<f64>,
-    /// Mean way of the slider in such a slip.
+    /// Mean displacement of the slider in such a slip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_slip: Option<f64>,
-    /// Standard deviation of the advances from slip to slip over their mean.
+    /// Coefficient of variation of the advances from slip to slip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scatter: Option<f64>,
-    /// Where balance was first lost; absent where it never was.
+    /// State at the first instability; absent if there was none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first_instability: Option<SliderState>,
-    /// Where the slider ran away under an imposed force.
+    /// State from which the slider ran away under an imposed force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub runaway: Option<SliderState>,
-    /// The same of the ensemble.
+    /// The motion over the ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Box<Sliding>>,
 }
@@ -292,22 +292,22 @@ pub struct Sliding {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SlidingKind {
-    /// Without slips.
+    /// No slips.
     Smooth,
-    /// Slips, then none any more.
+    /// Slips that end; smooth sliding afterwards.
     Transient,
-    /// Slips that go on alike.
+    /// Periodic slips that do not end.
     Persistent,
     /// An imposed force that the contacts could not carry.
     Runaway,
-    /// The drive was too short to tell.
+    /// The drive was too short to decide.
     Undecided,
 }
 
 /// A state of the slider.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SliderState {
-    /// Position X of its bottom.
+    /// Position X of its base.
     pub position: f64,
     /// Friction force.
     pub force: f64,
@@ -316,22 +316,22 @@ pub struct SliderState {
 }
 
 impl Sliding {
-    /// What came of a drive.
+    /// The summary of a quasistatic drive.
     pub fn new(run: &StickSlip) -> Self {
-        let mut sliding =
-            Self::told(run.regime, run.events.len(), run.events.first().map(|event| event.before));
+        let first = run.events.first().map(|event| event.before);
+        let mut sliding = Self::of_regime(run.regime, run.events.len(), first);
         if let End::Runaway(point) = run.end {
             sliding.runaway = Some(point.into());
         }
         sliding
     }
 
-    /// What came of a motion in time.
+    /// The summary of a motion in time.
     pub fn in_time(run: &Slide) -> Self {
-        Self::told(run.regime, run.slips.len(), run.slips.first().map(|slip| slip.before.point()))
+        Self::of_regime(run.regime, run.slips.len(), run.slips.first().map(|slip| slip.before.point()))
     }
 
-    fn told(regime: Regime, slips: usize, first: Option<Point>) -> Self {
+    fn of_regime(regime: Regime, slips: usize, first: Option<Point>) -> Self {
         let mut sliding = Self {
             regime: SlidingKind::Undecided,
             reason: regime.to_string(),
@@ -370,7 +370,7 @@ impl From<Point> for SliderState {
 pub enum StaticFriction {
     /// The force had not passed its maximum when the pull ended.
     NotReached,
-    /// It had.
+    /// The force had passed its maximum.
     Reached {
         /// F_s.
         force: f64,
@@ -379,28 +379,28 @@ pub enum StaticFriction {
     },
 }
 
-/// A number that may be infinite, which JSON cannot say (`"infinite"`), or unknown (`null`).
+/// A number that may be infinite (`"infinite"` in JSON) or unknown (`null`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extended(pub f64);
 
 /// Friction coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FrictionCoefficients {
-    /// The load they refer to.
+    /// The normal load.
     pub normal_load: f64,
-    /// F_s over the load; absent where static friction was not reached.
+    /// Static friction coefficient: F_s divided by the load; absent if static friction was not reached.
     #[serde(rename = "static", default, skip_serializing_if = "Option::is_none")]
     pub at_rest: Option<f64>,
-    /// F_k over the load.
+    /// Kinetic friction coefficient: F_k divided by the load.
     pub kinetic: f64,
 }
 
-/// A measured curve against the computed one.
+/// Comparison of a measured curve with the computed one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     /// Number of measured points within the pull.
     pub points: usize,
-    /// Root mean square of measured minus computed force there; absent where no point lies within.
+    /// Root mean square of measured minus computed force at these points; absent if there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual_rms: Option<f64>,
 }
@@ -408,7 +408,7 @@ pub struct Comparison {
 const NOT_REACHED: &str = "not reached";
 const INFINITE: &str = "infinite";
 
-/// How these values stand in JSON: either a word or the value itself.
+/// JSON form of these values: a word or the value itself.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum WordOr<T> {

@@ -1,28 +1,28 @@
-//! What is quoted of the law of first breaks.
+//! Statistics of the distribution of first breaks.
 
 use serde::{Deserialize, Serialize};
 
 use super::Fitted;
 
-/// The law of the drives at which coupled contacts first broke, and what it is compared with.
+/// The distribution of the drives at which coupled contacts first broke, and the distributions for comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FirstBreakStatistics {
-    /// κ, the share of its stretch that a contact passes on.
+    /// Coupling κ, the fraction of its stretch that a breaking contact passes on.
     pub coupling: f64,
-    /// κ_c of the thresholds.
+    /// Critical coupling κ_c of the thresholds.
     pub critical_coupling: f64,
-    /// What was driven in each run.
+    /// Size of the interface in each run.
     #[serde(flatten)]
     pub size: InterfaceSize,
     /// Number of runs.
     pub runs: usize,
     /// Mean drive of first breaks.
     pub mean: Fitted,
-    /// Their standard deviation.
+    /// Standard deviation of the drives of first breaks.
     pub std: Fitted,
-    /// The law of the thresholds, those of contacts that are not coupled.
+    /// The distribution of thresholds, which is that of first breaks without coupling.
     pub thresholds: Compared,
-    /// The renormalised law; absent at κ_c and above, where a share of all contacts breaks at once.
+    /// The mean-field distribution; absent from κ_c, where a finite fraction of the contacts breaks at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_field: Option<Compared>,
 }
@@ -31,9 +31,9 @@ pub struct FirstBreakStatistics {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InterfaceSize {
-    /// So many contacts, coupled one by one.
+    /// Number of contacts coupled one by one.
     Contacts(usize),
-    /// So many cells of many contacts.
+    /// Number of cells of many contacts.
     Cells(usize),
 }
 
@@ -46,13 +46,13 @@ impl std::fmt::Display for InterfaceSize {
     }
 }
 
-/// A law beside the measured one.
+/// A distribution compared with the measured one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Compared {
-    /// Its mean.
+    /// Mean of the distribution.
     pub mean: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the distribution.
     pub std: f64,
-    /// Kolmogorov's distance from what was measured.
+    /// Kolmogorov–Smirnov distance from the measured distribution.
     pub distance: f64,
 }

@@ -1,4 +1,4 @@
-//! What is quoted of motion in time: steps, their reading by rate and state, curves against velocity and hold time.
+//! Summary of motion in time: protocol steps with rate-and-state parameters, velocity curves and hold curves.
 
 use crate::master::Limits;
 use crate::rate_state::{Fitted, Healing, VelocityStep};
@@ -13,24 +13,24 @@ pub struct ProtocolStep {
     pub velocity: f64,
     /// Position X at its start.
     pub position: f64,
-    /// How long it took.
+    /// Duration of the step.
     pub duration: f64,
-    /// Pieces of constant velocity that it was made of, if more than one.
+    /// Number of pieces of constant velocity, if there are several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pieces: Option<usize>,
     /// Friction force at its end.
     pub force: f64,
-    /// Highest force in it, and the position there.
+    /// Highest force in the step.
     pub peak: Peak,
-    /// F_k of steady sliding at its velocity; absent in holds and ramps.
+    /// F_k of steady sliding at its velocity; absent for holds and ramps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kinetic_friction: Option<f64>,
-    /// The step of the velocity with which it begins, in the words of rate and state.
+    /// Rate-and-state parameters of the velocity step with which it begins.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_state: Option<RateState>,
 }
 
-/// A highest force.
+/// A maximum of the force.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     /// The force.
@@ -39,72 +39,71 @@ pub struct Peak {
     pub position: f64,
 }
 
-/// A step of the velocity in the words of rate and state.
+/// Rate-and-state parameters of a velocity step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct RateState {
-    /// v_0, the velocity before the step.
+    /// Velocity v_0 before the step.
     pub velocity_before: f64,
-    /// F_0, the force before the step, to which `a` and `b` are to be compared.
+    /// Force F_0 before the step, the reference for `a` and `b`.
     pub force_before: f64,
     /// Direct effect, a force per ln(v/v_0).
     pub a: Fitted,
     /// Evolution effect, a force per ln(v/v_0).
     pub b: Fitted,
-    /// D_c.
+    /// Characteristic slip distance D_c.
     pub distance: Fitted,
-    /// Way from the step to the force's extremum after it, from which the fit begins.
+    /// Displacement from the step to the extremum of the force after it, where the fit begins.
     pub peak: f64,
     /// a/F_0.
     pub a_relative: f64,
     /// b/F_0.
     pub b_relative: f64,
-    /// Root mean square of what the fit leaves over.
+    /// Root mean square of the residuals of the fit.
     pub residual: f64,
 }
 
-/// What a velocity curve tends to.
+/// Limits of a velocity curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CurveLimits {
-    /// The temperature, where there are several curves.
+    /// Temperature of the curve, if there are several curves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub temperature: Option<f64>,
     /// F_k as v → ∞.
     pub fast: f64,
-    /// F_k as v → 0; absent where there is no plateau.
+    /// F_k as v → 0; absent if there is no plateau.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slow: Option<f64>,
-    /// F_k/v as v → 0, of thermal contacts.
+    /// Viscosity F_k/v as v → 0, for contacts with a temperature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viscosity: Option<f64>,
 }
 
-/// Whether steady sliding is stable at the velocities of a curve, or of several.
+/// Stability of steady sliding at the velocities of one or several curves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Stability {
-    /// The largest K_c(v), of a slider without mass and damping or of the block; 0 where every spring is stiff enough.
+    /// Largest K_c(v), for a slider without mass and damping or for the block; 0 if sliding is always stable.
     pub critical_stiffness_sliding: Extended,
     /// Number of velocities.
     pub velocities: usize,
-    /// At how many of them deviations grow behind the block; absent where there is none.
+    /// Number of velocities at which sliding is unstable with the block; absent without a block.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unstable: Option<usize>,
 }
 
-/// What a hold curve says.
+/// Healing from a hold curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HealingCurve {
     /// Velocity before and after the holds.
     pub velocity: f64,
-    /// F_k there.
+    /// F_k at that velocity.
     pub kinetic_friction: f64,
-    /// Growth of static friction per factor of ten in hold time, where that is logarithmic; absent for fewer than 4 holds,
-    /// and where it is not.
+    /// Growth of static friction per decade of hold time; absent for fewer than 4 holds, or if the growth is not logarithmic.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub healing_per_decade: Option<Fitted>,
-    /// The same over F_k.
+    /// That growth divided by F_k.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub healing_relative: Option<f64>,
-    /// The hold time t_c from which on it is, F_s = F_s(0) + β ln(1 + t/t_c); absent where all holds are much longer.
+    /// Cut-off time t_c of F_s = F_s(0) + β ln(1 + t/t_c); absent if all holds are much longer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub healing_cutoff: Option<Fitted>,
     /// The fitted static friction after a hold of 1.
@@ -113,7 +112,7 @@ pub struct HealingCurve {
 }
 
 impl RateState {
-    /// A reading of a step from `velocity_before`.
+    /// Parameters of a step from `velocity_before`.
     pub fn new(velocity_before: f64, read: &VelocityStep) -> Self {
         Self {
             velocity_before,
@@ -130,14 +129,14 @@ impl RateState {
 }
 
 impl CurveLimits {
-    /// Limits of the curve at a temperature, if there are several.
+    /// Limits of the curve at `temperature`, if there are several curves.
     pub fn new(temperature: Option<f64>, limits: &Limits) -> Self {
         Self { temperature, fast: limits.fast, slow: limits.slow, viscosity: limits.viscosity }
     }
 }
 
 impl HealingCurve {
-    /// What static friction after holds tells beside the kinetic friction before them.
+    /// Healing relative to the kinetic friction before the holds.
     pub fn new(velocity: f64, kinetic_friction: f64, healing: Option<Healing>) -> Self {
         Self {
             velocity,
