@@ -320,9 +320,9 @@ fn contacts_without_a_place_are_refused() {
     assert_eq!(key(Case { size: 0, ..narrow.clone() }.build()), "size");
     assert_eq!(key(Case { initial: rectangular(0.0, 1.2), ..narrow.clone() }.build()), "initial");
     let above = Case { reforming: point(1.1), ..narrow.clone() };
-    assert_eq!(key(above.build()), "contacts.reforming");
+    assert_eq!(key(above.build()), "reforming");
     let within = Case { reforming: point(1.0), disorder: Disorder::Quenched, ..narrow.clone() };
-    assert_eq!(key(within.build()), "contacts.thresholds");
+    assert_eq!(key(within.build()), "thresholds");
     assert!(Case { reforming: point(1.0), ..narrow.clone() }.build().is_ok());
     assert!(Case { initial: rectangular(0.0, 1.2), start: Start::Relaxed, ..narrow }.build().is_ok());
 }

@@ -522,7 +522,7 @@ fn what_cannot_be_followed_is_refused() {
         assert_eq!(key(ensemble.follow(&history, bad, &mut ())), "times");
     }
     assert_eq!(key(ensemble.pull(&[1.0], &Snapshots::default(), &mut ())), "velocity");
-    assert_eq!(key(ensemble.population(&mut ()).map(|_| ())), "contacts.delay");
+    assert_eq!(key(ensemble.population(&mut ()).map(|_| ())), "delay");
     let closure = aged(Ageing::MeanField { mature: gaussian(1.0, 0.05), diffusion: 0.0025 });
-    assert_eq!(key(closure.build()), "contacts.ageing.mean_field");
+    assert_eq!(key(closure.build()), "ageing.mean_field");
 }

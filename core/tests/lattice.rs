@@ -234,25 +234,25 @@ fn what_cannot_be_coupled_is_refused() {
     };
     let contacts = || Contacts::new(gaussian(1.0, 0.1), point(0.0));
     let good = square(5, Edges::Periodic, 0.2);
-    assert_eq!(make(contacts(), LatticeCoupling { connection: 0.0, ..good }), "interface.connection");
-    assert_eq!(make(contacts(), LatticeCoupling { connection: -1.0, ..good }), "interface.connection");
+    assert_eq!(make(contacts(), LatticeCoupling { connection: 0.0, ..good }), "connection");
+    assert_eq!(make(contacts(), LatticeCoupling { connection: -1.0, ..good }), "connection");
     let neighbours = LatticeCoupling { neighbours: f64::NAN, ..good };
-    assert_eq!(make(contacts(), neighbours), "interface.coupling.neighbours.stiffness");
+    assert_eq!(make(contacts(), neighbours), "neighbours");
     let nothing = LatticeCoupling { neighbours: 0.0, connection: 0.0, ..good };
-    assert_eq!(make(contacts(), nothing), "interface.connection");
+    assert_eq!(make(contacts(), nothing), "connection");
     for shape in [Shape::Square([2, 5]), Shape::Chain(2)] {
-        assert_eq!(make(contacts(), LatticeCoupling { shape, ..good }), "interface.cells");
+        assert_eq!(make(contacts(), LatticeCoupling { shape, ..good }), "cells");
     }
-    assert_eq!(make(contacts(), square(0, Edges::Open, 0.2)), "interface.cells");
+    assert_eq!(make(contacts(), square(0, Edges::Open, 0.2)), "cells");
     let areas = Contacts { stiffness: Stiffness::PerThreshold(1.0), ..contacts() };
-    assert_eq!(make(areas, good), "contacts.stiffness_per_threshold");
+    assert_eq!(make(areas, good), "stiffness.per_threshold");
     let mut warm = contacts();
     warm.rules.temperature =
         Some(Temperature { energy: 0.01, attempt_rate: 1.0, barrier: Default::default() });
-    assert_eq!(make(warm, good), "contacts.temperature");
+    assert_eq!(make(warm, good), "temperature");
     let vast = square(1 << 20, Edges::Open, 0.2);
     let refused = make(contacts(), vast);
-    assert!(refused.contains("TooLarge") && refused.contains("interface.cells"), "{refused}");
+    assert!(refused.contains("TooLarge") && refused.contains("cells"), "{refused}");
 }
 
 /// Sizes of avalanches of identical contacts, after a transient.

@@ -278,7 +278,7 @@ fn sliders_stick_and_slip_at_a_velocity() {
     let block = Block::new(Loading::Spring(stiffness), Slip::Arrest, None).unwrap();
     let drive = Drive { turning_points: vec![6.0], points: 11 };
     let error = block.pull(&mut stock, &drive, &mut ()).unwrap_err();
-    assert!(error.to_string().starts_with("block.slip: expected motion one way"));
+    assert!(error.to_string().starts_with("slip: expected motion one way"));
 }
 
 #[test]
@@ -301,9 +301,7 @@ fn contacts_at_a_velocity_move_forward_only() {
     let free = pull.total_probability(1.4) - attached(&pull, 1.4);
     near(books.elastic + books.lost - begin.elastic + free * 0.005 / 3.0, work, 1e-8);
     assert!(stock.advance(-0.1).unwrap_err().to_string().contains("[[protocol]]"));
-    assert!(
-        stock.hold().unwrap_err().to_string().contains("contacts.temperature makes contacts time-dependent")
-    );
+    assert!(stock.hold().unwrap_err().to_string().contains("temperature makes contacts time-dependent"));
     stock.reset(Direction::Forward, &mut ()).unwrap();
     stock.way(Direction::Forward, &mut ()).unwrap();
     assert_eq!(stock.ahead(0.0).force, 0.0);
@@ -325,5 +323,5 @@ fn what_makes_no_sense_is_refused() {
         assert!(error(Rules::default(), velocity).starts_with("velocity: expected a finite number above 0"));
     }
     let pointed = ageing(Ageing::FrozenRank { mature: point(1.0), time: 1.0 });
-    assert!(error(pointed, 1.0).starts_with("contacts.ageing.frozen_rank.mature"));
+    assert!(error(pointed, 1.0).starts_with("ageing.frozen_rank.mature"));
 }

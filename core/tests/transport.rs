@@ -105,10 +105,7 @@ fn a_wide_law_at_a_temperature_is_followed_as_closely_as_one_asks() {
         assert!(off < allowed + 1e-9, "{tolerance:e}: {off:e}");
         assert!(trace.error > off && trace.check(1.0, Some(0.5 * off)).is_err(), "{off:e} {:e}", trace.error);
         let error = trace.check(1.0, Some(0.5 * off)).unwrap_err().to_string();
-        assert!(
-            error.starts_with("master_equation.tolerance: ") && error.contains("leave the tolerance out"),
-            "{error}"
-        );
+        assert!(error.starts_with("tolerance: ") && error.contains("leave the tolerance out"), "{error}");
     }
 }
 
@@ -339,7 +336,7 @@ fn bad_input_is_refused() {
     let initial = conditional(point(0.0));
     let error = Transport::new(contacts(gaussian(0.5, 0.1), ageing(mean_field)), &initial, 1e-4, &mut ())
         .unwrap_err();
-    assert!(error.to_string().starts_with("contacts.ageing.mean_field: expected a rule for one contact"));
+    assert!(error.to_string().starts_with("ageing.mean_field: expected a rule for one contact"));
     let athermal = contacts(gaussian(1.0, 0.1), Rules::default());
     assert!(Transport::new(athermal.clone(), &initial, 1.0, &mut ()).is_err());
     assert!(Transport::steady(&athermal, 0.0, 1e-4, &mut ()).is_err());

@@ -41,7 +41,7 @@ impl StickSlip {
         let slider = asked.slider(Block::table(&block).as_ref(), solver.size().is_some());
         let (slider, way) = (slider.map_err(error::core)?, asked.build());
         let run = watched(progress, py, |monitor| {
-            slider.pull(solver.population(monitor)?.as_mut(), &way, monitor).map_err(|e| e.under("drive"))
+            slider.pull(solver.population(monitor)?.as_mut(), &way, monitor)
         })?;
         let mut record = sliding::motion(&run);
         record.variables.extend(sliding::course(&run).variables);

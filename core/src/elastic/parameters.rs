@@ -55,7 +55,7 @@ pub struct InterfaceParameters {
 }
 
 impl InterfaceParameters {
-    /// Checks the numbers; keys are those of the table `[interface]`.
+    /// Checks the numbers.
     pub(super) fn check(&self) -> Result<()> {
         let viscosity = self.viscosity.unwrap_or(1.0);
         let tolerance = self.drive_tolerance;

@@ -73,7 +73,7 @@ impl Ensemble {
     /// [`Error::TooLarge`], naming their size.
     pub fn population_fits(&self, memory: u64) -> Result<()> {
         let what = format!("a population of {} contacts", self.size);
-        fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), memory)
+        fits("size", what, (self.size as u64).saturating_mul(BYTES), memory)
     }
 
     /// The contacts at X = 0, to be moved. What stands at its threshold in a relaxed start has broken.
@@ -81,7 +81,7 @@ impl Ensemble {
     /// # Errors
     /// Time-dependent contacts; more of them than fit in the memory that the monitor allows; stopped by it.
     pub fn population(&self, monitor: &mut dyn Monitor) -> Result<EnsemblePopulation> {
-        if let Some(rule) = self.rule_of_time() {
+        if let Some(rule) = self.contacts.rules.first() {
             let expected = "contacts that know no time, since a population is moved without one";
             return Err(Error::invalid(rule, expected, "a rule of time"));
         }

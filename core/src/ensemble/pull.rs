@@ -75,7 +75,7 @@ impl Ensemble {
         snapshots: &Snapshots,
         monitor: &mut dyn Monitor,
     ) -> Result<EnsemblePull> {
-        if let Some(rule) = self.rule_of_time() {
+        if let Some(rule) = self.contacts.rules.first() {
             return Err(Error::invalid(
                 "velocity",
                 format!("a velocity, since {rule} makes contacts time-dependent"),
@@ -136,7 +136,7 @@ impl Ensemble {
         // A round, the sums over all rounds, and the results.
         let needed = (round + 1) * bytes + positions.len() * size_of::<[f64; 2]>();
         let what = format!("an ensemble at {} positions", positions.len());
-        fits("pull.points", what, needed as u64, memory)?;
+        fits("positions", what, needed as u64, memory)?;
         let expected = self.expected_breaks(positions[positions.len() - 1]);
         let least = (bytes as f64).max(20_000.0);
         let breaks = (expected * self.size as f64 / ROUND as f64).clamp(least, least.max(1e6));

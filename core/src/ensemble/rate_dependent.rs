@@ -50,7 +50,7 @@ impl Ensemble {
     /// memory with the copies of a step of a block; stopped by the monitor.
     pub fn in_time(&self, monitor: &mut dyn Monitor) -> Result<EnsembleInTime> {
         let what = format!("{} contacts in time", self.size);
-        fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), monitor.memory())?;
+        fits("size", what, (self.size as u64).saturating_mul(BYTES), monitor.memory())?;
         let Ok(size) = u32::try_from(self.size) else {
             return Err(Error::invalid("size", format!("up to {} contacts in time", u32::MAX), self.size));
         };

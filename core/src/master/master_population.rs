@@ -376,7 +376,7 @@ impl Population for MasterPopulation {
     }
 
     fn hold(&mut self) -> Result<()> {
-        self.interface.require_one_way("block.slip", "contacts held free as they break")?;
+        self.interface.require_one_way("slip", "contacts held free as they break")?;
         self.holding = !self.branch.is_held() && self.is_at_simultaneous_break();
         if !self.branch.is_held() && !self.holding {
             let branch = self.interface.held(self.layers());

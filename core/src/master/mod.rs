@@ -102,10 +102,10 @@ impl MasterEquation {
     pub fn new(contacts: Contacts, initial: &Initial, monitor: &mut dyn Monitor) -> Result<Self> {
         contacts.check(initial)?;
         if let Some(rule) = contacts.rules.first() {
-            let expected = format!("a velocity above 0, since contacts.{rule} makes contacts time-dependent");
+            let expected = format!("a velocity above 0, since {rule} makes contacts time-dependent");
             return Err(Error::invalid("velocity", expected, "none"));
         }
-        affordable(&contacts, "contacts.reforming", &contacts.reforming)?;
+        affordable(&contacts, "reforming", &contacts.reforming)?;
         affordable(&contacts, "initial", &initial.law)?;
         let reformed = athermal(&contacts, &contacts.reforming, true, monitor)?;
         let first = athermal(&contacts, &initial.law, initial.start == Start::Conditional, monitor)?;
@@ -176,7 +176,7 @@ impl MasterEquation {
         }
         let expected =
             "a rule for one contact where sliding is not steady: mean_field is the closure of steady sliding";
-        Err(Error::invalid("contacts.ageing.mean_field", expected, "a pull from a start"))
+        Err(Error::invalid("ageing.mean_field", expected, "a pull from a start"))
     }
 
     /// Total force per unit of the carried force of a life: N_c⟨k⟩, or N_c κ.

@@ -74,8 +74,7 @@ pub(super) fn run(
     let mut record = Record::default();
     let fresh = population.copy();
     let master = task.slider(block, false)?;
-    let run = master.pull(&mut population, &way, &mut Part::new(monitor, shares[0], shares[1]));
-    let run = run.map_err(|e| e.under("drive"))?;
+    let run = master.pull(&mut population, &way, &mut Part::new(monitor, shares[0], shares[1]))?;
     // The forces of the contacts; and energies that do not balance, over the way of a life, where motion is off besides.
     let lives = model.stiffness() * equation.steady_state().mean_life();
     let off = population.error() / model.stiffness() + run.energy.imbalance().abs() / lives;

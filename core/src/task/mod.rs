@@ -110,22 +110,7 @@ pub fn run_with(
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let model = &scenario.build()?;
-    let output = match scenario.task()? {
-        Task::Pull(task) => pull::run(model, task, monitor)?.erased(),
-        Task::Drive(task) => match &scenario.interface {
-            Some(interface) => {
-                interface::run(model, task, (interface, &scenario.units), checkpoints, monitor)?.erased()
-            }
-            None => drive::run(model, task, monitor)?.erased(),
-        },
-        Task::Protocol(task) => match &scenario.block {
-            Some(block) => protocol::run_block(model, task, block, monitor)?.erased(),
-            None => protocol::run(model, task, monitor)?.erased(),
-        },
-        Task::VelocityCurve(task) => velocity_curve::run(model, task, monitor)?.erased(),
-        Task::HoldCurve(task) => hold_curve::run(model, task, monitor)?.erased(),
-        Task::Renormalisation(task) => renormalisation::run(model, task, monitor)?.erased(),
-    };
+    let output = compute(scenario, model, checkpoints, monitor).map_err(Error::of_scenario)?;
     let Output { numbers, accuracy, warnings, sample, seed, record } = output;
     let summary = Summary {
         title: scenario.title.clone(),
@@ -142,6 +127,31 @@ pub fn run_with(
     Ok((summary, record))
 }
 
+/// The output of the task of `scenario`, which has built `model`.
+fn compute(
+    scenario: &Scenario,
+    model: &Model,
+    checkpoints: Option<&mut dyn Checkpoints>,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<Numbers>> {
+    Ok(match scenario.task()? {
+        Task::Pull(task) => pull::run(model, task, monitor)?.erased(),
+        Task::Drive(task) => match &scenario.interface {
+            Some(interface) => {
+                interface::run(model, task, (interface, &scenario.units), checkpoints, monitor)?.erased()
+            }
+            None => drive::run(model, task, monitor)?.erased(),
+        },
+        Task::Protocol(task) => match &scenario.block {
+            Some(block) => protocol::run_block(model, task, block, monitor)?.erased(),
+            None => protocol::run(model, task, monitor)?.erased(),
+        },
+        Task::VelocityCurve(task) => velocity_curve::run(model, task, monitor)?.erased(),
+        Task::HoldCurve(task) => hold_curve::run(model, task, monitor)?.erased(),
+        Task::Renormalisation(task) => renormalisation::run(model, task, monitor)?.erased(),
+    })
+}
+
 /// Gives a task its public `run`, which checks first.
 macro_rules! runs {
     ($($task:ident: $run:path => $numbers:ident;)*) => {$(
@@ -153,7 +163,7 @@ macro_rules! runs {
             /// run into; [`Error::Stopped`] by the monitor.
             pub fn run(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<summary::$numbers>> {
                 Task::$task(self).check(model)?;
-                $run(model, self, monitor)
+                $run(model, self, monitor).map_err(Error::of_scenario)
             }
         }
     )*};

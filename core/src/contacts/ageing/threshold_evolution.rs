@@ -90,7 +90,7 @@ impl ThresholdEvolution {
                 Kind::ranked(&contacts.thresholds, mature, *time, monitor)?
             }
             Ageing::Smoluchowski { .. } | Ageing::MeanField { .. } => {
-                let key = format!("contacts.ageing.{}", ageing.name());
+                let key = format!("ageing.{}", ageing.name());
                 let expected = "thresholds that follow from the age of the contact";
                 return Err(Error::invalid(key, expected, "thresholds that diffuse"));
             }
@@ -224,11 +224,7 @@ impl Kind {
         }
         if !newborn.atoms().is_empty() {
             let expected = "a law with a density, to age by frozen_rank";
-            return Err(Error::invalid(
-                "contacts.thresholds",
-                expected,
-                "thresholds that many contacts share",
-            ));
+            return Err(Error::invalid("thresholds", expected, "thresholds that many contacts share"));
         }
         let diffusion = mature.std().powi(2) / time;
         let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), diffusion);
@@ -416,6 +412,6 @@ mod tests {
         let mut shared = contacts(Some(Ageing::FrozenRank { mature, time: 1.0 }));
         shared.thresholds = Arc::new(Point::new(0.5).unwrap());
         let error = ThresholdEvolution::of(&shared, &mut ()).unwrap_err();
-        assert!(error.to_string().starts_with("contacts.thresholds: expected a law with a density"));
+        assert!(error.to_string().starts_with("thresholds: expected a law with a density"));
     }
 }

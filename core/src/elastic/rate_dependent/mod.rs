@@ -42,7 +42,7 @@ pub struct RateDependentInterfaceParameters {
 }
 
 impl RateDependentInterfaceParameters {
-    /// Checks the numbers; keys are those of the table `[interface]`.
+    /// Checks the numbers.
     fn check(&self) -> Result<()> {
         for (key, value) in [
             ("connection", self.connection),

@@ -44,16 +44,14 @@ impl LatticeCoupling {
         self.shape.neighbours() as f64 * self.neighbours + self.connection
     }
 
-    /// Checks the numbers; keys are those of the table `[interface]`.
+    /// Checks the numbers.
     ///
     /// # Errors
     /// No contacts, or fewer than three in a periodic direction; stiffnesses below 0 or not finite, or both 0; no
     /// connection where edges are periodic.
     pub fn check(&self) -> Result<()> {
         self.shape.check(self.edges)?;
-        for (key, value) in
-            [("coupling.neighbours.stiffness", self.neighbours), ("connection", self.connection)]
-        {
+        for (key, value) in [("neighbours", self.neighbours), ("connection", self.connection)] {
             if !(value.is_finite() && value >= 0.0) {
                 return Err(Error::invalid(key, "a finite number, 0 or above", value));
             }

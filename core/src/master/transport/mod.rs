@@ -540,7 +540,7 @@ fn strength(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Option<Thr
     match &contacts.rules.ageing {
         Some(Ageing::MeanField { .. }) => {
             let expected = "a rule for one contact: mean_field is the closure of steady sliding";
-            Err(Error::invalid("contacts.ageing.mean_field", expected, "a velocity that varies"))
+            Err(Error::invalid("ageing.mean_field", expected, "a velocity that varies"))
         }
         Some(Ageing::Smoluchowski { .. }) => Ok(None),
         _ => ThresholdEvolution::of(contacts, monitor).map(Some),

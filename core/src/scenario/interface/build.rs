@@ -63,8 +63,7 @@ impl Interface {
                 Box::new(if let Some(scales) = scales { cells.scaled(scales)? } else { cells })
             }
         };
-        let build = || elastic::Interface::new(cells, self.elasticity()?, self.setting(length));
-        build().map_err(|e| e.under("interface"))
+        elastic::Interface::new(cells, self.elasticity()?, self.setting(length))
     }
 
     /// Cells whose contacts are time-dependent: by transport to a `tolerance`, or those of an `ensemble`, of which each cell has
@@ -116,8 +115,7 @@ impl Interface {
             slip_fraction: ensemble.map_or(0.0, |_| Block::SLIP_FRACTION),
             area,
         };
-        let build = || RateDependentInterface::new(cells, self.elasticity()?, setting);
-        build().map_err(|e| e.under("interface"))
+        RateDependentInterface::new(cells, self.elasticity()?, setting)
     }
 
     /// The same with the disorder that is drawn from the seed so many further on.
