@@ -80,8 +80,8 @@ fn forces_and_energies_balance_after_every_event() {
             for (mut coupling, same) in couplings().into_iter().zip(couplings()) {
                 let (connection, end) = if loading == CellLoading::Edge { (2.0, 9.0) } else { (0.3, 5.0) };
                 let connected = match loading {
-                    CellLoading::Uniform => coupling.shape().size(),
                     CellLoading::Edge => coupling.shape().first_row(),
+                    _ => coupling.shape().size(),
                 };
                 let setting = InterfaceParameters { loading, ..setting(connection, slip, 1e-4) };
                 let mut interface = disordered(same, setting);

@@ -274,6 +274,7 @@ fn force_decays_in_a_hold() {
                 Barrier::Elastic => 1.0 - stretch * stretch,
                 Barrier::Bell => 1.0 - stretch,
                 Barrier::Catastrophe => (1.0 - stretch).powf(1.5),
+                barrier => unreachable!("{barrier:?}"),
             };
             (-20.0 * missing).exp()
         };

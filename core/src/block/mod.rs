@@ -43,6 +43,7 @@ use crate::{Error, Result};
 /// What happens at fixed X_T from the moment at which the slider has lost its balance until it has found it again.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Slip {
     /// All contacts break, and re-form where the spring meets the force F_R that they then have, at
     /// X = X_T − F_R/K: at X = X_T, the spring relaxed, where contacts re-form relaxed.

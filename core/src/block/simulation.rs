@@ -24,14 +24,12 @@ const COPY_AFTER: (f64, u64) = (0.1, 10_000);
 /// ```
 /// use std::sync::Arc;
 /// use asperity::block::{Block, Loading, Slip};
-/// use asperity::contacts::{Contacts, Initial, Start};
+/// use asperity::contacts::{Contacts, Initial};
 /// use asperity::law::{Gaussian, Point};
 /// use asperity::master::MasterEquation;
 ///
-/// let zero = Arc::new(Point::new(0.0)?);
-/// let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), zero.clone());
-/// let initial = Initial { law: zero, start: Start::Conditional };
-/// let population = MasterEquation::new(contacts, &initial, &mut ())?.population(1e-10, &mut ())?;
+/// let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// let population = MasterEquation::new(contacts, &Initial::default(), &mut ())?.population(1e-10, &mut ())?;
 /// let block = Block::new(Loading::Spring(1.0), Slip::Reset, None)?;
 /// let mut slider = block.simulation(Box::new(population), &mut ())?;
 /// while let Some(slip) = slider.next_event(5.0, &mut ())? {

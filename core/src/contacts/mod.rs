@@ -8,10 +8,12 @@ pub use ageing::{Ageing, AgeingRule, Closure, ThresholdEvolution, ThresholdFokke
 pub(crate) use ageing::{Label, Rank};
 pub use temperature::{Barrier, Temperature};
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::law::{Law, SharedLaw, Zone};
+use crate::law::{Law, Point, SharedLaw, Zone};
 use crate::{Error, Result};
 
 /// Stiffness of a contact.
@@ -124,6 +126,20 @@ pub struct Initial {
     pub law: SharedLaw,
     /// Joint distribution with the thresholds.
     pub start: Start,
+}
+
+impl Initial {
+    /// Contacts that hold, with stretches of this distribution.
+    pub fn new(law: SharedLaw) -> Self {
+        Self { law, start: Start::Conditional }
+    }
+}
+
+/// Relaxed contacts, none of them stretched.
+impl Default for Initial {
+    fn default() -> Self {
+        Self::new(Arc::new(Point::new(0.0).expect("0 is a place for a point mass")))
+    }
 }
 
 /// Fraction of contacts that no result shows.

@@ -6,13 +6,12 @@
 //!
 //! ```
 //! use std::sync::Arc;
-//! use asperity::contacts::{Contacts, Initial, Start};
+//! use asperity::contacts::{Contacts, Initial};
 //! use asperity::law::{Gaussian, Point};
 //! use asperity::scenario::{Model, VelocityCurve};
 //!
-//! let zero = Arc::new(Point::new(0.0)?);
-//! let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), zero.clone());
-//! let model = Model::new(contacts, Initial { law: zero, start: Start::Conditional });
+//! let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+//! let model = Model::new(contacts, Initial::default());
 //! let curve = VelocityCurve::between(0.1, 10.0).run(&model, &mut ())?;
 //! // Friction of contacts without a rule in time is the same at all velocities: F_k = (1 + σ²)/2 of a narrow Gaussian.
 //! let friction = curve.record.values("kinetic_friction").unwrap();

@@ -42,6 +42,18 @@ pub struct RateDependentInterfaceParameters {
 }
 
 impl RateDependentInterfaceParameters {
+    /// Cells of many contacts that are all connected to the drive; areas are counted in cells.
+    pub fn new(connection: f64, viscosity: f64, tolerance: f64) -> Self {
+        Self {
+            connection,
+            loading: CellLoading::default(),
+            viscosity,
+            tolerance,
+            slip_fraction: 0.0,
+            area: None,
+        }
+    }
+
     /// Checks the numbers.
     fn check(&self) -> Result<()> {
         for (key, value) in [
