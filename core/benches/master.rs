@@ -23,7 +23,7 @@ impl Case {
         let (thresholds, reforming) = (self.thresholds.clone(), self.reforming.clone());
         let contacts = Contacts::new(thresholds, reforming);
         let initial = Initial { law: self.initial.clone(), start: Start::Conditional };
-        MasterEquation::new(contacts, &initial, &mut ()).unwrap()
+        MasterEquation::new(contacts, &initial).unwrap()
     }
 }
 
@@ -64,14 +64,14 @@ fn pulls(criterion: &mut Criterion) {
         let case = Case { thresholds, reforming, initial };
         group.bench_function(format!("{name}, all"), |bencher| {
             cpu(bencher, || {
-                let pull = case.equation().pull(50.0, 1e-10, &mut ()).unwrap();
+                let pull = case.equation().pull_with(50.0, 1e-10, &mut ()).unwrap();
                 positions.iter().map(|&x| pull.force(x) + pull.breaking_rate(x)).sum::<f64>()
             });
         });
         let equation = case.equation();
         group.bench_function(format!("{name}, lives"), |bencher| cpu(bencher, || case.equation()));
         group.bench_function(format!("{name}, solution"), |bencher| {
-            cpu(bencher, || equation.pull(50.0, 1e-10, &mut ()).unwrap());
+            cpu(bencher, || equation.pull_with(50.0, 1e-10, &mut ()).unwrap());
         });
     }
     group.finish();
@@ -89,7 +89,7 @@ fn ways(criterion: &mut Criterion) {
     group.sample_size(20);
     for (name, thresholds, reforming) in cases {
         let case = Case { thresholds, reforming, initial: relaxed.clone() };
-        let mut turned = case.equation().population(1e-10, &mut ()).unwrap();
+        let mut turned = case.equation().population_with(1e-10, &mut ()).unwrap();
         advance(&mut turned, 1.4);
         group.bench_function(format!("{name}, back by 1.5"), |bencher| {
             cpu(bencher, || {
@@ -98,7 +98,7 @@ fn ways(criterion: &mut Criterion) {
                 stock
             });
         });
-        let fresh = case.equation().population(1e-10, &mut ()).unwrap();
+        let fresh = case.equation().population_with(1e-10, &mut ()).unwrap();
         group.bench_function(format!("{name}, 1000 resets"), |bencher| {
             cpu(bencher, || {
                 let mut stock = fresh.clone();

@@ -56,7 +56,7 @@ impl Case {
             rules: self.rules.clone(),
             ..Contacts::new(self.thresholds.clone(), self.reforming.clone())
         };
-        MasterEquation::at(contacts, &initial(&self.reforming), self.velocity, &mut ()).unwrap()
+        MasterEquation::at(contacts, &initial(&self.reforming), self.velocity).unwrap()
     }
 
     /// h at the advance u.

@@ -118,8 +118,16 @@ impl Block {
     /// Pulls the slider over `population` through the turning points of `drive`.
     ///
     /// # Errors
-    /// Turning points that do not turn; those of the population; stopped by the monitor.
-    pub fn pull(
+    /// Turning points that do not turn; those of the population.
+    pub fn pull(&self, population: &mut dyn Population, drive: &Drive) -> Result<StickSlip> {
+        self.pull_with(population, drive, &mut ())
+    }
+
+    /// The same watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::pull`]; stopped by the monitor.
+    pub fn pull_with(
         &self,
         population: &mut dyn Population,
         drive: &Drive,

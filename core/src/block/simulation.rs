@@ -29,10 +29,10 @@ const COPY_AFTER: (f64, u64) = (0.1, 10_000);
 /// use asperity::master::MasterEquation;
 ///
 /// let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
-/// let population = MasterEquation::new(contacts, &Initial::default(), &mut ())?.population(1e-10, &mut ())?;
+/// let population = MasterEquation::new(contacts, &Initial::default())?.population()?;
 /// let block = Block::new(Loading::Spring(1.0), Slip::Reset, None)?;
-/// let mut slider = block.simulation(Box::new(population), &mut ())?;
-/// while let Some(slip) = slider.next_event(5.0, &mut ())? {
+/// let mut slider = block.simulation(Box::new(population))?;
+/// while let Some(slip) = slider.next_event(5.0)? {
 ///     println!("at X_T = {:.3} the force drops by {:.3}", slip.before.drive, slip.drop());
 /// }
 /// assert_eq!(slider.drive(), 5.0);
@@ -73,8 +73,16 @@ impl Block {
     /// The slider on these contacts, in balance where they stand, to be driven step by step.
     ///
     /// # Errors
-    /// Those of the population; of an imposed force, more damping than can be followed; stopped by the monitor.
-    pub fn simulation(
+    /// Those of the population; of an imposed force, more damping than can be followed.
+    pub fn simulation(&self, population: Box<dyn Population>) -> Result<BlockSimulation> {
+        self.simulation_with(population, &mut ())
+    }
+
+    /// The same watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::simulation`]; stopped by the monitor.
+    pub fn simulation_with(
         &self,
         population: Box<dyn Population>,
         monitor: &mut dyn Monitor,
@@ -162,8 +170,16 @@ impl BlockSimulation {
     /// The density of stretches, see [`Population::stretch_density`].
     ///
     /// # Errors
-    /// Those of the population; stopped by the monitor.
-    pub fn stretch_density(
+    /// Those of the population.
+    pub fn stretch_density(&self, stretches: &[f64]) -> Result<Option<(Vec<f64>, Vec<Atom>)>> {
+        self.stretch_density_with(stretches, &mut ())
+    }
+
+    /// The same watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::stretch_density`]; stopped by the monitor.
+    pub fn stretch_density_with(
         &self,
         stretches: &[f64],
         monitor: &mut dyn Monitor,
@@ -187,9 +203,17 @@ impl BlockSimulation {
     /// fewer contacts break.
     ///
     /// # Errors
-    /// A drive that is no finite number; those of the population; an imposed force that the contacts cannot carry; stopped
-    /// by the monitor. All is as before the call then.
-    pub fn next_event(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Option<Event>> {
+    /// A drive that is no finite number; those of the population; an imposed force that the contacts cannot carry. All
+    /// is as before the call then.
+    pub fn next_event(&mut self, until: f64) -> Result<Option<Event>> {
+        self.next_event_with(until, &mut ())
+    }
+
+    /// The same watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::next_event`]; stopped by the monitor.
+    pub fn next_event_with(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Option<Event>> {
         if !until.is_finite() {
             return Err(Error::invalid("drive", "a finite number", until));
         }
@@ -230,8 +254,21 @@ impl BlockSimulation {
     ///
     /// # Errors
     /// See [`BlockSimulation::next_event`]; all is as after the last event then.
-    pub fn run(&mut self, until: f64, monitor: &mut dyn Monitor, each: &mut dyn FnMut(&Event)) -> Result<()> {
-        while let Some(event) = self.next_event(until, monitor)? {
+    pub fn run(&mut self, until: f64, each: &mut dyn FnMut(&Event)) -> Result<()> {
+        self.run_with(until, &mut (), each)
+    }
+
+    /// The same watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::run`]; stopped by the monitor.
+    pub fn run_with(
+        &mut self,
+        until: f64,
+        monitor: &mut dyn Monitor,
+        each: &mut dyn FnMut(&Event),
+    ) -> Result<()> {
+        while let Some(event) = self.next_event_with(until, monitor)? {
             each(&event);
         }
         Ok(())

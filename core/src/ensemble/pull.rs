@@ -64,12 +64,19 @@ impl EnsemblePull {
 }
 
 impl Ensemble {
-    /// Pulls the slider through rising `positions` X ≥ 0, with `snapshots` on the way.
+    /// Pulls the slider through rising `positions` X ≥ 0.
     ///
     /// # Errors
-    /// Time-dependent contacts; positions or edges that do not rise, or are not finite; a job too big;
-    /// stopped by `monitor`.
-    pub fn pull(
+    /// Time-dependent contacts; positions that do not rise, or are not finite; a job too big.
+    pub fn pull(&self, positions: &[f64]) -> Result<EnsemblePull> {
+        self.pull_with(positions, &Snapshots::default(), &mut ())
+    }
+
+    /// The same with `snapshots` on the way, watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::pull`]; stopped by the monitor.
+    pub fn pull_with(
         &self,
         positions: &[f64],
         snapshots: &Snapshots,

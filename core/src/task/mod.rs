@@ -12,7 +12,7 @@
 //!
 //! let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
 //! let model = Model::new(contacts, Initial::default());
-//! let curve = VelocityCurve::between(0.1, 10.0).run(&model, &mut ())?;
+//! let curve = VelocityCurve::between(0.1, 10.0).run(&model)?;
 //! // Friction of contacts without a rule in time is the same at all velocities: F_k = (1 + σ²)/2 of a narrow Gaussian.
 //! let friction = curve.record.values("kinetic_friction").unwrap();
 //! assert!(friction.iter().all(|force| (force - 0.505).abs() < 1e-9));
@@ -159,8 +159,16 @@ macro_rules! runs {
             ///
             /// # Errors
             /// A value that makes no sense, or does not go with the model; results too large for one file; what the solvers
-            /// run into; [`Error::Stopped`] by the monitor.
-            pub fn run(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<summary::$numbers>> {
+            /// run into.
+            pub fn run(&self, model: &Model) -> Result<Output<summary::$numbers>> {
+                self.run_with(model, &mut ())
+            }
+
+            /// The same watched by a monitor.
+            ///
+            /// # Errors
+            /// As [`Self::run`]; stopped by the monitor.
+            pub fn run_with(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<summary::$numbers>> {
                 Task::$task(self).check(model)?;
                 $run(model, self, monitor).map_err(Error::of_scenario)
             }

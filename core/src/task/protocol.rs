@@ -126,7 +126,7 @@ fn steady(
     if known.len() == SPEEDS {
         return Ok(None);
     }
-    let equation = MasterEquation::at(model.contacts.clone(), &model.initial, velocity, monitor)?;
+    let equation = MasterEquation::at_with(model.contacts.clone(), &model.initial, velocity, monitor)?;
     let friction = equation.steady_state().kinetic_friction();
     known.push((velocity, friction));
     Ok(Some(friction))

@@ -35,7 +35,7 @@ impl Steady {
         velocity: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let equation = MasterEquation::at(contacts.clone(), initial, velocity, monitor)?;
+        let equation = MasterEquation::at_with(contacts.clone(), initial, velocity, monitor)?;
         let steady = equation.steady_state();
         let life = steady.mean_life();
         let way = (FORGOTTEN * steady.dephasing_length()).max(FOUND * steady.life_found()).min(MOST * life);

@@ -166,10 +166,13 @@ impl Critical {
             return Ok(0.0);
         }
         let part = &mut Part::new(monitor, 0.0, 0.05);
-        let equation = MasterEquation::at(contacts.clone(), &model.initial, velocity, part)?;
+        let equation = MasterEquation::at_with(contacts.clone(), &model.initial, velocity, part)?;
         let tolerance = model.master_equation.tolerance();
-        let pull =
-            equation.pull(super::first_loading(contacts), tolerance, &mut Part::new(monitor, 0.05, 0.05))?;
+        let pull = equation.pull_with(
+            super::first_loading(contacts),
+            tolerance,
+            &mut Part::new(monitor, 0.05, 0.05),
+        )?;
         self.pulled.push(pull.critical_stiffness());
         let found = stability(contacts, velocity, block, &mut Part::new(monitor, 0.1, 0.9))?;
         self.sliding.push(found.critical_stiffness);
@@ -217,6 +220,6 @@ fn slide(
 ) -> Result<(f64, f64)> {
     let drawn = ensemble.build(contacts.clone(), model.initial.clone())?.numbered_from(first);
     let history = History::new(vec![Piece { velocity, duration: way / velocity }])?;
-    let trace = drawn.follow(&history, &[history.duration()], monitor)?;
+    let trace = drawn.follow_with(&history, &[history.duration()], monitor)?;
     Ok((trace.force[0], trace.error[0]))
 }

@@ -20,8 +20,22 @@ impl Block {
     ///
     /// # Errors
     /// A loading other than a spring; a rule of slip that does not say how fast a slip is; times that do not rise within
-    /// the drive; a tolerance that is not above 0; those of the contacts; stopped by the monitor.
+    /// the drive; a tolerance that is not above 0; those of the contacts.
     pub fn follow(
+        &self,
+        contacts: &dyn RateDependentContacts,
+        drive: &History,
+        times: &[f64],
+        tolerance: f64,
+    ) -> Result<Slide> {
+        self.follow_with(contacts, drive, times, tolerance, &mut ())
+    }
+
+    /// The same watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::follow`]; stopped by the monitor.
+    pub fn follow_with(
         &self,
         contacts: &dyn RateDependentContacts,
         drive: &History,

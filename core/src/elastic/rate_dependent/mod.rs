@@ -240,9 +240,16 @@ impl RateDependentInterface {
     /// Drives the cells up to `drive` at a velocity, and tells `each` event that is over and the cells that slipped in it.
     ///
     /// # Errors
-    /// A velocity that is not above 0; an accuracy that steps do not reach; stopped by the monitor: the interface is then
-    /// between two steps, and can go on.
-    pub fn run(
+    /// A velocity that is not above 0; an accuracy that steps do not reach.
+    pub fn run(&mut self, drive: f64, velocity: f64, each: &mut dyn FnMut(&Event, &[Slipped])) -> Result<()> {
+        self.run_with(drive, velocity, &mut (), each)
+    }
+
+    /// The same watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::run`]; stopped by the monitor: the interface is then between two steps, and can go on.
+    pub fn run_with(
         &mut self,
         drive: f64,
         velocity: f64,
@@ -250,7 +257,7 @@ impl RateDependentInterface {
         each: &mut dyn FnMut(&Event, &[Slipped]),
     ) -> Result<()> {
         loop {
-            let events = self.next(drive, velocity, monitor)?;
+            let events = self.next_with(drive, velocity, monitor)?;
             if events.is_empty() {
                 return Ok(());
             }
@@ -263,7 +270,15 @@ impl RateDependentInterface {
     ///
     /// # Errors
     /// See [`RateDependentInterface::run`].
-    pub fn next(
+    pub fn next(&mut self, drive: f64, velocity: f64) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        self.next_with(drive, velocity, &mut ())
+    }
+
+    /// The same watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::next`]; stopped by the monitor.
+    pub fn next_with(
         &mut self,
         drive: f64,
         velocity: f64,

@@ -215,8 +215,16 @@ impl Lattice {
     /// Drives the contacts up to a drive or for a number of avalanches, and passes each avalanche to `each`.
     ///
     /// # Errors
+    /// None: nobody stops it.
+    pub fn run(&mut self, until: Until, each: &mut dyn FnMut(&Avalanche)) -> Result<()> {
+        self.run_with(until, &mut (), each)
+    }
+
+    /// The same watched by a monitor.
+    ///
+    /// # Errors
     /// Stopped by the monitor, between two avalanches; the lattice can continue.
-    pub fn run(
+    pub fn run_with(
         &mut self,
         until: Until,
         monitor: &mut dyn Monitor,
