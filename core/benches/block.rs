@@ -44,16 +44,16 @@ fn pull(
     let block = Block::new(Loading::Spring(1.0), slip, fraction).unwrap();
     let drive = Drive { turning_points: vec![distance], points: 1001 };
     let begun = ThreadTime::now();
-    let run = block.pull(population, &drive, &mut ()).unwrap();
+    let run = block.pull(population, &drive).unwrap();
     (run, begun.elapsed().as_secs_f64())
 }
 
 /// Resets for ever, over the master equation.
 fn trace() {
     let (contacts, initial) = contacts();
-    let equation = MasterEquation::new(contacts, &initial, &mut ()).unwrap();
+    let equation = MasterEquation::new(contacts, &initial).unwrap();
     let times = (0..5).map(|_| {
-        let mut population = equation.population(1e-10, &mut ()).unwrap();
+        let mut population = equation.population_with(1e-10, &mut ()).unwrap();
         let (run, time) = pull(&mut population, Slip::Reset, None, (PERIODS + 0.5) * PERIOD);
         assert_eq!(run.events.len(), PERIODS as usize);
         black_box(run);
@@ -76,7 +76,7 @@ fn breaks() {
         let (contacts, initial) = contacts();
         let ensemble = Ensemble::new(contacts, initial, size, 1, Disorder::Annealed).unwrap();
         let times = rules.map(|slip| {
-            let mut population = ensemble.population(&mut ()).unwrap();
+            let mut population = ensemble.population().unwrap();
             let distance = (BREAKS / size as f64).clamp(3.0, 1000.0);
             let (run, time) = pull(&mut population, slip, Some(0.3), distance);
             black_box(&run);

@@ -32,14 +32,14 @@ fn population() -> MasterPopulation {
     let relaxed = Arc::new(Point::new(0.0).unwrap());
     let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1).unwrap()), relaxed.clone());
     let start = Initial { law: relaxed, start: Start::Conditional };
-    MasterEquation::new(contacts, &start, &mut ()).unwrap().population(1e-10, &mut ()).unwrap()
+    MasterEquation::new(contacts, &start).unwrap().population_with(1e-10, &mut ()).unwrap()
 }
 
 /// Scales uniform in 1 ± 0.3.
 fn disordered(number: usize) -> Curves {
     let mut stream = Stream::new(1, Purpose::Cells, 0);
     let scales = (0..number).map(|_| 0.7 + 0.6 * stream.uniform()).collect();
-    Curves::new(&population(), number, &mut ()).unwrap().scaled(scales).unwrap()
+    Curves::new(&population(), number).unwrap().scaled(scales).unwrap()
 }
 
 /// Cell updates per second of one thread: forces of springs and forces and slopes of contacts.
@@ -80,10 +80,10 @@ fn row(name: &str, coupling: Box<dyn Coupling>) {
     };
     let mut interface = Interface::new(Box::new(disordered(number)), coupling, setting).unwrap();
     // The first event follows a long way without any.
-    interface.next(10.0, &mut ()).unwrap();
+    interface.next(10.0).unwrap();
     let (begun, mut events, mut cells) = (ProcessTime::now(), 0, 0);
     while events < 20 && begun.elapsed().as_secs_f64() < 60.0 {
-        for (event, _) in interface.next(10.0, &mut ()).unwrap() {
+        for (event, _) in interface.next(10.0).unwrap() {
             (events, cells) = (events + 1, cells + event.cells);
         }
     }

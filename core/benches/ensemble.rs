@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial, Start, Stiffness};
-use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
@@ -34,7 +34,7 @@ fn pulls(criterion: &mut Criterion) {
     group.sample_size(20);
     for (name, threads, ensemble) in cases {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let pull = || ensemble.pull(&positions, &Snapshots::default(), &mut ()).unwrap();
+        let pull = || ensemble.pull(&positions).unwrap();
         let breaks = pool.install(pull).breaks;
         group.throughput(Throughput::Elements(breaks));
         group.bench_function(format!("{name}, {threads} threads"), |bencher| {

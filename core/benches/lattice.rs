@@ -55,7 +55,7 @@ fn breaks(lattice: &mut Lattice, breaks: u64) -> (u64, u64) {
     let (mut size, mut events) = (0, 0);
     while size < breaks {
         let mut add = |avalanche: &asperity::ensemble::lattice::Avalanche| size += avalanche.size;
-        lattice.run(Until::Events(1 << 10), &mut (), &mut add).unwrap();
+        lattice.run(Until::Events(1 << 10), &mut add).unwrap();
         events += 1 << 10;
     }
     (size, events)

@@ -23,7 +23,7 @@ impl Case {
         let (thresholds, reforming) = (self.thresholds.clone(), self.reforming.clone());
         let contacts = Contacts::new(thresholds, reforming);
         let initial = Initial { law: self.initial.clone(), start: Start::Conditional };
-        MasterEquation::new(contacts, &initial, &mut ()).unwrap()
+        MasterEquation::new(contacts, &initial).unwrap()
     }
 }
 
@@ -64,14 +64,14 @@ fn pulls(criterion: &mut Criterion) {
         let case = Case { thresholds, reforming, initial };
         group.bench_function(format!("{name}, all"), |bencher| {
             cpu(bencher, || {
-                let pull = case.equation().pull(50.0, 1e-10, &mut ()).unwrap();
+                let pull = case.equation().pull_with(50.0, 1e-10, &mut ()).unwrap();
                 positions.iter().map(|&x| pull.force(x) + pull.breaking_rate(x)).sum::<f64>()
             });
         });
         let equation = case.equation();
         group.bench_function(format!("{name}, lives"), |bencher| cpu(bencher, || case.equation()));
         group.bench_function(format!("{name}, solution"), |bencher| {
-            cpu(bencher, || equation.pull(50.0, 1e-10, &mut ()).unwrap());
+            cpu(bencher, || equation.pull_with(50.0, 1e-10, &mut ()).unwrap());
         });
     }
     group.finish();
@@ -89,7 +89,7 @@ fn ways(criterion: &mut Criterion) {
     group.sample_size(20);
     for (name, thresholds, reforming) in cases {
         let case = Case { thresholds, reforming, initial: relaxed.clone() };
-        let mut turned = case.equation().population(1e-10, &mut ()).unwrap();
+        let mut turned = case.equation().population_with(1e-10, &mut ()).unwrap();
         advance(&mut turned, 1.4);
         group.bench_function(format!("{name}, back by 1.5"), |bencher| {
             cpu(bencher, || {
@@ -98,7 +98,7 @@ fn ways(criterion: &mut Criterion) {
                 stock
             });
         });
-        let fresh = case.equation().population(1e-10, &mut ()).unwrap();
+        let fresh = case.equation().population_with(1e-10, &mut ()).unwrap();
         group.bench_function(format!("{name}, 1000 resets"), |bencher| {
             cpu(bencher, || {
                 let mut stock = fresh.clone();
@@ -136,7 +136,7 @@ fn noise_and_gradients(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("noise and gradients");
     for (name, case) in [("all relaxed", equal), ("spread starts", spread)] {
         let equation = case.equation();
-        let solve = || case.equation().pull(6.0, 1e-10, &mut ()).unwrap();
+        let solve = || case.equation().pull_with(6.0, 1e-10, &mut ()).unwrap();
         group.bench_function(format!("{name}: lives and force"), |bencher| cpu(bencher, solve));
         let pull = solve();
         for (owner, law) in
@@ -145,20 +145,18 @@ fn noise_and_gradients(criterion: &mut Criterion) {
             for parameter in law.parameters().into_iter().filter(|parameter| parameter.name != "at") {
                 let by = format!("{owner}.{}", parameter.name);
                 group.bench_function(format!("{name}: gradient by {by}"), |bencher| {
-                    cpu(bencher, || pull.gradient(&by, &mut ()).unwrap());
+                    cpu(bencher, || pull.gradient(&by).unwrap());
                 });
             }
         }
         let positions: Vec<f64> = (1..=1000).map(|i| f64::from(i) * 0.006).collect();
         group.bench_function(format!("{name}: covariance of 1000 positions"), |bencher| {
             // On all threads: by the clock on the wall.
-            bencher.iter(|| pull.covariance(&positions, 1.0, &mut ()).unwrap());
+            bencher.iter(|| pull.covariance(&positions, 1.0).unwrap());
         });
         let steady = equation.steady_state();
         group.bench_function(format!("{name}: spectrum at 1000 wave numbers"), |bencher| {
-            cpu(bencher, || {
-                steady.spectrum(&positions.iter().map(|x| 10.0 * x).collect::<Vec<_>>(), 1.0, &mut ())
-            });
+            cpu(bencher, || steady.spectrum(&positions.iter().map(|x| 10.0 * x).collect::<Vec<_>>(), 1.0));
         });
     }
     group.finish();

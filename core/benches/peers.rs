@@ -19,7 +19,7 @@ use asperity::elastic::cells::scales;
 use asperity::elastic::coupling::half_space;
 use asperity::elastic::{CellLoading, CellSlip, Curves, Interface, InterfaceParameters, State};
 use asperity::ensemble::lattice::{Edges, Lattice, LatticeCoupling, Shape, Until};
-use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::{Gaussian, Point, Rectangular, SharedLaw};
 use asperity::master::MasterEquation;
 use cpu_time::{ProcessTime, ThreadTime};
@@ -77,8 +77,7 @@ fn grid(last: f64, step: f64) -> Vec<f64> {
 fn against_python() {
     let figure = |points: &[f64]| {
         let (contacts, initial) = interface();
-        let pull =
-            MasterEquation::new(contacts, &initial, &mut ()).unwrap().pull(20.0, 1e-10, &mut ()).unwrap();
+        let pull = MasterEquation::new(contacts, &initial).unwrap().pull_with(20.0, 1e-10, &mut ()).unwrap();
         let force: Vec<f64> = points.iter().map(|&x| pull.force(x)).collect();
         force[points.len() / 4]
     };
@@ -90,10 +89,10 @@ fn against_python() {
     let coarse = grid(20.0, 0.01);
     row("Fig. 2 to X = 20, 2001 points", "the Python package of asperity", "package.py", || figure(&coarse));
     row("10 000 contacts to X = 20, 20 001 points", "numba, stepped", "stepped.py", || {
-        ensemble(10_000).pull(&fine, &Snapshots::default(), &mut ()).unwrap().force[5000]
+        ensemble(10_000).pull(&fine).unwrap().force[5000]
     });
     let coarse = grid(100.0, 0.05);
-    let events = |size| ensemble(size).pull(&coarse, &Snapshots::default(), &mut ()).unwrap().force[100];
+    let events = |size| ensemble(size).pull(&coarse).unwrap().force[100];
     let (few, many) = (20_000, 1_000_000);
     let job = "20 000 contacts to X = 100, 2001 points";
     let [twister, generator] =
@@ -132,7 +131,7 @@ fn next_event(side: usize, (drive, step): (f64, f64), tolerance: f64, turns: usi
         ("NumPy, rfft2 and irfft2 in every step", format!("interface.py {side} {drive} {step} {tolerance}"));
     let next = || {
         cells.restore(begun.clone(), &mut ()).unwrap();
-        cells.next(f64::INFINITY, &mut ()).unwrap();
+        cells.next(f64::INFINITY).unwrap();
         cells.force() / cells.len() as f64
     };
     in_turns(&job, name, &script, None, (1, turns), next);
@@ -143,9 +142,8 @@ fn deformable(side: usize, drive: f64, drive_tolerance: f64) -> (Interface, Stat
     let relaxed: SharedLaw = Arc::new(Point::new(0.0).unwrap());
     let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1).unwrap()), relaxed.clone());
     let start = Initial { law: relaxed, start: Start::Conditional };
-    let population =
-        MasterEquation::new(contacts, &start, &mut ()).unwrap().population(1e-10, &mut ()).unwrap();
-    let cells = Curves::new(&population, side * side, &mut ()).unwrap();
+    let population = MasterEquation::new(contacts, &start).unwrap().population_with(1e-10, &mut ()).unwrap();
+    let cells = Curves::new(&population, side * side).unwrap();
     let cells = cells.scaled(scales(side * side, 0.05, 1).unwrap()).unwrap();
     let setting = InterfaceParameters {
         connection: 0.5,
@@ -157,7 +155,7 @@ fn deformable(side: usize, drive: f64, drive_tolerance: f64) -> (Interface, Stat
     };
     let slider = half_space(Shape::Square([side; 2]), Edges::Periodic, 3.0, 1.0).unwrap();
     let mut interface = Interface::new(Box::new(cells), slider, setting).unwrap();
-    interface.run(drive, &mut (), &mut |_, _| ()).unwrap();
+    interface.run(drive, &mut |_, _| ()).unwrap();
     let state = interface.state();
     (interface, state)
 }
@@ -170,7 +168,7 @@ fn coupled(share: f64) -> f64 {
     let coupling = LatticeCoupling::sharing(Shape::Square([128, 128]), Edges::Open, share);
     let contacts = Contacts::new(point(1.0), point(0.0));
     let mut lattice = Lattice::new(contacts, start, &coupling, 1, Disorder::Annealed).unwrap();
-    lattice.run(Until::Drive(2.0), &mut (), &mut |_| ()).unwrap();
+    lattice.run(Until::Drive(2.0), &mut |_| ()).unwrap();
     lattice.force()
 }
 
@@ -285,7 +283,7 @@ fn alone() -> String {
     // Wall and CPU seconds, breaks.
     let timed = |pool: &rayon::ThreadPool| {
         let (wall, cpu) = (Instant::now(), ProcessTime::now());
-        let breaks = pool.install(|| many.pull(&positions, &Snapshots::default(), &mut ()).unwrap().breaks);
+        let breaks = pool.install(|| many.pull(&positions).unwrap().breaks);
         (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64(), breaks as f64)
     };
     let turns: Vec<_> = (0..4 * TURNS).map(|_| (timed(&one), timed(&two))).collect();
@@ -303,7 +301,7 @@ fn alone() -> String {
 /// What contacts take, before anything else has taken more.
 fn memory() -> String {
     let peak = |last: f64| {
-        let pull = ensemble(1_000).pull(&grid(last, last / 1000.0), &Snapshots::default(), &mut ()).unwrap();
+        let pull = ensemble(1_000).pull(&grid(last, last / 1000.0)).unwrap();
         (pull.breaks, peak_memory())
     };
     let ((few, before), (more, after)) = (peak(100.0), peak(10_000.0));

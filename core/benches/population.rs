@@ -44,7 +44,7 @@ fn table(name: &str, contacts: &Contacts, disorder: Disorder) {
     for size in [1_000, 10_000, 100_000, 1_000_000, 10_000_000] {
         let initial = Initial { law: Arc::new(Point::new(0.0).unwrap()), start: Start::Conditional };
         let ensemble = Ensemble::new(contacts.clone(), initial, size, 1, disorder).unwrap();
-        let (mut population, made) = timed(|| ensemble.population(&mut ()).unwrap());
+        let (mut population, made) = timed(|| ensemble.population().unwrap());
         let time = per_break(&mut population, BREAKS.max(size));
         let back = population.way(Direction::Backward, &mut ()).unwrap().length;
         let ((), turned) = timed(|| population.advance(-0.5 * back).unwrap());

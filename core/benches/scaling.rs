@@ -45,10 +45,8 @@ fn run(thresholds: SharedLaw, reforming: SharedLaw, initial: SharedLaw, n: usize
     let begun = ThreadTime::now();
     let contacts = Contacts::new(thresholds, reforming);
     let initial = Initial { law: initial, start: Start::Conditional };
-    let pull = MasterEquation::new(contacts, &initial, &mut ())
-        .unwrap()
-        .pull(n as f64 * STEP, 1e-10, &mut ())
-        .unwrap();
+    let pull =
+        MasterEquation::new(contacts, &initial).unwrap().pull_with(n as f64 * STEP, 1e-10, &mut ()).unwrap();
     let solved = begun.elapsed().as_secs_f64();
     let points = (0..n).map(|i| i as f64 * STEP);
     std::hint::black_box(points.map(|x| pull.force(x) + pull.breaking_rate(x)).sum::<f64>());

@@ -36,8 +36,8 @@ fn velocity_step(contacts: &Contacts, velocity: f64, tolerance: f64) -> f64 {
     let piece = |velocity: f64, distance: f64| Piece { velocity, duration: distance / velocity };
     let history = History::new(vec![piece(velocity, 0.2), piece(slower, 1.5)]).unwrap();
     let times: Vec<f64> = (0..=100).map(|k| f64::from(k) / 100.0 * history.duration()).collect();
-    let mut transport = Transport::steady(contacts, velocity, tolerance, &mut ()).unwrap();
-    transport.follow(&history, &times, &mut ()).unwrap().force.iter().sum()
+    let mut transport = Transport::steady_with(contacts, velocity, tolerance, &mut ()).unwrap();
+    transport.follow(&history, &times).unwrap().force.iter().sum()
 }
 
 fn pool(threads: usize) -> rayon::ThreadPool {

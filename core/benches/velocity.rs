@@ -52,7 +52,7 @@ fn curve(stiffness: Stiffness, rules: &Rules) -> f64 {
     let begun = ThreadTime::now();
     for k in 0..VELOCITIES {
         let velocity = 10.0_f64.powf(-6.0 + 6.0 * f64::from(k) / f64::from(VELOCITIES - 1));
-        let equation = MasterEquation::at(contacts.clone(), &initial, velocity, &mut ()).unwrap();
+        let equation = MasterEquation::at(contacts.clone(), &initial, velocity).unwrap();
         std::hint::black_box(equation.steady_state().kinetic_friction());
     }
     begun.elapsed().as_secs_f64()

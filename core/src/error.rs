@@ -10,7 +10,7 @@ pub enum Error {
     /// An invalid value in a description.
     #[error("{key}: expected {expected}, got {found}")]
     Invalid {
-        /// Path of the offending key, relative to the object that refuses it (`std`, `thresholds.gaussian.std`).
+        /// Name of the argument, or path of the field of one (`std`, `slip.inertial.mass`); of a scenario, path of the key.
         key: String,
         /// What would have been accepted.
         expected: String,
@@ -20,7 +20,7 @@ pub enum Error {
     /// The job would not fit in memory.
     #[error("{key}: {what} would need {needed} bytes, more than the {allowed} allowed")]
     TooLarge {
-        /// Path of the key that asks for it, relative to the object that refuses it.
+        /// Name of the argument, or of the key, that asks for it.
         key: String,
         /// What was asked for.
         what: String,
@@ -36,7 +36,7 @@ pub enum Error {
         remedy(key, reached)
     )]
     Accuracy {
-        /// Path of the key that asks for it; empty where no key does.
+        /// Name of the argument, or of the key, that asks for it; empty where none does.
         key: String,
         /// The computation.
         what: String,

@@ -12,7 +12,8 @@ pub const MEMORY: u64 = 16 << 30;
 
 /// Receives the fraction of work done, and decides whether to go on.
 ///
-/// Progress bars, Ctrl-C, limits of time and memory and checkpoints are monitors; `()` monitors nothing.
+/// Progress bars, Ctrl-C, limits of time and memory and checkpoints are monitors; `()` monitors nothing. Computations that are
+/// started by hand have two forms: `pull(20.0)` has the default tolerance and no monitor, `pull_with` takes both.
 pub trait Monitor: Send {
     /// Called now and then with the fraction of the work done, in `[0, 1]`, never decreasing.
     fn progress(&mut self, fraction: f64) -> ControlFlow<()>;

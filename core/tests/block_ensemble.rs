@@ -3,7 +3,7 @@
 mod common;
 
 use asperity::block::{Block, Drive, Event, Loading, Regime, Sizes, Slip, StickSlip};
-use asperity::ensemble::{Disorder, Ensemble, EnsemblePopulation, Snapshots};
+use asperity::ensemble::{Disorder, Ensemble, EnsemblePopulation};
 use asperity::exact::Gaussian;
 use asperity::law::SharedLaw;
 use asperity::population::Population;
@@ -30,19 +30,19 @@ fn model(size: usize, seed: u64) -> Ensemble {
 }
 
 fn ensemble(size: usize, seed: u64) -> EnsemblePopulation {
-    model(size, seed).population(&mut ()).unwrap()
+    model(size, seed).population().unwrap()
 }
 
 fn drive(population: &mut dyn Population, slip: Slip, distance: f64) -> StickSlip {
     let block = Block::new(Loading::Spring(STIFFNESS), slip, Some(FRACTION)).unwrap();
     let drive = Drive { turning_points: vec![distance], points: 11 };
-    block.pull(population, &drive, &mut ()).unwrap()
+    block.pull(population, &drive).unwrap()
 }
 
 /// The first slips of ensembles with different seeds.
 fn first_slips(reforming: &SharedLaw, size: usize, runs: u64, slip: Slip) -> Vec<Event> {
     let first = |seed| {
-        let mut population = reforming_by(reforming, size, seed).population(&mut ()).unwrap();
+        let mut population = reforming_by(reforming, size, seed).population().unwrap();
         drive(&mut population, slip, 2.0).events[0]
     };
     (0..runs).map(first).collect()
@@ -51,7 +51,7 @@ fn first_slips(reforming: &SharedLaw, size: usize, runs: u64, slip: Slip) -> Vec
 /// The first slip of the master equation.
 fn first_slip(reforming: &SharedLaw, slip: Slip) -> Event {
     let mut population =
-        master(&gaussian(1.0, STD), reforming, &point(0.0)).population(1e-10, &mut ()).unwrap();
+        master(&gaussian(1.0, STD), reforming, &point(0.0)).population_with(1e-10, &mut ()).unwrap();
     pull(&mut population, STIFFNESS, slip, &[2.0]).events[0]
 }
 
@@ -116,7 +116,7 @@ fn first_slips_are_those_of_the_master_equation_in_the_mean() {
 
 /// X_T(X) of the contacts of an ensemble that have gone forward alone.
 fn drive_at(position: f64, size: usize, seed: u64) -> f64 {
-    let pull = model(size, seed).pull(&[position], &Snapshots::default(), &mut ()).unwrap();
+    let pull = model(size, seed).pull(&[position]).unwrap();
     position + pull.force[0] / STIFFNESS
 }
 

@@ -42,7 +42,7 @@ fn drives_that_do_not_turn_are_refused() {
     let pull = |turning_points: &[f64], points: usize| {
         let block = Block::new(Loading::Spring(1.0), Slip::Overdamped, None).unwrap();
         let drive = Drive { turning_points: turning_points.to_vec(), points };
-        block.pull(&mut curve::gaussian(0.1), &drive, &mut ())
+        block.pull(&mut curve::gaussian(0.1), &drive)
     };
     refused(pull(&[], 2), "turning_points", "finite");
     refused(pull(&[1.0, 2.0], 2), "turning_points", "other side");
@@ -52,7 +52,7 @@ fn drives_that_do_not_turn_are_refused() {
     refused(pull(&[1.0], 1), "points", "2");
     let heavy = Block::new(Loading::Force, Slip::Inertial { mass: 1.0, damping: 2e3 }, None).unwrap();
     let drive = Drive { turning_points: vec![1.0], points: 2 };
-    refused(heavy.pull(&mut curve::gaussian(0.1), &drive, &mut ()), "slip.inertial.damping", "1000");
+    refused(heavy.pull(&mut curve::gaussian(0.1), &drive), "slip.inertial.damping", "1000");
 }
 
 /// Stops at a share of the work.
@@ -74,7 +74,7 @@ fn a_monitor_hears_how_far_the_drive_is_and_stops_it() {
     let drive = Drive { turning_points: vec![200.0, 150.0, 220.0], points: 10 };
     let run = |patience: f64| {
         let mut monitor = Impatient { patience, heard: Vec::new() };
-        let result = block.pull(&mut curve::gaussian(0.1), &drive, &mut monitor);
+        let result = block.pull_with(&mut curve::gaussian(0.1), &drive, &mut monitor);
         (result, monitor.heard)
     };
     let (result, heard) = run(2.0);

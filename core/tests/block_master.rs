@@ -10,7 +10,7 @@ use common::{gaussian, master, point, rectangular};
 /// Relaxed contacts with Gaussian thresholds.
 fn relaxed(std: f64, tolerance: f64) -> MasterPopulation {
     let relaxed = point(0.0);
-    master(&gaussian(1.0, std), &relaxed, &relaxed).population(tolerance, &mut ()).unwrap()
+    master(&gaussian(1.0, std), &relaxed, &relaxed).population_with(tolerance, &mut ()).unwrap()
 }
 
 /// σ, K, X_1, F_1, X_2 overdamped and inertial.
@@ -69,7 +69,7 @@ fn energies_balance_forth_and_back() {
     // Far from any oscillation: the speed follows the force within 1e-5 of the time of the slip.
     let light = Slip::Inertial { mass: 1e-4, damping: 5.0 };
     let broad = rectangular(0.0, 0.2);
-    let population = master(&gaussian(1.0, 0.05), &broad, &broad).population(1e-10, &mut ()).unwrap();
+    let population = master(&gaussian(1.0, 0.05), &broad, &broad).population_with(1e-10, &mut ()).unwrap();
     for (slip, accuracy) in [
         (Slip::Reset, 1e-9),
         (Slip::Overdamped, 1e-9),
@@ -107,7 +107,7 @@ fn a_hysteresis_loop_closes_and_loses_its_area() {
 #[test]
 fn a_straight_way_back_may_be_as_long_as_lives() {
     let re_formed = point(0.1);
-    let mut population = master(&point(1.0), &re_formed, &re_formed).population(1e-10, &mut ()).unwrap();
+    let mut population = master(&point(1.0), &re_formed, &re_formed).population_with(1e-10, &mut ()).unwrap();
     let run = pull(&mut population, 0.3, Slip::Overdamped, &[9.0, -5.0, 8.0]);
     for event in &run.events {
         // All break at 1 and re-form at 0.1; sliding on, F rises by 1 and the spring falls by K per length.
@@ -131,7 +131,8 @@ fn a_slip_may_end_at_the_origin() {
 #[test]
 fn no_break_is_passed_over() {
     let unstretched = point(0.0);
-    let mut population = master(&point(1.0), &unstretched, &unstretched).population(1e-10, &mut ()).unwrap();
+    let mut population =
+        master(&point(1.0), &unstretched, &unstretched).population_with(1e-10, &mut ()).unwrap();
     let run = pull(&mut population, 2.0, Slip::Overdamped, &[9.0, -5.0, 8.0]);
     let (forth, rest) = run.events.split_at(8);
     let (back, again) = rest.split_at(12);

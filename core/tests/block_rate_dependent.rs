@@ -42,9 +42,9 @@ fn logarithmic() -> Contacts {
 
 /// A slider with K = 1 over relaxed contacts without rules, driven to X_T = 2.
 fn first_slip(slip: Slip, velocity: f64, tolerance: f64) -> Slide {
-    let transport = Transport::new(athermal(), &initial(&point(0.0)), 0.1 * tolerance, &mut ()).unwrap();
+    let transport = Transport::new_with(athermal(), &initial(&point(0.0)), 0.1 * tolerance, &mut ()).unwrap();
     let drive = steady(velocity, 2.0);
-    block(1.0, slip).follow(&transport, &drive, &times(&drive, 50), tolerance, &mut ()).unwrap()
+    block(1.0, slip).follow(&transport, &drive, &times(&drive, 50), tolerance).unwrap()
 }
 
 #[test]
@@ -59,9 +59,9 @@ fn slow_and_little_damped_it_is_the_overdamped_block() {
     let slip = &slow.slips[0];
     // Ten times as fast as the drive it is where F' = −0.9 K, somewhat before X_1, the drive by the square of that.
     near(slip.before.drive, FIRST[0], 3e-4);
-    let pull = MasterEquation::new(athermal(), &initial(&point(0.0)), &mut ())
+    let pull = MasterEquation::new(athermal(), &initial(&point(0.0)))
         .unwrap()
-        .pull(2.0, 1e-9, &mut ())
+        .pull_with(2.0, 1e-9, &mut ())
         .unwrap();
     // The accuracy of steps.
     near(slip.before.force, pull.force(slip.before.position), 1e-5);
@@ -87,11 +87,11 @@ fn slow_and_undamped_it_stops_at_equal_areas() {
 #[test]
 fn breaks_lose_what_they_do_in_the_athermal_block() {
     let relaxed = point(0.0);
-    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10, &mut ()).unwrap();
+    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population_with(1e-10, &mut ()).unwrap();
     let drive = Drive { turning_points: vec![2.0], points: 2 };
     // Lingering, as above, times forces below 1.
     for (slip, velocity, accuracy) in [(Slip::Damped { damping: 1e-3 }, 1e-4, 2e-5), (UNDAMPED, 1e-5, 3e-4)] {
-        let athermal = block(1.0, slip).pull(&mut population.clone(), &drive, &mut ()).unwrap();
+        let athermal = block(1.0, slip).pull(&mut population.clone(), &drive).unwrap();
         let run = first_slip(slip, velocity, 1e-5);
         near(run.energy.breaks, athermal.energy.breaks, accuracy);
     }
@@ -114,11 +114,11 @@ fn steady_sliding_is_unstable_below_the_critical_stiffness_of_its_response() {
         let response = Transport::step_response(&contacts, velocity, 30.0, 1e-5, &mut ()).unwrap();
         let critical = response.critical_stiffness(0.0, 0.0, &mut ()).unwrap().unwrap().0;
         let regime = |stiffness: f64| {
-            let sliding = Transport::steady(&contacts, velocity, 1e-4, &mut ()).unwrap();
+            let sliding = Transport::steady_with(&contacts, velocity, 1e-4, &mut ()).unwrap();
             // A viscous force of a thousandth shifts K_c by next to nothing.
             let slip = Slip::Damped { damping: 1e-3 / velocity };
             let drive = steady(velocity, 200.0);
-            block(stiffness, slip).follow(&sliding, &drive, &[], 1e-3, &mut ()).unwrap().regime
+            block(stiffness, slip).follow(&sliding, &drive, &[], 1e-3).unwrap().regime
         };
         let (below, above) = (regime(0.8 * critical), regime(1.2 * critical));
         assert!(matches!(below, Regime::Persistent { .. }), "{below}");
@@ -138,15 +138,15 @@ fn way(run: &Slide) -> History {
 #[test]
 fn the_ensemble_moved_alike_feels_the_same_force() {
     let relaxed = initial(&point(0.0));
-    let transport = Transport::new(logarithmic(), &relaxed, 1e-5, &mut ()).unwrap();
+    let transport = Transport::new_with(logarithmic(), &relaxed, 1e-5, &mut ()).unwrap();
     let drive = steady(1e-2, 12.0);
     let slip = Slip::Damped { damping: 0.1 };
-    let run = block(0.2, slip).follow(&transport, &drive, &times(&drive, 400), 1e-4, &mut ()).unwrap();
+    let run = block(0.2, slip).follow(&transport, &drive, &times(&drive, 400), 1e-4).unwrap();
     assert!(!run.slips.is_empty());
     let history = way(&run);
     let ensemble = Ensemble::new(logarithmic(), relaxed, 100_000, 7, Disorder::Annealed).unwrap();
     let times: Vec<f64> = (1..=40).map(|i| f64::from(i) / 40.0 * history.duration()).collect();
-    let followed = ensemble.follow(&history, &times, &mut ()).unwrap();
+    let followed = ensemble.follow(&history, &times).unwrap();
     for (i, &time) in times.iter().enumerate() {
         let next = run.trace.partition_point(|moment| moment.time < time * (1.0 - 1e-12));
         let (force, error) = (run.trace[next].force, followed.error[i]);
@@ -159,9 +159,9 @@ fn the_ensemble_moved_alike_feels_the_same_force() {
 #[test]
 fn over_contacts_without_time_damped_is_overdamped() {
     let relaxed = point(0.0);
-    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10, &mut ()).unwrap();
+    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population_with(1e-10, &mut ()).unwrap();
     let drive = Drive { turning_points: vec![10.0], points: 11 };
-    let run = |slip| block(1.0, slip).pull(&mut population.clone(), &drive, &mut ()).unwrap();
+    let run = |slip| block(1.0, slip).pull(&mut population.clone(), &drive).unwrap();
     assert_eq!(run(Slip::Damped { damping: 0.3 }), run(Slip::Overdamped));
 }
 
@@ -172,9 +172,9 @@ fn a_drive_at_rest_ages_a_block_at_rest() {
         Piece { velocity: 0.1, duration: 3.0 },
         Piece { velocity: 0.0, duration: 1e4 },
     ]);
-    let transport = Transport::new(logarithmic(), &initial(&point(0.0)), 1e-5, &mut ()).unwrap();
+    let transport = Transport::new_with(logarithmic(), &initial(&point(0.0)), 1e-5, &mut ()).unwrap();
     let slip = Slip::Inertial { mass: 1e-4, damping: 0.1 };
-    let run = block(1.0, slip).follow(&transport, &drive.unwrap(), &[5.0, 13.0, 1e4], 1e-4, &mut ()).unwrap();
+    let run = block(1.0, slip).follow(&transport, &drive.unwrap(), &[5.0, 13.0, 1e4], 1e-4).unwrap();
     assert_eq!(run.slips, []);
     let forces: Vec<f64> = run.trace.iter().map(|moment| moment.force).collect();
     // Nothing that holds lets go at rest; the spring, which lagged by γ × velocity, finds its balance.
@@ -185,18 +185,18 @@ fn a_drive_at_rest_ages_a_block_at_rest() {
 
 #[test]
 fn what_limits_no_velocity_is_refused() {
-    let transport = Transport::new(athermal(), &initial(&point(0.0)), 1e-3, &mut ()).unwrap();
+    let transport = Transport::new_with(athermal(), &initial(&point(0.0)), 1e-3, &mut ()).unwrap();
     let drive = steady(1.0, 1.0);
     let key = |result: Result<Slide>| match result {
         Err(Error::Invalid { key, .. }) => key,
         other => panic!("{other:?}"),
     };
     for slip in [Slip::Reset, Slip::Overdamped, Slip::Arrest] {
-        assert_eq!(key(block(1.0, slip).follow(&transport, &drive, &[], 1e-3, &mut ())), "slip");
+        assert_eq!(key(block(1.0, slip).follow(&transport, &drive, &[], 1e-3)), "slip");
     }
     let rigid = Block::new(Loading::Rigid, UNDAMPED, None).unwrap();
-    assert_eq!(key(rigid.follow(&transport, &drive, &[], 1e-3, &mut ())), "stiffness");
+    assert_eq!(key(rigid.follow(&transport, &drive, &[], 1e-3)), "stiffness");
     let good = block(1.0, UNDAMPED);
-    assert_eq!(key(good.follow(&transport, &drive, &[1.5], 1e-3, &mut ())), "times");
-    assert_eq!(key(good.follow(&transport, &drive, &[], 0.0, &mut ())), "tolerance");
+    assert_eq!(key(good.follow(&transport, &drive, &[1.5], 1e-3)), "times");
+    assert_eq!(key(good.follow(&transport, &drive, &[], 0.0)), "tolerance");
 }

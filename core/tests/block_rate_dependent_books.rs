@@ -21,7 +21,7 @@ const INERTIAL: Slip = Slip::Inertial { mass: 1.0, damping: 0.1 };
 fn slide(stiffness: f64, slip: Slip, contacts: &dyn RateDependentContacts, velocity: f64) -> Slide {
     let block = Block::new(Loading::Spring(stiffness), slip, None).unwrap();
     let drive = History::new(vec![Piece { velocity, duration: WAY / velocity }]).unwrap();
-    block.follow(contacts, &drive, &[], TOLERANCE, &mut ()).unwrap()
+    block.follow(contacts, &drive, &[], TOLERANCE).unwrap()
 }
 
 fn of(rules: Rules) -> Contacts {
@@ -51,7 +51,7 @@ fn per_threshold(contacts: Contacts) -> Contacts {
 
 /// Transport from relaxed contacts.
 fn transport(contacts: &Contacts, tolerance: f64) -> Transport {
-    Transport::new(contacts.clone(), &initial(&point(0.0)), tolerance, &mut ()).unwrap()
+    Transport::new_with(contacts.clone(), &initial(&point(0.0)), tolerance, &mut ()).unwrap()
 }
 
 #[test]
@@ -89,10 +89,9 @@ fn steady_sliding_loses_what_the_renewal_equation_says() {
         // Of diffusion, with its cells of the width √tolerance.
         (of(aged(diffusing())), 2e-3),
     ] {
-        let equation =
-            MasterEquation::at(contacts.clone(), &initial(&point(0.0)), velocity, &mut ()).unwrap();
+        let equation = MasterEquation::at(contacts.clone(), &initial(&point(0.0)), velocity).unwrap();
         let (steady, life) = (equation.steady_state(), equation.life());
-        let mut sliding = Transport::steady(&contacts, velocity, 1e-4, &mut ()).unwrap();
+        let mut sliding = Transport::steady_with(&contacts, velocity, 1e-4, &mut ()).unwrap();
         sliding.step(3.0, 3.0 / velocity, &mut ()).unwrap();
         let books = sliding.books();
         let lost = 3.0 * steady.breaking_rate() * life.breaking_energy().curve().value(0.0);

@@ -4,7 +4,7 @@ mod common;
 
 use asperity::Error;
 use asperity::block::{Block, BlockSimulation, Drive, Event, Loading, SimulationState, Slip};
-use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::SharedLaw;
 use asperity::population::Population;
 use common::pulled::{UNDAMPED, near};
@@ -26,8 +26,8 @@ fn ensemble(size: usize) -> Ensemble {
 /// Contacts that follow the master equation, and some that are followed one by one.
 fn populations() -> [Box<dyn Population>; 2] {
     let [thresholds, reforming] = laws();
-    let solved = master(&thresholds, &reforming, &point(0.0)).population(1e-10, &mut ()).unwrap();
-    [Box::new(solved), Box::new(ensemble(2000).population(&mut ()).unwrap())]
+    let solved = master(&thresholds, &reforming, &point(0.0)).population_with(1e-10, &mut ()).unwrap();
+    [Box::new(solved), Box::new(ensemble(2000).population().unwrap())]
 }
 
 fn block(loading: Loading, slip: Slip) -> Block {
@@ -40,7 +40,7 @@ fn soft(slip: Slip) -> Block {
 
 fn events(slider: &mut BlockSimulation, until: f64) -> Vec<Event> {
     let mut found = Vec::new();
-    slider.run(until, &mut (), &mut |event| found.push(*event)).unwrap();
+    slider.run(until, &mut |event| found.push(*event)).unwrap();
     found
 }
 
@@ -56,8 +56,8 @@ fn events_are_those_of_a_pull() {
     for slip in RULES {
         for (population, mut pulled) in populations().into_iter().zip(populations()) {
             let drive = Drive { turning_points: vec![4.0, 1.0, 5.0], points: 11 };
-            let whole = soft(slip).pull(pulled.as_mut(), &drive, &mut ()).unwrap();
-            let mut slider = soft(slip).simulation(population, &mut ()).unwrap();
+            let whole = soft(slip).pull(pulled.as_mut(), &drive).unwrap();
+            let mut slider = soft(slip).simulation(population).unwrap();
             let found: Vec<_> =
                 drive.turning_points.iter().flat_map(|&turn| events(&mut slider, turn)).collect();
             assert!(found.len() > 1, "{slip:?}");
@@ -72,9 +72,9 @@ fn events_are_those_of_a_pull() {
 fn stops_leave_no_trace() {
     for slip in RULES {
         for (population, stopped) in populations().into_iter().zip(populations()) {
-            let mut whole = soft(slip).simulation(population, &mut ()).unwrap();
+            let mut whole = soft(slip).simulation(population).unwrap();
             let all = events(&mut whole, 4.0);
-            let mut slider = soft(slip).simulation(stopped, &mut ()).unwrap();
+            let mut slider = soft(slip).simulation(stopped).unwrap();
             let mut found = Vec::new();
             for stop in 1..=100 {
                 let stop = 0.04 * f64::from(stop);
@@ -95,8 +95,8 @@ fn stops_leave_no_trace() {
 fn a_slider_goes_on_from_its_state_bit_for_bit() {
     for slip in RULES {
         for (population, copy) in populations().into_iter().zip(populations()) {
-            let mut whole = soft(slip).simulation(population, &mut ()).unwrap();
-            let mut other = soft(slip).simulation(copy, &mut ()).unwrap();
+            let mut whole = soft(slip).simulation(population).unwrap();
+            let mut other = soft(slip).simulation(copy).unwrap();
             for (on, then) in [(1.3, 3.0), (3.4, 2.0), (1.0, 3.9)] {
                 events(&mut whole, on);
                 let state = kept(&whole);
@@ -114,14 +114,14 @@ fn a_slider_goes_on_from_its_state_bit_for_bit() {
 fn an_interruption_leaves_no_trace() {
     for slip in RULES {
         for (population, stopped) in populations().into_iter().zip(populations()) {
-            let mut whole = soft(slip).simulation(population, &mut ()).unwrap();
+            let mut whole = soft(slip).simulation(population).unwrap();
             let all = [4.0, 2.0].map(|until| events(&mut whole, until));
-            let mut slider = soft(slip).simulation(stopped, &mut ()).unwrap();
+            let mut slider = soft(slip).simulation(stopped).unwrap();
             let (mut found, mut stops) = ([Vec::new(), Vec::new()], 0);
             for (until, found) in [4.0, 2.0].into_iter().zip(&mut found) {
                 loop {
                     let before = slider.point();
-                    match slider.next_event(until, &mut Impatient(1 + stops)) {
+                    match slider.next_event_with(until, &mut Impatient(1 + stops)) {
                         Ok(Some(event)) => found.push(event),
                         Ok(None) => break,
                         Err(Error::Stopped) => {
@@ -144,8 +144,8 @@ fn events_of_a_rigid_slider_are_breaks() {
     let rigid = Block::new(Loading::Rigid, Slip::Overdamped, None).unwrap();
     let ensemble = ensemble(300);
     let at: Vec<f64> = (0..=20).map(|i| 0.15 * f64::from(i)).collect();
-    let pull = ensemble.pull(&at, &Snapshots::default(), &mut ()).unwrap();
-    let mut slider = rigid.simulation(Box::new(ensemble.population(&mut ()).unwrap()), &mut ()).unwrap();
+    let pull = ensemble.pull(&at).unwrap();
+    let mut slider = rigid.simulation(Box::new(ensemble.population().unwrap())).unwrap();
     let mut broken = 0.0;
     for (&position, force) in at.iter().zip(&pull.force) {
         broken += events(&mut slider, position).iter().map(|event| event.broken_fraction).sum::<f64>();
@@ -162,12 +162,12 @@ fn events_of_a_rigid_slider_are_breaks() {
 fn stretches_add_up_to_the_contacts_and_carry_the_force() {
     for slip in RULES {
         let [population, _] = populations();
-        let mut slider = soft(slip).simulation(population, &mut ()).unwrap();
+        let mut slider = soft(slip).simulation(population).unwrap();
         for until in [0.7, 2.1, 3.3, 2.6, 1.5] {
-            slider.run(until, &mut (), &mut |_| ()).unwrap();
+            slider.run(until, &mut |_| ()).unwrap();
             let (number, width) = (40_000, 1e-4);
             let stretches: Vec<f64> = (0..number).map(|i| width * (f64::from(i) - 19_999.5)).collect();
-            let (density, atoms) = slider.stretch_density(&stretches, &mut ()).unwrap().unwrap();
+            let (density, atoms) = slider.stretch_density(&stretches).unwrap().unwrap();
             let sum = |of: &dyn Fn(f64) -> f64| {
                 let spread: f64 = density.iter().zip(&stretches).map(|(q, &x)| width * q * of(x)).sum();
                 spread + atoms.iter().map(|atom| atom.weight * of(atom.position)).sum::<f64>()
@@ -182,12 +182,12 @@ fn stretches_add_up_to_the_contacts_and_carry_the_force() {
 #[test]
 fn a_drive_that_makes_no_sense_is_refused() {
     let [population, _] = populations();
-    let mut slider = soft(Slip::Reset).simulation(population, &mut ()).unwrap();
-    assert!(slider.next_event(f64::NAN, &mut ()).is_err());
+    let mut slider = soft(Slip::Reset).simulation(population).unwrap();
+    assert!(slider.next_event(f64::NAN).is_err());
     let [solved, drawn] = populations();
-    let state = soft(Slip::Reset).simulation(drawn, &mut ()).unwrap().state();
-    let mut slider = soft(Slip::Reset).simulation(solved, &mut ()).unwrap();
-    slider.run(2.0, &mut (), &mut |_| ()).unwrap();
+    let state = soft(Slip::Reset).simulation(drawn).unwrap().state();
+    let mut slider = soft(Slip::Reset).simulation(solved).unwrap();
+    slider.run(2.0, &mut |_| ()).unwrap();
     let before = slider.state();
     assert!(slider.restore(state, &mut ()).unwrap_err().to_string().contains("state: expected"));
     assert_eq!(slider.state(), before);

@@ -19,7 +19,7 @@ fn equation(
     start: Start,
 ) -> MasterEquation {
     let contacts = Contacts::new(thresholds.clone(), reforming.clone());
-    MasterEquation::new(contacts, &Initial { law: initial.clone(), start }, &mut ()).unwrap()
+    MasterEquation::new(contacts, &Initial { law: initial.clone(), start }).unwrap()
 }
 
 fn relaxed(thresholds: &SharedLaw) -> MasterEquation {
@@ -28,14 +28,14 @@ fn relaxed(thresholds: &SharedLaw) -> MasterEquation {
 }
 
 fn covariances(pull: &Pull, positions: &[f64]) -> Vec<f64> {
-    pull.covariance(positions, 1.0, &mut ()).unwrap().values().to_vec()
+    pull.covariance(positions, 1.0).unwrap().values().to_vec()
 }
 
 /// Values of a solution on a fine grid, made for them. 1e-11: the sum of some ten terms of order 1, each
 /// accurate to 1e-12.
 #[test]
 fn covariances_of_gaussian_thresholds_have_their_reference_values() {
-    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull(6.0, 1e-11, &mut ()).unwrap();
+    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull_with(6.0, 1e-11, &mut ()).unwrap();
     let found = covariances(&pull, &[0.9, 1.0, 2.18, 5.45]);
     for (i, j, expected) in [
         (0, 0, 0.096_188_366_245_350_4),
@@ -51,7 +51,7 @@ fn covariances_of_gaussian_thresholds_have_their_reference_values() {
 /// F = 1 − e^{−X} and C = e^{−(X₂ − X₁)} − 2X₁e^{−X₂} − e^{−(X₁ + X₂)}.
 #[test]
 fn exponential_thresholds_have_a_closed_form() {
-    let pull = relaxed(&shared(Exponential::new(1.0))).pull(8.0, 1e-12, &mut ()).unwrap();
+    let pull = relaxed(&shared(Exponential::new(1.0))).pull_with(8.0, 1e-12, &mut ()).unwrap();
     let positions: Vec<f64> = (0..=40).map(|k| 0.2 * f64::from(k)).collect();
     let found = covariances(&pull, &positions);
     for (i, a) in positions.iter().enumerate() {
@@ -81,10 +81,10 @@ fn the_diagonal_is_the_variance() {
         (&points, &zero, &wide, Start::Relaxed),
     ] {
         let equation = equation(thresholds, reforming, initial, start);
-        let pull = equation.pull(4.0, 1e-11, &mut ()).unwrap();
+        let pull = equation.pull_with(4.0, 1e-11, &mut ()).unwrap();
         let positions: Vec<f64> = (0..50).map(|k| 0.08 * f64::from(k)).collect();
-        let found = pull.covariance(&positions, 100.0, &mut ()).unwrap();
-        let std = pull.force_std(100.0, &mut ()).unwrap();
+        let found = pull.covariance(&positions, 100.0).unwrap();
+        let std = pull.force_std(100.0).unwrap();
         for (i, x) in positions.iter().enumerate() {
             let apart = found.at(i, i) - std(*x).powi(2);
             // per contact; 1e-11 of the solution times the terms, of order X
@@ -104,9 +104,9 @@ fn covariances_are_those_of_contacts_followed_one_by_one() {
     let (thresholds, reforming) = (shared(Gaussian::new(1.0, 0.2)), shared(Gaussian::new(0.1, 0.03)));
     let initial = shared(Rectangular::new(0.0, 0.6));
     let equation = equation(&thresholds, &reforming, &initial, Start::Conditional);
-    let pull = equation.pull(4.0, 1e-10, &mut ()).unwrap();
+    let pull = equation.pull_with(4.0, 1e-10, &mut ()).unwrap();
     let positions: Vec<f64> = (1..=11).map(|k| 0.35 * f64::from(k)).collect();
-    let exact = pull.covariance(&positions, 1.0, &mut ()).unwrap();
+    let exact = pull.covariance(&positions, 1.0).unwrap();
     const CONTACTS: u64 = 400_000;
     let draw = |law: &SharedLaw, stream: &mut Stream, above: f64| {
         // conditional on x_s > the stretch at which the contact starts
@@ -160,9 +160,9 @@ fn covariances_are_those_of_contacts_followed_one_by_one() {
 /// error of a covariance is √[(C₁₁C₂₂ + C₁₂²)/4000]: none of 1600 is off by six of them.
 #[test]
 fn sample_paths_have_the_covariance() {
-    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull(6.0, 1e-10, &mut ()).unwrap();
+    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull_with(6.0, 1e-10, &mut ()).unwrap();
     let positions: Vec<f64> = (0..40).map(|k| 0.15 * f64::from(k)).collect();
-    let covariance = pull.covariance(&positions, 1000.0, &mut ()).unwrap();
+    let covariance = pull.covariance(&positions, 1000.0).unwrap();
     let paths = covariance.sample_paths(4000, 3).unwrap();
     assert_eq!(paths, covariance.sample_paths(4000, 3).unwrap());
     let over = |i: usize, j: usize| {
@@ -186,11 +186,10 @@ fn what_does_not_renew_completely_is_refused() {
     let initial = Initial { law: zero.clone(), start: Start::Conditional };
     let mut contacts = Contacts::new(law, zero);
     contacts.rules.delay = 0.5;
-    let pull =
-        MasterEquation::at(contacts, &initial, 1.0, &mut ()).unwrap().pull(2.0, 1e-8, &mut ()).unwrap();
-    let error = pull.covariance(&[1.0], 1.0, &mut ()).unwrap_err().to_string();
+    let pull = MasterEquation::at(contacts, &initial, 1.0).unwrap().pull_with(2.0, 1e-8, &mut ()).unwrap();
+    let error = pull.covariance(&[1.0], 1.0).unwrap_err().to_string();
     assert!(error.contains("delay"), "{error}");
-    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull(2.0, 1e-8, &mut ()).unwrap();
-    assert!(pull.covariance(&[2.5], 1.0, &mut ()).is_err());
-    assert!(pull.covariance(&[1.0], 0.0, &mut ()).is_err());
+    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull_with(2.0, 1e-8, &mut ()).unwrap();
+    assert!(pull.covariance(&[2.5], 1.0).is_err());
+    assert!(pull.covariance(&[1.0], 0.0).is_err());
 }

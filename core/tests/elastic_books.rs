@@ -66,7 +66,7 @@ fn slides_end_in_the_nearest_balance() {
             let slow = crept(&mut disordered(same, setting), coupling.as_mut(), drive, connection);
             let mut fast = disordered(again, setting);
             fast.put(drive, &vec![0.0; slow.len()]).unwrap();
-            fast.next(drive, &mut ()).unwrap();
+            fast.next(drive).unwrap();
             // Forces out of balance by 1e-10 hold cells back by that over a stiffness no less than 1e-3.
             fast.positions().iter().zip(&slow).for_each(|(fast, slow)| near(*fast, *slow, 1e-7));
         }
@@ -80,14 +80,14 @@ fn forces_and_energies_balance_after_every_event() {
             for (mut coupling, same) in couplings().into_iter().zip(couplings()) {
                 let (connection, end) = if loading == CellLoading::Edge { (2.0, 9.0) } else { (0.3, 5.0) };
                 let connected = match loading {
-                    CellLoading::Uniform => coupling.shape().size(),
                     CellLoading::Edge => coupling.shape().first_row(),
+                    _ => coupling.shape().size(),
                 };
                 let setting = InterfaceParameters { loading, ..setting(connection, slip, 1e-4) };
                 let mut interface = disordered(same, setting);
                 let mut number = 0;
                 loop {
-                    let found = interface.next(end, &mut ()).unwrap();
+                    let found = interface.next(end).unwrap();
                     if found.is_empty() {
                         break;
                     }
@@ -160,7 +160,7 @@ fn an_interface_goes_on_from_its_state_bit_for_bit() {
         let all = events(&mut whole, 6.0);
         let (mut first, mut part) = (new(), Vec::new());
         while part.len() < all.len() / 2 {
-            part.extend(first.next(6.0, &mut ()).unwrap().iter().map(|(event, _)| *event));
+            part.extend(first.next(6.0).unwrap().iter().map(|(event, _)| *event));
         }
         let state = first.state();
         drop(first);
@@ -201,7 +201,7 @@ fn a_stop_leaves_no_trace() {
         let all = events(&mut whole, 4.0);
         let (mut stopped, mut found, mut stops) = (new(), Vec::new(), 0);
         loop {
-            match stopped.run(4.0, &mut Impatient(2 + stops), &mut |event, _| found.push(*event)) {
+            match stopped.run_with(4.0, &mut Impatient(2 + stops), &mut |event, _| found.push(*event)) {
                 Ok(()) => break,
                 Err(asperity::Error::Stopped) => stops += 1,
                 Err(error) => panic!("{error}"),

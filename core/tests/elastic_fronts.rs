@@ -131,7 +131,7 @@ fn weakening(coupling: Box<dyn Coupling>, connection: f64) -> usize {
     let mut patch = interface(&falling(), None, coupling, setting(connection, CellSlip::Overdamped, 1e-6));
     let mut events = 0;
     let end = patch.drive() + 0.01;
-    patch.run(end, &mut (), &mut |_, _| events += 1).unwrap();
+    patch.run(end, &mut |_, _| events += 1).unwrap();
     events
 }
 
@@ -197,7 +197,7 @@ fn speed(stiffness: f64, above: f64) -> f64 {
     let drive = chain.drive();
     let mut starts = vec![f64::NAN; chain.len()];
     let mut log = |slipped: &[Slipped]| slipped.iter().for_each(|s| starts[s.cell] = s.start);
-    chain.run(drive, &mut (), &mut |_, slipped| log(slipped)).unwrap();
+    chain.run(drive, &mut |_, slipped| log(slipped)).unwrap();
     if starts[ahead + 20].is_nan() {
         return 0.0;
     }

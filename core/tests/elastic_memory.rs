@@ -22,9 +22,9 @@ fn most(side: usize) -> f64 {
     let scales = scales(shape.size(), 0.03);
     let mut interface = interface(&gaussian(0.1), Some(scales), slider, stiff);
     interface.put(3.2, &vec![0.0; shape.size()]).unwrap();
-    let slipped = interface.next(3.2, &mut ()).unwrap().iter().map(|(event, _)| event.cells).sum::<usize>();
+    let slipped = interface.next(3.2).unwrap().iter().map(|(event, _)| event.cells).sum::<usize>();
     assert_eq!(slipped, shape.size());
-    interface.run(3.21, &mut (), &mut |_, _| ()).unwrap();
+    interface.run(3.21, &mut |_, _| ()).unwrap();
     (MEMORY.peak_usage() - before) as f64
 }
 

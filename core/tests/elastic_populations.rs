@@ -19,7 +19,7 @@ fn ensemble(size: usize, first: usize, count: f64, disorder: Disorder) -> Box<dy
     let one = contacts(&gaussian(1.0, 0.1), &rectangular(0.0, 0.3));
     let many = Contacts { count, ..one };
     let ensemble = Ensemble::new(many, initial(&point(0.0)), size, 3, disorder).unwrap();
-    Box::new(ensemble.numbered_from(first as u64).population(&mut ()).unwrap())
+    Box::new(ensemble.numbered_from(first as u64).population().unwrap())
 }
 
 /// Cells of so many annealed contacts of total stiffness 1.
@@ -68,7 +68,7 @@ fn one_cell_is_a_block_over_its_ensemble() {
 /// Slides, each as its drive, the force after it and the contacts that have broken by then.
 fn slides(interface: &mut Interface, drive: f64) -> Vec<[f64; 3]> {
     let mut slides = Vec::new();
-    while !interface.next(drive, &mut ()).unwrap().is_empty() {
+    while !interface.next(drive).unwrap().is_empty() {
         slides.push([interface.drive(), interface.force(), interface.broken()]);
     }
     slides
@@ -112,7 +112,7 @@ fn written(events: &[Event]) -> Vec<String> {
 fn energies_balance_after_every_event() {
     for slip in [CellSlip::Overdamped, CellSlip::Reset] {
         let mut interface = soft(slip);
-        while !interface.next(8.0, &mut ()).unwrap().is_empty() {
+        while !interface.next(8.0).unwrap().is_empty() {
             near(interface.energy().imbalance(), 0.0, 1e-10);
         }
         assert!(interface.broken() > 2.0);
@@ -140,7 +140,7 @@ fn cells_go_on_from_their_state_bit_for_bit() {
         let all = events(&mut whole, 6.0);
         let (mut first, mut part) = (soft(slip), Vec::new());
         while part.len() < all.len() / 2 {
-            part.extend(first.next(6.0, &mut ()).unwrap().iter().map(|(event, _)| *event));
+            part.extend(first.next(6.0).unwrap().iter().map(|(event, _)| *event));
         }
         let mut second = soft(slip);
         second.restore(first.state(), &mut ()).unwrap();
@@ -157,7 +157,7 @@ fn what_was_stopped_goes_on_as_if_it_had_not_been() {
         let all = events(&mut whole, 4.0);
         let (mut interface, mut found, mut patience) = (soft(slip), Vec::new(), 2);
         loop {
-            match interface.run(4.0, &mut Impatient(patience), &mut |event, _| found.push(*event)) {
+            match interface.run_with(4.0, &mut Impatient(patience), &mut |event, _| found.push(*event)) {
                 Ok(()) => break,
                 Err(asperity::Error::Stopped) => patience += 1,
                 Err(error) => panic!("{error}"),
@@ -175,7 +175,7 @@ fn stretches_of_the_contacts_of_a_cell_add_up_to_its_force() {
         let scaled = cells(3, 40).scaled(&[1.0, 0.8, 1.3]).unwrap();
         let mut chain = chain(scaled, 3, 0.5, slip, 1e-6);
         for drive in [0.0, 1.5, 4.0] {
-            chain.run(drive, &mut (), &mut |_, _| ()).unwrap();
+            chain.run(drive, &mut |_, _| ()).unwrap();
             let forces = chain.forces();
             for (cell, force) in forces.into_iter().enumerate() {
                 let contacts = chain.stretches(cell).unwrap().unwrap();
@@ -199,7 +199,7 @@ fn stretches_of_the_contacts_of_a_cell_add_up_to_its_force() {
 /// How far curves are known decides on steps.
 #[test]
 fn what_is_recalled_knows_no_more_than_at_the_mark() {
-    let curves = || asperity::elastic::Curves::new(&*ensemble(4, 0, 1.0, Disorder::Annealed), 3, &mut ());
+    let curves = || asperity::elastic::Curves::new(&*ensemble(4, 0, 1.0, Disorder::Annealed), 3);
     let made: [&dyn Fn() -> Box<dyn Cells>; 2] = [&|| Box::new(cells(3, 4)), &|| Box::new(curves().unwrap())];
     for new in made {
         let mut twins = [new(), new()];
@@ -227,8 +227,7 @@ fn cells_refuse_states_and_scales_of_others() {
     let error = cells(3, 4).scaled(&[1.0, 0.0, 1.0]).err().unwrap().to_string();
     assert!(error.contains("0 for cell 1"), "{error}");
     let state = chain(cells(2, 4), 2, 1.0, CellSlip::Reset, 1e-6).state();
-    let curves =
-        || asperity::elastic::Curves::new(&*ensemble(4, 0, 1.0, Disorder::Annealed), 2, &mut ()).unwrap();
+    let curves = || asperity::elastic::Curves::new(&*ensemble(4, 0, 1.0, Disorder::Annealed), 2).unwrap();
     let coupling = neighbours(Shape::Chain(2), Edges::Open, 1.0).unwrap();
     let mut other =
         Interface::new(Box::new(curves()), coupling, setting(0.5, CellSlip::Reset, 1e-6)).unwrap();

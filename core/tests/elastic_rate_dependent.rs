@@ -37,7 +37,7 @@ fn logarithmic() -> Contacts {
 }
 
 fn transport(contacts: &Contacts, tolerance: f64) -> Box<dyn RateDependentContacts> {
-    Box::new(Transport::new(contacts.clone(), &initial(&point(0.0)), tolerance, &mut ()).unwrap())
+    Box::new(Transport::new_with(contacts.clone(), &initial(&point(0.0)), tolerance, &mut ()).unwrap())
 }
 
 /// Cells whose contacts are these, of such scales.
@@ -66,7 +66,7 @@ fn setting(connection: f64, viscosity: f64, tolerance: f64) -> RateDependentInte
 
 fn events(interface: &mut RateDependentInterface, drive: f64, velocity: f64) -> Vec<Event> {
     let mut events = Vec::new();
-    interface.run(drive, velocity, &mut (), &mut |event, _| events.push(*event)).unwrap();
+    interface.run(drive, velocity, &mut |event, _| events.push(*event)).unwrap();
     events
 }
 
@@ -75,7 +75,7 @@ fn block(contacts: &dyn RateDependentContacts, stiffness: f64, damping: f64, way
     let slip = block::Slip::Damped { damping };
     let drive = History::new(vec![Piece { velocity: way.1, duration: way.0 / way.1 }]).unwrap();
     let block = Block::new(block::Loading::Spring(stiffness), slip, None).unwrap();
-    block.follow(contacts, &drive, &[], TOLERANCE, &mut ()).unwrap()
+    block.follow(contacts, &drive, &[], TOLERANCE).unwrap()
 }
 
 /// The events are the slips of a slider block, lengths to an accuracy.
@@ -208,8 +208,8 @@ fn slow_and_without_rules_it_is_the_athermal_interface() {
     let (stiffness, connection, viscosity, velocity, drive) = (0.5, 0.2, 1e-3, 1e-4, 5.8);
     let (scales, tolerance) = (&WEAK[..4], 3e-4);
     let relaxed = point(0.0);
-    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population(1e-10, &mut ()).unwrap();
-    let curves = Curves::new(&population, scales.len(), &mut ()).unwrap();
+    let population = master(&gaussian(1.0, 0.1), &relaxed, &relaxed).population_with(1e-10, &mut ()).unwrap();
+    let curves = Curves::new(&population, scales.len()).unwrap();
     let athermal_setting = InterfaceParameters {
         connection,
         loading: CellLoading::Uniform,
@@ -221,7 +221,7 @@ fn slow_and_without_rules_it_is_the_athermal_interface() {
     let curves = Box::new(curves.scaled(scales.to_vec()).unwrap());
     let mut expected = Interface::new(curves, chain(scales.len(), stiffness), athermal_setting).unwrap();
     let mut catalogue = Vec::new();
-    expected.run(drive, &mut (), &mut |event, _| catalogue.push(*event)).unwrap();
+    expected.run(drive, &mut |event, _| catalogue.push(*event)).unwrap();
     let (contacts, setting) =
         (cells(&athermal(), scales, tolerance), setting(connection, viscosity, tolerance));
     let mut found = RateDependentInterface::new(contacts, chain(scales.len(), stiffness), setting).unwrap();
@@ -253,7 +253,7 @@ fn steps_are_of_second_order() {
         let contacts = cells(&athermal(), &WEAK[..3], 1e-2 * tolerance);
         let mut interface =
             RateDependentInterface::new(contacts, chain(3, 0.5), setting(0.2, 0.3, tolerance)).unwrap();
-        interface.run(4.0, 0.03, &mut (), &mut |_, _| ()).unwrap();
+        interface.run(4.0, 0.03, &mut |_, _| ()).unwrap();
         interface.positions()
     };
     let [rough, fine, finest] = [1e-2, 1e-3, 1e-5].map(positions);
@@ -306,7 +306,7 @@ fn cells_of_single_contacts_slip_alike() {
         let cell = |j: usize| -> Box<dyn RateDependentContacts> {
             let model =
                 Ensemble::new(logarithmic(), relaxed.clone(), size, seed, Disorder::Annealed).unwrap();
-            let model = model.numbered_from((j * size) as u64).in_time(&mut ()).unwrap();
+            let model = model.numbered_from((j * size) as u64).in_time().unwrap();
             Box::new(Scaled::new(Box::new(model), WEAK[1 + j]).unwrap())
         };
         let few = RateDependentInterfaceParameters { slip_fraction: 0.05, ..setting(0.2, 0.1, tolerance) };
@@ -381,6 +381,6 @@ fn what_makes_no_sense_is_refused() {
         "slip_fraction"
     );
     let mut interface = make(2, good).unwrap();
-    assert!(interface.run(1.0, 0.0, &mut (), &mut |_, _| ()).is_err());
+    assert!(interface.run(1.0, 0.0, &mut |_, _| ()).is_err());
     assert!(Scaled::new(transport(&athermal(), 1e-3), 0.0).is_err());
 }

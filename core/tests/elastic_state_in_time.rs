@@ -63,11 +63,11 @@ fn start() -> Initial {
 }
 
 fn transport(contacts: &Contacts) -> Box<dyn RateDependentContacts> {
-    Box::new(Transport::new(contacts.clone(), &start(), 1e-2, &mut ()).unwrap())
+    Box::new(Transport::new_with(contacts.clone(), &start(), 1e-2, &mut ()).unwrap())
 }
 
 fn few(contacts: &Contacts, disorder: Disorder) -> Box<dyn RateDependentContacts> {
-    Box::new(Ensemble::new(contacts.clone(), start(), 300, 7, disorder).unwrap().in_time(&mut ()).unwrap())
+    Box::new(Ensemble::new(contacts.clone(), start(), 300, 7, disorder).unwrap().in_time().unwrap())
 }
 
 /// A chain of such cells at rest.
@@ -108,7 +108,7 @@ fn drive(
     events: &mut Vec<String>,
 ) -> bool {
     let mut each = |event: &Event, slipped: &[Slipped]| events.push(format!("{event:?} {slipped:?}"));
-    match interface.run(way.0, way.1, &mut Patience(steps), &mut each) {
+    match interface.run_with(way.0, way.1, &mut Patience(steps), &mut each) {
         Err(Error::Stopped) => false,
         done => done.is_ok(),
     }
@@ -175,7 +175,7 @@ fn a_state_of_something_else_is_refused() {
         refused(few(&of(to), Disorder::Annealed).restore(&transport(&of(to)).state()));
     }
     let more = Ensemble::new(of("logarithmic"), start(), 301, 7, Disorder::Annealed).unwrap();
-    refused(few(&of("logarithmic"), Disorder::Annealed).restore(&more.in_time(&mut ()).unwrap().state()));
+    refused(few(&of("logarithmic"), Disorder::Annealed).restore(&more.in_time().unwrap().state()));
     let cell = || transport(&of("logarithmic"));
     let setting = RateDependentInterfaceParameters {
         connection: 0.2,

@@ -21,13 +21,13 @@ use common::{contacts, gaussian, initial, master, point, rectangular};
 #[test]
 fn stretches_of_a_cell_carry_its_force() {
     let equation = master(&gaussian(1.0, 0.1), &rectangular(0.0, 0.2), &point(0.0));
-    let population = equation.population(1e-10, &mut ()).unwrap();
+    let population = equation.population_with(1e-10, &mut ()).unwrap();
     let scales = [1.0, 0.9, 1.2, 1.05];
     for slip in [CellSlip::Overdamped, CellSlip::Reset] {
-        let cells = Curves::new(&population, 4, &mut ()).unwrap().scaled(scales.to_vec()).unwrap();
+        let cells = Curves::new(&population, 4).unwrap().scaled(scales.to_vec()).unwrap();
         let coupling = neighbours(Shape::Chain(4), Edges::Open, 0.5).unwrap();
         let mut chain = Interface::new(Box::new(cells), coupling, setting(0.5, slip, 1e-6)).unwrap();
-        chain.run(2.7, &mut (), &mut |_, _| ()).unwrap();
+        chain.run(2.7, &mut |_, _| ()).unwrap();
         let forces = chain.forces();
         let step = 1e-4;
         let stretches: Vec<f64> = (0..20_000).map(|i| step * f64::from(i)).collect();
@@ -49,7 +49,7 @@ fn stretches_of_a_cell_carry_its_force() {
         }
         assert_eq!(renewed > 0, slip == CellSlip::Reset, "{renewed} cells have re-formed");
     }
-    let cells = Curves::new(&population, 4, &mut ()).unwrap();
+    let cells = Curves::new(&population, 4).unwrap();
     let coupling = neighbours(Shape::Chain(4), Edges::Open, 0.5).unwrap();
     let chain = Interface::new(Box::new(cells), coupling, setting(0.5, CellSlip::Reset, 1e-6)).unwrap();
     let error = chain.standing(4).unwrap_err().to_string();
@@ -79,7 +79,7 @@ fn rigid(contacts: Box<dyn RateDependentContacts>, scale: f64) -> RateDependentI
     let coupling = neighbours(Shape::Chain(1), Edges::Open, 1.0).unwrap();
     let contacts = Box::new(Scaled::new(contacts, scale).unwrap());
     let mut cell = RateDependentInterface::new(vec![contacts], coupling, setting).unwrap();
-    cell.run(scale * WAY, scale * VELOCITY, &mut (), &mut |_, _| ()).unwrap();
+    cell.run(scale * WAY, scale * VELOCITY, &mut |_, _| ()).unwrap();
     cell
 }
 
@@ -91,16 +91,16 @@ fn edges() -> Vec<f64> {
 #[test]
 fn stretches_of_a_cell_in_time_are_those_of_a_rigid_slider() {
     let start = initial(&gaussian(0.3, 0.1));
-    let equation = MasterEquation::at(ageing(), &start, VELOCITY, &mut ()).unwrap();
-    let pull = equation.pull(WAY, 1e-10, &mut ()).unwrap();
+    let equation = MasterEquation::at(ageing(), &start, VELOCITY).unwrap();
+    let pull = equation.pull_with(WAY, 1e-10, &mut ()).unwrap();
     let mean = |ends: &[f64]| {
         let places: Vec<f64> =
             (0..20).map(|i| ends[0] + (f64::from(i) + 0.5) / 20.0 * (ends[1] - ends[0])).collect();
-        pull.stretch_density(WAY, &places, &mut ()).unwrap().density.iter().sum::<f64>() / 20.0
+        pull.stretch_density(WAY, &places).unwrap().density.iter().sum::<f64>() / 20.0
     };
     let expected: Vec<f64> = edges().windows(2).map(mean).collect();
     for scale in [1.0, 1.3] {
-        let cell = rigid(Box::new(Transport::new(ageing(), &start, 1e-5, &mut ()).unwrap()), scale);
+        let cell = rigid(Box::new(Transport::new_with(ageing(), &start, 1e-5, &mut ()).unwrap()), scale);
         let portions = cell.stretches(0).unwrap();
         let edges: Vec<f64> = edges().iter().map(|edge| scale * edge).collect();
         let density = binned(&portions, &edges).unwrap();
@@ -121,10 +121,10 @@ fn stretches_of_a_cell_in_time_are_those_of_a_rigid_slider() {
 fn contacts_of_a_cell_followed_one_by_one_stand_where_those_of_a_pull_do() {
     let size = 2000;
     let model = Ensemble::new(ageing(), initial(&point(0.0)), size, 5, Disorder::Annealed).unwrap();
-    let cell = rigid(Box::new(model.in_time(&mut ()).unwrap()), 1.0);
+    let cell = rigid(Box::new(model.in_time().unwrap()), 1.0);
     let portions = cell.stretches(0).unwrap();
     let snapshots = Snapshots { positions: vec![WAY], edges: edges() };
-    let pull = model.pull_at(VELOCITY, &[WAY], &snapshots, &mut ()).unwrap();
+    let pull = model.pull_at_with(VELOCITY, &[WAY], &snapshots, &mut ()).unwrap();
     // The cell lags behind by 1e-6, on which no contact breaks or comes to another bin but one time in a hundred.
     for (found, expected) in binned(&portions, &edges()).unwrap().iter().zip(pull.stretch_density(0..1)) {
         near(*found, expected, 1e-10);

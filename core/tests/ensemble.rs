@@ -50,7 +50,7 @@ impl Case {
     }
 
     fn pull(&self, positions: &[f64]) -> EnsemblePull {
-        self.build().unwrap().pull(positions, &Snapshots::default(), &mut ()).unwrap()
+        self.build().unwrap().pull(positions).unwrap()
     }
 
     /// Checks forces within 4 standard errors.
@@ -211,7 +211,7 @@ fn same_bits_on_any_number_of_threads() {
     let ensemble = Case { reforming: rectangular(0.0, 0.2), ..figure_2() }.build().unwrap();
     let pull = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| ensemble.pull(&positions, &snapshots, &mut ()).unwrap())
+        pool.install(|| ensemble.pull_with(&positions, &snapshots, &mut ()).unwrap())
     };
     let alone = pull(1);
     assert_eq!(alone, pull(2));
@@ -249,7 +249,7 @@ fn stretches_in_steady_sliding() {
     let edges: Vec<f64> = (0..=25).map(|i| f64::from(i) * 0.05).chain([2.0]).collect();
     let snapshots = Snapshots { positions: vec![120.0], edges: edges.clone() };
     let case = Case::of(gaussian(1.0, 0.1));
-    let pull = case.build().unwrap().pull(&[120.0], &snapshots, &mut ()).unwrap();
+    let pull = case.build().unwrap().pull_with(&[120.0], &snapshots, &mut ()).unwrap();
     let counts = &pull.histograms[0];
     assert_eq!(counts.iter().sum::<u64>(), 100_000);
     // ∫S over a bin is that of (ξ − x)₊ at its ends, from moments.
@@ -273,7 +273,7 @@ fn stretches_averaged_over_snapshots() {
     let edges: Vec<f64> = (0..=8).map(|i| f64::from(i) * 0.1).collect();
     let snapshots = Snapshots { positions, edges };
     let case = Case { size: 2000, ..Case::of(gaussian(1.0, 0.05)) };
-    let pull = case.build().unwrap().pull(&[0.0, 200.0], &snapshots, &mut ()).unwrap();
+    let pull = case.build().unwrap().pull_with(&[0.0, 200.0], &snapshots, &mut ()).unwrap();
     for density in pull.stretch_density(0..200) {
         assert!((density - 1.0).abs() < 4.0 * (0.9_f64 / (0.1 * 2000.0)).sqrt());
     }
@@ -300,7 +300,7 @@ fn monitor_hears_and_stops() {
     let ensemble = Case { disorder: Disorder::Quenched, ..figure_2() }.build().unwrap();
     let run = |most| {
         let mut watch = Stopwatch { heard: Vec::new(), most };
-        (ensemble.pull(&[1000.0], &Snapshots::default(), &mut watch).map(|p| p.breaks), watch.heard)
+        (ensemble.pull_with(&[1000.0], &Snapshots::default(), &mut watch).map(|p| p.breaks), watch.heard)
     };
     let (outcome, heard) = run(usize::MAX);
     assert!(outcome.is_ok() && heard.len() > 1 && heard.is_sorted() && heard.last() == Some(&1.0));
@@ -320,9 +320,9 @@ fn contacts_without_a_place_are_refused() {
     assert_eq!(key(Case { size: 0, ..narrow.clone() }.build()), "size");
     assert_eq!(key(Case { initial: rectangular(0.0, 1.2), ..narrow.clone() }.build()), "initial");
     let above = Case { reforming: point(1.1), ..narrow.clone() };
-    assert_eq!(key(above.build()), "contacts.reforming");
+    assert_eq!(key(above.build()), "reforming");
     let within = Case { reforming: point(1.0), disorder: Disorder::Quenched, ..narrow.clone() };
-    assert_eq!(key(within.build()), "contacts.thresholds");
+    assert_eq!(key(within.build()), "thresholds");
     assert!(Case { reforming: point(1.0), ..narrow.clone() }.build().is_ok());
     assert!(Case { initial: rectangular(0.0, 1.2), start: Start::Relaxed, ..narrow }.build().is_ok());
 }
@@ -332,7 +332,7 @@ fn positions_that_make_no_sense_are_refused() {
     let ensemble = Case { size: 10, ..figure_2() }.build().unwrap();
     let pull = |positions: &[f64], snapshots: &[f64], edges: &[f64]| {
         let snapshots = Snapshots { positions: snapshots.to_vec(), edges: edges.to_vec() };
-        key(ensemble.pull(positions, &snapshots, &mut ()))
+        key(ensemble.pull_with(positions, &snapshots, &mut ()))
     };
     for bad in [&[] as &[f64], &[1.0, 0.5], &[-1.0, 1.0], &[0.0, f64::NAN], &[f64::INFINITY]] {
         assert_eq!(pull(bad, &[], &[]), "positions");

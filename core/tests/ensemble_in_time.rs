@@ -47,11 +47,10 @@ fn they_live_the_lives_of_those_followed_one_by_one() {
     for kind in kinds().iter().filter(|kind| kind.name != "smoluchowski") {
         for (name, way) in kind.ways() {
             let ensemble = ensemble(&kind.contacts, 500, 3);
-            let seen =
-                go(&mut ensemble.in_time(&mut ()).unwrap(), &way, 7, |c| (c.time(), c.force(), c.free()));
+            let seen = go(&mut ensemble.in_time().unwrap(), &way, 7, |c| (c.time(), c.force(), c.free()));
             let mut times: Vec<f64> = seen.iter().map(|seen| seen.0.min(way.duration())).collect();
             *times.last_mut().unwrap() = way.duration();
-            let followed = ensemble.follow(&way, &times, &mut ()).unwrap();
+            let followed = ensemble.follow(&way, &times).unwrap();
             for (i, &(time, force, free)) in seen.iter().enumerate() {
                 // Rounding of times, which heat makes the more of the longer a way takes.
                 near(force, followed.force[i], 1e-8);
@@ -67,8 +66,8 @@ fn contacts_of_other_numbers_are_the_others_of_a_larger_ensemble() {
     let contacts = Contacts { rules: warm(), ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
     let way = steady(1e-2, 2.5);
     let force = |ensemble: Ensemble| {
-        let together = go(&mut ensemble.in_time(&mut ()).unwrap(), &way, 1, |c| c.force())[0];
-        near(ensemble.follow(&way, &[way.duration()], &mut ()).unwrap().force[0], together, 1e-12);
+        let together = go(&mut ensemble.in_time().unwrap(), &way, 1, |c| c.force())[0];
+        near(ensemble.follow(&way, &[way.duration()]).unwrap().force[0], together, 1e-12);
         together
     };
     let all = force(ensemble(&contacts, 300, 5));
@@ -101,7 +100,7 @@ fn diffusing() -> Ageing {
 fn the_work_is_found_again() {
     for ageing in [strengthening(), diffusing()] {
         let (velocity, distance, steps) = (0.1, 3.0, 20_000);
-        let mut contacts = ensemble(&involved(ageing), 50, 2).in_time(&mut ()).unwrap();
+        let mut contacts = ensemble(&involved(ageing), 50, 2).in_time().unwrap();
         let forces = go(&mut contacts, &steady(velocity, distance), steps, |c| c.force());
         let by = distance / f64::from(steps);
         let work = by * (forces.iter().sum::<f64>() - 0.5 * forces[forces.len() - 1]);
@@ -131,14 +130,14 @@ fn energies_are_those_of_transport() {
     let way = way.unwrap();
     for ageing in [strengthening(), diffusing()] {
         let contacts = involved(ageing);
-        let transport = Transport::new(contacts.clone(), &initial(&point(0.0)), 1e-4, &mut ()).unwrap();
+        let transport = Transport::new_with(contacts.clone(), &initial(&point(0.0)), 1e-4, &mut ()).unwrap();
         let mut transport = transport.copy();
         go(transport.as_mut(), &way, 1, |_| ());
         let exact = transport.books();
         let drawn: Vec<Books> = (0..25)
             .map(|batch| {
                 let ensemble = ensemble(&contacts, 400, 1).numbered_from(400 * batch);
-                let mut ensemble = ensemble.in_time(&mut ()).unwrap();
+                let mut ensemble = ensemble.in_time().unwrap();
                 go(&mut ensemble, &way, 1, |_| ());
                 ensemble.books()
             })
@@ -164,7 +163,7 @@ fn slide(
     tolerance: f64,
 ) -> Slide {
     let block = Block::new(Loading::Spring(stiffness), slip, Some(0.05)).unwrap();
-    block.follow(contacts, drive, &[], tolerance, &mut ()).unwrap()
+    block.follow(contacts, drive, &[], tolerance).unwrap()
 }
 
 #[test]
@@ -173,9 +172,9 @@ fn slow_and_little_damped_it_is_the_block_without_time_over_the_same_contacts() 
     let ensemble = ensemble(&contacts, 300, 4);
     let block = Block::new(Loading::Spring(1.0), Slip::Overdamped, Some(0.05)).unwrap();
     let drive = Drive { turning_points: vec![3.0], points: 2 };
-    let athermal = block.pull(&mut ensemble.population(&mut ()).unwrap(), &drive, &mut ()).unwrap();
+    let athermal = block.pull(&mut ensemble.population().unwrap(), &drive).unwrap();
     let damped = Slip::Damped { damping: 1e-3 };
-    let run = slide(&ensemble.in_time(&mut ()).unwrap(), (1.0, damped), &steady(1e-5, 3.0), 1e-4);
+    let run = slide(&ensemble.in_time().unwrap(), (1.0, damped), &steady(1e-5, 3.0), 1e-4);
     assert_eq!((run.slips.len(), athermal.events.len()), (2, 2));
     // The slider lingers where balance is lost for some (γv)^{2/3}.
     let lingering = 1e-8_f64.powf(2.0 / 3.0);
@@ -196,13 +195,13 @@ fn a_block_slips_as_over_transport() {
     let rules = Rules { ageing: Some(strengthening()), ..Rules::default() };
     let contacts = Contacts { rules, ..contacts(&gaussian(1.0, 0.2), &point(0.0)) };
     let (block, drive) = ((0.3, Slip::Damped { damping: 0.1 }), steady(1e-2, 4.8));
-    let transport = Transport::new(contacts.clone(), &initial(&point(0.0)), 1e-5, &mut ()).unwrap();
+    let transport = Transport::new_with(contacts.clone(), &initial(&point(0.0)), 1e-5, &mut ()).unwrap();
     let exact = slide(&transport, block, &drive, 1e-4).slips[0];
     let size = 500;
     let slips: Vec<_> = (0..8)
         .map(|batch| {
             let ensemble = ensemble(&contacts, size, 4).numbered_from(batch * size as u64);
-            slide(&ensemble.in_time(&mut ()).unwrap(), block, &drive, 1e-3).slips[0]
+            slide(&ensemble.in_time().unwrap(), block, &drive, 1e-3).slips[0]
         })
         .collect();
     let drives = mean(&slips.iter().map(|slip| slip.before.drive).collect::<Vec<_>>());
@@ -215,6 +214,6 @@ fn a_block_slips_as_over_transport() {
 
 #[test]
 fn ways_that_are_none_are_refused() {
-    let mut contacts = ensemble(&involved(strengthening()), 10, 1).in_time(&mut ()).unwrap();
+    let mut contacts = ensemble(&involved(strengthening()), 10, 1).in_time().unwrap();
     assert!(contacts.step(-0.1, 1.0, &mut ()).is_err() && contacts.step(0.1, 0.0, &mut ()).is_err());
 }

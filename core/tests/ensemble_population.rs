@@ -7,7 +7,7 @@ use std::iter::repeat_with;
 use std::ops::ControlFlow;
 
 use asperity::contacts::{Contacts, Initial, Start, Stiffness};
-use asperity::ensemble::{Disorder, Ensemble, EnsemblePopulation, Snapshots};
+use asperity::ensemble::{Disorder, Ensemble, EnsemblePopulation};
 use asperity::law::SharedLaw;
 use asperity::monitor::Monitor;
 use asperity::population::{Direction, Population};
@@ -37,8 +37,8 @@ fn what_takes_long_with_many_contacts_can_be_stopped() {
     // Two slices of contacts and a bit.
     let ensemble = Ensemble::new(contacts, initial(&point(0.0)), 600_000, 1, Disorder::Annealed).unwrap();
     // Drawn in three slices, put in place in two more, thrown onto rungs in twice two and, as they move, two.
-    assert_eq!(asked(|monitor| ensemble.population(monitor).map(drop)), 11);
-    let population = ensemble.population(&mut ()).unwrap();
+    assert_eq!(asked(|monitor| ensemble.population_with(monitor).map(drop)), 11);
+    let population = ensemble.population().unwrap();
     let of_population = |work: &dyn Fn(&mut EnsemblePopulation, &mut Patience) -> Result<()>| {
         asked(|monitor| work(&mut population.clone(), monitor))
     };
@@ -141,7 +141,7 @@ impl Case {
     }
 
     fn population(&self) -> EnsemblePopulation {
-        self.ensemble().population(&mut ()).unwrap()
+        self.ensemble().population().unwrap()
     }
 }
 
@@ -220,7 +220,7 @@ fn close(a: f64, b: f64, tolerance: f64) {
 fn forward_it_is_the_pull_of_the_same_contacts() {
     let positions: Vec<f64> = (0..=60).map(|i| 0.37 * f64::from(i)).collect();
     for case in cases() {
-        let pull = case.ensemble().pull(&positions, &Snapshots::default(), &mut ()).unwrap();
+        let pull = case.ensemble().pull(&positions).unwrap();
         let mut population = case.population();
         for (&position, &force) in positions.iter().zip(&pull.force) {
             go(&mut population, position);
@@ -240,12 +240,12 @@ fn forward_it_agrees_with_the_master_equation() {
         (gamma(1.0, 0.5), point(0.0)),
         (rectangular(0.4, 1.6), rectangular(0.0, 0.6)),
     ] {
-        let pull = master(&thresholds, &reforming, &point(0.0)).pull(12.0, 1e-9, &mut ()).unwrap();
+        let pull = master(&thresholds, &reforming, &point(0.0)).pull_with(12.0, 1e-9, &mut ()).unwrap();
         let mut population = Case { reforming, size: 100_000, ..Case::of(thresholds) }.population();
         for position in [0.3, 0.9, 1.7, 4.4, 11.9] {
             go(&mut population, position);
             let off = population.ahead(0.0).force - pull.force(position);
-            assert!(off.abs() < 4.0 * pull.force_std(1e5, &mut ()).unwrap()(position), "{off} at {position}");
+            assert!(off.abs() < 4.0 * pull.force_std(1e5).unwrap()(position), "{off} at {position}");
         }
     }
 }
@@ -525,7 +525,7 @@ fn same_bits_on_any_number_of_threads() {
     let run = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let mut population = ensemble.population(&mut ()).unwrap();
+            let mut population = ensemble.population().unwrap();
             let work = go(&mut population, 1.5);
             population.reset(Forward, &mut ()).unwrap();
             (work + go(&mut population, 3.0), population.ahead(0.0), population.books())
@@ -596,7 +596,7 @@ fn no_contact_breaks_twice_at_one_position() {
 #[test]
 fn thresholds_of_all_sizes_break_in_order() {
     let case = Case { size: 20_000, ..Case::of(weibull(0.1, 1e-4)) };
-    let pull = case.ensemble().pull(&[0.5, 20.0], &Snapshots::default(), &mut ()).unwrap();
+    let pull = case.ensemble().pull(&[0.5, 20.0]).unwrap();
     let mut population = case.population();
     for (position, force) in [0.5, 20.0].into_iter().zip(pull.force) {
         go(&mut population, position);
@@ -609,6 +609,6 @@ fn thresholds_of_all_sizes_break_in_order() {
 #[test]
 fn too_many_contacts_are_refused() {
     let ensemble = Case { size: 1 << 40, ..Case::of(point(1.0)) }.ensemble();
-    let Err(Error::TooLarge { what, .. }) = ensemble.population(&mut ()) else { panic!("not refused") };
+    let Err(Error::TooLarge { what, .. }) = ensemble.population() else { panic!("not refused") };
     assert!(what.contains("1099511627776 contacts"), "{what}");
 }

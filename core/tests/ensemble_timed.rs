@@ -62,7 +62,7 @@ impl Case {
     }
 
     fn follow(&self, history: &History, times: &[f64]) -> EnsembleTrace {
-        self.build().unwrap().follow(history, times, &mut ()).unwrap()
+        self.build().unwrap().follow(history, times).unwrap()
     }
 
     /// Checks the kinetic friction, at the end of a slide over a distance.
@@ -274,6 +274,7 @@ fn force_decays_in_a_hold() {
                 Barrier::Elastic => 1.0 - stretch * stretch,
                 Barrier::Bell => 1.0 - stretch,
                 Barrier::Catastrophe => (1.0 - stretch).powf(1.5),
+                barrier => unreachable!("{barrier:?}"),
             };
             (-20.0 * missing).exp()
         };
@@ -314,7 +315,7 @@ fn contacts_that_know_no_time_do_what_they_do_in_a_pull() {
             case.contacts.stiffness = stiffness;
             let trace = case.follow(&history, &times);
             let pull = case.build().unwrap();
-            let pull = pull.pull(&trace.position, &Snapshots::default(), &mut ()).unwrap();
+            let pull = pull.pull(&trace.position).unwrap();
             for i in 0..times.len() {
                 // Sums of 20 000 terms in another order; errors are roots of differences.
                 assert!((trace.force[i] - pull.force[i]).abs() < 1e-12);
@@ -333,13 +334,13 @@ fn a_pull_at_a_velocity_is_a_pull() {
     let snapshots = Snapshots { positions: vec![0.0, 0.7, 0.72, 4.0], edges: vec![0.0, 0.3, 0.6, 1.3] };
     let case = Case { initial: gaussian(0.1, 0.025), ..Case::of(gaussian(1.0, 0.05)) };
     let ensemble = case.build().unwrap();
-    let plain = ensemble.pull(&positions, &snapshots, &mut ()).unwrap();
-    let timed = ensemble.pull_at(0.3, &positions, &snapshots, &mut ()).unwrap();
+    let plain = ensemble.pull_with(&positions, &snapshots, &mut ()).unwrap();
+    let timed = ensemble.pull_at_with(0.3, &positions, &snapshots, &mut ()).unwrap();
     assert_eq!((timed.breaks, &timed.histograms), (plain.breaks, &plain.histograms));
     // As above.
     assert!(timed.force.iter().zip(plain.force).all(|(timed, plain)| (timed - plain).abs() < 1e-12));
     assert!(timed.error.iter().zip(plain.error).all(|(timed, plain)| (timed - plain).abs() < 1e-9));
-    assert!(ensemble.pull_at(1.0, &[0.0], &Snapshots::default(), &mut ()).is_ok());
+    assert!(ensemble.pull_at(1.0, &[0.0]).is_ok());
 }
 
 /// F = X mod x_s after the break, also where a hold begins just there.
@@ -490,7 +491,7 @@ fn same_bits_on_any_number_of_threads() {
     let (ensemble, history) = (case.build().unwrap(), pieces(&[(1.0, 2.0), (0.0, 1.0), (2.0, 1.0)]));
     let follow = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| ensemble.follow(&history, &[0.0, 1.0, 2.5, 4.0], &mut ()).unwrap())
+        pool.install(|| ensemble.follow(&history, &[0.0, 1.0, 2.5, 4.0]).unwrap())
     };
     let alone = follow(1);
     assert_eq!(alone, follow(2));
@@ -519,10 +520,10 @@ fn what_cannot_be_followed_is_refused() {
     let case = Case { size: 10, ..Case::with(point(1.0), |rules| rules.delay = 0.1) };
     let ensemble = case.build().unwrap();
     for bad in [&[] as &[f64], &[1.0, 0.5], &[-1.0], &[2.5], &[f64::NAN]] {
-        assert_eq!(key(ensemble.follow(&history, bad, &mut ())), "times");
+        assert_eq!(key(ensemble.follow(&history, bad)), "times");
     }
-    assert_eq!(key(ensemble.pull(&[1.0], &Snapshots::default(), &mut ())), "velocity");
-    assert_eq!(key(ensemble.population(&mut ()).map(|_| ())), "contacts.delay");
+    assert_eq!(key(ensemble.pull(&[1.0])), "velocity");
+    assert_eq!(key(ensemble.population().map(|_| ())), "delay");
     let closure = aged(Ageing::MeanField { mature: gaussian(1.0, 0.05), diffusion: 0.0025 });
-    assert_eq!(key(closure.build()), "contacts.ageing.mean_field");
+    assert_eq!(key(closure.build()), "ageing.mean_field");
 }

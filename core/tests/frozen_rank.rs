@@ -5,7 +5,7 @@ mod common;
 use std::sync::Arc;
 
 use asperity::contacts::{Ageing, Contacts, Initial, Start, ThresholdFokkerPlanck};
-use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::{Exponential, Gamma, Mixture, Point, Rectangular, SharedLaw};
 use asperity::life::moving;
 use asperity::master::MasterEquation;
@@ -93,8 +93,8 @@ fn a_pull_reaches_an_accuracy_that_is_asked_for() {
     let mut contacts = Contacts::new(law(0.7, 0.14), Arc::new(Point::new(0.0).unwrap()));
     contacts.rules.ageing = Some(Ageing::FrozenRank { mature: law(1.2, 0.15), time: 1.0 });
     let initial = Initial { law: Arc::new(Point::new(0.0).unwrap()), start: Start::Conditional };
-    let equation = MasterEquation::at(contacts, &initial, 5.0, &mut ()).unwrap();
-    let pull = equation.pull(1.4, 1e-9, &mut ()).unwrap();
+    let equation = MasterEquation::at(contacts, &initial, 5.0).unwrap();
+    let pull = equation.pull_with(1.4, 1e-9, &mut ()).unwrap();
     let told = pull.error_estimate() / equation.life().mean();
     assert!(equation.life().error() <= told && told < 1e-9, "{told:e}");
     // ∫Q = 1, by a quadrature that shares nothing with the solution but Γ.
@@ -129,7 +129,7 @@ fn single_contacts_break_beside_an_edge_as_soon_as_they_form() {
     let initial = Initial { law: start, start: Start::Conditional };
     let ensemble = Ensemble::new(contacts, initial, SIZE, 1, Disorder::Annealed).unwrap();
     let position = 0.5;
-    let pull = ensemble.pull_at(velocity, &[position], &Snapshots::default(), &mut ()).unwrap();
+    let pull = ensemble.pull_at(velocity, &[position]).unwrap();
     // Those that break twice are a thousandth of them.
     let off = (position - pull.force[0] - lost) / pull.error[0];
     assert!(off.abs() < 4.0, "{off} standard errors, of {:e}", pull.error[0]);

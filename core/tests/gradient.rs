@@ -21,7 +21,7 @@ fn equation(
     start: Start,
 ) -> MasterEquation {
     let contacts = Contacts::new(thresholds.clone(), reforming.clone());
-    MasterEquation::new(contacts, &Initial { law: initial.clone(), start }, &mut ()).unwrap()
+    MasterEquation::new(contacts, &Initial { law: initial.clone(), start }).unwrap()
 }
 
 /// Values of a solution on a fine grid, made for them. 1e-10: F'' is of order 10² here, so that the derivatives have
@@ -30,8 +30,8 @@ fn equation(
 fn derivatives_of_gaussian_thresholds_have_their_reference_values() {
     let zero = shared(Point::new(0.0));
     let equation = equation(&shared(Gaussian::new(1.0, 0.1)), &zero, &zero, Start::Conditional);
-    let pull = equation.pull(6.0, 1e-11, &mut ()).unwrap();
-    let [mean, std] = ["thresholds.mean", "thresholds.std"].map(|name| pull.gradient(name, &mut ()).unwrap());
+    let pull = equation.pull_with(6.0, 1e-11, &mut ()).unwrap();
+    let [mean, std] = ["thresholds.mean", "thresholds.std"].map(|name| pull.gradient(name).unwrap());
     for (x, force, by_mean, by_std) in [
         (0.9, 0.765_541_818_520_456, 2.019_081_266_741_01, -1.935_765_796_154_14),
         (1.0, 0.539_894_228_039_766, 3.489_422_804_052_74, 0.398_942_280_209_465),
@@ -49,8 +49,8 @@ fn derivatives_of_gaussian_thresholds_have_their_reference_values() {
 fn the_derivative_by_an_exponential_mean_has_a_closed_form() {
     let zero = shared(Point::new(0.0));
     let equation = equation(&shared(Exponential::new(0.7)), &zero, &zero, Start::Conditional);
-    let pull = equation.pull(5.0, 1e-12, &mut ()).unwrap();
-    let gradient = pull.gradient("thresholds.mean", &mut ()).unwrap();
+    let pull = equation.pull_with(5.0, 1e-12, &mut ()).unwrap();
+    let gradient = pull.gradient("thresholds.mean").unwrap();
     for k in 0..50 {
         let x = 0.1 * f64::from(k);
         let exact = 1.0 - (-x / 0.7).exp() * (1.0 + x / 0.7);
@@ -102,19 +102,19 @@ fn agree(thresholds: &SharedLaw, reforming: &SharedLaw, initial: &SharedLaw, sta
     let pull = |law: &SharedLaw| {
         let mut laws = laws.map(Clone::clone);
         laws[own] = law.clone();
-        equation(&laws[0], &laws[1], &laws[2], start).pull(4.0, 3e-12, &mut ()).unwrap()
+        equation(&laws[0], &laws[1], &laws[2], start).pull_with(4.0, 3e-12, &mut ()).unwrap()
     };
     let base = pull(laws[own]);
     for parameter in laws[own].parameters() {
         if parameter.name.ends_with("at") {
-            assert!(base.gradient(&format!("{owner}.{}", parameter.name), &mut ()).is_err());
+            assert!(base.gradient(&format!("{owner}.{}", parameter.name)).is_err());
             continue;
         }
         let step = 3e-4 * parameter.value;
         let at =
             |k: f64| pull(&laws[own].with_parameter(&parameter.name, parameter.value + k * step).unwrap());
         let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(at);
-        let gradient = base.gradient(&format!("{owner}.{}", parameter.name), &mut ()).unwrap();
+        let gradient = base.gradient(&format!("{owner}.{}", parameter.name)).unwrap();
         let positions: Vec<f64> = (1..=60).map(|k| 0.0637 * f64::from(k)).collect();
         let difference =
             |x: f64| (8.0 * (a.force(x) - b.force(x)) - (c.force(x) - d.force(x))) / (12.0 * step);
@@ -149,20 +149,20 @@ fn derivatives_of_friction_are_those_of_its_values() {
     for reforming in [&zero, &narrow] {
         let law = shared(Gaussian::new(1.0, 0.12));
         let pull = |law: &SharedLaw| {
-            equation(law, reforming, &zero, Start::Conditional).pull(4.0, 1e-12, &mut ()).unwrap()
+            equation(law, reforming, &zero, Start::Conditional).pull_with(4.0, 1e-12, &mut ()).unwrap()
         };
         let values = |pull: &Pull, law: &SharedLaw| {
             let equation = equation(law, reforming, &zero, Start::Conditional);
             [
                 pull.static_friction().unwrap().value,
                 equation.steady_state().kinetic_friction(),
-                equation.relaxation(&mut ()).unwrap().length(),
+                equation.relaxation().unwrap().length(),
                 pull.critical_stiffness(),
             ]
         };
         let base = pull(&law);
         for parameter in law.parameters() {
-            let found = base.friction_gradient(&format!("thresholds.{}", parameter.name), &mut ()).unwrap();
+            let found = base.friction_gradient(&format!("thresholds.{}", parameter.name)).unwrap();
             let step = 1e-3 * parameter.value;
             let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(|k| {
                 let law = law.with_parameter(&parameter.name, parameter.value + k * step).unwrap();
@@ -184,9 +184,8 @@ fn derivatives_of_friction_are_those_of_its_values() {
             }
         }
         if Arc::ptr_eq(reforming, &zero) {
-            let [mean, std] = ["mean", "std"].map(|name| {
-                base.friction_gradient(&format!("thresholds.{name}"), &mut ()).unwrap().kinetic_friction
-            });
+            let [mean, std] = ["mean", "std"]
+                .map(|name| base.friction_gradient(&format!("thresholds.{name}")).unwrap().kinetic_friction);
             assert!((mean - 0.5 * (1.0 - 0.12 * 0.12)).abs() < 1e-12 && (std - 0.12).abs() < 1e-12);
         }
     }

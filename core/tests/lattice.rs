@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use asperity::Error;
 use asperity::contacts::{Contacts, Initial, Start, Stiffness, Temperature};
 use asperity::ensemble::lattice::{Avalanche, Edges, Lattice, LatticeCoupling, Shape, Until, record};
-use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::SharedLaw;
 use asperity::numerics::powerlaw::fit_counts;
 use common::{gaussian, initial, master, point, rectangular};
@@ -32,7 +32,7 @@ fn square(side: usize, edges: Edges, share: f64) -> LatticeCoupling {
 
 fn events(lattice: &mut Lattice, events: u64) -> Vec<Avalanche> {
     let mut catalogue = Vec::new();
-    lattice.run(Until::Events(events), &mut (), &mut |avalanche| catalogue.push(*avalanche)).unwrap();
+    lattice.run(Until::Events(events), &mut |avalanche| catalogue.push(*avalanche)).unwrap();
     catalogue
 }
 
@@ -127,10 +127,10 @@ fn uncoupled_contacts_are_the_ensemble() {
         let ensemble = Ensemble::new(contacts.clone(), initial(&start), size, SEED, disorder).unwrap();
         let mut lattice = Lattice::new(contacts, initial(&start), &coupling, SEED, disorder).unwrap();
         let positions: Vec<f64> = (0..=60).map(|i| f64::from(i) * 0.4987).collect();
-        let pull = ensemble.pull(&positions, &Snapshots::default(), &mut ()).unwrap();
+        let pull = ensemble.pull(&positions).unwrap();
         let mut breaks = 0;
         for (&position, expected) in positions.iter().zip(&pull.force) {
-            lattice.run(Until::Drive(position), &mut (), &mut |avalanche| breaks += avalanche.size).unwrap();
+            lattice.run(Until::Drive(position), &mut |avalanche| breaks += avalanche.size).unwrap();
             assert!((lattice.drive() - position).abs() < 1e-14 * (1.0 + position));
             assert!((lattice.force() - expected).abs() < 1e-11, "{} {expected}", lattice.force());
         }
@@ -144,10 +144,10 @@ fn uncoupled_contacts_carry_the_kinetic_friction() {
     let (thresholds, relaxed) = (gaussian(1.0, 0.2), point(0.0));
     let coupling = square(100, Edges::Open, 0.0);
     let mut lattice = lattice(&thresholds, &relaxed, &relaxed, &coupling);
-    let exact = master(&thresholds, &relaxed, &relaxed).pull(30.0, 1e-8, &mut ()).unwrap();
-    lattice.run(Until::Drive(30.0), &mut (), &mut |_| ()).unwrap();
+    let exact = master(&thresholds, &relaxed, &relaxed).pull_with(30.0, 1e-8, &mut ()).unwrap();
+    lattice.run(Until::Drive(30.0), &mut |_| ()).unwrap();
     let (size, off) = (lattice.size() as f64, lattice.force() / lattice.size() as f64 - exact.force(30.0));
-    assert!(off.abs() < 4.0 * exact.force_std(size, &mut ()).unwrap()(30.0), "{off}");
+    assert!(off.abs() < 4.0 * exact.force_std(size).unwrap()(30.0), "{off}");
 }
 
 /// Columns of a catalogue, at a drive that is reached exactly; then nothing is left to do there.
@@ -157,7 +157,7 @@ fn a_catalogue_has_its_columns() {
     let mut lattice = lattice(&gaussian(1.0, 0.1), &point(0.0), &start, &square(8, Edges::Open, 0.2));
     let mut catalogue = Vec::new();
     for _ in 0..2 {
-        lattice.run(Until::Drive(3.0), &mut (), &mut |avalanche| catalogue.push(*avalanche)).unwrap();
+        lattice.run(Until::Drive(3.0), &mut |avalanche| catalogue.push(*avalanche)).unwrap();
         assert_eq!(lattice.drive(), 3.0);
     }
     let record = record(&catalogue);
@@ -234,35 +234,35 @@ fn what_cannot_be_coupled_is_refused() {
     };
     let contacts = || Contacts::new(gaussian(1.0, 0.1), point(0.0));
     let good = square(5, Edges::Periodic, 0.2);
-    assert_eq!(make(contacts(), LatticeCoupling { connection: 0.0, ..good }), "interface.connection");
-    assert_eq!(make(contacts(), LatticeCoupling { connection: -1.0, ..good }), "interface.connection");
+    assert_eq!(make(contacts(), LatticeCoupling { connection: 0.0, ..good }), "connection");
+    assert_eq!(make(contacts(), LatticeCoupling { connection: -1.0, ..good }), "connection");
     let neighbours = LatticeCoupling { neighbours: f64::NAN, ..good };
-    assert_eq!(make(contacts(), neighbours), "interface.coupling.neighbours.stiffness");
+    assert_eq!(make(contacts(), neighbours), "neighbours");
     let nothing = LatticeCoupling { neighbours: 0.0, connection: 0.0, ..good };
-    assert_eq!(make(contacts(), nothing), "interface.connection");
+    assert_eq!(make(contacts(), nothing), "connection");
     for shape in [Shape::Square([2, 5]), Shape::Chain(2)] {
-        assert_eq!(make(contacts(), LatticeCoupling { shape, ..good }), "interface.cells");
+        assert_eq!(make(contacts(), LatticeCoupling { shape, ..good }), "cells");
     }
-    assert_eq!(make(contacts(), square(0, Edges::Open, 0.2)), "interface.cells");
+    assert_eq!(make(contacts(), square(0, Edges::Open, 0.2)), "cells");
     let areas = Contacts { stiffness: Stiffness::PerThreshold(1.0), ..contacts() };
-    assert_eq!(make(areas, good), "contacts.stiffness_per_threshold");
+    assert_eq!(make(areas, good), "stiffness.per_threshold");
     let mut warm = contacts();
     warm.rules.temperature =
         Some(Temperature { energy: 0.01, attempt_rate: 1.0, barrier: Default::default() });
-    assert_eq!(make(warm, good), "contacts.temperature");
+    assert_eq!(make(warm, good), "temperature");
     let vast = square(1 << 20, Edges::Open, 0.2);
     let refused = make(contacts(), vast);
-    assert!(refused.contains("TooLarge") && refused.contains("interface.cells"), "{refused}");
+    assert!(refused.contains("TooLarge") && refused.contains("cells"), "{refused}");
 }
 
 /// Sizes of avalanches of identical contacts, after a transient.
 fn sizes(side: usize, share: f64, before: f64, events: u64) -> Vec<(u64, u64)> {
     let start = rectangular(0.0, 1.0 - 1e-9);
     let mut lattice = lattice(&point(1.0), &point(0.0), &start, &square(side, Edges::Open, share));
-    lattice.run(Until::Drive(before), &mut (), &mut |_| ()).unwrap();
+    lattice.run(Until::Drive(before), &mut |_| ()).unwrap();
     let mut sizes = BTreeMap::new();
     let mut count = |avalanche: &Avalanche| *sizes.entry(avalanche.size).or_insert(0) += 1;
-    lattice.run(Until::Events(events), &mut (), &mut count).unwrap();
+    lattice.run(Until::Events(events), &mut count).unwrap();
     sizes.into_iter().collect()
 }
 

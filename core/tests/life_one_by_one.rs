@@ -56,7 +56,7 @@ impl Case {
             rules: self.rules.clone(),
             ..Contacts::new(self.thresholds.clone(), self.reforming.clone())
         };
-        MasterEquation::at(contacts, &initial(&self.reforming), self.velocity, &mut ()).unwrap()
+        MasterEquation::at(contacts, &initial(&self.reforming), self.velocity).unwrap()
     }
 
     /// h at the advance u.
@@ -93,6 +93,7 @@ impl Case {
             Barrier::Elastic => 1.0 - y * y,
             Barrier::Bell => 1.0 - y,
             Barrier::Catastrophe => (1.0 - y).powf(1.5),
+            barrier => unreachable!("{barrier:?}"),
         };
         temperature.attempt_rate / self.velocity * (-whole * barrier / temperature.energy).exp()
     }

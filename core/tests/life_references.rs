@@ -10,7 +10,7 @@ use common::{gaussian, point};
 fn at(thresholds: SharedLaw, rules: Rules, velocity: f64) -> MasterEquation {
     let contacts = Contacts { rules, ..Contacts::new(thresholds, point(0.0)) };
     let initial = Initial { law: point(0.0), start: Start::Conditional };
-    MasterEquation::at(contacts, &initial, velocity, &mut ()).unwrap()
+    MasterEquation::at(contacts, &initial, velocity).unwrap()
 }
 
 /// Thermal breaking at the height E_0/T of the barrier at x̄ = 1, ω = 1.

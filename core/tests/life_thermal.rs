@@ -17,7 +17,7 @@ fn thermal(thresholds: &SharedLaw, energy: f64, barrier: Barrier) -> Contacts {
 
 fn at(contacts: Contacts, velocity: f64) -> MasterEquation {
     let start = initial(&contacts.reforming);
-    MasterEquation::at(contacts, &start, velocity, &mut ()).unwrap()
+    MasterEquation::at(contacts, &start, velocity).unwrap()
 }
 
 #[track_caller]

@@ -140,8 +140,8 @@ fn sums<const K: usize>(
 fn solve(case: &Case) -> (MasterEquation, Pull) {
     let start = if case.relaxed { Start::Relaxed } else { Start::Conditional };
     let initial = Initial { law: case.start.clone(), start };
-    let master = MasterEquation::new(contacts(&case.thresholds, &case.reforming), &initial, &mut ()).unwrap();
-    let pull = master.pull(6.0, 1e-12, &mut ()).unwrap_or_else(|e| panic!("{}: {e}", describe(case)));
+    let master = MasterEquation::new(contacts(&case.thresholds, &case.reforming), &initial).unwrap();
+    let pull = master.pull_with(6.0, 1e-12, &mut ()).unwrap_or_else(|e| panic!("{}: {e}", describe(case)));
     (master, pull)
 }
 
@@ -158,7 +158,7 @@ fn every_distribution_adds_up() {
         // From the start, amid the first breaks, later, and at the very places of point masses.
         for position in [0.0, 0.05, 0.4, 0.77, 1.0, 1.1, 2.345, 5.9] {
             let edges = edges(&case, position, top);
-            let law = |x: &[f64]| pull.stretch_density(position, x, &mut ()).unwrap();
+            let law = |x: &[f64]| pull.stretch_density(position, x).unwrap();
             let ([total, first, second], least) = sums(law, &edges, |x| [1.0, x, x * x]);
             assert!(least >= 0.0, "{name}: Q = {least:e} at X = {position}");
             // Eight points to an interval leave out less than this.
@@ -168,7 +168,7 @@ fn every_distribution_adds_up() {
             let error = (first - pull.force(position)).abs();
             assert!(error < 3.0 * close, "{name}: ∫xQ off F by {error:e} at X = {position}");
             let variance = (second - first * first).max(0.0);
-            let error = (variance - pull.force_std(1.0, &mut ()).unwrap()(position).powi(2)).abs();
+            let error = (variance - pull.force_std(1.0).unwrap()(position).powi(2)).abs();
             assert!(error < 10.0 * close, "{name}: variance off by {error:e} at X = {position}");
         }
     }
@@ -187,7 +187,7 @@ fn what_breaks_is_what_the_force_loses() {
         let back = case.reforming.mean();
         for position in [0.05, 0.77, 1.13, 2.345, 5.9] {
             let edges = edges(&case, position, top);
-            let law = |x: &[f64]| pull.stretch_density(position, x, &mut ()).unwrap();
+            let law = |x: &[f64]| pull.stretch_density(position, x).unwrap();
             let hazard = |x: f64| case.thresholds.hazard(x);
             let ([rate, lost], _) = sums(law, &edges, |x| [hazard(x), (x - back) * hazard(x)]);
             // The hazard multiplies what is left out of the far tail of Q.
@@ -204,7 +204,7 @@ fn the_start_is_what_was_asked_for() {
     let places = [0.02, 0.1, 0.25, 0.6, 0.9];
     for case in cases() {
         let (_, pull) = solve(&case);
-        let state = pull.stretch_density(0.0, &places, &mut ()).unwrap();
+        let state = pull.stretch_density(0.0, &places).unwrap();
         for (x, got) in places.iter().zip(&state.density) {
             // Relaxed: what is above its threshold has gone, some of it to R at once.
             let mut expected = case.start.density(*x);
@@ -228,18 +228,18 @@ fn the_start_is_what_was_asked_for() {
 fn late_distributions_are_steady() {
     for case in cases() {
         let (master, _) = solve(&case);
-        let relaxation = master.relaxation(&mut ()).unwrap().length();
+        let relaxation = master.relaxation().unwrap().length();
         assert!(relaxation > 0.0, "{}: X* = {relaxation}", describe(&case));
         if relaxation > 3.0 {
             continue;
         }
-        let pull = master.pull(30.0 * relaxation, 1e-12, &mut ()).unwrap();
+        let pull = master.pull_with(30.0 * relaxation, 1e-12, &mut ()).unwrap();
         let steady = master.steady_state();
         // Away from breaks, whose side rounding would decide.
         let places: Vec<f64> = (0..40).map(|k| 0.0137 + 0.0271 * f64::from(k)).collect();
         let (late, settled) = (
-            pull.stretch_density(30.0 * relaxation, &places, &mut ()).unwrap(),
-            steady.stretch_density(&places, &mut ()).unwrap(),
+            pull.stretch_density(30.0 * relaxation, &places).unwrap(),
+            steady.stretch_density(&places).unwrap(),
         );
         for ((x, a), b) in places.iter().zip(&late.density).zip(&settled.density) {
             assert!((a - b).abs() < 1e-9, "{}: {a} and {b} at {x}", describe(&case));
@@ -247,7 +247,7 @@ fn late_distributions_are_steady() {
         assert!((pull.force(30.0 * relaxation) - steady.kinetic_friction()).abs() < 1e-10);
         // The steady state adds up as well: its moments are the kinetic friction and the noise.
         let edges = edges(&case, 0.0, case.thresholds.upper_quantile(1e-16));
-        let law = |x: &[f64]| steady.stretch_density(x, &mut ()).unwrap();
+        let law = |x: &[f64]| steady.stretch_density(x).unwrap();
         let ([total, first, second], least) = sums(law, &edges, |x| [1.0, x, x * x]);
         assert!(least >= 0.0 && (total - 1.0).abs() < 2e-11, "{}: {total} {least}", describe(&case));
         assert!((first - steady.kinetic_friction()).abs() < 6e-11, "{}", describe(&case));
@@ -282,11 +282,11 @@ fn noise_in_closed_form() {
     let cases = [(0.05, 0.0, 0.0), (0.1, 0.0, 0.0), (0.1, 0.25, 0.03), (0.05, 0.3, 0.036)];
     for (std, mean, spread) in cases {
         let start = if spread > 0.0 { gaussian(mean, spread) } else { rest() };
-        let pull = master(&gaussian(1.0, std), &rest(), &start).pull(20.0, 1e-12, &mut ()).unwrap();
+        let pull = master(&gaussian(1.0, std), &rest(), &start).pull_with(20.0, 1e-12, &mut ()).unwrap();
         let closed = exact::Gaussian::new(1.0, std).starting_from(mean, spread);
         for k in 0..200 {
             let x = 0.1 * f64::from(k);
-            let error = (pull.force_std(1.0, &mut ()).unwrap()(x).powi(2) - closed.variance(x)).abs();
+            let error = (pull.force_std(1.0).unwrap()(x).powi(2) - closed.variance(x)).abs();
             // Of Q_ini 1e-16 is below 0, and 3e-13 of the pairs of stretch and threshold are ruled out.
             assert!(error < 1e-11, "σ = {std}: {error:e} at {x}");
         }
@@ -300,9 +300,9 @@ fn lengths_and_forces_have_no_unit_of_their_own() {
         let law = |mean: f64, std: f64| gaussian(mean * unit, std * unit);
         let mut contacts = contacts(&law(1.0, 0.1), &law(0.2, 0.02));
         (contacts.count, contacts.stiffness) = (count, Stiffness::Equal(stiffness));
-        let master = MasterEquation::new(contacts, &initial(&law(0.1, 0.02)), &mut ()).unwrap();
-        let length = master.relaxation(&mut ()).unwrap().length();
-        (master.pull(20.0 * unit, 1e-10, &mut ()).unwrap(), length)
+        let master = MasterEquation::new(contacts, &initial(&law(0.1, 0.02))).unwrap();
+        let length = master.relaxation().unwrap().length();
+        (master.pull_with(20.0 * unit, 1e-10, &mut ()).unwrap(), length)
     };
     let (plain, length) = solve(1.0, 1.0, 1.0);
     for (unit, count, stiffness) in
@@ -315,10 +315,8 @@ fn lengths_and_forces_have_no_unit_of_their_own() {
             let x = 0.2 * f64::from(k) - 0.07;
             let error = (scaled.force(x * unit) / whole - plain.force(x)).abs();
             assert!(error < 1e-11, "F off by {error:e} at {x} in units of {unit:e}");
-            let (noise, expected) = (
-                scaled.force_std(1.0, &mut ()).unwrap()(x * unit) / whole,
-                plain.force_std(1.0, &mut ()).unwrap()(x),
-            );
+            let (noise, expected) =
+                (scaled.force_std(1.0).unwrap()(x * unit) / whole, plain.force_std(1.0).unwrap()(x));
             assert!((noise - expected).abs() < 1e-10, "noise {noise}, not {expected} in units of {unit:e}");
         }
         let error = (scaled.critical_stiffness() / (count * stiffness) - plain.critical_stiffness()).abs();

@@ -32,11 +32,11 @@ type Sum = (f64, f64);
 fn equation(thresholds: &SharedLaw, reforming: &SharedLaw, delay: f64, velocity: f64) -> MasterEquation {
     let rules = Rules { delay, ..Rules::default() };
     let delayed = Contacts { rules, ..contacts(thresholds, reforming) };
-    MasterEquation::at(delayed, &initial(reforming), velocity, &mut ()).unwrap()
+    MasterEquation::at(delayed, &initial(reforming), velocity).unwrap()
 }
 
 fn pulled(thresholds: &SharedLaw, delay: f64, velocity: f64, tolerance: f64) -> Pull {
-    equation(thresholds, &point(0.0), delay, velocity).pull(8.0, tolerance, &mut ()).unwrap()
+    equation(thresholds, &point(0.0), delay, velocity).pull_with(8.0, tolerance, &mut ()).unwrap()
 }
 
 fn force(sum: &impl Fn(u32, f64) -> Sum, wait: f64, position: f64) -> f64 {
@@ -153,7 +153,7 @@ fn thresholds_that_begin_at_zero() {
 /// Re-formed contacts carry a force at once: F jumps up a delay after contacts broke together.
 #[test]
 fn contacts_that_re_form_stretched() {
-    let pull = equation(&point(1.0), &point(0.25), 0.7, 0.5).pull(8.0, PROMISED, &mut ()).unwrap();
+    let pull = equation(&point(1.0), &point(0.25), 0.7, 0.5).pull_with(8.0, PROMISED, &mut ()).unwrap();
     let stretch = |x: f64| 0.25 + x % (0.75 + 0.35);
     agree("point", &pull, |x| if stretch(x) < 1.0 { stretch(x) } else { 0.0 }, ROUNDING);
 }
@@ -162,7 +162,7 @@ fn contacts_that_re_form_stretched() {
 #[test]
 fn a_population_moves_along_the_same_curve() {
     let equation = equation(&rectangular(0.5, 1.5), &point(0.0), 0.7, 0.5);
-    let mut population = equation.population(PROMISED, &mut ()).unwrap();
+    let mut population = equation.population_with(PROMISED, &mut ()).unwrap();
     let sum = uniform(0.5, 1.5);
     for k in 1..80 {
         let to = 0.1 * f64::from(k);

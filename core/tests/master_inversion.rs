@@ -65,7 +65,7 @@ const PROMISED: f64 = 1e-10;
 
 fn agree(name: &str, thresholds: &SharedLaw, reforming: &SharedLaw, start: &SharedLaw, farthest: f64) {
     let inverse = Inverse::new(thresholds, reforming, start, farthest);
-    let pull = master(thresholds, reforming, start).pull(farthest, PROMISED, &mut ()).unwrap();
+    let pull = master(thresholds, reforming, start).pull_with(farthest, PROMISED, &mut ()).unwrap();
     let mut worst = (0.0, 0.0);
     // Golden steps fall on no lattice; many of them cover the first oscillations.
     for k in 1..=400_u32 {

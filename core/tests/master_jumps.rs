@@ -25,7 +25,7 @@ fn rest() -> SharedLaw {
 }
 
 fn pulled(thresholds: &SharedLaw, reforming: &SharedLaw, start: &SharedLaw, distance: f64) -> Pull {
-    master(thresholds, reforming, start).pull(distance, PROMISED, &mut ()).unwrap()
+    master(thresholds, reforming, start).pull_with(distance, PROMISED, &mut ()).unwrap()
 }
 
 /// Compares over (0, distance) at points that fall on no lattice.
@@ -202,8 +202,7 @@ fn contacts_without_memory_place_themselves_anywhere() {
         let most = 2.0 * settled + second(reforming);
         for x in [0.3, 2.7, 11.0] {
             let square = most + (second(start) - most + 2.0 * (first - settled) * x) * (-x).exp();
-            let (got, expected) =
-                (pull.force_std(1.0, &mut ()).unwrap()(x).powi(2), square - closed(x).powi(2));
+            let (got, expected) = (pull.force_std(1.0).unwrap()(x).powi(2), square - closed(x).powi(2));
             let error = (got - expected).abs();
             assert!(error < 10.0 * PROMISED, "{reforming:?}, {start:?}: {got}, not {expected}: {error:e}");
         }
@@ -338,7 +337,7 @@ fn identical_thresholds_with_a_broad_start() {
         (primitive(0.5 + x) - primitive(0.1 + x)) / 0.4
     };
     agree("rectangular start", &pull, closed, PROMISED);
-    let state = pull.stretch_density(17.8, &[0.05, 0.25, 0.35, 0.8, 0.95], &mut ()).unwrap();
+    let state = pull.stretch_density(17.8, &[0.05, 0.25, 0.35, 0.8, 0.95]).unwrap();
     for (got, expected) in state.density.iter().zip([2.5, 2.5, 0.0, 0.0, 2.5]) {
         assert!((got - expected).abs() < 1e-8, "{state:?}");
     }
@@ -363,8 +362,8 @@ fn stiffness_proportional_to_the_threshold() {
         let rate = f64::from(shape);
         let mut contacts = contacts(&gamma(1.0, rate.sqrt().recip()), &rest());
         (contacts.count, contacts.stiffness) = (40.0, Stiffness::PerThreshold(2.5));
-        let master = MasterEquation::new(contacts, &initial(&rest()), &mut ()).unwrap();
-        let pull = master.pull(15.0, PROMISED, &mut ()).unwrap();
+        let master = MasterEquation::new(contacts, &initial(&rest())).unwrap();
+        let pull = master.pull_with(15.0, PROMISED, &mut ()).unwrap();
         let below = |shape: u32, x: f64| {
             let mut term = (-rate * x).exp();
             let mut above = 0.0;
@@ -402,8 +401,7 @@ fn a_relaxed_start_breaks_what_is_above_its_threshold_at_once() {
     let width = high - low;
     let contacts = contacts(&rectangular(low, high), &rest());
     let relaxed = Initial { law: point(start), start: Start::Relaxed };
-    let pull =
-        MasterEquation::new(contacts, &relaxed, &mut ()).unwrap().pull(6.0, PROMISED, &mut ()).unwrap();
+    let pull = MasterEquation::new(contacts, &relaxed).unwrap().pull_with(6.0, PROMISED, &mut ()).unwrap();
     let fresh = exact::Rectangular { min: low, max: high };
     let gone = (start - low) / width;
     let closed = |x: f64| {
@@ -429,6 +427,6 @@ fn a_relaxed_start_breaks_what_is_above_its_threshold_at_once() {
     // All above: the same as a start from R.
     let above = Initial { law: rectangular(2.0, 3.0), start: Start::Relaxed };
     let contacts = common::contacts(&rectangular(low, high), &rest());
-    let pull = MasterEquation::new(contacts, &above, &mut ()).unwrap().pull(6.0, PROMISED, &mut ()).unwrap();
+    let pull = MasterEquation::new(contacts, &above).unwrap().pull_with(6.0, PROMISED, &mut ()).unwrap();
     agree("all above", &pull, |x| fresh.force(x), PROMISED);
 }

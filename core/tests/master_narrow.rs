@@ -18,7 +18,7 @@ fn a_pull_that_ends_among_breaks_sees_them() {
             for k in [-2, 0, 5_i32] {
                 let spread = f64::from(cycles).sqrt() * variation;
                 let distance = f64::from(cycles) + f64::from(k) * spread;
-                let pull = equation.pull(distance, None, &mut ()).unwrap();
+                let pull = equation.pull(distance).unwrap();
                 let difference = (pull.force(distance) - closed.force(distance)).abs();
                 // What is aimed at by default.
                 assert!(difference < 1e-10, "{variation} at {distance}: {difference:e}");
@@ -40,7 +40,7 @@ fn samples(variation: f64) -> SharedLaw {
 fn samples_of_any_width_are_as_accurate_as_laws() {
     for variation in [1e-4, 1e-3, 0.1] {
         let law = samples(variation);
-        let pull = master(&law, &point(0.0), &point(0.0)).pull(5.0, None, &mut ()).unwrap();
+        let pull = master(&law, &point(0.0), &point(0.0)).pull(5.0).unwrap();
         assert!(pull.error_estimate() < 1e-11, "{variation}: {:e}", pull.error_estimate());
         let (low, high) = (law.quantile(0.0), law.upper_quantile(0.0));
         for k in 1..=200_u32 {

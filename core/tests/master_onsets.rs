@@ -16,7 +16,7 @@ const PROMISED: f64 = 1e-10;
 
 /// A pull that is steady, to less than the promise, before its end.
 fn agree(name: &str, thresholds: &SharedLaw, moments: [f64; 3], distance: f64) {
-    let pull = master(thresholds, &point(0.0), &point(0.0)).pull(distance, PROMISED, &mut ()).unwrap();
+    let pull = master(thresholds, &point(0.0), &point(0.0)).pull_with(distance, PROMISED, &mut ()).unwrap();
     let kinetic = moments[1] / (2.0 * moments[0]);
     let error = (pull.force(distance) - kinetic).abs();
     assert!(error <= PROMISED, "{name}: F_k is off by {error:e}");
@@ -86,7 +86,7 @@ fn onset_and_point(p: f64, at: f64, position: f64) -> f64 {
 fn a_gamma_law_with_a_point() {
     let (p, at, distance) = (0.5, 0.3, 2.0);
     let law = mixture(&[(p, gamma(1.0, 2.0_f64.sqrt())), (1.0 - p, point(at))]);
-    let pull = master(&law, &point(0.0), &point(0.0)).pull(distance, PROMISED, &mut ()).unwrap();
+    let pull = master(&law, &point(0.0), &point(0.0)).pull_with(distance, PROMISED, &mut ()).unwrap();
     for k in 1..=200_u32 {
         let position = distance * (0.618_033_988_749_895 * f64::from(k)).fract();
         let error = (pull.force(position) - onset_and_point(p, at, position)).abs();

@@ -7,7 +7,6 @@
 mod common;
 
 use asperity::law::{Gamma, Law};
-use asperity::master::Tolerance;
 use common::{gamma, gaussian, lognormal, master, mixture, point, weibull};
 
 /// Aimed at, of the mean life.
@@ -35,7 +34,8 @@ fn force_of_gamma(std: f64, position: f64) -> f64 {
 #[test]
 fn gamma_thresholds_of_any_width() {
     for std in [1.2, 1.5, 2.0, 3.0, 4.5, 6.0, 10.0] {
-        let pull = master(&gamma(1.0, std), &point(0.0), &point(0.0)).pull(6.0, PROMISED, &mut ()).unwrap();
+        let pull =
+            master(&gamma(1.0, std), &point(0.0), &point(0.0)).pull_with(6.0, PROMISED, &mut ()).unwrap();
         for k in 1..=60_u32 {
             let position = 6.0 * (0.618_033_988_749_895 * f64::from(k)).fract();
             let (got, expected) = (pull.force(position), force_of_gamma(std, position));
@@ -53,7 +53,8 @@ fn gamma_thresholds_of_any_width() {
 #[test]
 fn slopes_beside_a_pole() {
     for std in [1.2, 1.5, 2.0, 3.0, 6.0] {
-        let pull = master(&gamma(1.0, std), &point(0.0), &point(0.0)).pull(6.0, PROMISED, &mut ()).unwrap();
+        let pull =
+            master(&gamma(1.0, std), &point(0.0), &point(0.0)).pull_with(6.0, PROMISED, &mut ()).unwrap();
         for k in -12..=14_i32 {
             let position = 4.0 * 2.0_f64.powi(-k.max(0)) + 0.1 * f64::from((-k).max(0));
             // Differences of the fourth order over steps of X/1000, of F whose fifth derivative is of the order F'/X⁴.
@@ -86,7 +87,7 @@ fn nothing_is_lost_beside_a_pole() {
         narrow,
     ];
     for law in laws {
-        let pull = master(&law, &point(0.0), &point(0.0)).pull(5.0, Tolerance::default(), &mut ()).unwrap();
+        let pull = master(&law, &point(0.0), &point(0.0)).pull(5.0).unwrap();
         assert!(pull.error_estimate() < PROMISED * law.mean(), "{law:?}: {:e}", pull.error_estimate());
         for k in -60..=6_i32 {
             let lost = pull.total_probability(1.3 * 2.0_f64.powi(k).min(3.0)) - 1.0;

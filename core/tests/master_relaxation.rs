@@ -20,7 +20,7 @@ fn tabulated() -> SharedLaw {
 }
 
 fn length(thresholds: &SharedLaw) -> f64 {
-    master(thresholds, &rest(), &rest()).relaxation(&mut ()).unwrap().length()
+    master(thresholds, &rest(), &rest()).relaxation().unwrap().length()
 }
 
 /// Mean 1 and a coefficient of variation of exactly 0.1: a shape of 12.153, unrounded.
@@ -59,7 +59,7 @@ fn lengths_of_the_theory() {
 #[test]
 fn the_papers_estimate_crosses_the_length_at_its_own_figure() {
     let both = |std: f64| {
-        let relaxation = master(&gaussian(1.0, std), &rest(), &rest()).relaxation(&mut ()).unwrap();
+        let relaxation = master(&gaussian(1.0, std), &rest(), &rest()).relaxation().unwrap();
         (relaxation.length(), relaxation.paper_estimate())
     };
     assert!((both(0.05).1 - 20.0).abs() < 1e-12);
@@ -73,7 +73,7 @@ fn the_papers_estimate_crosses_the_length_at_its_own_figure() {
 fn roots_in_closed_form() {
     for std in [0.02, 0.05, 0.1] {
         let closed = exact::Gaussian::new(1.0, std);
-        let relaxation = master(&gaussian(1.0, std), &rest(), &rest()).relaxation(&mut ()).unwrap();
+        let relaxation = master(&gaussian(1.0, std), &rest(), &rest()).relaxation().unwrap();
         assert!(!relaxation.roots().is_empty());
         for (j, root) in (1..).zip(relaxation.roots()) {
             let error = (root - closed.relaxation_root(j)).norm();
@@ -83,7 +83,7 @@ fn roots_in_closed_form() {
     for shape in [5_u32, 7, 16, 64] {
         let closed = Erlang::with_mean(shape, 1.0);
         let law = gamma(1.0, f64::from(shape).sqrt().recip());
-        let relaxation = master(&law, &rest(), &rest()).relaxation(&mut ()).unwrap();
+        let relaxation = master(&law, &rest(), &rest()).relaxation().unwrap();
         let error = (relaxation.length() / closed.relaxation_length() - 1.0).abs();
         assert!(error < 1e-10, "shape {shape}: X* off by {error:e}");
         for root in relaxation.roots() {
@@ -108,7 +108,7 @@ fn a_tail_slower_than_every_root_rules() {
     assert!((length(&law) - 4.0).abs() < 1e-9);
     // Heavier than any exponential: no length at all, and no expansion.
     for heavy in [weibull(0.5, 1.0), weibull(0.9, 1.0), lognormal(1.0, 3.0)] {
-        let relaxation = master(&heavy, &rest(), &rest()).relaxation(&mut ()).unwrap();
+        let relaxation = master(&heavy, &rest(), &rest()).relaxation().unwrap();
         assert_eq!(relaxation.length(), f64::INFINITY, "{heavy:?}");
         assert_eq!(relaxation.valid_from(), f64::INFINITY, "{heavy:?}");
     }
@@ -128,12 +128,12 @@ fn lattices_never_settle() {
         (two(0.8, 1.3), point(0.3)),
     ];
     for (thresholds, reforming) in cases {
-        let relaxation = master(&thresholds, &reforming, &rest()).relaxation(&mut ()).unwrap();
+        let relaxation = master(&thresholds, &reforming, &rest()).relaxation().unwrap();
         assert_eq!(relaxation.length(), f64::INFINITY, "{thresholds:?}, {reforming:?}");
         assert_eq!(relaxation.valid_from(), f64::INFINITY);
     }
     // Identical thresholds with a broad R do converge: the advance 1 − r is uniform on [0.6, 1].
-    let broad = master(&point(1.0), &rectangular(0.0, 0.4), &rest()).relaxation(&mut ()).unwrap().length();
+    let broad = master(&point(1.0), &rectangular(0.0, 0.4), &rest()).relaxation().unwrap().length();
     assert!((broad / length(&rectangular(0.6, 1.0)) - 1.0).abs() < 1e-9, "{broad}");
 }
 
@@ -182,7 +182,7 @@ fn broad_reforming_and_mixtures_find_the_slowest_root() {
         ("points 1 and 1.05, blurred", near(0.05, 0.001), rest(), 150.0),
     ];
     for (name, thresholds, reforming, top) in cases {
-        let relaxation = master(&thresholds, &reforming, &rest()).relaxation(&mut ()).unwrap();
+        let relaxation = master(&thresholds, &reforming, &rest()).relaxation().unwrap();
         let slowest = -1.0 / relaxation.length();
         let breaking = |s: Complex64| thresholds.laplace(s) * reforming.laplace(-s);
         // The root itself, to the rounding of a transform that turns by up to 150 radians.
@@ -193,11 +193,8 @@ fn broad_reforming_and_mixtures_find_the_slowest_root() {
         assert_eq!(zeros(&breaking, 0.98 * slowest, top), 0, "{name}: a root right of {slowest}");
         assert_eq!(zeros(&breaking, 1.02 * slowest, top), 1, "{name}: no root at {slowest}");
     }
-    let slowest = -1.0
-        / master(&rectangular(0.4, 1.6), &rectangular(0.0, 0.6), &rest())
-            .relaxation(&mut ())
-            .unwrap()
-            .length();
+    let slowest =
+        -1.0 / master(&rectangular(0.4, 1.6), &rectangular(0.0, 0.6), &rest()).relaxation().unwrap().length();
     assert_eq!(zeros(&overlapping, 0.999 * slowest, 60.0), 0, "overlap: a root right of {slowest}");
     assert_eq!(zeros(&overlapping, 1.001 * slowest, 60.0), 1, "overlap: no root at {slowest}");
 }
@@ -224,7 +221,7 @@ fn slowest_roots_where_contacts_re_form_among_the_thresholds() {
         let (thresholds, reforming) =
             (named(cells[0], number(1), number(2)), named(cells[3], number(4), number(5)));
         let expected = Complex64::new(number(6), number(7));
-        let relaxation = master(&thresholds, &reforming, &rest()).relaxation(&mut ()).unwrap();
+        let relaxation = master(&thresholds, &reforming, &rest()).relaxation().unwrap();
         let root = relaxation.roots()[0];
         // A share of up to 1e-12 of the starts is beyond where contacts hold, and left out here as there.
         let error = (root - expected).norm() / expected.norm();
@@ -258,15 +255,13 @@ fn simpson(f: impl Fn(f64) -> Complex64, end: f64, steps: u32) -> Complex64 {
 #[test]
 fn contacts_that_re_form_up_to_the_last_threshold_have_their_roots() {
     // The first from the same integral in 30-digit arithmetic.
-    let length =
-        master(&rectangular(0.5, 1.5), &exponential(0.05), &rest()).relaxation(&mut ()).unwrap().length();
+    let length = master(&rectangular(0.5, 1.5), &exponential(0.05), &rest()).relaxation().unwrap().length();
     assert!((length * 1.312_920_173_927_477_6 - 1.0).abs() < 1e-11, "{length}");
     let laws =
         [exponential(0.05), gamma(0.15, 0.06), gaussian(0.6, 0.12), lognormal(0.2, 0.05), weibull(1.5, 0.15)];
     for reforming in laws {
         let bounds = (0.5, 1.5);
-        let relaxation =
-            master(&rectangular(bounds.0, bounds.1), &reforming, &rest()).relaxation(&mut ()).unwrap();
+        let relaxation = master(&rectangular(bounds.0, bounds.1), &reforming, &rest()).relaxation().unwrap();
         let roots = relaxation.roots();
         assert!(roots.len() > 2, "{reforming:?}: {} roots", roots.len());
         // Simpson's steps of 1e-4 follow e^{sr} to 1e-11.
@@ -282,9 +277,8 @@ fn contacts_that_re_form_up_to_the_last_threshold_have_their_roots() {
 fn a_force_that_starts_among_the_thresholds_decays_by_its_roots() {
     let (thresholds, reforming) = (gaussian(1.0, 0.15), gaussian(1.3, 0.05));
     let master = master(&thresholds, &reforming, &reforming);
-    let (relaxation, kinetic) =
-        (master.relaxation(&mut ()).unwrap(), master.steady_state().kinetic_friction());
-    let pull = master.pull(1.0, 1e-12, &mut ()).unwrap();
+    let (relaxation, kinetic) = (master.relaxation().unwrap(), master.steady_state().kinetic_friction());
+    let pull = master.pull_with(1.0, 1e-12, &mut ()).unwrap();
     let step = 0.03;
     let swing = |x: f64| pull.force(x) - kinetic;
     // (1 − e^{s h} T)(1 − e^{s* h} T), T the shift by h, makes nothing of a root's swing.
@@ -333,10 +327,10 @@ fn the_expansion_continues_the_pull() {
     ];
     for (thresholds, reforming, start) in cases {
         let master = master(&thresholds, &reforming, &start);
-        let relaxation = master.relaxation(&mut ()).unwrap();
+        let relaxation = master.relaxation().unwrap();
         let from = relaxation.valid_from();
         assert!(from < 60.0, "{thresholds:?}, {reforming:?}: valid from {from} only");
-        let pull = master.pull(from + 20.0, 1e-11, &mut ()).unwrap();
+        let pull = master.pull_with(from + 20.0, 1e-11, &mut ()).unwrap();
         for k in 0..100_u32 {
             let x = from + 0.2 * f64::from(k);
             let error = (relaxation.force(x) - pull.force(x)).abs();
@@ -352,7 +346,7 @@ fn the_expansion_continues_the_pull() {
 #[test]
 fn far_away_costs_microseconds() {
     // σ = 1e-3 oscillates until X* = 50661, with roots of unit residue.
-    let relaxation = master(&gaussian(1.0, 1e-3), &rest(), &rest()).relaxation(&mut ()).unwrap();
+    let relaxation = master(&gaussian(1.0, 1e-3), &rest(), &rest()).relaxation().unwrap();
     let closed = exact::Gaussian::new(1.0, 1e-3);
     for x in [1e5 + 0.37, 3e5 + 0.81, 1e6] {
         assert!(x > relaxation.valid_from());

@@ -94,7 +94,7 @@ fn starts_that_overlap_the_thresholds() {
         let (distance, parts) = (4.0, 32);
         let (expected, uncertain) = romberg([&thresholds, &reforming, &start], distance, parts);
         assert!(uncertain < 5e-11, "{thresholds:?}: extrapolation known to {uncertain:e} only");
-        let pull = master(&thresholds, &reforming, &start).pull(distance, 1e-10, &mut ()).unwrap();
+        let pull = master(&thresholds, &reforming, &start).pull_with(distance, 1e-10, &mut ()).unwrap();
         for (k, force) in expected.iter().enumerate() {
             let position = distance * k as f64 / parts as f64;
             let error = (pull.force(position) - force).abs();

@@ -32,7 +32,7 @@ fn cases() -> Vec<SharedLaw> {
 fn thresholds_made_from_a_function_give_the_force_of_their_law() {
     for law in cases() {
         let pull =
-            |law: &SharedLaw| master(law, &point(0.0), &point(0.0)).pull(20.0, 1e-10, &mut ()).unwrap();
+            |law: &SharedLaw| master(law, &point(0.0), &point(0.0)).pull_with(20.0, 1e-10, &mut ()).unwrap();
         let own = pull(&law);
         for quantiles in [&[0.5, 0.999][..], &[0.25, 0.5, 0.75, 0.999]] {
             let series = pull(&made(&law, quantiles));
@@ -69,11 +69,10 @@ fn starts_made_from_a_function_do_as_well() {
             made(&law, &[0.5, 0.999])
         };
         let (own, series) = (master(&thresholds, &law, &law), master(&thresholds, &series, &series));
-        let (length, expected) =
-            (series.relaxation(&mut ()).unwrap().length(), own.relaxation(&mut ()).unwrap().length());
+        let (length, expected) = (series.relaxation().unwrap().length(), own.relaxation().unwrap().length());
         assert!((length / expected - 1.0).abs() < 1e-10, "{law:?}: X* = {length}, not {expected}");
         let (own, series) =
-            (own.pull(10.0, 1e-10, &mut ()).unwrap(), series.pull(10.0, 1e-10, &mut ()).unwrap());
+            (own.pull_with(10.0, 1e-10, &mut ()).unwrap(), series.pull_with(10.0, 1e-10, &mut ()).unwrap());
         for k in 0..=1000_u32 {
             let x = 0.01 * f64::from(k);
             let difference = (own.force(x) - series.force(x)).abs();
@@ -84,8 +83,7 @@ fn starts_made_from_a_function_do_as_well() {
 
 #[test]
 fn relaxation_lengths_are_those_of_the_law_where_its_tail_does_not_matter() {
-    let length =
-        |law: &SharedLaw| master(law, &point(0.0), &point(0.0)).relaxation(&mut ()).unwrap().length();
+    let length = |law: &SharedLaw| master(law, &point(0.0), &point(0.0)).relaxation().unwrap().length();
     for law in
         [gaussian(1.0, 0.05), gaussian(1.0, 0.3), gamma(1.0, 0.1), gamma(1.0, 0.3), weibull(12.153, 1.0431)]
     {
@@ -100,7 +98,7 @@ fn where_the_tail_rules_the_length_is_not_known() {
     for law in [exponential(1.0), gamma(1.0, 0.9), lognormal(1.0, 0.3), lognormal(1.0, 0.6)] {
         let made = made(&law, &[0.5, 0.999]);
         for law in [made.clone(), mixture(&[(0.9, gaussian(1.0, 0.5)), (0.1, made)])] {
-            let relaxation = master(&law, &point(0.0), &point(0.0)).relaxation(&mut ()).unwrap();
+            let relaxation = master(&law, &point(0.0), &point(0.0)).relaxation().unwrap();
             assert!(relaxation.length().is_nan(), "{law:?}: {}", relaxation.length());
             assert!(relaxation.roots().is_empty());
         }

@@ -3,7 +3,7 @@
 mod common;
 
 use asperity::contacts::{Barrier, Contacts, Rules, Temperature};
-use asperity::master::{MasterEquation, Tolerance};
+use asperity::master::MasterEquation;
 use common::{contacts, gaussian, initial, point};
 
 /// Lives last 1e-11 on average and up to 0.1. The force comes to that of steady sliding, nothing is lost on the way, and the
@@ -13,9 +13,9 @@ fn a_pull_over_many_lives_is_solved_in_cells_that_grow() {
     let temperature = Temperature { energy: 0.21, attempt_rate: 1.0, barrier: Barrier::Elastic };
     let rules = Rules { temperature: Some(temperature), ..Rules::default() };
     let warm = Contacts { rules, ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
-    let equation = MasterEquation::at(warm, &initial(&point(0.0)), 1e-12, &mut ()).unwrap();
+    let equation = MasterEquation::at(warm, &initial(&point(0.0)), 1e-12).unwrap();
     let life = equation.life().mean();
-    let pull = equation.pull(5.0, Tolerance::default(), &mut ()).unwrap();
+    let pull = equation.pull(5.0).unwrap();
     assert!(pull.cells() < 10_000, "{}", pull.cells());
     // Asked for, of the mean life.
     let allowed = 1e-10 * life;

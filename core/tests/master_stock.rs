@@ -19,7 +19,7 @@ fn rest() -> SharedLaw {
 }
 
 fn stock(thresholds: &SharedLaw, reforming: &SharedLaw, start: &SharedLaw) -> MasterPopulation {
-    master(thresholds, reforming, start).population(PROMISED, &mut ()).unwrap()
+    master(thresholds, reforming, start).population_with(PROMISED, &mut ()).unwrap()
 }
 
 /// Thresholds, R, Q_ini: smooth, jumping, pointed, overlapping.
@@ -46,8 +46,8 @@ fn laws() -> Vec<(SharedLaw, SharedLaw, SharedLaw)> {
 fn a_way_forth_is_a_pull() {
     for (thresholds, reforming, start) in laws() {
         let master = master(&thresholds, &reforming, &start);
-        let pull = master.pull(20.0, 1e-12, &mut ()).unwrap();
-        let mut stock = master.population(1e-12, &mut ()).unwrap();
+        let pull = master.pull_with(20.0, 1e-12, &mut ()).unwrap();
+        let mut stock = master.population_with(1e-12, &mut ()).unwrap();
         for k in 1..80 {
             let position = 0.247 * f64::from(k);
             drive(&mut stock, position);
@@ -61,9 +61,9 @@ fn a_way_forth_is_a_pull() {
 fn a_relaxed_start_is_that_of_a_pull() {
     let contacts = contacts(&gaussian(1.0, 0.1), &gaussian(0.1, 0.02));
     let start = Initial { law: gaussian(1.0, 0.2), start: Start::Relaxed };
-    let master = MasterEquation::new(contacts, &start, &mut ()).unwrap();
-    let pull = master.pull(5.0, 1e-12, &mut ()).unwrap();
-    let mut stock = master.population(1e-12, &mut ()).unwrap();
+    let master = MasterEquation::new(contacts, &start).unwrap();
+    let pull = master.pull_with(5.0, 1e-12, &mut ()).unwrap();
+    let mut stock = master.population_with(1e-12, &mut ()).unwrap();
     for position in [0.0, 0.3, 0.9, 2.2, 4.9] {
         drive(&mut stock, position);
         assert!((force(&mut stock) - pull.force(position)).abs() < 1e-12, "{position}");
@@ -126,9 +126,9 @@ fn the_way_back_by_whom_the_contacts_are() {
     ];
     for (thresholds, knots) in cases {
         let equation = master(&thresholds, &rest(), &rest());
-        let forth = equation.pull(5.0, 1e-12, &mut ()).unwrap();
+        let forth = equation.pull_with(5.0, 1e-12, &mut ()).unwrap();
         for turn in [0.6, 0.95, 1.4] {
-            let mut stock = equation.population(PROMISED, &mut ()).unwrap();
+            let mut stock = equation.population_with(PROMISED, &mut ()).unwrap();
             drive(&mut stock, turn);
             for u in [0.3, 0.8, 1.1, 1.5, 2.3, 2.9] {
                 drive(&mut stock, turn - u);
@@ -234,9 +234,9 @@ fn what_breaks_under_hold_stays_free() {
     for thresholds in [gaussian(1.0, 0.1), weibull(2.5, 1.0), gamma(1.0, 0.3)] {
         let law = thresholds.as_ref();
         let equation = master(&thresholds, &rest(), &rest());
-        let forth = equation.pull(6.0, 1e-12, &mut ()).unwrap();
+        let forth = equation.pull_with(6.0, 1e-12, &mut ()).unwrap();
         for (held, released) in [(0.9, 1.3), (1.7, 2.0), (2.4, 3.5)] {
-            let mut stock = equation.population(PROMISED, &mut ()).unwrap();
+            let mut stock = equation.population_with(PROMISED, &mut ()).unwrap();
             drive(&mut stock, held);
             stock.hold().unwrap();
             let since = |x: f64, weight: &dyn Fn(f64) -> f64| {
@@ -265,7 +265,7 @@ fn what_breaks_under_hold_stays_free() {
 #[test]
 fn a_reset_begins_anew() {
     for (thresholds, reforming, start) in laws() {
-        let anew = master(&thresholds, &reforming, &reforming).pull(3.0, 1e-12, &mut ()).unwrap();
+        let anew = master(&thresholds, &reforming, &reforming).pull_with(3.0, 1e-12, &mut ()).unwrap();
         let mut stock = stock(&thresholds, &reforming, &start);
         drive(&mut stock, 1.9);
         drive(&mut stock, 0.4);
@@ -310,9 +310,9 @@ fn energy_is_conserved_and_no_contact_is_lost() {
             let mut contacts = contacts(&thresholds, &reforming);
             (contacts.count, contacts.stiffness) = (5.0, stiffness);
             let name = format!("{thresholds:?} {stiffness:?}");
-            let mut stock = MasterEquation::new(contacts, &initial(&start), &mut ())
+            let mut stock = MasterEquation::new(contacts, &initial(&start))
                 .unwrap()
-                .population(PROMISED, &mut ())
+                .population_with(PROMISED, &mut ())
                 .unwrap();
             let before = stock.books();
             assert_eq!((before.lost, before.broken), (0.0, 0.0));
@@ -365,7 +365,7 @@ fn a_copy_goes_its_own_way() {
 fn a_tolerance_must_make_sense() {
     let equation = master(&gaussian(1.0, 0.1), &rest(), &rest());
     for tolerance in [0.0, 1e-13, 0.1, f64::NAN] {
-        let error = equation.population(tolerance, &mut ()).unwrap_err().to_string();
+        let error = equation.population_with(tolerance, &mut ()).unwrap_err().to_string();
         assert!(error.contains("tolerance: expected a number from 1e-12 to 1e-2"), "{error}");
     }
 }

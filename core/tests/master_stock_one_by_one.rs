@@ -158,9 +158,9 @@ fn every_way_agrees_with_contacts_one_by_one() {
         for stiffness in [Stiffness::Equal(1.0), Stiffness::PerThreshold(1.0)] {
             let contacts = Contacts { stiffness, ..contacts(&thresholds, &reforming) };
             let initial = Initial { law: start.clone(), start: Start::Conditional };
-            let mut stock = MasterEquation::new(contacts.clone(), &initial, &mut ())
+            let mut stock = MasterEquation::new(contacts.clone(), &initial)
                 .unwrap()
-                .population(1e-10, &mut ())
+                .population_with(1e-10, &mut ())
                 .unwrap();
             for (place, (step, sampled)) in PATH.iter().zip(sampled(&contacts, &initial)).enumerate() {
                 match step {

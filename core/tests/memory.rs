@@ -67,7 +67,7 @@ fn ensemble(law: &SharedLaw, size: usize) -> Ensemble {
 fn pulls() {
     let model = ensemble(&gaussian(1.0, 0.1), 200);
     let positions: Vec<f64> = (0..2_000_000).map(|i| 1e-6 * f64::from(i)).collect();
-    let pull = |monitor: &mut dyn Monitor| model.pull(&positions, &Snapshots::default(), monitor);
+    let pull = |monitor: &mut dyn Monitor| model.pull_with(&positions, &Snapshots::default(), monitor);
     holds("a pull", most(|| drop(pull(&mut ()).unwrap())), needed(pull(&mut Full)));
 }
 
@@ -76,13 +76,13 @@ fn blocks() {
     let slips = [Slip::Overdamped, Slip::Reset, Slip::Arrest, Slip::Inertial { mass: 1.0, damping: 0.0 }];
     for law in [gaussian(1.0, 0.05), weibull(0.5, 1.0)] {
         let model = ensemble(&law, size);
-        let said = needed(model.population(&mut Full));
+        let said = needed(model.population_with(&mut Full));
         for slip in slips {
             let taken = most(|| {
-                let mut population = model.population(&mut ()).unwrap();
+                let mut population = model.population().unwrap();
                 let block = Block::new(Loading::Spring(0.2), slip, Some(0.01)).unwrap();
                 let drive = Drive { turning_points: vec![6.0, 2.0, 4.0], points: 11 };
-                block.pull(&mut population, &drive, &mut ()).unwrap();
+                block.pull(&mut population, &drive).unwrap();
             });
             holds(&format!("{slip:?}"), taken, said);
         }
@@ -101,7 +101,7 @@ fn lattices() {
             };
             let taken = most(|| {
                 let mut lattice = make(u64::MAX).unwrap();
-                lattice.run(Until::Drive(2.5), &mut (), &mut |_| ()).unwrap();
+                lattice.run(Until::Drive(2.5), &mut |_| ()).unwrap();
             });
             holds("a lattice", taken, needed(make(0)));
         }
@@ -158,8 +158,8 @@ fn slide(curve: &curve::ClosedCurve, slider: Box<dyn elastic::Coupling>, size: u
     let stiff = InterfaceParameters { viscosity: None, ..setting(0.5, elastic::CellSlip::Overdamped, 1e-3) };
     let mut interface = interface(curve, Some(scales(size, 0.03)), slider, stiff);
     interface.put(3.2, &vec![0.0; size]).unwrap();
-    let _ = interface.next(3.2, &mut ()).unwrap();
-    interface.run(3.21, &mut (), &mut |_, _| ()).unwrap();
+    let _ = interface.next(3.2).unwrap();
+    interface.run(3.21, &mut |_, _| ()).unwrap();
 }
 
 /// One after the other: memory is that of all threads.

@@ -147,7 +147,7 @@ fn what_takes_long_asks_often_and_stops_at_once() {
             let start = initial(&point(0.0));
             let mut solved = None;
             let life = |monitor: &mut dyn Monitor| {
-                solved = Some(MasterEquation::at(contacts.clone(), &start, 0.1, monitor)?);
+                solved = Some(MasterEquation::at_with(contacts.clone(), &start, 0.1, monitor)?);
                 Ok(())
             };
             let whole = patient(&format!("{name}: life"), life);
@@ -156,19 +156,21 @@ fn what_takes_long_asks_often_and_stops_at_once() {
             if let Some(equation) = solved {
                 let steady = equation.steady_state();
                 let places: Vec<f64> = (0..400).map(|i| 0.004 * f64::from(i)).collect();
-                patient(&format!("{name}: relaxation"), |monitor| equation.relaxation(monitor).map(drop));
+                patient(&format!("{name}: relaxation"), |monitor| {
+                    equation.relaxation_with(monitor).map(drop)
+                });
                 patient(&format!("{name}: stretches"), |monitor| {
-                    steady.stretch_density(&places, monitor).map(drop)
+                    steady.stretch_density_with(&places, monitor).map(drop)
                 });
                 patient(&format!("{name}: thresholds met"), |monitor| {
-                    steady.thresholds_met(&places, monitor).map(drop)
+                    steady.thresholds_met_with(&places, monitor).map(drop)
                 });
                 patient(&format!("{name}: population"), |monitor| {
-                    equation.population(1e-10, monitor).map(drop)
+                    equation.population_with(1e-10, monitor).map(drop)
                 });
             }
             patient(&format!("{name}: contacts that slide"), |monitor| {
-                Transport::steady(&contacts, 0.1, 1e-4, monitor).map(drop)
+                Transport::steady_with(&contacts, 0.1, 1e-4, monitor).map(drop)
             });
         }
     });
@@ -182,19 +184,19 @@ fn what_is_followed_in_time_asks_often_and_stops_at_once() {
             let start = initial(&point(0.0));
             let mut begun = None;
             patient(&format!("{name}: new"), |monitor| {
-                begun = Some(Transport::new(contacts.clone(), &start, tolerance, monitor)?);
+                begun = Some(Transport::new_with(contacts.clone(), &start, tolerance, monitor)?);
                 Ok(())
             });
             let begun = begun.unwrap_or_else(|| {
-                Transport::new(contacts.clone(), &start, tolerance, &mut ()).expect("accepted contacts")
+                Transport::new_with(contacts.clone(), &start, tolerance, &mut ()).expect("accepted contacts")
             });
             patient(&format!("{name}: follow"), |monitor| {
-                begun.clone().follow(&history, &[], monitor).map(drop)
+                begun.clone().follow_with(&history, &[], monitor).map(drop)
             });
             let slip = Slip::Inertial { mass: 1.0, damping: 0.1 };
             let block = Block::new(Loading::Spring(0.3), slip, None).unwrap();
             patient(&format!("{name}: block"), |monitor| {
-                block.follow(&begun, &history, &[], 1e-6, monitor).map(drop)
+                block.follow_with(&begun, &history, &[], 1e-6, monitor).map(drop)
             });
         }
     });
@@ -208,9 +210,11 @@ fn single_contacts_in_time_ask_often_and_stop_at_once() {
         let contacts = with(rules, contacts(&gaussian(0.5, 0.1), &point(0.0)));
         let ensemble =
             Ensemble::new(contacts, initial(&point(0.0)), 1_000_000, 1, Disorder::Annealed).unwrap();
-        patient("follow", |monitor| ensemble.follow(&history, &[20.0], monitor).map(drop));
-        patient("pull", |monitor| ensemble.pull_at(0.1, &[2.0], &Snapshots::default(), monitor).map(drop));
-        patient("in time", |monitor| ensemble.in_time(monitor).map(drop));
+        patient("follow", |monitor| ensemble.follow_with(&history, &[20.0], monitor).map(drop));
+        patient("pull", |monitor| {
+            ensemble.pull_at_with(0.1, &[2.0], &Snapshots::default(), monitor).map(drop)
+        });
+        patient("in time", |monitor| ensemble.in_time_with(monitor).map(drop));
     });
 }
 
@@ -245,7 +249,7 @@ fn lives_at_a_velocity_tell_how_far_they_are() {
         with(ageing(diffusing(0.0025), None), contacts(&gaussian(0.5, 0.1), &gaussian(0.2, 0.05)));
     for contacts in [warm, diffusing] {
         let mut told = Told(Vec::new());
-        MasterEquation::at(contacts, &start, 0.1, &mut told).unwrap();
+        MasterEquation::at_with(contacts, &start, 0.1, &mut told).unwrap();
         let Told(told) = told;
         assert!(
             told.windows(2).all(|pair| pair[0] <= pair[1]) && told.iter().all(|f| (0.0..=1.0).contains(f))
@@ -262,12 +266,12 @@ fn lives_at_a_velocity_tell_how_far_they_are() {
 fn what_is_asked_to_stop_at_once_does() {
     let (contacts, start) = (contacts(&gaussian(1.0, 0.1), &gaussian(0.3, 0.05)), initial(&point(0.0)));
     let stopped = |outcome: asperity::Result<()>| assert!(matches!(outcome, Err(Error::Stopped)));
-    let equation = MasterEquation::new(contacts.clone(), &start, &mut ()).unwrap();
-    stopped(MasterEquation::new(contacts.clone(), &start, &mut Impatient(1)).map(drop));
-    stopped(equation.relaxation(&mut Impatient(1)).map(drop));
-    stopped(equation.population(1e-10, &mut Impatient(1)).map(drop));
-    stopped(equation.steady_state().stretch_density(&[0.5], &mut Impatient(1)).map(drop));
+    let equation = MasterEquation::new(contacts.clone(), &start).unwrap();
+    stopped(MasterEquation::new_with(contacts.clone(), &start, &mut Impatient(1)).map(drop));
+    stopped(equation.relaxation_with(&mut Impatient(1)).map(drop));
+    stopped(equation.population_with(1e-10, &mut Impatient(1)).map(drop));
+    stopped(equation.steady_state().stretch_density_with(&[0.5], &mut Impatient(1)).map(drop));
     stopped(Limits::of(&contacts, &mut Impatient(1)).map(drop));
-    stopped(Transport::new(contacts.clone(), &start, 1e-4, &mut Impatient(1)).map(drop));
-    stopped(Transport::steady(&contacts, 1.0, 1e-4, &mut Impatient(1)).map(drop));
+    stopped(Transport::new_with(contacts.clone(), &start, 1e-4, &mut Impatient(1)).map(drop));
+    stopped(Transport::steady_with(&contacts, 1.0, 1e-4, &mut Impatient(1)).map(drop));
 }

@@ -35,13 +35,13 @@ fn coupling(stiffness: f64) -> f64 {
 fn critical_couplings_are_critical_stiffnesses() {
     for std in [0.02, 0.05, 0.1] {
         let thresholds = gaussian(1.0, std);
-        let pull = master(&thresholds, &point(0.0), &point(0.0)).pull(3.0, 1e-12, &mut ()).unwrap();
+        let pull = master(&thresholds, &point(0.0), &point(0.0)).pull_with(3.0, 1e-12, &mut ()).unwrap();
         let critical = critical_coupling(thresholds.as_ref());
         let off = critical / coupling(pull.critical_stiffness()) - 1.0;
         assert!(off.abs() < 1e-9, "{std} {critical} {off:e}");
     }
     let wide = gaussian(1.0, 0.2);
-    let pull = master(&wide, &point(0.0), &point(0.0)).pull(3.0, 1e-12, &mut ()).unwrap();
+    let pull = master(&wide, &point(0.0), &point(0.0)).pull_with(3.0, 1e-12, &mut ()).unwrap();
     // Printed to four digits.
     assert!((critical_coupling(wide.as_ref()).recip() - 1.0 - 1.0335).abs() < 5e-5);
     assert!((pull.critical_stiffness() - 1.0358).abs() < 5e-5);
@@ -54,7 +54,7 @@ fn the_force_at_the_true_stretch_is_that_under_a_spring() {
     // Second breaks: at x = 1.3, (x − 2x̄)/√2σ = −4.9 and −9.9 of a standard Gaussian.
     for (std, stiffness, within) in [(0.1, 5.0, 1e-6), (0.1, 9.0, 1e-6), (0.05, 9.0, 1e-10)] {
         let (thresholds, relaxed) = (gaussian(1.0, std), point(0.0));
-        let mut population = master(&thresholds, &relaxed, &relaxed).population(1e-12, &mut ()).unwrap();
+        let mut population = master(&thresholds, &relaxed, &relaxed).population_with(1e-12, &mut ()).unwrap();
         let share = coupling(stiffness);
         let law = renormalised(&thresholds, share);
         let run = pull(&mut population, stiffness, Slip::Overdamped, &[1.3]);
@@ -186,8 +186,8 @@ fn chain(cells: Box<dyn Cells>, springs: f64, setting: InterfaceParameters) -> I
 /// Cells of many contacts, as many as scales.
 fn curves(std: f64, scales: &[f64]) -> Curves {
     let population =
-        master(&gaussian(1.0, std), &point(0.0), &point(0.0)).population(1e-12, &mut ()).unwrap();
-    Curves::new(&population, scales.len(), &mut ()).unwrap().scaled(scales.to_vec()).unwrap()
+        master(&gaussian(1.0, std), &point(0.0), &point(0.0)).population_with(1e-12, &mut ()).unwrap();
+    Curves::new(&population, scales.len()).unwrap().scaled(scales.to_vec()).unwrap()
 }
 
 /// Their law of first breaks.
@@ -238,7 +238,7 @@ fn cells_on_their_own_have_their_own_renormalised_laws() {
 #[test]
 fn slides_are_upright() {
     let (thresholds, share) = (gaussian(1.0, 0.05), 0.3);
-    let mut alone = master(&thresholds, &point(0.0), &point(0.0)).population(1e-12, &mut ()).unwrap();
+    let mut alone = master(&thresholds, &point(0.0), &point(0.0)).population_with(1e-12, &mut ()).unwrap();
     let run = pull(&mut alone, 1.0 / share - 1.0, Slip::Overdamped, &[1.5]);
     let slip = run.events[0];
     let drive = (1.0 - share) * slip.before.drive;
@@ -264,7 +264,7 @@ fn first_breaks_of_cells_need_a_law_and_a_drive_that_pulls_all() {
     let edge = refused(CellLoading::Edge, Box::new(curves(0.05, &[1.0; 3])));
     assert!(edge.starts_with("loading: expected a drive that pulls all"), "{edge}");
     let population =
-        || master(&gaussian(1.0, 0.05), &point(0.0), &point(0.0)).population(1e-10, &mut ()).unwrap();
+        || master(&gaussian(1.0, 0.05), &point(0.0), &point(0.0)).population_with(1e-10, &mut ()).unwrap();
     let own = (0..3).map(|_| Box::new(population()) as Box<dyn Population>).collect();
     let own = refused(CellLoading::Uniform, Box::new(Populations::new(own, &mut ()).unwrap()));
     assert!(own.starts_with("cells: expected cells that share a curve"), "{own}");

@@ -51,14 +51,14 @@ fn ensemble(size: usize) -> Ensemble {
 
 fn pull(monitor: &mut dyn Monitor) -> Made {
     let positions: Vec<f64> = (0..5_000_000).map(|i| 4e-7 * f64::from(i)).collect();
-    ensemble(500).pull(&positions, &Snapshots::default(), monitor).map(drop)
+    ensemble(500).pull_with(&positions, &Snapshots::default(), monitor).map(drop)
 }
 
 fn block(monitor: &mut dyn Monitor) -> Made {
-    let mut population = ensemble(2_000_000).population(monitor)?;
+    let mut population = ensemble(2_000_000).population_with(monitor)?;
     let block = Block::new(Loading::Spring(0.2), Slip::Overdamped, Some(0.01))?;
     let drive = Drive { turning_points: vec![3.0], points: 11 };
-    block.pull(&mut population, &drive, monitor).map(drop)
+    block.pull_with(&mut population, &drive, monitor).map(drop)
 }
 
 fn lattice(monitor: &mut dyn Monitor) -> Made {
@@ -67,7 +67,7 @@ fn lattice(monitor: &mut dyn Monitor) -> Made {
     let contacts = Contacts { count: size, ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
     let start = initial(&point(0.0));
     let mut lattice = Lattice::within(monitor.memory(), contacts, start, &coupling, 1, Disorder::Annealed)?;
-    lattice.run(Until::Drive(0.9), monitor, &mut |_| ())
+    lattice.run_with(Until::Drive(0.9), monitor, &mut |_| ())
 }
 
 fn cells(monitor: &mut dyn Monitor) -> Made {
@@ -94,7 +94,7 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
     let mut interface = interface(&curve, Some(scales(shape.size(), 0.03)), slider, setting);
     // All of them slide.
     interface.put(3.2, &vec![0.0; shape.size()])?;
-    interface.next(3.2, monitor).map(drop)
+    interface.next_with(3.2, monitor).map(drop)
 }
 
 type Make = fn(&mut dyn Monitor) -> Made;

@@ -7,10 +7,10 @@ use std::fmt;
 use std::sync::Arc;
 
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Temperature};
-use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::law::{Renormalised, SharedLaw, Tabulated};
-use asperity::master::{MasterEquation, Tolerance, Transport};
+use asperity::master::{MasterEquation, Transport};
 use common::{
     contacts, exponential, gamma, gaussian, initial, lognormal, mixture, point, rectangular, weibull,
 };
@@ -124,8 +124,8 @@ fn places() -> Vec<f64> {
 /// F by the renewal equation, and what it is off by.
 fn renewed(contacts: &Contacts) -> (Vec<f64>, f64) {
     let start = initial(&point(0.0));
-    let equation = MasterEquation::at(contacts.clone(), &start, VELOCITY, &mut ()).unwrap();
-    let pull = equation.pull(DISTANCE, Tolerance::default(), &mut ()).unwrap();
+    let equation = MasterEquation::at(contacts.clone(), &start, VELOCITY).unwrap();
+    let pull = equation.pull(DISTANCE).unwrap();
     (places().into_iter().map(|x| pull.force(x)).collect(), pull.error_estimate())
 }
 
@@ -134,8 +134,8 @@ fn followed(contacts: &Contacts, tolerance: f64) -> (Vec<f64>, f64) {
     let start = initial(&point(0.0));
     let times: Vec<f64> = places().into_iter().map(|x| x / VELOCITY).collect();
     let history = History::new(vec![Piece { velocity: VELOCITY, duration: DISTANCE / VELOCITY }]).unwrap();
-    let mut transport = Transport::new(contacts.clone(), &start, tolerance, &mut ()).unwrap();
-    let trace = transport.follow(&history, &times, &mut ()).unwrap();
+    let mut transport = Transport::new_with(contacts.clone(), &start, tolerance, &mut ()).unwrap();
+    let trace = transport.follow(&history, &times).unwrap();
     (trace.force, trace.error)
 }
 
@@ -186,10 +186,10 @@ fn a_tolerance_is_kept_where_weak_contacts_meet_their_thresholds() {
     let contacts = all().find(rule).unwrap().contacts;
     let (position, start) = (0.194, initial(&point(0.0)));
     let history = History::new(vec![Piece { velocity: VELOCITY, duration: position / VELOCITY }]).unwrap();
-    let mut transport = Transport::new(contacts.clone(), &start, 1e-9, &mut ()).unwrap();
-    let force = transport.follow(&history, &[position / VELOCITY], &mut ()).unwrap().force[0];
-    let equation = MasterEquation::at(contacts, &start, VELOCITY, &mut ()).unwrap();
-    let pull = equation.pull(position, Tolerance::default(), &mut ()).unwrap();
+    let mut transport = Transport::new_with(contacts.clone(), &start, 1e-9, &mut ()).unwrap();
+    let force = transport.follow(&history, &[position / VELOCITY]).unwrap().force[0];
+    let equation = MasterEquation::at(contacts, &start, VELOCITY).unwrap();
+    let pull = equation.pull(position).unwrap();
     let off = force - pull.force(position);
     // A tenth of the tolerance; panels of one octave, whatever the tolerance, are off by 1.1e-9.
     assert!(off.abs() < 1e-10, "{off:e}");
@@ -210,7 +210,7 @@ fn the_renewal_equation_and_single_contacts_agree() {
     for (seed, case) in (0..).zip(all()).filter(|(_, case)| case.is_quick()) {
         let (contacts, initial) = (case.contacts.clone(), initial(&point(0.0)));
         let ensemble = Ensemble::new(contacts, initial, SIZE, seed, Disorder::Annealed).unwrap();
-        let drawn = ensemble.pull_at(VELOCITY, &places(), &Snapshots::default(), &mut ()).unwrap();
+        let drawn = ensemble.pull_at(VELOCITY, &places()).unwrap();
         let (exact, off) = renewed(&case.contacts);
         let most = (0..PLACES)
             .map(|i| {

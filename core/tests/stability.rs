@@ -131,11 +131,11 @@ fn the_dynamic_stiffness_is_that_of_quadrature() {
 
 /// A slider over contacts in steady sliding, pulled by `drive`.
 fn follow(slip: Slip, stiffness: f64, drive: &[Piece], points: u32, tolerance: f64) -> Slide {
-    let sliding = Transport::steady(&ageing(), VELOCITY, 1e-5, &mut ()).unwrap();
+    let sliding = Transport::steady_with(&ageing(), VELOCITY, 1e-5, &mut ()).unwrap();
     let drive = History::new(drive.to_vec()).unwrap();
     let times: Vec<f64> = (0..=points).map(|i| f64::from(i) / f64::from(points) * drive.duration()).collect();
     let block = Block::new(Loading::Spring(stiffness), slip, None).unwrap();
-    block.follow(&sliding, &drive, &times, tolerance, &mut ()).unwrap()
+    block.follow(&sliding, &drive, &times, tolerance).unwrap()
 }
 
 /// How fast the swings of the velocity grow per length from the position `from` on, by least squares.

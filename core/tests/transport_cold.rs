@@ -44,8 +44,8 @@ fn pull(contacts: &Contacts, velocity: f64, distance: f64, tolerance: f64) -> Tr
     let duration = distance / velocity;
     let history = History::new(vec![Piece { velocity, duration }]).unwrap();
     let times: Vec<f64> = (1..=37).map(|k| f64::from(k) / 37.0 * duration).collect();
-    let mut transport = Transport::new(contacts.clone(), &relaxed(), tolerance, &mut ()).unwrap();
-    transport.follow(&history, &times, &mut ()).unwrap()
+    let mut transport = Transport::new_with(contacts.clone(), &relaxed(), tolerance, &mut ()).unwrap();
+    transport.follow(&history, &times).unwrap()
 }
 
 #[test]
@@ -68,8 +68,8 @@ fn at_one_velocity_the_renewal_equation_is_reproduced_however_cold_it_is() {
         // In which ½x² grows by T, there are 10⁴ times 1/ω.
         let velocity = 1e-4 * energy;
         let trace = pull(&contacts, velocity, 1.4, tolerance);
-        let equation = MasterEquation::at(contacts, &relaxed(), velocity, &mut ()).unwrap();
-        let exact = equation.pull(1.4, 1e-8, &mut ()).unwrap();
+        let equation = MasterEquation::at(contacts, &relaxed(), velocity).unwrap();
+        let exact = equation.pull_with(1.4, 1e-8, &mut ()).unwrap();
         let off = trace.position.iter().zip(&trace.force).map(|(&x, force)| (force - exact.force(x)).abs());
         let off = off.fold(0.0, f64::max);
         // The tolerance, in units of the mean threshold; the renewal equation has its own.
@@ -120,10 +120,10 @@ fn a_hold_and_what_follows_it_are_those_of_the_elastic_barrier() {
                 stretches.push(stretches[stretches.len() - 1] + by);
             }
             let mut transport =
-                Transport::new(Contacts { rules, ..cold }, &relaxed(), tolerance, &mut ()).unwrap();
+                Transport::new_with(Contacts { rules, ..cold }, &relaxed(), tolerance, &mut ()).unwrap();
             for (i, piece) in pieces.into_iter().enumerate() {
                 let history = History::new(vec![piece]).unwrap();
-                transport.follow(&history, &[], &mut ()).unwrap();
+                transport.follow(&history, &[]).unwrap();
                 let stretch = stretches[i];
                 let exact =
                     if i == 0 { law.survival(stretch) } else { left(&law, energy, (held, time), stretch) };
@@ -165,8 +165,8 @@ fn thresholds_of_nothing_are_met_at_once() {
         let slow = Piece { velocity: 1e-12, duration: 1e-2 };
         let history = History::new(vec![slow, Piece { velocity: 0.1, duration: 5.0 }]).unwrap();
         let times: Vec<f64> = (0..=20).map(|k| 0.25 * f64::from(k)).collect();
-        let mut transport = Transport::new(contacts, &relaxed(), tolerance, &mut ()).unwrap();
-        transport.follow(&history, &times, &mut ()).unwrap().force
+        let mut transport = Transport::new_with(contacts, &relaxed(), tolerance, &mut ()).unwrap();
+        transport.follow(&history, &times).unwrap().force
     });
     for (warm, cold) in warm.iter().zip(&cold) {
         // Temperature moves breaks by about 1e-6, where the density of thresholds is up to 3.

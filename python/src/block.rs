@@ -100,7 +100,7 @@ pub fn slip_arguments(slip: Slip, into: &Bound<'_, PyDict>) -> PyResult<()> {
             given(into, "damping", (damping != 0.0).then_some(damping))
         }
         Slip::Damped { damping } => into.set_item("damping", damping),
-        Slip::Reset | Slip::Overdamped | Slip::Arrest => Ok(()),
+        _ => Ok(()),
     }
 }
 
@@ -131,7 +131,7 @@ fn rule(slip: Slip, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
         Slip::Reset => "reset".into_bound_py_any(py),
         Slip::Overdamped => "overdamped".into_bound_py_any(py),
         Slip::Arrest => "arrest".into_bound_py_any(py),
-        Slip::Damped { .. } | Slip::Inertial { .. } => Plain::Slip(slip).object(py),
+        _ => Plain::Slip(slip).object(py),
     }
 }
 

@@ -133,8 +133,8 @@ impl Ensemble {
         let positions = asked.positions();
         let snapshots = Snapshots { positions: asked.snapshots, edges };
         let pull = watched(progress, py, |monitor| match velocity {
-            Some(velocity) => ensemble.pull_at(velocity, &positions, &snapshots, monitor),
-            None => ensemble.pull(&positions, &snapshots, monitor),
+            Some(velocity) => ensemble.pull_at_with(velocity, &positions, &snapshots, monitor),
+            None => ensemble.pull_with(&positions, &snapshots, monitor),
         })?;
         let breaks = pull.breaks;
         let record = Record::new(py, columns(positions, snapshots, pull), Units::default())?;
@@ -160,7 +160,7 @@ impl Ensemble {
         let py = slf.py();
         let (history, times) = transport::way(steps)?;
         let Self { ensemble } = slf.get();
-        let trace = watched(progress, py, |monitor| ensemble.follow(&history, &times, monitor))?;
+        let trace = watched(progress, py, |monitor| ensemble.follow_with(&history, &times, monitor))?;
         Py::new(py, Record::new(py, transport::followed(trace), Units::default())?)
     }
 }
@@ -182,8 +182,8 @@ fn even_edges(
 ) -> asperity::Result<Vec<f64>> {
     let (contacts, initial) = (ensemble.contacts().clone(), ensemble.initial());
     let equation = match velocity {
-        Some(velocity) => MasterEquation::at(contacts, initial, velocity, monitor)?,
-        None => MasterEquation::new(contacts, initial, monitor)?,
+        Some(velocity) => MasterEquation::at_with(contacts, initial, velocity, monitor)?,
+        None => MasterEquation::new_with(contacts, initial, monitor)?,
     };
     Ok(Grid::new(&equation, initial, &[]).edges(ensemble.size()))
 }

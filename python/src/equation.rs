@@ -60,8 +60,8 @@ impl MasterEquation {
             own.check().map_err(|e| e.under("master_equation"))?;
             let (contacts, initial) = scenario::build_contacts(&contacts, &initial, start)?;
             let equation = match velocity {
-                Some(velocity) => master::MasterEquation::at(contacts, &initial, velocity, monitor)?,
-                None => master::MasterEquation::new(contacts, &initial, monitor)?,
+                Some(velocity) => master::MasterEquation::at_with(contacts, &initial, velocity, monitor)?,
+                None => master::MasterEquation::new_with(contacts, &initial, monitor)?,
             };
             Ok(Self { equation, initial })
         };
@@ -119,7 +119,7 @@ impl MasterEquation {
 
     /// The relaxation to steady sliding.
     fn relaxation(&self, py: Python<'_>) -> PyResult<Relaxation> {
-        let relaxation = watched(None, py, |monitor| self.equation.relaxation(monitor))?;
+        let relaxation = watched(None, py, |monitor| self.equation.relaxation_with(monitor))?;
         Ok(Relaxation { relaxation })
     }
 }
@@ -197,7 +197,7 @@ impl SteadyState {
         stretches: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let stretches = self.equation.get().stretches(stretches, &[])?;
-        let found = watched(None, py, |monitor| self.steady.stretch_density(&stretches, monitor))?;
+        let found = watched(None, py, |monitor| self.steady.stretch_density_with(&stretches, monitor))?;
         values::stretches(py, stretches, found)
     }
 

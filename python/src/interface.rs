@@ -374,6 +374,7 @@ pub fn arguments(surface: &Surface, into: &Bound<'_, PyDict>) -> PyResult<()> {
     match own.coupling {
         Coupling::Neighbours { stiffness } => into.set_item("neighbours", stiffness)?,
         Coupling::HalfSpace { modulus, cell } => into.set_item("half_space", (modulus, cell))?,
+        _ => unreachable!("a coupling that no argument makes"),
     }
     given(into, "edges", (own.edges == Edges::Periodic).then_some("periodic"))?;
     given(into, "loading", (own.loading == CellLoading::Edge).then_some("edge"))?;

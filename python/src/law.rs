@@ -315,6 +315,7 @@ pub fn class<'py>(law: &scenario::Law, py: Python<'py>) -> Bound<'py, PyType> {
         scenario::Law::Series { .. } => py.get_type::<Series>(),
         scenario::Law::Mixture(_) => py.get_type::<Mixture>(),
         scenario::Law::Renormalised { .. } => py.get_type::<Renormalised>(),
+        _ => unreachable!("a distribution without a class"),
     }
 }
 
@@ -348,6 +349,7 @@ pub fn arguments(law: &scenario::Law, into: &Bound<'_, PyDict>) -> PyResult<()> 
             into.set_item("law", Plain::Law((**law).clone()).object(into.py())?)?;
             into.set_item("coupling", coupling)
         }
+        _ => unreachable!("a distribution without a class"),
     }
 }
 

@@ -126,13 +126,15 @@ impl<'a> Solver<'a> {
     pub fn population(self, monitor: &mut dyn Monitor) -> Result<Box<dyn Population>> {
         Ok(match self {
             Self::MasterEquation(equation, tolerance) => {
-                Box::new(equation.population(tolerance, &mut Aside { fraction: 0.0, monitor })?)
+                Box::new(equation.population_with(tolerance, &mut Aside { fraction: 0.0, monitor })?)
             }
             Self::Transport(..) => {
                 let expected = "a MasterEquation or an Ensemble where no time passes (Block.follow moves a Transport, and Block.drive at a velocity)";
                 return Err(Error::invalid("block.model", expected, "a Transport"));
             }
-            Self::Ensemble(ensemble) => Box::new(ensemble.population(&mut Aside { fraction: 0.0, monitor })?),
+            Self::Ensemble(ensemble) => {
+                Box::new(ensemble.population_with(&mut Aside { fraction: 0.0, monitor })?)
+            }
         })
     }
 }
@@ -147,7 +149,10 @@ impl Solver<'_> {
             Self::Ensemble(ensemble) => {
                 let least = scenario::MasterEquation::default().tolerance_of_a_block();
                 let tolerance = task::finite_size_tolerance(ensemble.size()).max(least);
-                Ok((Box::new(ensemble.in_time(&mut Aside { fraction: 0.0, monitor })?), tolerance * mean))
+                Ok((
+                    Box::new(ensemble.in_time_with(&mut Aside { fraction: 0.0, monitor })?),
+                    tolerance * mean,
+                ))
             }
             Self::MasterEquation(..) => {
                 let expected = "a Transport or an Ensemble where time passes";

@@ -37,7 +37,7 @@ impl Pull {
         let tolerance = MasterEquation::plain(&equation).tolerance();
         let solver = &equation.get().equation;
         let (pull, record) = watched(progress, py, |monitor| {
-            let pull = solver.pull(distance, tolerance, monitor)?;
+            let pull = solver.pull_with(distance, tolerance, monitor)?;
             let mut record = record::Record::default();
             task::record_pull(&pull, asked.positions(), None, &mut record, monitor)?;
             Ok((pull, record))
@@ -102,7 +102,7 @@ impl Pull {
     /// no root is found.
     #[getter]
     fn relaxation_length(&self, py: Python<'_>) -> PyResult<f64> {
-        let relaxation = watched(None, py, |monitor| self.equation.get().equation.relaxation(monitor))?;
+        let relaxation = watched(None, py, |monitor| self.equation.get().equation.relaxation_with(monitor))?;
         Ok(relaxation.length())
     }
 
@@ -144,7 +144,7 @@ impl Pull {
         let size = convert::contacts("size", size)?;
         let at = at.cloned().map_or_else(|| slf.get_item("position"), Ok)?;
         let Self { pull, .. } = slf.get();
-        let std = watched(None, slf.py(), |monitor| pull.force_std(size, monitor))?;
+        let std = watched(None, slf.py(), |monitor| pull.force_std_with(size, monitor))?;
         evaluate("at", &at, &slf.get().positions(), std)
     }
 
@@ -166,7 +166,8 @@ impl Pull {
         let stretches = self.equation.get().stretches(stretches, &positions)?;
         let mut found = Vec::with_capacity(positions.len());
         for &position in &positions {
-            let at = |monitor: &mut dyn Monitor| self.pull.stretch_density(position, &stretches, monitor);
+            let at =
+                |monitor: &mut dyn Monitor| self.pull.stretch_density_with(position, &stretches, monitor);
             found.push(watched(None, py, at)?);
         }
         match found.pop() {

@@ -128,6 +128,7 @@ pub fn class<'py>(ageing: &scenario::Ageing, py: Python<'py>) -> Bound<'py, PyTy
         scenario::Ageing::FrozenRank { .. } => py.get_type::<FrozenRank>(),
         scenario::Ageing::Logarithmic { .. } => py.get_type::<Logarithmic>(),
         scenario::Ageing::MeanField { .. } => py.get_type::<MeanField>(),
+        _ => unreachable!("a rule of ageing without a class"),
     }
 }
 
@@ -139,6 +140,7 @@ pub fn temperature_arguments(temperature: &scenario::Temperature, into: &Bound<'
         scenario::Barrier::Elastic => return Ok(()),
         scenario::Barrier::Bell => "bell",
         scenario::Barrier::Catastrophe => "catastrophe",
+        _ => unreachable!("a barrier without a word"),
     };
     into.set_item("barrier", word)
 }
@@ -160,5 +162,6 @@ pub fn ageing_arguments(ageing: &scenario::Ageing, into: &Bound<'_, PyDict>) -> 
             into.set_item("growth", growth)?;
             into.set_item("time", time)
         }
+        _ => unreachable!("a rule of ageing without a class"),
     }
 }

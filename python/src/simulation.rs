@@ -302,7 +302,7 @@ impl Observed for Slider {
             // Where the slider has turned contacts may be stretched the other way.
             ahead[1..].iter().rev().map(|x| -x).chain(ahead.iter().copied()).collect()
         })?;
-        let found = self.simulation.stretch_density(&stretches, monitor)?;
+        let found = self.simulation.stretch_density_with(&stretches, monitor)?;
         let (mut density, atoms) = found.expect("contacts that follow an equation are a distribution");
         let mut stretches = stretches;
         let behind = stretches.partition_point(|&x| x < 0.0);
@@ -324,12 +324,12 @@ impl Live for Slider {
     }
 
     fn next(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Record> {
-        let event = self.simulation.next_event(until, monitor)?;
+        let event = self.simulation.next_event_with(until, monitor)?;
         Ok(self.simulation.record(event.as_slice()))
     }
 
     fn advance(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<()> {
-        self.simulation.run(until, monitor, &mut |_| ())
+        self.simulation.run_with(until, monitor, &mut |_| ())
     }
 
     fn write(&mut self, into: &mut Vec<u8>) {
@@ -453,7 +453,7 @@ pub fn built(
         Some(_) => None,
         None => {
             let aside = &mut Aside { fraction: 0.0, monitor };
-            let equation = MasterEquation::new(contacts.clone(), &initial, aside)?;
+            let equation = MasterEquation::new_with(contacts.clone(), &initial, aside)?;
             Some(Solved { equation, initial: initial.clone(), tolerance })
         }
     };
@@ -732,6 +732,6 @@ pub fn slider(
     contacts: SliderContacts,
     monitor: &mut dyn Monitor,
 ) -> Result<Box<dyn Live>> {
-    let simulation = block.simulation(population, monitor)?;
+    let simulation = block.simulation_with(population, monitor)?;
     Ok(Box::new(Slider { simulation, contacts }))
 }

@@ -41,7 +41,7 @@ impl StickSlip {
         let slider = asked.slider(Block::table(&block).as_ref(), solver.size().is_some());
         let (slider, way) = (slider.map_err(error::core)?, asked.build());
         let run = watched(progress, py, |monitor| {
-            slider.pull(solver.population(monitor)?.as_mut(), &way, monitor).map_err(|e| e.under("drive"))
+            slider.pull_with(solver.population(monitor)?.as_mut(), &way, monitor)
         })?;
         let mut record = sliding::motion(&run);
         record.variables.extend(sliding::course(&run).variables);
@@ -70,7 +70,7 @@ impl StickSlip {
         let run = watched(progress, py, |monitor| {
             let slider = table.in_time(solver.size().is_some())?;
             let (contacts, tolerance) = solver.in_time(monitor)?;
-            slider.follow(contacts.as_ref(), &protocol.build()?, &protocol.times(), tolerance, monitor)
+            slider.follow_with(contacts.as_ref(), &protocol.build()?, &protocol.times(), tolerance, monitor)
         })?;
         let found = Self { block: block.unbind(), sliding: Sliding::in_time(&run), energy: run.energy };
         let record = Record::new(py, sliding::motion_in_time(&run), Units::default())?;

@@ -124,7 +124,7 @@ impl Transport {
             own.check().map_err(|e| e.under("transport"))?;
             let (contacts, initial) = scenario::build_contacts(&contacts, &initial, start)?;
             let tolerance = own.tolerance_in_time(&contacts.rules);
-            let transport = master::Transport::new(contacts.clone(), &initial, tolerance, monitor)?;
+            let transport = master::Transport::new_with(contacts.clone(), &initial, tolerance, monitor)?;
             Ok(Self { transport, contacts })
         };
         let transport = watched(None, py, build)?;
@@ -154,7 +154,7 @@ impl Transport {
         let mut transport = slf.get().transport.clone();
         let tolerance = Self::plain(slf).tolerance;
         let follow = |monitor: &mut dyn Monitor| {
-            let trace = transport.follow(&history, &times, monitor)?;
+            let trace = transport.follow_with(&history, &times, monitor)?;
             trace.check(transport.unit(), tolerance)?;
             Ok(trace)
         };
@@ -233,7 +233,7 @@ pub fn velocity_curve<'py>(
         for (i, &velocity) in values.iter().enumerate() {
             let done = i as f64 / values.len() as f64;
             let part = &mut Part::new(monitor, done, 1.0 / values.len() as f64);
-            let at = master::MasterEquation::at(contacts.clone(), &initial, velocity, part);
+            let at = master::MasterEquation::at_with(contacts.clone(), &initial, velocity, part);
             let equation = at.map_err(|e| e.under(&format!("velocities.{i}")))?;
             friction.push(equation.steady_state().kinetic_friction());
             if monitor.progress((i + 1) as f64 / values.len() as f64).is_break() {

@@ -25,7 +25,7 @@ def test_an_equation_of_contacts_that_know_time_has_a_velocity() -> None:
     assert theory.steady_state().kinetic_friction == pytest.approx(0.5122109494, abs=1e-9)
     with pytest.raises(
         ValueError,
-        match=r"velocity: expected a velocity above 0, since contacts\.ageing makes contacts time-dependent",
+        match=r"velocity: expected a velocity above 0, since ageing makes contacts time-dependent",
     ):
         asp.MasterEquation(GROWING)
     with pytest.raises(ValueError, match="velocity: expected a finite number above 0, got 0"):
@@ -183,5 +183,5 @@ def test_the_closure_of_steady_sliding_knows_no_first_loading() -> None:
     theory = asp.MasterEquation(closure, velocity=0.1)
     assert theory.steady_state().kinetic_friction == pytest.approx(0.4831162958, abs=4e-7)
     assert np.isnan(theory.relaxation().length)
-    with pytest.raises(ValueError, match=r"contacts\.ageing\.mean_field"):
+    with pytest.raises(ValueError, match=r"ageing\.mean_field"):
         theory.pull(5.0)

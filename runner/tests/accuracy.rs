@@ -129,7 +129,7 @@ fn interfaces_in_time() {
     let at_rest = Arc::new(Point::new(0.0).unwrap());
     let contacts = Contacts::new(Arc::new(Rectangular::new(0.5, 1.5).unwrap()), at_rest.clone());
     let initial = Initial { law: at_rest, start: Start::Conditional };
-    let transport = Transport::new(contacts, &initial, 1e-4, &mut ()).unwrap();
+    let transport = Transport::new_with(contacts, &initial, 1e-4, &mut ()).unwrap();
     let cells = (0..2).map(|_| Box::new(transport.clone()) as Box<dyn RateDependentContacts>).collect();
     let setting = RateDependentInterfaceParameters {
         connection: 0.5,
@@ -144,7 +144,7 @@ fn interfaces_in_time() {
     let form = exact::Rectangular { min: 0.5, max: 1.5 };
     let mut off = 0.0_f64;
     for step in 1..=100 {
-        interface.run(0.05 * f64::from(step), 0.1, &mut (), &mut |_, _| {}).unwrap();
+        interface.run(0.05 * f64::from(step), 0.1, &mut |_, _| {}).unwrap();
         for (x, force) in interface.positions().into_iter().zip(interface.forces()) {
             off = off.max((force - form.force(x)).abs());
         }

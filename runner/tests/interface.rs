@@ -39,7 +39,7 @@ fn contacts_one_by_one_make_the_avalanches_of_the_lattice() {
     let Model { contacts, initial, .. } = input.scenario.build().unwrap();
     let mut lattice = input.scenario.interface.as_ref().unwrap().lattice(contacts, initial, None).unwrap();
     let mut all: Vec<Avalanche> = Vec::new();
-    lattice.run(Until::Drive(3.0), &mut (), &mut |avalanche| all.push(*avalanche)).unwrap();
+    lattice.run(Until::Drive(3.0), &mut |avalanche| all.push(*avalanche)).unwrap();
     let late: Vec<_> = all.iter().filter(|avalanche| avalanche.drive >= 1.5).collect();
     let outcome = asperity_runner::run(&input.scenario, &mut ()).unwrap();
     assert!(late.len() > 50 && late.len() < all.len());
@@ -99,7 +99,7 @@ drive = { distance = 8.0, points = 2 }
     let ensemble = input.scenario.ensemble.as_ref().unwrap().build(contacts, initial).unwrap();
     let block = Block::new(Loading::Spring(0.5), Slip::Overdamped, None).unwrap();
     let drive = Drive { turning_points: vec![8.0], points: 2 };
-    let slips = block.pull(&mut ensemble.population(&mut ()).unwrap(), &drive, &mut ()).unwrap();
+    let slips = block.pull(&mut ensemble.population().unwrap(), &drive).unwrap();
     let outcome = asperity_runner::run(&input.scenario, &mut ()).unwrap();
     let drives = column(&outcome, "event_drive");
     assert!(drives.len() > 20 && drives.len() == slips.events.len());

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial, Start, Stiffness};
-use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::ensemble::{Disorder, Ensemble};
 use asperity::law::{Exponential, Gamma, Lognormal, SharedLaw, Weibull};
 use asperity::master::{MasterEquation, Pull};
 use kuva::plot::{MarkerShape, ScatterPlot};
@@ -70,16 +70,16 @@ fn cases() -> Vec<Case> {
 
 impl Case {
     fn solved(&self) -> Pull {
-        let master = MasterEquation::new(self.contacts.clone(), &self.initial, &mut ())
-            .expect("contacts that survive");
-        master.pull(15.0, 1e-10, &mut ()).expect("the tolerance is reached")
+        let master =
+            MasterEquation::new(self.contacts.clone(), &self.initial).expect("contacts that survive");
+        master.pull_with(15.0, 1e-10, &mut ()).expect("the tolerance is reached")
     }
 
     /// F of an ensemble at X.
     fn drawn(&self, size: usize, seed: u64, position: f64) -> f64 {
         let ensemble =
             Ensemble::new(self.contacts.clone(), self.initial.clone(), size, seed, Disorder::Annealed);
-        let pull = ensemble.and_then(|ensemble| ensemble.pull(&[position], &Snapshots::default(), &mut ()));
+        let pull = ensemble.and_then(|ensemble| ensemble.pull(&[position]));
         pull.expect("contacts that survive").force[0]
     }
 
@@ -89,7 +89,7 @@ impl Case {
         let deviation = |seed: u64| {
             let position = POSITIONS[seed as usize % POSITIONS.len()];
             (self.drawn(SIZE, seed, position) - exact.force(position))
-                / exact.force_std(SIZE as f64, &mut ()).unwrap()(position)
+                / exact.force_std(SIZE as f64).unwrap()(position)
         };
         (0..SEEDS).map(deviation).collect()
     }
@@ -187,7 +187,7 @@ former has a standard error of {:.0} %.
         let forces: Vec<f64> = (0..MEMBERS).map(|seed| case.drawn(size, 1000 + seed, POSITION)).collect();
         let mean = forces.iter().sum::<f64>() / forces.len() as f64;
         let variance = forces.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / (forces.len() - 1) as f64;
-        let (scatter, expected) = (variance.sqrt(), exact.force_std(size as f64, &mut ()).unwrap()(POSITION));
+        let (scatter, expected) = (variance.sqrt(), exact.force_std(size as f64).unwrap()(POSITION));
         page.row(&[size.to_string(), small(scatter), small(expected), format!("{:.2}", scatter / expected)]);
         points.push((size as f64, scatter));
         band.push((size as f64, expected));

@@ -62,7 +62,8 @@ thresholds keeps their mass below 0, the solver truncates it: for σ/x̄ ≥ 0.1
 }
 
 fn row(page: &mut Page, name: &str, beyond: &str, law: &SharedLaw, exact: impl Fn(f64) -> f64) {
-    let pull = master(law, &point(0.0)).pull(LAST, TOLERANCE, &mut ()).expect("the tolerance is reached");
+    let pull =
+        master(law, &point(0.0)).pull_with(LAST, TOLERANCE, &mut ()).expect("the tolerance is reached");
     // Jumps are at whole numbers: none is a position.
     let positions = || grid(LAST - 0.01, 0.01).into_iter().map(|x| x + 0.005);
     let force = positions().map(|x| (pull.force(x) - exact(x)).abs()).fold(0.0, f64::max);

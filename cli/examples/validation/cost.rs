@@ -158,7 +158,7 @@ fn renewed(tolerance: f64, exact: &[f64]) -> Measured {
     let (mut seconds, mut force) = (Vec::new(), Vec::new());
     for _ in 0..REPEATS {
         let begun = ThreadTime::now();
-        let pull = master(&gaussian(1.0, 0.05), &gaussian(0.1, 0.025)).pull(LAST, tolerance, &mut ());
+        let pull = master(&gaussian(1.0, 0.05), &gaussian(0.1, 0.025)).pull_with(LAST, tolerance, &mut ());
         let pull = pull.expect("the tolerance is reached");
         force = grid(LAST, EVERY).into_iter().map(|x| pull.force(x)).collect();
         seconds.push(begun.elapsed().as_secs_f64());

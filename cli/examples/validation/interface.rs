@@ -38,9 +38,9 @@ const OVERDAMPED: InterfaceParameters = InterfaceParameters {
 /// Gaussian thresholds of σ = 0.1.
 fn cells(number: usize) -> Curves {
     let population = master(&gaussian(1.0, 0.1), &point(0.0))
-        .population(1e-10, &mut ())
+        .population_with(1e-10, &mut ())
         .expect("a tolerance that is kept");
-    Curves::new(&population, number, &mut ()).expect("nothing stops it")
+    Curves::new(&population, number).expect("nothing stops it")
 }
 
 pub fn section(page: Page) -> Page {
@@ -62,7 +62,7 @@ is the largest value without a slip, as long as contacts break for the first tim
     for std in [0.05, 0.1, 0.2] {
         let thresholds = gaussian(1.0, std);
         let critical = critical_coupling(thresholds.as_ref());
-        let pull = master(&thresholds, &point(0.0)).pull(3.0, 1e-10, &mut ()).expect("nothing stops it");
+        let pull = master(&thresholds, &point(0.0)).pull_with(3.0, 1e-10, &mut ()).expect("nothing stops it");
         page.row(&[
             std.to_string(),
             format!("{critical:.6}"),
@@ -170,7 +170,7 @@ fn speed(stiffness: f64, above: f64) -> f64 {
     chain.put(force / SOFT, &positions).expect("places ahead");
     let mut starts = vec![f64::NAN; number];
     let mut log = |slipped: &[Slipped]| slipped.iter().for_each(|s| starts[s.cell] = s.start);
-    chain.run(force / SOFT, &mut (), &mut |_, slipped| log(slipped)).expect("nothing stops it");
+    chain.run(force / SOFT, &mut |_, slipped| log(slipped)).expect("nothing stops it");
     let time = starts[ahead + 60] - starts[ahead + 20];
     if time.is_nan() { 0.0 } else { 40.0 / time }
 }
@@ -211,7 +211,7 @@ fn balance(slip: CellSlip) -> (usize, f64, f64) {
     let mut chain = Interface::new(Box::new(cells), coupling(), setting).expect("cells for each");
     let (mut count, mut force, mut energy) = (0, 0.0_f64, 0.0_f64);
     loop {
-        let events = chain.next(4.0, &mut ()).expect("nothing stops it");
+        let events = chain.next(4.0).expect("nothing stops it");
         if events.is_empty() {
             return (count, force, energy / NUMBER as f64);
         }

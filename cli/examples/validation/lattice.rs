@@ -77,7 +77,7 @@ impl Case {
         let stretches = start(&rectangular(0.0, 0.9999));
         let mut lattice = Lattice::new(contacts, stretches, &coupling, 1, Disorder::Annealed)
             .expect("contacts that survive where they start");
-        lattice.run(Until::Drive(self.before), &mut (), &mut |_| ()).expect("nothing stops it");
+        lattice.run(Until::Drive(self.before), &mut |_| ()).expect("nothing stops it");
         lattice
     }
 
@@ -87,9 +87,7 @@ impl Case {
         let mut part = || {
             let mut sizes = Sizes::new();
             let mut count = |size| *sizes.entry(size).or_default() += 1;
-            lattice
-                .run(Until::Events(self.events), &mut (), &mut |a| count(a.size))
-                .expect("nothing stops it");
+            lattice.run(Until::Events(self.events), &mut |a| count(a.size)).expect("nothing stops it");
             sizes
         };
         (0..PARTS).map(|_| part()).collect()

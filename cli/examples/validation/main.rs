@@ -72,7 +72,7 @@ fn start(law: &SharedLaw) -> Initial {
 
 /// The master equation of contacts that re-form at 0.
 fn master(thresholds: &SharedLaw, initial: &SharedLaw) -> MasterEquation {
-    MasterEquation::new(equal(thresholds, &point(0.0)), &start(initial), &mut ()).expect("thresholds above 0")
+    MasterEquation::new(equal(thresholds, &point(0.0)), &start(initial)).expect("thresholds above 0")
 }
 
 /// 0, `step`, … `last`.

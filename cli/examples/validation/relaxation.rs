@@ -55,7 +55,7 @@ fn rectangle(cv: f64) -> Option<SharedLaw> {
 
 /// X*/x̄; of a truncated law with its own mean.
 fn length(law: &SharedLaw) -> f64 {
-    master(law, &point(0.0)).relaxation(&mut ()).unwrap().length() / law.mean()
+    master(law, &point(0.0)).relaxation().unwrap().length() / law.mean()
 }
 
 fn paper(cv: f64) -> f64 {

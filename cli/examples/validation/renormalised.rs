@@ -184,9 +184,8 @@ fn spread(cells: usize, seed: u64) -> Vec<f64> {
 fn breaks_of_cells(shape: Shape, springs: f64, seed: u64) -> FirstBreaks {
     let thresholds = gaussian(1.0, WIDTHS.0);
     let population =
-        master(&thresholds, &point(0.0)).population(1e-10, &mut ()).expect("a tolerance that is kept");
-    let cells =
-        Curves::new(&population, shape.size(), &mut ()).and_then(|c| c.scaled(spread(shape.size(), seed)));
+        master(&thresholds, &point(0.0)).population_with(1e-10, &mut ()).expect("a tolerance that is kept");
+    let cells = Curves::new(&population, shape.size()).and_then(|c| c.scaled(spread(shape.size(), seed)));
     let springs = neighbours(shape, Edges::Periodic, springs).expect("springs");
     let setting = InterfaceParameters {
         connection: CONNECTION,

@@ -1,7 +1,7 @@
 //! A finite number of contacts under a slider: how its first slip scatters about that of the master equation.
 
 use asperity::block::{Block, Drive, Event, Loading, Slip};
-use asperity::ensemble::{Disorder, Ensemble, Snapshots};
+use asperity::ensemble::{Disorder, Ensemble};
 use asperity::population::Population;
 use kuva::plot::{MarkerShape, ScatterPlot};
 use kuva::render::plots::Plot;
@@ -36,12 +36,12 @@ const RULES: [(&str, Slip, &str); 5] = [
 fn first_slip(population: &mut dyn Population, slip: Slip, fraction: Option<f64>) -> Event {
     let block = Block::new(Loading::Spring(STIFFNESS), slip, fraction).expect("a stiffness above 0");
     let drive = Drive { turning_points: vec![DISTANCE], points: 2 };
-    block.pull(population, &drive, &mut ()).expect("a drive").events[0]
+    block.pull(population, &drive).expect("a drive").events[0]
 }
 
 fn exact(slip: Slip) -> Event {
     let mut population =
-        master(&gaussian(1.0, STD), &point(0.0)).population(1e-10, &mut ()).expect("contacts");
+        master(&gaussian(1.0, STD), &point(0.0)).population_with(1e-10, &mut ()).expect("contacts");
     first_slip(&mut population, slip, None)
 }
 
@@ -90,8 +90,8 @@ impl Slips {
         for seed in 0..RUNS {
             let ensemble = Ensemble::new(contacts.clone(), initial.clone(), size, seed, Disorder::Annealed);
             let ensemble = ensemble.expect("contacts that survive");
-            let pull = ensemble.pull(&[at], &Snapshots::default(), &mut ()).expect("a short pull");
-            let mut population = ensemble.population(&mut ()).expect("few contacts");
+            let pull = ensemble.pull(&[at]).expect("a short pull");
+            let mut population = ensemble.population().expect("few contacts");
             let event = first_slip(&mut population, slip, Some(FRACTION));
             position.push(event.before.position - at);
             drive.push(event.before.drive - (at + pull.force[0] / STIFFNESS));

@@ -61,8 +61,7 @@ fn cpu(work: impl FnOnce()) -> f64 {
 
 fn kinetic_friction(contacts: &Contacts, velocity: f64) {
     let initial = Initial { law: point(0.0), start: Start::Conditional };
-    let equation =
-        MasterEquation::at(contacts.clone(), &initial, velocity, &mut ()).expect("a velocity above 0");
+    let equation = MasterEquation::at(contacts.clone(), &initial, velocity).expect("a velocity above 0");
     black_box(equation.steady_state().kinetic_friction());
 }
 
@@ -87,8 +86,8 @@ fn step(threads: usize) -> f64 {
     let times: Vec<f64> = (0..=100).map(|k| f64::from(k) / 100.0 * history.duration()).collect();
     let begun = Instant::now();
     let followed = pool.install(|| {
-        let transport = Transport::steady(&diffusing(), 1.0, 1e-4, &mut ());
-        transport.and_then(|mut transport| transport.follow(&history, &times, &mut ()))
+        let transport = Transport::steady_with(&diffusing(), 1.0, 1e-4, &mut ());
+        transport.and_then(|mut transport| transport.follow(&history, &times))
     });
     black_box(followed.expect("a way at this tolerance"));
     begun.elapsed().as_secs_f64()

@@ -44,15 +44,16 @@ struct Interface {
 impl Interface {
     fn new(width: f64) -> Self {
         let law = gaussian(1.0, width);
-        let pull = master(&law, &point(0.0)).pull(3.0, TOLERANCE, &mut ()).expect("a short pull");
+        let pull = master(&law, &point(0.0)).pull_with(3.0, TOLERANCE, &mut ()).expect("a short pull");
         Self { law, critical: pull.critical_stiffness() }
     }
 
     fn driven(&self, stiffness: f64, slip: Slip, distance: f64) -> StickSlip {
-        let mut population = master(&self.law, &point(0.0)).population(TOLERANCE, &mut ()).expect("contacts");
+        let mut population =
+            master(&self.law, &point(0.0)).population_with(TOLERANCE, &mut ()).expect("contacts");
         let block = Block::new(Loading::Spring(stiffness), slip, None).expect("a stiffness above 0");
         let drive = Drive { turning_points: vec![distance], points: 2 };
-        block.pull(&mut population, &drive, &mut ()).expect("a drive")
+        block.pull(&mut population, &drive).expect("a drive")
     }
 
     /// Number of overdamped slips until sliding is smooth.

@@ -117,7 +117,7 @@ struct Drawn {
 
 impl Case {
     fn equation(&self, velocity: f64) -> MasterEquation {
-        MasterEquation::at(self.contacts.clone(), &relaxed(), velocity, &mut ()).expect("a velocity above 0")
+        MasterEquation::at(self.contacts.clone(), &relaxed(), velocity).expect("a velocity above 0")
     }
 
     fn kinetic_friction(&self, velocity: f64) -> f64 {
@@ -132,7 +132,7 @@ impl Case {
         let history =
             History::new(vec![Piece { velocity, duration }]).expect("a velocity and a time above 0");
         let ensemble = Ensemble::new(self.contacts.clone(), relaxed(), SIZE, 1, Disorder::Annealed);
-        let trace = ensemble.and_then(|ensemble| ensemble.follow(&history, &[duration], &mut ()));
+        let trace = ensemble.and_then(|ensemble| ensemble.follow(&history, &[duration]));
         let trace = trace.expect("a rule for single contacts");
         Drawn { force: trace.force[0], error: trace.error[0] }
     }

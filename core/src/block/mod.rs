@@ -42,6 +42,7 @@ use crate::{Error, Result};
 /// What happens at fixed X_T from the moment at which the slider has lost its balance until it has found it again.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Slip {
     /// All contacts break, and re-form where the spring meets the force F_R that they then have, at
     /// X = X_T − F_R/K: at X = X_T, the spring relaxed, where contacts re-form relaxed.
@@ -116,8 +117,16 @@ impl Block {
     /// Pulls the slider over `population` through the turning points of `drive`.
     ///
     /// # Errors
-    /// Turning points at which the drive does not turn; those of the population; a stop by the monitor.
-    pub fn pull(
+    /// Turning points at which the drive does not turn; those of the population.
+    pub fn pull(&self, population: &mut dyn Population, drive: &Drive) -> Result<StickSlip> {
+        self.pull_with(population, drive, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::pull`]; stopped by the monitor.
+    pub fn pull_with(
         &self,
         population: &mut dyn Population,
         drive: &Drive,

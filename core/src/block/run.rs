@@ -20,6 +20,13 @@ pub struct Drive {
     pub points: usize,
 }
 
+impl Drive {
+    /// Forward to `position`, with a trace of 2001 points.
+    pub fn to(position: f64) -> Self {
+        Self { turning_points: vec![position], points: 2001 }
+    }
+}
+
 /// Results of a quasistatic drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StickSlip {

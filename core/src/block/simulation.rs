@@ -24,17 +24,15 @@ const COPY_AFTER: (f64, u64) = (0.1, 10_000);
 /// ```
 /// use std::sync::Arc;
 /// use asperity::block::{Block, Loading, Slip};
-/// use asperity::contacts::{Contacts, Initial, Start};
+/// use asperity::contacts::{Contacts, Initial};
 /// use asperity::law::{Gaussian, Point};
 /// use asperity::master::MasterEquation;
 ///
-/// let zero = Arc::new(Point::new(0.0)?);
-/// let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), zero.clone());
-/// let initial = Initial { law: zero, start: Start::Conditional };
-/// let population = MasterEquation::new(contacts, &initial, &mut ())?.population(1e-10, &mut ())?;
+/// let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+/// let population = MasterEquation::new(contacts, &Initial::default())?.population()?;
 /// let block = Block::new(Loading::Spring(1.0), Slip::Reset, None)?;
-/// let mut slider = block.simulation(Box::new(population), &mut ())?;
-/// while let Some(slip) = slider.next_event(5.0, &mut ())? {
+/// let mut slider = block.simulation(Box::new(population))?;
+/// while let Some(slip) = slider.next_event(5.0)? {
 ///     println!("at X_T = {:.3} the force drops by {:.3}", slip.before.drive, slip.drop());
 /// }
 /// assert_eq!(slider.drive(), 5.0);
@@ -74,8 +72,16 @@ impl Block {
     /// A simulation of the slider on these contacts, in equilibrium with them.
     ///
     /// # Errors
-    /// Those of the population; a damping too large for an imposed force; a stop by the monitor.
-    pub fn simulation(
+    /// Those of the population; a damping too large for an imposed force.
+    pub fn simulation(&self, population: Box<dyn Population>) -> Result<BlockSimulation> {
+        self.simulation_with(population, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::simulation`]; stopped by the monitor.
+    pub fn simulation_with(
         &self,
         population: Box<dyn Population>,
         monitor: &mut dyn Monitor,
@@ -163,8 +169,16 @@ impl BlockSimulation {
     /// The density of stretches; see [`Population::stretch_density`].
     ///
     /// # Errors
-    /// Those of the population; stopped by the monitor.
-    pub fn stretch_density(
+    /// Those of the population.
+    pub fn stretch_density(&self, stretches: &[f64]) -> Result<Option<(Vec<f64>, Vec<Atom>)>> {
+        self.stretch_density_with(stretches, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::stretch_density`]; stopped by the monitor.
+    pub fn stretch_density_with(
         &self,
         stretches: &[f64],
         monitor: &mut dyn Monitor,
@@ -188,9 +202,17 @@ impl BlockSimulation {
     /// contacts break are omitted.
     ///
     /// # Errors
-    /// A drive that is not a finite number; those of the population; an imposed force that the contacts cannot carry; a stop
-    /// by the monitor. The state is then the one before the call.
-    pub fn next_event(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Option<Event>> {
+    /// A drive that is not a finite number; those of the population; an imposed force that the contacts cannot carry. The
+    /// state is then the one before the call.
+    pub fn next_event(&mut self, until: f64) -> Result<Option<Event>> {
+        self.next_event_with(until, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::next_event`]; stopped by the monitor.
+    pub fn next_event_with(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Option<Event>> {
         if !until.is_finite() {
             return Err(Error::invalid("drive", "a finite number", until));
         }
@@ -231,8 +253,21 @@ impl BlockSimulation {
     ///
     /// # Errors
     /// See [`BlockSimulation::next_event`]; the state is then the one after the last event.
-    pub fn run(&mut self, until: f64, monitor: &mut dyn Monitor, each: &mut dyn FnMut(&Event)) -> Result<()> {
-        while let Some(event) = self.next_event(until, monitor)? {
+    pub fn run(&mut self, until: f64, each: &mut dyn FnMut(&Event)) -> Result<()> {
+        self.run_with(until, &mut (), each)
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::run`]; stopped by the monitor.
+    pub fn run_with(
+        &mut self,
+        until: f64,
+        monitor: &mut dyn Monitor,
+        each: &mut dyn FnMut(&Event),
+    ) -> Result<()> {
+        while let Some(event) = self.next_event_with(until, monitor)? {
             each(&event);
         }
         Ok(())

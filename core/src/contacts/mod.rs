@@ -8,10 +8,12 @@ pub use ageing::{Ageing, AgeingRule, Closure, ThresholdEvolution, ThresholdFokke
 pub(crate) use ageing::{Label, Rank};
 pub use temperature::{Barrier, Temperature};
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::law::{Law, SharedLaw, Zone};
+use crate::law::{Law, Point, SharedLaw, Zone};
 use crate::{Error, Result};
 
 /// Stiffness of a contact.
@@ -74,7 +76,7 @@ impl Rules {
         self.temperature.is_some() || self.ageing.is_some() || self.delay > 0.0
     }
 
-    /// The key of the first rule present, as in a scenario.
+    /// The name of the first rule present.
     pub fn first(&self) -> Option<&'static str> {
         let rules = [
             ("temperature", self.temperature.is_some()),
@@ -100,7 +102,7 @@ impl Rules {
             ageing.check(newborn).map_err(|e| e.under(ageing.name()).under("ageing"))?;
         }
         if !(self.delay.is_finite() && self.delay >= 0.0) {
-            return Err(Error::invalid("time", "a finite number, 0 or above", self.delay).under("delay"));
+            return Err(Error::invalid("delay", "a finite number, 0 or above", self.delay));
         }
         Ok(())
     }
@@ -126,6 +128,20 @@ pub struct Initial {
     pub start: Start,
 }
 
+impl Initial {
+    /// Contacts that hold, with stretches of this distribution.
+    pub fn new(law: SharedLaw) -> Self {
+        Self { law, start: Start::Conditional }
+    }
+}
+
+/// Relaxed contacts, none of them stretched.
+impl Default for Initial {
+    fn default() -> Self {
+        Self::new(Arc::new(Point::new(0.0).expect("0 is a place for a point mass")))
+    }
+}
+
 /// Fraction of contacts that no result shows.
 const NEGLIGIBLE: f64 = 1e-12;
 
@@ -146,18 +162,18 @@ impl Contacts {
     ///
     /// # Errors
     /// Thresholds at 0; stretches at or above every threshold; narrow distributions; invalid rules or
-    /// combinations. Keys are those of a scenario.
+    /// combinations.
     pub fn check(&self, initial: &Initial) -> Result<()> {
-        self.rules.check(&self.thresholds).map_err(|e| e.under("contacts"))?;
+        self.rules.check(&self.thresholds)?;
         let at_once = 1.0 - self.thresholds.survival(0.0);
         if at_once > NEGLIGIBLE {
             let found = format!("a share {at_once} of the contacts with threshold 0");
-            return Err(Error::invalid("contacts.thresholds", "thresholds above 0", found));
+            return Err(Error::invalid("thresholds", "thresholds above 0", found));
         }
-        resolved("contacts.thresholds", self.thresholds.as_ref())?;
-        resolved("contacts.reforming", self.reforming.as_ref())?;
+        resolved("thresholds", self.thresholds.as_ref())?;
+        resolved("reforming", self.reforming.as_ref())?;
         resolved("initial", initial.law.as_ref())?;
-        self.survives("contacts.reforming", self.reforming.as_ref())?;
+        self.survives("reforming", self.reforming.as_ref())?;
         match initial.start {
             Start::Conditional => self.survives("initial", initial.law.as_ref()),
             Start::Relaxed => Ok(()),

@@ -8,6 +8,7 @@ use crate::{Error, Result};
 /// The energy barrier ΔE of a contact of stretch x below its threshold x_s. Its height at x = 0 is E_0 = ½k x_s².
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Barrier {
     /// ΔE = ½k(x_s² − x²): the missing elastic energy.
     #[default]
@@ -60,6 +61,11 @@ impl Barrier {
 }
 
 impl Temperature {
+    /// Breaking over the elastic barrier.
+    pub fn new(energy: f64, attempt_rate: f64) -> Self {
+        Self { energy, attempt_rate, barrier: Barrier::Elastic }
+    }
+
     /// Breaking rate w of a contact of stretch x below its threshold x_s, per time; `stiffness` is its own k.
     pub fn rate(&self, stretch: f64, threshold: f64, stiffness: f64) -> f64 {
         self.attempt_rate * (-self.exponent(stretch, threshold, stiffness)).exp()

@@ -216,15 +216,23 @@ impl Interface {
     /// Drives the cells up to `drive`, and passes each event, with the cells that slipped in it, to `each`.
     ///
     /// # Errors
-    /// Stopped by the monitor: the interface is then between two slides, and can continue. Those of the cells.
-    pub fn run(
+    /// Those of the cells.
+    pub fn run(&mut self, drive: f64, each: &mut dyn FnMut(&Event, &[Slipped])) -> Result<()> {
+        self.run_with(drive, &mut (), each)
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::run`]; stopped by the monitor: the interface is then between two slides, and can continue.
+    pub fn run_with(
         &mut self,
         drive: f64,
         monitor: &mut dyn Monitor,
         each: &mut dyn FnMut(&Event, &[Slipped]),
     ) -> Result<()> {
         loop {
-            let events = self.next(drive, monitor)?;
+            let events = self.next_with(drive, monitor)?;
             if events.is_empty() {
                 return report(monitor, 1.0);
             }
@@ -237,7 +245,15 @@ impl Interface {
     ///
     /// # Errors
     /// See [`Interface::run`].
-    pub fn next(&mut self, drive: f64, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
+    pub fn next(&mut self, drive: f64) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        self.next_with(drive, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::next`]; stopped by the monitor.
+    pub fn next_with(&mut self, drive: f64, monitor: &mut dyn Monitor) -> Result<Vec<(Event, Vec<Slipped>)>> {
         if self.path.1 != drive {
             self.path = (self.configuration.drive, drive);
         }

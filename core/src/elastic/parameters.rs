@@ -10,6 +10,7 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(rename = "Loading")]
+#[non_exhaustive]
 pub enum CellLoading {
     /// All.
     #[default]
@@ -27,6 +28,7 @@ pub enum CellLoading {
 /// slopes change), and at least a tenth as far as the cell that moved farthest: the others were pulled along.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum CellSlip {
     /// All contacts of a slipping cell break where it becomes unstable, and re-form where the slide ends. Until then the
     /// cell carries only the force that the re-formed contacts will have.
@@ -55,7 +57,13 @@ pub struct InterfaceParameters {
 }
 
 impl InterfaceParameters {
-    /// Checks the numbers; keys are those of the table `[interface]`.
+    /// Cells that are all connected to the drive, slip by reset and have no viscosity; areas are counted in cells.
+    pub fn new(connection: f64, drive_tolerance: f64) -> Self {
+        let (loading, slip) = (CellLoading::default(), CellSlip::default());
+        Self { connection, loading, slip, viscosity: None, drive_tolerance, area: None }
+    }
+
+    /// Checks the numbers.
     pub(super) fn check(&self) -> Result<()> {
         let viscosity = self.viscosity.unwrap_or(1.0);
         let tolerance = self.drive_tolerance;

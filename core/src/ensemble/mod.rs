@@ -85,11 +85,10 @@ impl Ensemble {
         if let Some(Ageing::MeanField { .. }) = contacts.rules.ageing {
             let expected =
                 "ageing by a rule for single contacts; the closure is one for all of them, in steady sliding";
-            return Err(Error::invalid("contacts.ageing.mean_field", expected, "a closure"));
+            return Err(Error::invalid("ageing.mean_field", expected, "a closure"));
         }
         if disorder == Disorder::Quenched {
-            reforms(contacts.reforming.as_ref(), contacts.thresholds.as_ref())
-                .map_err(|e| e.under("contacts"))?;
+            reforms(contacts.reforming.as_ref(), contacts.thresholds.as_ref())?;
         }
         Ok(Self { contacts, initial, size, seed, disorder, first: 0 })
     }
@@ -99,11 +98,6 @@ impl Ensemble {
     #[must_use]
     pub fn numbered_from(self, first: u64) -> Self {
         Self { first, ..self }
-    }
-
-    /// The rule that makes the contacts time-dependent, if any, as a key of a scenario.
-    fn rule_of_time(&self) -> Option<String> {
-        self.contacts.rules.first().map(|rule| format!("contacts.{rule}"))
     }
 
     /// Number of contacts drawn.

@@ -41,7 +41,7 @@ impl Passage {
         if let Some(Ageing::Smoluchowski { mature, diffusion }) = &contacts.rules.ageing {
             return Ok(Self::Diffusing(ThresholdDiffusion::new(contacts, mature.as_ref(), *diffusion)));
         }
-        let evolution = ThresholdEvolution::of(contacts, monitor)?;
+        let evolution = ThresholdEvolution::of_with(contacts, monitor)?;
         Ok(Self::KnownThreshold(KnownThreshold {
             extrema: extrema(contacts.rules.ageing.as_ref(), &evolution),
             evolution,

@@ -73,15 +73,23 @@ impl Ensemble {
     /// [`Error::TooLarge`], naming their size.
     pub fn population_fits(&self, memory: u64) -> Result<()> {
         let what = format!("a population of {} contacts", self.size);
-        fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), memory)
+        fits("size", what, (self.size as u64).saturating_mul(BYTES), memory)
     }
 
     /// The contacts at X = 0, to be moved. What stands at its threshold in a relaxed start has broken.
     ///
     /// # Errors
-    /// Time-dependent contacts; more of them than fit in the memory that the monitor allows; stopped by it.
-    pub fn population(&self, monitor: &mut dyn Monitor) -> Result<EnsemblePopulation> {
-        if let Some(rule) = self.rule_of_time() {
+    /// Time-dependent contacts; more of them than fit in the memory that the monitor allows.
+    pub fn population(&self) -> Result<EnsemblePopulation> {
+        self.population_with(&mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::population`]; stopped by the monitor.
+    pub fn population_with(&self, monitor: &mut dyn Monitor) -> Result<EnsemblePopulation> {
+        if let Some(rule) = self.contacts.rules.first() {
             let expected = "contacts that know no time, since a population is moved without one";
             return Err(Error::invalid(rule, expected, "a rule of time"));
         }
@@ -366,7 +374,7 @@ mod tests {
         let contacts =
             Contacts { stiffness: Stiffness::PerThreshold(1.0), ..Contacts::new(thresholds, reforming) };
         let ensemble = Ensemble::new(contacts, initial, 20_000, 1, Disorder::Annealed).unwrap();
-        let mut population = ensemble.population(&mut ()).unwrap();
+        let mut population = ensemble.population().unwrap();
         population.span = 50.0;
         while population.books().broken < 45.0 {
             let way = population.way(Direction::Forward, &mut ()).unwrap();

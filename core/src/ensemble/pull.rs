@@ -64,18 +64,25 @@ impl EnsemblePull {
 }
 
 impl Ensemble {
-    /// Pulls the slider through rising `positions` X ≥ 0, with `snapshots` on the way.
+    /// Pulls the slider through rising `positions` X ≥ 0.
     ///
     /// # Errors
-    /// Time-dependent contacts; positions or edges that do not rise, or are not finite; a job too big;
-    /// stopped by `monitor`.
-    pub fn pull(
+    /// Time-dependent contacts; positions that do not rise, or are not finite; a job too big.
+    pub fn pull(&self, positions: &[f64]) -> Result<EnsemblePull> {
+        self.pull_with(positions, &Snapshots::default(), &mut ())
+    }
+
+    /// The same with `snapshots` on the way, watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::pull`]; stopped by the monitor.
+    pub fn pull_with(
         &self,
         positions: &[f64],
         snapshots: &Snapshots,
         monitor: &mut dyn Monitor,
     ) -> Result<EnsemblePull> {
-        if let Some(rule) = self.rule_of_time() {
+        if let Some(rule) = self.contacts.rules.first() {
             return Err(Error::invalid(
                 "velocity",
                 format!("a velocity, since {rule} makes contacts time-dependent"),
@@ -136,7 +143,7 @@ impl Ensemble {
         // A round, the sums over all rounds, and the results.
         let needed = (round + 1) * bytes + positions.len() * size_of::<[f64; 2]>();
         let what = format!("an ensemble at {} positions", positions.len());
-        fits("pull.points", what, needed as u64, memory)?;
+        fits("positions", what, needed as u64, memory)?;
         let expected = self.expected_breaks(positions[positions.len() - 1]);
         let least = (bytes as f64).max(20_000.0);
         let breaks = (expected * self.size as f64 / ROUND as f64).clamp(least, least.max(1e6));

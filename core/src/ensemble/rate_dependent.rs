@@ -47,10 +47,18 @@ impl Ensemble {
     ///
     /// # Errors
     /// Ageing by a rule that single contacts cannot follow; more contacts than can be numbered, or fit in
-    /// memory with the copies of a step of a block; stopped by the monitor.
-    pub fn in_time(&self, monitor: &mut dyn Monitor) -> Result<EnsembleInTime> {
+    /// memory with the copies of a step of a block.
+    pub fn in_time(&self) -> Result<EnsembleInTime> {
+        self.in_time_with(&mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::in_time`]; stopped by the monitor.
+    pub fn in_time_with(&self, monitor: &mut dyn Monitor) -> Result<EnsembleInTime> {
         let what = format!("{} contacts in time", self.size);
-        fits("ensemble.size", what, (self.size as u64).saturating_mul(BYTES), monitor.memory())?;
+        fits("size", what, (self.size as u64).saturating_mul(BYTES), monitor.memory())?;
         let Ok(size) = u32::try_from(self.size) else {
             return Err(Error::invalid("size", format!("up to {} contacts in time", u32::MAX), self.size));
         };

@@ -53,8 +53,16 @@ impl Ensemble {
     ///
     /// # Errors
     /// Times that do not rise, or lie outside the history; ageing by a rule that single contacts cannot
-    /// follow; stopped by `monitor`.
-    pub fn follow(
+    /// follow.
+    pub fn follow(&self, history: &History, times: &[f64]) -> Result<EnsembleTrace> {
+        self.follow_with(history, times, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::follow`]; stopped by the monitor.
+    pub fn follow_with(
         &self,
         history: &History,
         times: &[f64],
@@ -79,8 +87,16 @@ impl Ensemble {
     ///
     /// # Errors
     /// A velocity that is not a finite number above 0; positions or edges that do not rise, or are not finite; ageing by a
-    /// rule that single contacts cannot follow; stopped by `monitor`.
-    pub fn pull_at(
+    /// rule that single contacts cannot follow.
+    pub fn pull_at(&self, velocity: f64, positions: &[f64]) -> Result<EnsemblePull> {
+        self.pull_at_with(velocity, positions, &Snapshots::default(), &mut ())
+    }
+
+    /// The same with `snapshots` on the way, watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::pull_at`]; stopped by the monitor.
+    pub fn pull_at_with(
         &self,
         velocity: f64,
         positions: &[f64],

@@ -34,11 +34,13 @@ use layer::PointMass;
 pub(crate) use merge::{LayerSums, life_of, reaches_threshold_atom, simplified};
 pub use moving::moving;
 
+pub use crate::numerics::piecewise::{Piecewise, Resolution};
+pub use crate::numerics::volterra::Kernel;
+
 use num_complex::Complex64;
 
 use crate::law::{Atom, Breakpoint, SharedLaw};
 use crate::monitor::Watch;
-use crate::numerics::volterra::Kernel;
 
 /// The life of contacts that start together, as functions of the advance u, per contact and per unit
 /// stiffness (⟨k⟩, or κ for k = κ x_s).

@@ -105,11 +105,7 @@ impl FokkerPlanckLife {
             let expected = format!(
                 "{least:.1e} or more at this velocity, where newborn thresholds have edges and temperature breaks contacts"
             );
-            return Err(Error::invalid(
-                "contacts.ageing.smoluchowski.diffusion",
-                expected,
-                maturing.diffusion,
-            ));
+            return Err(Error::invalid("ageing.smoluchowski.diffusion", expected, maturing.diffusion));
         }
         Ok(Self {
             slope: Arc::new(maturing.slope()),

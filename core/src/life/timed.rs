@@ -64,7 +64,7 @@ impl Timed {
         mut watch: &Watch<'_>,
     ) -> Result<Self> {
         let law = &contacts.thresholds;
-        let evolution = ThresholdEvolution::of(contacts, &mut watch)?;
+        let evolution = ThresholdEvolution::of_with(contacts, &mut watch)?;
         let thermal_hazard = contacts
             .rules
             .temperature

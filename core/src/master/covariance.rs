@@ -268,8 +268,21 @@ impl Pull {
     ///
     /// # Errors
     /// Contacts with a delay or with k = κ x_s; a size that is not above 0; positions outside of the pull; more
-    /// than 2 GB; stopped by the monitor; a required tolerance that is not reached.
-    pub fn covariance(&self, positions: &[f64], size: f64, monitor: &mut dyn Monitor) -> Result<Covariance> {
+    /// than 2 GB; a required tolerance that is not reached.
+    pub fn covariance(&self, positions: &[f64], size: f64) -> Result<Covariance> {
+        self.covariance_with(positions, size, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::covariance`]; stopped by the monitor.
+    pub fn covariance_with(
+        &self,
+        positions: &[f64],
+        size: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Covariance> {
         const ALLOWED: u64 = 2 << 30;
         let count = positions.len();
         if !(size > 0.0 && size.is_finite()) {

@@ -71,9 +71,16 @@ impl Pull {
     /// differenced, F never is.
     ///
     /// # Errors
-    /// An unknown parameter; a parameter without a derivative, such as the position of a point mass; stopped by
-    /// the monitor.
-    pub fn gradient(&self, parameter: &str, monitor: &mut dyn Monitor) -> Result<Gradient> {
+    /// An unknown parameter; a parameter without a derivative, such as the position of a point mass.
+    pub fn gradient(&self, parameter: &str) -> Result<Gradient> {
+        self.gradient_with(parameter, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::gradient`]; stopped by the monitor.
+    pub fn gradient_with(&self, parameter: &str, monitor: &mut dyn Monitor) -> Result<Gradient> {
         let change = self.equation.change(parameter, &mut Part::new(monitor, 0.0, 0.5))?;
         self.gradient_of(&change, monitor)
     }
@@ -85,10 +92,22 @@ impl Pull {
     ///
     /// # Errors
     /// Those of [`Pull::gradient`].
-    pub fn friction_gradient(&self, parameter: &str, monitor: &mut dyn Monitor) -> Result<FrictionGradient> {
+    pub fn friction_gradient(&self, parameter: &str) -> Result<FrictionGradient> {
+        self.friction_gradient_with(parameter, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::friction_gradient`]; stopped by the monitor.
+    pub fn friction_gradient_with(
+        &self,
+        parameter: &str,
+        monitor: &mut dyn Monitor,
+    ) -> Result<FrictionGradient> {
         let change = self.equation.change(parameter, &mut Part::new(monitor, 0.0, 0.4))?;
         let gradient = self.gradient_of(&change, &mut Part::new(monitor, 0.4, 0.4))?;
-        let relaxation = self.equation.relaxation(&mut Part::new(monitor, 0.8, 0.2))?;
+        let relaxation = self.equation.relaxation_with(&mut Part::new(monitor, 0.8, 0.2))?;
         let life = &self.renewal.reformed;
         let (mean, friction) = (life.mean(), life.force().curve().integral() / life.mean());
         let total = |of: fn(&LifeDerivative) -> &Kernel| {
@@ -238,8 +257,8 @@ impl MasterEquation {
             Owner::Initial => initial.law = law,
         }
         match self.velocity {
-            Some(velocity) => Self::at(contacts, &initial, velocity, monitor),
-            None => Self::new(contacts, &initial, monitor),
+            Some(velocity) => Self::at_with(contacts, &initial, velocity, monitor),
+            None => Self::new_with(contacts, &initial, monitor),
         }
     }
 }

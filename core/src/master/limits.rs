@@ -51,7 +51,7 @@ impl Limits {
 fn athermal(contacts: &Contacts, thresholds: &SharedLaw, monitor: &mut dyn Monitor) -> Result<SteadyState> {
     let bare = Contacts { thresholds: thresholds.clone(), rules: Rules::default(), ..contacts.clone() };
     let rest = Initial { law: std::sync::Arc::new(Point::new(0.0)?), start: Start::Conditional };
-    Ok(MasterEquation::new(bare, &rest, monitor)?.steady_state())
+    Ok(MasterEquation::new_with(bare, &rest, monitor)?.steady_state())
 }
 
 /// The temperature, if there is a closed form for slow flow: contacts do not age and re-form unstretched.

@@ -56,14 +56,20 @@ pub struct MasterPopulation {
 }
 
 impl MasterEquation {
-    /// The contacts at X = 0 as a population, with F/(N_c⟨k⟩) accurate to about `tolerance` × the mean
-    /// threshold. Contacts that break at once in a relaxed start have broken before. Contacts at a velocity
-    /// can only be moved forward, and reset.
+    /// The contacts at X = 0 as a population, as accurate as [`Tolerance::default`]. Contacts that break at once in a
+    /// relaxed start have broken before. Contacts at a velocity can only be moved forward, and reset.
     ///
     /// # Errors
-    /// A tolerance outside [1e-12, 1e-2]; `ageing.mean_field`; too many point masses; accuracy not reached;
-    /// stopped by the monitor.
-    pub fn population(
+    /// `ageing.mean_field`; too many point masses.
+    pub fn population(&self) -> Result<MasterPopulation> {
+        self.population_with(Tolerance::default(), &mut ())
+    }
+
+    /// The same with F/(N_c⟨k⟩) accurate to about `tolerance` × the mean threshold, watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::population`]; a tolerance outside [1e-12, 1e-2]; accuracy not reached; stopped by the monitor.
+    pub fn population_with(
         &self,
         tolerance: impl Into<Tolerance>,
         monitor: &mut dyn Monitor,
@@ -376,7 +382,7 @@ impl Population for MasterPopulation {
     }
 
     fn hold(&mut self) -> Result<()> {
-        self.interface.require_one_way("block.slip", "contacts held free as they break")?;
+        self.interface.require_one_way("slip", "contacts held free as they break")?;
         self.holding = !self.branch.is_held() && self.is_at_simultaneous_break();
         if !self.branch.is_held() && !self.holding {
             let branch = self.interface.held(self.layers());

@@ -106,14 +106,22 @@ impl MasterEquation {
     /// The master equation of contacts that start from `initial`.
     ///
     /// # Errors
-    /// Those of [`Contacts::check`]; time-dependent contacts; stopped by the monitor.
-    pub fn new(contacts: Contacts, initial: &Initial, monitor: &mut dyn Monitor) -> Result<Self> {
+    /// Those of [`Contacts::check`]; time-dependent contacts.
+    pub fn new(contacts: Contacts, initial: &Initial) -> Result<Self> {
+        Self::new_with(contacts, initial, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; stopped by the monitor.
+    pub fn new_with(contacts: Contacts, initial: &Initial, monitor: &mut dyn Monitor) -> Result<Self> {
         contacts.check(initial)?;
         if let Some(rule) = contacts.rules.first() {
-            let expected = format!("a velocity above 0, since contacts.{rule} makes contacts time-dependent");
+            let expected = format!("a velocity above 0, since {rule} makes contacts time-dependent");
             return Err(Error::invalid("velocity", expected, "none"));
         }
-        affordable(&contacts, "contacts.reforming", &contacts.reforming)?;
+        affordable(&contacts, "reforming", &contacts.reforming)?;
         affordable(&contacts, "initial", &initial.law)?;
         let reformed = athermal(&contacts, &contacts.reforming, true, monitor)?;
         let first = athermal(&contacts, &initial.law, initial.start == Start::Conditional, monitor)?;
@@ -135,8 +143,16 @@ impl MasterEquation {
     ///
     /// # Errors
     /// A velocity that is not a finite number above 0; those of [`Contacts::check`]; ageing without a life at
-    /// a velocity; stopped by the monitor.
-    pub fn at(
+    /// a velocity.
+    pub fn at(contacts: Contacts, initial: &Initial, velocity: f64) -> Result<Self> {
+        Self::at_with(contacts, initial, velocity, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::at`]; stopped by the monitor.
+    pub fn at_with(
         contacts: Contacts,
         initial: &Initial,
         velocity: f64,
@@ -146,7 +162,7 @@ impl MasterEquation {
             return Err(Error::invalid("velocity", "a finite number above 0", velocity));
         }
         if !contacts.rules.are_time_dependent() {
-            return Self::new(contacts, initial, monitor);
+            return Self::new_with(contacts, initial, monitor);
         }
         contacts.check(initial)?;
         let conditional = initial.start == Start::Conditional;
@@ -191,7 +207,7 @@ impl MasterEquation {
         }
         let expected =
             "a rule for one contact where sliding is not steady: mean_field is the closure of steady sliding";
-        Err(Error::invalid("contacts.ageing.mean_field", expected, "a pull from a start"))
+        Err(Error::invalid("ageing.mean_field", expected, "a pull from a start"))
     }
 
     /// Total force per unit of the carried force of a life: N_c⟨k⟩, or N_c κ.
@@ -206,21 +222,33 @@ impl MasterEquation {
     }
 
     /// The relaxation spectrum; unknown for `ageing.mean_field`, which only describes steady sliding.
+    pub fn relaxation(&self) -> Result<Relaxation> {
+        self.relaxation_with(&mut ())
+    }
+
+    /// The same with a monitor.
     ///
     /// # Errors
-    /// Stopped by the monitor.
-    pub fn relaxation(&self, monitor: &mut dyn Monitor) -> Result<Relaxation> {
+    /// As [`Self::relaxation`]; stopped by the monitor.
+    pub fn relaxation_with(&self, monitor: &mut dyn Monitor) -> Result<Relaxation> {
         Relaxation::new(&self.contacts, &self.first, &self.reformed, self.stiffness(), monitor)
     }
 
-    /// Pulls the bottom of the slider from X = 0 to `distance`, with F/(N_c⟨k⟩) accurate to about `tolerance`
-    /// × the mean threshold. The solution extends over at least three mean lives, so that K_c is found for
-    /// any distance.
+    /// Pulls the bottom of the slider from X = 0 to `distance`, as accurately as [`Tolerance::default`]. The solution
+    /// extends over at least three mean lives, so that K_c is found for any distance.
     ///
     /// # Errors
-    /// A distance that is not above 0 or a tolerance outside [1e-12, 1e-2]; `ageing.mean_field`, which only
-    /// describes steady sliding; stopped by the monitor; too many point masses; accuracy not reached.
-    pub fn pull(
+    /// A distance that is not above 0; `ageing.mean_field`, which only describes steady sliding; too many point
+    /// masses.
+    pub fn pull(&self, distance: f64) -> Result<Pull> {
+        self.pull_with(distance, Tolerance::default(), &mut ())
+    }
+
+    /// The same with F/(N_c⟨k⟩) accurate to about `tolerance` × the mean threshold, watched by a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::pull`]; a tolerance outside [1e-12, 1e-2]; accuracy not reached; stopped by the monitor.
+    pub fn pull_with(
         &self,
         distance: f64,
         tolerance: impl Into<Tolerance>,

@@ -25,8 +25,16 @@ impl SteadyState {
     ///
     /// # Errors
     /// A size that is not above 0, an advance below 0; contacts with a delay, with k = κ x_s or
-    /// `ageing.mean_field`; stopped by the monitor; a required tolerance that is not reached.
-    pub fn autocovariance(
+    /// `ageing.mean_field`.
+    pub fn autocovariance(&self, advances: &[f64], size: f64) -> Result<Vec<f64>> {
+        self.autocovariance_with(advances, size, Tolerance::default(), &mut ())
+    }
+
+    /// The same to a tolerance, of the force, with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::autocovariance`]; stopped by the monitor; a required tolerance that is not reached.
+    pub fn autocovariance_with(
         &self,
         advances: &[f64],
         size: f64,
@@ -70,7 +78,20 @@ impl SteadyState {
     /// # Errors
     /// As [`SteadyState::autocovariance`]; contacts that break and re-form at point masses only, whose spectrum
     /// consists of lines.
-    pub fn spectrum(&self, wave_numbers: &[f64], size: f64, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
+    pub fn spectrum(&self, wave_numbers: &[f64], size: f64) -> Result<Vec<f64>> {
+        self.spectrum_with(wave_numbers, size, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::spectrum`]; stopped by the monitor.
+    pub fn spectrum_with(
+        &self,
+        wave_numbers: &[f64],
+        size: f64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<f64>> {
         self.has_noise(size)?;
         if let Some(q) = wave_numbers.iter().find(|q| !(q.is_finite() && **q >= 0.0)) {
             return Err(Error::invalid("wave_numbers", "finite numbers, 0 or above", q));
@@ -94,8 +115,8 @@ impl SteadyState {
     ///
     /// # Errors
     /// As [`SteadyState::spectrum`].
-    pub fn noise_at_zero(&self, size: f64, monitor: &mut dyn Monitor) -> Result<f64> {
-        self.spectrum(&[0.0], size, monitor).map(|values| values[0])
+    pub fn noise_at_zero(&self, size: f64) -> Result<f64> {
+        self.spectrum(&[0.0], size).map(|values| values[0])
     }
 
     fn has_noise(&self, size: f64) -> Result<()> {

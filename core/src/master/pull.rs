@@ -76,10 +76,15 @@ impl Pull {
     /// Standard deviation of the force as a function of X for `size` contacts drawn at random, scaled to N_c.
     /// Contacts are independent under a rigid drive, so that it is exactly N_c⟨k⟩ √([∫x²Q − (∫xQ)²]/size).
     /// The curve of ∫x²Q is computed once.
+    pub fn force_std<'a>(&'a self, size: f64) -> Result<impl Fn(f64) -> f64 + Send + Sync + use<'a>> {
+        self.force_std_with(size, &mut ())
+    }
+
+    /// The same with a monitor.
     ///
     /// # Errors
-    /// Stopped by the monitor.
-    pub fn force_std<'a>(
+    /// As [`Self::force_std`]; stopped by the monitor.
+    pub fn force_std_with<'a>(
         &'a self,
         size: f64,
         monitor: &mut dyn Monitor,
@@ -107,10 +112,15 @@ impl Pull {
     }
 
     /// Q(x; X) at the given stretches, and its point masses.
+    pub fn stretch_density(&self, position: f64, stretches: &[f64]) -> Result<Stretches> {
+        self.stretch_density_with(position, stretches, &mut ())
+    }
+
+    /// The same with a monitor.
     ///
     /// # Errors
-    /// Stopped by the monitor.
-    pub fn stretch_density(
+    /// As [`Self::stretch_density`]; stopped by the monitor.
+    pub fn stretch_density_with(
         &self,
         position: f64,
         stretches: &[f64],

@@ -95,7 +95,7 @@ impl RenewalSolution {
         let onsets = [first.reattachment(), reformed.reattachment()];
         let onsets = [onsets[0].as_slice(), onsets[1].as_slice()];
         let solution = solve(first.breaking(), reformed.breaking(), kept, onsets, end, accuracy, monitor)
-            .map_err(|error| error.under("contacts.thresholds"))?;
+            .map_err(|error| error.under("thresholds"))?;
         let force = solution.convolve(
             first.force().curve(),
             reformed.force(),

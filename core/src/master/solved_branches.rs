@@ -112,7 +112,7 @@ impl SolvedBranches {
     pub(super) fn require_one_way(&self, key: &str, found: &str) -> Result<()> {
         let Some(rule) = self.contacts.rules.first() else { return Ok(()) };
         let expected = format!(
-            "motion one way on which contacts re-form as they break, since contacts.{rule} makes contacts time-dependent (a [[protocol]] \
+            "motion one way on which contacts re-form as they break, since {rule} makes contacts time-dependent (`Transport` \
              follows contacts anywhere)"
         );
         Err(Error::invalid(key, expected, found))

@@ -78,19 +78,29 @@ impl SteadyState {
     /// time-independent contacts that re-form below all thresholds. For time-dependent contacts, that of the
     /// thresholds that they reach, or break close to, at this velocity. Point masses are those of contacts
     /// that re-form at one stretch.
+    pub fn thresholds_met(&self, stretches: &[f64]) -> Result<Stretches> {
+        self.thresholds_met_with(stretches, &mut ())
+    }
+
+    /// The same with a monitor.
     ///
     /// # Errors
-    /// Stopped by the monitor.
-    pub fn thresholds_met(&self, stretches: &[f64], monitor: &mut dyn Monitor) -> Result<Stretches> {
+    /// As [`Self::thresholds_met`]; stopped by the monitor.
+    pub fn thresholds_met_with(&self, stretches: &[f64], monitor: &mut dyn Monitor) -> Result<Stretches> {
         let atoms = self.life.met_atoms();
         Stretches::evaluated(stretches, |x, watch| self.life.met_density(x, watch), atoms, monitor)
     }
 
     /// Q_s at the given stretches; it has no point masses.
+    pub fn stretch_density(&self, stretches: &[f64]) -> Result<Stretches> {
+        self.stretch_density_with(stretches, &mut ())
+    }
+
+    /// The same with a monitor.
     ///
     /// # Errors
-    /// Stopped by the monitor.
-    pub fn stretch_density(&self, stretches: &[f64], monitor: &mut dyn Monitor) -> Result<Stretches> {
+    /// As [`Self::stretch_density`]; stopped by the monitor.
+    pub fn stretch_density_with(&self, stretches: &[f64], monitor: &mut dyn Monitor) -> Result<Stretches> {
         let rate = |_| 1.0 / self.mean;
         let at = |x: f64, watch: &Watch<'_>| self.life.standing_density(x, rate, std::iter::empty(), watch);
         Stretches::evaluated(stretches, at, Vec::new(), monitor)

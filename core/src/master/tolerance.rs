@@ -82,11 +82,6 @@ impl Tolerance {
 impl Error {
     /// An [`Error::Accuracy`] of a solution of the master equation.
     pub(super) fn accuracy(what: String, reached: f64, wanted: f64) -> Self {
-        Self::Accuracy {
-            key: "master_equation.tolerance".to_owned(),
-            what,
-            reached: Float(reached),
-            wanted: Float(wanted),
-        }
+        Self::Accuracy { key: "tolerance".to_owned(), what, reached: Float(reached), wanted: Float(wanted) }
     }
 }

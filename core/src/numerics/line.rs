@@ -72,7 +72,7 @@ impl Line {
         4.0 * half_angle.sin().powi(2)
     }
 
-    /// The work space that [`Line::to_modes`] and [`Line::from_modes`] need.
+    /// The work space that [`Line::to_modes`] and [`Line::to_cells`] need.
     pub fn scratch(&self) -> Scratch {
         let inner = self.to.get_scratch_len().max(self.back.get_scratch_len());
         let zero = Complex64::ZERO;
@@ -104,7 +104,7 @@ impl Line {
     }
 
     /// The inverse of [`Line::to_modes`] times n: unnormalised.
-    pub fn from_modes(&self, line: &mut [f64], scratch: &mut Scratch) {
+    pub fn to_cells(&self, line: &mut [f64], scratch: &mut Scratch) {
         if self.length == 1 {
             return;
         }
@@ -210,7 +210,7 @@ mod tests {
             let known = noise(n);
             let mut found = known.clone();
             line.to_modes(&mut found, &mut scratch);
-            line.from_modes(&mut found, &mut scratch);
+            line.to_cells(&mut found, &mut scratch);
             // Some roundings per factor of the length.
             assert!(found.iter().zip(&known).all(|(a, b)| (a / n as f64 - b).abs() < 1e-14), "{n}");
         }
@@ -225,7 +225,7 @@ mod tests {
             let mut found = known.clone();
             line.to_modes(&mut found, &mut scratch);
             (0..n).for_each(|k| found[k] *= line.eigenvalue(k) / n as f64);
-            line.from_modes(&mut found, &mut scratch);
+            line.to_cells(&mut found, &mut scratch);
             let ring = matches!(line.ends, Ends::Periodic);
             for j in 0..n {
                 let (before, after) = if ring {

@@ -7,28 +7,34 @@
 //! * Lattices: `line` and `modes` (functions of the lattice Laplacian by cosine transforms), `fractional` (its square root).
 //! * Statistics and sums: `powerlaw`, `cutoff`, `gauss` (quadrature of a discrete measure), `compensated`, `product`,
 //!   `accumulation` (the point at which an integral reaches a value), `dawson`, `wide` (AVX-512 loops).
+//!
+//! Only the fits of [`powerlaw`] are for users of the crate. `diffusion`, `legendre` and `roots` are public and hidden, because
+//! tests and benches outside the crate hold them against other methods, or compute expected values with them.
 
-pub mod accumulation;
-pub mod breakpoints;
-pub mod compensated;
-pub mod cutoff;
-pub mod dawson;
+pub(crate) mod accumulation;
+pub(crate) mod breakpoints;
+pub(crate) mod compensated;
+pub(crate) mod cutoff;
+pub(crate) mod dawson;
+#[doc(hidden)]
 pub mod diffusion;
-pub mod fractional;
-pub mod gauss;
+pub(crate) mod fractional;
+pub(crate) mod gauss;
+#[doc(hidden)]
 pub mod legendre;
-pub mod line;
-pub mod linear;
-pub mod modes;
-pub mod motion;
-pub mod piecewise;
+pub(crate) mod line;
+pub(crate) mod linear;
+pub(crate) mod modes;
+pub(crate) mod motion;
+pub(crate) mod piecewise;
 pub mod powerlaw;
-pub mod product;
+pub(crate) mod product;
 mod rearrange;
+#[doc(hidden)]
 pub mod roots;
-pub mod springs;
-pub mod stencil;
-pub mod table;
-pub mod tr_bdf2;
-pub mod volterra;
+pub(crate) mod springs;
+pub(crate) mod stencil;
+pub(crate) mod table;
+pub(crate) mod tr_bdf2;
+pub(crate) mod volterra;
 pub(crate) mod wide;

@@ -95,7 +95,7 @@ impl Modes {
                 let mut filter = |column: &mut [f64]| {
                     line.to_modes(column, scratch);
                     factor(mode, column);
-                    line.from_modes(column, scratch);
+                    line.to_cells(column, scratch);
                 };
                 if height == padded.len() {
                     filter(column);
@@ -119,7 +119,7 @@ impl Modes {
         let step = |(scratch, lines): &mut (Scratch, Vec<f64>), (group, field): (usize, &mut [f64])| {
             transpose(columns, height, GROUP * group, &mut lines[..field.len() / width * modes], modes);
             for (row, line_of) in field.chunks_mut(width).zip(lines.chunks_mut(modes)) {
-                line.from_modes(line_of, scratch);
+                line.to_cells(line_of, scratch);
                 row.iter_mut().zip(line_of).for_each(|(to, from)| *to = scale * *from);
             }
         };

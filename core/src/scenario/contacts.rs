@@ -116,11 +116,8 @@ impl Contacts {
 
     fn rules(&self) -> Result<contacts::Rules> {
         let ageing = self.ageing.as_ref().map(|ageing| ageing.build().map_err(|e| e.under("ageing")));
-        Ok(contacts::Rules {
-            temperature: self.temperature,
-            ageing: ageing.transpose()?,
-            delay: self.delay.map_or(0.0, |delay| delay.time),
-        })
+        let delay = self.delay.map_or(Ok(0.0), Delay::build).map_err(|e| e.under("delay"));
+        Ok(contacts::Rules { temperature: self.temperature, ageing: ageing.transpose()?, delay: delay? })
     }
 
     fn stiffness(&self) -> Result<Stiffness> {

@@ -43,7 +43,8 @@ impl Ensemble {
     /// No contacts, or laws that leave a contact nowhere to be.
     pub fn build(&self, contacts: Contacts, initial: Initial) -> Result<ensemble::Ensemble> {
         self.check().map_err(|e| e.under("ensemble"))?;
-        ensemble::Ensemble::new(contacts, initial, self.size(), self.seed, self.disorder)
+        let built = ensemble::Ensemble::new(contacts, initial, self.size(), self.seed, self.disorder);
+        built.map_err(Error::of_scenario)
     }
 
     fn check(&self) -> Result<()> {

@@ -14,6 +14,7 @@ use crate::{Error, Result};
 /// A law that would have mass below 0 is cut there and renormalised; its parameters are those before the cut.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Law {
     /// The bell curve.
     Gaussian {

@@ -11,6 +11,7 @@ mod drive;
 mod ensemble;
 mod hold_curve;
 mod interface;
+mod keys;
 mod law;
 mod logarithmic;
 mod master_equation;
@@ -183,7 +184,7 @@ pub fn build_contacts(
     let contacts = contacts.build().map_err(|e| e.under("contacts"))?;
     let law = initial.build().map_err(|e| e.under("initial"))?;
     let initial = crate::contacts::Initial { law, start };
-    contacts.check(&initial)?;
+    contacts.check(&initial).map_err(Error::of_scenario)?;
     Ok((contacts, initial))
 }
 
@@ -193,6 +194,15 @@ fn positive(key: &str, value: f64) -> Result<f64> {
         Ok(value)
     } else {
         Err(Error::invalid(key, "a number above 0", value))
+    }
+}
+
+/// `value` if it is finite and not below 0.
+fn not_negative(key: &str, value: f64) -> Result<f64> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(Error::invalid(key, "a finite number, 0 or above", value))
     }
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{positive, size};
+use super::{not_negative, positive, size};
 use crate::history::{History, Piece};
 use crate::{Error, Result};
 
@@ -156,11 +156,6 @@ impl Step {
             |pieces| Error::invalid("pieces", "no pieces but those of a ramp (velocity_to)", pieces);
         self.pieces.map_or(Ok(()), |pieces| Err(refused(pieces)))
     }
-}
-
-fn not_negative(key: &str, value: f64) -> Result<()> {
-    let holds = value.is_finite() && value >= 0.0;
-    if holds { Ok(()) } else { Err(Error::invalid(key, "a finite number, 0 or above", value)) }
 }
 
 impl Protocol {

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Law, Tabulated};
+use super::{Law, Tabulated, not_negative};
 use crate::{Result, contacts};
 
 /// How thresholds change with the age of a contact.
@@ -16,6 +16,12 @@ pub struct Delay {
     /// Time τ, 0 or above, for which a broken contact is detached before it re-forms; without `[contacts.delay]` it re-forms
     /// at once.
     pub time: f64,
+}
+
+impl Delay {
+    pub(super) fn build(self) -> Result<f64> {
+        not_negative("time", self.time)
+    }
 }
 
 impl Ageing {

@@ -5,6 +5,7 @@ use crate::{Error, Result};
 
 /// The task of a scenario.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Task<'a> {
     /// `[pull]`: the bottom of the slider is moved.
     Pull(&'a Pull),

@@ -102,7 +102,7 @@ pub(super) fn evolving(
     }
     let (mut density, mut masses) = (Vec::new(), Vec::new());
     for &position in snapshots {
-        let stretches = pull.stretch_density(position, &grid.stretches, monitor)?;
+        let stretches = pull.stretch_density_with(position, &grid.stretches, monitor)?;
         density.extend(stretches.density);
         masses.extend(stretches.atoms.iter().map(|atom| ([position, atom.position], atom.weight)));
     }
@@ -124,10 +124,10 @@ pub(super) fn steady(
     record: &mut Record,
     monitor: &mut dyn Monitor,
 ) -> Result<()> {
-    let stretches = steady.stretch_density(&grid.stretches, monitor)?;
+    let stretches = steady.stretch_density_with(&grid.stretches, monitor)?;
     let law = contacts.thresholds.as_ref();
     let (column, thresholds, hazard) = if contacts.rules.are_time_dependent() {
-        let met = steady.thresholds_met(&grid.stretches, monitor)?;
+        let met = steady.thresholds_met_with(&grid.stretches, monitor)?;
         // Where hardly any contact is attached, numerator and denominator are rounding errors.
         let rate = |(met, &held): (&f64, &f64)| {
             if held > NONE * steady.breaking_rate() {

@@ -63,19 +63,19 @@ pub(super) fn run(
     let build = |ensemble: &scenario::Ensemble| ensemble.build(contacts.clone(), initial.clone());
     let ensemble = model.ensemble.as_ref().map(build).transpose()?;
     ensemble.as_ref().map_or(Ok(()), |ensemble| ensemble.population_fits(monitor.memory()))?;
-    let equation = MasterEquation::new(contacts.clone(), initial, &mut Part::new(monitor, 0.0, 0.0))?;
+    let equation = MasterEquation::new_with(contacts.clone(), initial, &mut Part::new(monitor, 0.0, 0.0))?;
     let tolerance = model.master_equation.tolerance();
     let loading = first_loading_distance(contacts);
     let reach = task.turns().iter().fold(loading, |far, turn| far.max(*turn));
     let fractions = if model.ensemble.is_some() { [0.05, 0.25] } else { [0.1, 0.9] };
-    let pull = equation.pull(reach, tolerance, &mut Part::new(monitor, 0.0, fractions[0]))?;
-    let mut population = equation.population(tolerance, &mut Part::new(monitor, fractions[0], 0.0))?;
+    let pull = equation.pull_with(reach, tolerance, &mut Part::new(monitor, 0.0, fractions[0]))?;
+    let mut population = equation.population_with(tolerance, &mut Part::new(monitor, fractions[0], 0.0))?;
     let (block, protocol) = (model.block.as_ref(), task.build());
     let mut record = Record::default();
     let fresh = population.copy();
     let master = task.slider(block, false)?;
     let part = &mut Part::new(monitor, fractions[0], fractions[1]);
-    let run = master.pull(&mut population, &protocol, part).map_err(|e| e.under("drive"))?;
+    let run = master.pull_with(&mut population, &protocol, part)?;
     // The error of the force has two parts: that of the contacts, and that of the motion. The energy imbalance divided by
     // a mean life, the distance over which contacts are replaced, measures the second one.
     let lives = model.stiffness() * equation.steady_state().mean_life();
@@ -89,13 +89,13 @@ pub(super) fn run(
     if let Some(ensemble) = ensemble {
         let done = fractions[0] + fractions[1];
         let mut part = Part::new(monitor, done, 1.0 - done);
-        let mut contacts = ensemble.population(&mut Aside { fraction: 0.0, monitor: &mut part })?;
-        let run = task.slider(block, true)?.pull(&mut contacts, &protocol, &mut part)?;
+        let mut contacts = ensemble.population_with(&mut Aside { fraction: 0.0, monitor: &mut part })?;
+        let run = task.slider(block, true)?.pull_with(&mut contacts, &protocol, &mut part)?;
         adopt(sliding::motion(&run), "ensemble_", &mut record);
         adopt(sliding::sizes(&run, ensemble.size()), "", &mut record);
         sliding.ensemble = Some(Box::new(Sliding::new(&run)));
     }
-    let relaxation = equation.relaxation(&mut Part::new(monitor, 1.0, 0.0))?;
+    let relaxation = equation.relaxation_with(&mut Part::new(monitor, 1.0, 0.0))?;
     let steady = equation.steady_state();
     let friction = friction(model, &steady, &relaxation, &pull);
     let output = Output::new(model, DriveNumbers { friction, sliding: Some(sliding) }, record);
@@ -113,11 +113,15 @@ fn at_a_velocity(
     let Model { contacts, initial, .. } = model;
     in_time::check_size(protocol, model)?;
     let velocity = protocol.0[0].velocities().0;
-    let equation =
-        MasterEquation::at(contacts.clone(), initial, velocity, &mut Part::new(monitor, 0.0, 0.5 * PULL))?;
+    let equation = MasterEquation::at_with(
+        contacts.clone(),
+        initial,
+        velocity,
+        &mut Part::new(monitor, 0.0, 0.5 * PULL),
+    )?;
     let tolerance = model.master_equation.tolerance();
     let part = &mut Part::new(monitor, 0.5 * PULL, 0.5 * PULL);
-    let pull = equation.pull(first_loading_distance(contacts), tolerance, part)?;
+    let pull = equation.pull_with(first_loading_distance(contacts), tolerance, part)?;
     let part = &mut Part::new(monitor, PULL, 1.0 - PULL);
     let (sliding, record, in_time) = match &model.block {
         Some(block) => in_time::behind(model, protocol, block, part)
@@ -127,7 +131,7 @@ fn at_a_velocity(
             (None, record, Some(ForceAccuracy::in_time(model, trace.error)))
         }
     };
-    let relaxation = equation.relaxation(&mut Part::new(monitor, 1.0, 0.0))?;
+    let relaxation = equation.relaxation_with(&mut Part::new(monitor, 1.0, 0.0))?;
     let steady = equation.steady_state();
     let friction = friction(model, &steady, &relaxation, &pull);
     let output = Output::new(model, DriveNumbers { friction, sliding }, record);

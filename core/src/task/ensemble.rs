@@ -84,8 +84,8 @@ impl PulledEnsemble<'_> {
         let centres = edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
         let snapshots = Snapshots { positions, edges };
         let pull = match self.task.velocity {
-            Some(velocity) => model.pull_at(velocity, &self.task.positions(), &snapshots, monitor)?,
-            None => model.pull(&self.task.positions(), &snapshots, monitor)?,
+            Some(velocity) => model.pull_at_with(velocity, &self.task.positions(), &snapshots, monitor)?,
+            None => model.pull_with(&self.task.positions(), &snapshots, monitor)?,
         };
         add_force(record, [FORCE, ERROR], pull.force.clone(), pull.error.clone());
         let at = |x: &f64| snapshots.positions.partition_point(|p| p < x);

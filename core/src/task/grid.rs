@@ -99,7 +99,7 @@ mod tests {
     }
 
     fn equation(contacts: Contacts, initial: &Initial) -> MasterEquation {
-        MasterEquation::at(contacts, initial, 1e-2, &mut ()).unwrap()
+        MasterEquation::at(contacts, initial, 1e-2).unwrap()
     }
 
     #[test]

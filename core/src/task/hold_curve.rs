@@ -78,7 +78,7 @@ pub(super) fn run(
             let ensemble = drawn.build(contacts.clone(), initial.clone())?.numbered_from(first);
             let time = slide.duration + hold + columns.place[done] / task.velocity;
             let history = History::new(vec![slide, Piece { velocity: 0.0, duration: hold }, on])?;
-            let run = ensemble.follow(&history, &[time], part)?;
+            let run = ensemble.follow_with(&history, &[time], part)?;
             columns.ensemble_force.push(run.force[0]);
             columns.ensemble_error.push(run.error[0]);
         }
@@ -98,7 +98,7 @@ fn held_and_slid(
 ) -> Result<(Columns, f64)> {
     let holds = task.holds();
     let aside = &mut Part::new(monitor, 0.0, 0.0);
-    let mut held = Transport::steady(contacts, task.velocity, tolerance, aside)?;
+    let mut held = Transport::steady_with(contacts, task.velocity, tolerance, aside)?;
     let mut columns = Columns::default();
     let (mut before, mut error) = (0.0, 0.0_f64);
     for (done, &hold) in holds.iter().enumerate() {
@@ -106,7 +106,7 @@ fn held_and_slid(
         let part = &mut Part::new(monitor, done as f64 * fraction, fraction);
         // A longer hold continues from the end of the shorter one.
         let longer = History::new(vec![Piece { velocity: 0.0, duration: hold - before }])?;
-        let rest = held.follow(&longer, &[longer.duration()], &mut Part::new(part, 0.0, 0.2))?;
+        let rest = held.follow_with(&longer, &[longer.duration()], &mut Part::new(part, 0.0, 0.2))?;
         before = hold;
         let (peak, off) = slid(&held, on, &mut Part::new(part, 0.2, 0.8))?;
         error = error.max(rest.error).max(off);
@@ -125,18 +125,18 @@ fn moving(velocity: f64, distance: f64) -> Piece {
 fn slid(held: &Transport, on: Piece, monitor: &mut dyn Monitor) -> Result<(Peak, f64)> {
     let moved = |duration: f64| History::new(vec![Piece { duration, ..on }]);
     let times = spread((0.0, on.duration), POINTS);
-    let trace = held.clone().follow(&moved(on.duration)?, &times, &mut Part::new(monitor, 0.0, 0.5))?;
+    let trace = held.clone().follow_with(&moved(on.duration)?, &times, &mut Part::new(monitor, 0.0, 0.5))?;
     let (start, end) = beside(&times, &trace.force);
     // The search repeats on an ever smaller interval around the highest point, from a state kept just before it.
     let mut near = held.clone();
     if start > 0.0 {
-        near.follow(&moved(start)?, &[], &mut Part::new(monitor, 0.5, 0.3))?;
+        near.follow_with(&moved(start)?, &[], &mut Part::new(monitor, 0.5, 0.3))?;
     }
     let (mut window, mut round) = ((0.0, end - start), 1);
     loop {
         let times = spread(window, CLOSER);
         let aside = &mut Part::new(monitor, 0.8, 0.0);
-        let trace = near.clone().follow(&moved(window.1)?, &times, aside)?;
+        let trace = near.clone().follow_with(&moved(window.1)?, &times, aside)?;
         let found = peak(&trace.position, &trace.force);
         let coarse = peak(&every_other(&trace.position), &every_other(&trace.force));
         let off = (found.force - coarse.force).abs();

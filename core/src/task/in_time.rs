@@ -73,13 +73,13 @@ pub(super) fn rigid(
     let master = if model.ensemble.is_some() { MASTER } else { 1.0 };
     let tolerance = model.master_equation.tolerance_in_time(&contacts.rules);
     let aside = &mut Part::new(monitor, 0.0, 0.0);
-    let mut transport = Transport::new(contacts.clone(), initial, tolerance, aside)?;
-    let trace = transport.follow(&history, &times, &mut Part::new(monitor, 0.0, master))?;
+    let mut transport = Transport::new_with(contacts.clone(), initial, tolerance, aside)?;
+    let trace = transport.follow_with(&history, &times, &mut Part::new(monitor, 0.0, master))?;
     trace.check(transport.unit(), model.master_equation.tolerance)?;
     let mut record = trace_record(&trace, contacts.rules.delay > 0.0);
     if let Some(drawn) = &model.ensemble {
         let drawn = drawn.build(contacts.clone(), initial.clone())?;
-        let run = drawn.follow(&history, &times, &mut Part::new(monitor, master, 1.0 - master))?;
+        let run = drawn.follow_with(&history, &times, &mut Part::new(monitor, master, 1.0 - master))?;
         ensemble::add_force(&mut record, ENSEMBLE, run.force, run.error);
     }
     Ok((trace, record))
@@ -128,10 +128,10 @@ pub(super) fn behind(
     let mut summary = Sliding::in_time(&run);
     if let Some(drawn) = &model.ensemble {
         let aside = &mut Part::new(monitor, master, 0.0);
-        let ensemble = drawn.build(contacts.clone(), initial.clone())?.in_time(aside)?;
+        let ensemble = drawn.build(contacts.clone(), initial.clone())?.in_time_with(aside)?;
         let length = mean * finite_size_tolerance(drawn.size()).max(tolerance);
         let part = &mut Part::new(monitor, master, 1.0 - master);
-        let run = block.in_time(true)?.follow(&ensemble, &history, &times, length, part)?;
+        let run = block.in_time(true)?.follow_with(&ensemble, &history, &times, length, part)?;
         sliding::adopt(used(sliding::motion_in_time(&run), contacts), "ensemble_", &mut record);
         summary.ensemble = Some(Box::new(Sliding::in_time(&run)));
     }
@@ -148,12 +148,12 @@ fn move_block(
     let Model { contacts, initial, .. } = model;
     let (tolerance, mean) = (model.master_equation.tolerance_of_a_block(), contacts.thresholds.mean());
     let transport = |tolerance: f64, part: &mut Part<'_>| {
-        Transport::new(contacts.clone(), initial, tolerance, &mut Part::new(part, 0.0, 0.0))
+        Transport::new_with(contacts.clone(), initial, tolerance, &mut Part::new(part, 0.0, 0.0))
     };
     if model.master_equation.tolerance.is_none() {
         let part = &mut Part::new(monitor, 0.0, 1.0);
         let contacts = transport(tolerance, part)?;
-        return Ok((block.follow(&contacts, drive, times, tolerance * mean, part)?, None));
+        return Ok((block.follow_with(&contacts, drive, times, tolerance * mean, part)?, None));
     }
     let (run, accuracy) = as_required(model, tolerance, monitor, |tolerance, part| {
         let contacts = transport(tolerance, part)?;

@@ -6,14 +6,13 @@
 //!
 //! ```
 //! use std::sync::Arc;
-//! use asperity::contacts::{Contacts, Initial, Start};
+//! use asperity::contacts::{Contacts, Initial};
 //! use asperity::law::{Gaussian, Point};
 //! use asperity::scenario::{Model, VelocityCurve};
 //!
-//! let zero = Arc::new(Point::new(0.0)?);
-//! let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), zero.clone());
-//! let model = Model::new(contacts, Initial { law: zero, start: Start::Conditional });
-//! let curve = VelocityCurve::between(0.1, 10.0).run(&model, &mut ())?;
+//! let contacts = Contacts::new(Arc::new(Gaussian::new(1.0, 0.1)?), Arc::new(Point::new(0.0)?));
+//! let model = Model::new(contacts, Initial::default());
+//! let curve = VelocityCurve::between(0.1, 10.0).run(&model)?;
 //! // Without time-dependent rules friction is the same at all velocities: F_k = (1 + σ²)/2 for a narrow Gaussian.
 //! let friction = curve.record.values("kinetic_friction").unwrap();
 //! assert!(friction.iter().all(|force| (force - 0.505).abs() < 1e-9));
@@ -110,22 +109,7 @@ pub fn run_with(
     monitor: &mut dyn Monitor,
 ) -> Result<(Summary, Record)> {
     let model = &scenario.build()?;
-    let output = match scenario.task()? {
-        Task::Pull(task) => pull::run(model, task, monitor)?.erased(),
-        Task::Drive(task) => match &scenario.interface {
-            Some(interface) => {
-                interface::run(model, task, (interface, &scenario.units), checkpoints, monitor)?.erased()
-            }
-            None => drive::run(model, task, monitor)?.erased(),
-        },
-        Task::Protocol(task) => match &scenario.block {
-            Some(block) => protocol::run_block(model, task, block, monitor)?.erased(),
-            None => protocol::run(model, task, monitor)?.erased(),
-        },
-        Task::VelocityCurve(task) => velocity_curve::run(model, task, monitor)?.erased(),
-        Task::HoldCurve(task) => hold_curve::run(model, task, monitor)?.erased(),
-        Task::Renormalisation(task) => renormalisation::run(model, task, monitor)?.erased(),
-    };
+    let output = compute(scenario, model, checkpoints, monitor).map_err(Error::of_scenario)?;
     let Output { numbers, accuracy, warnings, sample, seed, record } = output;
     let summary = Summary {
         title: scenario.title.clone(),
@@ -142,6 +126,31 @@ pub fn run_with(
     Ok((summary, record))
 }
 
+/// The output of the task of `scenario`, which has built `model`.
+fn compute(
+    scenario: &Scenario,
+    model: &Model,
+    checkpoints: Option<&mut dyn Checkpoints>,
+    monitor: &mut dyn Monitor,
+) -> Result<Output<Numbers>> {
+    Ok(match scenario.task()? {
+        Task::Pull(task) => pull::run(model, task, monitor)?.erased(),
+        Task::Drive(task) => match &scenario.interface {
+            Some(interface) => {
+                interface::run(model, task, (interface, &scenario.units), checkpoints, monitor)?.erased()
+            }
+            None => drive::run(model, task, monitor)?.erased(),
+        },
+        Task::Protocol(task) => match &scenario.block {
+            Some(block) => protocol::run_block(model, task, block, monitor)?.erased(),
+            None => protocol::run(model, task, monitor)?.erased(),
+        },
+        Task::VelocityCurve(task) => velocity_curve::run(model, task, monitor)?.erased(),
+        Task::HoldCurve(task) => hold_curve::run(model, task, monitor)?.erased(),
+        Task::Renormalisation(task) => renormalisation::run(model, task, monitor)?.erased(),
+    })
+}
+
 /// Defines the public `run` of a task, which checks first.
 macro_rules! runs {
     ($($task:ident: $run:path => $numbers:ident;)*) => {$(
@@ -150,10 +159,18 @@ macro_rules! runs {
             ///
             /// # Errors
             /// A value that is invalid or incompatible with the model; results too large for one file; errors of the
-            /// solvers; [`Error::Stopped`] by the monitor.
-            pub fn run(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<summary::$numbers>> {
+            /// solvers.
+            pub fn run(&self, model: &Model) -> Result<Output<summary::$numbers>> {
+                self.run_with(model, &mut ())
+            }
+
+            /// The same with a monitor.
+            ///
+            /// # Errors
+            /// As [`Self::run`]; stopped by the monitor.
+            pub fn run_with(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<summary::$numbers>> {
                 Task::$task(self).check(model)?;
-                $run(model, self, monitor)
+                $run(model, self, monitor).map_err(Error::of_scenario)
             }
         }
     )*};

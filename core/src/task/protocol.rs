@@ -23,7 +23,7 @@ impl scenario::Protocol {
         Task::Protocol(self).check(model)?;
         let block = model.block.as_ref();
         let block = block.ok_or_else(|| Error::invalid("block", "one, whose top is moved", "none"))?;
-        run_block(model, self, block, monitor)
+        run_block(model, self, block, monitor).map_err(Error::of_scenario)
     }
 }
 
@@ -126,7 +126,7 @@ fn steady(
     if known.len() == SPEEDS {
         return Ok(None);
     }
-    let equation = MasterEquation::at(model.contacts.clone(), &model.initial, velocity, monitor)?;
+    let equation = MasterEquation::at_with(model.contacts.clone(), &model.initial, velocity, monitor)?;
     let friction = equation.steady_state().kinetic_friction();
     known.push((velocity, friction));
     Ok(Some(friction))

@@ -58,15 +58,15 @@ pub(super) fn run(
     let solved = if contacts.rules.are_time_dependent() { LIVES } else { 0.0 };
     let part = &mut Part::new(monitor, 0.0, solved);
     let equation = match task.velocity {
-        Some(velocity) => MasterEquation::at(contacts.clone(), initial, velocity, part)?,
-        None => MasterEquation::new(contacts.clone(), initial, part)?,
+        Some(velocity) => MasterEquation::at_with(contacts.clone(), initial, velocity, part)?,
+        None => MasterEquation::new_with(contacts.clone(), initial, part)?,
     };
     let monitor = &mut Part::new(monitor, solved, 1.0 - solved);
     let grid = Grid::new(&equation, initial, &task.snapshots);
     check_size(model, task, Some(&grid))?;
     let master = if model.ensemble.is_some() { 0.5 } else { 1.0 };
     let tolerance = model.master_equation.tolerance();
-    let pull = equation.pull(task.distance, tolerance, &mut Part::new(monitor, 0.0, 0.6 * master))?;
+    let pull = equation.pull_with(task.distance, tolerance, &mut Part::new(monitor, 0.0, 0.6 * master))?;
     let mut record = Record::default();
     let part = &mut Part::new(monitor, 0.6 * master, 0.4 * master);
     record_pull(&pull, task.positions(), model.sample(), &mut record, part)?;
@@ -74,7 +74,7 @@ pub(super) fn run(
         model.compare.as_ref().map(|curve| compare(curve, pull.distance(), |x| pull.force(x), &mut record));
     let aside = &mut Part::new(monitor, master, 0.0);
     distribution::evolving(task, &pull, &grid, &mut record, aside)?;
-    let (steady, relaxation) = (equation.steady_state(), equation.relaxation(aside)?);
+    let (steady, relaxation) = (equation.steady_state(), equation.relaxation_with(aside)?);
     distribution::steady(contacts, &steady, &grid, &mut record, aside)?;
     if let Some(drawn) = &model.ensemble {
         let drawn = drawn.build(contacts.clone(), initial.clone())?;
@@ -114,7 +114,7 @@ pub fn record_pull(
     monitor: &mut dyn Monitor,
 ) -> Result<()> {
     let aside = &mut Part::new(monitor, 0.0, 0.0);
-    let std = sample.map(|size| pull.force_std(size, aside)).transpose()?;
+    let std = sample.map(|size| pull.force_std_with(size, aside)).transpose()?;
     let mut evaluate = |done: f64, function: &dyn Fn(f64) -> f64| -> Result<Vec<f64>> {
         let mut values = Vec::with_capacity(positions.len());
         for round in positions.chunks(ROUND) {

@@ -36,7 +36,7 @@ impl Steady {
         velocity: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
-        let equation = MasterEquation::at(contacts.clone(), initial, velocity, monitor)?;
+        let equation = MasterEquation::at_with(contacts.clone(), initial, velocity, monitor)?;
         let steady = equation.steady_state();
         let life = steady.mean_life();
         let forgotten = FORGOTTEN * steady.dephasing_length();

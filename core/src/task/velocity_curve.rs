@@ -169,9 +169,9 @@ impl Critical {
             return Ok(0.0);
         }
         let part = &mut Part::new(monitor, 0.0, 0.05);
-        let equation = MasterEquation::at(contacts.clone(), &model.initial, velocity, part)?;
+        let equation = MasterEquation::at_with(contacts.clone(), &model.initial, velocity, part)?;
         let tolerance = model.master_equation.tolerance();
-        let pull = equation.pull(
+        let pull = equation.pull_with(
             super::first_loading_distance(contacts),
             tolerance,
             &mut Part::new(monitor, 0.05, 0.05),
@@ -223,6 +223,6 @@ fn slide(
 ) -> Result<(f64, f64)> {
     let drawn = ensemble.build(contacts.clone(), model.initial.clone())?.numbered_from(first);
     let history = History::new(vec![Piece { velocity, duration: distance / velocity }])?;
-    let trace = drawn.follow(&history, &[history.duration()], monitor)?;
+    let trace = drawn.follow_with(&history, &[history.duration()], monitor)?;
     Ok((trace.force[0], trace.error[0]))
 }

@@ -58,5 +58,5 @@ pub fn initial(law: &SharedLaw) -> Initial {
 }
 
 pub fn master(thresholds: &SharedLaw, reforming: &SharedLaw, start: &SharedLaw) -> MasterEquation {
-    MasterEquation::new(contacts(thresholds, reforming), &initial(start), &mut ()).unwrap()
+    MasterEquation::new(contacts(thresholds, reforming), &initial(start)).unwrap()
 }

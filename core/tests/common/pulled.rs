@@ -15,7 +15,7 @@ pub fn drive(
 ) -> StickSlip {
     let block = Block::new(loading, slip, None).unwrap();
     let drive = Drive { turning_points: turning_points.to_vec(), points: 101 };
-    block.pull(population, &drive, &mut ()).unwrap()
+    block.pull(population, &drive).unwrap()
 }
 
 /// The same, behind a spring.

@@ -26,7 +26,7 @@ pub fn interface(
     coupling: Box<dyn Coupling>,
     setting: InterfaceParameters,
 ) -> Interface {
-    let curves = Curves::new(population, coupling.shape().size(), &mut ()).unwrap();
+    let curves = Curves::new(population, coupling.shape().size()).unwrap();
     let curves = match scales {
         Some(scales) => curves.scaled(scales).unwrap(),
         None => curves,
@@ -50,7 +50,7 @@ pub fn chain(
 /// The events up to a drive.
 pub fn events(interface: &mut Interface, drive: f64) -> Vec<Event> {
     let mut events = Vec::new();
-    interface.run(drive, &mut (), &mut |event, _| events.push(*event)).unwrap();
+    interface.run(drive, &mut |event, _| events.push(*event)).unwrap();
     events
 }
 

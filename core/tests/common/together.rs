@@ -17,7 +17,7 @@ pub fn first_breaks(thresholds: &SharedLaw, coupling: f64, size: usize, seed: u6
     let contacts = Contacts::new(thresholds.clone(), relaxed.clone());
     let start = Initial { law: relaxed, start: Start::Conditional };
     let ensemble = Ensemble::new(contacts, start, size, seed, Disorder::Annealed).expect("contacts");
-    let mut population = ensemble.population(&mut ()).expect("nothing stops it");
+    let mut population = ensemble.population().expect("nothing stops it");
     let (mut drive, mut points) = (0.0_f64, Vec::new());
     while population.books().broken < 1.0 - 0.5 / size as f64 {
         let way = population.way(Direction::Forward, &mut ()).expect("contacts that break");

@@ -84,11 +84,11 @@ impl Kind {
     /// Follows transport to a tolerance, and `size` contacts one by one, both from rest.
     pub fn follow(&self, way: &History, tolerance: f64, size: usize) -> Followed {
         let initial = Initial { law: relaxed(), start: Start::Conditional };
-        let transport = Transport::new(self.contacts.clone(), &initial, tolerance, &mut ());
+        let transport = Transport::new_with(self.contacts.clone(), &initial, tolerance, &mut ());
         let ensemble = Ensemble::new(self.contacts.clone(), initial, size, 1, Disorder::Annealed);
         let times = looks(way);
-        let trace = transport.and_then(|mut transport| transport.follow(way, &times, &mut ()));
-        let drawn = ensemble.and_then(|ensemble| ensemble.follow(way, &times, &mut ()));
+        let trace = transport.and_then(|mut transport| transport.follow(way, &times));
+        let drawn = ensemble.and_then(|ensemble| ensemble.follow(way, &times));
         let (trace, drawn) = (trace.expect("a way at this tolerance"), drawn.expect("a rule of one contact"));
         Followed { times, exact: trace.force, drawn: drawn.force, error: drawn.error }
     }

@@ -20,8 +20,22 @@ impl Block {
     ///
     /// # Errors
     /// A loading other than a spring; a slip rule without a velocity limit; times that are not ascending or outside the drive;
-    /// a tolerance that is not above 0; those of the contacts; a stop by the monitor.
+    /// a tolerance that is not above 0; those of the contacts.
     pub fn follow(
+        &self,
+        contacts: &dyn RateDependentContacts,
+        drive: &History,
+        times: &[f64],
+        tolerance: f64,
+    ) -> Result<Slide> {
+        self.follow_with(contacts, drive, times, tolerance, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::follow`]; stopped by the monitor.
+    pub fn follow_with(
         &self,
         contacts: &dyn RateDependentContacts,
         drive: &History,

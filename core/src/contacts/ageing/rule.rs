@@ -14,6 +14,7 @@ pub type Ageing = AgeingRule<SharedLaw>;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(rename = "Ageing")]
+#[non_exhaustive]
 pub enum AgeingRule<D> {
     /// Thresholds diffuse independently in the potential U = −ln P_cf: ∂_t p = D∂_h[U' + ∂_h]p (Braun and Peyrard). A contact
     /// breaks when its threshold equals its stretch, whichever of the two moves.

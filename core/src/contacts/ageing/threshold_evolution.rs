@@ -81,8 +81,16 @@ impl ThresholdEvolution {
     ///
     /// # Errors
     /// Ageing in which the threshold is not a function of age (`smoluchowski`, `mean_field`); `frozen_rank`
-    /// with point masses of fresh thresholds, which have no ranks; stopped by the monitor.
-    pub fn of(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Self> {
+    /// with point masses of fresh thresholds, which have no ranks.
+    pub fn of(contacts: &Contacts) -> Result<Self> {
+        Self::of_with(contacts, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::of`]; stopped by the monitor.
+    pub fn of_with(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Self> {
         let Some(ageing) = &contacts.rules.ageing else { return Ok(Self { kind: Kind::Constant }) };
         let kind = match ageing {
             &Ageing::Logarithmic { growth, time } => Kind::Logarithmic { growth, time },
@@ -90,7 +98,7 @@ impl ThresholdEvolution {
                 Kind::ranked(&contacts.thresholds, mature, *time, monitor)?
             }
             Ageing::Smoluchowski { .. } | Ageing::MeanField { .. } => {
-                let key = format!("contacts.ageing.{}", ageing.name());
+                let key = format!("ageing.{}", ageing.name());
                 let expected = "thresholds that follow from the age of the contact";
                 return Err(Error::invalid(key, expected, "thresholds that diffuse"));
             }
@@ -225,11 +233,7 @@ impl Kind {
         }
         if !newborn.atoms().is_empty() {
             let expected = "a law with a density, to age by frozen_rank";
-            return Err(Error::invalid(
-                "contacts.thresholds",
-                expected,
-                "thresholds that many contacts share",
-            ));
+            return Err(Error::invalid("thresholds", expected, "thresholds that many contacts share"));
         }
         let diffusion = mature.std().powi(2) / time;
         let maturing = ThresholdFokkerPlanck::new(newborn.clone(), mature.clone(), diffusion);
@@ -339,7 +343,7 @@ mod tests {
     #[test]
     fn thresholds_and_newborn_ones_are_inverse_and_their_rates_are_derivatives() {
         for ageing in [None, Some(Ageing::Logarithmic { growth: 0.02, time: 3.0 }), Some(frozen_rank())] {
-            let strength = ThresholdEvolution::of(&contacts(ageing), &mut ()).unwrap();
+            let strength = ThresholdEvolution::of(&contacts(ageing)).unwrap();
             for (newborn, age) in [(0.3, 0.0), (0.5, 1e-3), (0.7, 1.7), (0.45, 40.0)] {
                 let aged = strength.at(age);
                 let threshold = strength.threshold(newborn, age);
@@ -357,7 +361,7 @@ mod tests {
 
     #[test]
     fn a_newborn_law_becomes_the_mature_one_rank_by_rank() {
-        let strength = ThresholdEvolution::of(&contacts(Some(frozen_rank())), &mut ()).unwrap();
+        let strength = ThresholdEvolution::of(&contacts(Some(frozen_rank()))).unwrap();
         for z in [-3.0, 0.0, 1.5] {
             let newborn = 0.5 + 0.1 * z;
             assert!((strength.threshold(newborn, 0.0) - newborn).abs() < 1e-15);
@@ -371,8 +375,7 @@ mod tests {
         let general = Ageing::FrozenRank { mature, time: 2.0 };
         for ageing in [frozen_rank(), Ageing::Logarithmic { growth: 0.02, time: 3.0 }, general] {
             let contacts = contacts(Some(ageing));
-            let (law, strength) =
-                (contacts.thresholds.as_ref(), ThresholdEvolution::of(&contacts, &mut ()).unwrap());
+            let (law, strength) = (contacts.thresholds.as_ref(), ThresholdEvolution::of(&contacts).unwrap());
             for age in [0.0, 1e-3, 0.7, 40.0] {
                 let aged = strength.at(age);
                 for newborn in [-1.0, 0.2, 0.45, 0.8, 1.2] {
@@ -396,7 +399,7 @@ mod tests {
         let mature = Arc::new(Lognormal::new(1.0, 0.1).unwrap());
         let general = Ageing::FrozenRank { mature, time: 2.0 };
         for ageing in [frozen_rank(), Ageing::Logarithmic { growth: 0.02, time: 3.0 }, general] {
-            let strength = ThresholdEvolution::of(&contacts(Some(ageing)), &mut ()).unwrap();
+            let strength = ThresholdEvolution::of(&contacts(Some(ageing))).unwrap();
             for (newborn, age) in [(0.3, 0.01), (0.5, 0.7), (0.75, 5.0)] {
                 let aged = strength.at(age);
                 let contact_at = aged.contact_at(aged.threshold(newborn));
@@ -412,11 +415,11 @@ mod tests {
     fn what_is_no_function_of_age_is_refused() {
         let mature = Arc::new(Gaussian::new(1.0, 0.05).unwrap());
         let diffusing = Ageing::Smoluchowski { mature, diffusion: 1.0 };
-        assert!(ThresholdEvolution::of(&contacts(Some(diffusing)), &mut ()).is_err());
+        assert!(ThresholdEvolution::of(&contacts(Some(diffusing))).is_err());
         let mature = Arc::new(Rectangular::new(0.1, 2.0).unwrap());
         let mut shared = contacts(Some(Ageing::FrozenRank { mature, time: 1.0 }));
         shared.thresholds = Arc::new(Point::new(0.5).unwrap());
-        let error = ThresholdEvolution::of(&shared, &mut ()).unwrap_err();
-        assert!(error.to_string().starts_with("contacts.thresholds: expected a law with a density"));
+        let error = ThresholdEvolution::of(&shared).unwrap_err();
+        assert!(error.to_string().starts_with("thresholds: expected a law with a density"));
     }
 }

@@ -59,8 +59,16 @@ impl Curves {
     /// `number` cells in the state of `population`.
     ///
     /// # Errors
-    /// Those of the population; stopped by the monitor.
-    pub fn new(population: &dyn Population, number: usize, monitor: &mut dyn Monitor) -> Result<Self> {
+    /// Those of the population.
+    pub fn new(population: &dyn Population, number: usize) -> Result<Self> {
+        Self::new_with(population, number, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; stopped by the monitor.
+    pub fn new_with(population: &dyn Population, number: usize, monitor: &mut dyn Monitor) -> Result<Self> {
         let mut fresh = population.copy();
         fresh.reset(Direction::Forward, monitor)?;
         Ok(Self {

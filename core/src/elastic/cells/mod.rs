@@ -266,12 +266,12 @@ enum CellsSnapshot {
 fn checked(scales: &[f64], cells: usize) -> Result<()> {
     if scales.len() != cells {
         let expected = format!("a scale for each of the {cells} cells");
-        return Err(Error::invalid("disorder", expected, format!("{} of them", scales.len())));
+        return Err(Error::invalid("scales", expected, format!("{} of them", scales.len())));
     }
     match scales.iter().position(|scale| !(*scale > 0.0 && scale.is_finite())) {
         Some(cell) => {
             let found = format!("{} for cell {cell}", scales[cell]);
-            Err(Error::invalid("disorder", "scales above 0, so that thresholds are", found))
+            Err(Error::invalid("scales", "scales above 0, so that thresholds are", found))
         }
         None => Ok(()),
     }

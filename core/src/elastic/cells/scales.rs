@@ -18,7 +18,7 @@ pub fn scales(number: usize, std: f64, seed: u64) -> Result<Vec<f64>> {
         }
         let expected = "scales that leave all thresholds above 0";
         let found = format!("{std}, by which that of cell {cell} is {scale}");
-        Err(Error::invalid("disorder.std", expected, found))
+        Err(Error::invalid("std", expected, found))
     };
     (0..number).map(scale).collect()
 }
@@ -42,9 +42,6 @@ mod tests {
     #[test]
     fn a_negative_scale_names_its_cell() {
         let error = scales(1000, 0.5, 1).unwrap_err().to_string();
-        assert!(
-            error.starts_with("disorder.std: ") && error.contains("0.5, by which that of cell "),
-            "{error}"
-        );
+        assert!(error.starts_with("std: ") && error.contains("0.5, by which that of cell "), "{error}");
     }
 }

@@ -208,7 +208,7 @@ impl CurveTable {
     fn push(&mut self, part: &TabulatedPart, origin: f64, monitor: &mut dyn Monitor) -> Result<()> {
         if self.curve.len() >= MOST {
             let (needed, allowed) = ((2 * MOST * 256) as u64, (MOST * 256) as u64);
-            let (key, what) = ("contacts.thresholds".into(), "a friction curve in pieces".into());
+            let (key, what) = ("population".into(), "a friction curve in pieces".into());
             return Err(Error::TooLarge { key, what, needed, allowed });
         }
         let mut read = [self.population.books(); 6];

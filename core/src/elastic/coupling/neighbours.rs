@@ -43,7 +43,7 @@ impl Neighbours {
     /// No cells, or fewer than three in a periodic direction; stiffness not above 0; more cells than fit in 16 GiB.
     pub fn new(shape: Shape, edges: Edges, stiffness: f64) -> Result<Self> {
         shape.check(edges)?;
-        positive("coupling.neighbours.stiffness", stiffness)?;
+        positive("stiffness", stiffness)?;
         fits(shape, 16)?;
         let line = match edges {
             Edges::Open => Line::free,

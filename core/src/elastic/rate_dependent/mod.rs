@@ -43,7 +43,19 @@ pub struct RateDependentInterfaceParameters {
 }
 
 impl RateDependentInterfaceParameters {
-    /// Checks the numbers; keys are those of the table `[interface]`.
+    /// Cells of many contacts that are all connected to the drive; areas are counted in cells.
+    pub fn new(connection: f64, viscosity: f64, tolerance: f64) -> Self {
+        Self {
+            connection,
+            loading: CellLoading::default(),
+            viscosity,
+            tolerance,
+            slip_fraction: 0.0,
+            area: None,
+        }
+    }
+
+    /// Checks the numbers.
     fn check(&self) -> Result<()> {
         for (key, value) in [
             ("connection", self.connection),
@@ -231,9 +243,16 @@ impl RateDependentInterface {
     /// Drives the cells up to `drive` at a velocity, and tells `each` event that is over and the cells that slipped in it.
     ///
     /// # Errors
-    /// A velocity that is not above 0; an accuracy that steps do not reach; stopped by the monitor: the interface is then
-    /// between two steps, and can go on.
-    pub fn run(
+    /// A velocity that is not above 0; an accuracy that steps do not reach.
+    pub fn run(&mut self, drive: f64, velocity: f64, each: &mut dyn FnMut(&Event, &[Slipped])) -> Result<()> {
+        self.run_with(drive, velocity, &mut (), each)
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::run`]; stopped by the monitor: the interface is then between two steps, and can go on.
+    pub fn run_with(
         &mut self,
         drive: f64,
         velocity: f64,
@@ -241,7 +260,7 @@ impl RateDependentInterface {
         each: &mut dyn FnMut(&Event, &[Slipped]),
     ) -> Result<()> {
         loop {
-            let events = self.next(drive, velocity, monitor)?;
+            let events = self.next_with(drive, velocity, monitor)?;
             if events.is_empty() {
                 return Ok(());
             }
@@ -254,7 +273,15 @@ impl RateDependentInterface {
     ///
     /// # Errors
     /// See [`RateDependentInterface::run`].
-    pub fn next(
+    pub fn next(&mut self, drive: f64, velocity: f64) -> Result<Vec<(Event, Vec<Slipped>)>> {
+        self.next_with(drive, velocity, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::next`]; stopped by the monitor.
+    pub fn next_with(
         &mut self,
         drive: f64,
         velocity: f64,

@@ -20,7 +20,7 @@ impl Scaled {
         if scale > 0.0 && scale.is_finite() {
             return Ok(Self { contacts, scale });
         }
-        Err(Error::invalid("disorder", "scales above 0, so that thresholds are", scale))
+        Err(Error::invalid("scale", "a scale above 0, so that thresholds are", scale))
     }
 }
 

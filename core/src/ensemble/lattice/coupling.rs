@@ -17,6 +17,11 @@ pub struct LatticeCoupling {
 }
 
 impl LatticeCoupling {
+    /// Contacts between open edges.
+    pub fn new(shape: Shape, neighbours: f64, connection: f64) -> Self {
+        Self { shape, edges: Edges::Open, neighbours, connection }
+    }
+
     /// Springs for which each neighbour gains the fraction α of the force that a breaking contact releases:
     /// K_int = α, K_0 = 1 − zα.
     pub fn sharing(shape: Shape, edges: Edges, share: f64) -> Self {
@@ -44,16 +49,14 @@ impl LatticeCoupling {
         self.shape.neighbours() as f64 * self.neighbours + self.connection
     }
 
-    /// Checks the numbers; keys are those of the table `[interface]`.
+    /// Checks the numbers.
     ///
     /// # Errors
     /// No contacts, or fewer than three in a periodic direction; stiffnesses below 0 or not finite, or both 0; no
     /// connection where edges are periodic.
     pub fn check(&self) -> Result<()> {
         self.shape.check(self.edges)?;
-        for (key, value) in
-            [("coupling.neighbours.stiffness", self.neighbours), ("connection", self.connection)]
-        {
+        for (key, value) in [("neighbours", self.neighbours), ("connection", self.connection)] {
             if !(value.is_finite() && value >= 0.0) {
                 return Err(Error::invalid(key, "a finite number, 0 or above", value));
             }

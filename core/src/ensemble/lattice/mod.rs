@@ -135,7 +135,7 @@ impl Lattice {
     ) -> Result<Self> {
         Self::check(&contacts, coupling)?;
         let what = format!("a lattice of {} contacts", coupling.shape.size());
-        fits("interface.cells", what, Self::bytes(coupling.shape), memory)?;
+        fits("cells", what, Self::bytes(coupling.shape), memory)?;
         let unit = stiffness(&contacts)?;
         let size = coupling.shape.size();
         let ensemble = Ensemble::new(contacts, initial, size, seed, disorder)?;
@@ -170,9 +170,9 @@ impl Lattice {
     /// The checks of [`Lattice::new`], except those of the distributions.
     ///
     /// # Errors
-    /// The first thing refused, with the path of its key in a scenario.
+    /// The first thing refused.
     pub fn check(contacts: &Contacts, coupling: &LatticeCoupling) -> Result<()> {
-        coupling.check().map_err(|e| e.under("interface"))?;
+        coupling.check()?;
         stiffness(contacts).map(drop)
     }
 
@@ -215,8 +215,16 @@ impl Lattice {
     /// Drives the contacts up to a drive or for a number of avalanches, and passes each avalanche to `each`.
     ///
     /// # Errors
+    /// None: nobody stops it.
+    pub fn run(&mut self, until: Until, each: &mut dyn FnMut(&Avalanche)) -> Result<()> {
+        self.run_with(until, &mut (), each)
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
     /// Stopped by the monitor, between two avalanches; the lattice can continue.
-    pub fn run(
+    pub fn run_with(
         &mut self,
         until: Until,
         monitor: &mut dyn Monitor,
@@ -288,13 +296,13 @@ impl Lattice {
 fn stiffness(contacts: &Contacts) -> Result<f64> {
     if let Some(rule) = contacts.rules.first() {
         let expected = format!("no {rule} where contacts are coupled one by one: they know no time");
-        return Err(Error::invalid(rule, expected, "one").under("contacts"));
+        return Err(Error::invalid(rule, expected, "one"));
     }
     match contacts.stiffness {
         Stiffness::Equal(unit) => Ok(unit),
         Stiffness::PerThreshold(factor) => {
             let expected = "contacts of equal stiffness where they are coupled one by one";
-            Err(Error::invalid("contacts.stiffness_per_threshold", expected, factor))
+            Err(Error::invalid("stiffness.per_threshold", expected, factor))
         }
     }
 }

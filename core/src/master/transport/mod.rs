@@ -116,8 +116,16 @@ impl Transport {
     ///
     /// # Errors
     /// Those of [`Contacts::check`]; `ageing.mean_field`, which is no rule for one contact; a tolerance
-    /// outside [1e-12, 1e-2]; stopped by the monitor.
-    pub fn new(
+    /// outside [1e-12, 1e-2].
+    pub fn new(contacts: Contacts, initial: &Initial, tolerance: f64) -> Result<Self> {
+        Self::new_with(contacts, initial, tolerance, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; stopped by the monitor.
+    pub fn new_with(
         contacts: Contacts,
         initial: &Initial,
         tolerance: f64,
@@ -262,9 +270,21 @@ impl Transport {
     /// Follows a history that begins at the present time, at rising times since now.
     ///
     /// # Errors
-    /// Times that do not rise or lie outside the history; stopped by the monitor; steps that would have to be
-    /// too short.
-    pub fn follow(&mut self, history: &History, times: &[f64], monitor: &mut dyn Monitor) -> Result<Trace> {
+    /// Times that do not rise or lie outside the history; steps that would have to be too short.
+    pub fn follow(&mut self, history: &History, times: &[f64]) -> Result<Trace> {
+        self.follow_with(history, times, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::follow`]; stopped by the monitor.
+    pub fn follow_with(
+        &mut self,
+        history: &History,
+        times: &[f64],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Trace> {
         /// Fraction of the work for the second solution.
         const ASIDE: f64 = 0.2;
         history.check_times(times)?;
@@ -541,10 +561,10 @@ fn strength(contacts: &Contacts, monitor: &mut dyn Monitor) -> Result<Option<Thr
     match &contacts.rules.ageing {
         Some(Ageing::MeanField { .. }) => {
             let expected = "a rule for one contact: mean_field is the closure of steady sliding";
-            Err(Error::invalid("contacts.ageing.mean_field", expected, "a velocity that varies"))
+            Err(Error::invalid("ageing.mean_field", expected, "a velocity that varies"))
         }
         Some(Ageing::Smoluchowski { .. }) => Ok(None),
-        _ => ThresholdEvolution::of(contacts, monitor).map(Some),
+        _ => ThresholdEvolution::of_with(contacts, monitor).map(Some),
     }
 }
 

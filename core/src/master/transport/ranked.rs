@@ -444,8 +444,7 @@ mod tests {
         let temperature = Some(Temperature { energy, attempt_rate: 1.0, barrier });
         let rules = Rules { temperature, ..Rules::default() };
         let contacts = Contacts { rules, ..Contacts::new(law, Arc::new(Point::new(0.0).unwrap())) };
-        let ranks =
-            RankedThresholds::new(&contacts, ThresholdEvolution::of(&contacts, &mut ()).unwrap(), 1e-8);
+        let ranks = RankedThresholds::new(&contacts, ThresholdEvolution::of(&contacts).unwrap(), 1e-8);
         let seed = Seed { stretch: 0.0, weight: 1.0, below: 0.0, above: 0.0, number: None };
         let mut place = Place { stretch: 0.0, below: 0.0, above: 0.0, age: 0.0 };
         let mut left = ranks.newborn(&seed);

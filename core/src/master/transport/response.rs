@@ -58,7 +58,8 @@ impl Transport {
             let time = vec![0.0, contacts.thresholds.mean() / velocity];
             return Ok(StepResponse { velocity, response: vec![0.0; time.len()], time });
         }
-        let mut steady = Self::steady(contacts, velocity, tolerance, &mut Aside { fraction: 0.0, monitor })?;
+        let mut steady =
+            Self::steady_with(contacts, velocity, tolerance, &mut Aside { fraction: 0.0, monitor })?;
         steady.rough = None;
         let by = STEP * super::step_control::scale(contacts);
         let during = by / (FAST * velocity);
@@ -69,8 +70,8 @@ impl Transport {
         let history = History::new(vec![Piece { velocity, duration }])?;
         let mut displaced = steady.clone();
         displaced.step(by, during, &mut Aside { fraction: 0.0, monitor })?;
-        let after = displaced.follow(&history, &time, &mut Part::new(monitor, 0.0, 0.5))?;
-        let before = steady.follow(&history, &time, &mut Part::new(monitor, 0.5, 0.5))?;
+        let after = displaced.follow_with(&history, &time, &mut Part::new(monitor, 0.0, 0.5))?;
+        let before = steady.follow_with(&history, &time, &mut Part::new(monitor, 0.5, 0.5))?;
         let response = after.force.iter().zip(&before.force).map(|(after, before)| (after - before) / by);
         Ok(StepResponse { velocity, response: response.collect(), time })
     }

@@ -24,7 +24,15 @@ impl Transport {
     ///
     /// # Errors
     /// Those of [`Transport::new`]; a velocity that is not above 0.
-    pub fn steady(
+    pub fn steady(contacts: &Contacts, velocity: f64, tolerance: f64) -> Result<Self> {
+        Self::steady_with(contacts, velocity, tolerance, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::steady`]; stopped by the monitor.
+    pub fn steady_with(
         contacts: &Contacts,
         velocity: f64,
         tolerance: f64,

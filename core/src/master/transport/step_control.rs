@@ -135,7 +135,7 @@ impl StepControl {
         }
         let what = "contacts followed through time, whose steps became too short".to_owned();
         Err(Error::Accuracy {
-            key: "master_equation.tolerance".into(),
+            key: "tolerance".into(),
             what,
             reached: Float(f64::NAN),
             wanted: Float(tolerance),

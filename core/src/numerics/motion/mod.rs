@@ -7,7 +7,7 @@
 mod passage;
 mod step;
 
-pub use passage::{LinearPassage, uniform};
+pub use passage::uniform;
 pub use step::MotionStep;
 
 /// Mass and damping of a body.

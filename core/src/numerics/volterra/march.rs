@@ -108,9 +108,9 @@ pub fn solve(
     for stop in stops {
         march.section(stop, end, &mut control, monitor)?;
     }
-    let March { mesh, values, density, atoms, tail, .. } = march;
+    let March { mesh, values, density, atoms, .. } = march;
     let breakpoints = breakpoints.into_iter().filter(|b| !b.is_atom()).collect();
-    Ok(Solution { resolved: accuracy.density, mesh, values, density, atoms, breakpoints, tail })
+    Ok(Solution { resolved: accuracy.density, mesh, values, density, atoms, breakpoints })
 }
 
 /// Control of the cell width: the present width, and the number of cells before it may grow.

@@ -39,9 +39,6 @@ pub struct Solution {
     pub atoms: Vec<Atom>,
     /// The breakpoints of the density that matter, by rising position.
     pub breakpoints: Vec<Breakpoint>,
-    /// The largest truncation error of a cell, from the last Legendre coefficients: an estimate of the error
-    /// of the density.
-    pub tail: f64,
 }
 
 /// Tolerances of a solution.

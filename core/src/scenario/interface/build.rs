@@ -58,13 +58,12 @@ impl Interface {
             None => {
                 let aside = &mut Aside { fraction: 0.0, monitor };
                 let population =
-                    MasterEquation::new(contacts, initial, aside)?.population(tolerance, aside)?;
-                let cells = Curves::new(&population, self.size(), monitor)?;
+                    MasterEquation::new_with(contacts, initial, aside)?.population_with(tolerance, aside)?;
+                let cells = Curves::new_with(&population, self.size(), monitor)?;
                 Box::new(if let Some(scales) = scales { cells.scaled(scales)? } else { cells })
             }
         };
-        let build = || elastic::Interface::new(cells, self.elasticity()?, self.setting(length));
-        build().map_err(|e| e.under("interface"))
+        elastic::Interface::new(cells, self.elasticity()?, self.setting(length))
     }
 
     /// Cells whose contacts are time-dependent: by transport to a `tolerance`, or those of an `ensemble`, of which each cell has
@@ -94,13 +93,16 @@ impl Interface {
                 Some(ensemble) => {
                     let first = (cell * ensemble.size()) as u64;
                     Box::new(
-                        ensemble.build(contacts, initial.clone())?.numbered_from(first).in_time(monitor)?,
+                        ensemble
+                            .build(contacts, initial.clone())?
+                            .numbered_from(first)
+                            .in_time_with(monitor)?,
                     )
                 }
                 None => Box::new(match alike.entry(energy) {
                     Entry::Occupied(known) => known.get().clone(),
                     Entry::Vacant(new) => {
-                        new.insert(Transport::new(contacts, initial, tolerance, monitor)?).clone()
+                        new.insert(Transport::new_with(contacts, initial, tolerance, monitor)?).clone()
                     }
                 }),
             };
@@ -116,8 +118,7 @@ impl Interface {
             slip_fraction: ensemble.map_or(0.0, |_| Block::SLIP_FRACTION),
             area,
         };
-        let build = || RateDependentInterface::new(cells, self.elasticity()?, setting);
-        build().map_err(|e| e.under("interface"))
+        RateDependentInterface::new(cells, self.elasticity()?, setting)
     }
 
     /// The same with the disorder that is drawn from the seed so many further on.
@@ -169,9 +170,9 @@ impl Interface {
         let equation = if renewed { equation.renewed() } else { equation.clone() };
         let distance = advance.max(equation.contacts().thresholds.mean());
         let places: Vec<f64> = stretches.iter().map(|x| x / scale).collect();
-        let pull = equation.pull(distance, tolerance, monitor)?;
+        let pull = equation.pull_with(distance, tolerance, monitor)?;
         let aside = &mut Aside { fraction: 1.0, monitor };
-        let mut found = pull.stretch_density(advance, &places, aside)?;
+        let mut found = pull.stretch_density_with(advance, &places, aside)?;
         found.density.iter_mut().for_each(|density| *density /= scale);
         found.atoms.iter_mut().for_each(|atom| atom.position *= scale);
         Ok(found)
@@ -185,7 +186,7 @@ impl Interface {
     ) -> Result<Vec<Box<dyn Population>>> {
         let cell = |cell: usize| -> Result<Box<dyn Population>> {
             let first = (cell * ensemble.size()) as u64;
-            Ok(Box::new(ensemble.clone().numbered_from(first).population(monitor)?))
+            Ok(Box::new(ensemble.clone().numbered_from(first).population_with(monitor)?))
         };
         (0..self.size()).map(cell).collect()
     }

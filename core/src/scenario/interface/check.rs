@@ -1,6 +1,6 @@
 //! Which values of an interface are valid, and what they go with.
 
-use super::super::{Drive, Ensemble, positive, size};
+use super::super::{Drive, Ensemble, not_negative, positive, size};
 use super::{CellLoading, CellSlip, Coupling, Interface, PerCell};
 use crate::contacts::Contacts;
 use crate::ensemble::lattice::Lattice;
@@ -158,7 +158,8 @@ impl Interface {
             let expected = "none beside interface.contacts = \"one\", where every cell is a contact";
             return Err(Error::invalid("ensemble.size", expected, size));
         }
-        Lattice::check(contacts, &self.springs().map_err(|e| e.under("interface"))?)
+        let springs = self.springs().map_err(|e| e.under("interface"))?;
+        Lattice::check(contacts, &springs).map_err(Error::of_scenario)
     }
 }
 
@@ -189,13 +190,5 @@ fn onwards(drive: &Drive) -> Result<()> {
             Err(Error::invalid(key, expected, key))
         }
         None => Ok(()),
-    }
-}
-
-pub(super) fn not_negative(key: &str, value: f64) -> Result<f64> {
-    if value.is_finite() && value >= 0.0 {
-        Ok(value)
-    } else {
-        Err(Error::invalid(key, "a finite number, 0 or above", value))
     }
 }

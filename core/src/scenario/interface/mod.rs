@@ -71,6 +71,7 @@ pub enum PerCell {
 /// What couples cells.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
 pub enum Coupling {
     /// Springs between nearest neighbours.
     Neighbours {

@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::super::exactly_one;
-use super::check::not_negative;
+use super::super::{exactly_one, not_negative};
 use crate::elastic::cells::scales;
 use crate::{Error, Result};
 
@@ -40,7 +39,7 @@ impl Scales {
         self.check(cells).map_err(|e| e.under("disorder"))?;
         match &self.scale {
             Some(scale) => Ok(scale.clone()),
-            None => scales(cells, self.std.unwrap_or(0.0), self.seed()),
+            None => scales(cells, self.std.unwrap_or(0.0), self.seed()).map_err(|e| e.under("disorder")),
         }
     }
 

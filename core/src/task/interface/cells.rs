@@ -47,7 +47,7 @@ impl DrivenInterface for DrivenCells {
         monitor: &mut dyn Monitor,
         each: &mut dyn FnMut(Self::Event),
     ) -> Result<bool> {
-        from_slide_to_slide(most, || self.interface.next(to, monitor), each)
+        from_slide_to_slide(most, || self.interface.next_with(to, monitor), each)
     }
 
     fn columns(&self, events: &[Self::Event]) -> Record {

@@ -47,7 +47,7 @@ impl DrivenInterface for DrivenContacts {
     ) -> Result<bool> {
         for _ in 0..most {
             if self.lattice.next_drive() > to {
-                return self.lattice.run(Until::Drive(to), monitor, &mut |_| ()).map(|()| true);
+                return self.lattice.run_with(Until::Drive(to), monitor, &mut |_| ()).map(|()| true);
             }
             let avalanche = self.lattice.next_event();
             let scar = if self.chain { self.lattice.scar().collect() } else { Vec::new() };

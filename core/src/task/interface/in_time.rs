@@ -88,7 +88,7 @@ impl DrivenInterface for DrivenRateDependentCells {
         monitor: &mut dyn Monitor,
         each: &mut dyn FnMut(Self::Event),
     ) -> Result<bool> {
-        from_slide_to_slide(most, || self.interface.next(to, self.velocity, monitor), each)
+        from_slide_to_slide(most, || self.interface.next_with(to, self.velocity, monitor), each)
     }
 
     fn columns(&self, events: &[Self::Event]) -> Record {

@@ -48,7 +48,7 @@ impl Drive {
         let interface = model.interface.as_ref();
         let interface =
             interface.ok_or_else(|| Error::invalid("interface", "one, which is driven", "none"))?;
-        run(model, self, (interface, &Units::default()), None, monitor)
+        run(model, self, (interface, &Units::default()), None, monitor).map_err(Error::of_scenario)
     }
 }
 

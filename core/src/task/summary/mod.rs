@@ -46,6 +46,7 @@ pub struct Summary {
 /// The numbers of a task; the key `task` is its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "task", rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Numbers {
     /// Of `[pull]`.
     Pull(PullNumbers),

@@ -44,10 +44,10 @@ impl HalfSpace {
     /// 16 GiB.
     pub fn new(shape: Shape, edges: Edges, modulus: f64, cell: f64) -> Result<Self> {
         shape.check(edges)?;
-        positive("coupling.half_space.modulus", modulus)?;
-        positive("coupling.half_space.cell", cell)?;
+        positive("modulus", modulus)?;
+        positive("cell", cell)?;
         let scale = modulus * cell;
-        positive("coupling.half_space.modulus", scale)?;
+        positive("modulus", scale)?;
         // More while it is made than afterwards.
         let bytes = match (shape, edges) {
             (Shape::Chain(_), _) => 200,
