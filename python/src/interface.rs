@@ -12,9 +12,10 @@ use crate::description::{Description, Plain};
 use crate::law::{AnyLaw, given};
 use crate::model::{interface, interface_arguments};
 use crate::result::{self, Result};
-use crate::simulation::{self, Looked, Simulation};
+use crate::simulation::Simulation;
+use crate::stretches::StretchGrid;
 use crate::watch::watched;
-use crate::{description, error, values};
+use crate::{description, error, simulated, values};
 
 /// A deformable interface, and the initial state of its contacts.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -117,10 +118,10 @@ impl Deformable {
         tolerance: Option<f64>,
     ) -> PyResult<Simulation> {
         let surface = Self::plain(slf);
-        let live =
-            watched(None, slf.py(), |monitor| simulation::deformable(surface, velocity, tolerance, monitor))?;
+        let simulated =
+            watched(None, slf.py(), |monitor| simulated::interface(surface, velocity, tolerance, monitor))?;
         let shape = surface.own.cells.clone();
-        Simulation::new(slf.as_super(), (velocity, tolerance), shape, live)
+        Simulation::new(slf.as_super(), (velocity, tolerance), shape, simulated)
     }
 
     /// The contacts.
@@ -264,8 +265,8 @@ impl Interface {
         progress: Option<Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let py = slf.py();
-        let (cell, looked) = (cell.get("cell")?, Looked::of(stretches, edges)?);
-        if matches!(looked, Looked::Default) {
+        let (cell, grid) = (cell.get("cell")?, StretchGrid::new(stretches, edges)?);
+        if matches!(grid, StretchGrid::Default) {
             return Err(error::invalid("stretches", "either stretches or edges", "neither"));
         }
         if !(at.is_finite() && at >= 0.0) {
@@ -273,9 +274,9 @@ impl Interface {
         }
         let surface = Deformable::plain(slf.as_super());
         let (stretches, found) = watched(progress, py, |monitor| {
-            let mut driven = simulation::built(surface, velocity, None, monitor)?;
-            driven.advance(at, monitor)?;
-            driven.look(cell, looked, monitor)
+            let mut simulated = simulated::unrelaxed_interface(surface, velocity, None, monitor)?;
+            simulated.advance(at, monitor)?;
+            simulated.stretch_density(cell, grid, monitor)
         })?;
         values::stretches(py, stretches, found)
     }

@@ -14,7 +14,8 @@ use crate::description::{Description, Interface, Plain};
 use crate::ensemble::Ensemble;
 use crate::equation::MasterEquation;
 use crate::law::{AnyLaw, given};
-use crate::simulation::{self, Live, Simulation, SliderContacts};
+use crate::simulated::{self, Simulated, SliderContacts};
+use crate::simulation::Simulation;
 use crate::transport::Transport;
 use crate::watch::watched;
 use crate::{convert, error};
@@ -65,7 +66,7 @@ impl Model {
     }
 
     /// The contacts under a slider, to be driven step by step.
-    pub fn simulated(model: &Bound<'_, Self>, slider: &block::Block) -> PyResult<Box<dyn Live>> {
+    pub fn simulated(model: &Bound<'_, Self>, slider: &block::Block) -> PyResult<Box<dyn Simulated>> {
         let solver = Self::solver(model);
         let contacts = match solver {
             Solver::Ensemble(ensemble) => SliderContacts::Followed(ensemble.size()),
@@ -75,7 +76,7 @@ impl Model {
             },
         };
         watched(None, model.py(), |monitor| {
-            simulation::slider(slider, solver.population(monitor)?, contacts, monitor)
+            simulated::slider(slider, solver.population(monitor)?, contacts, monitor)
         })
     }
 

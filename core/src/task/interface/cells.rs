@@ -1,7 +1,8 @@
-//! DrivenCells of many contacts as an interface: an event is a connected part of a slide.
+//! Cells of many contacts as an interface: an event is a connected part of a slide.
 
 use crate::Result;
 use crate::elastic::{self, Event, Slipped, State};
+use crate::energy::EnergyBalance;
 use crate::monitor::Monitor;
 use crate::record::{Column, Quantity, Record};
 
@@ -10,7 +11,7 @@ use super::model::DrivenInterface;
 /// Columns that only slides with viscosity have.
 const IN_TIME: [&str; 4] = ["time", "duration", "front_speed_left", "front_speed_right"];
 
-/// DrivenCells on an elastic slider.
+/// Cells of an elastic slider whose contacts do not depend on time, driven from slide to slide.
 #[derive(Debug)]
 pub struct DrivenCells {
     /// The cells.
@@ -65,14 +66,32 @@ impl DrivenInterface for DrivenCells {
         self.solved.then(|| self.interface.error())
     }
 
-    fn trace(&mut self) -> Result<Vec<f64>> {
-        let positions = self.interface.positions();
-        let mean = positions.iter().sum::<f64>() / positions.len() as f64;
-        Ok(vec![mean, self.interface.force()])
+    fn time(&self) -> f64 {
+        self.interface.time()
     }
 
-    fn maps(&mut self) -> Result<Vec<Vec<f64>>> {
-        Ok(vec![self.interface.positions().to_vec(), self.interface.forces()])
+    fn force(&self) -> f64 {
+        self.interface.force()
+    }
+
+    fn forces(&self) -> Vec<f64> {
+        self.interface.forces()
+    }
+
+    fn positions(&self) -> Option<Vec<f64>> {
+        Some(self.interface.positions().to_vec())
+    }
+
+    fn energy(&self) -> Option<EnergyBalance> {
+        Some(self.interface.energy())
+    }
+
+    fn trace(&self) -> Vec<f64> {
+        vec![mean(self.interface.positions()), self.force()]
+    }
+
+    fn maps(&self) -> Vec<Vec<f64>> {
+        vec![self.interface.positions().to_vec(), self.forces()]
     }
 
     fn state(&self) -> State {
@@ -84,7 +103,7 @@ impl DrivenInterface for DrivenCells {
     }
 }
 
-/// DrivenCells that slipped in events, the first of which has the number `first`; when they began where slides are `timed`.
+/// Cells that slipped in events, the first of which has the number `first`; when they began where slides are `timed`.
 pub fn slipped(events: &[(Event, Vec<Slipped>)], first: usize, timed: bool) -> Record {
     let mut record = Record::default();
     let mut add = |name: &str, words: &str, quantity, value: &dyn Fn(usize, &Slipped) -> f64| {
@@ -103,6 +122,11 @@ pub fn slipped(events: &[(Event, Vec<Slipped>)], first: usize, timed: bool) -> R
         add("slipped_start", words, Quantity::Time, &|_, slipped| slipped.start);
     }
     record
+}
+
+/// Mean of the values of all cells.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Goes on by `next` slides for `most` events; whether it came to the end, where there are none.

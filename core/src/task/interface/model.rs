@@ -1,6 +1,7 @@
 //! An interface that is driven from event to event, whatever its cells are.
 
 use crate::Result;
+use crate::energy::EnergyBalance;
 use crate::monitor::Monitor;
 use crate::record::{Column, Record};
 use serde::Serialize;
@@ -46,17 +47,26 @@ pub trait DrivenInterface {
     /// Estimated error of the force of a cell, the largest so far; `None` where contacts are followed one by one.
     fn error(&self) -> Option<f64>;
 
+    /// Time t since the beginning; 0 where contacts do not depend on it and slides take none.
+    fn time(&self) -> f64;
+
+    /// Friction force of all cells.
+    fn force(&self) -> f64;
+
+    /// Friction force F_j of each cell, along rows.
+    fn forces(&self) -> Vec<f64>;
+
+    /// Position X_j of each cell, along rows; `None` for contacts coupled one by one, which have stretches only.
+    fn positions(&self) -> Option<Vec<f64>>;
+
+    /// Energy balance since the beginning; `None` where it is not computed.
+    fn energy(&self) -> Option<EnergyBalance>;
+
     /// What is known of the whole now, in the order of [`DrivenInterface::TRACE`].
-    ///
-    /// # Errors
-    /// Those of the cells.
-    fn trace(&mut self) -> Result<Vec<f64>>;
+    fn trace(&self) -> Vec<f64>;
 
     /// What is known of every cell now, in the order of [`DrivenInterface::MAPS`].
-    ///
-    /// # Errors
-    /// Those of the cells.
-    fn maps(&mut self) -> Result<Vec<Vec<f64>>>;
+    fn maps(&self) -> Vec<Vec<f64>>;
 
     /// All of it that changes.
     fn state(&self) -> Self::State;
