@@ -15,7 +15,7 @@ use crate::result::{self, Result};
 use crate::simulation::Simulation;
 use crate::stretches::StretchGrid;
 use crate::watch::watched;
-use crate::{description, error, simulated, values};
+use crate::{description, error, simulated, typed, values};
 
 /// A deformable interface, and the initial state of its contacts.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -74,8 +74,8 @@ impl Deformable {
     /// Raises ValueError for invalid values, or for more results than fit in a file.
     #[pyo3(
         signature = (
-            distance = 20.0, points = Whole::new(2001), *, velocity = None, tolerance = None, maps = None,
-            catalogue_from = 0.0, progress = None
+            distance = 20.0, points = Whole::new(2001), *, velocity = None, tolerance = None, maps: "ArrayLike | None" = None,
+            catalogue_from = 0.0, progress: "_Progress" = None
         ),
         text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, progress=None)"
     )]
@@ -126,8 +126,8 @@ impl Deformable {
 
     /// The contacts.
     #[getter]
-    fn contacts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Plain::Contacts(Self::plain(slf).contacts.contacts.clone()).object(slf.py())
+    fn contacts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Contacts>> {
+        Plain::Contacts(Self::plain(slf).contacts.contacts.clone()).instance(slf.py())
     }
 
     /// The length of a chain, or rows and columns of a lattice.
@@ -185,9 +185,9 @@ impl Interface {
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     #[pyo3(
         signature = (
-            contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, edges = "open",
-            loading = "uniform", slip = "reset", viscosity = None, disorder = None, seed = Seed(1),
-            drive_tolerance = 1e-6, size = None, quenched = false, start = "conditional"
+            contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, edges: "Literal['open', 'periodic']" = "open",
+            loading: "Literal['uniform', 'edge']" = "uniform", slip: "Literal['reset', 'overdamped']" = "reset", viscosity = None, disorder: "_Number | ArrayLike | None" = None, seed = Seed(1),
+            drive_tolerance = 1e-6, size = None, quenched = false, start: "Literal['conditional', 'relaxed']" = "conditional"
         ),
         text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, edges='open', loading='uniform', slip='reset', viscosity=None, disorder=None, seed=1, drive_tolerance=1e-6, size=None, quenched=False, start='conditional')"
     )]
@@ -252,7 +252,7 @@ impl Interface {
     ///
     /// Raises ValueError for a cell that does not exist, and for invalid values.
     #[pyo3(
-        signature = (cell, stretches = None, *, at, velocity = None, edges = None, progress = None),
+        signature = (cell, stretches: "ArrayLike | None" = None, *, at, velocity = None, edges: "ArrayLike | None" = None, progress: "_Progress" = None),
         text_signature = "($self, cell, stretches=None, *, at, velocity=None, edges=None, progress=None)"
     )]
     fn stretch_density<'py>(
@@ -263,7 +263,7 @@ impl Interface {
         velocity: Option<f64>,
         edges: Option<&Bound<'py, PyAny>>,
         progress: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<typed::StretchDensity<'py>> {
         let py = slf.py();
         let (cell, grid) = (cell.get("cell")?, StretchGrid::new(stretches, edges)?);
         if matches!(grid, StretchGrid::Default) {
@@ -322,8 +322,8 @@ impl Lattice {
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     #[pyo3(
         signature = (
-            contacts, cells, initial = None, *, neighbours, connection, edges = "open", seed = Seed(1),
-            disorder = "annealed", start = "conditional"
+            contacts, cells, initial = None, *, neighbours, connection, edges: "Literal['open', 'periodic']" = "open", seed = Seed(1),
+            disorder: "Literal['annealed', 'quenched']" = "annealed", start: "Literal['conditional', 'relaxed']" = "conditional"
         ),
         text_signature = "(contacts, cells, initial=None, *, neighbours, connection, edges='open', seed=1, disorder='annealed', start='conditional')"
     )]

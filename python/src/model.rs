@@ -13,12 +13,12 @@ use crate::contacts::Contacts;
 use crate::description::{Description, Interface, Plain};
 use crate::ensemble::Ensemble;
 use crate::equation::MasterEquation;
-use crate::law::{AnyLaw, given};
+use crate::law::{AnyLaw, Law, given};
 use crate::simulated::{self, Simulated, SliderContacts};
 use crate::simulation::Simulation;
 use crate::transport::Transport;
 use crate::watch::watched;
-use crate::{convert, error};
+use crate::{convert, error, typed};
 
 /// What a model is made of.
 pub fn interface(
@@ -162,19 +162,19 @@ impl Solver<'_> {
 impl Model {
     /// The contacts.
     #[getter]
-    fn contacts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Plain::Contacts(Self::plain(slf).contacts.clone()).object(slf.py())
+    fn contacts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Contacts>> {
+        Plain::Contacts(Self::plain(slf).contacts.clone()).instance(slf.py())
     }
 
     /// The distribution Q_ini of stretches at X = 0.
     #[getter]
-    fn initial<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Plain::Law(Self::plain(slf).initial.clone()).object(slf.py())
+    fn initial<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Law>> {
+        Plain::Law(Self::plain(slf).initial.clone()).instance(slf.py())
     }
 
     /// The kind of the initial state, "conditional" or "relaxed".
     #[getter]
-    fn start(slf: &Bound<'_, Self>) -> &'static str {
-        convert::start(Self::plain(slf).start)
+    fn start(slf: &Bound<'_, Self>) -> typed::StartWord {
+        typed::StartWord(convert::start(Self::plain(slf).start))
     }
 }

@@ -13,7 +13,7 @@ use crate::description::Description;
 use crate::simulated::{Energy, Simulated, read, write};
 use crate::stretches::StretchGrid;
 use crate::watch::{detached, watched};
-use crate::{error, values};
+use crate::{error, typed, values};
 
 /// The head of a state: the version of asperity that wrote it, and the model.
 #[derive(Serialize, Deserialize)]
@@ -71,8 +71,8 @@ impl Simulation {
     }
 
     /// Values of the cells as an array.
-    fn array<'py>(&self, py: Python<'py>, values: Vec<f64>) -> PyResult<Bound<'py, PyAny>> {
-        convert::array(py, &self.shape, values)
+    fn array<'py>(&self, py: Python<'py>, values: Vec<f64>) -> PyResult<typed::Array<'py>> {
+        convert::array(py, &self.shape, values).map(typed::Array)
     }
 }
 
@@ -80,8 +80,8 @@ impl Simulation {
 impl Simulation {
     /// The model of the simulation: an Interface, Lattice, Block, MasterEquation or Ensemble.
     #[getter]
-    fn model(&self, py: Python<'_>) -> Py<PyAny> {
-        self.model.clone_ref(py)
+    fn model<'py>(&self, py: Python<'py>) -> typed::SimulatedModel<'py> {
+        typed::SimulatedModel(self.model.bind(py).clone())
     }
 
     /// The load-point displacement X_T, a length; without a spring, the displacement of the slider.
@@ -104,14 +104,14 @@ impl Simulation {
 
     /// The force of each cell, or of each contact of a Lattice: shape (n,) or (rows, columns); (1,) for a slider.
     #[getter]
-    fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn forces<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
         let forces = self.with(|simulated| Ok(detached(py, move || simulated.forces())))?;
         self.array(py, forces)
     }
 
     /// The position X_j of each cell, a length: shape (n,) or (rows, columns); (1,) for a slider. A Lattice has none.
     #[getter]
-    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
         let positions = self.with(|simulated| Ok(simulated.positions()))?;
         let none =
             || PyAttributeError::new_err("positions: contacts coupled one by one have stretches alone");
@@ -120,10 +120,10 @@ impl Simulation {
 
     /// The energy balance from X_T = 0: an InterfaceEnergy for an Interface, otherwise an Energy. A Lattice has none.
     #[getter]
-    fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn energy<'py>(&self, py: Python<'py>) -> PyResult<typed::AnyEnergy<'py>> {
         match self.with(|simulated| detached(py, move || simulated.energy()).map_err(error::core))? {
-            Some(Energy::Slider(energy)) => values::energy(py, &energy),
-            Some(Energy::Interface(energy)) => values::interface_energy(py, &energy),
+            Some(Energy::Slider(energy)) => Ok(typed::AnyEnergy(values::energy(py, &energy)?.0)),
+            Some(Energy::Interface(energy)) => Ok(typed::AnyEnergy(values::interface_energy(py, &energy)?.0)),
             None => Err(PyAttributeError::new_err("energy: that of contacts coupled one by one is not told")),
         }
     }
@@ -138,6 +138,7 @@ impl Simulation {
     /// can turn back, also smaller.
     ///
     /// Raises ValueError for a displacement to which an interface would have to move backwards.
+    #[pyo3(signature = (until) -> "Iterator[Event]")]
     fn events(slf: Bound<'_, Self>, until: f64) -> PyResult<EventIterator> {
         let from = slf.get().with(|simulated| {
             simulated.check("until", until).map_err(error::core)?;
@@ -154,7 +155,7 @@ impl Simulation {
     /// progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
     ///
     /// Raises ValueError for a displacement to which an interface would have to move backwards.
-    #[pyo3(signature = (drive, *, progress = None))]
+    #[pyo3(signature = (drive, *, progress: "_Progress" = None))]
     fn advance(&self, py: Python<'_>, drive: f64, progress: Option<Bound<'_, PyAny>>) -> PyResult<()> {
         self.with(|simulated| {
             simulated.check("drive", drive).map_err(error::core)?;
@@ -176,7 +177,7 @@ impl Simulation {
     ///
     /// Raises IndexError if there is no such cell, ValueError for invalid values.
     #[pyo3(
-        signature = (cell = Whole::new(0), stretches = None, *, edges = None, progress = None),
+        signature = (cell = Whole::new(0), stretches: "ArrayLike | None" = None, *, edges: "ArrayLike | None" = None, progress: "_Progress" = None),
         text_signature = "($self, cell=0, stretches=None, *, edges=None, progress=None)"
     )]
     fn stretch_density<'py>(
@@ -186,7 +187,7 @@ impl Simulation {
         stretches: Option<&Bound<'py, PyAny>>,
         edges: Option<&Bound<'py, PyAny>>,
         progress: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<typed::StretchDensity<'py>> {
         let cell: usize = cell.get("cell")?;
         let cells = self.with(|simulated| Ok(simulated.cells()))?;
         if cell >= cells {

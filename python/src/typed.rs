@@ -1,0 +1,95 @@
+//! Results and the types that the stubs give them: objects of NumPy and of the Python part of the package, and words.
+
+use std::convert::Infallible;
+
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+
+/// The type of an argument, for the stubs.
+macro_rules! argument_type {
+    ($hint:literal) => {
+        #[cfg(feature = "stubs")]
+        const INPUT_TYPE: pyo3::inspect::PyStaticExpr =
+            pyo3::inspect::PyStaticExpr::Constant { value: pyo3::inspect::PyStaticConstant::Str($hint) };
+    };
+}
+
+/// The type of a result, for the stubs.
+macro_rules! result_type {
+    ($hint:literal) => {
+        #[cfg(feature = "stubs")]
+        const OUTPUT_TYPE: pyo3::inspect::PyStaticExpr =
+            pyo3::inspect::PyStaticExpr::Constant { value: pyo3::inspect::PyStaticConstant::Str($hint) };
+    };
+}
+
+pub(crate) use argument_type;
+
+/// Objects of Python, each with its type.
+macro_rules! objects {
+    ($($name:ident: $hint:literal,)+) => {$(
+        pub struct $name<'py>(pub Bound<'py, PyAny>);
+
+        impl<'py> IntoPyObject<'py> for $name<'py> {
+            type Target = PyAny;
+            type Output = Bound<'py, PyAny>;
+            type Error = Infallible;
+
+            result_type!($hint);
+
+            fn into_pyobject(self, _: Python<'py>) -> Result<Self::Output, Infallible> {
+                Ok(self.0)
+            }
+        }
+    )+};
+}
+
+/// Words, each one of a few.
+macro_rules! words {
+    ($($name:ident: $hint:literal,)+) => {$(
+        pub struct $name(pub &'static str);
+
+        impl<'py> IntoPyObject<'py> for $name {
+            type Target = PyString;
+            type Output = Bound<'py, PyString>;
+            type Error = Infallible;
+
+            result_type!($hint);
+
+            fn into_pyobject(self, py: Python<'py>) -> Result<Self::Output, Infallible> {
+                self.0.into_pyobject(py)
+            }
+        }
+    )+};
+}
+
+objects! {
+    Array: "_Array",
+    ComplexArray: "NDArray[np.complex128]",
+    Atoms: "Atoms",
+    StretchDensity: "StretchDensity",
+    StaticFriction: "StaticFriction",
+    Stability: "Stability",
+    State: "State",
+    BlockEnergy: "Energy",
+    InterfaceEnergy: "InterfaceEnergy",
+    AnyEnergy: "Energy | InterfaceEnergy",
+    Equilibria: "Equilibria",
+    Potential: "Potential",
+    Sizes: "Sizes",
+    Course: "Course",
+    Events: "Events",
+    Labels: "dict[str, Label]",
+    Values: "dict[str, Any]",
+    Names: "Iterator[str]",
+    SlipRule: "Literal['reset', 'overdamped', 'arrest'] | Damped | Inertial",
+    BlockModel: "MasterEquation | Transport | Ensemble",
+    SimulatedModel: "Deformable | Block | Model",
+    Same: "Self",
+}
+
+words! {
+    StartWord: "Literal['conditional', 'relaxed']",
+    DisorderWord: "Literal['annealed', 'quenched']",
+    RegimeWord: "Literal['smooth', 'transient', 'persistent', 'runaway', 'undecided']",
+}
