@@ -84,7 +84,7 @@ stubs: $(venv)/installed $(stubs)
 # What the extension says of itself where it is compiled with the feature `stubs`.
 $(stubs): $(package)/wheel
 	cd $(package)/source; export PATH="$(CURDIR)/$(venv)/bin:$$PATH" CARGO_TARGET_DIR=$(CURDIR)/$(package)/build; \
-	maturin generate-stubs --profile release --locked --features stubs --out $(CURDIR)/$(package)/stubs
+	maturin generate-stubs --profile release --features stubs --out $(CURDIR)/$(package)/stubs
 
 # A wheel for any Linux since 2014.
 wheel: $(venv)-wheel/ready
