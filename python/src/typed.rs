@@ -1,11 +1,14 @@
-//! Results and the types that the stubs give them: objects of NumPy and of the Python part of the package, and words.
+//! The types of arguments and results in the stubs, where Rust's own types say less: objects of NumPy and of the Python part
+//! of the package, and words.
+//!
+//! A type is Python code, of names that `python/tests/stubs.py` imports. PyO3 asks for it with the feature `stubs` only.
 
 use std::convert::Infallible;
 
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
-/// The type of an argument, for the stubs.
+/// Declares the type of an argument, in its `FromPyObject`.
 macro_rules! argument_type {
     ($hint:literal) => {
         #[cfg(feature = "stubs")]
@@ -14,7 +17,7 @@ macro_rules! argument_type {
     };
 }
 
-/// The type of a result, for the stubs.
+/// Declares the type of a result, in its `IntoPyObject`.
 macro_rules! result_type {
     ($hint:literal) => {
         #[cfg(feature = "stubs")]
@@ -25,7 +28,7 @@ macro_rules! result_type {
 
 pub(crate) use argument_type;
 
-/// Objects of Python, each with its type.
+/// Results that are objects of Python, each with its type.
 macro_rules! objects {
     ($($name:ident: $hint:literal,)+) => {$(
         pub struct $name<'py>(pub Bound<'py, PyAny>);
@@ -44,7 +47,7 @@ macro_rules! objects {
     )+};
 }
 
-/// Words, each one of a few.
+/// Results that are one of a few words.
 macro_rules! words {
     ($($name:ident: $hint:literal,)+) => {$(
         pub struct $name(pub &'static str);

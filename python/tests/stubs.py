@@ -127,26 +127,21 @@ def set_defaults(function: ast.FunctionDef, thing: Callable[..., object]) -> Non
 def set_types(function: ast.FunctionDef) -> None:
     """Types written out in Rust become expressions; PyO3's own names of types become those of the package."""
 
-    def typed(annotation: ast.expr | None, result: bool) -> ast.expr | None:
+    def typed(annotation: ast.expr | None) -> ast.expr | None:
         if annotation is None or is_alternatives(annotation):
             return annotation
-        text = ast.unparse(Unquoted().visit(annotation))
-        for name, usual in (
-            ("SupportsGetItem[int, ", "Sequence["),
-            ("SupportsFloat | SupportsIndex", "_Number"),
+        if any(
+            isinstance(node, ast.Name) and node.id in ("Any", "Incomplete") for node in ast.walk(annotation)
         ):
-            text = text.replace(name, usual)
-        if text == "Any" and not result and function.name.startswith("__"):
-            text = "object"
-        if "Incomplete" in text or (text == "Any" and not function.args.kwarg):
-            raise SystemExit(
-                f"{function.name}: the type of an argument or of the result is not declared in python/src"
-            )
-        return expression(text)
+            if function.name.startswith("__"):
+                return expression("object")
+            raise SystemExit(f"{function.name}: declare the types of arguments and result in python/src")
+        text = ast.unparse(Unquoted().visit(annotation)).replace("SupportsGetItem[int, ", "Sequence[")
+        return expression(text.replace("SupportsFloat | SupportsIndex", "_Number"))
 
     for argument in arguments(function):
-        argument.annotation = typed(argument.annotation, False)
-    function.returns = typed(function.returns, True)
+        argument.annotation = typed(argument.annotation)
+    function.returns = typed(function.returns)
 
 
 class Unquoted(ast.NodeTransformer):
