@@ -48,18 +48,21 @@ results: $(venv)/ready
 	done; \
 	$(venv)/bin/python runner/tests/open_with_xarray.py "$$folder"/*
 
+package := target/package
+stubs := $(package)/stubs/asperity/_core.pyi
+
 # The Python package as users get it, where NumPy is the newest and where it is the oldest.
-python: $(venv)/installed $(venv)-oldest/installed
+python: $(venv)/installed $(venv)-oldest/installed $(stubs)
 	$(venv)/bin/python -P -m pytest
 	$(venv)-oldest/bin/python -P -m pytest -k "not command"
+	$(venv)/bin/python -P python/tests/stubs.py --check $(stubs)
 	$(venv)/bin/mypy python
-	$(venv)/bin/python -P -m mypy.stubtest asperity --allowlist python/tests/stubtest.txt
+	$(venv)/bin/python -P -m mypy.stubtest asperity
 	$(venv)/bin/ruff format --check python docs .ci
 	$(venv)/bin/ruff check python docs .ci
 
 # A wheel, from the source distribution. It has a target folder of its own: Cargo takes the crates of another copy
 # of the workspace for the same ones.
-package := target/package
 sources := $(shell git ls-files 'core/src' 'runner/src' 'python/src' 'python/asperity' '*Cargo.toml' Cargo.lock pyproject.toml THIRD-PARTY.txt)
 
 $(package)/wheel: $(venv)/ready $(sources)
@@ -74,9 +77,14 @@ $(addsuffix /installed,$(venv) $(venv)-oldest $(venv)-docs $(venv)-peers): %/ins
 	$*/bin/pip install --quiet --disable-pip-version-check --force-reinstall --no-deps target/wheels/*.whl
 	touch $@
 
-# The documentation that Python shows, copied into the stubs. A test compares them.
-stubs: $(venv)/installed
-	$(venv)/bin/python -P python/tests/stubs.py
+# The stubs and the lists of names of the package, from the declarations in `python/src`. `make python` compares them.
+stubs: $(venv)/installed $(stubs)
+	$(venv)/bin/python -P python/tests/stubs.py $(stubs)
+
+# What the extension says of itself where it is compiled with the feature `stubs`.
+$(stubs): $(package)/wheel
+	cd $(package)/source; export PATH="$(CURDIR)/$(venv)/bin:$$PATH" CARGO_TARGET_DIR=$(CURDIR)/$(package)/build; \
+	maturin generate-stubs --profile release --features stubs --out $(CURDIR)/$(package)/stubs
 
 # A wheel for any Linux since 2014.
 wheel: $(venv)-wheel/ready

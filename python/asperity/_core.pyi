@@ -1,9 +1,20 @@
 """The compiled part of asperity."""
 
-from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, Sequence
+from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, Sequence, ValuesView
 from datetime import timedelta
 from os import PathLike
-from typing import Any, Literal, Self, SupportsFloat, SupportsIndex, TypeAlias, final, overload
+from typing import (
+    Any,
+    Final,
+    Literal,
+    Self,
+    SupportsFloat,
+    SupportsIndex,
+    TypeAlias,
+    TypeVar,
+    final,
+    overload,
+)
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,227 +39,79 @@ from asperity._values import (
     StretchDensity,
 )
 
-__version__: str
+_T = TypeVar("_T")
 _Array: TypeAlias = NDArray[np.float64]
 _Number: TypeAlias = SupportsFloat | SupportsIndex
 _AnyLaw: TypeAlias = Law | rv_frozen | NDArray[Any] | Sequence[float]
 _Seed: TypeAlias = SupportsIndex | np.random.Generator
 _Progress: TypeAlias = Callable[[float], object] | bool | None
+__all__ = [
+    "Ageing",
+    "Areas",
+    "Block",
+    "ClosedForm",
+    "Contacts",
+    "Damped",
+    "Deformable",
+    "Description",
+    "Ensemble",
+    "EnsemblePull",
+    "ExactErlang",
+    "ExactGaussian",
+    "ExactIdentical",
+    "ExactQuenched",
+    "ExactRectangular",
+    "Exponential",
+    "FrozenRank",
+    "Gamma",
+    "Gaussian",
+    "Inertial",
+    "Interface",
+    "Lattice",
+    "Law",
+    "Logarithmic",
+    "Lognormal",
+    "MasterEquation",
+    "MeanField",
+    "Mixture",
+    "Model",
+    "Point",
+    "Pull",
+    "Record",
+    "Rectangular",
+    "Relaxation",
+    "Renormalised",
+    "Result",
+    "Series",
+    "Simulation",
+    "Smoluchowski",
+    "SteadyState",
+    "Step",
+    "StickSlip",
+    "Tabulated",
+    "Temperature",
+    "Transport",
+    "Weibull",
+    "__version__",
+    "_resolve",
+    "_restore",
+    "critical_coupling",
+    "kinetic_friction",
+    "kinetic_friction_per_threshold",
+    "open_result",
+    "run",
+    "steady_variance",
+    "steady_variance_per_threshold",
+    "velocity_curve",
+]
+__version__: Final[str]
 
-@disjoint_base
-class Description:
-    """A description in plain values: immutable, comparable and hashable by its values, and printed as the Python
-    code that creates it.
+class Ageing(Description):
+    """Ageing: thresholds that change with the age of a contact. Its models are Smoluchowski, FrozenRank,
+    Logarithmic and MeanField.
     """
 
-    @property
-    def parameters(self) -> dict[str, Any]:
-        """The arguments that create an equal object, by name, without those that have their default."""
-
-    def replace(self, **changes: Any) -> Self:
-        """A copy with some of the arguments replaced.
-
-        Raises ValueError or TypeError as the class itself does.
-        """
-
-    def __replace__(self, **changes: Any) -> Self: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __ne__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def _repr_html_(self) -> str: ...
-    def __reduce__(self) -> tuple[Any, tuple[str, str]]: ...
-
-@disjoint_base
-class Law(Description):
-    """A probability distribution on x ≥ 0: a density, and possibly point masses.
-
-    Methods have the names of scipy.stats. They take a number and return a float, or take anything that NumPy
-    converts to an array of numbers and return an array of the same shape. Lengths are in the unit of the
-    parameters. A distribution with weight below 0 is truncated at 0 and renormalised: its parameters are those
-    before truncation, its mean() and std() those after it. NaN raises ValueError; a value that is not a number
-    raises TypeError.
-    """
-
-    @property
-    def atoms(self) -> Atoms:
-        """The point masses: positions and weights, each an array of shape (n,)."""
-
-    @overload
-    def pdf(self, x: float) -> float:
-        """The density p(x) without point masses, per length; 0 for x < 0."""
-
-    @overload
-    def pdf(self, x: ArrayLike) -> _Array: ...
-    @overload
-    def cdf(self, x: float) -> float:
-        """The cumulative distribution function P(ξ ≤ x), accurate to all digits also where it is small."""
-
-    @overload
-    def cdf(self, x: ArrayLike) -> _Array: ...
-    @overload
-    def sf(self, x: float) -> float:
-        """The survival S(x) = P(ξ > x), accurate to all digits also where it is small."""
-
-    @overload
-    def sf(self, x: ArrayLike) -> _Array: ...
-    @overload
-    def logsf(self, x: float) -> float:
-        """ln S(x), accurate also where S underflows; -inf where S is 0."""
-
-    @overload
-    def logsf(self, x: ArrayLike) -> _Array: ...
-    @overload
-    def hazard(self, x: float) -> float:
-        """The hazard p(x)/S(x), per length: the fraction of contacts of stretch x that break per unit displacement
-        (Braun and Peyrard 2008, the P(x) of Eq. 3); inf where S is 0.
-        """
-
-    @overload
-    def hazard(self, x: ArrayLike) -> _Array: ...
-    @overload
-    def ppf(self, q: float) -> float:
-        """The quantile: the smallest x with P(ξ ≤ x) ≥ q, for q from 0 to 1."""
-
-    @overload
-    def ppf(self, q: ArrayLike) -> _Array: ...
-    @overload
-    def isf(self, q: float) -> float:
-        """The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; accurate for tiny q, for which ppf(1 -
-        q) is not.
-        """
-
-    @overload
-    def isf(self, q: ArrayLike) -> _Array: ...
-    @overload
-    def rvs(self, size: None = None, *, seed: _Seed) -> float:
-        """Independent random numbers: a float for size None, otherwise an array of shape (size,) or size.
-
-        The seed is a whole number below 2^63, which always gives the same numbers, or a numpy.random.Generator,
-        from which one such number is drawn.
-        """
-
-    @overload
-    def rvs(self, size: SupportsIndex | Sequence[SupportsIndex], *, seed: _Seed) -> _Array: ...
-    def mean(self) -> float:
-        """The mean after truncation at 0, a length."""
-
-    def std(self) -> float:
-        """The standard deviation after truncation at 0, a length."""
-
-    def moment(self, order: SupportsIndex) -> float:
-        """The raw moment E[ξⁿ] after truncation at 0, n up to 29, in units of lengthⁿ."""
-
-    def support(self) -> tuple[float, float]:
-        """The lowest and the highest value; the highest may be inf."""
-
-@final
-class Gaussian(Law):
-    """The Gaussian (normal) distribution, truncated at 0.
-
-    mean: the mean before truncation, 0 or above. std: the standard deviation before truncation, above 0.
-    """
-
-    def __new__(cls, mean: _Number, std: _Number) -> Self: ...
-
-@final
-class Gamma(Law):
-    """The gamma distribution of the given mean and standard deviation, both above 0."""
-
-    def __new__(cls, mean: _Number, std: _Number) -> Self: ...
-
-@final
-class Lognormal(Law):
-    """The lognormal distribution of the given mean and standard deviation (of the variable itself, not of its
-    logarithm), both above 0.
-    """
-
-    def __new__(cls, mean: _Number, std: _Number) -> Self: ...
-
-@final
-class Rectangular(Law):
-    """The uniform distribution from min, 0 or above, to max, above min."""
-
-    def __new__(cls, min: _Number, max: _Number) -> Self: ...
-
-@final
-class Point(Law):
-    """A point mass (delta distribution) at one value, 0 or above."""
-
-    def __new__(cls, at: _Number) -> Self: ...
-
-@final
-class Exponential(Law):
-    """The exponential distribution of the given mean, above 0."""
-
-    def __new__(cls, mean: _Number) -> Self: ...
-
-@final
-class Weibull(Law):
-    """The Weibull distribution, with the survival exp(-(x/scale)**shape); shape and scale are above 0."""
-
-    def __new__(cls, shape: _Number, scale: _Number) -> Self: ...
-
-@final
-class Tabulated(Law):
-    """A measured distribution: a density given at increasing stretches, or samples.
-
-    stretch, density: lists of equal length; the density is linear between them, 0 outside, and normalised.
-    samples: a list of equally likely values; quantiles are linear between them (as in numpy.quantile).
-    Give either stretch and density, or samples.
-    """
-
-    def __new__(
-        cls,
-        *,
-        stretch: ArrayLike | None = None,
-        density: ArrayLike | None = None,
-        samples: ArrayLike | None = None,
-    ) -> Self: ...
-
-@final
-class Series(Law):
-    """A density that is a polynomial in each of several cells, given as Legendre series and normalised.
-
-    boundaries: the boundaries of the cells, in increasing order from 0 or above.
-    coefficients: for each cell a list of up to 16 coefficients c_n, c_0 first, of the density Σ c_n P_n(t),
-    with t from -1 to 1 across the cell.
-    cut: the probability of an infinite tail that was truncated at the last boundary; quantities that depend on
-    this tail, such as the relaxation length, are then nan.
-
-    asperity.law makes a Series from any distribution of scipy.stats.
-    """
-
-    def __new__(
-        cls, boundaries: ArrayLike, coefficients: Sequence[ArrayLike], *, cut: _Number = 0.0
-    ) -> Self: ...
-
-@final
-class Mixture(Law):
-    """A mixture: a list of pairs (weight, distribution), with weights above 0 that sum to 1."""
-
-    def __new__(cls, components: Sequence[tuple[_Number, _AnyLaw]]) -> Self: ...
-
-@final
-class Renormalised(Law):
-    """The distribution of thresholds, renormalised in mean field: every break stretches all other contacts, so
-    that contacts break at lower drives. Its mean is lower and it is narrower than law.
-
-    law: the distribution P_c of the thresholds, without point masses above 0.
-    coupling: κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to
-    below critical_coupling(law). Contacts start at stretch 0. When the unbroken contacts have the stretch x,
-    breaks have contributed κ∫ξ P_c(ξ)dξ to it, and the drive X = x - κ∫ξ P_c(ξ)dξ, so that P_eff(X) = P_c(x)/(1
-    - κ x P_c(x)).
-    """
-
-    def __new__(cls, law: _AnyLaw, coupling: _Number) -> Self: ...
-
-def critical_coupling(law: _AnyLaw) -> float:
-    """κ_c = 1/max(x P_c(x)), the coupling at which contacts with this distribution of thresholds break in one
-    avalanche; 0 if some thresholds are identical.
-
-    For a slider of stiffness K over contacts of total stiffness N⟨k⟩ the coupling is κ = N⟨k⟩/(K + N⟨k⟩). For
-    narrow distributions it is critical when K is the critical stiffness.
-    """
+    ...
 
 @final
 class Areas(Description):
@@ -263,89 +126,185 @@ class Areas(Description):
     strength: force per area at which a contact breaks, above 0.
     """
 
-    def __new__(cls, law: _AnyLaw, modulus: _Number, strength: _Number) -> Self: ...
+    def __new__(cls, /, law: _AnyLaw, modulus: _Number, strength: _Number) -> Areas: ...
     @property
-    def law(self) -> Law:
+    def law(self, /) -> Law:
         """The distribution of areas, in units of length²."""
 
     @property
-    def modulus(self) -> float:
+    def modulus(self, /) -> float:
         """The stiffness divided by the square root of the area, force per length²."""
 
     @property
-    def strength(self) -> float:
+    def strength(self, /) -> float:
         """The force per area at which a contact breaks."""
 
 @final
-class Temperature(Description):
-    """Thermally activated breaking (Kramers): contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
+class Block(Description):
+    """A slider block: its top (the load point, at X_T) is driven, its base (at X) is held by contacts, and its
+    shear stiffness K connects them.
 
-    energy: the temperature T in units of energy (force × length), above 0.
-    attempt_rate: the attempt rate ω, per time, above 0.
-    barrier: ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²);
-    "bell", E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
+    K(X_T - X) = F(X). Where F decreases more steeply than the spring force, F' < -K, the slider becomes
+    unstable and slips at fixed X_T (Braun and Peyrard 2008).
 
-    Values are checked when contacts are made with it.
+    model: the contacts: a MasterEquation or an Ensemble, or, for motion in time, a Transport or an Ensemble.
+    stiffness: the stiffness K, force per length, above 0; None or inf for a rigid slider, which is always
+    stable.
+    slip: the slip rule: "reset" if all contacts break and re-form, and the spring is relaxed; "overdamped" if
+    the slider moves to the next equilibrium while contacts break and re-form; "arrest" if contacts that break
+    stay detached until it has stopped; Damped for motion against a viscous damping; Inertial for motion with
+    mass.
+    slip_fraction: an event is a slip if more than this fraction of the contacts of an ensemble break at one
+    drive, above 0, up to 1.
+
+    Raises ValueError for invalid values, including a damping with which a slip would never end.
     """
 
     def __new__(
         cls,
-        energy: _Number,
-        attempt_rate: _Number,
+        /,
+        model: Model,
+        stiffness: _Number | None,
+        slip: Literal["reset", "overdamped", "arrest"] | Damped | Inertial = "reset",
         *,
-        barrier: Literal["elastic", "bell", "catastrophe"] = "elastic",
-    ) -> Self: ...
+        slip_fraction: _Number = 0.05,
+    ) -> Block: ...
+    def drive(
+        self,
+        /,
+        distance: _Number | None = None,
+        points: SupportsIndex = 2001,
+        *,
+        velocity: _Number | None = None,
+        turning_points: ArrayLike | None = None,
+        force_to: _Number | None = None,
+        progress: _Progress = None,
+    ) -> StickSlip:
+        """Moves the load point of the slider from X_T = 0, or imposes a force, and computes the motion of its base.
 
-class Ageing(Description):
-    """Ageing: thresholds that change with the age of a contact. Its models are Smoluchowski, FrozenRank,
-    Logarithmic and MeanField.
+        distance: the load-point displacement, a length above 0; 20 by default.
+        turning_points: instead, successive positions X_T of the load point, for driving back and forth.
+        force_to: instead, an imposed force, above 0, up to which a slider of infinite stiffness is pulled, whatever
+        its position.
+        points: the number of points of the trace, evenly spaced along the drive, including both ends; 2 or more;
+        turning points, and points before and after every slip, are added.
+        velocity: the velocity of the load point, above 0, for motion in time as by follow; required over a
+        Transport, and over time-dependent contacts.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+        Raises ValueError for invalid values, MemoryError for results that do not fit or too many point masses,
+        RuntimeError if the tolerance is not reached.
+        """
+
+    def equilibrium(self, /, distance: _Number | None = None, points: SupportsIndex = 2001) -> Equilibria:
+        """The equilibria X_T(X) = X + F(X)/K of the first loading, without slips: drive, position, force, and whether
+        the slider is stable there, F' + K > 0.
+
+        distance: the displacement of the base, a length above 0; by default 5 mean thresholds.
+        points: the number of positions, evenly spaced, including both ends; 2 or more; where the force jumps, both
+        sides are added.
+        """
+
+    def follow(self, /, steps: Sequence[Step], *, progress: _Progress = None) -> StickSlip:
+        """Moves the load point of the slider from equilibrium at t = 0 through the steps, one after the other, and
+        integrates the motion of its base: MẌ = K(X_T - X) - F - γẊ.
+
+        The slip rule must be Damped or Inertial, because something must limit the slip velocity. A slip is the
+        interval in which the base is more than ten times as fast as the load point; over an ensemble it also breaks
+        more than the fraction slip_fraction of the contacts.
+
+        steps: a list of Step.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+        Raises ValueError for no steps, another slip rule, a rigid slider, or a MasterEquation, which has one
+        velocity.
+        """
+
+    @property
+    def model(self, /) -> MasterEquation | Transport | Ensemble:
+        """The model of the contacts."""
+
+    def potential(
+        self, /, drive: ArrayLike, distance: _Number | None = None, points: SupportsIndex = 2001
+    ) -> Potential:
+        """The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; at its minima the slider is in stable
+        equilibrium.
+
+        drive: a drive X_T, or a list of m of them.
+        distance, points: as for equilibrium.
+
+        The result has `position` of shape (n,) and `energy` of shape (n,) or (m, n).
+
+        Raises ValueError for a rigid slider, which has no potential.
+        """
+
+    def simulation(self, /) -> Simulation:
+        """Returns a simulation that advances step by step, at X_T = 0.
+
+        Raises ValueError for a Transport, and for time-dependent contacts unless the MasterEquation has a velocity.
+        """
+
+    @property
+    def slip(self, /) -> Literal["reset", "overdamped", "arrest"] | Damped | Inertial:
+        """The slip rule: "reset", "overdamped", "arrest", Damped or Inertial."""
+
+    @property
+    def slip_fraction(self, /) -> float:
+        """An event is a slip if more than this fraction of the contacts of an ensemble break at one drive."""
+
+    def stability(self, /, velocity: _Number, *, progress: _Progress = None) -> Stability:
+        """Linear stability of steady sliding at a velocity, with the stiffness, mass and damping of this slider, from
+        the linear response of the contacts of its Transport to a small displacement step.
+
+        velocity: the velocity of the load point, above 0.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+        Returns a Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the
+        oscillation that sets in there, and the `growth_rate` and `growth_frequency` of the fastest growing
+        deviation, 0 where sliding is stable. The critical stiffness is accurate to some 1e-3 of the stiffness of
+        all contacts.
+
+        Raises ValueError for a rigid slider, for the slip rules "reset", "overdamped" and "arrest", for a model
+        that is not a Transport, and for a velocity that is not above 0.
+        """
+
+    @property
+    def stiffness(self, /) -> float:
+        """The shear stiffness K, force per length; inf for a rigid slider."""
+
+@disjoint_base
+class ClosedForm:
+    """A friction curve F(X) in closed form, per total stiffness: F/(N_c⟨k⟩), the mean stretch, a length.
+
+    All contacts start and re-form at stretch 0, unless the class says otherwise. Positions X are lengths from 0
+    up to where the sums would become long. For every density p of thresholds with n-fold convolutions p_n,
+    F'(X) = 1 - X Σ p_n(X)/n. Each closed form is the sum of this series for one family, and none shares code
+    with the solvers.
     """
 
-    ...
+    @property
+    def critical_stiffness(self, /) -> float:
+        """K_c/(N_c⟨k⟩) = max(0, -min F'), a number; inf where F jumps down."""
 
-@final
-class Smoluchowski(Ageing):
-    """Thresholds diffuse independently in the potential U = −ln P_cf towards the mature distribution
-    (Fokker–Planck equation).
+    @overload
+    def force(self, /, position: float) -> float:
+        """F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break."""
 
-    mature: the distribution P_cf of the thresholds of contacts that never break.
-    diffusion: the diffusion coefficient D, stretch² per time, above 0.
-    """
+    @overload
+    def force(self, /, position: ArrayLike) -> _Array: ...
+    @property
+    def kinetic_friction(self, /) -> float:
+        """F_k/(N_c⟨k⟩), the force of steady sliding, a length."""
 
-    def __new__(cls, mature: _AnyLaw, diffusion: _Number) -> Self: ...
+    @overload
+    def slope(self, /, position: float) -> float:
+        """F'(X)/(N_c⟨k⟩) from the right, a number."""
 
-@final
-class MeanField(Ageing):
-    """The distribution of thresholds in steady sliding, from a mean-field closure of the equations for thresholds
-    and stretches. It is not a rule for a single contact.
-
-    mature: the mature distribution P_cf.
-    diffusion: the diffusion coefficient D, stretch² per time, above 0.
-
-    It cannot be combined with temperature, an ensemble, or a varying velocity.
-    """
-
-    def __new__(cls, mature: _AnyLaw, diffusion: _Number) -> Self: ...
-
-@final
-class FrozenRank(Ageing):
-    """The distribution of thresholds matures, and every contact keeps its rank (quantile) in it.
-
-    mature: the mature distribution P_cf.
-    time: the time scale of maturing, above 0.
-    """
-
-    def __new__(cls, mature: _AnyLaw, time: _Number) -> Self: ...
-
-@final
-class Logarithmic(Ageing):
-    """Every threshold grows with the logarithm of the age t of the contact: h = h_0 [1 + growth ln(1 + t/time)].
-
-    growth: β, 0 or above.
-    time: τ_0, above 0.
-    """
-
-    def __new__(cls, growth: _Number, time: _Number) -> Self: ...
+    @overload
+    def slope(self, /, position: ArrayLike) -> _Array: ...
+    @property
+    def static_friction(self, /) -> StaticFriction | None:
+        """The maximum F_s/(N_c⟨k⟩) with its position X_s, both lengths; None if F only rises."""
 
 @final
 class Contacts(Description):
@@ -371,6 +330,7 @@ class Contacts(Description):
 
     def __new__(
         cls,
+        /,
         thresholds: _AnyLaw | None = None,
         reforming: _AnyLaw | None = None,
         *,
@@ -382,194 +342,38 @@ class Contacts(Description):
         temperature: Temperature | None = None,
         ageing: Ageing | None = None,
         delay: _Number = 0.0,
-    ) -> Self: ...
+    ) -> Contacts: ...
     @property
-    def thresholds(self) -> Law | None:
-        """The distribution P_c of the stretches at which contacts break; None for contacts described by their areas."""
-
-    @property
-    def reforming(self) -> Law:
-        """The distribution R of the stretches at which contacts re-form."""
-
-    @property
-    def areas(self) -> Areas | None:
-        """The areas from which thresholds and stiffnesses follow, or None."""
-
-    @property
-    def temperature(self) -> Temperature | None:
-        """The temperature of thermally activated breaking, or None."""
-
-    @property
-    def ageing(self) -> Ageing | None:
+    def ageing(self, /) -> Ageing | None:
         """The model of ageing, or None."""
 
     @property
-    def delay(self) -> float:
-        """The time for which a broken contact is detached before it re-forms."""
+    def areas(self, /) -> Areas | None:
+        """The areas from which thresholds and stiffnesses follow, or None."""
 
     @property
-    def count(self) -> float:
+    def count(self, /) -> float:
         """The number N_c of contacts."""
 
     @property
-    def normal_load(self) -> float | None:
+    def delay(self, /) -> float:
+        """The time for which a broken contact is detached before it re-forms."""
+
+    @property
+    def normal_load(self, /) -> float | None:
         """The normal load, a force, or None."""
 
-class Model(Description):
-    """Contacts and their initial state."""
+    @property
+    def reforming(self, /) -> Law:
+        """The distribution R of the stretches at which contacts re-form."""
 
     @property
-    def contacts(self) -> Contacts:
-        """The contacts."""
+    def temperature(self, /) -> Temperature | None:
+        """The temperature of thermally activated breaking, or None."""
 
     @property
-    def initial(self) -> Law:
-        """The distribution Q_ini of stretches at X = 0."""
-
-    @property
-    def start(self) -> Literal["conditional", "relaxed"]:
-        """The kind of the initial state, "conditional" or "relaxed"."""
-
-@final
-class MasterEquation(Model):
-    """The master equation of contacts and their initial state.
-
-    ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ for the distribution Q(x; X) of stretches x, with the hazard
-    P of the thresholds and the distribution R of re-formed stretches (O. M. Braun and M. Peyrard, Phys. Rev.
-    Lett. 100, 125501 (2008), Eq. 5), solved as a renewal equation.
-
-    contacts: the contacts.
-    initial: the distribution Q_ini of stretches at X = 0, by default all at 0.
-    start: "conditional" if contacts hold at X = 0, so that thresholds are above stretches; "relaxed" if
-    stretches and thresholds are independent, so that contacts above their threshold break at once.
-    velocity: the velocity of the slider, above 0; required only for time-dependent contacts, which have age 0
-    at X = 0.
-    tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger
-    error raises RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` is the estimated error.
-
-    Raises ValueError for stretches at which no contact survives, and for distributions too narrow to be
-    distinguished from a point mass.
-    """
-
-    def __new__(
-        cls,
-        contacts: Contacts,
-        initial: _AnyLaw | None = None,
-        *,
-        velocity: _Number | None = None,
-        start: Literal["conditional", "relaxed"] = "conditional",
-        tolerance: _Number | None = None,
-    ) -> Self: ...
-    @property
-    def velocity(self) -> float | None:
-        """The velocity of the slider, or None."""
-
-    @property
-    def tolerance(self) -> float | None:
-        """The allowed error of the force per contact and per ⟨k⟩ × mean threshold; None for the default aim of 1e-10."""
-
-    def simulation(self) -> Simulation:
-        """Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
-
-        Its events are simultaneous breaks of many contacts.
-        """
-
-    def pull(
-        self, distance: _Number = 20.0, points: SupportsIndex = 2001, *, progress: _Progress = None
-    ) -> Pull:
-        """Displaces the slider's base from X = 0 to distance.
-
-        distance: a length above 0.
-        points: the number of positions of `position`, `force` and `breaking_rate`, evenly spaced, including both
-        ends; 2 or more.
-        progress: a function that is called from time to time with the completed fraction, or True for a progress
-        bar (by tqdm). Ctrl-C interrupts the computation.
-
-        Raises ValueError for invalid values, MemoryError for too many point masses or samples, RuntimeError if the
-        tolerance is not reached.
-        """
-
-    def steady_state(self) -> SteadyState:
-        """Steady sliding."""
-
-    def relaxation(self) -> Relaxation:
-        """The relaxation to steady sliding."""
-
-@final
-class Ensemble(Model):
-    """Random contacts followed one by one (Monte Carlo): the earthquake-like model.
-
-    contacts, initial, start: as for MasterEquation.
-    size: the number of simulated contacts; forces are scaled to the count of the contacts.
-    seed: a whole number below 2^63, which always gives the same numbers, on any number of threads, or a
-    numpy.random.Generator, from which one such number is drawn.
-    disorder: "annealed" if a contact that re-forms gets a new threshold, as in the master equation; "quenched"
-    if it keeps its own.
-
-    Raises ValueError for distributions that leave no possible stretch for a contact.
-    """
-
-    def __new__(
-        cls,
-        contacts: Contacts,
-        initial: _AnyLaw | None = None,
-        *,
-        size: SupportsIndex = 100000,
-        seed: _Seed = 1,
-        disorder: Literal["annealed", "quenched"] = "annealed",
-        start: Literal["conditional", "relaxed"] = "conditional",
-    ) -> Self: ...
-    @property
-    def size(self) -> int:
-        """The number of simulated contacts."""
-
-    @property
-    def seed(self) -> int:
-        """The seed of the random numbers."""
-
-    @property
-    def disorder(self) -> Literal["annealed", "quenched"]:
-        """The kind of disorder, "annealed" or "quenched"."""
-
-    def simulation(self) -> Simulation:
-        """Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
-
-        Its events are the breaks of contacts.
-        """
-
-    def pull(
-        self,
-        distance: _Number = 20.0,
-        points: SupportsIndex = 2001,
-        *,
-        velocity: _Number | None = None,
-        snapshots: ArrayLike | None = None,
-        edges: ArrayLike | None = None,
-        progress: _Progress = None,
-    ) -> EnsemblePull:
-        """Displaces the slider's base from X = 0 to distance, from break to break.
-
-        distance, points, progress: as for MasterEquation.pull.
-        velocity: the velocity of the slider, above 0; required only for time-dependent contacts.
-        snapshots: a list of m positions, in increasing order, at which the stretches are counted.
-        edges: a list of edges of the n bins of these counts, in increasing order; by default bins of equal width up
-        to where hardly any contact holds. Ctrl-C interrupts the computation.
-
-        Raises ValueError for invalid values, MemoryError for results that do not fit.
-        """
-
-    def follow(self, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
-        """Follows the contacts from t = 0 through the steps, one after the other.
-
-        steps: a list of Step.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
-
-        Returns a Record of variables of shape (n,), with n output points of all steps (steps share the point where
-        they meet): `time`, `position`, `force`, its standard error `force_error`, and `free`, the detached
-        fraction: contacts that are broken and have not yet re-formed.
-
-        Raises ValueError for no steps, and for ageing by MeanField, which is not a rule for a single contact.
-        """
+    def thresholds(self, /) -> Law | None:
+        """The distribution P_c of the stretches at which contacts break; None for contacts described by their areas."""
 
 @final
 class Damped(Description):
@@ -580,506 +384,25 @@ class Damped(Description):
     damping: the viscous damping γ, force per velocity, above 0.
     """
 
-    def __new__(cls, damping: _Number) -> Self: ...
+    def __new__(cls, /, damping: _Number) -> Damped: ...
     @property
-    def damping(self) -> float:
+    def damping(self, /) -> float:
         """The viscous damping γ, force per velocity."""
-
-@final
-class Inertial(Description):
-    """The slip of a slider with mass, MẌ = K(X_T - X) - F - γẊ, from the loss of stability to the first arrest.
-
-    X_T is fixed during the slip. The remaining oscillation is then damped out, and the slider comes to rest in
-    equilibrium.
-
-    mass: the mass M, above 0.
-    damping: the viscous damping γ, force per velocity, 0 or above.
-    """
-
-    def __new__(cls, mass: _Number, damping: _Number = 0.0) -> Self: ...
-    @property
-    def mass(self) -> float:
-        """The mass M."""
-
-    @property
-    def damping(self) -> float:
-        """The viscous damping γ, force per velocity."""
-
-@final
-class Block(Description):
-    """A slider block: its top (the load point, at X_T) is driven, its base (at X) is held by contacts, and its
-    shear stiffness K connects them.
-
-    K(X_T - X) = F(X). Where F decreases more steeply than the spring force, F' < -K, the slider becomes
-    unstable and slips at fixed X_T (Braun and Peyrard 2008).
-
-    model: the contacts: a MasterEquation or an Ensemble, or, for motion in time, a Transport or an Ensemble.
-    stiffness: the stiffness K, force per length, above 0; None or inf for a rigid slider, which is always
-    stable.
-    slip: the slip rule: "reset" if all contacts break and re-form, and the spring is relaxed; "overdamped" if
-    the slider moves to the next equilibrium while contacts break and re-form; "arrest" if contacts that break
-    stay detached until it has stopped; Damped for motion against a viscous damping; Inertial for motion with
-    mass.
-    slip_fraction: an event is a slip if more than this fraction of the contacts of an ensemble break at one
-    drive, above 0, up to 1.
-
-    Raises ValueError for invalid values, including a damping with which a slip would never end.
-    """
-
-    def __new__(
-        cls,
-        model: Model,
-        stiffness: _Number | None,
-        slip: Literal["reset", "overdamped", "arrest"] | Damped | Inertial = "reset",
-        *,
-        slip_fraction: _Number = 0.05,
-    ) -> Self: ...
-    @property
-    def model(self) -> MasterEquation | Transport | Ensemble:
-        """The model of the contacts."""
-
-    @property
-    def stiffness(self) -> float:
-        """The shear stiffness K, force per length; inf for a rigid slider."""
-
-    @property
-    def slip(self) -> Literal["reset", "overdamped", "arrest"] | Damped | Inertial:
-        """The slip rule: "reset", "overdamped", "arrest", Damped or Inertial."""
-
-    @property
-    def slip_fraction(self) -> float:
-        """An event is a slip if more than this fraction of the contacts of an ensemble break at one drive."""
-
-    def stability(self, velocity: _Number, *, progress: _Progress = None) -> Stability:
-        """Linear stability of steady sliding at a velocity, with the stiffness, mass and damping of this slider, from
-        the linear response of the contacts of its Transport to a small displacement step.
-
-        velocity: the velocity of the load point, above 0.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
-
-        Returns a Stability of `critical_stiffness`, above which steady sliding is stable, the `frequency` of the
-        oscillation that sets in there, and the `growth_rate` and `growth_frequency` of the fastest growing
-        deviation, 0 where sliding is stable. The critical stiffness is accurate to some 1e-3 of the stiffness of
-        all contacts.
-
-        Raises ValueError for a rigid slider, for the slip rules "reset", "overdamped" and "arrest", for a model
-        that is not a Transport, and for a velocity that is not above 0.
-        """
-
-    def simulation(self) -> Simulation:
-        """Returns a simulation that advances step by step, at X_T = 0.
-
-        Raises ValueError for a Transport, and for time-dependent contacts unless the MasterEquation has a velocity.
-        """
-
-    def drive(
-        self,
-        distance: _Number | None = None,
-        points: SupportsIndex = 2001,
-        *,
-        velocity: _Number | None = None,
-        turning_points: ArrayLike | None = None,
-        force_to: _Number | None = None,
-        progress: _Progress = None,
-    ) -> StickSlip:
-        """Moves the load point of the slider from X_T = 0, or imposes a force, and computes the motion of its base.
-
-        distance: the load-point displacement, a length above 0; 20 by default.
-        turning_points: instead, successive positions X_T of the load point, for driving back and forth.
-        force_to: instead, an imposed force, above 0, up to which a slider of infinite stiffness is pulled, whatever
-        its position.
-        points: the number of points of the trace, evenly spaced along the drive, including both ends; 2 or more;
-        turning points, and points before and after every slip, are added.
-        velocity: the velocity of the load point, above 0, for motion in time as by follow; required over a
-        Transport, and over time-dependent contacts.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
-
-        Raises ValueError for invalid values, MemoryError for results that do not fit or too many point masses,
-        RuntimeError if the tolerance is not reached.
-        """
-
-    def follow(self, steps: Sequence[Step], *, progress: _Progress = None) -> StickSlip:
-        """Moves the load point of the slider from equilibrium at t = 0 through the steps, one after the other, and
-        integrates the motion of its base: MẌ = K(X_T - X) - F - γẊ.
-
-        The slip rule must be Damped or Inertial, because something must limit the slip velocity. A slip is the
-        interval in which the base is more than ten times as fast as the load point; over an ensemble it also breaks
-        more than the fraction slip_fraction of the contacts.
-
-        steps: a list of Step.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
-
-        Raises ValueError for no steps, another slip rule, a rigid slider, or a MasterEquation, which has one
-        velocity.
-        """
-
-    def equilibrium(self, distance: _Number | None = None, points: SupportsIndex = 2001) -> Equilibria:
-        """The equilibria X_T(X) = X + F(X)/K of the first loading, without slips: drive, position, force, and whether
-        the slider is stable there, F' + K > 0.
-
-        distance: the displacement of the base, a length above 0; by default 5 mean thresholds.
-        points: the number of positions, evenly spaced, including both ends; 2 or more; where the force jumps, both
-        sides are added.
-        """
-
-    def potential(
-        self, drive: ArrayLike, distance: _Number | None = None, points: SupportsIndex = 2001
-    ) -> Potential:
-        """The potential V(X_T, X) = ½K(X_T - X)² + ∫F dX of the first loading; at its minima the slider is in stable
-        equilibrium.
-
-        drive: a drive X_T, or a list of m of them.
-        distance, points: as for equilibrium.
-
-        The result has `position` of shape (n,) and `energy` of shape (n,) or (m, n).
-
-        Raises ValueError for a rigid slider, which has no potential.
-        """
-
-@disjoint_base
-class Record(Mapping[str, _Array]):
-    """Results: a mapping from the names of variables to read-only arrays."""
-
-    def __getitem__(self, name: str, /) -> _Array: ...
-    def __contains__(self, name: object, /) -> bool: ...
-    def __len__(self) -> int: ...
-    def __iter__(self) -> Iterator[str]: ...
-    def keys(self) -> KeysView[str]:
-        """The names of the variables."""
-
-    def items(self) -> ItemsView[str, _Array]:
-        """Names and arrays of the variables."""
-
-    @property
-    def position(self) -> _Array:
-        """Positions X of the slider's base: an array of shape (n,), a length."""
-
-    @property
-    def force(self) -> _Array:
-        """The friction force F at the positions, shape (n,): the total force of all N_c contacts; where contacts break
-        simultaneously, after the break.
-        """
-
-    @property
-    def labels(self) -> dict[str, Label]:
-        """Dimensions, descriptive name and unit of each variable."""
-
-    def to_xarray(self) -> Dataset:
-        """An xarray.Dataset with named dimensions, long names and units. It needs xarray."""
-
-    def plot(self, ax: Axes | None = None, **style: Any) -> Axes:
-        """Plots the force along the pull or the drive (for an imposed force, the force against the position), with the
-        kinetic friction and, for a pull, the static friction, if they are known. Returns the axes. It needs
-        matplotlib.
-
-        ax: axes to plot on; new ones if None. Other arguments are passed to its plot().
-        """
-
-    def _repr_html_(self) -> str: ...
-
-@final
-class Pull(Record):
-    """A pull: the slider's base is displaced from X = 0, by the master equation. Forces are total forces of all
-    N_c contacts.
-
-    Called with positions it is F(X): `pull(5.0)`, `pull([1.0, 2.0])`.
-    """
-
-    @property
-    def equation(self) -> MasterEquation:
-        """The master equation that was solved."""
-
-    @property
-    def breaking_rate(self) -> _Array:
-        """The fraction of contacts breaking per length at the positions, shape (points,), without simultaneous breaks."""
-
-    @property
-    def breaking_atoms(self) -> Atoms:
-        """Positions at which contacts break simultaneously, and the fractions that do, each of shape (n,)."""
-
-    @property
-    def distance(self) -> float:
-        """The distance of the pull, a length."""
-
-    @property
-    def static_friction(self) -> StaticFriction | None:
-        """The static friction F_s, the highest force of the pull, with its position X_s; None if the force still rises
-        at the end, or never decreases.
-        """
-
-    @property
-    def kinetic_friction(self) -> float:
-        """The kinetic friction F_k, the force of steady sliding."""
-
-    @property
-    def critical_stiffness(self) -> float:
-        """The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips. It is inf
-        where the force jumps down, and 0 if the force decreases by no more than ten times the tolerance.
-        """
-
-    @property
-    def relaxation_length(self) -> float:
-        """The relaxation length X*, over which the initial state is forgotten; inf if the force never settles, nan if
-        no root is found.
-        """
-
-    @property
-    def accuracy(self) -> float:
-        """The estimated error of F/(N_c⟨k⟩), a length."""
-
-    @overload
-    def __call__(self, position: float) -> float: ...
-    @overload
-    def __call__(self, position: ArrayLike) -> _Array: ...
-    @overload
-    def force_at(self, position: float) -> float:
-        """F(X), for positions from 0 to the distance."""
-
-    @overload
-    def force_at(self, position: ArrayLike) -> _Array: ...
-    @overload
-    def slope_at(self, position: float) -> float:
-        """dF/dX from the right, force per length, for positions from 0 to the distance."""
-
-    @overload
-    def slope_at(self, position: ArrayLike) -> _Array: ...
-    @overload
-    def breaking_rate_at(self, position: float) -> float:
-        """The fraction of contacts breaking per length, for positions from 0 to the distance."""
-
-    @overload
-    def breaking_rate_at(self, position: ArrayLike) -> _Array: ...
-    @overload
-    def force_std(self, size: _Number, at: float) -> float:
-        """The standard deviation of the force of `size` random contacts, scaled to N_c.
-
-        at: positions from 0 to the distance, or None for those of `position`. Contacts under a rigid drive are
-        independent, so the result is exact.
-        """
-
-    @overload
-    def force_std(self, size: _Number, at: ArrayLike | None = None) -> _Array: ...
-    def stretch_density(self, at: ArrayLike, stretches: ArrayLike | None = None) -> StretchDensity:
-        """The distribution Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
-
-        at: a position, or a list of m of them.
-        stretches: a list of n stretches, or None for an automatic choice that resolves the distributions.
-
-        The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, the point masses at
-        the position, or a list of them for a list of positions.
-        """
-
-@final
-class EnsemblePull(Record):
-    """A pull of an ensemble: the friction force with its standard error, and counts of the stretches.
-
-    Its variables are `position`, `force` and `force_error`; with snapshots also `snapshot` of shape (m,),
-    `edge` of shape (n + 1,), the middles `bin` of the bins, of shape (n,), and `stretch_density` of shape (m,
-    n), per length.
-    """
-
-    @property
-    def ensemble(self) -> Ensemble:
-        """The ensemble that was pulled."""
-
-    @property
-    def force_error(self) -> _Array:
-        """The standard error of the force, shape (points,), from the variance between contacts; nan for one contact."""
-
-    @property
-    def breaks(self) -> int:
-        """The number of breaks up to the end, including those of a relaxed start at X = 0."""
-
-@final
-class StickSlip(Record):
-    """The result of a drive of a slider: its trace, its slips, and the regime of sliding.
-
-    Its variables are those of the trace, `drive`, `position`, `force` and `spring_force`, at states of
-    equilibrium; those of the slips, `event_drive`, `event_drop`, …; for an inertial slip its time course,
-    `slip_time`, `slip_position`, …; for an ensemble the sizes of events, `size`, `size_events`, …. For motion
-    in time the trace also has `time`, `velocity` and `free` (the detached fraction of the contacts), and there
-    are no time course and no sizes.
-    """
-
-    @property
-    def block(self) -> Block:
-        """The block that was driven."""
-
-    @property
-    def drive(self) -> _Array:
-        """The drive along the trace, shape (n,): the load-point displacement X_T, a length; or the imposed force."""
-
-    @property
-    def spring_force(self) -> _Array:
-        """The spring force K(X_T - X) along the trace, shape (n,); it equals F in equilibrium."""
-
-    @property
-    def events(self) -> Events:
-        """The slips."""
-
-    @property
-    def regime(self) -> Literal["smooth", "transient", "persistent", "runaway", "undecided"]:
-        """The regime of sliding: "smooth" without slips; "transient" if slips have ceased; "persistent" if they
-        continue with a steady period; "runaway" if the contacts could not carry the imposed force; "undecided" if
-        the drive was too short. It refers to the drive since its last reversal.
-        """
-
-    @property
-    def reason(self) -> str:
-        """The regime with its reason, in words."""
-
-    @property
-    def period(self) -> float | None:
-        """The mean increase of the drive from one slip to the next, a length; None, as for all such means, unless
-        stick-slip is persistent.
-        """
-
-    @property
-    def mean_drop(self) -> float | None:
-        """The mean drop of the force in a slip."""
-
-    @property
-    def mean_slip(self) -> float | None:
-        """The mean slip (displacement of the slider in a slip), a length."""
-
-    @property
-    def scatter(self) -> float | None:
-        """The relative standard deviation of the period: the standard deviation of the increases of the drive from one
-        slip to the next, divided by their mean.
-        """
-
-    @property
-    def first_instability(self) -> State | None:
-        """The state at which the slider first became unstable; None if it never did."""
-
-    @property
-    def runaway(self) -> State | None:
-        """The state from which the slider ran away under an imposed force; None if it did not."""
-
-    @property
-    def energy(self) -> Energy:
-        """The energy balance from the start of the drive to its end (for a runaway, to where it began)."""
-
-    @property
-    def sizes(self) -> Sizes | None:
-        """The number of events of each size, including those too small for a slip; None for the master equation."""
-
-    @property
-    def slip_course(self) -> Course | None:
-        """The time course of the first inertial slip; None if there was none."""
-
-@final
-class SteadyState:
-    """Steady sliding: the solution of the master equation that does not depend on X.
-
-    Q_s(x) = Γ_s S(x) ∫₀ˣ R/S and F_k = N_c⟨k⟩ ∫x Q_s dx. If contacts re-form at 0, F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩)
-    (Braun and Peyrard 2008, Eqs. 11a and 11d).
-    """
-
-    @property
-    def kinetic_friction(self) -> float:
-        """The kinetic friction F_k, a force."""
-
-    @property
-    def breaking_rate(self) -> float:
-        """The breaking rate Γ_s, the fraction of contacts that break per length."""
-
-    def force_std(self, size: _Number) -> float:
-        """The standard deviation of the force of `size` random contacts, scaled to N_c."""
-
-    def stretch_density(self, stretches: ArrayLike | None = None) -> StretchDensity:
-        """The distribution Q_s of stretches, per length.
-
-        stretches: a list of n stretches, or None for an automatic choice that resolves it. The result has `stretch`
-        and `density` of shape (n,), and `atoms`.
-        """
-
-@final
-class Relaxation:
-    """The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), where s_j ≠ 0 are the roots of φ̂(s) = 1 and φ̂ is
-    the Laplace transform of the breaking density of re-formed contacts.
-    """
-
-    @property
-    def roots(self) -> NDArray[np.complex128]:
-        """The roots s_j with Im s_j > 0, slowest first: a complex array of shape (n,), per length."""
-
-    @property
-    def length(self) -> float:
-        """The relaxation length X* = -1/Re s_1, over which the initial state is forgotten; inf if the force never
-        settles, nan if no root is found.
-        """
-
-    @property
-    def paper_estimate(self) -> float:
-        """The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. For time-dependent
-        contacts, x̄ and σ are the mean and the standard deviation of the displacement between successive formations
-        of a contact in steady sliding.
-        """
-
-    @property
-    def valid_from(self) -> float:
-        """The position from which on the neglected terms of `force` are below 1e-12 of N_c⟨k⟩ × the mean life; inf if
-        the expansion does not hold.
-        """
-
-    @overload
-    def force(self, position: float) -> float:
-        """F(X) from the expansion, a force, for positions from `valid_from` on."""
-
-    @overload
-    def force(self, position: ArrayLike) -> _Array: ...
-
-@final
-class Result(Record):
-    """The result of a scenario: a mapping from the names of variables to arrays, with the summary.
-
-    The variables are those of `result.nc`: `position`, `force`, `breaking_rate`, `stretch_density`, …
-    """
-
-    @property
-    def scenario(self) -> str:
-        """The scenario, TOML, with all defaults filled in."""
-
-    @property
-    def summary(self) -> dict[str, Any]:
-        """The summary: static and kinetic friction, relaxation length, …, as in `summary.json`."""
-
-    @property
-    def title(self) -> str:
-        """The title of the scenario."""
-
-    @property
-    def static_friction(self) -> StaticFriction | None:
-        """The static friction F_s with its position X_s; None if the force still rises at the end, or never decreases."""
-
-    @property
-    def kinetic_friction(self) -> float:
-        """The kinetic friction F_k, the force of steady sliding; nan if the task does not have a single velocity."""
-
-    @property
-    def critical_stiffness(self) -> float:
-        """The critical stiffness K_c, force per length; inf where the force jumps down."""
-
-    @property
-    def relaxation_length(self) -> float:
-        """The relaxation length X*; inf if the force never settles, nan if no root is found."""
-
-    @property
-    def events(self) -> Events | None:
-        """The events of a slider or an interface; None if the task has no events."""
-
-    def save(self, folder: str | PathLike[str]) -> None:
-        """Writes the folder that `asperity run` would write, without figures; open_result reads it.
-
-        Raises FileExistsError if there is a folder that asperity did not make, OSError for errors of the system.
-        """
 
 class Deformable(Description):
     """What the kinds of interfaces have in common: a drive of their load point."""
 
+    @property
+    def cells(self, /) -> list[int]:
+        """The length of a chain, or rows and columns of a lattice."""
+
+    @property
+    def contacts(self, /) -> Contacts:
+        """The contacts."""
+
     def drive(
         self,
+        /,
         distance: _Number = 20.0,
         points: SupportsIndex = 2001,
         *,
@@ -1107,7 +430,9 @@ class Deformable(Description):
         Raises ValueError for invalid values, or for more results than fit in a file.
         """
 
-    def simulation(self, *, velocity: _Number | None = None, tolerance: _Number | None = None) -> Simulation:
+    def simulation(
+        self, /, *, velocity: _Number | None = None, tolerance: _Number | None = None
+    ) -> Simulation:
         """Returns a simulation that advances step by step, at X_T = 0.
 
         velocity, tolerance: as for drive.
@@ -1115,13 +440,262 @@ class Deformable(Description):
         Raises ValueError for invalid values.
         """
 
+@disjoint_base
+class Description:
+    """A description in plain values: immutable, comparable and hashable by its values, and printed as the Python
+    code that creates it.
+    """
+
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self, /) -> int: ...
+    def __reduce__(self, /) -> tuple[Any, tuple[str, str]]: ...
+    def __replace__(self, /, **changes: Any) -> Self: ...
+    def __repr__(self, /) -> str: ...
+    def _repr_html_(self, /) -> str: ...
     @property
-    def contacts(self) -> Contacts:
-        """The contacts."""
+    def parameters(self, /) -> dict[str, Any]:
+        """The arguments that create an equal object, by name, without those that have their default."""
+
+    def replace(self, /, **changes: Any) -> Self:
+        """A copy with some of the arguments replaced.
+
+        Raises ValueError or TypeError as the class itself does.
+        """
+
+@final
+class Ensemble(Model):
+    """Random contacts followed one by one (Monte Carlo): the earthquake-like model.
+
+    contacts, initial, start: as for MasterEquation.
+    size: the number of simulated contacts; forces are scaled to the count of the contacts.
+    seed: a whole number below 2^63, which always gives the same numbers, on any number of threads, or a
+    numpy.random.Generator, from which one such number is drawn.
+    disorder: "annealed" if a contact that re-forms gets a new threshold, as in the master equation; "quenched"
+    if it keeps its own.
+
+    Raises ValueError for distributions that leave no possible stretch for a contact.
+    """
+
+    def __new__(
+        cls,
+        /,
+        contacts: Contacts,
+        initial: _AnyLaw | None = None,
+        *,
+        size: SupportsIndex = 100000,
+        seed: _Seed = 1,
+        disorder: Literal["annealed", "quenched"] = "annealed",
+        start: Literal["conditional", "relaxed"] = "conditional",
+    ) -> Ensemble: ...
+    @property
+    def disorder(self, /) -> Literal["annealed", "quenched"]:
+        """The kind of disorder, "annealed" or "quenched"."""
+
+    def follow(self, /, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
+        """Follows the contacts from t = 0 through the steps, one after the other.
+
+        steps: a list of Step.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+        Returns a Record of variables of shape (n,), with n output points of all steps (steps share the point where
+        they meet): `time`, `position`, `force`, its standard error `force_error`, and `free`, the detached
+        fraction: contacts that are broken and have not yet re-formed.
+
+        Raises ValueError for no steps, and for ageing by MeanField, which is not a rule for a single contact.
+        """
+
+    def pull(
+        self,
+        /,
+        distance: _Number = 20.0,
+        points: SupportsIndex = 2001,
+        *,
+        velocity: _Number | None = None,
+        snapshots: ArrayLike | None = None,
+        edges: ArrayLike | None = None,
+        progress: _Progress = None,
+    ) -> EnsemblePull:
+        """Displaces the slider's base from X = 0 to distance, from break to break.
+
+        distance, points, progress: as for MasterEquation.pull.
+        velocity: the velocity of the slider, above 0; required only for time-dependent contacts.
+        snapshots: a list of m positions, in increasing order, at which the stretches are counted.
+        edges: a list of edges of the n bins of these counts, in increasing order; by default bins of equal width up
+        to where hardly any contact holds. Ctrl-C interrupts the computation.
+
+        Raises ValueError for invalid values, MemoryError for results that do not fit.
+        """
 
     @property
-    def cells(self) -> list[int]:
-        """The length of a chain, or rows and columns of a lattice."""
+    def seed(self, /) -> int:
+        """The seed of the random numbers."""
+
+    def simulation(self, /) -> Simulation:
+        """Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
+
+        Its events are the breaks of contacts.
+        """
+
+    @property
+    def size(self, /) -> int:
+        """The number of simulated contacts."""
+
+@final
+class EnsemblePull(Record):
+    """A pull of an ensemble: the friction force with its standard error, and counts of the stretches.
+
+    Its variables are `position`, `force` and `force_error`; with snapshots also `snapshot` of shape (m,),
+    `edge` of shape (n + 1,), the middles `bin` of the bins, of shape (n,), and `stretch_density` of shape (m,
+    n), per length.
+    """
+
+    @property
+    def breaks(self, /) -> int:
+        """The number of breaks up to the end, including those of a relaxed start at X = 0."""
+
+    @property
+    def ensemble(self, /) -> Ensemble:
+        """The ensemble that was pulled."""
+
+    @property
+    def force_error(self, /) -> _Array:
+        """The standard error of the force, shape (points,), from the variance between contacts; nan for one contact."""
+
+@final
+class ExactErlang(ClosedForm):
+    """Erlang thresholds: sums of `shape` exponentially distributed lengths, each of mean 1/rate. shape 1 is the
+    exponential distribution.
+
+    shape: a whole number, 1 or above.
+    rate: per length, above 0.
+    """
+
+    def __new__(cls, /, shape: SupportsIndex, rate: _Number) -> ExactErlang: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def relaxation_length(self, /) -> float:
+        """X*, a length: 1/[λ(1 - cos 2π/m)], but 1/λ for shapes m up to 4."""
+
+@final
+class ExactGaussian(ClosedForm):
+    """Gaussian thresholds, and a Gaussian distribution of initial stretches: Fig. 2 of Braun and Peyrard (2008).
+
+    mean, std: of the thresholds, above 0.
+    initial_mean, initial_std: of the stretches at X = 0, 0 or above.
+
+    The distributions are not truncated at 0, unlike those of the solvers.
+    """
+
+    def __new__(
+        cls, /, mean: _Number, std: _Number, initial_mean: _Number = 0.0, initial_std: _Number = 0.0
+    ) -> ExactGaussian: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def relaxation_length(self, /) -> float:
+        """X* = -1/Re s_1, a length."""
+
+    def relaxation_root(self, /, j: SupportsIndex) -> complex:
+        """The root s_j, j ≥ 1, of the relaxation spectrum, complex, per length: s_j = [x̄ - √(x̄² - 4πijσ²)]/σ²."""
+
+    @overload
+    def variance(self, /, position: float) -> float:
+        """The variance of the stretch of one contact at X, a length²: the force of N_c independent contacts has the
+        standard deviation N_c⟨k⟩√(variance/N_c).
+        """
+
+    @overload
+    def variance(self, /, position: ArrayLike) -> _Array: ...
+
+@final
+class ExactIdentical(ClosedForm):
+    """Identical thresholds: every stretch is (y + X) mod threshold for ever, with the initial stretch y, and there
+    is no relaxation.
+
+    threshold: a length above 0.
+    """
+
+    def __new__(cls, /, threshold: _Number) -> ExactIdentical: ...
+    def __repr__(self, /) -> str: ...
+
+@final
+class ExactQuenched:
+    """Quenched thresholds of any distribution: each contact keeps its own for ever.
+
+    F(X)/(N_c⟨k⟩) = ∫P_c(ξ)(X mod ξ)dξ. The master equation describes annealed thresholds, so it does not apply.
+    """
+
+    def __new__(cls, /, thresholds: _AnyLaw) -> ExactQuenched: ...
+    @property
+    def dephasing_length(self, /) -> float:
+        """X_d = x̄²/(√2 πσ), a length: narrow Gaussian thresholds get out of step as exp[-(X/X_d)²]."""
+
+    @overload
+    def force(self, /, position: float) -> float:
+        """F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break."""
+
+    @overload
+    def force(self, /, position: ArrayLike) -> _Array: ...
+    @property
+    def kinetic_friction(self, /) -> float:
+        """F_k/(N_c⟨k⟩), a length: half the mean threshold."""
+
+@final
+class ExactRectangular(ClosedForm):
+    """Thresholds uniformly distributed from min, 0 or above, to max, above min."""
+
+    def __new__(cls, /, min: _Number, max: _Number) -> ExactRectangular: ...
+    def __repr__(self, /) -> str: ...
+
+@final
+class Exponential(Law):
+    """The exponential distribution of the given mean, above 0."""
+
+    def __new__(cls, /, mean: _Number) -> Exponential: ...
+
+@final
+class FrozenRank(Ageing):
+    """The distribution of thresholds matures, and every contact keeps its rank (quantile) in it.
+
+    mature: the mature distribution P_cf.
+    time: the time scale of maturing, above 0.
+    """
+
+    def __new__(cls, /, mature: _AnyLaw, time: _Number) -> FrozenRank: ...
+
+@final
+class Gamma(Law):
+    """The gamma distribution of the given mean and standard deviation, both above 0."""
+
+    def __new__(cls, /, mean: _Number, std: _Number) -> Gamma: ...
+
+@final
+class Gaussian(Law):
+    """The Gaussian (normal) distribution, truncated at 0.
+
+    mean: the mean before truncation, 0 or above. std: the standard deviation before truncation, above 0.
+    """
+
+    def __new__(cls, /, mean: _Number, std: _Number) -> Gaussian: ...
+
+@final
+class Inertial(Description):
+    """The slip of a slider with mass, MẌ = K(X_T - X) - F - γẊ, from the loss of stability to the first arrest.
+
+    X_T is fixed during the slip. The remaining oscillation is then damped out, and the slider comes to rest in
+    equilibrium.
+
+    mass: the mass M, above 0.
+    damping: the viscous damping γ, force per velocity, 0 or above.
+    """
+
+    def __new__(cls, /, mass: _Number, damping: _Number = 0.0) -> Inertial: ...
+    @property
+    def damping(self, /) -> float:
+        """The viscous damping γ, force per velocity."""
+
+    @property
+    def mass(self, /) -> float:
+        """The mass M."""
 
 @final
 class Interface(Deformable):
@@ -1153,8 +727,9 @@ class Interface(Deformable):
 
     def __new__(
         cls,
+        /,
         contacts: Contacts,
-        cells: Sequence[int],
+        cells: Sequence[SupportsIndex],
         initial: _AnyLaw | None = None,
         *,
         connection: _Number,
@@ -1170,9 +745,10 @@ class Interface(Deformable):
         size: SupportsIndex | None = None,
         quenched: bool = False,
         start: Literal["conditional", "relaxed"] = "conditional",
-    ) -> Self: ...
+    ) -> Interface: ...
     def stretch_density(
         self,
+        /,
         cell: SupportsIndex,
         stretches: ArrayLike | None = None,
         *,
@@ -1217,8 +793,9 @@ class Lattice(Deformable):
 
     def __new__(
         cls,
+        /,
         contacts: Contacts,
-        cells: Sequence[int],
+        cells: Sequence[SupportsIndex],
         initial: _AnyLaw | None = None,
         *,
         neighbours: _Number,
@@ -1227,7 +804,474 @@ class Lattice(Deformable):
         seed: _Seed = 1,
         disorder: Literal["annealed", "quenched"] = "annealed",
         start: Literal["conditional", "relaxed"] = "conditional",
-    ) -> Self: ...
+    ) -> Lattice: ...
+
+@disjoint_base
+class Law(Description):
+    """A probability distribution on x ≥ 0: a density, and possibly point masses.
+
+    Methods have the names of scipy.stats. They take a number and return a float, or take anything that NumPy
+    converts to an array of numbers and return an array of the same shape. Lengths are in the unit of the
+    parameters. A distribution with weight below 0 is truncated at 0 and renormalised: its parameters are those
+    before truncation, its mean() and std() those after it. NaN raises ValueError; a value that is not a number
+    raises TypeError.
+    """
+
+    @property
+    def atoms(self, /) -> Atoms:
+        """The point masses: positions and weights, each an array of shape (n,)."""
+
+    @overload
+    def cdf(self, /, x: float) -> float:
+        """The cumulative distribution function P(ξ ≤ x), accurate to all digits also where it is small."""
+
+    @overload
+    def cdf(self, /, x: ArrayLike) -> _Array: ...
+    @overload
+    def hazard(self, /, x: float) -> float:
+        """The hazard p(x)/S(x), per length: the fraction of contacts of stretch x that break per unit displacement
+        (Braun and Peyrard 2008, the P(x) of Eq. 3); inf where S is 0.
+        """
+
+    @overload
+    def hazard(self, /, x: ArrayLike) -> _Array: ...
+    @overload
+    def isf(self, /, q: float) -> float:
+        """The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; accurate for tiny q, for which ppf(1 -
+        q) is not.
+        """
+
+    @overload
+    def isf(self, /, q: ArrayLike) -> _Array: ...
+    @overload
+    def logsf(self, /, x: float) -> float:
+        """ln S(x), accurate also where S underflows; -inf where S is 0."""
+
+    @overload
+    def logsf(self, /, x: ArrayLike) -> _Array: ...
+    def mean(self, /) -> float:
+        """The mean after truncation at 0, a length."""
+
+    def moment(self, /, order: SupportsIndex) -> float:
+        """The raw moment E[ξⁿ] after truncation at 0, n up to 29, in units of lengthⁿ."""
+
+    @overload
+    def pdf(self, /, x: float) -> float:
+        """The density p(x) without point masses, per length; 0 for x < 0."""
+
+    @overload
+    def pdf(self, /, x: ArrayLike) -> _Array: ...
+    @overload
+    def ppf(self, /, q: float) -> float:
+        """The quantile: the smallest x with P(ξ ≤ x) ≥ q, for q from 0 to 1."""
+
+    @overload
+    def ppf(self, /, q: ArrayLike) -> _Array: ...
+    @overload
+    def rvs(self, /, size: None = None, *, seed: _Seed) -> float:
+        """Independent random numbers: a float for size None, otherwise an array of shape (size,) or size.
+
+        The seed is a whole number below 2^63, which always gives the same numbers, or a numpy.random.Generator,
+        from which one such number is drawn.
+        """
+
+    @overload
+    def rvs(self, /, size: SupportsIndex | Sequence[SupportsIndex], *, seed: _Seed) -> _Array: ...
+    @overload
+    def sf(self, /, x: float) -> float:
+        """The survival S(x) = P(ξ > x), accurate to all digits also where it is small."""
+
+    @overload
+    def sf(self, /, x: ArrayLike) -> _Array: ...
+    def std(self, /) -> float:
+        """The standard deviation after truncation at 0, a length."""
+
+    def support(self, /) -> tuple[float, float]:
+        """The lowest and the highest value; the highest may be inf."""
+
+@final
+class Logarithmic(Ageing):
+    """Every threshold grows with the logarithm of the age t of the contact: h = h_0 [1 + growth ln(1 + t/time)].
+
+    growth: β, 0 or above.
+    time: τ_0, above 0.
+    """
+
+    def __new__(cls, /, growth: _Number, time: _Number) -> Logarithmic: ...
+
+@final
+class Lognormal(Law):
+    """The lognormal distribution of the given mean and standard deviation (of the variable itself, not of its
+    logarithm), both above 0.
+    """
+
+    def __new__(cls, /, mean: _Number, std: _Number) -> Lognormal: ...
+
+@final
+class MasterEquation(Model):
+    """The master equation of contacts and their initial state.
+
+    ∂Q/∂x + ∂Q/∂X + P(x) Q = R(x) ∫P(ξ) Q(ξ; X) dξ for the distribution Q(x; X) of stretches x, with the hazard
+    P of the thresholds and the distribution R of re-formed stretches (O. M. Braun and M. Peyrard, Phys. Rev.
+    Lett. 100, 125501 (2008), Eq. 5), solved as a renewal equation.
+
+    contacts: the contacts.
+    initial: the distribution Q_ini of stretches at X = 0, by default all at 0.
+    start: "conditional" if contacts hold at X = 0, so that thresholds are above stretches; "relaxed" if
+    stretches and thresholds are independent, so that contacts above their threshold break at once.
+    velocity: the velocity of the slider, above 0; required only for time-dependent contacts, which have age 0
+    at X = 0.
+    tolerance: allowed error of the force per contact and per ⟨k⟩ × mean threshold, from 1e-12 to 1e-2; a larger
+    error raises RuntimeError. Without it the aim is 1e-10, and `Pull.accuracy` is the estimated error.
+
+    Raises ValueError for stretches at which no contact survives, and for distributions too narrow to be
+    distinguished from a point mass.
+    """
+
+    def __new__(
+        cls,
+        /,
+        contacts: Contacts,
+        initial: _AnyLaw | None = None,
+        *,
+        velocity: _Number | None = None,
+        start: Literal["conditional", "relaxed"] = "conditional",
+        tolerance: _Number | None = None,
+    ) -> MasterEquation: ...
+    def pull(
+        self, /, distance: _Number = 20.0, points: SupportsIndex = 2001, *, progress: _Progress = None
+    ) -> Pull:
+        """Displaces the slider's base from X = 0 to distance.
+
+        distance: a length above 0.
+        points: the number of positions of `position`, `force` and `breaking_rate`, evenly spaced, including both
+        ends; 2 or more.
+        progress: a function that is called from time to time with the completed fraction, or True for a progress
+        bar (by tqdm). Ctrl-C interrupts the computation.
+
+        Raises ValueError for invalid values, MemoryError for too many point masses or samples, RuntimeError if the
+        tolerance is not reached.
+        """
+
+    def relaxation(self, /) -> Relaxation:
+        """The relaxation to steady sliding."""
+
+    def simulation(self, /) -> Simulation:
+        """Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
+
+        Its events are simultaneous breaks of many contacts.
+        """
+
+    def steady_state(self, /) -> SteadyState:
+        """Steady sliding."""
+
+    @property
+    def tolerance(self, /) -> float | None:
+        """The allowed error of the force per contact and per ⟨k⟩ × mean threshold; None for the default aim of 1e-10."""
+
+    @property
+    def velocity(self, /) -> float | None:
+        """The velocity of the slider, or None."""
+
+@final
+class MeanField(Ageing):
+    """The distribution of thresholds in steady sliding, from a mean-field closure of the equations for thresholds
+    and stretches. It is not a rule for a single contact.
+
+    mature: the mature distribution P_cf.
+    diffusion: the diffusion coefficient D, stretch² per time, above 0.
+
+    It cannot be combined with temperature, an ensemble, or a varying velocity.
+    """
+
+    def __new__(cls, /, mature: _AnyLaw, diffusion: _Number) -> MeanField: ...
+
+@final
+class Mixture(Law):
+    """A mixture: a list of pairs (weight, distribution), with weights above 0 that sum to 1."""
+
+    def __new__(cls, /, components: Sequence[tuple[_Number, _AnyLaw]]) -> Mixture: ...
+
+class Model(Description):
+    """Contacts and their initial state."""
+
+    @property
+    def contacts(self, /) -> Contacts:
+        """The contacts."""
+
+    @property
+    def initial(self, /) -> Law:
+        """The distribution Q_ini of stretches at X = 0."""
+
+    @property
+    def start(self, /) -> Literal["conditional", "relaxed"]:
+        """The kind of the initial state, "conditional" or "relaxed"."""
+
+@final
+class Point(Law):
+    """A point mass (delta distribution) at one value, 0 or above."""
+
+    def __new__(cls, /, at: _Number) -> Point: ...
+
+@final
+class Pull(Record):
+    """A pull: the slider's base is displaced from X = 0, by the master equation. Forces are total forces of all
+    N_c contacts.
+
+    Called with positions it is F(X): `pull(5.0)`, `pull([1.0, 2.0])`.
+    """
+
+    @overload
+    def __call__(self, /, position: float) -> float: ...
+    @overload
+    def __call__(self, /, position: ArrayLike) -> _Array: ...
+    @property
+    def accuracy(self, /) -> float:
+        """The estimated error of F/(N_c⟨k⟩), a length."""
+
+    @property
+    def breaking_atoms(self, /) -> Atoms:
+        """Positions at which contacts break simultaneously, and the fractions that do, each of shape (n,)."""
+
+    @property
+    def breaking_rate(self, /) -> _Array:
+        """The fraction of contacts breaking per length at the positions, shape (points,), without simultaneous breaks."""
+
+    @overload
+    def breaking_rate_at(self, /, position: float) -> float:
+        """The fraction of contacts breaking per length, for positions from 0 to the distance."""
+
+    @overload
+    def breaking_rate_at(self, /, position: ArrayLike) -> _Array: ...
+    @property
+    def critical_stiffness(self, /) -> float:
+        """The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips. It is inf
+        where the force jumps down, and 0 if the force decreases by no more than ten times the tolerance.
+        """
+
+    @property
+    def distance(self, /) -> float:
+        """The distance of the pull, a length."""
+
+    @property
+    def equation(self, /) -> MasterEquation:
+        """The master equation that was solved."""
+
+    @overload
+    def force_at(self, /, position: float) -> float:
+        """F(X), for positions from 0 to the distance."""
+
+    @overload
+    def force_at(self, /, position: ArrayLike) -> _Array: ...
+    @overload
+    def force_std(self, /, size: _Number, at: float) -> float:
+        """The standard deviation of the force of `size` random contacts, scaled to N_c.
+
+        at: positions from 0 to the distance, or None for those of `position`. Contacts under a rigid drive are
+        independent, so the result is exact.
+        """
+
+    @overload
+    def force_std(self, /, size: _Number, at: ArrayLike | None = None) -> _Array: ...
+    @property
+    def kinetic_friction(self, /) -> float:
+        """The kinetic friction F_k, the force of steady sliding."""
+
+    @property
+    def relaxation_length(self, /) -> float:
+        """The relaxation length X*, over which the initial state is forgotten; inf if the force never settles, nan if
+        no root is found.
+        """
+
+    @overload
+    def slope_at(self, /, position: float) -> float:
+        """dF/dX from the right, force per length, for positions from 0 to the distance."""
+
+    @overload
+    def slope_at(self, /, position: ArrayLike) -> _Array: ...
+    @property
+    def static_friction(self, /) -> StaticFriction | None:
+        """The static friction F_s, the highest force of the pull, with its position X_s; None if the force still rises
+        at the end, or never decreases.
+        """
+
+    def stretch_density(self, /, at: ArrayLike, stretches: ArrayLike | None = None) -> StretchDensity:
+        """The distribution Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
+
+        at: a position, or a list of m of them.
+        stretches: a list of n stretches, or None for an automatic choice that resolves the distributions.
+
+        The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, the point masses at
+        the position, or a list of them for a list of positions.
+        """
+
+@disjoint_base
+class Record(Mapping[str, _Array]):
+    """Results: a mapping from the names of variables to read-only arrays."""
+
+    def __contains__(self, name: object, /) -> bool: ...
+    def __getitem__(self, name: str, /) -> _Array: ...
+    def __iter__(self, /) -> Iterator[str]: ...
+    def __len__(self, /) -> int: ...
+    def __repr__(self, /) -> str: ...
+    def _repr_html_(self, /) -> str: ...
+    @property
+    def force(self, /) -> _Array:
+        """The friction force F at the positions, shape (n,): the total force of all N_c contacts; where contacts break
+        simultaneously, after the break.
+        """
+
+    @overload
+    def get(self, key: str, default: None = None, /) -> _Array | None:
+        """The array called key, or default."""
+
+    @overload
+    def get(self, key: str, default: _Array | _T, /) -> _Array | _T: ...
+    def items(self, /) -> ItemsView[str, _Array]:
+        """Names and arrays of the variables."""
+
+    def keys(self, /) -> KeysView[str]:
+        """The names of the variables."""
+
+    @property
+    def labels(self, /) -> dict[str, Label]:
+        """Dimensions, descriptive name and unit of each variable."""
+
+    def plot(self, /, ax: Axes | None = None, **style: Any) -> Axes:
+        """Plots the force along the pull or the drive (for an imposed force, the force against the position), with the
+        kinetic friction and, for a pull, the static friction, if they are known. Returns the axes. It needs
+        matplotlib.
+
+        ax: axes to plot on; new ones if None. Other arguments are passed to its plot().
+        """
+
+    @property
+    def position(self, /) -> _Array:
+        """Positions X of the slider's base: an array of shape (n,), a length."""
+
+    def to_xarray(self, /) -> Dataset:
+        """An xarray.Dataset with named dimensions, long names and units. It needs xarray."""
+
+    def values(self, /) -> ValuesView[_Array]:
+        """The arrays of the variables."""
+
+@final
+class Rectangular(Law):
+    """The uniform distribution from min, 0 or above, to max, above min."""
+
+    def __new__(cls, /, min: _Number, max: _Number) -> Rectangular: ...
+
+@final
+class Relaxation:
+    """The relaxation spectrum: F(X) = F_k + Σ_j c_j exp(s_j X), where s_j ≠ 0 are the roots of φ̂(s) = 1 and φ̂ is
+    the Laplace transform of the breaking density of re-formed contacts.
+    """
+
+    def __repr__(self, /) -> str: ...
+    @overload
+    def force(self, /, position: float) -> float:
+        """F(X) from the expansion, a force, for positions from `valid_from` on."""
+
+    @overload
+    def force(self, /, position: ArrayLike) -> _Array: ...
+    @property
+    def length(self, /) -> float:
+        """The relaxation length X* = -1/Re s_1, over which the initial state is forgotten; inf if the force never
+        settles, nan if no root is found.
+        """
+
+    @property
+    def paper_estimate(self, /) -> float:
+        """The estimate x̄²/σ of Braun and Peyrard (2008), a length; inf for identical thresholds. For time-dependent
+        contacts, x̄ and σ are the mean and the standard deviation of the displacement between successive formations
+        of a contact in steady sliding.
+        """
+
+    @property
+    def roots(self, /) -> NDArray[np.complex128]:
+        """The roots s_j with Im s_j > 0, slowest first: a complex array of shape (n,), per length."""
+
+    @property
+    def valid_from(self, /) -> float:
+        """The position from which on the neglected terms of `force` are below 1e-12 of N_c⟨k⟩ × the mean life; inf if
+        the expansion does not hold.
+        """
+
+@final
+class Renormalised(Law):
+    """The distribution of thresholds, renormalised in mean field: every break stretches all other contacts, so
+    that contacts break at lower drives. Its mean is lower and it is narrower than law.
+
+    law: the distribution P_c of the thresholds, without point masses above 0.
+    coupling: κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to
+    below critical_coupling(law). Contacts start at stretch 0. When the unbroken contacts have the stretch x,
+    breaks have contributed κ∫ξ P_c(ξ)dξ to it, and the drive X = x - κ∫ξ P_c(ξ)dξ, so that P_eff(X) = P_c(x)/(1
+    - κ x P_c(x)).
+    """
+
+    def __new__(cls, /, law: _AnyLaw, coupling: _Number) -> Renormalised: ...
+
+@final
+class Result(Record):
+    """The result of a scenario: a mapping from the names of variables to arrays, with the summary.
+
+    The variables are those of `result.nc`: `position`, `force`, `breaking_rate`, `stretch_density`, …
+    """
+
+    @property
+    def critical_stiffness(self, /) -> float:
+        """The critical stiffness K_c, force per length; inf where the force jumps down."""
+
+    @property
+    def events(self, /) -> Events | None:
+        """The events of a slider or an interface; None if the task has no events."""
+
+    @property
+    def kinetic_friction(self, /) -> float:
+        """The kinetic friction F_k, the force of steady sliding; nan if the task does not have a single velocity."""
+
+    @property
+    def relaxation_length(self, /) -> float:
+        """The relaxation length X*; inf if the force never settles, nan if no root is found."""
+
+    def save(self, /, folder: str | PathLike[str]) -> None:
+        """Writes the folder that `asperity run` would write, without figures; open_result reads it.
+
+        Raises FileExistsError if there is a folder that asperity did not make, OSError for errors of the system.
+        """
+
+    @property
+    def scenario(self, /) -> str:
+        """The scenario, TOML, with all defaults filled in."""
+
+    @property
+    def static_friction(self, /) -> StaticFriction | None:
+        """The static friction F_s with its position X_s; None if the force still rises at the end, or never decreases."""
+
+    @property
+    def summary(self, /) -> dict[str, Any]:
+        """The summary: static and kinetic friction, relaxation length, …, as in `summary.json`."""
+
+    @property
+    def title(self, /) -> str:
+        """The title of the scenario."""
+
+@final
+class Series(Law):
+    """A density that is a polynomial in each of several cells, given as Legendre series and normalised.
+
+    boundaries: the boundaries of the cells, in increasing order from 0 or above.
+    coefficients: for each cell a list of up to 16 coefficients c_n, c_0 first, of the density Σ c_n P_n(t),
+    with t from -1 to 1 across the cell.
+    cut: the probability of an infinite tail that was truncated at the last boundary; quantities that depend on
+    this tail, such as the relaxation length, are then nan.
+
+    asperity.law makes a Series from any distribution of scipy.stats.
+    """
+
+    def __new__(
+        cls, /, boundaries: ArrayLike, coefficients: Sequence[ArrayLike], *, cut: _Number = 0.0
+    ) -> Series: ...
 
 @final
 class Simulation:
@@ -1240,35 +1284,27 @@ class Simulation:
     simulation while another thread advances it raises RuntimeError.
     """
 
-    @property
-    def model(self) -> Deformable | Block | Model:
-        """The model of the simulation: an Interface, Lattice, Block, MasterEquation or Ensemble."""
+    def __repr__(self, /) -> str: ...
+    def advance(self, /, drive: _Number, *, progress: _Progress = None) -> None:
+        """Advances to a displacement of the load point, through all events in between.
+
+        drive: an absolute displacement, not a step; larger than the present one, or, for sliders that can turn back, also
+        smaller. Stops do not change later results of a slider or a lattice. For an interface every stop is an equilibrium
+        that is computed: stops may change the last digits of later results, and the drives of events within drive_tolerance.
+        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+
+        Raises ValueError for a displacement to which an interface would have to move backwards.
+        """
 
     @property
-    def drive(self) -> float:
+    def drive(self, /) -> float:
         """The load-point displacement X_T, a length; without a spring, the displacement of the slider."""
 
     @property
-    def time(self) -> float:
-        """The time; 0 for models without time."""
-
-    @property
-    def force(self) -> float:
-        """The friction force of all cells and contacts."""
-
-    @property
-    def forces(self) -> _Array:
-        """The force of each cell, or of each contact of a Lattice: shape (n,) or (rows, columns); (1,) for a slider."""
-
-    @property
-    def positions(self) -> _Array:
-        """The position X_j of each cell, a length: shape (n,) or (rows, columns); (1,) for a slider. A Lattice has none."""
-
-    @property
-    def energy(self) -> Energy | InterfaceEnergy:
+    def energy(self, /) -> Energy | InterfaceEnergy:
         """The energy balance from X_T = 0: an InterfaceEnergy for an Interface, otherwise an Energy. A Lattice has none."""
 
-    def events(self, until: _Number) -> Iterator[Event]:
+    def events(self, /, until: _Number) -> Iterator[Event]:
         """Advances to the displacement `until` and yields each event after it has happened: an iterator.
 
         Events are those of `drive` of the same model (slips of a block or an interface, avalanches of a lattice, simultaneous
@@ -1281,19 +1317,34 @@ class Simulation:
         Raises ValueError for a displacement to which an interface would have to move backwards.
         """
 
-    def advance(self, drive: _Number, *, progress: _Progress = None) -> None:
-        """Advances to a displacement of the load point, through all events in between.
+    @property
+    def force(self, /) -> float:
+        """The friction force of all cells and contacts."""
 
-        drive: an absolute displacement, not a step; larger than the present one, or, for sliders that can turn back, also
-        smaller. Stops do not change later results of a slider or a lattice. For an interface every stop is an equilibrium
-        that is computed: stops may change the last digits of later results, and the drives of events within drive_tolerance.
-        progress: as for MasterEquation.pull. Ctrl-C interrupts the computation.
+    @property
+    def forces(self, /) -> _Array:
+        """The force of each cell, or of each contact of a Lattice: shape (n,) or (rows, columns); (1,) for a slider."""
 
-        Raises ValueError for a displacement to which an interface would have to move backwards.
+    @property
+    def model(self, /) -> Deformable | Block | Model:
+        """The model of the simulation: an Interface, Lattice, Block, MasterEquation or Ensemble."""
+
+    @property
+    def positions(self, /) -> _Array:
+        """The position X_j of each cell, a length: shape (n,) or (rows, columns); (1,) for a slider. A Lattice has none."""
+
+    def restore(self, /, state: bytes) -> None:
+        """Restores a state of this simulation, or of another one of the same model; it continues from there bit for bit.
+
+        Raises ValueError for the state of another model, or of another version of asperity.
         """
+
+    def state(self, /) -> bytes:
+        """The whole state of the simulation, as bytes for `restore` in the same version of asperity."""
 
     def stretch_density(
         self,
+        /,
         cell: SupportsIndex = 0,
         stretches: ArrayLike | None = None,
         *,
@@ -1315,13 +1366,46 @@ class Simulation:
         Raises IndexError if there is no such cell, ValueError for invalid values.
         """
 
-    def state(self) -> bytes:
-        """The whole state of the simulation, as bytes for `restore` in the same version of asperity."""
+    @property
+    def time(self, /) -> float:
+        """The time; 0 for models without time."""
 
-    def restore(self, state: bytes) -> None:
-        """Restores a state of this simulation, or of another one of the same model; it continues from there bit for bit.
+@final
+class Smoluchowski(Ageing):
+    """Thresholds diffuse independently in the potential U = −ln P_cf towards the mature distribution
+    (Fokker–Planck equation).
 
-        Raises ValueError for the state of another model, or of another version of asperity.
+    mature: the distribution P_cf of the thresholds of contacts that never break.
+    diffusion: the diffusion coefficient D, stretch² per time, above 0.
+    """
+
+    def __new__(cls, /, mature: _AnyLaw, diffusion: _Number) -> Smoluchowski: ...
+
+@final
+class SteadyState:
+    """Steady sliding: the solution of the master equation that does not depend on X.
+
+    Q_s(x) = Γ_s S(x) ∫₀ˣ R/S and F_k = N_c⟨k⟩ ∫x Q_s dx. If contacts re-form at 0, F_k = N_c⟨k⟩⟨x_s²⟩/(2⟨x_s⟩)
+    (Braun and Peyrard 2008, Eqs. 11a and 11d).
+    """
+
+    def __repr__(self, /) -> str: ...
+    @property
+    def breaking_rate(self, /) -> float:
+        """The breaking rate Γ_s, the fraction of contacts that break per length."""
+
+    def force_std(self, /, size: _Number) -> float:
+        """The standard deviation of the force of `size` random contacts, scaled to N_c."""
+
+    @property
+    def kinetic_friction(self, /) -> float:
+        """The kinetic friction F_k, a force."""
+
+    def stretch_density(self, /, stretches: ArrayLike | None = None) -> StretchDensity:
+        """The distribution Q_s of stretches, per length.
+
+        stretches: a list of n stretches, or None for an automatic choice that resolves it. The result has `stretch`
+        and `density` of shape (n,), and `atoms`.
         """
 
 @final
@@ -1342,6 +1426,7 @@ class Step(Description):
 
     def __new__(
         cls,
+        /,
         velocity: _Number | None = None,
         *,
         distance: _Number | None = None,
@@ -1350,7 +1435,124 @@ class Step(Description):
         velocity_to: _Number | None = None,
         points: SupportsIndex = 201,
         pieces: SupportsIndex | None = None,
-    ) -> Self: ...
+    ) -> Step: ...
+
+@final
+class StickSlip(Record):
+    """The result of a drive of a slider: its trace, its slips, and the regime of sliding.
+
+    Its variables are those of the trace, `drive`, `position`, `force` and `spring_force`, at states of
+    equilibrium; those of the slips, `event_drive`, `event_drop`, …; for an inertial slip its time course,
+    `slip_time`, `slip_position`, …; for an ensemble the sizes of events, `size`, `size_events`, …. For motion
+    in time the trace also has `time`, `velocity` and `free` (the detached fraction of the contacts), and there
+    are no time course and no sizes.
+    """
+
+    @property
+    def block(self, /) -> Block:
+        """The block that was driven."""
+
+    @property
+    def drive(self, /) -> _Array:
+        """The drive along the trace, shape (n,): the load-point displacement X_T, a length; or the imposed force."""
+
+    @property
+    def energy(self, /) -> Energy:
+        """The energy balance from the start of the drive to its end (for a runaway, to where it began)."""
+
+    @property
+    def events(self, /) -> Events:
+        """The slips."""
+
+    @property
+    def first_instability(self, /) -> State | None:
+        """The state at which the slider first became unstable; None if it never did."""
+
+    @property
+    def mean_drop(self, /) -> float | None:
+        """The mean drop of the force in a slip."""
+
+    @property
+    def mean_slip(self, /) -> float | None:
+        """The mean slip (displacement of the slider in a slip), a length."""
+
+    @property
+    def period(self, /) -> float | None:
+        """The mean increase of the drive from one slip to the next, a length; None, as for all such means, unless
+        stick-slip is persistent.
+        """
+
+    @property
+    def reason(self, /) -> str:
+        """The regime with its reason, in words."""
+
+    @property
+    def regime(self, /) -> Literal["smooth", "transient", "persistent", "runaway", "undecided"]:
+        """The regime of sliding: "smooth" without slips; "transient" if slips have ceased; "persistent" if they
+        continue with a steady period; "runaway" if the contacts could not carry the imposed force; "undecided" if
+        the drive was too short. It refers to the drive since its last reversal.
+        """
+
+    @property
+    def runaway(self, /) -> State | None:
+        """The state from which the slider ran away under an imposed force; None if it did not."""
+
+    @property
+    def scatter(self, /) -> float | None:
+        """The relative standard deviation of the period: the standard deviation of the increases of the drive from one
+        slip to the next, divided by their mean.
+        """
+
+    @property
+    def sizes(self, /) -> Sizes | None:
+        """The number of events of each size, including those too small for a slip; None for the master equation."""
+
+    @property
+    def slip_course(self, /) -> Course | None:
+        """The time course of the first inertial slip; None if there was none."""
+
+    @property
+    def spring_force(self, /) -> _Array:
+        """The spring force K(X_T - X) along the trace, shape (n,); it equals F in equilibrium."""
+
+@final
+class Tabulated(Law):
+    """A measured distribution: a density given at increasing stretches, or samples.
+
+    stretch, density: lists of equal length; the density is linear between them, 0 outside, and normalised.
+    samples: a list of equally likely values; quantiles are linear between them (as in numpy.quantile).
+    Give either stretch and density, or samples.
+    """
+
+    def __new__(
+        cls,
+        /,
+        *,
+        stretch: ArrayLike | None = None,
+        density: ArrayLike | None = None,
+        samples: ArrayLike | None = None,
+    ) -> Tabulated: ...
+
+@final
+class Temperature(Description):
+    """Thermally activated breaking (Kramers): contacts below their thresholds break at the rate w = ω exp(−ΔE/T).
+
+    energy: the temperature T in units of energy (force × length), above 0.
+    attempt_rate: the attempt rate ω, per time, above 0.
+    barrier: ΔE of a contact of stretch x below its threshold x_s, with E_0 = ½k x_s²: "elastic", ½k(x_s² − x²);
+    "bell", E_0(1 − x/x_s); "catastrophe", E_0(1 − x/x_s)^(3/2).
+
+    Values are checked when contacts are made with it.
+    """
+
+    def __new__(
+        cls,
+        /,
+        energy: _Number,
+        attempt_rate: _Number,
+        *,
+        barrier: Literal["elastic", "bell", "catastrophe"] = "elastic",
+    ) -> Temperature: ...
 
 @final
 class Transport(Model):
@@ -1365,13 +1567,14 @@ class Transport(Model):
 
     def __new__(
         cls,
+        /,
         contacts: Contacts,
         initial: _AnyLaw | None = None,
         *,
         start: Literal["conditional", "relaxed"] = "conditional",
         tolerance: _Number | None = None,
-    ) -> Self: ...
-    def follow(self, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
+    ) -> Transport: ...
+    def follow(self, /, steps: Sequence[Step], *, progress: _Progress = None) -> Record:
         """Follows the contacts from t = 0 through the steps, one after the other.
 
         steps: a list of Step.
@@ -1385,19 +1588,34 @@ class Transport(Model):
         Raises ValueError for no steps, RuntimeError if that error is larger than a given tolerance.
         """
 
-@overload
-def velocity_curve(contacts: Contacts, velocities: float, *, progress: _Progress = None) -> float:
-    """Kinetic friction F_k of contacts at velocities: an array for a list of them, a number for a number.
+@final
+class Weibull(Law):
+    """The Weibull distribution, with the survival exp(-(x/scale)**shape); shape and scale are above 0."""
 
-    velocities: numbers above 0, a length per time. Each is a separate computation; Ctrl-C stops between two of
-    them.
-    progress: as for MasterEquation.pull.
+    def __new__(cls, /, shape: _Number, scale: _Number) -> Weibull: ...
 
-    Raises ValueError for a velocity that is not above 0.
+def _resolve(density: Callable[[_Array], ArrayLike], boundaries: Sequence[float]) -> Series: ...
+def _restore(version: str, description: str) -> Description: ...
+def critical_coupling(law: _AnyLaw) -> float:
+    """κ_c = 1/max(x P_c(x)), the coupling at which contacts with this distribution of thresholds break in one
+    avalanche; 0 if some thresholds are identical.
+
+    For a slider of stiffness K over contacts of total stiffness N⟨k⟩ the coupling is κ = N⟨k⟩/(K + N⟨k⟩). For
+    narrow distributions it is critical when K is the critical stiffness.
     """
 
-@overload
-def velocity_curve(contacts: Contacts, velocities: ArrayLike, *, progress: _Progress = None) -> _Array: ...
+def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> float:
+    """F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, if contacts re-form below all thresholds."""
+
+def kinetic_friction_per_threshold(thresholds: _AnyLaw) -> float:
+    """F_k/(N_c κ) = ⟨x_s³⟩/(2⟨x_s⟩), a length², for stiffnesses k = κ x_s, if contacts re-form at 0."""
+
+def open_result(folder: str | PathLike[str]) -> Result:
+    """Reads the folder that `asperity run` or Result.save wrote.
+
+    Raises OSError for a file that cannot be read, ValueError for one that asperity did not write.
+    """
+
 def run(
     scenario: str | PathLike[str] | Mapping[str, Any],
     overrides: Mapping[str, Any] | None = None,
@@ -1425,137 +1643,22 @@ def run(
     a run that was not finished or is still running; MemoryError for results that do not fit.
     """
 
-def open_result(folder: str | PathLike[str]) -> Result:
-    """Reads the folder that `asperity run` or Result.save wrote.
-
-    Raises OSError for a file that cannot be read, ValueError for one that asperity did not write.
-    """
-
-@disjoint_base
-class ClosedForm:
-    """A friction curve F(X) in closed form, per total stiffness: F/(N_c⟨k⟩), the mean stretch, a length.
-
-    All contacts start and re-form at stretch 0, unless the class says otherwise. Positions X are lengths from 0
-    up to where the sums would become long. For every density p of thresholds with n-fold convolutions p_n,
-    F'(X) = 1 - X Σ p_n(X)/n. Each closed form is the sum of this series for one family, and none shares code
-    with the solvers.
-    """
-
-    @overload
-    def force(self, position: float) -> float:
-        """F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break."""
-
-    @overload
-    def force(self, position: ArrayLike) -> _Array: ...
-    @overload
-    def slope(self, position: float) -> float:
-        """F'(X)/(N_c⟨k⟩) from the right, a number."""
-
-    @overload
-    def slope(self, position: ArrayLike) -> _Array: ...
-    @property
-    def kinetic_friction(self) -> float:
-        """F_k/(N_c⟨k⟩), the force of steady sliding, a length."""
-
-    @property
-    def static_friction(self) -> StaticFriction | None:
-        """The maximum F_s/(N_c⟨k⟩) with its position X_s, both lengths; None if F only rises."""
-
-    @property
-    def critical_stiffness(self) -> float:
-        """K_c/(N_c⟨k⟩) = max(0, -min F'), a number; inf where F jumps down."""
-
-@final
-class ExactGaussian(ClosedForm):
-    """Gaussian thresholds, and a Gaussian distribution of initial stretches: Fig. 2 of Braun and Peyrard (2008).
-
-    mean, std: of the thresholds, above 0.
-    initial_mean, initial_std: of the stretches at X = 0, 0 or above.
-
-    The distributions are not truncated at 0, unlike those of the solvers.
-    """
-
-    def __new__(
-        cls, mean: _Number, std: _Number, initial_mean: _Number = 0.0, initial_std: _Number = 0.0
-    ) -> Self: ...
-    @overload
-    def variance(self, position: float) -> float:
-        """The variance of the stretch of one contact at X, a length²: the force of N_c independent contacts has the
-        standard deviation N_c⟨k⟩√(variance/N_c).
-        """
-
-    @overload
-    def variance(self, position: ArrayLike) -> _Array: ...
-    def relaxation_root(self, j: SupportsIndex) -> complex:
-        """The root s_j, j ≥ 1, of the relaxation spectrum, complex, per length: s_j = [x̄ - √(x̄² - 4πijσ²)]/σ²."""
-
-    @property
-    def relaxation_length(self) -> float:
-        """X* = -1/Re s_1, a length."""
-
-@final
-class ExactRectangular(ClosedForm):
-    """Thresholds uniformly distributed from min, 0 or above, to max, above min."""
-
-    def __new__(cls, min: _Number, max: _Number) -> Self: ...
-
-@final
-class ExactErlang(ClosedForm):
-    """Erlang thresholds: sums of `shape` exponentially distributed lengths, each of mean 1/rate. shape 1 is the
-    exponential distribution.
-
-    shape: a whole number, 1 or above.
-    rate: per length, above 0.
-    """
-
-    def __new__(cls, shape: SupportsIndex, rate: _Number) -> Self: ...
-    @property
-    def relaxation_length(self) -> float:
-        """X*, a length: 1/[λ(1 - cos 2π/m)], but 1/λ for shapes m up to 4."""
-
-@final
-class ExactIdentical(ClosedForm):
-    """Identical thresholds: every stretch is (y + X) mod threshold for ever, with the initial stretch y, and there
-    is no relaxation.
-
-    threshold: a length above 0.
-    """
-
-    def __new__(cls, threshold: _Number) -> Self: ...
-
-@final
-class ExactQuenched:
-    """Quenched thresholds of any distribution: each contact keeps its own for ever.
-
-    F(X)/(N_c⟨k⟩) = ∫P_c(ξ)(X mod ξ)dξ. The master equation describes annealed thresholds, so it does not apply.
-    """
-
-    def __new__(cls, thresholds: _AnyLaw) -> Self: ...
-    @overload
-    def force(self, position: float) -> float:
-        """F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break."""
-
-    @overload
-    def force(self, position: ArrayLike) -> _Array: ...
-    @property
-    def kinetic_friction(self) -> float:
-        """F_k/(N_c⟨k⟩), a length: half the mean threshold."""
-
-    @property
-    def dephasing_length(self) -> float:
-        """X_d = x̄²/(√2 πσ), a length: narrow Gaussian thresholds get out of step as exp[-(X/X_d)²]."""
-
-def kinetic_friction(thresholds: _AnyLaw, reforming: _AnyLaw | None = None) -> float:
-    """F_k/(N_c⟨k⟩) = (⟨x_s²⟩ - ⟨r²⟩)/[2(⟨x_s⟩ - ⟨r⟩)], a length, if contacts re-form below all thresholds."""
-
-def kinetic_friction_per_threshold(thresholds: _AnyLaw) -> float:
-    """F_k/(N_c κ) = ⟨x_s³⟩/(2⟨x_s⟩), a length², for stiffnesses k = κ x_s, if contacts re-form at 0."""
-
 def steady_variance(thresholds: _AnyLaw) -> float:
     """N Var(F/(N_c⟨k⟩)) = ⟨x_s³⟩/(3⟨x_s⟩) - F_k², a length², in steady sliding if contacts re-form at 0."""
 
 def steady_variance_per_threshold(thresholds: _AnyLaw) -> float:
     """The same for stiffnesses k = κ x_s: N Var(F/(N_c κ)) = ⟨x_s⁵⟩/(3⟨x_s⟩) - F_k², a length⁴."""
 
-def _restore(version: str, description: str) -> Description: ...
-def _resolve(density: Callable[[_Array], ArrayLike], boundaries: Sequence[float]) -> Series: ...
+@overload
+def velocity_curve(contacts: Contacts, velocities: float, *, progress: _Progress = None) -> float:
+    """Kinetic friction F_k of contacts at velocities: an array for a list of them, a number for a number.
+
+    velocities: numbers above 0, a length per time. Each is a separate computation; Ctrl-C stops between two of
+    them.
+    progress: as for MasterEquation.pull.
+
+    Raises ValueError for a velocity that is not above 0.
+    """
+
+@overload
+def velocity_curve(contacts: Contacts, velocities: ArrayLike, *, progress: _Progress = None) -> _Array: ...

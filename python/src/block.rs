@@ -14,8 +14,9 @@ use crate::model::Model;
 use crate::simulation::Simulation;
 use crate::stick_slip::StickSlip;
 use crate::transport::{self, Step, Transport};
+use crate::typed::argument_type;
 use crate::watch::watched;
-use crate::{error, values};
+use crate::{error, typed, values};
 
 /// The slip of a slider with mass, MẌ = K(X_T - X) - F - γẊ, from the loss of stability to the first arrest.
 ///
@@ -110,6 +111,8 @@ struct Rule(Slip);
 impl<'py> FromPyObject<'_, 'py> for Rule {
     type Error = PyErr;
 
+    argument_type!("Literal['reset', 'overdamped', 'arrest'] | Damped | Inertial");
+
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         if let Ok(inertial) = value.cast::<Inertial>() {
             let (mass, damping) = Inertial::plain(&inertial);
@@ -180,8 +183,8 @@ impl Block {
 
     /// The model of the contacts.
     #[getter]
-    fn model(&self, py: Python<'_>) -> Py<Model> {
-        self.model.clone_ref(py)
+    fn model<'py>(&self, py: Python<'py>) -> typed::BlockModel<'py> {
+        typed::BlockModel(self.model.bind(py).clone().into_any())
     }
 
     /// The shear stiffness K, force per length; inf for a rigid slider.
@@ -192,8 +195,8 @@ impl Block {
 
     /// The slip rule: "reset", "overdamped", "arrest", Damped or Inertial.
     #[getter]
-    fn slip<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        rule(Self::plain(slf).slip, slf.py())
+    fn slip<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::SlipRule<'py>> {
+        rule(Self::plain(slf).slip, slf.py()).map(typed::SlipRule)
     }
 
     /// An event is a slip if more than this fraction of the contacts of an ensemble break at one drive.
@@ -215,12 +218,12 @@ impl Block {
     ///
     /// Raises ValueError for a rigid slider, for the slip rules "reset", "overdamped" and "arrest", for a model
     /// that is not a Transport, and for a velocity that is not above 0.
-    #[pyo3(signature = (velocity, *, progress = None))]
+    #[pyo3(signature = (velocity, *, progress: "_Progress" = None))]
     fn stability<'py>(
         slf: &Bound<'py, Self>,
         velocity: f64,
         progress: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<typed::Stability<'py>> {
         let py = slf.py();
         let Some(table) = Self::table(slf) else {
             return Err(error::invalid("block.stiffness", "a finite stiffness", f64::INFINITY));
@@ -266,8 +269,8 @@ impl Block {
     /// RuntimeError if the tolerance is not reached.
     #[pyo3(
         signature = (
-            distance = None, points = Whole::new(2001), *, velocity = None, turning_points = None, force_to = None,
-            progress = None
+            distance = None, points = Whole::new(2001), *, velocity = None, turning_points: "ArrayLike | None" = None, force_to = None,
+            progress: "_Progress" = None
         ),
         text_signature = "($self, distance=None, points=2001, *, velocity=None, turning_points=None, force_to=None, progress=None)"
     )]
@@ -311,7 +314,7 @@ impl Block {
     ///
     /// Raises ValueError for no steps, another slip rule, a rigid slider, or a MasterEquation, which has one
     /// velocity.
-    #[pyo3(signature = (steps, *, progress = None))]
+    #[pyo3(signature = (steps, *, progress: "_Progress" = None))]
     fn follow(
         slf: Bound<'_, Self>,
         steps: Vec<Bound<'_, Step>>,
@@ -334,7 +337,7 @@ impl Block {
         slf: &Bound<'py, Self>,
         distance: Option<f64>,
         points: Whole,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<typed::Equilibria<'py>> {
         let curve = Self::curve(slf, "equilibrium", distance, points)?;
         values::equilibria(slf.py(), curve, Self::stiffness(slf))
     }
@@ -349,7 +352,7 @@ impl Block {
     ///
     /// Raises ValueError for a rigid slider, which has no potential.
     #[pyo3(
-        signature = (drive, distance = None, points = Whole::new(2001)),
+        signature = (drive: "ArrayLike", distance = None, points = Whole::new(2001)),
         text_signature = "($self, drive, distance=None, points=2001)"
     )]
     fn potential<'py>(
@@ -357,7 +360,7 @@ impl Block {
         drive: &Bound<'py, PyAny>,
         distance: Option<f64>,
         points: Whole,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<typed::Potential<'py>> {
         const DRIVES: Domain = Domain { what: "a drive", ..Domain::NUMBERS };
         let (drives, single) = convert::one_or_list("drive", drive, &DRIVES)?;
         let Some(stiffness) = Self::plain(slf).stiffness else {

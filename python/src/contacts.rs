@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 
 use crate::description::{Description, Plain};
 use crate::error;
-use crate::law::{AnyLaw, given};
+use crate::law::{AnyLaw, Law, given};
 use crate::rules::{Ageing, Temperature};
 
 /// Contacts described by their areas A: a contact has the stiffness k = modulus √A and breaks at the force
@@ -32,8 +32,8 @@ impl Areas {
 
     /// The distribution of areas, in units of length².
     #[getter]
-    fn law<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Plain::Law(Self::plain(slf).law.clone()).object(slf.py())
+    fn law<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Law>> {
+        Plain::Law(Self::plain(slf).law.clone()).instance(slf.py())
     }
 
     /// The stiffness divided by the square root of the area, force per length².
@@ -124,36 +124,36 @@ impl Contacts {
 
     /// The distribution P_c of the stretches at which contacts break; None for contacts described by their areas.
     #[getter]
-    fn thresholds<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn thresholds<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, Law>>> {
         let law = Self::plain(slf).thresholds.clone();
-        law.map(|law| Plain::Law(law).object(slf.py())).transpose()
+        law.map(|law| Plain::Law(law).instance(slf.py())).transpose()
     }
 
     /// The distribution R of the stretches at which contacts re-form.
     #[getter]
-    fn reforming<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Plain::Law(Self::plain(slf).reforming.clone()).object(slf.py())
+    fn reforming<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Law>> {
+        Plain::Law(Self::plain(slf).reforming.clone()).instance(slf.py())
     }
 
     /// The areas from which thresholds and stiffnesses follow, or None.
     #[getter]
-    fn areas<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn areas<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, Areas>>> {
         let areas = Self::plain(slf).areas.clone();
-        areas.map(|areas| Plain::Areas(areas).object(slf.py())).transpose()
+        areas.map(|areas| Plain::Areas(areas).instance(slf.py())).transpose()
     }
 
     /// The temperature of thermally activated breaking, or None.
     #[getter]
-    fn temperature<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn temperature<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, Temperature>>> {
         let temperature = Self::plain(slf).temperature;
-        temperature.map(|temperature| Plain::Temperature(temperature).object(slf.py())).transpose()
+        temperature.map(|temperature| Plain::Temperature(temperature).instance(slf.py())).transpose()
     }
 
     /// The model of ageing, or None.
     #[getter]
-    fn ageing<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn ageing<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, Ageing>>> {
         let ageing = Self::plain(slf).ageing.clone();
-        ageing.map(|ageing| Plain::Ageing(ageing).object(slf.py())).transpose()
+        ageing.map(|ageing| Plain::Ageing(ageing).instance(slf.py())).transpose()
     }
 
     /// The time for which a broken contact is detached before it re-forms.

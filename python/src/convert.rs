@@ -21,6 +21,7 @@ use toml::Value;
 
 use crate::description::Description;
 use crate::error::{self, invalid, wrong_type};
+use crate::typed::argument_type;
 use crate::watch::{report, watched};
 
 /// Values computed between two checks for signals.
@@ -253,6 +254,8 @@ pub struct Seed(pub u64);
 impl<'py> FromPyObject<'_, 'py> for Seed {
     type Error = PyErr;
 
+    argument_type!("_Seed");
+
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         const EXPECTED: &str = "a whole number from 0 to 2^63 - 1, or a numpy.random.Generator";
         static GENERATOR: Import = Import::new("numpy.random", "Generator");
@@ -288,6 +291,8 @@ impl Whole {
 impl<'py> FromPyObject<'_, 'py> for Whole {
     type Error = PyErr;
 
+    argument_type!("SupportsIndex");
+
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         match value.extract() {
             Ok(number) => Ok(Self(Ok(number))),
@@ -304,6 +309,8 @@ pub struct Size(pub Vec<usize>);
 
 impl<'py> FromPyObject<'_, 'py> for Size {
     type Error = PyErr;
+
+    argument_type!("SupportsIndex | Sequence[SupportsIndex]");
 
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         let refused = |error: PyErr| {

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use toml::Value;
 
 use crate::interface::Surface;
-use crate::{block, contacts, ensemble, equation, interface, law, rules, transport};
+use crate::{block, contacts, ensemble, equation, interface, law, rules, transport, typed};
 
 /// The plain values of a description, as in a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,6 +61,11 @@ impl Plain {
     /// The object with this description.
     pub fn object<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.class(py).call((), Some(&self.arguments(py)?))
+    }
+
+    /// The object with this description, of a given class.
+    pub fn instance<'py, T: pyo3::PyTypeInfo>(&self, py: Python<'py>) -> PyResult<Bound<'py, T>> {
+        Ok(self.object(py)?.cast_into()?)
     }
 
     fn class<'py>(&self, py: Python<'py>) -> Bound<'py, PyType> {
@@ -145,30 +150,30 @@ impl Description {
 impl Description {
     /// The arguments that create an equal object, by name, without those that have their default.
     #[getter]
-    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.plain.arguments(py)
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<typed::Values<'py>> {
+        Ok(typed::Values(self.plain.arguments(py)?.into_any()))
     }
 
     /// A copy with some of the arguments replaced.
     ///
     /// Raises ValueError or TypeError as the class itself does.
-    #[pyo3(signature = (**changes))]
+    #[pyo3(signature = (**changes: "Any"))]
     fn replace<'py>(
         slf: &Bound<'py, Self>,
         changes: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<typed::Same<'py>> {
         let arguments = slf.get().plain.arguments(slf.py())?;
         if let Some(changes) = changes {
             arguments.update(changes.as_mapping())?;
         }
-        slf.get_type().call((), Some(&arguments))
+        slf.get_type().call((), Some(&arguments)).map(typed::Same)
     }
 
-    #[pyo3(signature = (**changes))]
+    #[pyo3(signature = (**changes: "Any"))]
     fn __replace__<'py>(
         slf: &Bound<'py, Self>,
         changes: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<typed::Same<'py>> {
         Self::replace(slf, changes)
     }
 
@@ -190,6 +195,7 @@ impl Description {
         show(slf, "html")
     }
 
+    #[pyo3(signature = () -> "tuple[Any, tuple[str, str]]")]
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let restore = slf.py().import("asperity._core")?.getattr("_restore")?;
         Ok((restore, (VERSION, slf.get().json()?).into_pyobject(slf.py())?))
@@ -208,6 +214,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The description that was pickled.
 #[pyfunction(name = "_restore")]
+#[pyo3(signature = (version, description) -> "Description")]
 pub fn restore<'py>(py: Python<'py>, version: &str, description: &str) -> PyResult<Bound<'py, PyAny>> {
     if version != VERSION {
         let text =

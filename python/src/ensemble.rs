@@ -12,13 +12,13 @@ use pyo3::types::PyDict;
 use crate::contacts::Contacts;
 use crate::convert::{self, Seed, Whole};
 use crate::description::{Interface, Plain};
-use crate::error;
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, interface, interface_arguments};
 use crate::record::Record;
 use crate::simulation::Simulation;
 use crate::transport::{self, Step};
 use crate::watch::watched;
+use crate::{error, typed};
 
 /// Random contacts followed one by one (Monte Carlo): the earthquake-like model.
 ///
@@ -40,8 +40,8 @@ impl Ensemble {
     #[new]
     #[pyo3(
         signature = (
-            contacts, initial = None, *, size = Whole::new(100_000), seed = Seed(1), disorder = "annealed",
-            start = "conditional"
+            contacts, initial = None, *, size = Whole::new(100_000), seed = Seed(1), disorder: "Literal['annealed', 'quenched']" = "annealed",
+            start: "Literal['conditional', 'relaxed']" = "conditional"
         ),
         text_signature = "(contacts, initial=None, *, size=100000, seed=1, disorder='annealed', start='conditional')"
     )]
@@ -79,8 +79,8 @@ impl Ensemble {
 
     /// The kind of disorder, "annealed" or "quenched".
     #[getter]
-    fn disorder(slf: &Bound<'_, Self>) -> &'static str {
-        convert::disorder(Self::plain(slf).disorder)
+    fn disorder(slf: &Bound<'_, Self>) -> typed::DisorderWord {
+        typed::DisorderWord(convert::disorder(Self::plain(slf).disorder))
     }
 
     /// Returns a simulation of the contacts under a rigid slider that advances step by step, at X = 0.
@@ -101,8 +101,8 @@ impl Ensemble {
     /// Raises ValueError for invalid values, MemoryError for results that do not fit.
     #[pyo3(
         signature = (
-            distance = 20.0, points = Whole::new(2001), *, velocity = None, snapshots = None, edges = None,
-            progress = None
+            distance = 20.0, points = Whole::new(2001), *, velocity = None, snapshots: "ArrayLike | None" = None, edges: "ArrayLike | None" = None,
+            progress: "_Progress" = None
         ),
         text_signature = "($self, distance=20.0, points=2001, *, velocity=None, snapshots=None, edges=None, progress=None)"
     )]
@@ -151,7 +151,7 @@ impl Ensemble {
     /// fraction: contacts that are broken and have not yet re-formed.
     ///
     /// Raises ValueError for no steps, and for ageing by MeanField, which is not a rule for a single contact.
-    #[pyo3(signature = (steps, *, progress = None))]
+    #[pyo3(signature = (steps, *, progress: "_Progress" = None))]
     fn follow(
         slf: &Bound<'_, Self>,
         steps: Vec<Bound<'_, Step>>,
@@ -239,8 +239,8 @@ impl EnsemblePull {
 
     /// The standard error of the force, shape (points,), from the variance between contacts; nan for one contact.
     #[getter]
-    fn force_error<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.get_item("force_error")
+    fn force_error<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::Array<'py>> {
+        slf.get_item("force_error").map(typed::Array)
     }
 
     /// The number of breaks up to the end, including those of a relaxed start at X = 0.

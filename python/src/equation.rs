@@ -17,7 +17,7 @@ use crate::model::{Model, interface, interface_arguments};
 use crate::pull::Pull;
 use crate::simulation::Simulation;
 use crate::watch::watched;
-use crate::{error, values};
+use crate::{error, typed, values};
 
 /// The master equation of contacts and their initial state.
 ///
@@ -45,7 +45,7 @@ pub struct MasterEquation {
 #[pymethods]
 impl MasterEquation {
     #[new]
-    #[pyo3(signature = (contacts, initial = None, *, velocity = None, start = "conditional", tolerance = None))]
+    #[pyo3(signature = (contacts, initial = None, *, velocity = None, start: "Literal['conditional', 'relaxed']" = "conditional", tolerance = None))]
     fn new(
         py: Python<'_>,
         contacts: &Bound<'_, Contacts>,
@@ -100,7 +100,7 @@ impl MasterEquation {
     /// Raises ValueError for invalid values, MemoryError for too many point masses or samples, RuntimeError if the
     /// tolerance is not reached.
     #[pyo3(
-        signature = (distance = 20.0, points = Whole::new(2001), *, progress = None),
+        signature = (distance = 20.0, points = Whole::new(2001), *, progress: "_Progress" = None),
         text_signature = "($self, distance=20.0, points=2001, *, progress=None)"
     )]
     fn pull(
@@ -190,12 +190,12 @@ impl SteadyState {
     ///
     /// stretches: a list of n stretches, or None for an automatic choice that resolves it. The result has `stretch`
     /// and `density` of shape (n,), and `atoms`.
-    #[pyo3(signature = (stretches = None))]
+    #[pyo3(signature = (stretches: "ArrayLike | None" = None))]
     fn stretch_density<'py>(
         &self,
         py: Python<'py>,
         stretches: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<typed::StretchDensity<'py>> {
         let stretches = self.equation.get().stretches(stretches, &[])?;
         let found = watched(None, py, |monitor| self.steady.stretch_density_with(&stretches, monitor))?;
         values::stretches(py, stretches, found)
@@ -217,8 +217,8 @@ pub struct Relaxation {
 impl Relaxation {
     /// The roots s_j with Im s_j > 0, slowest first: a complex array of shape (n,), per length.
     #[getter]
-    fn roots<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        self.relaxation.roots().to_pyarray(py).into_any()
+    fn roots<'py>(&self, py: Python<'py>) -> typed::ComplexArray<'py> {
+        typed::ComplexArray(self.relaxation.roots().to_pyarray(py).into_any())
     }
 
     /// The relaxation length X* = -1/Re s_1, over which the initial state is forgotten; inf if the force never
@@ -244,6 +244,7 @@ impl Relaxation {
     }
 
     /// F(X) from the expansion, a force, for positions from `valid_from` on.
+    #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let valid = self.relaxation.valid_from();
         if valid.is_infinite() {

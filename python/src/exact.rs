@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyComplex;
 
 use crate::convert::{Domain, Whole, evaluate};
-use crate::error;
 use crate::law::{AnyLaw, built};
+use crate::{error, typed};
 
 /// A friction curve F(X) in closed form, per total stiffness: F/(N_c⟨k⟩), the mean stretch, a length.
 ///
@@ -32,11 +32,13 @@ fn checked<F: exact::ClosedForm + Copy + Send + Sync + 'static>(
 #[pymethods]
 impl ClosedForm {
     /// F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break.
+    #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.form.reach()), |x| self.form.force(x))
     }
 
     /// F'(X)/(N_c⟨k⟩) from the right, a number.
+    #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn slope<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.form.reach()), |x| self.form.slope(x))
     }
@@ -49,7 +51,7 @@ impl ClosedForm {
 
     /// The maximum F_s/(N_c⟨k⟩) with its position X_s, both lengths; None if F only rises.
     #[getter]
-    fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::StaticFriction<'py>>> {
         let peak = self.form.static_friction();
         peak.map(|(position, force)| crate::values::static_friction(py, force, position)).transpose()
     }
@@ -67,7 +69,7 @@ impl ClosedForm {
 /// initial_mean, initial_std: of the stretches at X = 0, 0 or above.
 ///
 /// The distributions are not truncated at 0, unlike those of the solvers.
-#[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
+#[pyclass(frozen, extends = ClosedForm, name = "ExactGaussian", module = "asperity.exact")]
 pub struct Gaussian(exact::Gaussian);
 
 #[pymethods]
@@ -81,6 +83,7 @@ impl Gaussian {
 
     /// The variance of the stretch of one contact at X, a length²: the force of N_c independent contacts has the
     /// standard deviation N_c⟨k⟩√(variance/N_c).
+    #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn variance<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.variance(x))
     }
@@ -110,7 +113,7 @@ impl Gaussian {
 }
 
 /// Thresholds uniformly distributed from min, 0 or above, to max, above min.
-#[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
+#[pyclass(frozen, extends = ClosedForm, name = "ExactRectangular", module = "asperity.exact")]
 pub struct Rectangular(exact::Rectangular);
 
 #[pymethods]
@@ -131,7 +134,7 @@ impl Rectangular {
 ///
 /// shape: a whole number, 1 or above.
 /// rate: per length, above 0.
-#[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
+#[pyclass(frozen, extends = ClosedForm, name = "ExactErlang", module = "asperity.exact")]
 pub struct Erlang(exact::Erlang);
 
 #[pymethods]
@@ -157,7 +160,7 @@ impl Erlang {
 /// is no relaxation.
 ///
 /// threshold: a length above 0.
-#[pyclass(frozen, extends = ClosedForm, module = "asperity.exact")]
+#[pyclass(frozen, extends = ClosedForm, name = "ExactIdentical", module = "asperity.exact")]
 pub struct Identical(exact::Identical);
 
 #[pymethods]
@@ -176,7 +179,7 @@ impl Identical {
 /// Quenched thresholds of any distribution: each contact keeps its own for ever.
 ///
 /// F(X)/(N_c⟨k⟩) = ∫P_c(ξ)(X mod ξ)dξ. The master equation describes annealed thresholds, so it does not apply.
-#[pyclass(frozen, module = "asperity.exact")]
+#[pyclass(frozen, name = "ExactQuenched", module = "asperity.exact")]
 pub struct Quenched(exact::Quenched);
 
 #[pymethods]
@@ -187,6 +190,7 @@ impl Quenched {
     }
 
     /// F(X)/(N_c⟨k⟩), a length; where contacts break simultaneously, after the break.
+    #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &Domain::positions(self.0.reach()), |x| self.0.force(x))
     }
@@ -245,4 +249,17 @@ pub fn steady_variance(thresholds: AnyLaw) -> PyResult<f64> {
 #[pyfunction]
 pub fn steady_variance_per_threshold(thresholds: AnyLaw) -> PyResult<f64> {
     Ok(exact::steady_variance_per_threshold(built(thresholds)?.as_ref()))
+}
+
+/// Gives classes their names in `asperity.exact`, `Gaussian` for `ExactGaussian`: in the module that holds all classes, distributions
+/// have these names.
+pub fn name_classes(py: Python<'_>) -> PyResult<()> {
+    let families = [py.get_type::<Gaussian>(), py.get_type::<Rectangular>(), py.get_type::<Erlang>()];
+    for class in families.iter().chain(&[py.get_type::<Identical>(), py.get_type::<Quenched>()]) {
+        let name = class.name()?.to_string();
+        let name = name.trim_start_matches("Exact");
+        class.setattr("__name__", name)?;
+        class.setattr("__qualname__", name)?;
+    }
+    Ok(())
 }

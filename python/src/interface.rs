@@ -12,9 +12,10 @@ use crate::description::{Description, Plain};
 use crate::law::{AnyLaw, given};
 use crate::model::{interface, interface_arguments};
 use crate::result::{self, Result};
-use crate::simulation::{self, Looked, Simulation};
+use crate::simulation::Simulation;
+use crate::stretches::StretchGrid;
 use crate::watch::watched;
-use crate::{description, error, values};
+use crate::{description, error, simulated, typed, values};
 
 /// A deformable interface, and the initial state of its contacts.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -73,8 +74,8 @@ impl Deformable {
     /// Raises ValueError for invalid values, or for more results than fit in a file.
     #[pyo3(
         signature = (
-            distance = 20.0, points = Whole::new(2001), *, velocity = None, tolerance = None, maps = None,
-            catalogue_from = 0.0, progress = None
+            distance = 20.0, points = Whole::new(2001), *, velocity = None, tolerance = None, maps: "ArrayLike | None" = None,
+            catalogue_from = 0.0, progress: "_Progress" = None
         ),
         text_signature = "($self, distance=20.0, points=2001, *, velocity=None, tolerance=None, maps=None, catalogue_from=0.0, progress=None)"
     )]
@@ -117,16 +118,16 @@ impl Deformable {
         tolerance: Option<f64>,
     ) -> PyResult<Simulation> {
         let surface = Self::plain(slf);
-        let live =
-            watched(None, slf.py(), |monitor| simulation::deformable(surface, velocity, tolerance, monitor))?;
+        let simulated =
+            watched(None, slf.py(), |monitor| simulated::interface(surface, velocity, tolerance, monitor))?;
         let shape = surface.own.cells.clone();
-        Simulation::new(slf.as_super(), (velocity, tolerance), shape, live)
+        Simulation::new(slf.as_super(), (velocity, tolerance), shape, simulated)
     }
 
     /// The contacts.
     #[getter]
-    fn contacts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Plain::Contacts(Self::plain(slf).contacts.contacts.clone()).object(slf.py())
+    fn contacts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Contacts>> {
+        Plain::Contacts(Self::plain(slf).contacts.contacts.clone()).instance(slf.py())
     }
 
     /// The length of a chain, or rows and columns of a lattice.
@@ -184,9 +185,9 @@ impl Interface {
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     #[pyo3(
         signature = (
-            contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, edges = "open",
-            loading = "uniform", slip = "reset", viscosity = None, disorder = None, seed = Seed(1),
-            drive_tolerance = 1e-6, size = None, quenched = false, start = "conditional"
+            contacts, cells, initial = None, *, connection, neighbours = None, half_space = None, edges: "Literal['open', 'periodic']" = "open",
+            loading: "Literal['uniform', 'edge']" = "uniform", slip: "Literal['reset', 'overdamped']" = "reset", viscosity = None, disorder: "_Number | ArrayLike | None" = None, seed = Seed(1),
+            drive_tolerance = 1e-6, size = None, quenched = false, start: "Literal['conditional', 'relaxed']" = "conditional"
         ),
         text_signature = "(contacts, cells, initial=None, *, connection, neighbours=None, half_space=None, edges='open', loading='uniform', slip='reset', viscosity=None, disorder=None, seed=1, drive_tolerance=1e-6, size=None, quenched=False, start='conditional')"
     )]
@@ -251,7 +252,7 @@ impl Interface {
     ///
     /// Raises ValueError for a cell that does not exist, and for invalid values.
     #[pyo3(
-        signature = (cell, stretches = None, *, at, velocity = None, edges = None, progress = None),
+        signature = (cell, stretches: "ArrayLike | None" = None, *, at, velocity = None, edges: "ArrayLike | None" = None, progress: "_Progress" = None),
         text_signature = "($self, cell, stretches=None, *, at, velocity=None, edges=None, progress=None)"
     )]
     fn stretch_density<'py>(
@@ -262,10 +263,10 @@ impl Interface {
         velocity: Option<f64>,
         edges: Option<&Bound<'py, PyAny>>,
         progress: Option<Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<typed::StretchDensity<'py>> {
         let py = slf.py();
-        let (cell, looked) = (cell.get("cell")?, Looked::of(stretches, edges)?);
-        if matches!(looked, Looked::Default) {
+        let (cell, grid) = (cell.get("cell")?, StretchGrid::new(stretches, edges)?);
+        if matches!(grid, StretchGrid::Default) {
             return Err(error::invalid("stretches", "either stretches or edges", "neither"));
         }
         if !(at.is_finite() && at >= 0.0) {
@@ -273,9 +274,9 @@ impl Interface {
         }
         let surface = Deformable::plain(slf.as_super());
         let (stretches, found) = watched(progress, py, |monitor| {
-            let mut driven = simulation::built(surface, velocity, None, monitor)?;
-            driven.advance(at, monitor)?;
-            driven.look(cell, looked, monitor)
+            let mut simulated = simulated::unrelaxed_interface(surface, velocity, None, monitor)?;
+            simulated.advance(at, monitor)?;
+            simulated.stretch_density(cell, grid, monitor)
         })?;
         values::stretches(py, stretches, found)
     }
@@ -321,8 +322,8 @@ impl Lattice {
     #[expect(clippy::too_many_arguments, reason = "they are named in Python")]
     #[pyo3(
         signature = (
-            contacts, cells, initial = None, *, neighbours, connection, edges = "open", seed = Seed(1),
-            disorder = "annealed", start = "conditional"
+            contacts, cells, initial = None, *, neighbours, connection, edges: "Literal['open', 'periodic']" = "open", seed = Seed(1),
+            disorder: "Literal['annealed', 'quenched']" = "annealed", start: "Literal['conditional', 'relaxed']" = "conditional"
         ),
         text_signature = "(contacts, cells, initial=None, *, neighbours, connection, edges='open', seed=1, disorder='annealed', start='conditional')"
     )]

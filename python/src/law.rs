@@ -13,8 +13,9 @@ use pyo3::types::{PyDict, PyType};
 
 use crate::convert::{self, Domain, Import, Seed, Size, Whole, evaluate};
 use crate::description::{Description, Plain};
+use crate::typed::argument_type;
 use crate::watch::{report, watched};
-use crate::{error, values};
+use crate::{error, typed, values};
 
 /// Random numbers drawn between two checks for signals.
 const PIECE: usize = 1 << 14;
@@ -41,43 +42,50 @@ fn describe(law: scenario::Law) -> PyResult<PyClassInitializer<Law>> {
 impl Law {
     /// The point masses: positions and weights, each an array of shape (n,).
     #[getter]
-    fn atoms<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn atoms<'py>(&self, py: Python<'py>) -> PyResult<typed::Atoms<'py>> {
         values::atoms(py, &self.built.atoms())
     }
 
     /// The density p(x) without point masses, per length; 0 for x < 0.
+    #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn pdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.density(x))
     }
 
     /// The cumulative distribution function P(ξ ≤ x), accurate to all digits also where it is small.
+    #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn cdf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.cumulative(x))
     }
 
     /// The survival S(x) = P(ξ > x), accurate to all digits also where it is small.
+    #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn sf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.survival(x))
     }
 
     /// ln S(x), accurate also where S underflows; -inf where S is 0.
+    #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn logsf<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.ln_survival(x))
     }
 
     /// The hazard p(x)/S(x), per length: the fraction of contacts of stretch x that break per unit displacement
     /// (Braun and Peyrard 2008, the P(x) of Eq. 3); inf where S is 0.
+    #[pyo3(signature = (x: "float; ArrayLike") -> "float; _Array")]
     fn hazard<'py>(&self, x: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("x", x, &Domain::NUMBERS, |x| self.built.hazard(x))
     }
 
     /// The quantile: the smallest x with P(ξ ≤ x) ≥ q, for q from 0 to 1.
+    #[pyo3(signature = (q: "float; ArrayLike") -> "float; _Array")]
     fn ppf<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.quantile(q))
     }
 
     /// The upper quantile: the smallest x with S(x) ≤ q, for q from 0 to 1; accurate for tiny q, for which ppf(1 -
     /// q) is not.
+    #[pyo3(signature = (q: "float; ArrayLike") -> "float; _Array")]
     fn isf<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("q", q, &Domain::PROBABILITIES, |q| self.built.upper_quantile(q))
     }
@@ -86,7 +94,7 @@ impl Law {
     ///
     /// The seed is a whole number below 2^63, which always gives the same numbers, or a numpy.random.Generator,
     /// from which one such number is drawn.
-    #[pyo3(signature = (size = None, *, seed))]
+    #[pyo3(signature = (size: "None; SupportsIndex | Sequence[SupportsIndex]" = None, *, seed) -> "float; _Array")]
     fn rvs<'py>(&self, py: Python<'py>, size: Option<Size>, seed: Seed) -> PyResult<Bound<'py, PyAny>> {
         let shape = size.map(|size| size.0);
         let count = shape.iter().flatten().try_fold(1_usize, |count, &length| count.checked_mul(length));
@@ -139,6 +147,8 @@ pub struct AnyLaw(pub scenario::Law);
 impl<'py> FromPyObject<'_, 'py> for AnyLaw {
     type Error = PyErr;
 
+    argument_type!("_AnyLaw");
+
     fn extract(value: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         static MADE: Import = Import::new("asperity._bridge", "law");
         if let Ok(law) = value.cast::<Law>() {
@@ -177,12 +187,6 @@ macro_rules! laws {
             }
         }
     )+
-
-        /// Adds all classes of distributions.
-        pub fn add_classes(module: &Bound<'_, PyModule>) -> PyResult<()> {
-            $(module.add_class::<$name>()?;)+
-            Ok(())
-        }
     };
 }
 
@@ -209,7 +213,7 @@ laws! {
     /// stretch, density: lists of equal length; the density is linear between them, 0 outside, and normalised.
     /// samples: a list of equally likely values; quantiles are linear between them (as in numpy.quantile).
     /// Give either stretch and density, or samples.
-    Tabulated(*, stretch = None, density = None, samples = None) {
+    Tabulated(*, stretch: "ArrayLike | None" = None, density: "ArrayLike | None" = None, samples: "ArrayLike | None" = None) {
         stretch: Option<Bound<'_, PyAny>>, density: Option<Bound<'_, PyAny>>, samples: Option<Bound<'_, PyAny>>
     } => table(stretch, density, samples)?;
     /// A density that is a polynomial in each of several cells, given as Legendre series and normalised.
@@ -221,7 +225,7 @@ laws! {
     /// this tail, such as the relaxation length, are then nan.
     ///
     /// asperity.law makes a Series from any distribution of scipy.stats.
-    Series(boundaries, coefficients, *, cut = 0.0) {
+    Series(boundaries: "ArrayLike", coefficients: "Sequence[ArrayLike]", *, cut = 0.0) {
         boundaries: Bound<'_, PyAny>, coefficients: Vec<Bound<'_, PyAny>>, cut: f64
     } => series(&boundaries, &coefficients, cut)?;
     /// A mixture: a list of pairs (weight, distribution), with weights above 0 that sum to 1.
@@ -281,6 +285,7 @@ pub fn critical_coupling(law: AnyLaw) -> PyResult<f64> {
 
 /// The distribution of a density that is called with arrays of points, accurate to rounding.
 #[pyfunction(name = "_resolve")]
+#[pyo3(signature = (density: "Callable[[_Array], ArrayLike]", boundaries: "Sequence[float]"))]
 pub fn resolve<'py>(density: &Bound<'py, PyAny>, boundaries: Vec<f64>) -> PyResult<Bound<'py, Series>> {
     let py = density.py();
     let mut raised = None;

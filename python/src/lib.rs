@@ -16,10 +16,13 @@ mod pull;
 mod record;
 mod result;
 mod rules;
+mod simulated;
 mod simulation;
 mod stick_slip;
+mod stretches;
 mod threads;
 mod transport;
+mod typed;
 mod values;
 mod watch;
 
@@ -27,8 +30,6 @@ mod watch;
 #[pyo3::pymodule]
 mod _core {
     use pyo3::prelude::*;
-
-    use crate::{exact, law};
 
     #[pymodule_export]
     use crate::block::{Block, Damped, Inertial};
@@ -42,12 +43,17 @@ mod _core {
     use crate::equation::{MasterEquation, Relaxation, SteadyState};
     #[pymodule_export]
     use crate::exact::{
-        kinetic_friction, kinetic_friction_per_threshold, steady_variance, steady_variance_per_threshold,
+        ClosedForm, Erlang as ExactErlang, Gaussian as ExactGaussian, Identical, Quenched,
+        Rectangular as ExactRectangular, kinetic_friction, kinetic_friction_per_threshold, steady_variance,
+        steady_variance_per_threshold,
     };
     #[pymodule_export]
     use crate::interface::{Deformable, Interface, Lattice};
     #[pymodule_export]
-    use crate::law::{Law, critical_coupling, resolve};
+    use crate::law::{
+        Exponential, Gamma, Gaussian, Law, Lognormal, Mixture, Point, Rectangular, Renormalised, Series,
+        Tabulated, Weibull, critical_coupling, resolve,
+    };
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
@@ -69,16 +75,8 @@ mod _core {
     #[expect(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
-    /// Closed forms have the names of distributions, in a module of their own.
     #[pymodule_init]
-    fn add_classes(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        law::add_classes(module)?;
-        let py = module.py();
-        module.add("ClosedForm", py.get_type::<exact::ClosedForm>())?;
-        module.add("ExactGaussian", py.get_type::<exact::Gaussian>())?;
-        module.add("ExactRectangular", py.get_type::<exact::Rectangular>())?;
-        module.add("ExactErlang", py.get_type::<exact::Erlang>())?;
-        module.add("ExactIdentical", py.get_type::<exact::Identical>())?;
-        module.add("ExactQuenched", py.get_type::<exact::Quenched>())
+    fn name_classes(py: Python<'_>) -> PyResult<()> {
+        crate::exact::name_classes(py)
     }
 }

@@ -13,11 +13,12 @@ use crate::contacts::Contacts;
 use crate::description::{Description, Interface, Plain};
 use crate::ensemble::Ensemble;
 use crate::equation::MasterEquation;
-use crate::law::{AnyLaw, given};
-use crate::simulation::{self, Live, Simulation, SliderContacts};
+use crate::law::{AnyLaw, Law, given};
+use crate::simulated::{self, Simulated, SliderContacts};
+use crate::simulation::Simulation;
 use crate::transport::Transport;
 use crate::watch::watched;
-use crate::{convert, error};
+use crate::{convert, error, typed};
 
 /// The components of a model.
 pub fn interface(
@@ -65,7 +66,7 @@ impl Model {
     }
 
     /// The contacts under a slider, to be driven step by step.
-    pub fn simulated(model: &Bound<'_, Self>, slider: &block::Block) -> PyResult<Box<dyn Live>> {
+    pub fn simulated(model: &Bound<'_, Self>, slider: &block::Block) -> PyResult<Box<dyn Simulated>> {
         let solver = Self::solver(model);
         let contacts = match solver {
             Solver::Ensemble(ensemble) => SliderContacts::Followed(ensemble.size()),
@@ -75,7 +76,7 @@ impl Model {
             },
         };
         watched(None, model.py(), |monitor| {
-            simulation::slider(slider, solver.population(monitor)?, contacts, monitor)
+            simulated::slider(slider, solver.population(monitor)?, contacts, monitor)
         })
     }
 
@@ -166,19 +167,19 @@ impl Solver<'_> {
 impl Model {
     /// The contacts.
     #[getter]
-    fn contacts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Plain::Contacts(Self::plain(slf).contacts.clone()).object(slf.py())
+    fn contacts<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Contacts>> {
+        Plain::Contacts(Self::plain(slf).contacts.clone()).instance(slf.py())
     }
 
     /// The distribution Q_ini of stretches at X = 0.
     #[getter]
-    fn initial<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        Plain::Law(Self::plain(slf).initial.clone()).object(slf.py())
+    fn initial<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, Law>> {
+        Plain::Law(Self::plain(slf).initial.clone()).instance(slf.py())
     }
 
     /// The kind of the initial state, "conditional" or "relaxed".
     #[getter]
-    fn start(slf: &Bound<'_, Self>) -> &'static str {
-        convert::start(Self::plain(slf).start)
+    fn start(slf: &Bound<'_, Self>) -> typed::StartWord {
+        typed::StartWord(convert::start(Self::plain(slf).start))
     }
 }

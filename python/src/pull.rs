@@ -11,7 +11,7 @@ use crate::convert::{self, Domain, evaluate};
 use crate::equation::MasterEquation;
 use crate::record::Record;
 use crate::watch::{detached, watched};
-use crate::{error, values};
+use crate::{error, typed, values};
 
 /// A pull: the slider's base is displaced from X = 0, by the master equation. Forces are total forces of all
 /// N_c contacts.
@@ -61,13 +61,13 @@ impl Pull {
 
     /// The fraction of contacts breaking per length at the positions, shape (points,), without simultaneous breaks.
     #[getter]
-    fn breaking_rate<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.get_item("breaking_rate")
+    fn breaking_rate<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::Array<'py>> {
+        slf.get_item("breaking_rate").map(typed::Array)
     }
 
     /// Positions at which contacts break simultaneously, and the fractions that do, each of shape (n,).
     #[getter]
-    fn breaking_atoms<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn breaking_atoms<'py>(&self, py: Python<'py>) -> PyResult<typed::Atoms<'py>> {
         values::atoms(py, self.pull.breaking_atoms())
     }
 
@@ -80,7 +80,7 @@ impl Pull {
     /// The static friction F_s, the highest force of the pull, with its position X_s; None if the force still rises
     /// at the end, or never decreases.
     #[getter]
-    fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::StaticFriction<'py>>> {
         let peak = detached(py, || self.pull.static_friction());
         peak.map(|peak| values::static_friction(py, peak.value, peak.position)).transpose()
     }
@@ -113,20 +113,24 @@ impl Pull {
     }
 
     /// F(X), for positions from 0 to the distance.
+    #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn force_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &self.positions(), |x| self.pull.force(x))
     }
 
+    #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn __call__<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         self.force_at(position)
     }
 
     /// dF/dX from the right, force per length, for positions from 0 to the distance.
+    #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn slope_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &self.positions(), |x| self.pull.slope(x))
     }
 
     /// The fraction of contacts breaking per length, for positions from 0 to the distance.
+    #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
     fn breaking_rate_at<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         evaluate("position", position, &self.positions(), |x| self.pull.breaking_rate(x))
     }
@@ -135,7 +139,7 @@ impl Pull {
     ///
     /// at: positions from 0 to the distance, or None for those of `position`. Contacts under a rigid drive are
     /// independent, so the result is exact.
-    #[pyo3(signature = (size, at = None))]
+    #[pyo3(signature = (size, at: "float; ArrayLike | None" = None) -> "float; _Array")]
     fn force_std<'py>(
         slf: &Bound<'py, Self>,
         size: f64,
@@ -155,13 +159,13 @@ impl Pull {
     ///
     /// The result has `stretch` of shape (n,); `density` of shape (n,) or (m, n); and `atoms`, the point masses at
     /// the position, or a list of them for a list of positions.
-    #[pyo3(signature = (at, stretches = None))]
+    #[pyo3(signature = (at: "ArrayLike", stretches: "ArrayLike | None" = None))]
     fn stretch_density<'py>(
         &self,
         py: Python<'py>,
         at: &Bound<'py, PyAny>,
         stretches: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<typed::StretchDensity<'py>> {
         let (positions, single) = convert::one_or_list("at", at, &self.positions())?;
         let stretches = self.equation.get().stretches(stretches, &positions)?;
         let mut found = Vec::with_capacity(positions.len());

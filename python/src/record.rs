@@ -7,7 +7,7 @@ use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::{convert, values};
+use crate::{convert, typed, values};
 
 /// Description of the values of a column, and the array that owns them.
 struct Column {
@@ -69,13 +69,13 @@ impl Record {
 
 #[pymethods]
 impl Record {
-    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<typed::Array<'py>> {
         let found = self.columns.iter().find(|column| column.name == name);
         let unknown = || {
             let names: Vec<_> = self.names().collect();
             PyKeyError::new_err(format!("expected one of {}, got {name}", names.join(", ")))
         };
-        found.map(|column| column.values.bind(py).clone()).ok_or_else(unknown)
+        found.map(|column| typed::Array(column.values.bind(py).clone())).ok_or_else(unknown)
     }
 
     fn __contains__(&self, name: &Bound<'_, PyAny>) -> bool {
@@ -86,50 +86,54 @@ impl Record {
         self.columns.len()
     }
 
-    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        Ok(self.keys().into_pyobject(py)?.try_iter()?.into_any())
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<typed::Names<'py>> {
+        Ok(typed::Names(self.keys().into_pyobject(py)?.try_iter()?.into_any()))
     }
 
     /// The names of the variables.
+    #[pyo3(signature = () -> "KeysView[str]")]
     fn keys(&self) -> Vec<&str> {
         self.names().collect()
     }
 
     /// The arrays of the variables.
-    fn values<'py>(&self, py: Python<'py>) -> Vec<Bound<'py, PyAny>> {
-        self.columns.iter().map(|column| column.values.bind(py).clone()).collect()
+    #[pyo3(signature = () -> "ValuesView[_Array]")]
+    fn values<'py>(&self, py: Python<'py>) -> Vec<typed::Array<'py>> {
+        self.columns.iter().map(|column| typed::Array(column.values.bind(py).clone())).collect()
     }
 
     /// Names and arrays of the variables.
-    fn items<'py>(&self, py: Python<'py>) -> Vec<(&str, Bound<'py, PyAny>)> {
+    #[pyo3(signature = () -> "ItemsView[str, _Array]")]
+    fn items<'py>(&self, py: Python<'py>) -> Vec<(&str, typed::Array<'py>)> {
         self.names().zip(self.values(py)).collect()
     }
 
     /// The array called key, or default.
-    #[pyo3(signature = (key, default = None, /))]
+    #[pyo3(signature = (key, default: "None; _Array | _T" = None, /) -> "_Array | None; _Array | _T")]
     fn get<'py>(
         &self,
         py: Python<'py>,
         key: &str,
         default: Option<Bound<'py, PyAny>>,
     ) -> Option<Bound<'py, PyAny>> {
-        self.__getitem__(py, key).ok().or(default)
+        self.__getitem__(py, key).ok().map(|found| found.0).or(default)
     }
 
     /// Positions X of the slider's base: an array of shape (n,), a length.
     #[getter]
-    fn position<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn position<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
         self.__getitem__(py, "position")
     }
 
     /// The friction force F at the positions, shape (n,): the total force of all N_c contacts; where contacts break
     /// simultaneously, after the break.
     #[getter]
-    fn force<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn force<'py>(&self, py: Python<'py>) -> PyResult<typed::Array<'py>> {
         self.__getitem__(py, "force")
     }
 
     /// An xarray.Dataset with named dimensions, long names and units. It needs xarray.
+    #[pyo3(signature = () -> "Dataset")]
     fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("asperity._xarray")?.call_method1("dataset", (slf,))
     }
@@ -139,7 +143,7 @@ impl Record {
     /// matplotlib.
     ///
     /// ax: axes to plot on; new ones if None. Other arguments are passed to its plot().
-    #[pyo3(signature = (ax = None, **style))]
+    #[pyo3(signature = (ax: "Axes | None" = None, **style: "Any") -> "Axes")]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
         ax: Option<&Bound<'py, PyAny>>,
@@ -150,14 +154,14 @@ impl Record {
 
     /// Dimensions, descriptive name and unit of each variable.
     #[getter]
-    fn labels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    fn labels<'py>(&self, py: Python<'py>) -> PyResult<typed::Labels<'py>> {
         let labels = PyDict::new(py);
         for column in &self.columns {
             let unit = self.units.label(column.quantity);
             let label = values::label(py, &column.dimensions, &column.long_name, &unit, column.quantity)?;
             labels.set_item(&column.name, label)?;
         }
-        Ok(labels)
+        Ok(typed::Labels(labels.into_any()))
     }
 
     fn __repr__(slf: &Bound<'_, Self>) -> PyResult<String> {

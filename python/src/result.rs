@@ -13,7 +13,7 @@ use pyo3::types::{PyDict, PyString};
 
 use crate::record::Record;
 use crate::watch::{detached, watched};
-use crate::{convert, error, values};
+use crate::{convert, error, typed, values};
 
 /// The result of a scenario: a mapping from the names of variables to arrays, with the summary.
 ///
@@ -41,9 +41,9 @@ impl Result {
 
     /// The summary: static and kinetic friction, relaxation length, …, as in `summary.json`.
     #[getter]
-    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn summary<'py>(&self, py: Python<'py>) -> PyResult<typed::Values<'py>> {
         let json = serde_json::to_string(&self.summary).expect("a summary is plain data");
-        py.import("json")?.call_method1("loads", (json,))
+        py.import("json")?.call_method1("loads", (json,)).map(typed::Values)
     }
 
     /// The title of the scenario.
@@ -54,7 +54,7 @@ impl Result {
 
     /// The static friction F_s with its position X_s; None if the force still rises at the end, or never decreases.
     #[getter]
-    fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn static_friction<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::StaticFriction<'py>>> {
         match self.summary.numbers.friction().map(|friction| friction.static_friction) {
             None | Some(StaticFriction::NotReached) => Ok(None),
             Some(StaticFriction::Reached { force, position }) => {
@@ -83,7 +83,7 @@ impl Result {
 
     /// The events of a slider or an interface; None if the task has no events.
     #[getter]
-    fn events<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn events<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<typed::Events<'py>>> {
         let columns = PyDict::new(slf.py());
         for name in slf.as_super().get().names() {
             if let Some(column) = name.strip_prefix("event_") {
@@ -128,7 +128,11 @@ impl Result {
 /// checkpoint of another scenario; OSError for a file that cannot be read; FileExistsError for a checkpoint of
 /// a run that was not finished or is still running; MemoryError for results that do not fit.
 #[pyfunction]
-#[pyo3(signature = (scenario, overrides = None, *, progress = None, folder = None, checkpoint = None, resume = false))]
+#[pyo3(signature = (
+    scenario: "str | PathLike[str] | Mapping[str, Any]", overrides: "Mapping[str, Any] | None" = None, *,
+    progress: "_Progress" = None, folder = None, checkpoint: "SupportsIndex | timedelta | str | None" = None,
+    resume = false
+))]
 pub fn run(
     scenario: &Bound<'_, PyAny>,
     overrides: Option<&Bound<'_, PyDict>>,

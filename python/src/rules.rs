@@ -22,7 +22,7 @@ pub struct Temperature;
 #[pymethods]
 impl Temperature {
     #[new]
-    #[pyo3(signature = (energy, attempt_rate, *, barrier = "elastic"))]
+    #[pyo3(signature = (energy, attempt_rate, *, barrier: "Literal['elastic', 'bell', 'catastrophe']" = "elastic"))]
     fn new(energy: f64, attempt_rate: f64, barrier: &str) -> PyResult<PyClassInitializer<Self>> {
         let barrier = convert::word("barrier", barrier)?;
         let plain = Plain::Temperature(scenario::Temperature { energy, attempt_rate, barrier });

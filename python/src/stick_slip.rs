@@ -12,7 +12,7 @@ use crate::convert;
 use crate::model::Model;
 use crate::record::Record;
 use crate::watch::watched;
-use crate::{error, values};
+use crate::{error, typed, values};
 
 /// The result of a drive of a slider: its trace, its slips, and the regime of sliding.
 ///
@@ -88,19 +88,19 @@ impl StickSlip {
 
     /// The drive along the trace, shape (n,): the load-point displacement X_T, a length; or the imposed force.
     #[getter]
-    fn drive<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.get_item("drive")
+    fn drive<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::Array<'py>> {
+        slf.get_item("drive").map(typed::Array)
     }
 
     /// The spring force K(X_T - X) along the trace, shape (n,); it equals F in equilibrium.
     #[getter]
-    fn spring_force<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.get_item("spring_force")
+    fn spring_force<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::Array<'py>> {
+        slf.get_item("spring_force").map(typed::Array)
     }
 
     /// The slips.
     #[getter]
-    fn events<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+    fn events<'py>(slf: &Bound<'py, Self>) -> PyResult<typed::Events<'py>> {
         let columns = PyDict::new(slf.py());
         for name in slf.as_super().get().names() {
             if let Some(column) = name.strip_prefix("event_") {
@@ -114,8 +114,8 @@ impl StickSlip {
     /// continue with a steady period; "runaway" if the contacts could not carry the imposed force; "undecided" if
     /// the drive was too short. It refers to the drive since its last reversal.
     #[getter]
-    fn regime(&self) -> &'static str {
-        convert::regime(self.sliding.regime)
+    fn regime(&self) -> typed::RegimeWord {
+        typed::RegimeWord(convert::regime(self.sliding.regime))
     }
 
     /// The regime with its reason, in words.
@@ -152,32 +152,32 @@ impl StickSlip {
 
     /// The state at which the slider first became unstable; None if it never did.
     #[getter]
-    fn first_instability<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn first_instability<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::State<'py>>> {
         self.sliding.first_instability.map(|place| values::state(py, &place)).transpose()
     }
 
     /// The state from which the slider ran away under an imposed force; None if it did not.
     #[getter]
-    fn runaway<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn runaway<'py>(&self, py: Python<'py>) -> PyResult<Option<typed::State<'py>>> {
         self.sliding.runaway.map(|place| values::state(py, &place)).transpose()
     }
 
     /// The energy balance from the start of the drive to its end (for a runaway, to where it began).
     #[getter]
-    fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn energy<'py>(&self, py: Python<'py>) -> PyResult<typed::BlockEnergy<'py>> {
         values::energy(py, &self.energy)
     }
 
     /// The number of events of each size, including those too small for a slip; None for the master equation.
     #[getter]
-    fn sizes<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn sizes<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<typed::Sizes<'py>>> {
         let names = ["size", "size_events", "size_slip", "size_drop"];
         columns(slf, names)?.map(|columns| values::sizes(slf.py(), columns)).transpose()
     }
 
     /// The time course of the first inertial slip; None if there was none.
     #[getter]
-    fn slip_course<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn slip_course<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<typed::Course<'py>>> {
         let names = ["slip_time", "slip_position", "slip_velocity", "slip_force", "slip_spring_force"];
         columns(slf, names)?.map(|columns| values::course(slf.py(), columns)).transpose()
     }

@@ -110,7 +110,7 @@ pub struct Transport {
 #[pymethods]
 impl Transport {
     #[new]
-    #[pyo3(signature = (contacts, initial = None, *, start = "conditional", tolerance = None))]
+    #[pyo3(signature = (contacts, initial = None, *, start: "Literal['conditional', 'relaxed']" = "conditional", tolerance = None))]
     fn new(
         py: Python<'_>,
         contacts: &Bound<'_, Contacts>,
@@ -143,7 +143,7 @@ impl Transport {
     /// re-formed) and `force_error` (an upper estimate of the largest error of the force, the same at all points).
     ///
     /// Raises ValueError for no steps, RuntimeError if that error is larger than a given tolerance.
-    #[pyo3(signature = (steps, *, progress = None))]
+    #[pyo3(signature = (steps, *, progress: "_Progress" = None))]
     fn follow(
         slf: &Bound<'_, Self>,
         steps: Vec<Bound<'_, Step>>,
@@ -218,7 +218,7 @@ pub fn followed(trace: ensemble::EnsembleTrace) -> record::Record {
 ///
 /// Raises ValueError for a velocity that is not above 0.
 #[pyfunction]
-#[pyo3(signature = (contacts, velocities, *, progress = None))]
+#[pyo3(signature = (contacts, velocities: "float; ArrayLike", *, progress: "_Progress" = None) -> "float; _Array")]
 pub fn velocity_curve<'py>(
     contacts: &Bound<'py, Contacts>,
     velocities: &Bound<'py, PyAny>,

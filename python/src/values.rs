@@ -11,6 +11,10 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::convert::{Import, array, row};
+use crate::typed::{
+    Atoms, BlockEnergy, Course, Equilibria, Events, InterfaceEnergy, Potential, Sizes, Stability, State,
+    StaticFriction, StretchDensity,
+};
 
 static STATIC_FRICTION: Import = Import::new("asperity._values", "StaticFriction");
 static ATOMS: Import = Import::new("asperity._values", "Atoms");
@@ -28,34 +32,34 @@ static SIZES: Import = Import::new("asperity._values", "Sizes");
 static COURSE: Import = Import::new("asperity._values", "Course");
 
 /// F_s with X_s.
-pub fn static_friction(py: Python<'_>, force: f64, position: f64) -> PyResult<Bound<'_, PyAny>> {
-    STATIC_FRICTION.get(py)?.call1((force, position))
+pub fn static_friction(py: Python<'_>, force: f64, position: f64) -> PyResult<StaticFriction<'_>> {
+    STATIC_FRICTION.get(py)?.call1((force, position)).map(StaticFriction)
 }
 
 /// Point masses: positions and weights.
-pub fn atoms<'py>(py: Python<'py>, atoms: &[Atom]) -> PyResult<Bound<'py, PyAny>> {
+pub fn atoms<'py>(py: Python<'py>, atoms: &[Atom]) -> PyResult<Atoms<'py>> {
     let column = |part: fn(&Atom) -> f64| row(py, atoms.iter().map(part).collect());
-    ATOMS.get(py)?.call1((column(|a| a.position)?, column(|a| a.weight)?))
+    ATOMS.get(py)?.call1((column(|a| a.position)?, column(|a| a.weight)?)).map(Atoms)
 }
 
 /// A distribution of stretches.
-pub fn stretches(py: Python<'_>, at: Vec<f64>, found: Stretches) -> PyResult<Bound<'_, PyAny>> {
+pub fn stretches(py: Python<'_>, at: Vec<f64>, found: Stretches) -> PyResult<StretchDensity<'_>> {
     let masses = atoms(py, &found.atoms)?;
-    STRETCH_DENSITY.get(py)?.call1((row(py, at)?, row(py, found.density)?, masses))
+    STRETCH_DENSITY.get(py)?.call1((row(py, at)?, row(py, found.density)?, masses)).map(StretchDensity)
 }
 
 /// Distributions of stretches at several positions.
-pub fn evolution(py: Python<'_>, at: Vec<f64>, found: Vec<Stretches>) -> PyResult<Bound<'_, PyAny>> {
+pub fn evolution(py: Python<'_>, at: Vec<f64>, found: Vec<Stretches>) -> PyResult<StretchDensity<'_>> {
     let masses = found.iter().map(|one| atoms(py, &one.atoms)).collect::<PyResult<Vec<_>>>()?;
     let shape = [found.len(), at.len()];
     let density = found.into_iter().flat_map(|one| one.density).collect();
-    STRETCH_DENSITY.get(py)?.call1((row(py, at)?, array(py, &shape, density)?, masses))
+    STRETCH_DENSITY.get(py)?.call1((row(py, at)?, array(py, &shape, density)?, masses)).map(StretchDensity)
 }
 
 /// Linear stability of steady sliding.
-pub fn stability(py: Python<'_>, found: LinearStability) -> PyResult<Bound<'_, PyAny>> {
+pub fn stability(py: Python<'_>, found: LinearStability) -> PyResult<Stability<'_>> {
     let LinearStability { critical_stiffness, frequency, growth_rate, growth_frequency } = found;
-    STABILITY.get(py)?.call1((critical_stiffness, frequency, growth_rate, growth_frequency))
+    STABILITY.get(py)?.call1((critical_stiffness, frequency, growth_rate, growth_frequency)).map(Stability)
 }
 
 /// Dimensions, name and unit of a variable of a record.
@@ -70,22 +74,25 @@ pub fn label<'py>(
 }
 
 /// A state of a slider.
-pub fn state<'py>(py: Python<'py>, place: &SliderState) -> PyResult<Bound<'py, PyAny>> {
-    STATE.get(py)?.call1((place.drive, place.position, place.force))
+pub fn state<'py>(py: Python<'py>, place: &SliderState) -> PyResult<State<'py>> {
+    STATE.get(py)?.call1((place.drive, place.position, place.force)).map(State)
 }
 
 /// The energy balance of a drive.
-pub fn energy<'py>(py: Python<'py>, energy: &EnergyBalance) -> PyResult<Bound<'py, PyAny>> {
+pub fn energy<'py>(py: Python<'py>, energy: &EnergyBalance) -> PyResult<BlockEnergy<'py>> {
     let EnergyBalance { work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, .. } = *energy;
     let imbalance = energy.imbalance();
-    ENERGY.get(py)?.call1((work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, imbalance))
+    ENERGY
+        .get(py)?
+        .call1((work, spring, elastic, kinetic, strengthening, breaks, slip, viscous, imbalance))
+        .map(BlockEnergy)
 }
 
 /// The energy balance of an interface.
-pub fn interface_energy<'py>(py: Python<'py>, energy: &EnergyBalance) -> PyResult<Bound<'py, PyAny>> {
+pub fn interface_energy<'py>(py: Python<'py>, energy: &EnergyBalance) -> PyResult<InterfaceEnergy<'py>> {
     let EnergyBalance { work, spring, coupling, elastic, strengthening, breaks, slip, .. } = *energy;
     let parts = (work, spring, coupling, elastic, strengthening, breaks, slip, energy.imbalance());
-    INTERFACE_ENERGY.get(py)?.call1(parts)
+    INTERFACE_ENERGY.get(py)?.call1(parts).map(InterfaceEnergy)
 }
 
 /// An event, from a row of columns.
@@ -96,10 +103,13 @@ pub fn event<'py>(py: Python<'py>, columns: &Record, row: usize) -> PyResult<Bou
 }
 
 /// The equilibria of a slider of a given stiffness.
-pub fn equilibria<'py>(py: Python<'py>, curve: Curve, stiffness: f64) -> PyResult<Bound<'py, PyAny>> {
+pub fn equilibria<'py>(py: Python<'py>, curve: Curve, stiffness: f64) -> PyResult<Equilibria<'py>> {
     let (drive, stable) = (curve.drive(stiffness), curve.stable(stiffness));
     let Curve { position, force, .. } = curve;
-    EQUILIBRIA.get(py)?.call1((row(py, drive)?, row(py, position)?, row(py, force)?, row(py, stable)?))
+    EQUILIBRIA
+        .get(py)?
+        .call1((row(py, drive)?, row(py, position)?, row(py, force)?, row(py, stable)?))
+        .map(Equilibria)
 }
 
 /// Potentials at the positions of a curve.
@@ -107,21 +117,21 @@ pub fn potential<'py>(
     py: Python<'py>,
     position: Vec<f64>,
     energy: Bound<'py, PyAny>,
-) -> PyResult<Bound<'py, PyAny>> {
-    POTENTIAL.get(py)?.call1((row(py, position)?, energy))
+) -> PyResult<Potential<'py>> {
+    POTENTIAL.get(py)?.call1((row(py, position)?, energy)).map(Potential)
 }
 
 /// Slips, from columns by name.
-pub fn events<'py>(py: Python<'py>, columns: Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
-    EVENTS.get(py)?.call1((columns,))
+pub fn events<'py>(py: Python<'py>, columns: Bound<'py, PyDict>) -> PyResult<Events<'py>> {
+    EVENTS.get(py)?.call1((columns,)).map(Events)
 }
 
 /// The number of events of each size, from columns.
-pub fn sizes<'py>(py: Python<'py>, columns: [Bound<'py, PyAny>; 4]) -> PyResult<Bound<'py, PyAny>> {
-    SIZES.get(py)?.call1(PyTuple::new(py, columns)?)
+pub fn sizes<'py>(py: Python<'py>, columns: [Bound<'py, PyAny>; 4]) -> PyResult<Sizes<'py>> {
+    SIZES.get(py)?.call1(PyTuple::new(py, columns)?).map(Sizes)
 }
 
 /// The time course of a slip, from columns.
-pub fn course<'py>(py: Python<'py>, columns: [Bound<'py, PyAny>; 5]) -> PyResult<Bound<'py, PyAny>> {
-    COURSE.get(py)?.call1(PyTuple::new(py, columns)?)
+pub fn course<'py>(py: Python<'py>, columns: [Bound<'py, PyAny>; 5]) -> PyResult<Course<'py>> {
+    COURSE.get(py)?.call1(PyTuple::new(py, columns)?).map(Course)
 }

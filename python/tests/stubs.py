@@ -1,23 +1,211 @@
-"""Writes the documentation that Python shows at run time into the stubs: python python/tests/stubs.py
+"""The stubs of the compiled module, and the names that the package exports, as `python/src` declares them.
 
-Signatures in `_core.pyi` are written by hand; what stands under them comes from the compiled module.
+`maturin generate-stubs` reads names, signatures and types from the extension. This completes what it writes:
+overloads, defaults that are no literals, and the layout. `make stubs` runs
+
+    python python/tests/stubs.py GENERATED
+
+which writes `_core.pyi` and the lists in `__init__.py`; with --check it compares them.
 """
 
+import argparse
 import ast
+import copy
 import inspect
+import re
 import subprocess
 import sys
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
-from asperity import _core
+from asperity import _core, _events, _values, exact
 
-STUBS = Path(__file__).parents[1] / "asperity" / "_core.pyi"
+PACKAGE = Path(__file__).parents[1] / "asperity"
+STUBS, EXPORTS = PACKAGE / "_core.pyi", PACKAGE / "__init__.py"
+
+# Names in the types that `python/src` writes out; those that are not used are left out of the stubs.
+HEADER = """
+from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, Sequence, ValuesView
+from datetime import timedelta
+from os import PathLike
+from typing import Any, Literal, Self, SupportsFloat, SupportsIndex, TypeAlias, TypeVar, final, overload
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike, NDArray
+from scipy.stats.distributions import rv_frozen
+from xarray import Dataset
+
+from asperity._events import {events}
+from asperity._values import {values}
+
+_T = TypeVar("_T")
+_Array: TypeAlias = NDArray[np.float64]
+_Number: TypeAlias = SupportsFloat | SupportsIndex
+_AnyLaw: TypeAlias = Law | rv_frozen | NDArray[Any] | Sequence[float]
+_Seed: TypeAlias = SupportsIndex | np.random.Generator
+_Progress: TypeAlias = Callable[[float], object] | bool | None
+"""
+
+
+def completed(generated: str) -> str:
+    """The stubs, from those that maturin generates."""
+    tree = ast.parse(generated)
+    for owner, function in functions(tree):
+        if ast.get_docstring(function) is not None:
+            function.body = [ast.Expr(ast.Constant(...))]
+        set_types(function)
+        owned: Any = getattr(_core, owner.name) if owner else _core
+        set_defaults(function, owned if function.name == "__new__" else getattr(owned, function.name))
+    with_bodies: list[ast.Module | ast.ClassDef] = [tree, *classes(tree)]
+    for node in with_bodies:
+        node.body = [one for child in node.body for one in overloads(child)]
+    for node in classes(tree):
+        if not node.bases and issubclass(getattr(_core, node.name), Mapping):
+            node.bases = [expression("Mapping[str, _Array]")]
+    header = HEADER.format(values=", ".join(public(_values)), events=", ".join(public(_events)))
+    header_and_all = [*ast.parse(header).body, *tree.body[1:]]
+    tree.body[1:] = sorted(header_and_all, key=lambda node: not isinstance(node, ast.Import | ast.ImportFrom))
+    return documented(tree)
+
+
+def expression(text: str) -> ast.expr:
+    return ast.parse(text, mode="eval").body
+
+
+def public(module: ModuleType) -> list[str]:
+    """Names that a module of the package defines."""
+    return [
+        name for name, thing in vars(module).items() if getattr(thing, "__module__", "") == module.__name__
+    ]
+
+
+def classes(tree: ast.Module) -> list[ast.ClassDef]:
+    return [node for node in tree.body if isinstance(node, ast.ClassDef)]
+
+
+def functions(tree: ast.Module) -> Iterator[tuple[ast.ClassDef | None, ast.FunctionDef]]:
+    """Functions and methods, each with its class."""
+    for owner in [None, *classes(tree)]:
+        for node in owner.body if owner else tree.body:
+            if isinstance(node, ast.FunctionDef):
+                yield owner, node
+
+
+def arguments(function: ast.FunctionDef) -> list[ast.arg]:
+    given = function.args
+    others = [one for one in (given.vararg, given.kwarg) if one]
+    return [*given.posonlyargs, *given.args, *given.kwonlyargs, *others]
+
+
+def defaults(function: ast.FunctionDef) -> dict[str, ast.expr | None]:
+    """The defaults of the arguments that may have one."""
+    given = function.args
+    positional = [*given.posonlyargs, *given.args]
+    required = [None] * (len(positional) - len(given.defaults))
+    values = [*required, *given.defaults, *given.kw_defaults]
+    return dict(zip([one.arg for one in [*positional, *given.kwonlyargs]], values, strict=True))
+
+
+def put_defaults(function: ast.FunctionDef, values: Mapping[str, ast.expr | None]) -> None:
+    positional = [one.arg for one in [*function.args.posonlyargs, *function.args.args]]
+    function.args.defaults = [value for name in positional if (value := values[name])]
+    function.args.kw_defaults = [values[one.arg] for one in function.args.kwonlyargs]
+
+
+def set_defaults(function: ast.FunctionDef, thing: Callable[..., object]) -> None:
+    """Defaults that are no literals in Rust, from the signature at run time."""
+    values = defaults(function)
+    for name, value in values.items():
+        if isinstance(value, ast.Constant) and value.value is ...:
+            values[name] = ast.Constant(inspect.signature(thing).parameters[name].default)
+    put_defaults(function, values)
+
+
+def set_types(function: ast.FunctionDef) -> None:
+    """Types written out in Rust become expressions; PyO3's own names of types become those of the package."""
+
+    def typed(annotation: ast.expr | None) -> ast.expr | None:
+        if annotation is None or is_alternatives(annotation):
+            return annotation
+        if any(
+            isinstance(node, ast.Name) and node.id in ("Any", "Incomplete") for node in ast.walk(annotation)
+        ):
+            if function.name.startswith("__"):
+                return expression("object")
+            raise SystemExit(f"{function.name}: declare the types of arguments and result in python/src")
+        text = ast.unparse(Unquoted().visit(annotation)).replace("SupportsGetItem[int, ", "Sequence[")
+        return expression(text.replace("SupportsFloat | SupportsIndex", "_Number"))
+
+    for argument in arguments(function):
+        argument.annotation = typed(argument.annotation)
+    function.returns = typed(function.returns)
+
+
+class Unquoted(ast.NodeTransformer):
+    """Expressions in place of texts."""
+
+    def visit_Constant(self, node: ast.Constant) -> ast.expr:
+        return expression(node.value) if isinstance(node.value, str) else node
+
+
+def is_alternatives(annotation: ast.expr | None) -> bool:
+    """Whether a type lists two, separated by a semicolon."""
+    return isinstance(annotation, ast.Constant) and ";" in str(annotation.value)
+
+
+def overloads(node: ast.stmt) -> list[ast.stmt]:
+    """Two overloads of a function with two alternatives of types; a default None stays where it fits."""
+    if not isinstance(node, ast.FunctionDef) or not is_alternatives(node.returns):
+        return [node]
+    found: list[ast.stmt] = []
+    for choice in range(2):
+
+        def chosen(annotation: ast.expr | None, choice: int = choice) -> ast.expr | None:
+            if annotation is None or not is_alternatives(annotation):
+                return annotation
+            return expression(ast.literal_eval(annotation).split("; ")[choice])
+
+        one = copy.deepcopy(node)
+        one.decorator_list.insert(0, expression("overload"))
+        one.returns = chosen(one.returns)
+        values = defaults(one)
+        for argument in arguments(one):
+            if is_alternatives(argument.annotation):
+                argument.annotation = kind = chosen(argument.annotation)
+                if kind and "None" not in ast.unparse(kind):
+                    values[argument.arg] = None
+        put_defaults(one, values)
+        found.append(one)
+    return found
+
+
+def exporting(text: str) -> str:
+    """The package, with the public names of the compiled module that `asperity.exact` does not import."""
+    elsewhere = imported(Path(exact.__file__).read_text(encoding="utf-8"))
+    names = [name for name in _core.__all__ if name == "__version__" or not name.startswith("_")]
+    block = ", ".join(name for name in names if name not in elsewhere)
+    text = re.sub(
+        r"from asperity\._core import \(.*?\)", f"from asperity._core import ({block})", text, flags=re.DOTALL
+    )
+    exported = ", ".join(f'"{name}"' for name in imported(text))
+    return formatted(re.sub(r"__all__ = \[.*?\]", f"__all__ = [{exported}]", text, flags=re.DOTALL), EXPORTS)
+
+
+def imported(text: str) -> set[str]:
+    """Names that a module imports from the package."""
+    nodes = [node for node in ast.parse(text).body if isinstance(node, ast.ImportFrom)]
+    return {
+        alias.name for node in nodes if (node.module or "").startswith("asperity") for alias in node.names
+    }
 
 
 def documented(tree: ast.Module) -> str:
     """The stubs with the documentation of the module and of all that they declare."""
     document(tree, _core)
-    return formatted(ast.unparse(tree))
+    return formatted(ast.unparse(tree), STUBS)
 
 
 def document(node: ast.Module | ast.ClassDef | ast.FunctionDef, thing: object, depth: int = 0) -> None:
@@ -39,13 +227,29 @@ def document(node: ast.Module | ast.ClassDef | ast.FunctionDef, thing: object, d
             node.body = node.body[:1]
 
 
-def formatted(text: str) -> str:
-    """As ruff lays it out."""
-    for command in (["check", "--select=I", "--fix"], ["format"]):
-        line = [sys.executable, "-m", "ruff", *command, "--quiet", "--stdin-filename", str(STUBS), "-"]
+def formatted(text: str, path: Path) -> str:
+    """As ruff lays it out, without imports that are not used."""
+    for command in (["check", "--select=I,F401,RUF022", "--fix"], ["format"]):
+        line = [sys.executable, "-m", "ruff", *command, "--quiet", "--stdin-filename", str(path), "-"]
         text = subprocess.run(line, input=text, capture_output=True, text=True, check=True).stdout
     return text
 
 
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("generated", type=Path, help="what maturin generate-stubs wrote")
+    parser.add_argument("--check", action="store_true", help="compare, write nothing")
+    given = parser.parse_args()
+    made = {
+        STUBS: completed(given.generated.read_text(encoding="utf-8")),
+        EXPORTS: exporting(EXPORTS.read_text(encoding="utf-8")),
+    }
+    for path, text in made.items():
+        if not given.check:
+            path.write_text(text, encoding="utf-8")
+        elif path.read_text(encoding="utf-8") != text:
+            raise SystemExit(f"{path}: not up to date: make stubs")
+
+
 if __name__ == "__main__":
-    STUBS.write_text(documented(ast.parse(STUBS.read_text(encoding="utf-8"))), encoding="utf-8")
+    main()

@@ -82,6 +82,8 @@ pub struct RateDependentInterface {
     coupling: Box<dyn Coupling>,
     begun: Stored,
     look: MotionSnapshot,
+    /// Elastic energy of the slider where the cells are now, kept because the coupling computes forces in a workspace.
+    coupling_energy: f64,
     slips: Slips,
     /// Where the present run began, and its end.
     path: (f64, f64),
@@ -136,11 +138,13 @@ impl RateDependentInterface {
             coupling,
             begun: Stored { connection: 0.0, coupling: 0.0, contacts: Books::default() },
             look: MotionSnapshot { time: 0.0, drive, cells: Vec::new() },
+            coupling_energy: 0.0,
             slips: Slips::new(number, slip_fraction, area),
             path: (drive, drive),
         };
-        interface.begun = interface.stored();
         interface.look = interface.seen();
+        interface.update_coupling_energy();
+        interface.begun = interface.stored();
         Ok(interface)
     }
 
@@ -226,7 +230,7 @@ impl RateDependentInterface {
     }
 
     /// Energies since the beginning; `slip` is what viscous drag has taken, ∫Σ ηẊ_j² dt, in slips or not.
-    pub fn energy(&mut self) -> EnergyBalance {
+    pub fn energy(&self) -> EnergyBalance {
         let (begun, now) = (self.begun, self.stored());
         EnergyBalance {
             work: self.motion.energies.work,
@@ -318,6 +322,7 @@ impl RateDependentInterface {
         }
         let now = self.seen();
         let before = std::mem::replace(&mut self.look, now);
+        self.update_coupling_energy();
         self.slips.pass(&before, &self.look, velocity, self.coupling.as_ref());
         Ok(())
     }
@@ -334,12 +339,17 @@ impl RateDependentInterface {
         MotionSnapshot { time: *time, drive: *drive, cells }
     }
 
-    /// What is stored now.
-    fn stored(&mut self) -> Stored {
-        let (positions, SliderMotion { equation, drive, .. }) = (self.positions(), &self.motion);
-        let spring = |j: usize| 0.5 * equation.connection(j) * (drive - positions[j]).powi(2);
+    fn update_coupling_energy(&mut self) {
+        let positions = self.positions();
         let mut forces = vec![0.0; positions.len()];
         self.coupling.forces(&positions, &mut forces);
+        self.coupling_energy = self.coupling.energy(&positions, &forces);
+    }
+
+    /// What is stored now.
+    fn stored(&self) -> Stored {
+        let (positions, SliderMotion { equation, drive, .. }) = (self.positions(), &self.motion);
+        let spring = |j: usize| 0.5 * equation.connection(j) * (drive - positions[j]).powi(2);
         let add = |sum: Books, cell: &SlidingCell| {
             let books = cell.contacts.books();
             Books {
@@ -351,7 +361,7 @@ impl RateDependentInterface {
         };
         Stored {
             connection: (0..positions.len()).map(spring).sum(),
-            coupling: self.coupling.energy(&positions, &forces),
+            coupling: self.coupling_energy,
             contacts: self.motion.cells.iter().fold(Books::default(), add),
         }
     }

@@ -79,6 +79,7 @@ impl RateDependentInterface {
         (motion.control.next, motion.energies.work) = (pace, work);
         self.slips.resume(slips);
         self.look = self.seen();
+        self.update_coupling_energy();
         Ok(())
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::Result;
 use crate::elastic::{self, Event, Slipped, State};
+use crate::energy::EnergyBalance;
 use crate::monitor::Monitor;
 use crate::record::{Column, Quantity, Record};
 
@@ -65,14 +66,32 @@ impl DrivenInterface for DrivenCells {
         self.solved.then(|| self.interface.error())
     }
 
-    fn trace(&mut self) -> Result<Vec<f64>> {
-        let positions = self.interface.positions();
-        let mean = positions.iter().sum::<f64>() / positions.len() as f64;
-        Ok(vec![mean, self.interface.force()])
+    fn time(&self) -> f64 {
+        self.interface.time()
     }
 
-    fn maps(&mut self) -> Result<Vec<Vec<f64>>> {
-        Ok(vec![self.interface.positions().to_vec(), self.interface.forces()])
+    fn force(&self) -> f64 {
+        self.interface.force()
+    }
+
+    fn forces(&self) -> Vec<f64> {
+        self.interface.forces()
+    }
+
+    fn positions(&self) -> Option<Vec<f64>> {
+        Some(self.interface.positions().to_vec())
+    }
+
+    fn energy(&self) -> Option<EnergyBalance> {
+        Some(self.interface.energy())
+    }
+
+    fn trace(&self) -> Vec<f64> {
+        vec![mean(self.interface.positions()), self.force()]
+    }
+
+    fn maps(&self) -> Vec<Vec<f64>> {
+        vec![self.interface.positions().to_vec(), self.forces()]
     }
 
     fn state(&self) -> State {
@@ -104,6 +123,11 @@ pub fn slipped(events: &[(Event, Vec<Slipped>)], first: usize, timed: bool) -> R
         add("slipped_start", words, Quantity::Time, &|_, slipped| slipped.start);
     }
     record
+}
+
+/// Mean of the values of all cells.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Calls `next` for one slide after the other until there have been `most` events. Returns whether there are no more slides.

@@ -1,6 +1,7 @@
 //! Contacts coupled one by one as an interface: an event is an avalanche.
 
 use crate::Result;
+use crate::energy::EnergyBalance;
 use crate::ensemble::lattice::{self, Avalanche, Lattice, LatticeState, Until};
 use crate::monitor::Monitor;
 use crate::record::{Column, Quantity, Record};
@@ -70,12 +71,32 @@ impl DrivenInterface for DrivenContacts {
         None
     }
 
-    fn trace(&mut self) -> Result<Vec<f64>> {
-        Ok(vec![self.lattice.force()])
+    fn time(&self) -> f64 {
+        0.0
     }
 
-    fn maps(&mut self) -> Result<Vec<Vec<f64>>> {
-        Ok(vec![self.lattice.forces()])
+    fn force(&self) -> f64 {
+        self.lattice.force()
+    }
+
+    fn forces(&self) -> Vec<f64> {
+        self.lattice.forces()
+    }
+
+    fn positions(&self) -> Option<Vec<f64>> {
+        None
+    }
+
+    fn energy(&self) -> Option<EnergyBalance> {
+        None
+    }
+
+    fn trace(&self) -> Vec<f64> {
+        vec![self.force()]
+    }
+
+    fn maps(&self) -> Vec<Vec<f64>> {
+        vec![self.forces()]
     }
 
     fn state(&self) -> LatticeState {

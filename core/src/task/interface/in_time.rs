@@ -1,12 +1,13 @@
 //! Cells with time-dependent contacts as an interface that is driven at a velocity.
 
 use crate::elastic::{Event, RateDependentInterface, RateDependentInterfaceState, Slipped};
+use crate::energy::EnergyBalance;
 use crate::monitor::Monitor;
 use crate::record::{Column, Quantity, Record};
 use crate::scenario::{self, Model};
 use crate::{Error, Result};
 
-use super::cells::{from_slide_to_slide, slipped};
+use super::cells::{from_slide_to_slide, mean, slipped};
 use super::model::DrivenInterface;
 use crate::task::finite_size_tolerance;
 
@@ -103,16 +104,33 @@ impl DrivenInterface for DrivenRateDependentCells {
         self.interface.error()
     }
 
-    fn trace(&mut self) -> Result<Vec<f64>> {
-        let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
-        let Self { interface, .. } = self;
-        let (position, velocity) = (mean(interface.positions()), mean(interface.velocities()));
-        Ok(vec![interface.time(), position, velocity, interface.force()])
+    fn time(&self) -> f64 {
+        self.interface.time()
     }
 
-    fn maps(&mut self) -> Result<Vec<Vec<f64>>> {
+    fn force(&self) -> f64 {
+        self.interface.force()
+    }
+
+    fn forces(&self) -> Vec<f64> {
+        self.interface.forces()
+    }
+
+    fn positions(&self) -> Option<Vec<f64>> {
+        Some(self.interface.positions())
+    }
+
+    fn energy(&self) -> Option<EnergyBalance> {
+        Some(self.interface.energy())
+    }
+
+    fn trace(&self) -> Vec<f64> {
         let Self { interface, .. } = self;
-        Ok(vec![interface.positions(), interface.velocities(), interface.forces()])
+        vec![self.time(), mean(&interface.positions()), mean(&interface.velocities()), self.force()]
+    }
+
+    fn maps(&self) -> Vec<Vec<f64>> {
+        vec![self.interface.positions(), self.interface.velocities(), self.forces()]
     }
 
     fn state(&self) -> RateDependentInterfaceState {

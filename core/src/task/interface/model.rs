@@ -1,6 +1,7 @@
 //! The trait of interfaces that are driven from event to event.
 
 use crate::Result;
+use crate::energy::EnergyBalance;
 use crate::monitor::Monitor;
 use crate::record::{Column, Record};
 use serde::Serialize;
@@ -46,17 +47,26 @@ pub trait DrivenInterface {
     /// Largest estimated error so far of the force of a cell; `None` if contacts are followed one by one.
     fn error(&self) -> Option<f64>;
 
+    /// Time t since the beginning; 0 for athermal contacts whose slides take no time.
+    fn time(&self) -> f64;
+
+    /// Friction force of all cells.
+    fn force(&self) -> f64;
+
+    /// Friction force F_j of each cell, along rows.
+    fn forces(&self) -> Vec<f64>;
+
+    /// Position X_j of each cell, along rows; `None` for contacts coupled one by one, which have stretches only.
+    fn positions(&self) -> Option<Vec<f64>>;
+
+    /// Energy balance since the beginning; `None` where it is not computed.
+    fn energy(&self) -> Option<EnergyBalance>;
+
     /// Present values of the columns [`DrivenInterface::TRACE`], in their order.
-    ///
-    /// # Errors
-    /// Those of the cells.
-    fn trace(&mut self) -> Result<Vec<f64>>;
+    fn trace(&self) -> Vec<f64>;
 
     /// Present values of the columns [`DrivenInterface::MAPS`], in their order, one value per cell.
-    ///
-    /// # Errors
-    /// Those of the cells.
-    fn maps(&mut self) -> Result<Vec<Vec<f64>>>;
+    fn maps(&self) -> Vec<Vec<f64>>;
 
     /// The present state.
     fn state(&self) -> Self::State;

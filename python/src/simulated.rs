@@ -1,0 +1,401 @@
+//! What a simulation advances: an interface that is driven from event to event, or a slider over contacts.
+
+use asperity::contacts::{Initial, Start};
+use asperity::energy::EnergyBalance;
+use asperity::master::{MasterEquation, Stretches};
+use asperity::monitor::{Aside, Monitor};
+use asperity::population::Population;
+use asperity::record::Record;
+use asperity::scenario::{self, Drive, PerCell};
+use asperity::task::Grid;
+use asperity::task::interface::{
+    DrivenCells, DrivenContacts, DrivenInterface, DrivenRateDependentCells, cells_in_time,
+};
+use asperity::{Error, Result, block};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::interface::Surface;
+use crate::stretches::{StretchGrid, points};
+
+/// Events after which a drive asks whether to go on.
+const EVENTS_BETWEEN_CHECKS: u64 = 16;
+
+/// A model that advances from event to event, with its state readable in between.
+pub trait Simulated: Send {
+    /// Number of cells whose stretches can be asked for.
+    fn cells(&self) -> usize;
+
+    /// Load-point displacement X_T.
+    fn drive(&self) -> f64;
+
+    /// Time; 0 for models without time.
+    fn time(&self) -> f64;
+
+    /// Friction force of all cells.
+    fn force(&self) -> f64;
+
+    /// Friction force of each cell.
+    fn forces(&self) -> Vec<f64>;
+
+    /// Position of each cell; `None` for contacts coupled one by one.
+    fn positions(&self) -> Option<Vec<f64>>;
+
+    /// Energy balance from X_T = 0; `None` where it is not computed.
+    fn energy(&self) -> Result<Option<Energy>>;
+
+    /// Distribution of the stretches of the contacts of a cell, and the stretches at which it is given.
+    fn stretch_density(
+        &self,
+        cell: usize,
+        grid: StretchGrid,
+        monitor: &mut dyn Monitor,
+    ) -> Result<(Vec<f64>, Stretches)>;
+
+    /// Refuses a drive that cannot be reached.
+    fn check(&self, key: &str, until: f64) -> Result<()>;
+
+    /// Advances to a drive, or through the next event before it. Returns the columns of the event, a row for each of its
+    /// parts; no rows at the drive.
+    fn next_event(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Record>;
+
+    /// Advances to a drive.
+    fn advance(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<()>;
+
+    /// Appends the state.
+    fn write_state(&self, into: &mut Vec<u8>);
+
+    /// Restores a state; after an error the present one is kept.
+    fn restore_state(&mut self, from: &[u8], monitor: &mut dyn Monitor) -> Result<()>;
+}
+
+/// The energy balance of a slider or of an interface.
+pub enum Energy {
+    Slider(EnergyBalance),
+    Interface(EnergyBalance),
+}
+
+/// Appends a value as CBOR.
+pub fn write(value: &impl Serialize, into: &mut Vec<u8>) {
+    ciborium::into_writer(value, into).expect("a state is plain data, and memory does not refuse it");
+}
+
+/// Reads a value that [`write`] wrote.
+pub fn read<T: DeserializeOwned>(from: &mut &[u8]) -> Result<T> {
+    let refused = |_| Error::invalid("state", "bytes that Simulation.state returned", "others");
+    ciborium::from_reader(from).map_err(refused)
+}
+
+/// An interface, and how the stretches of its contacts follow from its state.
+struct SimulatedInterface<M> {
+    model: M,
+    cells: usize,
+    stretch_density: StretchDensity<M>,
+}
+
+/// [`Simulated::stretch_density`] of an interface.
+type StretchDensity<M> =
+    Box<dyn Fn(&M, usize, StretchGrid, &mut dyn Monitor) -> Result<(Vec<f64>, Stretches)> + Send>;
+
+impl<M: DrivenInterface + Send> Simulated for SimulatedInterface<M> {
+    fn cells(&self) -> usize {
+        self.cells
+    }
+
+    fn drive(&self) -> f64 {
+        self.model.drive()
+    }
+
+    fn time(&self) -> f64 {
+        self.model.time()
+    }
+
+    fn force(&self) -> f64 {
+        self.model.force()
+    }
+
+    fn forces(&self) -> Vec<f64> {
+        self.model.forces()
+    }
+
+    fn positions(&self) -> Option<Vec<f64>> {
+        self.model.positions()
+    }
+
+    fn energy(&self) -> Result<Option<Energy>> {
+        Ok(self.model.energy().map(Energy::Interface))
+    }
+
+    fn stretch_density(
+        &self,
+        cell: usize,
+        grid: StretchGrid,
+        monitor: &mut dyn Monitor,
+    ) -> Result<(Vec<f64>, Stretches)> {
+        (self.stretch_density)(&self.model, cell, grid, monitor)
+    }
+
+    /// An interface moves forward only.
+    fn check(&self, key: &str, until: f64) -> Result<()> {
+        if until >= self.drive() && until.is_finite() {
+            return Ok(());
+        }
+        let expected =
+            format!("a finite drive, {} or above, where it is now: it moves forward only", self.drive());
+        Err(Error::invalid(key, expected, until))
+    }
+
+    fn next_event(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Record> {
+        let mut events = Vec::new();
+        self.model.advance(until, 1, monitor, &mut |event| events.push(event))?;
+        Ok(self.model.columns(&events))
+    }
+
+    fn advance(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        let from = self.drive();
+        loop {
+            let fraction = if until > from { (self.drive() - from) / (until - from) } else { 1.0 };
+            if monitor.progress(fraction).is_break() {
+                return Err(Error::Stopped);
+            }
+            if self.model.advance(until, EVENTS_BETWEEN_CHECKS, monitor, &mut |_| ())? {
+                return Ok(());
+            }
+        }
+    }
+
+    fn write_state(&self, into: &mut Vec<u8>) {
+        write(&self.model.state(), into);
+    }
+
+    fn restore_state(&mut self, from: &[u8], monitor: &mut dyn Monitor) -> Result<()> {
+        let (state, before) = (read(&mut &*from)?, self.model.state());
+        self.model.restore(state, monitor).or_else(|error| {
+            self.model.restore(before, &mut ())?;
+            Err(error)
+        })
+    }
+}
+
+/// The interface, driven from X_T = 0, at a velocity if its contacts are time-dependent.
+pub fn interface(
+    surface: &Surface,
+    velocity: Option<f64>,
+    tolerance: Option<f64>,
+    monitor: &mut dyn Monitor,
+) -> Result<Box<dyn Simulated>> {
+    let mut simulated = unrelaxed_interface(surface, velocity, tolerance, monitor)?;
+    if surface.own.contacts == PerCell::Many {
+        // Its cells are in equilibrium but for rounding. A drive also computes an equilibrium at X_T = 0 first.
+        simulated.advance(0.0, monitor)?;
+    }
+    Ok(simulated)
+}
+
+/// The same interface before the equilibrium at X_T = 0 is computed.
+pub fn unrelaxed_interface(
+    surface: &Surface,
+    velocity: Option<f64>,
+    tolerance: Option<f64>,
+    monitor: &mut dyn Monitor,
+) -> Result<Box<dyn Simulated>> {
+    let mut scenario = surface.scenario(Drive { velocity, ..Drive::default() });
+    scenario.master_equation.tolerance = tolerance;
+    let model = scenario.build()?;
+    if surface.own.contacts == PerCell::One {
+        return coupled_contacts(surface, model);
+    }
+    match velocity.filter(|_| model.contacts.rules.are_time_dependent()) {
+        Some(velocity) => rate_dependent_cells(surface, &model, velocity, monitor),
+        None => athermal_cells(surface, model, monitor),
+    }
+}
+
+fn coupled_contacts(surface: &Surface, model: scenario::Model) -> Result<Box<dyn Simulated>> {
+    let (own, scenario::Model { contacts, initial, .. }) = (&surface.own, model);
+    let unit = contacts.stiffness.of(contacts.thresholds.mean());
+    // Stiffness by which a contact adds to the force.
+    let stiffness = unit * contacts.count / own.size() as f64;
+    let lattice = own.lattice(contacts, initial, surface.ensemble.as_ref())?;
+    Ok(Box::new(SimulatedInterface {
+        model: DrivenContacts { lattice, chain: false },
+        cells: 1,
+        stretch_density: Box::new(move |model, _, grid, _| {
+            let forces = model.forces();
+            grid.count(&points(forces.iter().map(|force| force / stiffness).collect(), forces.len()))
+        }),
+    }))
+}
+
+fn rate_dependent_cells(
+    surface: &Surface,
+    model: &scenario::Model,
+    velocity: f64,
+    monitor: &mut dyn Monitor,
+) -> Result<Box<dyn Simulated>> {
+    let interface = cells_in_time(model, &surface.own, monitor)?;
+    Ok(Box::new(SimulatedInterface {
+        cells: interface.len(),
+        model: DrivenRateDependentCells { interface, velocity },
+        stretch_density: Box::new(|model, cell, grid, _| grid.count(&model.interface.stretches(cell)?)),
+    }))
+}
+
+fn athermal_cells(
+    surface: &Surface,
+    model: scenario::Model,
+    monitor: &mut dyn Monitor,
+) -> Result<Box<dyn Simulated>> {
+    let (own, ensemble, tolerance) =
+        (&surface.own, surface.ensemble.as_ref(), model.master_equation.tolerance());
+    let scenario::Model { contacts, initial, .. } = model;
+    let stretch_density: StretchDensity<DrivenCells> = match ensemble {
+        Some(_) => Box::new(|model, cell, grid, _| {
+            let stretches = model.interface.stretches(cell)?;
+            grid.count(&stretches.expect("cells of an ensemble know their contacts"))
+        }),
+        None => {
+            let aside = &mut Aside { fraction: 0.0, monitor };
+            let equation = MasterEquation::new_with(contacts.clone(), &initial, aside)?;
+            let initial = initial.clone();
+            Box::new(move |model, cell, grid, monitor| {
+                let standing = model.interface.standing(cell)?.expect("the cells share a curve");
+                let stretches = grid.stretches(|| {
+                    let reformed =
+                        Initial { law: equation.contacts().reforming.clone(), start: Start::Conditional };
+                    let begun = if standing.renewed { &reformed } else { &initial };
+                    let grid = Grid::new(&equation, begun, &[standing.advance]);
+                    grid.stretches.into_iter().map(|x| standing.scale * x).collect()
+                })?;
+                let density = scenario::Interface::stretch_density(
+                    &equation, standing, &stretches, tolerance, monitor,
+                )?;
+                Ok((stretches, density))
+            })
+        }
+    };
+    let interface = own.deformable(contacts, &initial, tolerance, ensemble, monitor)?;
+    Ok(Box::new(SimulatedInterface {
+        cells: interface.len(),
+        model: DrivenCells { interface, timed: own.viscosity.is_some(), solved: ensemble.is_none() },
+        stretch_density,
+    }))
+}
+
+/// A slider block over contacts, or contacts under a rigid slider.
+struct Slider {
+    simulation: block::BlockSimulation,
+    contacts: SliderContacts,
+}
+
+/// The contacts under a slider.
+pub enum SliderContacts {
+    /// A distribution that follows the master equation, and its initial state.
+    Solved(MasterEquation, Initial),
+    /// So many contacts that are followed one by one.
+    Followed(usize),
+}
+
+/// The simulation of a slider over a population of contacts.
+pub fn slider(
+    block: &block::Block,
+    population: Box<dyn Population>,
+    contacts: SliderContacts,
+    monitor: &mut dyn Monitor,
+) -> Result<Box<dyn Simulated>> {
+    let simulation = block.simulation_with(population, monitor)?;
+    Ok(Box::new(Slider { simulation, contacts }))
+}
+
+impl Slider {
+    /// The distribution of contacts that follow the master equation.
+    fn solved(
+        &self,
+        equation: &MasterEquation,
+        initial: &Initial,
+        grid: StretchGrid,
+        monitor: &mut dyn Monitor,
+    ) -> Result<(Vec<f64>, Stretches)> {
+        let position = self.simulation.point().position;
+        let chosen = matches!(grid, StretchGrid::Default);
+        let mut stretches = grid.stretches(|| {
+            let ahead = Grid::new(equation, initial, &[position]).stretches;
+            // Where the slider has turned, contacts may have negative stretches.
+            ahead[1..].iter().rev().map(|x| -x).chain(ahead.iter().copied()).collect()
+        })?;
+        let found = self.simulation.stretch_density_with(&stretches, monitor)?;
+        let (mut density, atoms) =
+            found.expect("contacts that follow the master equation are a distribution");
+        let negative = stretches.partition_point(|&x| x < 0.0);
+        if chosen && density[..negative].iter().all(|&density| density == 0.0) {
+            stretches.drain(..negative);
+            density.drain(..negative);
+        }
+        Ok((stretches, Stretches { density, atoms }))
+    }
+}
+
+impl Simulated for Slider {
+    fn cells(&self) -> usize {
+        1
+    }
+
+    fn drive(&self) -> f64 {
+        self.simulation.drive()
+    }
+
+    fn time(&self) -> f64 {
+        0.0
+    }
+
+    fn force(&self) -> f64 {
+        self.simulation.point().force
+    }
+
+    fn forces(&self) -> Vec<f64> {
+        vec![self.force()]
+    }
+
+    fn positions(&self) -> Option<Vec<f64>> {
+        Some(vec![self.simulation.point().position])
+    }
+
+    fn energy(&self) -> Result<Option<Energy>> {
+        self.simulation.energy().map(|energy| Some(Energy::Slider(energy)))
+    }
+
+    fn stretch_density(
+        &self,
+        _: usize,
+        grid: StretchGrid,
+        monitor: &mut dyn Monitor,
+    ) -> Result<(Vec<f64>, Stretches)> {
+        match &self.contacts {
+            SliderContacts::Solved(equation, initial) => self.solved(equation, initial, grid, monitor),
+            SliderContacts::Followed(size) => {
+                grid.count(&points(self.simulation.stretches()?.unwrap_or_default(), *size))
+            }
+        }
+    }
+
+    fn check(&self, key: &str, until: f64) -> Result<()> {
+        if until.is_finite() { Ok(()) } else { Err(Error::invalid(key, "a finite drive", until)) }
+    }
+
+    fn next_event(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<Record> {
+        let event = self.simulation.next_event_with(until, monitor)?;
+        Ok(self.simulation.record(event.as_slice()))
+    }
+
+    fn advance(&mut self, until: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        self.simulation.run_with(until, monitor, &mut |_| ())
+    }
+
+    fn write_state(&self, into: &mut Vec<u8>) {
+        write(&self.simulation.state(), into);
+    }
+
+    fn restore_state(&mut self, from: &[u8], monitor: &mut dyn Monitor) -> Result<()> {
+        self.simulation.restore(read(&mut &*from)?, monitor)
+    }
+}
