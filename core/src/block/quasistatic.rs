@@ -78,7 +78,7 @@ pub(super) struct QuasistaticRun<'a> {
     pub memory: Memory,
     /// Path length of the drive: in total, and up to the last turn.
     pub path_length: (f64, f64),
-    ways: u32,
+    intervals: u32,
 }
 
 impl<'a> QuasistaticRun<'a> {
@@ -130,7 +130,7 @@ impl<'a> QuasistaticRun<'a> {
             offered: SlipCourse::default(),
             memory,
             path_length: (0.0, 0.0),
-            ways: 0,
+            intervals: 0,
         }
     }
 
@@ -161,9 +161,9 @@ impl<'a> QuasistaticRun<'a> {
 
     /// Computes the interval ahead, and reports to the monitor from time to time.
     pub fn find_interval(&mut self, direction: Direction) -> Result<()> {
-        self.ways += 1;
-        if self.ways >= REPORT {
-            self.ways = 0;
+        self.intervals += 1;
+        if self.intervals >= REPORT {
+            self.intervals = 0;
             let done = self.path_length.1 + (self.drive() - self.memory.segment_start.drive).abs();
             self.path.report_progress(done / self.path_length.0)?;
         }
