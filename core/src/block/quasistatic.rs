@@ -225,6 +225,7 @@ impl<'a> QuasistaticRun<'a> {
             let end = turn.unwrap_or(self.path.interval.length);
             let top = if end.is_finite() { self.path.drive(end) } else { f64::INFINITY };
             let mut reached = 0.0;
+            // The equilibrium drive rises up to `top`, so that each value below it is reached once.
             while let Some((&next, rest)) = requested.split_first()
                 && sign * next <= top
             {
@@ -275,6 +276,8 @@ impl<'a> QuasistaticRun<'a> {
     /// Closes the energy balance at a fixed drive. Returns the energies since the last closing.
     pub fn close_energy_balance(&mut self, drive: f64) -> EnergyBalance {
         let (books, stored) = (self.path.books(), self.path.loading.stored(drive, self.path.position));
+        // Work and dissipation are integrated along the motion; stored energies and breaks are differences of
+        // totals. No term is computed as the remainder of the others.
         let mut energy = std::mem::take(&mut self.memory.open);
         energy.spring = stored - self.memory.stored;
         energy.elastic = books.elastic - self.memory.books.elastic;
