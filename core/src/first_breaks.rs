@@ -74,6 +74,7 @@ impl FirstBreaks {
     /// The standard deviation for broken contacts.
     pub fn std(&self) -> f64 {
         let mean = self.mean();
+        // Breaks are uniform on each piece, with the variance (high − low)²/12 about its middle.
         self.average(|low, high| (0.5 * (low + high) - mean).powi(2) + (high - low).powi(2) / 12.0).sqrt()
     }
 

@@ -148,6 +148,7 @@ impl<'a> Watch<'a> {
         if stopped || std::thread::current().id() != self.calling {
             return stopped;
         }
+        // A panic of another thread leaves the monitor itself intact.
         let mut monitor = self.monitor.lock().unwrap_or_else(PoisonError::into_inner);
         let stops = monitor.progress(f64::from_bits(self.done.load(Ordering::Relaxed))).is_break();
         self.stopped.store(stops, Ordering::Relaxed);

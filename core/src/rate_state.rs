@@ -144,6 +144,9 @@ impl StepFit {
         let residual_of = |log: f64| best(log.exp()).map_or(f64::INFINITY, |fit| fit.2);
         let (low, high) = (low.ln(), high.ln());
         let step = (high - low) / CANDIDATES as f64;
+        // Variable projection (G. H. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 413 (1973)): offset and
+        // size are eliminated, and only the scale is searched. A scan comes first, as there may be several
+        // minima.
         let candidates = (0..=CANDIDATES).map(|i| low + step * i as f64);
         let nearest = candidates.min_by(|a, b| residual_of(*a).total_cmp(&residual_of(*b)))?;
         let scale = brent_minimum(residual_of, nearest - step, nearest + step, 1e-10).0.exp();

@@ -49,6 +49,7 @@ impl Curve {
         let mut end: Option<CurveRow> = None;
         along(population, distance, monitor, |path, length| {
             let begin = CurveRow::at(path, 0.0, work);
+            // A jump of the force is shown by the points before and after it.
             if let Some(end) = end.filter(|end| (end.force - begin.force).abs() > SHOWN * largest) {
                 curve.push(end);
                 curve.push(begin);

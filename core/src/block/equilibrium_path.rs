@@ -77,6 +77,7 @@ impl<'a> EquilibriumPath<'a> {
         (self.direction, self.current) = (direction, true);
         self.here = self.population.ahead(0.0);
         if !self.interval.straight {
+            // Evaluated once for each interval: the search for stationary points and the integrals use them.
             for (i, t) in RULE.nodes.iter().enumerate() {
                 self.points[i] = self.response(self.point(*t));
             }

@@ -140,6 +140,7 @@ impl QuasistaticRun<'_> {
         // Contacts are stretched by at least twice this length, energy over force.
         let stretch = swing.energy / self.state(swing.drive, 0.0).spring_force.abs();
         let mut place = self.path.interval.length.min(self.path.position.abs().max(stretch));
+        // Halved until the net force is forward and its work below the limit.
         while visible(place) && !(excess(place) > 0.0 && place * excess(place) < unseen) {
             place *= 0.5;
         }
@@ -170,6 +171,7 @@ impl QuasistaticRun<'_> {
         let resistance = self.path.loading.resistance(self.path.here.tangent);
         let excess = self.path.excess(swing.drive, swing.place);
         let left = self.path.interval.length - swing.place;
+        // The closed form of a damped oscillator, to the end of the interval or to rest.
         let passage = swing.body.passage(swing.speed, excess, resistance, left);
         self.memory.open.viscous += swing.body.damping * passage.squared;
         swing.time += passage.time;

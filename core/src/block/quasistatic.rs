@@ -78,7 +78,7 @@ pub(super) struct QuasistaticRun<'a> {
     pub memory: Memory,
     /// Path length of the drive: in total, and up to the last turn.
     pub path_length: (f64, f64),
-    ways: u32,
+    intervals: u32,
 }
 
 impl<'a> QuasistaticRun<'a> {
@@ -130,7 +130,7 @@ impl<'a> QuasistaticRun<'a> {
             offered: SlipCourse::default(),
             memory,
             path_length: (0.0, 0.0),
-            ways: 0,
+            intervals: 0,
         }
     }
 
@@ -161,9 +161,9 @@ impl<'a> QuasistaticRun<'a> {
 
     /// Computes the interval ahead, and reports to the monitor from time to time.
     pub fn find_interval(&mut self, direction: Direction) -> Result<()> {
-        self.ways += 1;
-        if self.ways >= REPORT {
-            self.ways = 0;
+        self.intervals += 1;
+        if self.intervals >= REPORT {
+            self.intervals = 0;
             let done = self.path_length.1 + (self.drive() - self.memory.segment_start.drive).abs();
             self.path.report_progress(done / self.path_length.0)?;
         }
@@ -225,6 +225,7 @@ impl<'a> QuasistaticRun<'a> {
             let end = turn.unwrap_or(self.path.interval.length);
             let top = if end.is_finite() { self.path.drive(end) } else { f64::INFINITY };
             let mut reached = 0.0;
+            // The equilibrium drive rises up to `top`, so that each value below it is reached once.
             while let Some((&next, rest)) = requested.split_first()
                 && sign * next <= top
             {
@@ -275,6 +276,8 @@ impl<'a> QuasistaticRun<'a> {
     /// Closes the energy balance at a fixed drive. Returns the energies since the last closing.
     pub fn close_energy_balance(&mut self, drive: f64) -> EnergyBalance {
         let (books, stored) = (self.path.books(), self.path.loading.stored(drive, self.path.position));
+        // Work and dissipation are integrated along the motion; stored energies and breaks are differences of
+        // totals. No term is computed as the remainder of the others.
         let mut energy = std::mem::take(&mut self.memory.open);
         energy.spring = stored - self.memory.stored;
         energy.elastic = books.elastic - self.memory.books.elastic;

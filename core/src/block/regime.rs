@@ -115,6 +115,7 @@ pub(super) fn classify(events: &[Jump], start: Point, last: Point, stretch: f64,
     }
     // The first slip starts from the initial state, unlike all others.
     let rest = &events[1..];
+    // Sizes settle over the first slips: only the later half is compared.
     let tail = &rest[rest.len() / 2..];
     if tail.len() < FEWEST {
         return undecided(Missing::Slips);

@@ -100,6 +100,7 @@ pub(super) fn pull(
         run.close();
         run.path.report_progress(1.0)?;
     }
+    // The largest mean stretch of the contacts: the largest force over their stiffness N⟨k⟩.
     let stretch = run.trace.iter().fold(0.0, |most: f64, point| most.max(point.force.abs())) / unloading;
     let jumps: Vec<Jump> =
         run.events[first..].iter().map(|e| Jump { before: e.before, after: e.after }).collect();

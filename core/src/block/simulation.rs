@@ -238,6 +238,7 @@ impl BlockSimulation {
         }
         self.since += u64::from(matches!(happened, Ok(Some(_))));
         let broken = self.broken() - self.copied.population.books().broken;
+        // Events are repeated in one direction only: every turn needs a new copy.
         if turns || broken >= COPY_AFTER.0 || self.since >= COPY_AFTER.1 {
             (self.copied, self.since) = (self.now.copy(), 0);
         }

@@ -35,6 +35,8 @@ impl QuasistaticRun<'_> {
         if self.stay_free(breaks) {
             self.path.hold()?;
         }
+        // After breaks the net force decides the direction. At a smooth instability there is none, and the
+        // slider moves on.
         let pushed = if breaks {
             self.path.cross()?;
             self.net_force_direction(drive, direction)?
@@ -150,6 +152,7 @@ impl QuasistaticRun<'_> {
         self.path.reset()?;
         self.path.find_interval(direction)?;
         let Loading::Spring(stiffness) = loading else { return Ok(false) };
+        // Equilibrium of the spring with the force of the re-formed contacts.
         let position = drive - self.path.here.force / stiffness;
         let released = loading.stored(drive, self.path.position) - loading.stored(drive, position);
         self.memory.open.slip += released;
@@ -221,6 +224,7 @@ impl QuasistaticRun<'_> {
     /// The advance at which the equilibrium drive increases to `drive` (signed) on the interval ahead, and `true`; the end of
     /// the interval and `false` if it does not.
     fn landing(&self, drive: f64, rises: bool) -> (f64, bool) {
+        // Every monotonic part of the equilibrium drive reaches `drive` at most once.
         let (mut from, mut rising) = (0.0, rises);
         loop {
             let turn = self.path.turn(from, rising);
@@ -251,6 +255,7 @@ impl QuasistaticRun<'_> {
         }
         self.trace.extend([before, after]);
         let approach = self.memory.approach;
+        // Simultaneous breaks under a rigid slider: an event without displacement is no slip.
         if slip == 0.0 {
             self.memory.approach += energy;
             return Some(Event { before, after, position_turn, broken_fraction, energy, approach });

@@ -117,6 +117,8 @@ impl SliderMotion {
             if !self.control.is_too_short(duration, left) {
                 let excess = equation.excess(&rested, position);
                 let moved = (behind + equation.unloaded(&rested, position)).abs();
+                // Too long if the spring exceeds the contacts at its end, or if the cell has moved too far on
+                // the unloading line.
                 let shorter = if excess > tolerance * equation.resistance(&rested) {
                     Some(short / (short + excess))
                 } else {

@@ -63,6 +63,7 @@ impl FinishedSlide<'_> {
         let slipped = || slide.unstable.iter().map(|&cell| cell as usize).filter(|&cell| moves(cell));
         let mut cluster_of = vec![NONE; self.model.len()];
         let mut clusters: Vec<Vec<Slipped>> = Vec::new();
+        // In the order in which cells began to slip, which is then the order of the clusters.
         for first in slipped() {
             if cluster_of[first] != NONE {
                 continue;

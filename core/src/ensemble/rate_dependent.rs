@@ -203,6 +203,7 @@ impl EnsembleInTime {
     /// not updated.
     fn advance(&mut self, segment: &Segment, monitor: &mut dyn Monitor) -> Result<()> {
         let mut contacts = std::mem::take(&mut self.contacts);
+        // A chunk is locked once, by the thread that advances it.
         let chunks: Vec<Mutex<&mut [ContactInTime]>> = contacts.chunks_mut(CHUNK).map(Mutex::new).collect();
         let chunk = |streams: &mut RandomStreams, number: usize| {
             let mut contacts = chunks[number].lock().unwrap_or_else(PoisonError::into_inner);
@@ -243,6 +244,7 @@ impl EnsembleInTime {
                 totals.lost -= self.energy(contact, &segment, segment.start);
             }
             let end = self.end(contact, &segment, streams, &mut totals.gained);
+            // The position in the stream belongs to the contact, so that copies draw the same numbers.
             contact.words[1] = streams.diffusion.taken();
             let Some(end) = end else { return totals };
             totals.lost += self.energy(contact, &segment, end);
@@ -296,7 +298,7 @@ impl EnsembleInTime {
         self.stiffness.of(threshold)
     }
 
-    /// ½k x² at a time of a leg.
+    /// ½k x² at a time of a segment.
     fn energy(&self, contact: &ContactInTime, segment: &Segment, time: f64) -> f64 {
         let stretch = contact.stretch(segment.position(time));
         0.5 * self.stiffness(contact, time) * stretch * stretch

@@ -169,6 +169,7 @@ impl MasterPopulation {
     fn advance_on_branch(&mut self, by: f64) -> Result<()> {
         self.back = None;
         let (next, end) = (self.furthest + by, self.branch.cell_end(self.cell));
+        // A position within rounding of the end of a cell is the end, where contacts may break together.
         if next < end - self.interface.rounding() {
             self.furthest = next;
             return Ok(());
@@ -420,6 +421,7 @@ impl Population for MasterPopulation {
     }
 
     fn mark(&mut self) {
+        // The copy is to hold no mark of its own.
         self.marked = None;
         self.marked = Some(Box::new(self.clone()));
     }

@@ -94,6 +94,7 @@ impl Stepping {
 
     fn shift(&mut self) {
         let last = self.fractions.len() - 1;
+        // What leaves the grid re-forms at 0, which conserves the number of contacts.
         let lost = self.fractions[last];
         self.fractions.copy_within(..last, 1);
         self.fractions[0] = lost;
@@ -122,6 +123,7 @@ impl Stepping {
         let mut inflow = 0.0;
         let mut broken = 0.0;
         for (q, p) in self.fractions.iter_mut().zip(&self.breaking) {
+            // Courant number ½.
             let outflow = 0.5 * *q;
             let part = p * *q;
             *q += inflow - outflow - part;

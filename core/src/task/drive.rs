@@ -72,6 +72,7 @@ pub(super) fn run(
     let mut population = equation.population_with(tolerance, &mut Part::new(monitor, fractions[0], 0.0))?;
     let (block, protocol) = (model.block.as_ref(), task.build());
     let mut record = Record::default();
+    // The curve of equilibria is that of the first loading, from the initial state.
     let fresh = population.copy();
     let master = task.slider(block, false)?;
     let part = &mut Part::new(monitor, fractions[0], fractions[1]);

@@ -74,6 +74,7 @@ pub(super) fn run(
         for (done, &hold) in holds.iter().enumerate() {
             let fraction = (1.0 - master) / holds.len() as f64;
             let part = &mut Part::new(monitor, master + done as f64 * fraction, fraction);
+            // Each hold has contacts of its own, so that their errors are independent.
             let first = (done * drawn.size()) as u64;
             let ensemble = drawn.build(contacts.clone(), initial.clone())?.numbered_from(first);
             let time = slide.duration + hold + columns.place[done] / task.velocity;

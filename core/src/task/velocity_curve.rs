@@ -86,6 +86,7 @@ pub(super) fn run(
             accuracy = accuracy.worse(ForceAccuracy::new(model, steady.error, steady.life));
             slow.push(contacts, velocity, limit.viscosity);
             if let Some(ensemble) = &model.ensemble {
+                // Each point has contacts of its own, so that errors of points are independent.
                 let first = (force.len() * ensemble.size()) as u64;
                 let part = &mut Part::new(monitor, start(1.0), fraction);
                 let slid = slide(model, contacts, (ensemble, first), velocity, steady.distance, part)?;

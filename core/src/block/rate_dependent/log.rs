@@ -98,6 +98,7 @@ impl SlidingBlock {
         let SliderMotion { ref equation, ref energies, time, drive, .. } = self.motion;
         let (cell, stiffness) = (self.cell(), equation.connection);
         let (tangent, books) = (cell.contacts.tangent(), cell.contacts.books());
+        // After an arrest the slider is behind the position of its contacts, on their unloading line.
         let back = equation.unloaded(cell, drive);
         let velocity =
             if back < 0.0 { stiffness * self.velocity / (stiffness + tangent) } else { cell.velocity };
@@ -214,6 +215,7 @@ impl Log {
         let (moment, fast) = (slider.moment(), SLIP_VELOCITY * self.pulled);
         self.largest =
             (self.largest.0.max(moment.force.abs()), self.largest.1.max(slider.cell().contacts.tangent()));
+        // A slip begins inside the step, where the velocity passes the limit.
         if self.open.is_none() && moment.velocity > fast {
             let before = self.last.until(&moment, fast);
             self.add_to_trace(before);

@@ -158,6 +158,7 @@ impl SlidingBlock {
             if motion.step(&mut OneCell, self.velocity, left, aside)? >= left {
                 motion.time = end;
             }
+            // From the beginning of the piece, so that rounding errors of steps do not add up.
             motion.drive = begin.1 + self.velocity * (motion.time - begin.0);
             log.record_step(self);
         }

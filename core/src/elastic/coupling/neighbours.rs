@@ -146,6 +146,7 @@ fn along(row: &[f64], edges: Edges, sums: &mut [f64]) {
         Edges::Open => (row[0], row[last]),
         Edges::Periodic => (row[last], row[0]),
     };
+    // Sums of differences: a rigid translation makes exactly no force.
     sums[0] = (before - row[0]) + (row[1] - row[0]);
     sums[last] = (row[last - 1] - row[last]) + (after - row[last]);
     for (sum, window) in sums[1..].iter_mut().zip(row.windows(3)) {

@@ -27,6 +27,7 @@ impl Lattice {
         for &at in front.iter() {
             let place = at as usize;
             let (threshold, life) = births.next(born, || grid.number(place));
+            // A contact that neighbours have pushed beyond its threshold breaks with that larger stretch.
             let let_go = threshold + (*drive - ends[place]) - life.stretch;
             ends[place] = *drive + (life.threshold - life.stretch);
             released.push(let_go);

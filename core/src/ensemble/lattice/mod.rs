@@ -273,6 +273,7 @@ impl Lattice {
             duration += 1;
             let all = self.break_front();
             released += all;
+            // Springs to the drive take the dissipated fraction, open edges what would go beyond them.
             lost += self.dissipated * all + self.distribute();
             mem::swap(&mut self.front, &mut self.following);
             self.following.clear();

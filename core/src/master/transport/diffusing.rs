@@ -194,6 +194,7 @@ impl Diffusing {
             let mut left = Some(segment);
             while let Some(segment) = left {
                 let (step, rest) = segment.split(self.steps(&segment, age));
+                // Both levels make the same coarse step; the fine one halves it, for the extrapolation.
                 for (level, broken) in broken.iter_mut().enumerate() {
                     let parts = 1 << level;
                     let part = |k| {
@@ -223,6 +224,7 @@ impl Diffusing {
         let low = self.maturing.support.0;
         let (from, to) = part.ends();
         let (start, by, time) = (place.stretch, path.advance(from, to), path.time(part));
+        // At the lowest threshold the boundary condition changes from reflecting to absorbing.
         let meets = |threshold: f64| (threshold - start) / by;
         let mut ends: Vec<f64> = [-low, low].map(meets).into_iter().filter(|&s| s > 0.0 && s < 1.0).collect();
         ends.extend([0.0, 1.0]);

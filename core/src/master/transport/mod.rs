@@ -295,6 +295,7 @@ impl Transport {
         let coarse = coarse.transpose()?;
         let mut trace = self.run(history, times, &mut Part::new(monitor, ASIDE, 1.0 - ASIDE))?;
         if let Some(coarse) = coarse {
+            // The error is estimated by the difference from the solution with the larger tolerance.
             let off = trace.force.iter().zip(&coarse.force).map(|(fine, rough)| (fine - rough).abs());
             trace.error = off.fold(0.0, f64::max);
         }

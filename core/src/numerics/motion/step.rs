@@ -65,6 +65,7 @@ impl Body {
                 let (f, slope) = force(places[i]);
                 right[i] = f - damping * speeds[i] - mass * step.acceleration[i];
                 for j in 0..NODES {
+                    // Jacobian of the collocation equations for the accelerations at the Gauss points.
                     let damped = damping * time * INTEGRALS.once[i][j];
                     matrix[i][j] = damped - slope * time * time * INTEGRALS.twice[i][j];
                 }

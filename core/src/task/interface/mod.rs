@@ -203,6 +203,7 @@ fn record<D: DrivenInterface>(
     for &(side, size) in &sides {
         record.add(side, (0..size).map(|i| i as f64).collect());
     }
+    // The cells of a lattice lie along two dimensions, those of a chain along one.
     let along: Vec<_> = ["map_drive"].into_iter().chain(sides.iter().map(|(side, _)| side.name)).collect();
     for (column, values) in D::MAPS.iter().zip(found.maps) {
         record.push(column.name, column.long_name, column.quantity, &along, values);
