@@ -8,13 +8,13 @@
 //! * Statistics and sums: `powerlaw`, `cutoff`, `gauss` (quadrature of a discrete measure), `compensated`, `product`,
 //!   `accumulation` (the point at which an integral reaches a value), `dawson`, `wide` (AVX-512 loops).
 //!
-//! Only the fits of [`powerlaw`] are for users of the crate. `diffusion`, `legendre` and `roots` are public and hidden, because
+//! Only the fits of [`powerlaw`] and [`cutoff`] are for users of the crate. `diffusion`, `legendre` and `roots` are public and hidden, because
 //! tests and benches outside the crate hold them against other methods, or compute expected values with them.
 
 pub(crate) mod accumulation;
 pub(crate) mod breakpoints;
 pub(crate) mod compensated;
-pub(crate) mod cutoff;
+pub mod cutoff;
 pub(crate) mod dawson;
 #[doc(hidden)]
 pub mod diffusion;

@@ -15,7 +15,7 @@ pub struct Piecewise {
 }
 
 /// Tolerance of an interpolation: the condition under which a cell is not bisected. The truncation error of a
-/// cell is that of [`tail`].
+/// cell is that of `tail`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Resolution {
     /// Truncation error × half width is at most this: an error of integrals.
