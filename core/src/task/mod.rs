@@ -22,7 +22,6 @@
 
 mod accuracy;
 mod checkpoint;
-mod columns;
 mod distribution;
 mod drive;
 mod ensemble;
@@ -44,12 +43,11 @@ use serde::{Deserialize, Serialize};
 use crate::law::Atom;
 use crate::master::{Pull, Relaxation, SteadyState};
 use crate::monitor::Monitor;
-use crate::record::{Column, Quantity, Record};
+use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{Compare, Model, Scenario, Task};
 use crate::{Error, Result};
 
 pub use checkpoint::{Checkpoint, Checkpoints};
-pub use columns::columns;
 pub use drive::first_loading;
 pub use grid::Grid;
 pub use in_time::tolerance_over;
@@ -142,10 +140,10 @@ pub fn run_with(
     Ok((summary, record))
 }
 
-/// Gives a task its public `run`, which checks first.
-macro_rules! runs {
-    ($($task:ident: $run:path => $numbers:ident;)*) => {$(
-        impl crate::scenario::$task {
+/// Gives each task its public `run`, which checks first, and collects what tasks declare.
+macro_rules! tasks {
+    ($($task:ident: $module:ident => $numbers:ident;)*) => {
+        $(impl crate::scenario::$task {
             /// Computes it of `model`: see [`task`](crate::task).
             ///
             /// # Errors
@@ -153,19 +151,31 @@ macro_rules! runs {
             /// run into; [`Error::Stopped`] by the monitor.
             pub fn run(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<summary::$numbers>> {
                 Task::$task(self).check(model)?;
-                $run(model, self, monitor)
+                $module::run(model, self, monitor)
             }
+        })*
+
+        /// The variables of each task, without values: what its [`Output`] may hold. The names of tasks are those of
+        /// [`Numbers`]; contacts coupled one by one have an entry of their own.
+        pub fn columns() -> Vec<(&'static str, Record)> {
+            [$($module::columns()),*].concat()
         }
-    )*};
+
+        /// The tables in CSV that tasks declare. Traces, events and point masses have tables of several kinds, which front
+        /// ends make.
+        pub fn tables() -> impl Iterator<Item = &'static CsvTable> {
+            [$($module::TABLES),*].into_iter().flatten()
+        }
+    };
 }
 
-runs! {
-    Pull: pull::run => PullNumbers;
-    Drive: drive::run => DriveNumbers;
-    Protocol: protocol::run => ProtocolNumbers;
-    VelocityCurve: velocity_curve::run => VelocityCurveNumbers;
-    HoldCurve: hold_curve::run => HoldCurveNumbers;
-    Renormalisation: renormalisation::run => RenormalisationNumbers;
+tasks! {
+    Pull: pull => PullNumbers;
+    Drive: drive => DriveNumbers;
+    Protocol: protocol => ProtocolNumbers;
+    VelocityCurve: velocity_curve => VelocityCurveNumbers;
+    HoldCurve: hold_curve => HoldCurveNumbers;
+    Renormalisation: renormalisation => RenormalisationNumbers;
 }
 
 /// What a pull and steady sliding tell of friction.
