@@ -143,48 +143,69 @@ class Law(Description):
 
 @final
 class Gaussian(Law):
-    """The Gaussian (normal) distribution, truncated at 0.
+    """The normal (Gaussian) distribution, truncated at 0.
 
-    mean: the mean before truncation, 0 or above. std: the standard deviation before truncation, above 0.
+    mean: Mean before truncation at 0, 0 or above.
+    std: Standard deviation before truncation, above 0.
     """
 
     def __new__(cls, mean: _Number, std: _Number) -> Self: ...
 
 @final
 class Gamma(Law):
-    """The gamma distribution of the given mean and standard deviation, both above 0."""
+    """The gamma distribution.
+
+    mean: Mean, above 0.
+    std: Standard deviation, above 0.
+    """
 
     def __new__(cls, mean: _Number, std: _Number) -> Self: ...
 
 @final
 class Lognormal(Law):
-    """The lognormal distribution of the given mean and standard deviation (of the variable itself, not of its
-    logarithm), both above 0.
+    """The lognormal distribution: the logarithm of the variable is normal.
+
+    mean: Mean of the variable itself, not of its logarithm, above 0.
+    std: Standard deviation of the variable itself, above 0.
     """
 
     def __new__(cls, mean: _Number, std: _Number) -> Self: ...
 
 @final
 class Rectangular(Law):
-    """The uniform distribution from min, 0 or above, to max, above min."""
+    """The uniform distribution on an interval.
+
+    min: Lower end, 0 or above.
+    max: Upper end, above the lower.
+    """
 
     def __new__(cls, min: _Number, max: _Number) -> Self: ...
 
 @final
 class Point(Law):
-    """A point mass (delta distribution) at one value, 0 or above."""
+    """A point mass (delta distribution): one value only.
+
+    at: The single value, 0 or above.
+    """
 
     def __new__(cls, at: _Number) -> Self: ...
 
 @final
 class Exponential(Law):
-    """The exponential distribution of the given mean, above 0."""
+    """The exponential distribution.
+
+    mean: Mean, above 0.
+    """
 
     def __new__(cls, mean: _Number) -> Self: ...
 
 @final
 class Weibull(Law):
-    """The Weibull distribution, with the survival exp(-(x/scale)**shape); shape and scale are above 0."""
+    """The Weibull distribution: survival exp(−(x/scale)^shape).
+
+    shape: Shape k of e^{−(x/λ)^k}, above 0.
+    scale: Scale λ, above 0.
+    """
 
     def __new__(cls, shape: _Number, scale: _Number) -> Self: ...
 

@@ -6,9 +6,8 @@
 //! documented parameters are the parent's, while [`Law::mean`] and [`Law::std`] are those of the conditioned
 //! distribution.
 //!
-//! To add a distribution: a file of its own, shaped like its neighbours; its name in the list below; a
-//! variant of the scenario; a row of the table of distributions in the documentation; a line in the tests of
-//! the family.
+//! To add a distribution: a file of its own, shaped like its neighbours; its name in the list below; its
+//! declaration in `parametric.rs`; a row of the table of distributions in the documentation.
 
 mod critical_coupling;
 mod drive_map;
@@ -20,6 +19,7 @@ mod lognormal;
 mod mixture;
 mod normal;
 mod panels;
+mod parametric;
 mod point;
 mod quadrature;
 mod rectangular;
@@ -38,6 +38,8 @@ pub use gamma::Gamma;
 pub use gaussian::Gaussian;
 pub use lognormal::Lognormal;
 pub use mixture::Mixture;
+#[doc(hidden)]
+pub use parametric::parametric_distributions;
 pub use point::Point;
 pub use rectangular::Rectangular;
 pub use renormalised::Renormalised;

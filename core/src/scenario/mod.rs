@@ -42,7 +42,7 @@ pub use drive::Drive;
 pub use ensemble::Ensemble;
 pub use hold_curve::HoldCurve;
 pub use interface::{Interface, PerCell, Scales};
-pub use law::{Component, Law, Tabulated};
+pub use law::{Component, Law, ParametricFamily, Tabulated};
 pub use master_equation::MasterEquation;
 pub use model::Model;
 pub use protocol::{Protocol, Step};
