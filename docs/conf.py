@@ -86,7 +86,7 @@ def with_list(_, __, ___, documented, ____, lines):
 
 
 def subclasses(line: re.Match) -> str:
-    """Documents the classes of the package that derive from the one named by `.. subclasses:: asperity.Name`."""
+    """Documents the classes that derive from the one named by `.. subclasses:: asperity.Name`."""
     base = getattr(import_module("asperity"), line[1])
     return "\n".join(f".. autoclass:: asperity.{derived.__name__}" for derived in base.__subclasses__())
 
