@@ -8,6 +8,7 @@ citations of these.
 import logging
 import re
 import tomllib
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -84,11 +85,18 @@ def with_list(_, __, ___, documented, ____, lines):
     lines[:] = "\n\n".join(paragraphs).splitlines()
 
 
+def subclasses(line: re.Match) -> str:
+    """Documents the classes that derive from the one named by `.. subclasses:: asperity.Name`."""
+    base = getattr(import_module("asperity"), line[1])
+    return "\n".join(f".. autoclass:: asperity.{derived.__name__}" for derived in base.__subclasses__())
+
+
 def setup(app):
     keys = works()
 
     def read(_, __, source):
-        source[0] = as_site(source[0], keys)
+        text = as_site(source[0], keys)
+        source[0] = re.sub(r"^\.\. subclasses:: asperity\.(\w+)$", subclasses, text, flags=re.M)
 
     app.connect("source-read", read)
     app.connect("autodoc-process-docstring", with_list)

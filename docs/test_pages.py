@@ -83,5 +83,7 @@ def test_there_are_pages_in_python() -> None:
 
 def test_every_name_of_the_package_is_documented() -> None:
     page = (ROOT / "docs" / "api" / "python.md").read_text(encoding="utf-8")
-    shown = re.findall(r":: asperity\.(\w+)$", page, re.MULTILINE)
+    shown = re.findall(r"^\.\. auto\w+:: asperity\.(\w+)$", page, re.MULTILINE)
+    for base in re.findall(r"^\.\. subclasses:: asperity\.(\w+)$", page, re.MULTILINE):
+        shown += [derived.__name__ for derived in getattr(asperity, base).__subclasses__()]
     assert sorted(shown) == sorted(set(asperity.__all__) - {"__version__"})

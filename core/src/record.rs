@@ -99,6 +99,17 @@ impl Column {
     }
 }
 
+/// A table of a result in CSV: a row for each place along the dimensions of the column that it needs.
+#[derive(Debug, Clone, Copy)]
+pub struct CsvTable {
+    /// Name of the file.
+    pub file: &'static str,
+    /// Its columns in order, as far as a result has them; one with fewer dimensions than others is repeated along these.
+    pub columns: &'static [Column],
+    /// The column without which there is no such table.
+    pub needed: Column,
+}
+
 /// A named array with named dimensions, in row-major order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Variable {
@@ -122,6 +133,24 @@ pub struct Record {
 }
 
 impl Record {
+    /// A record of these columns, without values.
+    pub fn declared(lists: &[&[Column]]) -> Self {
+        let mut record = Self::default();
+        lists.iter().copied().flatten().for_each(|column| record.add(*column, Vec::new()));
+        record
+    }
+
+    /// The same variables with `prefix` before their names and the names of their dimensions.
+    #[must_use]
+    pub fn prefixed(&self, prefix: &str) -> Self {
+        let mut variables = self.variables.clone();
+        for variable in &mut variables {
+            variable.name.insert_str(0, prefix);
+            variable.dimensions.iter_mut().for_each(|dimension| dimension.insert_str(0, prefix));
+        }
+        Self { variables }
+    }
+
     /// The variable called `name`.
     pub fn get(&self, name: &str) -> Option<&Variable> {
         self.variables.iter().find(|v| v.name == name)

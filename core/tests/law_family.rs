@@ -8,6 +8,7 @@ use asperity::law::{
 };
 use asperity::numerics::legendre::RULE;
 use asperity::random::{Purpose, Stream};
+use asperity::scenario;
 use num_complex::Complex64;
 
 fn family() -> Vec<SharedLaw> {
@@ -30,7 +31,7 @@ fn family() -> Vec<SharedLaw> {
     let rise = |x: &[f64]| Ok(x.iter().map(|x| (1.0 + x * x) * (-x * x).exp() / x.sqrt()).collect());
     let singular = Series::resolve(rise, &[0.0, 1.0, f64::INFINITY], 1e-14).unwrap().0;
     let singular = Arc::new(singular);
-    vec![
+    let mut family: Vec<SharedLaw> = vec![
         Arc::new(Gaussian::new(1.0, 0.05).unwrap()),
         Arc::new(Gaussian::new(1.0, 0.3).unwrap()),
         Arc::new(Gaussian::new(0.2, 0.5).unwrap()),
@@ -63,7 +64,12 @@ fn family() -> Vec<SharedLaw> {
         renormalised(tent, 0.3),
         renormalised(singular, 0.5),
         renormalised(Arc::new(two_kinds.unwrap()), 0.2),
-    ]
+    ];
+    // A narrow and a wide member of every parametric family.
+    for width in [0.2, 0.8] {
+        family.extend(scenario::Law::FAMILIES.iter().map(|one| (one.member)(1.1, width).build().unwrap()));
+    }
+    family
 }
 
 fn renormalised(thresholds: SharedLaw, coupling: f64) -> SharedLaw {

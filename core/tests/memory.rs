@@ -109,7 +109,7 @@ fn lattices() {
 }
 
 /// The table of an interface of such cells, to be asked what it needs.
-fn table(shape: Shape, coupling: scenario::Coupling) -> scenario::Interface {
+fn table(shape: Shape, coupling: scenario::Elasticity) -> scenario::Interface {
     let cells = match shape {
         Shape::Chain(length) => vec![length],
         Shape::Square(sides) => sides.to_vec(),
@@ -134,9 +134,9 @@ fn interfaces() {
         [(Shape::Square([128; 2]), 3.0), (Shape::Square([128; 2]), 1e6), (Shape::Chain(1 << 12), 3.0)];
     for (shape, stiffness) in shapes {
         for edges in [Edges::Open, Edges::Periodic] {
-            let springs = scenario::Coupling::Neighbours { stiffness };
+            let springs = scenario::Elasticity::Neighbours { stiffness };
             on_a_slider(|| neighbours(shape, edges, stiffness), shape, springs);
-            let bulk = scenario::Coupling::HalfSpace { modulus: stiffness, cell: 1.0 };
+            let bulk = scenario::Elasticity::HalfSpace { modulus: stiffness, cell: 1.0 };
             on_a_slider(|| half_space(shape, edges, stiffness, 1.0), shape, bulk);
         }
     }
@@ -145,7 +145,7 @@ fn interfaces() {
 fn on_a_slider(
     make: impl FnOnce() -> asperity::Result<Box<dyn elastic::Coupling>>,
     shape: Shape,
-    described: scenario::Coupling,
+    described: scenario::Elasticity,
 ) {
     let said = needed(table(shape, described).fits(&contacts(&point(1.0), &point(0.0)), None, false, 0));
     let curve = curve::gaussian(0.1);

@@ -77,7 +77,7 @@ fn cells(monitor: &mut dyn Monitor) -> Made {
         cells: vec![SIDE; 2],
         contacts: scenario::PerCell::Many,
         connection: 0.5,
-        coupling: scenario::Coupling::HalfSpace { modulus: stiffness, cell: 1.0 },
+        coupling: scenario::Elasticity::HalfSpace { modulus: stiffness, cell: 1.0 },
         edges: Edges::Periodic,
         loading: scenario::CellLoading::Uniform,
         slip: None,

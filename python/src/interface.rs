@@ -1,7 +1,7 @@
 //! Deformable interfaces: cells on an elastic slider, and contacts coupled one by one.
 
 use asperity::scenario::{
-    self, CellLoading, CellSlip, Coupling, Disorder, Drive, Edges, PerCell, Scales, Scenario, Units,
+    self, CellLoading, CellSlip, Disorder, Drive, Edges, Elasticity, PerCell, Scales, Scenario,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -30,22 +30,11 @@ impl Surface {
     pub fn scenario(&self, drive: Drive) -> Scenario {
         let description::Interface { contacts, initial, start } = self.contacts.clone();
         Scenario {
-            title: String::new(),
-            contacts,
             initial,
-            pull: None,
             drive: Some(Drive { start, ..drive }),
-            protocol: None,
-            protocol_file: None,
-            velocity_curve: None,
-            hold_curve: None,
-            renormalisation: None,
-            block: None,
             interface: Some(self.own.clone()),
-            master_equation: scenario::MasterEquation::default(),
             ensemble: self.ensemble.clone(),
-            units: Units::default(),
-            compare: None,
+            ..Scenario::new(contacts)
         }
     }
 }
@@ -210,8 +199,8 @@ impl Interface {
         start: &str,
     ) -> PyResult<PyClassInitializer<Self>> {
         let coupling = match (neighbours, half_space) {
-            (Some(stiffness), None) => Coupling::Neighbours { stiffness },
-            (None, Some((modulus, cell))) => Coupling::HalfSpace { modulus, cell },
+            (Some(stiffness), None) => Elasticity::Neighbours { stiffness },
+            (None, Some((modulus, cell))) => Elasticity::HalfSpace { modulus, cell },
             (both, _) => {
                 let found = if both.is_some() { "both" } else { "neither" };
                 return Err(error::invalid("neighbours", "either neighbours or half_space", found));
@@ -342,7 +331,7 @@ impl Lattice {
             cells,
             contacts: PerCell::One,
             connection,
-            coupling: Coupling::Neighbours { stiffness: neighbours },
+            coupling: Elasticity::Neighbours { stiffness: neighbours },
             edges: convert::word("edges", edges)?,
             loading: CellLoading::Uniform,
             slip: None,
@@ -373,8 +362,8 @@ pub fn arguments(surface: &Surface, into: &Bound<'_, PyDict>) -> PyResult<()> {
     into.set_item("cells", own.cells.clone())?;
     into.set_item("connection", own.connection)?;
     match own.coupling {
-        Coupling::Neighbours { stiffness } => into.set_item("neighbours", stiffness)?,
-        Coupling::HalfSpace { modulus, cell } => into.set_item("half_space", (modulus, cell))?,
+        Elasticity::Neighbours { stiffness } => into.set_item("neighbours", stiffness)?,
+        Elasticity::HalfSpace { modulus, cell } => into.set_item("half_space", (modulus, cell))?,
         _ => unreachable!("a coupling that no argument makes"),
     }
     given(into, "edges", (own.edges == Edges::Periodic).then_some("periodic"))?;

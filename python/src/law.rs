@@ -1,7 +1,7 @@
 //! Probability distributions, with the method names of scipy.stats.
 
 use asperity::Error;
-use asperity::law::{self, SharedLaw};
+use asperity::law::{self, SharedLaw, parametric_distributions};
 use asperity::random::{Purpose, Stream};
 use asperity::scenario::{self, Component, Tabulated as Table};
 use numpy::ndarray::{ArrayD, IxDyn};
@@ -171,9 +171,9 @@ fn plain(law: &Bound<'_, Law>) -> scenario::Law {
     }
 }
 
-/// The classes of distributions, each created from its own arguments.
-macro_rules! laws {
-    ($($(#[doc = $doc:literal])+ $name:ident($($signature:tt)*) { $($argument:ident: $kind:ty),* } => $plain:expr;)+) => {$(
+/// Classes of distributions, each created from its own arguments.
+macro_rules! classes {
+    ($($(#[doc = $doc:expr])+ $name:ident($($signature:tt)*) { $($argument:ident: $kind:ty),* } => $plain:expr;)+) => {$(
         $(#[doc = $doc])+
         #[pyclass(frozen, extends = Law, module = "asperity")]
         pub struct $name;
@@ -186,28 +186,70 @@ macro_rules! laws {
                 Ok(describe($plain)?.add_subclass(Self))
             }
         }
-    )+
+    )+};
+}
+
+/// The classes of parametric distributions, from their declarations.
+macro_rules! parametric_classes {
+    ($(
+        $(#[doc = $doc:literal])+
+        $name:ident = $key:literal, $widths:expr, |$scale:ident, $width:ident| {
+            $($(#[doc = $parameter_doc:literal])+ $parameter:ident: $value:expr,)+
+        }
+    )+) => {
+        classes! {$(
+            $(#[doc = $doc])+
+            #[doc = ""]
+            $(#[doc = concat!(stringify!($parameter), ":", $($parameter_doc),+)])+
+            $name($($parameter),+) { $($parameter: f64),+ } => scenario::Law::$name { $($parameter),+ };
+        )+}
+
+        /// The class of a distribution.
+        pub fn class<'py>(law: &scenario::Law, py: Python<'py>) -> Bound<'py, PyType> {
+            match law {
+                $(scenario::Law::$name { .. } => py.get_type::<$name>(),)+
+                scenario::Law::Tabulated(_) => py.get_type::<Tabulated>(),
+                scenario::Law::Series { .. } => py.get_type::<Series>(),
+                scenario::Law::Mixture(_) => py.get_type::<Mixture>(),
+                scenario::Law::Renormalised { .. } => py.get_type::<Renormalised>(),
+                _ => unreachable!("a distribution without a class"),
+            }
+        }
+
+        /// The arguments of its class that create a distribution.
+        pub fn arguments(law: &scenario::Law, into: &Bound<'_, PyDict>) -> PyResult<()> {
+            match law {
+                $(scenario::Law::$name { $($parameter),+ } => {
+                    $(into.set_item(stringify!($parameter), $parameter)?;)+
+                    Ok(())
+                })+
+                scenario::Law::Tabulated(Table { stretch, density, samples, .. }) => {
+                    let columns = [("stretch", stretch), ("density", density), ("samples", samples)];
+                    columns.into_iter().try_for_each(|(name, values)| given(into, name, values.as_ref()))
+                }
+                scenario::Law::Series { boundaries, coefficients, cut } => {
+                    into.set_item("boundaries", boundaries)?;
+                    into.set_item("coefficients", coefficients)?;
+                    given(into, "cut", (*cut > 0.0).then_some(*cut))
+                }
+                scenario::Law::Mixture(components) => {
+                    let component =
+                        |part: &Component| Ok((part.weight, Plain::Law(part.law.clone()).object(into.py())?));
+                    into.set_item("components", components.iter().map(component).collect::<PyResult<Vec<_>>>()?)
+                }
+                scenario::Law::Renormalised { law, coupling } => {
+                    into.set_item("law", Plain::Law((**law).clone()).object(into.py())?)?;
+                    into.set_item("coupling", coupling)
+                }
+                _ => unreachable!("a distribution without a class"),
+            }
+        }
     };
 }
 
-laws! {
-    /// The Gaussian (normal) distribution, truncated at 0.
-    ///
-    /// mean: the mean before truncation, 0 or above. std: the standard deviation before truncation, above 0.
-    Gaussian(mean, std) { mean: f64, std: f64 } => scenario::Law::Gaussian { mean, std };
-    /// The gamma distribution of the given mean and standard deviation, both above 0.
-    Gamma(mean, std) { mean: f64, std: f64 } => scenario::Law::Gamma { mean, std };
-    /// The lognormal distribution of the given mean and standard deviation (of the variable itself, not of its
-    /// logarithm), both above 0.
-    Lognormal(mean, std) { mean: f64, std: f64 } => scenario::Law::Lognormal { mean, std };
-    /// The uniform distribution from min, 0 or above, to max, above min.
-    Rectangular(min, max) { min: f64, max: f64 } => scenario::Law::Rectangular { min, max };
-    /// A point mass (delta distribution) at one value, 0 or above.
-    Point(at) { at: f64 } => scenario::Law::Point { at };
-    /// The exponential distribution of the given mean, above 0.
-    Exponential(mean) { mean: f64 } => scenario::Law::Exponential { mean };
-    /// The Weibull distribution, with the survival exp(-(x/scale)**shape); shape and scale are above 0.
-    Weibull(shape, scale) { shape: f64, scale: f64 } => scenario::Law::Weibull { shape, scale };
+parametric_distributions!(parametric_classes);
+
+classes! {
     /// A measured distribution: a density given at increasing stretches, or samples.
     ///
     /// stretch, density: lists of equal length; the density is linear between them, 0 outside, and normalised.
@@ -304,58 +346,6 @@ pub fn resolve<'py>(density: &Bound<'py, PyAny>, boundaries: Vec<f64>) -> PyResu
         cut: law.cut(),
     };
     Bound::new(py, describe(plain)?.add_subclass(Series))
-}
-
-/// The class of a distribution.
-pub fn class<'py>(law: &scenario::Law, py: Python<'py>) -> Bound<'py, PyType> {
-    match law {
-        scenario::Law::Gaussian { .. } => py.get_type::<Gaussian>(),
-        scenario::Law::Gamma { .. } => py.get_type::<Gamma>(),
-        scenario::Law::Lognormal { .. } => py.get_type::<Lognormal>(),
-        scenario::Law::Rectangular { .. } => py.get_type::<Rectangular>(),
-        scenario::Law::Point { .. } => py.get_type::<Point>(),
-        scenario::Law::Exponential { .. } => py.get_type::<Exponential>(),
-        scenario::Law::Weibull { .. } => py.get_type::<Weibull>(),
-        scenario::Law::Tabulated(_) => py.get_type::<Tabulated>(),
-        scenario::Law::Series { .. } => py.get_type::<Series>(),
-        scenario::Law::Mixture(_) => py.get_type::<Mixture>(),
-        scenario::Law::Renormalised { .. } => py.get_type::<Renormalised>(),
-        _ => unreachable!("a distribution without a class"),
-    }
-}
-
-/// The arguments of its class that create a distribution.
-pub fn arguments(law: &scenario::Law, into: &Bound<'_, PyDict>) -> PyResult<()> {
-    let numbers =
-        |pairs: &[(&str, f64)]| pairs.iter().try_for_each(|(name, value)| into.set_item(name, value));
-    match *law {
-        scenario::Law::Gaussian { mean, std }
-        | scenario::Law::Gamma { mean, std }
-        | scenario::Law::Lognormal { mean, std } => numbers(&[("mean", mean), ("std", std)]),
-        scenario::Law::Rectangular { min, max } => numbers(&[("min", min), ("max", max)]),
-        scenario::Law::Point { at } => numbers(&[("at", at)]),
-        scenario::Law::Exponential { mean } => numbers(&[("mean", mean)]),
-        scenario::Law::Weibull { shape, scale } => numbers(&[("shape", shape), ("scale", scale)]),
-        scenario::Law::Tabulated(Table { ref stretch, ref density, ref samples, .. }) => {
-            let columns = [("stretch", stretch), ("density", density), ("samples", samples)];
-            columns.into_iter().try_for_each(|(name, values)| given(into, name, values.as_ref()))
-        }
-        scenario::Law::Series { ref boundaries, ref coefficients, cut } => {
-            into.set_item("boundaries", boundaries)?;
-            into.set_item("coefficients", coefficients)?;
-            given(into, "cut", (cut > 0.0).then_some(cut))
-        }
-        scenario::Law::Mixture(ref components) => {
-            let component =
-                |part: &Component| Ok((part.weight, Plain::Law(part.law.clone()).object(into.py())?));
-            into.set_item("components", components.iter().map(component).collect::<PyResult<Vec<_>>>()?)
-        }
-        scenario::Law::Renormalised { ref law, coupling } => {
-            into.set_item("law", Plain::Law((**law).clone()).object(into.py())?)?;
-            into.set_item("coupling", coupling)
-        }
-        _ => unreachable!("a distribution without a class"),
-    }
 }
 
 /// Sets an argument, unless it is omitted.

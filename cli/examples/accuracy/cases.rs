@@ -1,5 +1,8 @@
 //! What the page is of: distributions by their width, and rules in time.
 
+use asperity::scenario::Law;
+use toml::Value;
+
 /// Coefficients of variation.
 pub const VARIATIONS: [f64; 9] = [1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.3, 1.0, 1.5, 3.0];
 
@@ -15,7 +18,7 @@ pub struct Family {
     /// Its name in scenarios.
     pub name: &'static str,
     /// The thresholds of a coefficient of variation, if there are any.
-    thresholds: fn(f64) -> Option<String>,
+    thresholds: Box<dyn Fn(f64) -> Option<String>>,
 }
 
 impl Family {
@@ -24,27 +27,6 @@ impl Family {
         let thresholds = (self.thresholds)(variation)?;
         Some(format!("contacts.{thresholds}\npull = {{ distance = 5.0, points = 101 }}\n"))
     }
-}
-
-fn with_std(name: &str, variation: f64) -> String {
-    format!("thresholds.{name} = {{ mean = 1.0, std = {variation:?} }}")
-}
-
-/// Half the width of a rectangular distribution; the widest reaches down to 0.
-fn half_width(variation: f64) -> Option<f64> {
-    let half = 3f64.sqrt() * variation;
-    (half <= 1.0).then_some(half)
-}
-
-/// The shape of a Weibull distribution: Γ(1 + 2/k)/Γ(1 + 1/k)² = 1 + c.v.², by bisection.
-fn shape(variation: f64) -> f64 {
-    let spread = |k: f64| (libm::lgamma(1.0 + 2.0 / k) - 2.0 * libm::lgamma(1.0 + 1.0 / k)).exp_m1().sqrt();
-    let (mut low, mut high) = (0.1, 1e5);
-    for _ in 0..200 {
-        let middle = f64::sqrt(low * high);
-        if spread(middle) > variation { low = middle } else { high = middle }
-    }
-    low
 }
 
 /// Evenly spaced quantiles of a triangle.
@@ -60,19 +42,18 @@ fn samples(variation: f64) -> Option<String> {
 
 /// All families.
 pub fn families() -> Vec<Family> {
-    let family = |name, thresholds| Family { name, thresholds };
-    vec![
-        family("gaussian", |cv| Some(with_std("gaussian", cv))),
-        family("gamma", |cv| Some(with_std("gamma", cv))),
-        family("lognormal", |cv| Some(with_std("lognormal", cv))),
-        family("weibull", |cv| {
-            Some(format!("thresholds.weibull = {{ shape = {:?}, scale = 1.0 }}", shape(cv)))
+    let family =
+        |name, thresholds: fn(f64) -> Option<String>| Family { name, thresholds: Box::new(thresholds) };
+    // A point mass has no width.
+    let parametric = Law::FAMILIES.iter().filter(|family| family.widths[1] > 0.0).map(|family| Family {
+        name: family.name,
+        thresholds: Box::new(|width| {
+            let [low, high] = family.widths;
+            let law = Value::try_from((family.member)(1.0, width)).expect("a table of plain values");
+            (low..=high).contains(&width).then(|| format!("thresholds = {law}"))
         }),
-        family("rectangular", |cv| {
-            let half = half_width(cv)?;
-            Some(format!("thresholds.rectangular = {{ min = {:?}, max = {:?} }}", 1.0 - half, 1.0 + half))
-        }),
-        family("exponential", |cv| (cv == 1.0).then(|| "thresholds.exponential = { mean = 1.0 }".into())),
+    });
+    let others = [
         family("tabulated", samples),
         family("mixture", |cv| {
             let part = |weight: f64, mean: f64| {
@@ -92,7 +73,8 @@ pub fn families() -> Vec<Family> {
             let law = format!("{{ gaussian = {{ mean = 1.0, std = {cv:?} }} }}");
             Some(format!("thresholds.renormalised = {{ coupling = {coupling:?}, law = {law} }}"))
         }),
-    ]
+    ];
+    parametric.chain(others).collect()
 }
 
 /// A rule in time.

@@ -11,25 +11,20 @@ CSV tables have the same names. What was not asked for is not there. Every varia
 ([labels](how-to/units.md), `1` where it is dimensionless); `scenario` is the scenario as text.
 ";
 
-/// The headings of the tasks.
-const TASKS: [(&str, &str); 9] = [
-    ("pull", "[pull]"),
-    ("drive", "[drive]"),
+/// The headings of tasks that are not called like their table.
+const TASKS: [(&str, &str); 4] = [
     ("interface_drive", "[drive] with [interface]"),
     ("interface_drive of contacts", "[drive] with [interface] of contacts coupled one by one"),
     ("protocol", "[[protocol]]"),
     ("block_protocol", "[[protocol]] with [block], and [drive] with [block] over time-dependent contacts"),
-    ("velocity_curve", "[velocity_curve]"),
-    ("hold_curve", "[hold_curve]"),
-    ("renormalisation", "[renormalisation]"),
 ];
 
 /// The page.
 pub fn page() -> String {
     let mut page = HEAD.to_owned();
     for (task, record) in task::columns() {
-        let (_, heading) =
-            TASKS.into_iter().find(|(name, _)| *name == task).expect("every task has a heading");
+        let heading = TASKS.into_iter().find(|(name, _)| *name == task);
+        let heading = heading.map_or_else(|| format!("[{task}]"), |(_, heading)| heading.to_owned());
         page +=
             &format!("\n## `{heading}`\n\n| variable | along | quantity | meaning |\n|---|---|---|---|\n");
         record.variables.iter().for_each(|variable| page += &row(variable));

@@ -1,5 +1,6 @@
 //! Parameters of distributions of a mean and a coefficient of variation.
 
+use asperity::scenario::Law;
 use toml::{Table, Value};
 
 use super::random::SplitMix;
@@ -7,21 +8,17 @@ use super::random::SplitMix;
 /// Coefficients of variation.
 pub const VARIATIONS: [f64; 9] = [1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.3, 1.0, 1.5, 3.0];
 
-/// The distribution that the schema calls `family`. Nested ones are drawn among those that are not.
+/// The distribution that the schema calls `family`. Nested ones are parametric.
 ///
 /// # Panics
-/// A family that is not listed: a new one needs a line.
+/// A family that is neither parametric nor listed.
 pub fn parameters(family: &str, mean: f64, variation: f64, random: &mut SplitMix) -> Value {
-    let numbers = |given: &[(&str, f64)]| {
-        Value::Table(given.iter().map(|&(key, value)| (key.to_owned(), Value::Float(value))).collect())
-    };
+    if let Some(parametric) = Law::FAMILIES.iter().find(|one| one.name == family) {
+        let law = Value::try_from((parametric.member)(mean, variation)).expect("a table of plain values");
+        return law[family].clone();
+    }
     let half_width = (3f64.sqrt() * variation).min(1.0) * mean;
     match family {
-        "gaussian" | "gamma" | "lognormal" => numbers(&[("mean", mean), ("std", mean * variation)]),
-        "rectangular" => numbers(&[("min", mean - half_width), ("max", mean + half_width)]),
-        "point" => numbers(&[("at", mean)]),
-        "exponential" => numbers(&[("mean", mean)]),
-        "weibull" => numbers(&[("shape", shape(variation)), ("scale", mean)]),
         "tabulated" => tabulated(mean, half_width, random),
         "series" => series(mean, half_width),
         "mixture" => mixture(mean, variation, random),
@@ -34,12 +31,6 @@ pub fn parameters(family: &str, mean: f64, variation: f64, random: &mut SplitMix
         }
         _ => panic!("no parameters are known for the distribution {family}"),
     }
-}
-
-/// The shape of a Weibull distribution of roughly this coefficient of variation: Γ(1 + 2/k)/Γ(1 + 1/k)² − 1 ≈ k^{-2.17}
-/// (C. G. Justus et al., J. Appl. Meteorol. 17, 350 (1978)).
-fn shape(variation: f64) -> f64 {
-    variation.powf(-1.0 / 1.086)
 }
 
 fn list(values: &[f64]) -> Value {
@@ -76,7 +67,6 @@ fn mixture(mean: f64, variation: f64, random: &mut SplitMix) -> Value {
 }
 
 fn simple(mean: f64, variation: f64, random: &mut SplitMix) -> Value {
-    let families = ["gaussian", "gamma", "lognormal", "rectangular", "exponential", "weibull", "point"];
-    let family = *random.pick(&families);
+    let family = random.pick(Law::FAMILIES).name;
     Value::Table(Table::from_iter([(family.to_owned(), parameters(family, mean, variation, random))]))
 }

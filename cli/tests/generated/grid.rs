@@ -21,7 +21,7 @@ const STOPPED: &str = "--max-time=60s";
 /// Combinations that are known to fail, with the reason: they are named, and not run.
 const KNOWN: [(u64, &str); 0] = [];
 
-const DISTRIBUTIONS: &[&str] = &Law::NAMES;
+const DISTRIBUTIONS: &[&str] = Law::NAMES;
 
 /// Energies T, of contacts that a barrier of about ½ holds; 0 for no temperature.
 const ENERGIES: [f64; 5] = [0.0, 1e-6, 1e-3, 0.05, 1.0];

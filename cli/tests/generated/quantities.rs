@@ -1,5 +1,7 @@
 //! What the numbers of a scenario measure, so that all can be given in other units, and which values are ordinary.
 
+use serde_json::Value as Json;
+
 /// Units in which a scenario is written, in those in which its numbers are near 1.
 #[derive(Debug, Clone, Copy)]
 pub struct Units {
@@ -26,46 +28,58 @@ impl Quantity {
     }
 }
 
-/// What the number under `key` of the table `path` is. Keys of distributions are not listed: these know their parameters.
+/// What the number under `key` of the table `path` is, from its `schema`. Keys of distributions have none: these know their
+/// parameters.
 ///
 /// # Panics
-/// A key that is not listed: a new one needs a line.
-pub fn of(path: &str, key: &str) -> Quantity {
+/// A number of which the schema declares no dimension.
+pub fn of(schema: &Json, path: &str, key: &str) -> Quantity {
+    let declared = schema["x-dimension"].as_str();
+    let declared = declared.unwrap_or_else(|| panic!("{path}.{key}: x-dimension is not declared"));
     let table = path.rsplit('.').next().unwrap_or_default();
-    let (dimension, ordinary) = match (table, key) {
-        ("pull" | "drive", "distance") => ([1, 0, 0], [0.0, 0.8]),
-        ("pull", "snapshots") | ("drive", "turning_points" | "maps") | ("compare", "position") => {
-            ([1, 0, 0], [-1.0, 0.0])
+    Quantity { dimension: dimension(declared), ordinary: ordinary(declared, table, key) }
+}
+
+/// Exponents of length, force and time, from `force*time^2/length`.
+fn dimension(declared: &str) -> [i32; 3] {
+    let (above, below) = declared.split_once('/').unwrap_or((declared, "1"));
+    let mut exponents = [0; 3];
+    for (factors, sign) in [(above, 1), (below, -1)] {
+        for factor in factors.split('*').filter(|factor| *factor != "1") {
+            let (unit, power) = factor.split_once('^').unwrap_or((factor, "1"));
+            let place = ["length", "force", "time"].iter().position(|known| *known == unit);
+            let place =
+                place.unwrap_or_else(|| panic!("{declared}: {unit} is neither length, force nor time"));
+            exponents[place] += sign * power.parse::<i32>().expect("a whole power");
         }
-        (_, "distance" | "catalogue_from") => ([1, 0, 0], [-1.0, 0.5]),
-        ("half_space", "cell") => ([1, 0, 0], [-1.0, 1.0]),
-        ("drive", "force_to") | ("compare", "force") | ("contacts", "normal_load") => {
-            ([0, 1, 0], [-1.0, 0.5])
-        }
-        ("contacts", "stiffness") | ("block", "stiffness") => ([-1, 1, 0], [-1.0, 1.0]),
-        ("neighbours", "stiffness") | ("interface", "connection") => ([-1, 1, 0], [-2.0, 1.0]),
-        ("contacts", "stiffness_per_threshold") | ("areas", "modulus" | "strength") => {
-            ([-2, 1, 0], [-1.0, 1.0])
-        }
-        ("half_space", "modulus") => ([-2, 1, 0], [-1.0, 1.0]),
-        ("temperature", "energy") | ("velocity_curve", "temperatures") => ([1, 1, 0], [-3.0, 0.0]),
-        ("temperature", "attempt_rate") => ([0, 0, -1], [-1.0, 3.0]),
-        ("frozen_rank" | "logarithmic", "time") => ([0, 0, 1], [-2.0, 2.0]),
-        ("delay", "time") => ([0, 0, 1], [-2.0, 1.0]),
-        ("hold_curve", "from" | "to") => ([0, 0, 1], [-1.0, 3.0]),
-        (_, "duration" | "hold") => ([0, 0, 1], [-1.0, 1.0]),
-        (_, "velocity" | "velocity_to") | ("velocity_curve", "from" | "to") => ([1, 0, -1], [-3.0, 1.0]),
-        ("smoluchowski" | "mean_field", "diffusion") => ([2, 0, -1], [-4.0, -1.0]),
-        ("interface", "viscosity") | ("damped" | "inertial", "damping") => ([-1, 1, 1], [-2.0, 1.0]),
-        ("inertial", "mass") => ([-1, 1, 2], [-2.0, 1.0]),
-        ("contacts", "count") => ([0, 0, 0], [0.0, 3.0]),
-        ("logarithmic", "growth") => ([0, 0, 0], [-3.0, -0.5]),
-        ("block", "slip_fraction") => ([0, 0, 0], [-2.0, 0.0]),
-        ("master_equation", "tolerance") => ([0, 0, 0], [-9.0, -3.0]),
-        ("interface", "drive_tolerance") => ([0, 0, 0], [-8.0, -4.0]),
-        ("disorder", "std") => ([0, 0, 0], [-3.0, -0.5]),
-        ("disorder", "scale") => ([0, 0, 0], [-0.1, 0.1]),
-        _ => panic!("{path}.{key}: what it measures is not listed"),
-    };
-    Quantity { dimension, ordinary }
+    }
+    exponents
+}
+
+/// Decades in which ordinary values lie: those of the dimension, with some exceptions.
+fn ordinary(dimension: &str, table: &str, key: &str) -> [f64; 2] {
+    match (table, key) {
+        ("pull" | "drive", "distance") => [0.0, 0.8],
+        ("pull", "snapshots") | ("drive", "turning_points" | "maps") | ("compare", "position") => [-1.0, 0.0],
+        ("half_space", "cell") => [-1.0, 1.0],
+        ("neighbours", "stiffness") | ("interface", "connection") => [-2.0, 1.0],
+        ("frozen_rank" | "logarithmic", "time") => [-2.0, 2.0],
+        ("delay", "time") => [-2.0, 1.0],
+        ("hold_curve", "from" | "to") => [-1.0, 3.0],
+        ("contacts", "count") => [0.0, 3.0],
+        ("logarithmic", "growth") | ("disorder", "std") => [-3.0, -0.5],
+        ("master_equation", "tolerance") => [-9.0, -3.0],
+        ("interface", "drive_tolerance") => [-8.0, -4.0],
+        ("disorder", "scale") => [-0.1, 0.1],
+        _ => match dimension {
+            "length" | "force" => [-1.0, 0.5],
+            "time" | "force/length" | "force/length^2" => [-1.0, 1.0],
+            "force*length" => [-3.0, 0.0],
+            "1/time" => [-1.0, 3.0],
+            "length/time" => [-3.0, 1.0],
+            "length^2/time" => [-4.0, -1.0],
+            "1" => [-2.0, 0.0],
+            _ => [-2.0, 1.0],
+        },
+    }
 }

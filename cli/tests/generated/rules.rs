@@ -1,14 +1,16 @@
 //! Which tables go together, as the documents say; without these rules hardly a scenario would be accepted.
 
+use asperity::scenario::Law;
 use toml::{Table, Value};
 
 use super::quantities::Units;
 use super::random::SplitMix;
 use super::scenario::Walk;
 
-/// Distributions without points.
-const CONTINUOUS: [&str; 7] =
-    ["gaussian", "gamma", "lognormal", "rectangular", "exponential", "weibull", "series"];
+/// Whether a distribution has no point masses.
+fn is_continuous(name: &str) -> bool {
+    name == "series" || Law::FAMILIES.iter().any(|family| family.name == name && family.widths[1] > 0.0)
+}
 
 impl Walk<'_> {
     fn is(&self, path: &str, option: &str) -> bool {
@@ -81,13 +83,13 @@ pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
     let interface = walk.given("interface");
     match (path, option) {
         ("contacts:alternative", "areas") => task != "renormalisation",
-        ("contacts.thresholds", family) if task == "renormalisation" => CONTINUOUS.contains(&family),
+        ("contacts.thresholds", family) if task == "renormalisation" => is_continuous(family),
         (
             "contacts.ageing.smoluchowski.mature"
             | "contacts.ageing.frozen_rank.mature"
             | "contacts.ageing.mean_field.mature",
             family,
-        ) => CONTINUOUS.contains(&family),
+        ) => is_continuous(family),
         ("contacts.ageing", "mean_field") => {
             matches!(task, "pull" | "velocity_curve") && !walk.given("contacts.temperature")
         }

@@ -191,11 +191,11 @@ impl<'a> Walk<'a> {
             return self.variant(choices, &here);
         }
         match kind(schema) {
-            "number" => Value::Float(self.number(path, key)),
+            "number" => Value::Float(self.number(schema, path, key)),
             "integer" => Value::Integer(self.count(key)),
             "boolean" => Value::Boolean(self.choose(&here, &["false", "true"]) == "true"),
             "string" => Value::String("µm".into()),
-            "array" => self.list(&schema["items"], path, key),
+            "array" => self.list(schema, path, key),
             other => panic!("{here}: no value is known of type {other}"),
         }
     }
@@ -289,8 +289,8 @@ impl<'a> Walk<'a> {
     }
 
     /// A number: mostly an ordinary one, at times one that is far off; where tables need not go together an odd one, too.
-    fn number(&mut self, path: &str, key: &str) -> f64 {
-        let quantity = quantities::of(path, key);
+    fn number(&mut self, schema: &Json, path: &str, key: &str) -> f64 {
+        let quantity = quantities::of(schema, path, key);
         let unit = quantity.unit(self.units);
         let level = self.random.uniform();
         let [low, high] = quantity.ordinary;
@@ -327,9 +327,10 @@ impl<'a> Walk<'a> {
         least + (self.random.next() % (most - 1)) as i64
     }
 
-    fn list(&mut self, items: &'a Json, path: &str, key: &str) -> Value {
+    fn list(&mut self, schema: &'a Json, path: &str, key: &str) -> Value {
+        let items = &schema["items"];
         if kind(self.resolved(items).1) == "number" {
-            let mut values: Vec<_> = (0..3).map(|_| self.number(path, key)).collect();
+            let mut values: Vec<_> = (0..3).map(|_| self.number(schema, path, key)).collect();
             rules::order(self.consistent, key, &mut values);
             return Value::Array(values.into_iter().map(Value::Float).collect());
         }

@@ -19,6 +19,7 @@ mod lognormal;
 mod mixture;
 mod normal;
 mod panels;
+mod parametric;
 mod point;
 mod quadrature;
 mod rectangular;
@@ -39,6 +40,8 @@ pub use gamma::Gamma;
 pub use gaussian::Gaussian;
 pub use lognormal::Lognormal;
 pub use mixture::Mixture;
+#[doc(hidden)]
+pub use parametric::parametric_distributions;
 pub use point::Point;
 pub use rectangular::Rectangular;
 pub use renormalised::Renormalised;

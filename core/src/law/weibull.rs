@@ -34,6 +34,18 @@ impl Weibull {
         Ok(Self { shape, scale, std })
     }
 
+    /// The shape k at which the coefficient of variation is `width`: Γ(1 + 2/k)/Γ(1 + 1/k)² = 1 + `width`², by
+    /// bisection between 0.1 and 1e5.
+    pub fn shape_of_width(width: f64) -> f64 {
+        let variance = |k: f64| (libm::lgamma(1.0 + 2.0 / k) - 2.0 * libm::lgamma(1.0 + 1.0 / k)).exp_m1();
+        let (mut low, mut high) = (0.1, 1e5);
+        for _ in 0..200 {
+            let middle = f64::sqrt(low * high);
+            if variance(middle).sqrt() > width { low = middle } else { high = middle }
+        }
+        low
+    }
+
     fn exponent(&self, x: f64) -> f64 {
         (x.max(0.0) / self.scale).powf(self.shape)
     }

@@ -6,12 +6,13 @@ use serde::{Deserialize, Serialize};
 use crate::Result;
 use crate::block::{self, Loading, Slip};
 
-/// A slider whose top, moved by the drive or the protocol, pulls its bottom through a stiffness.
+/// A slider whose top, moved by the drive or the protocol, pulls its base through a stiffness.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Block {
     /// Shear stiffness K of the slider between its top and its base, force per length, above 0; without `[block]` the slider
     /// is rigid.
+    #[schemars(extend("x-dimension" = "force/length"))]
     pub stiffness: f64,
     /// Slip rule: `"reset"`, `"overdamped"`, `"arrest"`, `damped = { damping }` or `inertial = { mass, damping }`, whose
     /// `damping` is 0 if not given.
@@ -19,17 +20,18 @@ pub struct Block {
     pub slip: Slip,
     /// An event of the ensemble is a slip if more than this fraction of the contacts break at one position of the drive.
     #[serde(default = "slip_fraction")]
+    #[schemars(extend("x-dimension" = "1"))]
     pub slip_fraction: f64,
 }
 
 impl Block {
-    /// The share that must break where nothing is said.
+    /// Default of `slip_fraction`.
     pub const SLIP_FRACTION: f64 = 0.05;
 
-    /// The slider, to be moved in time; over an `ensemble`, events that break few of its contacts are no slips.
+    /// The slider for motion in time. Over an `ensemble`, an event that breaks few contacts is not a slip.
     ///
     /// # Errors
-    /// A stiffness, mass or damping that makes no sense; a rule of slip that limits no velocity.
+    /// An invalid stiffness, mass or damping; a slip rule without a limit on the velocity.
     pub fn in_time(&self, ensemble: bool) -> Result<block::Block> {
         let slip = self.slip;
         let fraction = ensemble.then_some(self.slip_fraction);

@@ -1,4 +1,4 @@
-//! `[compare]`: a measured curve beside the computed one.
+//! `[compare]`: a measured curve to compare with the computed one.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{Task, exactly_one};
 use crate::{Error, Result};
 
-/// A measured curve, drawn over F(X); the summary gives how far it is from it.
+/// A measured curve, plotted with F(X); the summary states its distance from F(X).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Compare {
@@ -15,9 +15,11 @@ pub struct Compare {
     pub file: Option<String>,
     /// The measured positions, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length"))]
     pub position: Option<Vec<f64>>,
     /// The measured forces, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "force"))]
     pub force: Option<Vec<f64>>,
 }
 

@@ -1,4 +1,4 @@
-//! `[contacts]`: how many contacts there are, how stiff, when they break, how they re-form.
+//! `[contacts]`: number, stiffness, thresholds and re-forming of contacts.
 
 use std::sync::Arc;
 
@@ -16,17 +16,20 @@ use crate::{Error, Result, contacts};
 #[schemars(extend("oneOf" = [{ "required": ["thresholds"] }, { "required": ["areas"] }]))]
 pub struct Contacts {
     /// Number N_c of contacts, above 0; with 1, forces are per contact.
+    #[schemars(extend("x-dimension" = "1"))]
     pub count: f64,
     /// Stiffness ⟨k⟩ of a contact, force per length, above 0, independent of its threshold.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 1.0))]
+    #[schemars(extend("default" = 1.0, "x-dimension" = "force/length"))]
     pub stiffness: Option<f64>,
     /// Factor κ, above 0, for stiffnesses k = κ x_s; instead of `contacts.stiffness`.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "force/length^2"))]
     pub stiffness_per_threshold: Option<f64>,
     /// Normal load carried by the interface, a force, above 0; if given, friction coefficients are reported in addition to
     /// forces.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "force"))]
     pub normal_load: Option<f64>,
     /// Distribution P_c of the stretches at which contacts break; either this or `contacts.areas` is required.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -36,7 +39,7 @@ pub struct Contacts {
     pub areas: Option<Areas>,
     /// Distribution R of the stretches at which contacts re-form.
     pub reforming: Law,
-    /// Contacts break below their thresholds, too; without this table they do not.
+    /// Thermally activated breaking below the thresholds; without this table there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature: Option<Temperature>,
     /// `smoluchowski = { mature, diffusion }`, `frozen_rank = { mature, time }`, `logarithmic = { growth, time }` or
@@ -44,7 +47,7 @@ pub struct Contacts {
     /// mature thresholds, `contacts.thresholds` that of fresh ones.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ageing: Option<Ageing>,
-    /// A broken contact is free for a while; without this table it re-forms at once.
+    /// Time for which a broken contact is detached; without this table it re-forms at once.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay: Option<Delay>,
 }
@@ -58,8 +61,10 @@ pub struct Areas {
     /// Distribution of the contact areas, in units of length²; instead of thresholds and stiffnesses.
     pub law: Law,
     /// Stiffness of a contact divided by the square root of its area, ρc², force per length², above 0.
+    #[schemars(extend("x-dimension" = "force/length^2"))]
     pub modulus: f64,
     /// Force per area at which a contact breaks, above 0.
+    #[schemars(extend("x-dimension" = "force/length^2"))]
     pub strength: f64,
 }
 
@@ -81,10 +86,10 @@ impl Default for Contacts {
 }
 
 impl Contacts {
-    /// The contacts themselves.
+    /// Builds the contacts.
     ///
     /// # Errors
-    /// A value that makes no sense; thresholds described twice, or not at all.
+    /// An invalid value; thresholds described twice, or not at all.
     pub fn build(&self) -> Result<contacts::Contacts> {
         let count = positive("count", self.count)?;
         self.normal_load.map(|load| positive("normal_load", load)).transpose()?;
@@ -109,7 +114,7 @@ impl Contacts {
         Ok(contacts::Contacts { count, stiffness, thresholds, reforming, rules: self.rules()? })
     }
 
-    /// Whether they have a rule that needs a time.
+    /// Whether contacts are time-dependent.
     pub fn are_time_dependent(&self) -> bool {
         self.temperature.is_some() || self.ageing.is_some() || self.delay.is_some()
     }
@@ -145,10 +150,10 @@ impl Contacts {
 }
 
 impl Areas {
-    /// The stiffness of contacts and the law of thresholds that follow.
+    /// The stiffness of contacts and the distribution of thresholds that follow.
     ///
     /// # Errors
-    /// A value that makes no sense.
+    /// An invalid value.
     pub fn build(&self) -> Result<(Stiffness, SharedLaw)> {
         let modulus = positive("modulus", self.modulus)?;
         let strength = positive("strength", self.strength)?;
@@ -159,7 +164,7 @@ impl Areas {
     }
 }
 
-/// What follows from several numbers, if it can be written as one.
+/// Returns a derived number if it is neither 0 nor infinite nor subnormal.
 fn in_range(key: &str, value: f64, name: &str) -> Result<f64> {
     if value.is_normal() {
         return Ok(value);

@@ -1,4 +1,4 @@
-//! `[drive]`: the top of the slider is moved, or a force is imposed.
+//! `[drive]`: the load point (the top of the slider) is moved, or a force is imposed.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,9 +7,9 @@ use super::{Block, Protocol, Start, Step, positive, size};
 use crate::block::{self, Loading};
 use crate::{Error, Result};
 
-/// Moves the top of the slider from X_T = 0 and records where its bottom follows.
+/// Moves the top of the slider from X_T = 0 and records the position of its base.
 ///
-/// Without `[block]` the slider is rigid, and its top is its bottom.
+/// Without `[block]` the slider is rigid, and its base moves with its top.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 #[schemars(extend("oneOf" = [
@@ -20,13 +20,15 @@ use crate::{Error, Result};
 pub struct Drive {
     /// Load-point displacement (displacement of the slider's top), from its equilibrium at X = 0.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 20.0))]
+    #[schemars(extend("default" = 20.0, "x-dimension" = "length"))]
     pub distance: Option<f64>,
     /// Successive load-point positions X_T for driving back and forth; instead of `drive.distance`.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length"))]
     pub turning_points: Option<Vec<f64>>,
     /// Imposed force, increased up to this value; instead of `drive.distance`, without `[block]`.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "force"))]
     pub force_to: Option<f64>,
     /// Points of the trace, evenly spaced along the drive; turning points and the points before and after every slip are
     /// added; slips of an interface are in its catalogue.
@@ -34,16 +36,17 @@ pub struct Drive {
     /// Drives, in increasing order, at which the state of every cell of an interface is stored; for a chain it is also
     /// stored at every point of the trace.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    #[schemars(extend("default" = []))]
+    #[schemars(extend("default" = [], "x-dimension" = "length"))]
     pub maps: Vec<f64>,
     /// `"conditional"` or `"relaxed"`, as `pull.start`.
     pub start: Start,
     /// Velocity of the load point, above 0, as `pull.velocity`.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length/time"))]
     pub velocity: Option<f64>,
 }
 
-/// How far the top is moved where nothing is said.
+/// Default of `distance`.
 const DISTANCE: f64 = 20.0;
 
 impl Default for Drive {
@@ -61,7 +64,7 @@ impl Default for Drive {
 }
 
 impl Drive {
-    /// Where the top turns and ends, in order, from X_T = 0; for an imposed force none.
+    /// Positions X_T at which the top turns, and its last one, in order; none for an imposed force.
     pub fn turns(&self) -> Vec<f64> {
         match (&self.turning_points, self.force_to) {
             (Some(turns), _) => turns.clone(),
@@ -70,21 +73,21 @@ impl Drive {
         }
     }
 
-    /// How far the top is moved where it does not turn.
+    /// Displacement of the top without turning points.
     pub fn distance(&self) -> f64 {
         self.distance.unwrap_or(DISTANCE)
     }
 
-    /// The way of the drive, or of the force.
+    /// The course of the drive, or of the force.
     pub fn build(&self) -> block::Drive {
         let turning_points = self.force_to.map_or_else(|| self.turns(), |force| vec![force]);
         block::Drive { turning_points, points: self.points }
     }
 
-    /// The same in time, at its velocity, which is taken to be given.
+    /// The drive as a protocol at its velocity, which must be given.
     ///
     /// # Errors
-    /// An imposed force, or a way that does not go forward.
+    /// An imposed force, or a drive backwards.
     pub fn forward(&self) -> Result<Protocol> {
         if let Some(force) = self.force_to {
             let expected = "no imposed force where contacts are time-dependent: they would creep without end";
@@ -105,11 +108,10 @@ impl Drive {
         Ok(Protocol(vec![step]))
     }
 
-    /// The slider that is driven, rigid without a `block`; over an `ensemble`, events that break few of its contacts
-    /// are no slips.
+    /// The driven slider, rigid without a `block`. Over an `ensemble`, an event that breaks few contacts is not a slip.
     ///
     /// # Errors
-    /// A block where a force is imposed, or one whose values make no sense.
+    /// A block under an imposed force, or one with invalid values.
     pub fn slider(&self, block: Option<&Block>, ensemble: bool) -> Result<block::Block> {
         let (loading, slip, fraction) = match (block, self.force_to) {
             (Some(block), Some(_)) => {
@@ -127,10 +129,10 @@ impl Drive {
         block::Block::new(loading, slip, ensemble.then_some(fraction)).map_err(|e| e.under("block"))
     }
 
-    /// Whether every value is valid.
+    /// Checks every value.
     ///
     /// # Errors
-    /// The first that does not.
+    /// The first invalid value.
     pub fn check(&self) -> Result<()> {
         let given = [
             ("distance", self.distance.is_some()),

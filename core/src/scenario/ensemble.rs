@@ -1,4 +1,4 @@
-//! `[ensemble]`: the same task, contact by contact.
+//! `[ensemble]`: a simulation of single contacts for the same task.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use crate::contacts::{Contacts, Initial};
 use crate::ensemble::Disorder;
 use crate::{Error, Result, ensemble};
 
-/// The earthquake-like model: contacts drawn at random and followed one by one.
+/// The earthquake-like model: contacts drawn at random and simulated one by one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Ensemble {
@@ -29,10 +29,10 @@ impl Default for Ensemble {
 }
 
 impl Ensemble {
-    /// Number of contacts where nothing is said.
+    /// Default number of contacts.
     pub const SIZE: usize = 100_000;
 
-    /// Number of contacts followed.
+    /// Number of simulated contacts.
     pub fn size(&self) -> usize {
         self.size.unwrap_or(Self::SIZE)
     }
@@ -40,7 +40,7 @@ impl Ensemble {
     /// The contacts, drawn at random.
     ///
     /// # Errors
-    /// No contacts, or laws that leave a contact nowhere to be.
+    /// No contacts, or distributions in which no contact survives its initial stretch.
     pub fn build(&self, contacts: Contacts, initial: Initial) -> Result<ensemble::Ensemble> {
         self.check().map_err(|e| e.under("ensemble"))?;
         let built = ensemble::Ensemble::new(contacts, initial, self.size(), self.seed, self.disorder);

@@ -1,4 +1,4 @@
-//! `[hold_curve]`: static friction against how long the slider has been held.
+//! `[hold_curve]`: static friction against hold time.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,19 +6,22 @@ use serde::{Deserialize, Serialize};
 use super::{logarithmic, positive, size};
 use crate::Result;
 
-/// Slides at a velocity until that is steady, holds, slides on; for hold times evenly spaced in their logarithm.
+/// Slide–hold–slide tests at hold times evenly spaced in their logarithm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HoldCurve {
     /// Shortest hold time of a curve of static friction against hold time (healing), above 0.
+    #[schemars(extend("x-dimension" = "time"))]
     pub from: f64,
     /// Longest hold time.
+    #[schemars(extend("x-dimension" = "time"))]
     pub to: f64,
     /// Number of hold times, evenly spaced in their logarithm, including both ends.
     #[serde(default = "points")]
     pub points: usize,
     /// Velocity before and after the hold (slide-hold-slide), above 0: the slider slides until sliding is steady, is held,
     /// and slides again until the force has peaked.
+    #[schemars(extend("x-dimension" = "length/time"))]
     pub velocity: f64,
 }
 
@@ -27,7 +30,7 @@ fn points() -> usize {
 }
 
 impl HoldCurve {
-    /// That between two hold times, at the default number of points, before and after holds at `velocity`.
+    /// A curve between two hold times with the default number of points; `velocity` is that before and after holds.
     pub fn between(from: f64, to: f64, velocity: f64) -> Self {
         Self { from, to, points: points(), velocity }
     }
@@ -37,10 +40,10 @@ impl HoldCurve {
         logarithmic::spaced(self.from, self.to, self.points)
     }
 
-    /// Whether every value is valid.
+    /// Checks every value.
     ///
     /// # Errors
-    /// The first that does not.
+    /// The first invalid value.
     pub fn check(&self) -> Result<()> {
         logarithmic::check(self.from, self.to, self.points)?;
         positive("velocity", self.velocity)?;

@@ -1,4 +1,4 @@
-//! Laws, by name.
+//! Probability distributions, by name.
 
 use std::sync::Arc;
 
@@ -6,85 +6,109 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{exactly_one, positive};
-use crate::law::{self, SharedLaw};
+use crate::law::{self, SharedLaw, parametric_distributions};
 use crate::{Error, Result};
 
-/// A law of lengths x ≥ 0, such as `gaussian = { mean = 1.0, std = 0.05 }`.
-///
-/// A law that would have mass below 0 is cut there and renormalised; its parameters are those before the cut.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[non_exhaustive]
-pub enum Law {
-    /// The bell curve.
-    Gaussian {
-        /// Mean before truncation at 0, 0 or above.
-        mean: f64,
-        /// Standard deviation before truncation, above 0.
-        std: f64,
-    },
-    /// The gamma law.
-    Gamma {
-        /// Mean, above 0.
-        mean: f64,
-        /// Standard deviation, above 0.
-        std: f64,
-    },
-    /// A law whose logarithm is Gaussian.
-    Lognormal {
-        /// Mean of the variable itself, not of its logarithm, above 0.
-        mean: f64,
-        /// Standard deviation of the variable itself, above 0.
-        std: f64,
-    },
-    /// The same density everywhere between two ends.
-    Rectangular {
-        /// Lower end, 0 or above.
-        min: f64,
-        /// Upper end, above the lower.
-        max: f64,
-    },
-    /// One value only.
-    Point {
-        /// The single value, 0 or above.
-        at: f64,
-    },
-    /// The exponential law.
-    Exponential {
-        /// Mean, above 0.
-        mean: f64,
-    },
-    /// The Weibull law: survival exp(−(x/scale)^shape).
-    Weibull {
-        /// Shape k of e^{−(x/λ)^k}, above 0.
-        shape: f64,
-        /// Scale λ, above 0.
-        scale: f64,
-    },
-    /// A measured law.
-    Tabulated(Tabulated),
-    /// A density that is a Legendre series on each of some cells; it is normalised.
-    Series {
-        /// Boundaries of cells, in increasing order, from 0 or above.
-        boundaries: Vec<f64>,
-        /// For each cell a list of up to 16 Legendre coefficients of the density; it is normalised.
-        coefficients: Vec<Vec<f64>>,
-        /// Probability of an infinite tail that was truncated at the last boundary, at most 1e-9.
-        #[serde(default)]
-        cut: f64,
-    },
-    /// A weighted sum of laws; points and densities may be mixed.
-    Mixture(Vec<Component>),
-    /// Thresholds as the drive sees them where every break stretches all other contacts, relaxed at first.
-    Renormalised {
-        /// Distribution of the thresholds, without point masses.
-        law: Box<Law>,
-        /// κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to below κ_c.
-        coupling: f64,
-    },
+/// A parametric family of distributions.
+#[derive(Debug, Clone, Copy)]
+pub struct ParametricFamily {
+    /// Its name, as in a scenario.
+    pub name: &'static str,
+    /// Lowest and highest coefficient of variation of its members, before truncation at 0.
+    pub widths: [f64; 2],
+    /// The member of a length scale near its mean and a coefficient of variation; the nearest one outside of
+    /// `widths`.
+    pub member: fn(scale: f64, width: f64) -> Law,
 }
 
-/// A law given by numbers: a density in rows, linear between them, or a sample of lengths.
+/// Defines [`Law`] and what depends on the declarations of the parametric distributions.
+macro_rules! define_law {
+    ($(
+        $(#[doc = $doc:literal])+
+        $name:ident = $key:literal, $widths:expr, |$scale:ident, $width:ident| {
+            $($(#[doc = $parameter_doc:literal])+ $parameter:ident: $value:expr,)+
+        }
+    )+) => {
+        /// A distribution of lengths x ≥ 0, such as `gaussian = { mean = 1.0, std = 0.05 }`.
+        ///
+        /// A distribution that would have mass below 0 is truncated there and renormalised; its parameters are those
+        /// before truncation.
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[serde(rename_all = "snake_case", deny_unknown_fields)]
+        #[non_exhaustive]
+        pub enum Law {
+            $(
+                $(#[doc = $doc])+
+                $name { $($(#[doc = $parameter_doc])+ $parameter: f64,)+ },
+            )+
+            /// A measured distribution.
+            Tabulated(Tabulated),
+            /// A density that is a Legendre series on each of some cells; it is normalised.
+            Series {
+                /// Boundaries of cells, in increasing order, from 0 or above.
+                boundaries: Vec<f64>,
+                /// For each cell a list of up to 16 Legendre coefficients of the density; it is normalised.
+                coefficients: Vec<Vec<f64>>,
+                /// Probability of an infinite tail that was truncated at the last boundary, at most 1e-9.
+                #[serde(default)]
+                cut: f64,
+            },
+            /// A weighted sum of distributions; point masses and densities may be mixed.
+            Mixture(Vec<Component>),
+            /// Thresholds as functions of the drive where every break stretches all other contacts, relaxed at first.
+            Renormalised {
+                /// Distribution of the thresholds, without point masses.
+                law: Box<Law>,
+                /// κ, the fraction of its stretch that a breaking contact transfers to all others together, from 0 to below κ_c.
+                coupling: f64,
+            },
+        }
+
+        impl Law {
+            /// The names of all distributions.
+            pub const NAMES: &[&str] = &[$($key,)+ "tabulated", "series", "mixture", "renormalised"];
+
+            /// The parametric families.
+            pub const FAMILIES: &[ParametricFamily] = &[$(ParametricFamily {
+                name: $key,
+                widths: $widths,
+                member: |$scale, $width| Self::$name { $($parameter: $value),+ },
+            }),+];
+
+            /// The name, as in a scenario.
+            pub fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$name { .. } => $key,)+
+                    Self::Tabulated(_) => "tabulated",
+                    Self::Series { .. } => "series",
+                    Self::Mixture(_) => "mixture",
+                    Self::Renormalised { .. } => "renormalised",
+                }
+            }
+
+            /// The distribution itself.
+            ///
+            /// # Errors
+            /// A parameter that the distribution cannot have.
+            pub fn build(&self) -> Result<SharedLaw> {
+                let built = match self {
+                    $(&Self::$name { $($parameter),+ } => shared(law::$name::new($($parameter),+)),)+
+                    Self::Tabulated(table) => table.build(),
+                    Self::Series { boundaries, coefficients, cut } => {
+                        shared(law::Series::new(boundaries, coefficients, *cut))
+                    }
+                    Self::Mixture(components) => mixture(components),
+                    Self::Renormalised { law, coupling } => renormalised(law, *coupling),
+                };
+                built.map_err(|error| error.under(self.name()))
+            }
+        }
+    };
+}
+
+parametric_distributions!(define_law);
+
+/// A distribution given by numbers: a density in rows, linear between them, or a sample of lengths.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tabulated {
@@ -102,58 +126,20 @@ pub struct Tabulated {
     pub density: Option<Vec<f64>>,
 }
 
-/// A part of a mixture.
+/// A component of a mixture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Component {
-    /// Weight of a part, above 0; weights sum to 1.
+    /// Weight of the component, above 0; weights sum to 1.
     pub weight: f64,
-    /// Distribution of the part.
+    /// Distribution of the component.
     pub law: Law,
 }
 
 impl Law {
-    /// The names of all laws.
-    pub const NAMES: [&str; 11] = [
-        "gaussian",
-        "gamma",
-        "lognormal",
-        "rectangular",
-        "point",
-        "exponential",
-        "weibull",
-        "tabulated",
-        "series",
-        "mixture",
-        "renormalised",
-    ];
-
-    /// All at 0.
+    /// A point mass at 0.
     pub fn zero() -> Self {
         Self::Point { at: 0.0 }
-    }
-
-    /// The law itself.
-    ///
-    /// # Errors
-    /// A parameter that the law cannot have.
-    pub fn build(&self) -> Result<SharedLaw> {
-        let (name, law) = match *self {
-            Self::Gaussian { mean, std } => ("gaussian", shared(law::Gaussian::new(mean, std))),
-            Self::Gamma { mean, std } => ("gamma", shared(law::Gamma::new(mean, std))),
-            Self::Lognormal { mean, std } => ("lognormal", shared(law::Lognormal::new(mean, std))),
-            Self::Rectangular { min, max } => ("rectangular", shared(law::Rectangular::new(min, max))),
-            Self::Point { at } => ("point", shared(law::Point::new(at))),
-            Self::Exponential { mean } => ("exponential", shared(law::Exponential::new(mean))),
-            Self::Weibull { shape, scale } => ("weibull", shared(law::Weibull::new(shape, scale))),
-            Self::Tabulated(ref table) => ("tabulated", table.build()),
-            Self::Series { ref boundaries, ref coefficients, cut } => {
-                ("series", shared(law::Series::new(boundaries, coefficients, cut)))
-            }
-            Self::Mixture(ref components) => ("mixture", mixture(components)),
-            Self::Renormalised { ref law, coupling } => ("renormalised", renormalised(law, coupling)),
-        };
-        law.map_err(|e| e.under(name))
     }
 
     pub(super) fn tables<'a>(&'a mut self, key: &str, tables: &mut Vec<(String, &'a mut Tabulated)>) {

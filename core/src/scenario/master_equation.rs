@@ -1,4 +1,4 @@
-//! `[master_equation]`: how accurately it is solved.
+//! `[master_equation]`: tolerances of its solution.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -18,40 +18,40 @@ pub struct MasterEquation {
     /// and an interface in time, the error is estimated only if this key is given, because it takes some three times as
     /// long.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = 1e-10))]
+    #[schemars(extend("default" = 1e-10, "x-dimension" = "1"))]
     pub tolerance: Option<f64>,
 }
 
 impl MasterEquation {
-    /// That allowed where the velocity varies, for which there are methods of low order only, …
+    /// Default tolerance at a varying velocity, for which there are only methods of low order.
     pub const TOLERANCE_IN_TIME: f64 = 1e-6;
-    /// … and where each step costs much, since thresholds diffuse, or slips of a block take many short ones.
-    pub const TOLERANCE_OF_DEAR_STEPS: f64 = 1e-4;
+    /// Default tolerance if steps are expensive (diffusing thresholds) or numerous (slips of a block).
+    pub const TOLERANCE_OF_EXPENSIVE_STEPS: f64 = 1e-4;
 
-    /// The error allowed in a pull at one velocity.
+    /// Tolerance of a pull at constant velocity.
     pub fn tolerance(&self) -> Tolerance {
         self.tolerance.into()
     }
 
-    /// The error allowed where the velocity of contacts with such rules varies.
+    /// Tolerance at a varying velocity of contacts with these rules.
     pub fn tolerance_in_time(&self, rules: &Rules) -> f64 {
         let diffusing = matches!(rules.ageing, Some(Ageing::Smoluchowski { .. }));
         self.tolerance.unwrap_or(if diffusing {
-            Self::TOLERANCE_OF_DEAR_STEPS
+            Self::TOLERANCE_OF_EXPENSIVE_STEPS
         } else {
             Self::TOLERANCE_IN_TIME
         })
     }
 
-    /// The error allowed where a block is moved in time, in a step.
+    /// Tolerance of a step of a block that is moved in time.
     pub fn tolerance_of_a_block(&self) -> f64 {
-        self.tolerance.unwrap_or(Self::TOLERANCE_OF_DEAR_STEPS)
+        self.tolerance.unwrap_or(Self::TOLERANCE_OF_EXPENSIVE_STEPS)
     }
 
-    /// Whether every value is valid.
+    /// Checks every value.
     ///
     /// # Errors
-    /// The first that does not.
+    /// The first invalid value.
     pub fn check(&self) -> Result<()> {
         match self.tolerance.filter(|tolerance| !(1e-12..=1e-2).contains(tolerance)) {
             None => Ok(()),

@@ -32,6 +32,7 @@ use serde::{Deserialize, Serialize};
 pub use crate::block::Slip;
 pub use crate::contacts::Start;
 pub use crate::contacts::{Barrier, Temperature};
+pub use crate::elastic::coupling::Elasticity;
 pub use crate::elastic::{CellLoading, CellSlip};
 pub use crate::ensemble::Disorder;
 pub use crate::shape::Edges;
@@ -41,8 +42,8 @@ pub use contacts::{Areas, Contacts};
 pub use drive::Drive;
 pub use ensemble::Ensemble;
 pub use hold_curve::HoldCurve;
-pub use interface::{Coupling, Interface, PerCell, Scales};
-pub use law::{Component, Law, Tabulated};
+pub use interface::{Interface, PerCell, Scales};
+pub use law::{Component, Law, ParametricFamily, Tabulated};
 pub use master_equation::MasterEquation;
 pub use model::Model;
 pub use protocol::{Protocol, Step};
@@ -53,9 +54,10 @@ pub use task::Task;
 pub use units::Units;
 pub use velocity_curve::VelocityCurve;
 
+use crate::error::not_negative;
 use crate::{Error, Result};
 
-/// A scenario: contacts, how they start, and the task to compute.
+/// A scenario: contacts, their initial state, and the task to compute.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("oneOf" = [
@@ -76,10 +78,10 @@ pub struct Scenario {
     /// Distribution Q_ini of the stretches at X = 0.
     #[serde(default = "Law::zero")]
     pub initial: Law,
-    /// A task: the bottom of the slider is moved from X = 0.
+    /// A task: the base of the slider is moved from X = 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pull: Option<Pull>,
-    /// A task: the top of the slider is moved from X_T = 0, or a force imposed.
+    /// A task: the top of the slider is moved from X_T = 0, or a force is imposed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive: Option<Drive>,
     /// A motion in time: steps `[[protocol]]`, one after the other, each with `velocity` and `distance`, with `velocity` and
@@ -96,34 +98,56 @@ pub struct Scenario {
     /// A task: static friction against the time for which the slider has been held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_curve: Option<HoldCurve>,
-    /// A task: the law of the drives at which coupled contacts break for the first time.
+    /// A task: the distribution of the drives at which coupled contacts break for the first time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub renormalisation: Option<Renormalisation>,
-    /// The slider between its top, which is driven, and its bottom; without this table it is rigid.
+    /// The slider between its top, which is driven, and its base; without this table it is rigid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub block: Option<Block>,
-    /// Cells of a slider that deforms; without this table it moves as one.
+    /// Cells of a slider that deforms; without this table all contacts move together.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interface: Option<Interface>,
     /// How the master equation is solved.
     #[serde(default)]
     pub master_equation: MasterEquation,
-    /// The same task, contact by contact; without this table no ensemble is run.
+    /// A simulation of single contacts for the same task; without this table there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Ensemble>,
     /// Labels of units on axes and in files.
     #[serde(default, skip_serializing_if = "Units::is_dimensionless")]
     pub units: Units,
-    /// A measured curve to set beside F(X).
+    /// A measured curve to compare with F(X).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub compare: Option<Compare>,
 }
 
 impl Scenario {
-    /// Checks every value and builds the model that the task is computed of.
+    /// A scenario of these contacts, relaxed at first, without a task.
+    pub fn new(contacts: Contacts) -> Self {
+        Self {
+            title: String::new(),
+            contacts,
+            initial: Law::zero(),
+            pull: None,
+            drive: None,
+            protocol: None,
+            protocol_file: None,
+            velocity_curve: None,
+            hold_curve: None,
+            renormalisation: None,
+            block: None,
+            interface: None,
+            master_equation: MasterEquation::default(),
+            ensemble: None,
+            units: Units::default(),
+            compare: None,
+        }
+    }
+
+    /// Checks every value and builds the model of which the task is computed.
     ///
     /// # Errors
-    /// The first value that makes no sense, or a task that would not fit in memory.
+    /// The first invalid value, or a task that does not fit in memory.
     pub fn build(&self) -> Result<Model> {
         let task = self.task()?;
         let (contacts, initial) = build_contacts(&self.contacts, &self.initial, task.start())?;
@@ -141,7 +165,7 @@ impl Scenario {
         Ok(model)
     }
 
-    /// `error` with the key that stands in the scenario: areas, too, make stiffnesses grow with thresholds.
+    /// `error` with the key that is in the scenario: stiffnesses per threshold may come from areas.
     fn keyed(&self, error: Error) -> Error {
         match error {
             Error::Invalid { key, expected, found }
@@ -153,7 +177,7 @@ impl Scenario {
         }
     }
 
-    /// Every `tabulated` law with the path of its key, so that a reader of files can fill it in.
+    /// Every `tabulated` distribution with the path of its key, so that a reader of files can fill it in.
     pub fn tables(&mut self) -> Vec<(String, &mut Tabulated)> {
         let mut tables = Vec::new();
         let contacts = &mut self.contacts;
@@ -172,10 +196,10 @@ impl Scenario {
     }
 }
 
-/// The contacts that `contacts` describes, and how they start.
+/// The contacts that `contacts` describes, and their initial state.
 ///
 /// # Errors
-/// The first value that makes no sense, with its full path.
+/// The first invalid value, with its full path.
 pub fn build_contacts(
     contacts: &Contacts,
     initial: &Law,
@@ -197,16 +221,7 @@ fn positive(key: &str, value: f64) -> Result<f64> {
     }
 }
 
-/// `value` if it is finite and not below 0.
-fn not_negative(key: &str, value: f64) -> Result<f64> {
-    if value.is_finite() && value >= 0.0 {
-        Ok(value)
-    } else {
-        Err(Error::invalid(key, "a finite number, 0 or above", value))
-    }
-}
-
-/// Checks that exactly one of the given ways to describe `key` was used.
+/// Checks that exactly one of the alternatives for `key` is given.
 fn exactly_one(key: &str, expected: &str, given: &[(&str, bool)]) -> Result<()> {
     let present: Vec<_> = given.iter().filter(|g| g.1).map(|g| g.0).collect();
     match present[..] {

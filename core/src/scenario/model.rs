@@ -1,32 +1,32 @@
-//! What a task is computed of, and which tasks go with it.
+//! The model of which a task is computed, and the combinations of tasks and models that are valid.
 
 use super::{Block, Compare, Drive, Ensemble, Interface, MasterEquation, Task, VelocityCurve};
 use crate::contacts::{Contacts, Initial};
 use crate::{Error, Result};
 
-/// Contacts and how they start, the slider over them, and how both are solved for.
+/// Contacts and their initial state, the slider over them, and how both are solved.
 #[derive(Debug, Clone)]
 pub struct Model {
     /// The contacts.
     pub contacts: Contacts,
     /// Their stretches at X = 0.
     pub initial: Initial,
-    /// Weight carried by the interface, a force; with it, friction coefficients appear beside forces.
+    /// Normal load carried by the interface, a force; with it, friction coefficients are reported in addition to forces.
     pub normal_load: Option<f64>,
-    /// The slider between its top and its bottom; `None` where it is rigid.
+    /// The slider between its top and its base; `None` if it is rigid.
     pub block: Option<Block>,
-    /// Cells of a slider that deforms; `None` where it moves as one.
+    /// Cells of a slider that deforms; `None` if all contacts move together.
     pub interface: Option<Interface>,
     /// How the master equation is solved.
     pub master_equation: MasterEquation,
-    /// The ensemble that is followed beside it, if any.
+    /// The simulation of single contacts in addition to it, if any.
     pub ensemble: Option<Ensemble>,
-    /// A measured curve to set beside F(X).
+    /// A measured curve to compare with F(X).
     pub compare: Option<Compare>,
 }
 
 impl Model {
-    /// Contacts under a rigid slider, solved for by the master equation to its default tolerance.
+    /// Contacts under a rigid slider, by the master equation with its default tolerance.
     pub fn new(contacts: Contacts, initial: Initial) -> Self {
         Self {
             contacts,
@@ -46,7 +46,7 @@ impl Model {
         count * stiffness.of(thresholds.mean())
     }
 
-    /// Number of contacts that the scatter of the force is shown for: that of the ensemble, or of the contacts themselves.
+    /// Number of contacts for which the scatter of the force is shown: that of the ensemble, or `contacts.count`.
     pub fn sample(&self) -> Option<f64> {
         let counted = Some(self.contacts.count).filter(|&count| count > 1.0);
         self.ensemble.as_ref().map(|ensemble| ensemble.size() as f64).or(counted)
@@ -54,10 +54,10 @@ impl Model {
 }
 
 impl Task<'_> {
-    /// Whether its values are valid, those of the `model` too, and both go together.
+    /// Checks its values, those of the `model`, and their combination.
     ///
     /// # Errors
-    /// The first value that does not, with its full path.
+    /// The first invalid value, with its full path.
     pub fn check(self, model: &Model) -> Result<()> {
         self.check_values()?;
         self.check_time(model)?;
@@ -125,7 +125,7 @@ impl Task<'_> {
     }
 }
 
-/// Refuses what does not go with a block that is moved in time.
+/// Refuses tables that a block moved in time excludes.
 fn check_alone(model: &Model) -> Result<()> {
     let expected = "no compared curve beside a [block] with [[protocol]]: force against position is no curve where the block slips";
     model.compare.as_ref().map_or(Ok(()), |_| Err(Error::invalid("compare", expected, "one")))

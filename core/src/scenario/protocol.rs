@@ -1,4 +1,4 @@
-//! `[[protocol]]`: a way in time, step by step: motion at a velocity, a ramp from one to another, a hold.
+//! `[[protocol]]`: the motion of the slider in time, in steps of constant velocity, ramps and holds.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use super::{not_negative, positive, size};
 use crate::history::{History, Piece};
 use crate::{Error, Result};
 
-/// Steps one after the other, from X = 0 (with a block, X_T = 0) at t = 0.
+/// Successive steps, from X = 0 (with a block, X_T = 0) at t = 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Protocol(pub Vec<Step>);
@@ -25,18 +25,23 @@ pub struct Protocol(pub Vec<Step>);
 pub struct Step {
     /// Velocity; above 0 over a distance, 0 or above for a duration.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length/time"))]
     pub velocity: Option<f64>,
     /// Velocity at the end of a ramp that begins at `velocity` and takes `duration`.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length/time"))]
     pub velocity_to: Option<f64>,
     /// Displacement in the step.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length"))]
     pub distance: Option<f64>,
     /// Duration of the step.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "time"))]
     pub duration: Option<f64>,
     /// Duration of a hold at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "time"))]
     pub hold: Option<f64>,
     /// Points of the trace in the step, evenly spaced in time, including both ends.
     pub points: usize,
@@ -46,9 +51,9 @@ pub struct Step {
     pub pieces: Option<usize>,
 }
 
-/// Pieces of a ramp where nothing is said.
+/// Default number of pieces of a ramp.
 const PIECES: usize = 64;
-/// The most pieces of a ramp.
+/// Largest number of pieces of a ramp.
 const MOST_PIECES: usize = 65_536;
 
 impl Default for Step {
@@ -71,7 +76,7 @@ impl Step {
         Self { velocity: Some(velocity), duration: Some(duration), ..Self::default() }
     }
 
-    /// How long it takes.
+    /// Its duration.
     pub fn duration(&self) -> f64 {
         match *self {
             Self { hold: Some(hold), .. } => hold,
@@ -86,7 +91,7 @@ impl Step {
         (first, self.velocity_to.unwrap_or(first))
     }
 
-    /// Its pieces of constant velocity; those of a ramp end where the ramp itself is at that time.
+    /// Its pieces of constant velocity; at the end of each piece of a ramp the position is that of the ramp.
     pub fn pieces(&self) -> Vec<Piece> {
         let (first, last) = self.velocities();
         let count = self.velocity_to.map_or(1, |_| self.pieces.unwrap_or(PIECES));
@@ -95,10 +100,10 @@ impl Step {
         (0..count).map(|i| Piece { velocity: first + (last - first) * middle(i), duration }).collect()
     }
 
-    /// Whether every value is valid.
+    /// Checks every value.
     ///
     /// # Errors
-    /// The first that does not.
+    /// The first invalid value.
     pub fn check(&self) -> Result<()> {
         let given = [
             ("hold", self.hold.is_some()),
@@ -118,7 +123,7 @@ impl Step {
         Ok(())
     }
 
-    /// Whether a hold has no other speed.
+    /// Checks that a hold has no velocity.
     fn only_rests(&self) -> Result<()> {
         let speeds = [("velocity", self.velocity), ("velocity_to", self.velocity_to)];
         match speeds.into_iter().find_map(|(key, value)| Some((key, value?))) {
@@ -159,7 +164,7 @@ impl Step {
 }
 
 impl Protocol {
-    /// The way of the slider.
+    /// The motion of the slider.
     ///
     /// # Errors
     /// Those of [`History::new`].
@@ -167,9 +172,9 @@ impl Protocol {
         History::new(self.0.iter().flat_map(Step::pieces).collect())
     }
 
-    /// The times at which each step begins, and the end.
+    /// The times at which the steps begin, and the end of the last one.
     pub fn knots(&self) -> Vec<f64> {
-        // summed piece by piece as a history does, so that both agree to the last bit
+        // Summed piece by piece as in a history, so that both agree to the last bit.
         let mut time = 0.0;
         let ends = self.0.iter().map(|step| {
             step.pieces().iter().for_each(|piece| time += piece.duration);
@@ -178,7 +183,7 @@ impl Protocol {
         std::iter::once(0.0).chain(ends.collect::<Vec<_>>()).collect()
     }
 
-    /// The times at which the trace is given, rising; a step begins at the point at which the one before it ends.
+    /// The times of the trace, in increasing order; the first point of a step is the last one of the step before.
     pub fn times(&self) -> Vec<f64> {
         let knots = self.knots();
         let mut times = vec![0.0];
@@ -195,10 +200,10 @@ impl Protocol {
         self.0.iter().fold(1, |sum: usize, step| sum.saturating_add(step.points.saturating_sub(1)))
     }
 
-    /// Whether every value is valid.
+    /// Checks every value.
     ///
     /// # Errors
-    /// The first that does not.
+    /// The first invalid value.
     pub fn check(&self) -> Result<()> {
         if self.0.is_empty() {
             return Err(Error::invalid("", "at least one step", "none"));

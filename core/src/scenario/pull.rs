@@ -1,4 +1,4 @@
-//! `[pull]`: the bottom of the slider is moved, as by an infinitely stiff drive.
+//! `[pull]`: the base of the slider is moved, as by an infinitely stiff drive.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,21 +6,24 @@ use serde::{Deserialize, Serialize};
 use super::{Start, positive, size};
 use crate::{Error, Result};
 
-/// Moves the bottom of the slider from X = 0 and records the force.
+/// Moves the base of the slider from X = 0 and records the force.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Pull {
     /// Displacement of the slider's base.
+    #[schemars(extend("x-dimension" = "length"))]
     pub distance: f64,
     /// Number of output positions, evenly spaced, including both ends.
     pub points: usize,
     /// Positions at which the distribution of stretches is stored, in increasing order.
+    #[schemars(extend("x-dimension" = "length"))]
     pub snapshots: Vec<f64>,
     /// `"conditional"` or `"relaxed"`: relation between initial stretches and thresholds.
     pub start: Start,
     /// Velocity of the slider, above 0; required for time-dependent contacts (temperature, ageing, delay), without effect
     /// for others.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "length/time"))]
     pub velocity: Option<f64>,
 }
 
@@ -37,16 +40,16 @@ impl Default for Pull {
 }
 
 impl Pull {
-    /// The positions at which results are given.
+    /// The output positions.
     pub fn positions(&self) -> Vec<f64> {
         let last = (self.points - 1) as f64;
         (0..self.points).map(|i| self.distance * (i as f64 / last)).collect()
     }
 
-    /// Whether every value is valid.
+    /// Checks every value.
     ///
     /// # Errors
-    /// The first that does not.
+    /// The first invalid value.
     pub fn check(&self) -> Result<()> {
         positive("distance", self.distance)?;
         self.velocity.map(|velocity| positive("velocity", velocity)).transpose()?;

@@ -1,4 +1,5 @@
-//! `[renormalisation]`: the law of the drives at which coupled contacts break for the first time, beside the mean field's.
+//! `[renormalisation]`: the distribution of the drives at which coupled contacts break for the first time, compared with
+//! mean-field theory.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,13 +8,13 @@ use super::{CellLoading, Interface, Model, PerCell, Scales, size};
 use crate::contacts::Stiffness;
 use crate::{Error, Result};
 
-/// Runs whose disorder is drawn in advance, to refuse scales that are not above 0; later runs refuse theirs themselves.
+/// Number of runs whose disorder is drawn in advance, to refuse scales that are not above 0; later runs check their own.
 const RUNS_CHECKED: usize = 1000;
-/// Two points of two numbers in a run, and in the mean of all.
+/// Memory of a first break: two points of two numbers in its run, and in the mean of all runs.
 const BYTES_PER_FIRST_BREAK: f64 = 64.0;
 
-/// Drives interfaces of relaxed contacts until every contact has broken (of cells, all but 1e-6), and counts at which drives
-/// they first did.
+/// Drives interfaces of relaxed contacts until every contact has broken (for cells, all but 1e-6), and makes a histogram of
+/// the drives of the first breaks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Renormalisation {
@@ -32,10 +33,10 @@ impl Default for Renormalisation {
 }
 
 impl Renormalisation {
-    /// Whether every value is valid.
+    /// Checks every value.
     ///
     /// # Errors
-    /// The first that does not.
+    /// The first invalid value.
     pub fn check(&self) -> Result<()> {
         if self.runs < 2 {
             return Err(Error::invalid("runs", "2 runs or more, whose scatter tells the error", self.runs));

@@ -9,12 +9,13 @@ use crate::{Result, contacts};
 /// How thresholds change with the age of a contact.
 pub type Ageing = contacts::AgeingRule<Law>;
 
-/// How long a broken contact is free before it re-forms.
+/// The time for which a broken contact is detached before it re-forms.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Delay {
     /// Time τ, 0 or above, for which a broken contact is detached before it re-forms; without `[contacts.delay]` it re-forms
     /// at once.
+    #[schemars(extend("x-dimension" = "time"))]
     pub time: f64,
 }
 

@@ -1,22 +1,22 @@
-//! What fits in memory.
+//! Limits on the memory of results and interfaces.
 
 use crate::{Error, Result};
 
-/// Bytes that results may ask for.
+/// Largest memory of results, in bytes.
 const ALLOWED: f64 = 4.0 * GIBIBYTE;
-/// Bytes that an interface may ask for, whatever machine it is for; more than that has free is refused when it is run.
+/// Largest memory of an interface on any machine, in bytes; a run also compares with the free memory.
 const ANYWHERE: f64 = 64.0 * GIBIBYTE;
 const GIBIBYTE: f64 = 1024.0 * 1024.0 * 1024.0;
 
-/// Of a position: its numbers, their text, and the results file, which is put together in memory.
+/// Memory of an output position: its numbers, their text, and the results file, which is built in memory.
 pub(super) const BYTES_PER_POINT: f64 = 360.0;
 
-/// Refuses a number of points of the given size that would not fit.
+/// Refuses a number of points that does not fit in memory.
 pub(super) fn check(key: &str, number: usize, bytes_each: f64) -> Result<()> {
     within(ALLOWED, key, number, bytes_each)
 }
 
-/// Refuses a number of cells of the given size that would fit on no machine.
+/// Refuses a number of cells that fits on no machine.
 pub(super) fn check_cells(key: &str, number: usize, bytes_each: f64) -> Result<()> {
     within(ANYWHERE, key, number, bytes_each)
 }
@@ -31,7 +31,7 @@ fn within(allowed: f64, key: &str, number: usize, bytes_each: f64) -> Result<()>
     Err(Error::invalid(key, expected, format!("{number}, which would need {}", amount(needed))))
 }
 
-/// An amount of memory for people.
+/// An amount of memory in GiB or TiB.
 fn amount(bytes: f64) -> String {
     let gibibytes = bytes / GIBIBYTE;
     if gibibytes < 1024.0 { format!("{gibibytes:.1} GiB") } else { format!("{:.1} TiB", gibibytes / 1024.0) }

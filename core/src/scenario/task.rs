@@ -1,4 +1,4 @@
-//! What is to be computed: one of the tables that are tasks.
+//! The task of a scenario: one of the tables that are tasks.
 
 use super::{Drive, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Start, VelocityCurve};
 use crate::{Error, Result};
@@ -7,9 +7,9 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Task<'a> {
-    /// `[pull]`: the bottom of the slider is moved.
+    /// `[pull]`: the base of the slider is moved.
     Pull(&'a Pull),
-    /// `[drive]`: the top of the slider is moved, or a force imposed.
+    /// `[drive]`: the top of the slider is moved, or a force is imposed.
     Drive(&'a Drive),
     /// `[[protocol]]`: the slider is moved in time, step by step.
     Protocol(&'a Protocol),
@@ -17,7 +17,7 @@ pub enum Task<'a> {
     VelocityCurve(&'a VelocityCurve),
     /// `[hold_curve]`: static friction against hold time.
     HoldCurve(&'a HoldCurve),
-    /// `[renormalisation]`: the law of first breaks of coupled contacts.
+    /// `[renormalisation]`: the distribution of first breaks of coupled contacts.
     Renormalisation(&'a Renormalisation),
 }
 

@@ -2,24 +2,8 @@ use super::*;
 use crate::contacts::Stiffness;
 
 fn scenario(thresholds: Law) -> Scenario {
-    Scenario {
-        title: String::new(),
-        contacts: Contacts { thresholds: Some(thresholds), ..Contacts::default() },
-        initial: Law::zero(),
-        pull: Some(Pull::default()),
-        drive: None,
-        protocol: None,
-        protocol_file: None,
-        velocity_curve: None,
-        hold_curve: None,
-        renormalisation: None,
-        block: None,
-        interface: None,
-        master_equation: MasterEquation::default(),
-        ensemble: None,
-        units: Units::default(),
-        compare: None,
-    }
+    let contacts = Contacts { thresholds: Some(thresholds), ..Contacts::default() };
+    Scenario { pull: Some(Pull::default()), ..Scenario::new(contacts) }
 }
 
 /// The key and what was found there.
@@ -209,7 +193,7 @@ fn cells() -> Interface {
         cells: vec![4, 4],
         contacts: PerCell::Many,
         connection: 4.0,
-        coupling: Coupling::Neighbours { stiffness: 1.0 },
+        coupling: Elasticity::Neighbours { stiffness: 1.0 },
         edges: Edges::Periodic,
         loading: CellLoading::Uniform,
         slip: None,

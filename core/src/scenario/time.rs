@@ -1,11 +1,11 @@
-//! What a task and time-dependent contacts need of each other.
+//! Checks of tasks with time-dependent contacts.
 
 use super::{Model, Scenario, Task, VelocityCurve};
 use crate::contacts::{Ageing, Contacts};
 use crate::{Error, Result};
 
 impl Task<'_> {
-    /// Whether the task says how fast the slider moves where that matters, and all rules can go with it.
+    /// Checks that a task with time-dependent contacts has a velocity, and that all rules apply to it.
     pub(super) fn check_time(self, model: &Model) -> Result<()> {
         if let Task::VelocityCurve(curve) = self {
             temperatures(curve, &model.contacts)?;
@@ -24,7 +24,7 @@ impl Task<'_> {
         .map_err(|e| e.under(self.name()))
     }
 
-    /// Refuses what a closure for steady sliding has no answer to.
+    /// Refuses tasks that a closure for steady sliding does not describe.
     fn steady_alone(self, model: &Model) -> Result<()> {
         let key = "contacts.ageing.mean_field";
         if !matches!(self, Task::VelocityCurve(_)) {
@@ -48,10 +48,10 @@ impl Task<'_> {
 }
 
 impl Scenario {
-    /// Whether a run can be stopped and resumed; `key` is what asks for that.
+    /// Checks that a run can be stopped and resumed; `key` is the option that needs it.
     ///
     /// # Errors
-    /// No interface that is driven from event to event.
+    /// A scenario other than `[drive]` with `[interface]`.
     pub fn keeps_checkpoints(&self, key: &str) -> Result<()> {
         let found = match (&self.interface, &self.drive) {
             (Some(_), Some(_)) => return Ok(()),
@@ -61,7 +61,7 @@ impl Scenario {
         Err(Error::invalid(key, "a scenario of [drive] with [interface]", found))
     }
 
-    /// What is valid but may surprise: sentences for people.
+    /// Warnings about valid values with unexpected consequences.
     pub fn warnings(&self) -> Vec<String> {
         let Ok(contacts) = self.contacts.build() else { return Vec::new() };
         let rules = &contacts.rules;
@@ -97,7 +97,7 @@ fn velocity(given: Option<f64>, rule: &str) -> Result<()> {
     given.map(drop).ok_or_else(missing)
 }
 
-/// Refuses temperatures where there is nothing that they could be the energy of.
+/// Refuses temperatures of a curve without `contacts.temperature`.
 fn temperatures(curve: &VelocityCurve, contacts: &Contacts) -> Result<()> {
     if curve.temperatures.is_empty() || contacts.rules.temperature.is_some() {
         return Ok(());

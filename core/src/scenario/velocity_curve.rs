@@ -1,4 +1,4 @@
-//! `[velocity_curve]`: the force of steady sliding against the velocity.
+//! `[velocity_curve]`: kinetic friction against velocity.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,19 +6,22 @@ use serde::{Deserialize, Serialize};
 use super::{logarithmic, positive, size};
 use crate::Result;
 
-/// Kinetic friction at velocities from one to another, evenly spaced in their logarithm.
+/// Kinetic friction at velocities evenly spaced in their logarithm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VelocityCurve {
     /// Lowest velocity of a curve of kinetic friction against velocity, above 0.
+    #[schemars(extend("x-dimension" = "length/time"))]
     pub from: f64,
     /// Highest velocity.
+    #[schemars(extend("x-dimension" = "length/time"))]
     pub to: f64,
     /// Number of velocities, evenly spaced in their logarithm, including both ends.
     #[serde(default = "points")]
     pub points: usize,
     /// List of temperatures, with a curve for each, instead of `contacts.temperature.energy`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(extend("x-dimension" = "force*length"))]
     pub temperatures: Vec<f64>,
     /// Whether the critical stiffnesses at each velocity are also computed, which takes about a second each; with `[block]`
     /// they are those for its mass and damping, and the growth rate of deviations from steady sliding is computed for its
@@ -33,7 +36,7 @@ fn points() -> usize {
 }
 
 impl VelocityCurve {
-    /// That between two velocities, at the default number of points.
+    /// A curve between two velocities with the default number of points.
     pub fn between(from: f64, to: f64) -> Self {
         Self { from, to, points: points(), temperatures: Vec::new(), stability: false }
     }
@@ -43,10 +46,10 @@ impl VelocityCurve {
         logarithmic::spaced(self.from, self.to, self.points)
     }
 
-    /// Whether every value is valid.
+    /// Checks every value.
     ///
     /// # Errors
-    /// The first that does not.
+    /// The first invalid value.
     pub fn check(&self) -> Result<()> {
         logarithmic::check(self.from, self.to, self.points)?;
         for (i, &energy) in self.temperatures.iter().enumerate() {

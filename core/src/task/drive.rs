@@ -3,13 +3,13 @@
 use super::accuracy::ForceAccuracy;
 use super::sliding::{self, adopt};
 use super::summary::{DriveNumbers, Sliding};
-use super::{Output, fits, friction, in_time};
+use super::{Output, fits, friction, in_time, interface};
 use crate::block::{Curve, Loading, StickSlip};
 use crate::contacts::Contacts;
 use crate::master::MasterEquation;
 use crate::monitor::{Aside, Monitor, Part};
 use crate::population::Population;
-use crate::record::{Column, Quantity, Record};
+use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, Model};
 use crate::{Error, Result};
 
@@ -40,8 +40,23 @@ const POTENTIAL: Column =
     Column::new("potential", "potential of the slider", Quantity::Energy, &["potential_drive", "branch"]);
 
 /// The variables of the first loading behind a spring.
-pub(super) const COLUMNS: [Column; 6] =
+const COLUMNS: [Column; 6] =
     [BRANCH_POSITION, BRANCH_DRIVE, BRANCH_FORCE, BRANCH_STABLE, POTENTIAL_DRIVE, POTENTIAL];
+
+/// Traces and slips have tables of their own kinds.
+pub(super) const TABLES: &[CsvTable] = &[];
+
+/// What a result may hold, without values: that of a slider, and those of an interface.
+pub(super) fn columns() -> Vec<(&'static str, Record)> {
+    let [motion, slips] = StickSlip::columns();
+    let mut driven = sliding::joined(motion, slips);
+    let ensemble = driven.prefixed("ensemble_");
+    driven.variables.extend(Record::declared(&[&sliding::COLUMNS[..5], &COLUMNS]).variables);
+    driven.variables.extend(ensemble.variables);
+    driven.variables.extend(Record::declared(&[&sliding::COLUMNS[5..]]).variables);
+    let [cells, contacts] = interface::columns();
+    vec![("drive", driven), ("interface_drive", cells), ("interface_drive of contacts", contacts)]
+}
 
 /// Drives the slider as `task` says.
 ///

@@ -10,7 +10,7 @@ use crate::history::{History, Piece};
 use crate::master::Transport;
 use crate::monitor::{Monitor, Part, report};
 use crate::rate_state::Healing;
-use crate::record::{Column, Quantity, Record};
+use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, Model};
 
 /// Fraction of the work for steady sliding.
@@ -42,8 +42,16 @@ const ENSEMBLE: [Column; 2] =
     ensemble::force_columns("force of the ensemble where that of the master equation is highest", &["hold"]);
 
 /// The variables of the task.
-pub(super) const COLUMNS: [Column; 6] =
-    [HOLD, STATIC_FRICTION, PEAK_POSITION, HELD_FORCE, ENSEMBLE[0], ENSEMBLE[1]];
+const COLUMNS: [Column; 6] = [HOLD, STATIC_FRICTION, PEAK_POSITION, HELD_FORCE, ENSEMBLE[0], ENSEMBLE[1]];
+
+/// Its table in CSV.
+pub(super) const TABLES: &[CsvTable] =
+    &[CsvTable { file: "hold_curve.csv", columns: &COLUMNS, needed: HOLD }];
+
+/// What a result may hold, without values.
+pub(super) fn columns() -> Vec<(&'static str, Record)> {
+    vec![("hold_curve", Record::declared(&[&COLUMNS]))]
+}
 
 /// Computes the curve of `task`.
 ///

@@ -21,7 +21,6 @@
 
 mod accuracy;
 mod checkpoint;
-mod columns;
 mod distribution;
 mod drive;
 mod ensemble;
@@ -43,12 +42,11 @@ use serde::{Deserialize, Serialize};
 use crate::law::Atom;
 use crate::master::{Pull, Relaxation, SteadyState};
 use crate::monitor::Monitor;
-use crate::record::{Column, Quantity, Record};
+use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{Compare, Model, Scenario, Task};
 use crate::{Error, Result};
 
 pub use checkpoint::{Checkpoint, Checkpoints};
-pub use columns::columns;
 pub use drive::first_loading_distance;
 pub use grid::Grid;
 pub use in_time::finite_size_tolerance;
@@ -151,10 +149,10 @@ fn compute(
     })
 }
 
-/// Defines the public `run` of a task, which checks first.
-macro_rules! runs {
-    ($($task:ident: $run:path => $numbers:ident;)*) => {$(
-        impl crate::scenario::$task {
+/// Defines the public `run` of each task, which checks first, and collects what tasks declare.
+macro_rules! tasks {
+    ($($task:ident: $module:ident => $numbers:ident;)*) => {
+        $(impl crate::scenario::$task {
             /// Computes the task for `model`: see [`task`](crate::task).
             ///
             /// # Errors
@@ -170,19 +168,31 @@ macro_rules! runs {
             /// As [`Self::run`]; stopped by the monitor.
             pub fn run_with(&self, model: &Model, monitor: &mut dyn Monitor) -> Result<Output<summary::$numbers>> {
                 Task::$task(self).check(model)?;
-                $run(model, self, monitor).map_err(Error::of_scenario)
+                $module::run(model, self, monitor).map_err(Error::of_scenario)
             }
+        })*
+
+        /// The variables of each task, without values: what its [`Output`] may hold. The names of tasks are those of
+        /// [`Numbers`]; contacts coupled one by one have an entry of their own.
+        pub fn columns() -> Vec<(&'static str, Record)> {
+            [$($module::columns()),*].concat()
         }
-    )*};
+
+        /// The tables in CSV that tasks declare. Traces, events and point masses have tables of several kinds, which front
+        /// ends make.
+        pub fn tables() -> impl Iterator<Item = &'static CsvTable> {
+            [$($module::TABLES),*].into_iter().flatten()
+        }
+    };
 }
 
-runs! {
-    Pull: pull::run => PullNumbers;
-    Drive: drive::run => DriveNumbers;
-    Protocol: protocol::run => ProtocolNumbers;
-    VelocityCurve: velocity_curve::run => VelocityCurveNumbers;
-    HoldCurve: hold_curve::run => HoldCurveNumbers;
-    Renormalisation: renormalisation::run => RenormalisationNumbers;
+tasks! {
+    Pull: pull => PullNumbers;
+    Drive: drive => DriveNumbers;
+    Protocol: protocol => ProtocolNumbers;
+    VelocityCurve: velocity_curve => VelocityCurveNumbers;
+    HoldCurve: hold_curve => HoldCurveNumbers;
+    Renormalisation: renormalisation => RenormalisationNumbers;
 }
 
 /// Friction from a pull and from steady sliding.

@@ -3,16 +3,29 @@
 use super::accuracy::ForceAccuracy;
 use super::hold_curve::peak;
 use super::summary::{BlockNumbers, Comparison, ProtocolNumbers, ProtocolStep, RateState};
-use super::{Output, compare, in_time};
+use super::{COMPARED, Output, compare, in_time, sliding};
+use crate::block::Slide;
 use crate::master::{MasterEquation, Trace};
 use crate::monitor::{Monitor, Part};
 use crate::rate_state::VelocityStep;
-use crate::record::Record;
+use crate::record::{CsvTable, Record};
 use crate::scenario::{self, Model, Task};
 use crate::{Error, Result};
 
 /// Largest number of velocities for which steady sliding is computed in addition to the trace.
 const SPEEDS: usize = 16;
+
+/// Traces have tables of their own kinds.
+pub(super) const TABLES: &[CsvTable] = &[];
+
+/// What a result may hold, without values: that of a rigid slider, and that of a block.
+pub(super) fn columns() -> Vec<(&'static str, Record)> {
+    let [motion, slips] = Slide::columns();
+    let mut block = sliding::joined(motion, slips);
+    let ensemble = block.prefixed("ensemble_");
+    block.variables.extend(ensemble.variables);
+    vec![("protocol", Record::declared(&[&in_time::COLUMNS, &COMPARED])), ("block_protocol", block)]
+}
 
 impl scenario::Protocol {
     /// Moves the top of the block of `model`; the base follows.

@@ -3,11 +3,11 @@
 use super::accuracy::ForceAccuracy;
 use super::grid::Grid;
 use super::summary::PullNumbers;
-use super::{Output, add_atoms, compare, distribution, ensemble, fits, friction};
+use super::{COMPARED, Output, add_atoms, compare, distribution, ensemble, fits, friction};
 use crate::Result;
 use crate::master::{MasterEquation, Pull};
 use crate::monitor::{Monitor, Part, report};
-use crate::record::{Column, Quantity, Record};
+use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, Model};
 
 /// Positions evaluated between two reports to the monitor.
@@ -41,8 +41,20 @@ const BREAKING_ATOM_WEIGHT: Column =
     Column::new("breaking_atom_weight", "fraction of contacts", Quantity::Number, &["breaking_atom"]);
 
 /// The variables along the pull.
-pub(super) const COLUMNS: [Column; 6] =
-    [POSITION, FORCE, BREAKING_RATE, FORCE_STD, BREAKING_ATOM, BREAKING_ATOM_WEIGHT];
+const COLUMNS: [Column; 6] = [POSITION, FORCE, BREAKING_RATE, FORCE_STD, BREAKING_ATOM, BREAKING_ATOM_WEIGHT];
+
+/// Its table in CSV.
+pub(super) const TABLES: &[CsvTable] = &[CsvTable {
+    file: "force.csv",
+    columns: &[POSITION, FORCE, BREAKING_RATE, ensemble::COLUMNS[0], ensemble::COLUMNS[1]],
+    needed: BREAKING_RATE,
+}];
+
+/// What a result may hold, without values.
+pub(super) fn columns() -> Vec<(&'static str, Record)> {
+    let lists: [&[Column]; 4] = [&COLUMNS, &COMPARED, &distribution::COLUMNS, &ensemble::COLUMNS];
+    vec![("pull", Record::declared(&lists))]
+}
 
 /// Pulls the slider as `task` says.
 ///

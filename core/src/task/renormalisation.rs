@@ -7,7 +7,7 @@ use crate::Result;
 use crate::first_breaks::FirstBreaks;
 use crate::law::{Law, Renormalised, critical_coupling};
 use crate::monitor::{Monitor, Part};
-use crate::record::{Column, Quantity, Record};
+use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{Ensemble, Interface, Model, PerCell, Renormalisation};
 
 /// Probability of each tail that is not shown.
@@ -22,8 +22,19 @@ const MEASURED_DENSITY: Column = of("measured_density", "density of first breaks
 const MEASURED_ERROR: Column = of("measured_error", "its standard error");
 
 /// The variables of the task.
-pub(super) const COLUMNS: [Column; 5] =
-    [DRIVE, FREE_DENSITY, MEAN_FIELD_DENSITY, MEASURED_DENSITY, MEASURED_ERROR];
+const COLUMNS: [Column; 5] = [DRIVE, FREE_DENSITY, MEAN_FIELD_DENSITY, MEASURED_DENSITY, MEASURED_ERROR];
+
+/// Its table in CSV.
+pub(super) const TABLES: &[CsvTable] = &[CsvTable {
+    file: "thresholds.csv",
+    columns: &[DRIVE, FREE_DENSITY, MEASURED_DENSITY, MEASURED_ERROR, MEAN_FIELD_DENSITY],
+    needed: MEASURED_DENSITY,
+}];
+
+/// What a result may hold, without values.
+pub(super) fn columns() -> Vec<(&'static str, Record)> {
+    vec![("renormalisation", Record::declared(&[&COLUMNS]))]
+}
 
 const fn of(name: &'static str, long_name: &'static str) -> Column {
     Column::new(name, long_name, Quantity::PerLength, &["drive"])

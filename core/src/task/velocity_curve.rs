@@ -10,7 +10,7 @@ use crate::contacts::{Contacts, Rules, Temperature};
 use crate::history::{History, Piece};
 use crate::master::{Limits, MasterEquation, creep};
 use crate::monitor::{Monitor, Part, report};
-use crate::record::{Column, Quantity, Record};
+use crate::record::{Column, CsvTable, Quantity, Record};
 use crate::scenario::{self, Model};
 
 const VELOCITY: Column = Column::new("velocity", "velocity of the slider", Quantity::Velocity, &["velocity"]);
@@ -33,7 +33,7 @@ const VISCOUS_FRICTION: Column =
     of("viscous_friction", "friction force of viscous flow, the limit of low velocities", Quantity::Force);
 
 /// The variables of the task. With several temperatures, the temperature is the first dimension of all except the velocity.
-pub(super) const COLUMNS: [Column; 11] = [
+const COLUMNS: [Column; 11] = [
     VELOCITY,
     TEMPERATURE,
     CRITICAL_STIFFNESS,
@@ -46,6 +46,28 @@ pub(super) const COLUMNS: [Column; 11] = [
     CREEP_FRICTION,
     VISCOUS_FRICTION,
 ];
+
+/// Its table in CSV: a row for each velocity, of one temperature after the other where there are several.
+pub(super) const TABLES: &[CsvTable] = &[CsvTable {
+    file: "velocity_curve.csv",
+    columns: &[
+        TEMPERATURE,
+        VELOCITY,
+        KINETIC_FRICTION,
+        ENSEMBLE[0],
+        ENSEMBLE[1],
+        CRITICAL_STIFFNESS,
+        CRITICAL_STIFFNESS_SLIDING,
+        GROWTH_RATE,
+        GROWTH_FREQUENCY,
+    ],
+    needed: KINETIC_FRICTION,
+}];
+
+/// What a result may hold, without values.
+pub(super) fn columns() -> Vec<(&'static str, Record)> {
+    vec![("velocity_curve", Record::declared(&[&COLUMNS]))]
+}
 
 const fn of(name: &'static str, long_name: &'static str, quantity: Quantity) -> Column {
     Column::new(name, long_name, quantity, &["velocity"])

@@ -1,6 +1,7 @@
 //! CSV tables: a header, then numbers in the shortest form that reads back exactly.
 
-use asperity::record::Record;
+use asperity::record::{CsvTable, Record, Variable};
+use asperity::task;
 
 /// `value` in the shortest form that reads back exactly.
 pub fn shortest(value: f64) -> String {
@@ -21,17 +22,6 @@ const SLIP: [&str; 11] = [
     "broken_fraction",
     "dissipated_breaks",
     "dissipated_slip",
-];
-
-/// Names of the columns of a curve against velocity.
-const CURVE: [&str; 7] = [
-    "kinetic_friction",
-    "ensemble_force",
-    "ensemble_error",
-    "critical_stiffness",
-    "critical_stiffness_sliding",
-    "growth_rate",
-    "growth_frequency",
 ];
 
 /// Names of the columns of events of an interface.
@@ -63,21 +53,44 @@ const IN_TIME: [&str; 4] = ["time", "duration", "velocity", "strengthening"];
 
 /// The tables of a record that have any rows: name and text.
 pub(super) fn tables(record: &Record) -> impl Iterator<Item = (&'static str, String)> {
-    let force = ["position", "force", "breaking_rate"].map(same);
-    let ensemble = ["ensemble_force", "ensemble_error"].map(same);
-    let tables = [
-        ("force.csv", table(record, &force, &ensemble)),
+    let others = [
         ("atoms.csv", atoms(record)),
         ("trace.csv", trace(record, "")),
         ("events.csv", catalogue(record).or_else(|| events(record, ""))),
         ("ensemble_trace.csv", trace(record, "ensemble_")),
         ("ensemble_events.csv", events(record, "ensemble_")),
         ("sizes.csv", sizes(record)),
-        ("velocity_curve.csv", velocity_curve(record)),
-        ("hold_curve.csv", hold_curve(record)),
-        ("thresholds.csv", thresholds(record)),
     ];
-    tables.into_iter().filter_map(|(name, text)| text.map(|text| (name, text)))
+    let declared = task::tables().map(|table| (table.file, declared(record, table)));
+    declared.chain(others).filter_map(|(name, text)| text.map(|text| (name, text)))
+}
+
+/// A table that a task declares.
+fn declared(record: &Record, table: &CsvTable) -> Option<String> {
+    let needed = record.get(table.needed.name)?;
+    let columns: Vec<_> = table.columns.iter().filter_map(|column| record.get(column.name)).collect();
+    let header: Vec<_> = columns.iter().map(|column| column.name.as_str()).collect();
+    let mut text = header.join(",") + "\n";
+    for row in 0..needed.values.len() {
+        let value = |column: &&Variable| shortest(column.values[place(record, needed, row, column)]);
+        text += &columns.iter().map(value).collect::<Vec<_>>().join(",");
+        text.push('\n');
+    }
+    Some(text)
+}
+
+/// The index in `column`, which may have fewer dimensions, of what stands beside the value `row` of `needed`.
+fn place(record: &Record, needed: &Variable, row: usize, column: &Variable) -> usize {
+    let (mut rest, mut stride, mut place) = (row, 1, 0);
+    for dimension in needed.dimensions.iter().rev() {
+        let length = record.length(dimension).unwrap_or(1).max(1);
+        if column.dimensions.contains(dimension) {
+            place += rest % length * stride;
+            stride *= length;
+        }
+        rest /= length;
+    }
+    place
 }
 
 /// A column under the name of its variable.
@@ -100,29 +113,6 @@ fn trace(record: &Record, prefix: &str) -> Option<String> {
     table(record, &["drive", "position", "force", "spring_force"].map(column), &optional)
 }
 
-/// One row for each velocity, grouped by temperature if there are several.
-fn velocity_curve(record: &Record) -> Option<String> {
-    let velocity = record.values("velocity")?;
-    record.get("kinetic_friction")?;
-    let temperatures = record.values("temperature");
-    let columns: Vec<_> = CURVE.iter().filter_map(|name| Some((*name, record.values(name)?))).collect();
-    let header = temperatures.iter().map(|_| "temperature").chain(["velocity"]);
-    let mut text = header.chain(columns.iter().map(|column| column.0)).collect::<Vec<_>>().join(",") + "\n";
-    for row in 0..columns[0].1.len() {
-        let temperature = temperatures.map(|t| t[row / velocity.len()]);
-        let cells = temperature.into_iter().chain([velocity[row % velocity.len()]]);
-        let cells = cells.chain(columns.iter().map(|column| column.1[row]));
-        text += &cells.map(shortest).collect::<Vec<_>>().join(",");
-        text.push('\n');
-    }
-    Some(text)
-}
-
-fn hold_curve(record: &Record) -> Option<String> {
-    let columns = ["hold", "static_friction", "peak_position", "held_force"].map(same);
-    table(record, &columns, &["ensemble_force", "ensemble_error"].map(same))
-}
-
 fn events(record: &Record, prefix: &str) -> Option<String> {
     record.get(&format!("{prefix}spring_force"))?;
     let column = |name: &str| record.get(&format!("{prefix}{name}"));
@@ -132,11 +122,6 @@ fn events(record: &Record, prefix: &str) -> Option<String> {
     let named = |name: &str| (name.to_owned(), format!("{prefix}event_{name}"));
     let text = table(record, &SLIP.map(named), &IN_TIME.map(named)).unwrap_or_else(|| SLIP.join(",") + "\n");
     Some(numbered(&text))
-}
-
-fn thresholds(record: &Record) -> Option<String> {
-    let columns = ["drive", "free_density", "measured_density", "measured_error"].map(same);
-    table(record, &columns, &["mean_field_density"].map(same))
 }
 
 /// The events of an interface.

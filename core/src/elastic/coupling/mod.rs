@@ -8,6 +8,9 @@ pub use conjugate_gradients::MOST_ITERATIONS;
 pub use half_space::HalfSpace;
 pub use neighbours::Neighbours;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use super::batch;
 use crate::error::positive;
 use crate::numerics::product::product;
@@ -61,6 +64,50 @@ pub trait Coupling: std::fmt::Debug + Send + Sync {
         let mut relative = vec![0.0; displacements.len()];
         batch::fill(&mut relative, |cell| displacements[cell] - first);
         -0.5 * product(&relative, forces)
+    }
+}
+
+/// What couples the cells of an interface.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(rename = "Coupling")]
+#[non_exhaustive]
+pub enum Elasticity {
+    /// Springs between nearest neighbours.
+    Neighbours {
+        /// K_int, stiffness of such a spring, 0 or above.
+        #[schemars(extend("x-dimension" = "force/length"))]
+        stiffness: f64,
+    },
+    /// An elastic half-space.
+    HalfSpace {
+        /// G*, its modulus, force per area, above 0.
+        #[schemars(extend("x-dimension" = "force/length^2"))]
+        modulus: f64,
+        /// Side a of a cell, above 0.
+        #[schemars(extend("x-dimension" = "length"))]
+        cell: f64,
+    },
+}
+
+impl Elasticity {
+    /// The coupling of cells of this shape.
+    ///
+    /// # Errors
+    /// What [`Neighbours::new`] and [`HalfSpace::new`] refuse.
+    pub fn build(self, shape: Shape, edges: Edges) -> Result<Box<dyn Coupling>> {
+        match self {
+            Self::Neighbours { stiffness } => neighbours(shape, edges, stiffness),
+            Self::HalfSpace { modulus, cell } => half_space(shape, edges, modulus, cell),
+        }
+    }
+
+    /// Area of a cell; `None` where cells have no size.
+    pub fn area(self) -> Option<f64> {
+        match self {
+            Self::Neighbours { .. } => None,
+            Self::HalfSpace { cell, .. } => Some(cell * cell),
+        }
     }
 }
 

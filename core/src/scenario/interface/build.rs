@@ -1,15 +1,16 @@
-//! An interface as the objects that it describes.
+//! Builds the objects that `[interface]` describes.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use super::super::{Block, Ensemble};
-use super::{Coupling, Interface, PerCell, Scales};
+use super::{Interface, PerCell, Scales};
 use crate::contacts::{Contacts, Initial};
 use crate::elastic::cells::{Cells, Curves, Populations};
+use crate::elastic::coupling::Elasticity;
 use crate::elastic::rate_dependent::Scaled;
-use crate::elastic::{self, RateDependentInterface, RateDependentInterfaceParameters, coupling};
+use crate::elastic::{self, RateDependentInterface, RateDependentInterfaceParameters};
 use crate::ensemble::lattice::{self, Lattice};
 use crate::law::{SharedLaw, scattered};
 use crate::master::{MasterEquation, Stretches, Tolerance, Transport};
@@ -33,8 +34,8 @@ impl Interface {
         Lattice::new(contacts, initial, &self.springs()?, seed, disorder)
     }
 
-    /// Cells whose contacts move together: by the master equation, or those of an `ensemble`, of which each cell has
-    /// `size`, the first cell the first ones.
+    /// Cells whose contacts move together. They follow the master equation, or are those of an `ensemble`: `size` contacts in
+    /// each cell, the first ones in the first cell.
     ///
     /// # Errors
     /// What the master equation, the ensemble, cells and couplings refuse; stopped by the monitor.
@@ -66,8 +67,8 @@ impl Interface {
         elastic::Interface::new(cells, self.elasticity()?, self.setting(length))
     }
 
-    /// Cells whose contacts are time-dependent: by transport to a `tolerance`, or those of an `ensemble`, of which each cell has
-    /// `size`, the first cell the first ones. A step of a cell is right to the length `step`.
+    /// Cells whose contacts are time-dependent. They are solved by transport with a `tolerance`, or are those of an `ensemble`:
+    /// `size` contacts in each cell, the first ones in the first cell. `step` is the tolerance of a step of a cell, a length.
     ///
     /// # Errors
     /// What transport, the ensemble, cells and couplings refuse.
@@ -83,7 +84,7 @@ impl Interface {
         let scales =
             self.disorder.as_ref().map_or_else(|| Ok(vec![1.0; self.size()]), |s| s.build(self.size()));
         let scales = scales.map_err(|e| e.under("interface"))?;
-        // By temperature: cells of one are alike, and what takes long to find is found once.
+        // By temperature: cells of the same temperature share one solution, which takes long to compute.
         let mut alike: HashMap<Option<u64>, Transport> = HashMap::new();
         let mut cell = |(cell, &scale): (usize, &f64)| -> Result<Box<dyn RateDependentContacts>> {
             report(monitor, 0.0)?;
@@ -121,7 +122,7 @@ impl Interface {
         RateDependentInterface::new(cells, self.elasticity()?, setting)
     }
 
-    /// The same with the disorder that is drawn from the seed so many further on.
+    /// The same interface with the disorder drawn from the seed plus `further`.
     #[must_use]
     pub fn redrawn(&self, further: usize) -> Self {
         let redrawn =
@@ -129,7 +130,8 @@ impl Interface {
         Self { disorder: self.disorder.as_ref().map(redrawn), ..self.clone() }
     }
 
-    /// The law of the thresholds of all cells together, those of a cell having the law of `contacts` times its scale.
+    /// The distribution of the thresholds of all cells together; those of a cell have the distribution of `contacts` times its
+    /// scale factor.
     ///
     /// # Errors
     /// Those of [`scattered`].
@@ -140,8 +142,8 @@ impl Interface {
         }
     }
 
-    /// κ, the share of the force that a contact loses which others gain: of cells of N contacts N⟨k⟩/(N⟨k⟩ + K_0), whatever
-    /// couples them.
+    /// κ, the fraction of the force lost by a breaking contact that other contacts gain. For cells of N contacts it is
+    /// N⟨k⟩/(N⟨k⟩ + K_0), whatever couples the cells.
     ///
     /// # Errors
     /// Single contacts on a half-space.
@@ -155,7 +157,8 @@ impl Interface {
         }
     }
 
-    /// Stretches Q[x, X(r)] of the contacts of a cell, which follow an equation: of scale s, Q(x/s; X/s)/s.
+    /// Distribution of stretches Q[x, X(r)] of the contacts of a cell that follows the master equation: Q(x/s; X/s)/s for
+    /// the scale factor s.
     ///
     /// # Errors
     /// Those of [`MasterEquation::pull`].
@@ -192,14 +195,10 @@ impl Interface {
     }
 
     fn elasticity(&self) -> Result<Box<dyn elastic::Coupling>> {
-        let (shape, edges) = (self.shape()?, self.edges);
-        match self.coupling {
-            Coupling::Neighbours { stiffness } => coupling::neighbours(shape, edges, stiffness),
-            Coupling::HalfSpace { modulus, cell } => coupling::half_space(shape, edges, modulus, cell),
-        }
+        self.coupling.build(self.shape()?, self.edges)
     }
 
-    /// How cells are driven, the mean threshold being a `length`.
+    /// Parameters of the interface for contacts of mean threshold `length`.
     fn setting(&self, length: f64) -> elastic::InterfaceParameters {
         elastic::InterfaceParameters {
             connection: self.connection,
@@ -207,10 +206,7 @@ impl Interface {
             slip: self.slip.unwrap_or_default(),
             viscosity: self.viscosity,
             drive_tolerance: self.drive_tolerance * length,
-            area: match self.coupling {
-                Coupling::Neighbours { .. } => None,
-                Coupling::HalfSpace { cell, .. } => Some(cell * cell),
-            },
+            area: self.coupling.area(),
         }
     }
 
@@ -220,13 +216,13 @@ impl Interface {
     /// A half-space.
     pub fn springs(&self) -> Result<lattice::LatticeCoupling> {
         match self.coupling {
-            Coupling::Neighbours { stiffness } => Ok(lattice::LatticeCoupling {
+            Elasticity::Neighbours { stiffness } => Ok(lattice::LatticeCoupling {
                 shape: self.shape()?,
                 edges: self.edges,
                 neighbours: stiffness,
                 connection: self.connection,
             }),
-            Coupling::HalfSpace { .. } => {
+            Elasticity::HalfSpace { .. } => {
                 let expected = "coupling.neighbours beside interface.contacts = \"one\"";
                 Err(Error::invalid("coupling.half_space", expected, "a half-space"))
             }
@@ -234,7 +230,7 @@ impl Interface {
     }
 }
 
-/// Contacts at the temperature that is theirs once all lengths, and energies by the square, are `scale` times as large.
+/// Contacts of a cell in units of its scale factor: lengths are divided by `scale`, energies by its square.
 fn cooler(contacts: &Contacts, scale: f64) -> Contacts {
     let mut contacts = contacts.clone();
     if let Some(temperature) = &mut contacts.rules.temperature {

@@ -1,7 +1,7 @@
-//! Which values of an interface are valid, and what they go with.
+//! Checks the values of an interface, alone and with those of other tables.
 
 use super::super::{Drive, Ensemble, not_negative, positive, size};
-use super::{CellLoading, CellSlip, Coupling, Interface, PerCell};
+use super::{CellLoading, CellSlip, Elasticity, Interface, PerCell};
 use crate::contacts::Contacts;
 use crate::ensemble::lattice::Lattice;
 use crate::monitor::fits;
@@ -15,7 +15,7 @@ const BYTES_PER_CELL: f64 = 192.0;
 const BYTES_PER_CELL_OF_A_CHAIN: f64 = 336.0;
 /// Bytes that a cell takes that follows the master equation in time, with what of it is tried in a step.
 const BYTES_PER_CELL_IN_TIME: f64 = 2e6;
-/// How much more it takes where its error is asked for: it is followed in steps half as long and to a larger tolerance, too.
+/// Factor for an estimate of the error: two further solutions, with half the step and with a larger tolerance.
 const WITH_ERROR: f64 = 3.0;
 /// Bytes that a cell of few contacts takes, and each of them.
 const BYTES_PER_ENSEMBLE: [f64; 2] = [16e3, 256.0];
@@ -23,10 +23,10 @@ const BYTES_PER_ENSEMBLE: [f64; 2] = [16e3, 256.0];
 const BYTES_PER_ENSEMBLE_IN_TIME: [f64; 2] = [16e3, 640.0];
 
 impl Interface {
-    /// Whether every value is valid, and goes with the contacts, the drive and the ensemble.
+    /// Checks every value, alone and with the contacts, the drive and the ensemble.
     ///
     /// # Errors
-    /// The first that does not, with its full path.
+    /// The first invalid value, with its full path.
     pub fn check(&self, contacts: &Contacts, drive: &Drive, ensemble: Option<&Ensemble>) -> Result<()> {
         onwards(drive).map_err(|e| e.under("drive"))?;
         self.check_cells(contacts, ensemble)
@@ -52,7 +52,7 @@ impl Interface {
         }
     }
 
-    /// Refuses an interface that takes more than so much `memory`, with an error or without one.
+    /// Refuses an interface that takes more than `memory` bytes, with an estimate of its error or without.
     ///
     /// # Errors
     /// [`Error::TooLarge`], naming the cells.
@@ -69,13 +69,13 @@ impl Interface {
         fits("interface.cells", what, bytes as u64, memory)
     }
 
-    /// Bytes that a cell takes at most, with what couples it.
+    /// Upper limit of the bytes per cell, including its coupling.
     fn bytes_per_cell(&self, contacts: &Contacts, ensemble: Option<&Ensemble>, with_error: bool) -> f64 {
         let few = |[cell, contact]: [f64; 2], ensemble: &Ensemble| cell + contact * ensemble.size() as f64;
         match (self.contacts, contacts.rules.are_time_dependent(), ensemble) {
             (PerCell::One, ..) => BYTES_PER_CONTACT,
             (PerCell::Many, false, None) => match (self.coupling, &self.cells[..]) {
-                (Coupling::HalfSpace { .. }, [_]) => BYTES_PER_CELL_OF_A_CHAIN,
+                (Elasticity::HalfSpace { .. }, [_]) => BYTES_PER_CELL_OF_A_CHAIN,
                 _ => BYTES_PER_CELL,
             },
             (PerCell::Many, true, None) => BYTES_PER_CELL_IN_TIME * if with_error { WITH_ERROR } else { 1.0 },
@@ -84,7 +84,7 @@ impl Interface {
         }
     }
 
-    /// Values that make no sense whatever a cell is; keys are relative to this table.
+    /// Checks the values that do not depend on other tables; keys are relative to this table.
     fn values(&self) -> Result<()> {
         let shape = self.shape()?;
         let bytes = match self.contacts {
@@ -102,7 +102,7 @@ impl Interface {
         not_negative("catalogue_from", self.catalogue_from).map(drop)
     }
 
-    /// What cells of contacts that move together need, and what does not go with them.
+    /// Checks the values that cells of many contacts need or exclude.
     fn many(&self, ensemble: Option<&Ensemble>, bytes: [f64; 2]) -> Result<()> {
         let check = || {
             self.shape()?.check(self.edges)?;
@@ -127,7 +127,7 @@ impl Interface {
         if few { Ok(()) } else { size::check_cells("cells", self.size(), BYTES_PER_CELL_IN_TIME) }
     }
 
-    /// What cells of few contacts need, a cell and each contact taking so many bytes.
+    /// Checks an interface of ensembles, with the bytes per cell and per contact.
     fn few(&self, ensemble: &Ensemble, [cell, contact]: [f64; 2]) -> Result<()> {
         let Some(size) = ensemble.size else {
             let expected = "the number of contacts followed in each cell of the interface";
@@ -141,7 +141,7 @@ impl Interface {
         size::check_cells("interface.cells", self.size(), cell + contact * size as f64)
     }
 
-    /// What does not go with single contacts.
+    /// Refuses values that single contacts exclude.
     fn one(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
         let given = [
             ("slip", self.slip.is_some(), "re-form when the slide is over", "a rule of slip"),
@@ -163,8 +163,8 @@ impl Interface {
     }
 }
 
-impl Coupling {
-    /// Single contacts may share nothing; cells that do are no interface.
+impl Elasticity {
+    /// Single contacts may be uncoupled; cells may not.
     fn check(&self, contacts: PerCell) -> Result<()> {
         match (*self, contacts) {
             (Self::Neighbours { stiffness }, PerCell::One) => {
@@ -181,7 +181,7 @@ impl Coupling {
     }
 }
 
-/// Refuses drives that an interface does not follow.
+/// Refuses drives that an interface cannot have.
 fn onwards(drive: &Drive) -> Result<()> {
     let given = [("turning_points", drive.turning_points.is_some()), ("force_to", drive.force_to.is_some())];
     match given.into_iter().find(|given| given.1) {

@@ -1,4 +1,4 @@
-//! `[interface]`: cells, or single contacts, that move differently since the slider between them deforms.
+//! `[interface]`: cells, or single contacts, coupled by the elasticity of a slider that deforms.
 
 mod build;
 mod check;
@@ -7,12 +7,13 @@ mod scales;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::elastic::coupling::Elasticity;
 use crate::elastic::{CellLoading, CellSlip};
 use crate::shape::{Edges, Shape};
 use crate::{Error, Result};
 pub use scales::Scales;
 
-/// An interface of cells coupled by elasticity, or of contacts coupled one by one; `[drive]` moves its top.
+/// An interface of cells coupled by elasticity, or of contacts coupled one by one; `[drive]` moves its load point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Interface {
@@ -24,10 +25,11 @@ pub struct Interface {
     #[serde(default)]
     pub contacts: PerCell,
     /// Stiffness K_0 of the spring between a cell and the drive, 0 or above.
+    #[schemars(extend("x-dimension" = "force/length"))]
     pub connection: f64,
     /// `neighbours = { stiffness }` with K_int, or `half_space = { modulus, cell }` with G* (the shear modulus G for ν = 0,
     /// G/(1 − ν) on a chain along the direction of sliding) and the side a of a cell.
-    pub coupling: Coupling,
+    pub coupling: Elasticity,
     /// Edges of the interface: `"open"` or `"periodic"`.
     #[serde(default)]
     pub edges: Edges,
@@ -43,6 +45,7 @@ pub struct Interface {
     /// Viscous drag on a moving cell, force per velocity, above 0: events then have durations, and fronts have speeds;
     /// required with time-dependent contacts.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "force*time/length"))]
     pub viscosity: Option<f64>,
     /// How cells of many contacts differ; without this table they do not.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -50,9 +53,11 @@ pub struct Interface {
     /// Accuracy of the drive at which equilibrium is lost, in mean thresholds; with time-dependent contacts there is no such
     /// drive, and `master_equation.tolerance` is the accuracy of a step of a cell.
     #[serde(default = "drive_tolerance")]
+    #[schemars(extend("x-dimension" = "1"))]
     pub drive_tolerance: f64,
     /// Events are recorded from this drive on, 0 or above.
     #[serde(default)]
+    #[schemars(extend("x-dimension" = "length"))]
     pub catalogue_from: f64,
 }
 
@@ -60,31 +65,12 @@ pub struct Interface {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PerCell {
-    /// Contacts that move together, `contacts.count` of them: so many that they follow the master equation, or
-    /// `ensemble.size` that are followed one by one.
+    /// `contacts.count` contacts that move together. They follow the master equation, or `ensemble.size` of them are simulated
+    /// one by one.
     #[default]
     Many,
-    /// One contact, which re-forms when the slide is over.
+    /// One contact, which re-forms after the slip event.
     One,
-}
-
-/// What couples cells.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[non_exhaustive]
-pub enum Coupling {
-    /// Springs between nearest neighbours.
-    Neighbours {
-        /// K_int, stiffness of such a spring, 0 or above.
-        stiffness: f64,
-    },
-    /// An elastic half-space.
-    HalfSpace {
-        /// G*, its modulus, force per area, above 0.
-        modulus: f64,
-        /// Side a of a cell, above 0.
-        cell: f64,
-    },
 }
 
 fn drive_tolerance() -> f64 {
@@ -92,7 +78,7 @@ fn drive_tolerance() -> f64 {
 }
 
 impl Interface {
-    /// The accuracy of drives, in mean thresholds, where nothing is said.
+    /// Default of `drive_tolerance`, in mean thresholds.
     pub const DRIVE_TOLERANCE: f64 = 1e-6;
 
     /// Number of cells.

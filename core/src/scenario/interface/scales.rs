@@ -7,13 +7,14 @@ use super::super::{exactly_one, not_negative};
 use crate::elastic::cells::scales;
 use crate::{Error, Result};
 
-/// How cells differ: all lengths of cell j, its thresholds foremost, are those of the contacts times s_j.
+/// How cells differ: all lengths of the contacts of cell j, such as their thresholds, are multiplied by s_j.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scales {
     /// Standard deviation, 0 or above, of the scale factors s_j of the cells, which multiply all lengths of their contacts;
     /// they are drawn from a Gaussian distribution of mean 1.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "1"))]
     pub std: Option<f64>,
     /// Seed of these random numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -25,16 +26,17 @@ pub struct Scales {
     pub file: Option<String>,
     /// The scale factors themselves, instead of a file.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-dimension" = "1"))]
     pub scale: Option<Vec<f64>>,
 }
 
 impl Scales {
-    /// The seed of the draws.
+    /// The seed of the random numbers.
     pub fn seed(&self) -> u64 {
         self.seed.unwrap_or(1)
     }
 
-    /// The scales of so many cells.
+    /// The scale factors of this number of cells.
     pub(super) fn build(&self, cells: usize) -> Result<Vec<f64>> {
         self.check(cells).map_err(|e| e.under("disorder"))?;
         match &self.scale {
@@ -43,7 +45,7 @@ impl Scales {
         }
     }
 
-    /// Checks the values for so many cells.
+    /// Checks the values for this number of cells.
     fn check(&self, cells: usize) -> Result<()> {
         let given = [("std", self.std.is_some()), ("file", self.file.is_some() || self.scale.is_some())];
         exactly_one("", "either std or file", &given)?;

@@ -34,7 +34,7 @@ pub fn output_points(task: &Drive, interface: &Interface) -> Vec<OutputPoint> {
 
 #[cfg(test)]
 mod tests {
-    use crate::scenario::{CellLoading, Coupling, Edges, PerCell};
+    use crate::scenario::{CellLoading, Edges, Elasticity, PerCell};
 
     use super::*;
 
@@ -43,7 +43,7 @@ mod tests {
             cells: vec![10],
             contacts: PerCell::One,
             connection: 1.0,
-            coupling: Coupling::Neighbours { stiffness: 1.0 },
+            coupling: Elasticity::Neighbours { stiffness: 1.0 },
             edges: Edges::Open,
             loading: CellLoading::Uniform,
             slip: None,
