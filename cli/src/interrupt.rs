@@ -85,8 +85,8 @@ impl Interrupts {
     }
 
     /// The reason of the interruption, if there is one.
-    pub fn asked(&self) -> Option<Reason> {
-        self.0.asked()
+    pub fn reason(&self) -> Option<Reason> {
+        self.0.reason()
     }
 
     /// Runs a function that must not be interrupted.
@@ -111,14 +111,14 @@ impl Interrupts {
     /// The run was interrupted before.
     pub fn write_results(&self) -> Result<(), Reason> {
         let mut stage = self.0.stage();
-        let asked = self.asked().filter(|_| *stage != Stage::Writing);
-        *stage = if asked.is_some() { Stage::Keeping } else { Stage::Writing };
-        asked.map_or(Ok(()), Err)
+        let reason = self.reason().filter(|_| *stage != Stage::Writing);
+        *stage = if reason.is_some() { Stage::Keeping } else { Stage::Writing };
+        reason.map_or(Ok(()), Err)
     }
 }
 
 impl Shared {
-    fn asked(&self) -> Option<Reason> {
+    fn reason(&self) -> Option<Reason> {
         if self.signalled.load(Ordering::Relaxed) {
             return Some(Reason::Signal);
         }
@@ -131,13 +131,13 @@ impl Shared {
 
     fn watch(&self) {
         let reason = loop {
-            if let Some(reason) = self.asked() {
+            if let Some(reason) = self.reason() {
                 break reason;
             }
             thread::sleep(CHECK);
         };
         let since = Instant::now();
-        let mut told = false;
+        let mut reported = false;
         loop {
             let stage = self.stage();
             if *stage == Stage::Free {
@@ -148,8 +148,8 @@ impl Shared {
             if self.signalled.load(Ordering::Relaxed) && since.elapsed() >= SECOND {
                 self.second.store(true, Ordering::Relaxed);
             }
-            if !told && ends_later && since.elapsed() >= PATIENCE {
-                told = true;
+            if !reported && ends_later && since.elapsed() >= PATIENCE {
+                reported = true;
                 say(
                     "stopping after the current file is written; a second Ctrl-C stops the run immediately\n",
                 );

@@ -101,7 +101,7 @@ fn left(first: (Duration, f64), elapsed: Duration, fraction: f64) -> String {
 impl Monitor for Progress<'_> {
     fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
         self.show(fraction);
-        if self.interrupts.asked().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.interrupts.reason().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     fn memory(&self) -> u64 {

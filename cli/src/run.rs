@@ -35,11 +35,11 @@ pub fn run(arguments: &Run) -> Result<(), Failure> {
         renamed.iter().for_each(|file| say(&moved(file)));
     }
     checkpoints.map_or(Ok(()), Checkpoints::remove)?;
-    tell(&outcome.summary, &directory, arguments)
+    print_summary(&outcome.summary, &directory, arguments)
 }
 
 /// Prints the summary in the requested form.
-fn tell(summary: &Summary, directory: &Path, arguments: &Run) -> Result<(), Failure> {
+fn print_summary(summary: &Summary, directory: &Path, arguments: &Run) -> Result<(), Failure> {
     if arguments.json {
         let json = serde_json::to_string_pretty(summary).expect("a summary is plain data");
         return print(&format!("{json}\n"));
@@ -119,7 +119,7 @@ fn compute(
 
 /// The reason why a run was stopped.
 fn stopped(checkpoints: Option<&mut Checkpoints>, interrupts: &Interrupts) -> Failure {
-    let reason = interrupts.asked().unwrap_or(Reason::Signal);
+    let reason = interrupts.reason().unwrap_or(Reason::Signal);
     let Some(checkpoints) = checkpoints else { return Failure::Interrupted(reason, None) };
     checkpoints.failure().map_or_else(|| Failure::Interrupted(reason, checkpoints.last()), Failure::from)
 }

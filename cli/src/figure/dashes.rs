@@ -40,11 +40,11 @@ fn dashes(points: &[Point], pattern: &str, width: f64) -> Vec<Vec<Point>> {
     let (mut turn, mut left, mut drawn) = (0, length(0), vec![vec![points[0]]]);
     for pair in points.windows(2) {
         let (mut from, to) = (pair[0], pair[1]);
-        let mut way = (to.0 - from.0).hypot(to.1 - from.1);
-        while way > left {
-            let step = left / way;
+        let mut remaining = (to.0 - from.0).hypot(to.1 - from.1);
+        while remaining > left {
+            let step = left / remaining;
             from = (from.0 + step * (to.0 - from.0), from.1 + step * (to.1 - from.1));
-            way -= left;
+            remaining -= left;
             extend(&mut drawn, turn, from);
             turn += 1;
             left = length(turn);
@@ -52,7 +52,7 @@ fn dashes(points: &[Point], pattern: &str, width: f64) -> Vec<Vec<Point>> {
                 drawn.push(vec![from]);
             }
         }
-        left -= way;
+        left -= remaining;
         extend(&mut drawn, turn, to);
     }
     drawn.retain(|dash| dash.len() > 1);

@@ -56,10 +56,10 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
 /// The forces of the cells at the points of the trace, with the large events.
 fn forces(outcome: &Outcome, cells: usize, ends: (f64, f64)) -> Option<(Plots, Layout)> {
     let record = &outcome.record;
-    let (looks, points) = (record.values("map_drive")?, record.values("drive")?);
+    let (drives, points) = (record.values("map_drive")?, record.values("drive")?);
     let last = *points.last()?;
-    let rows: Vec<usize> = (0..looks.len())
-        .filter(|&row| points.binary_search_by(|point| point.total_cmp(&looks[row])).is_ok())
+    let rows: Vec<usize> = (0..drives.len())
+        .filter(|&row| points.binary_search_by(|point| point.total_cmp(&drives[row])).is_ok())
         .collect();
     let values: Vec<f64> =
         rows.iter().filter_map(|&row| record.row("cell_force", row)).flatten().copied().collect();
@@ -137,8 +137,8 @@ fn front(outcome: &Outcome, cells: usize) -> Option<(Plots, Layout)> {
             let steps =
                 (0..=FINE).map(|i| at(window.0 + (window.1 - window.0) * f64::from(i) / f64::from(FINE)));
             plots.push(line(steps.filter(inside).collect(), RED, 1.6, Some(DASHES)));
-            let told = style::digits((1e3 * speed).round() / 1e3);
-            words.push(format!("{told} cells per time to the {name}"));
+            let rounded = style::digits((1e3 * speed).round() / 1e3);
+            words.push(format!("{rounded} cells per time to the {name}"));
         }
     }
     plots.push(Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(1.6)));

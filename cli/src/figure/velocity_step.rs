@@ -25,8 +25,8 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         outcome.summary.numbers.steps().iter().filter_map(|step| Some((step, step.rate_state.as_ref()?)));
     let panels: Option<Vec<_>> = read.take(PANELS).map(|(step, read)| panel(outcome, step, read)).collect();
     let (plots, mut layouts): (Vec<_>, Vec<_>) = panels?.into_iter().unzip();
-    let way = style::axis(outcome, "Displacement since the step", outcome.record.get("position")?);
-    let lowest = layouts.pop()?.with_x_label(way).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL);
+    let label = style::axis(outcome, "Displacement since the step", outcome.record.get("position")?);
+    let lowest = layouts.pop()?.with_x_label(label).with_force_margins_y(MARGINS.0, MARGINS.1 + LABEL);
     layouts.push(lowest);
     let rows = layouts.len();
     let (title, size) = style::heading(&outcome.summary.title);
@@ -88,8 +88,8 @@ fn panel(outcome: &Outcome, step: &ProtocolStep, read: &RateState) -> Option<(Pl
 }
 
 /// The fitted force at a displacement from the peak.
-fn fit(step: &ProtocolStep, read: &RateState, way: f64) -> f64 {
-    let fallen = -(-(way - read.peak) / read.distance.value).exp_m1();
+fn fit(step: &ProtocolStep, read: &RateState, displacement: f64) -> f64 {
+    let fallen = -(-(displacement - read.peak) / read.distance.value).exp_m1();
     let size = (step.velocity / read.velocity_before).ln();
     read.force_before + size * (read.a.value - read.b.value * fallen)
 }

@@ -29,7 +29,7 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
         ));
     }
     if let Some(law) = &catalogue.law {
-        lines.push(("magnitudes", told(catalogue, law)));
+        lines.push(("magnitudes", magnitudes_text(catalogue, law)));
     }
     if let (Some(breaks), Some(slip)) = (catalogue.dissipated_breaks, catalogue.dissipated_slip) {
         let energy = |number| value(number, Quantity::Energy);
@@ -38,7 +38,7 @@ pub fn lines(summary: &Summary, catalogue: &Catalogue) -> Vec<(&'static str, Str
     lines
 }
 
-fn told(catalogue: &Catalogue, law: &PowerLaw) -> String {
+fn magnitudes_text(catalogue: &Catalogue, law: &PowerLaw) -> String {
     let exponent = with_error(law.exponent);
     let cut_off = if !law.is_cut_off() {
         "no cut-off found".into()

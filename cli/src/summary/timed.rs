@@ -16,7 +16,7 @@ pub fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
         summary.numbers.stability().into_iter().map(|found| ("steady sliding", stable(summary, found))),
     );
     for step in summary.numbers.steps().iter().take(LISTED) {
-        lines.push(("step", told(summary, step)));
+        lines.push(("step", step_text(summary, step)));
         lines.extend(step.rate_state.iter().map(|read| ("  rate and state", read_as(summary, read))));
     }
     if summary.numbers.steps().len() > LISTED {
@@ -64,7 +64,7 @@ fn stable(summary: &Summary, found: &Stability) -> String {
     }
 }
 
-fn told(summary: &Summary, step: &ProtocolStep) -> String {
+fn step_text(summary: &Summary, step: &ProtocolStep) -> String {
     let time = value(summary, step.duration, Quantity::Time);
     let force = value(summary, step.force, Quantity::Force);
     let motion = if step.velocity == 0.0 {
