@@ -296,7 +296,7 @@ fn contacts_at_a_velocity_move_forward_only() {
     let books = stock.books();
     let free = pull.total_probability(1.4) - attached(&pull, 1.4);
     near(books.elastic + books.lost - begin.elastic + free * 0.005 / 3.0, work, 1e-8);
-    assert!(stock.advance(-0.1).unwrap_err().to_string().contains("[[protocol]]"));
+    assert!(stock.advance(-0.1).unwrap_err().to_string().contains("Transport"));
     assert!(stock.hold().unwrap_err().to_string().contains("temperature makes contacts time-dependent"));
     stock.reset(Direction::Forward, &mut ()).unwrap();
     stock.way(Direction::Forward, &mut ()).unwrap();
