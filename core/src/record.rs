@@ -11,6 +11,8 @@ pub enum Quantity {
     Length,
     /// A force.
     Force,
+    /// A force squared: variances.
+    ForceSquared,
     /// Per length: densities, hazards, breaking rates.
     PerLength,
     /// A force per length: stiffnesses.
@@ -33,9 +35,10 @@ pub enum Quantity {
 
 impl Quantity {
     /// Every quantity, for tables of labels.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Length,
         Self::Force,
+        Self::ForceSquared,
         Self::PerLength,
         Self::Stiffness,
         Self::Energy,
@@ -52,6 +55,7 @@ impl Quantity {
         match self {
             Self::Length => "length",
             Self::Force => "force",
+            Self::ForceSquared => "force_squared",
             Self::PerLength => "per_length",
             Self::Stiffness => "stiffness",
             Self::Energy => "energy",

@@ -62,9 +62,11 @@ __all__ = [
     "ExactQuenched",
     "ExactRectangular",
     "Exponential",
+    "FrictionGradient",
     "FrozenRank",
     "Gamma",
     "Gaussian",
+    "Gradient",
     "Inertial",
     "Interface",
     "Lattice",
@@ -648,9 +650,32 @@ class ExactRectangular(ClosedForm):
 
 @final
 class Exponential(Law):
-    """The exponential distribution of the given mean, above 0."""
+    """The exponential distribution.
+
+    mean: Mean, above 0.
+    """
 
     def __new__(cls, /, mean: _Number) -> Exponential: ...
+
+@final
+class FrictionGradient:
+    """The derivatives of static and kinetic friction, relaxation length and critical stiffness by a parameter."""
+
+    @property
+    def critical_stiffness(self, /) -> float:
+        """∂K_c/∂θ, force per length and unit of the parameter; nan if K_c is not finite, 0 if it is 0."""
+
+    @property
+    def kinetic_friction(self, /) -> float:
+        """∂F_k/∂θ, force per unit of the parameter."""
+
+    @property
+    def relaxation_length(self, /) -> float:
+        """∂X*/∂θ, length per unit of the parameter; nan if X* is not finite."""
+
+    @property
+    def static_friction(self, /) -> float | None:
+        """∂F_s/∂θ, force per unit of the parameter; None if the static friction is not reached."""
 
 @final
 class FrozenRank(Ageing):
@@ -664,18 +689,36 @@ class FrozenRank(Ageing):
 
 @final
 class Gamma(Law):
-    """The gamma distribution of the given mean and standard deviation, both above 0."""
+    """The gamma distribution.
+
+    mean: Mean, above 0.
+    std: Standard deviation, above 0.
+    """
 
     def __new__(cls, /, mean: _Number, std: _Number) -> Gamma: ...
 
 @final
 class Gaussian(Law):
-    """The Gaussian (normal) distribution, truncated at 0.
+    """The normal (Gaussian) distribution, truncated at 0.
 
-    mean: the mean before truncation, 0 or above. std: the standard deviation before truncation, above 0.
+    mean: Mean before truncation at 0, 0 or above.
+    std: Standard deviation before truncation, above 0.
     """
 
     def __new__(cls, /, mean: _Number, std: _Number) -> Gaussian: ...
+
+@final
+class Gradient:
+    """The derivative of the force on a pull by a parameter, called with positions: `gradient(5.0)`."""
+
+    @overload
+    def __call__(self, /, position: float) -> float: ...
+    @overload
+    def __call__(self, /, position: ArrayLike) -> _Array: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def parameter(self, /) -> str:
+        """The parameter, such as `thresholds.mean`."""
 
 @final
 class Inertial(Description):
@@ -901,8 +944,10 @@ class Logarithmic(Ageing):
 
 @final
 class Lognormal(Law):
-    """The lognormal distribution of the given mean and standard deviation (of the variable itself, not of its
-    logarithm), both above 0.
+    """The lognormal distribution: the logarithm of the variable is normal.
+
+    mean: Mean of the variable itself, not of its logarithm, above 0.
+    std: Standard deviation of the variable itself, above 0.
     """
 
     def __new__(cls, /, mean: _Number, std: _Number) -> Lognormal: ...
@@ -1009,7 +1054,10 @@ class Model(Description):
 
 @final
 class Point(Law):
-    """A point mass (delta distribution) at one value, 0 or above."""
+    """A point mass (delta distribution): one value only.
+
+    at: The single value, 0 or above.
+    """
 
     def __new__(cls, /, at: _Number) -> Point: ...
 
@@ -1043,6 +1091,16 @@ class Pull(Record):
 
     @overload
     def breaking_rate_at(self, /, position: ArrayLike) -> _Array: ...
+    def covariance(self, /, at: ArrayLike, size: _Number | None = None) -> _Array:
+        """The covariance of the force of `size` random contacts, scaled to N_c, at m positions from 0 to the distance.
+
+        at: a list of m positions.
+        size: the number of contacts, or None for the N_c of the contacts.
+
+        Contacts under a rigid drive are independent, so the result is exact: a symmetric array of shape (m, m), in
+        units of force². Contacts with a delay, or whose stiffness depends on the threshold, are refused.
+        """
+
     @property
     def critical_stiffness(self, /) -> float:
         """The critical stiffness K_c = max(0, -min F'), force per length: a softer slider sticks and slips. It is inf
@@ -1073,6 +1131,19 @@ class Pull(Record):
 
     @overload
     def force_std(self, /, size: _Number, at: ArrayLike | None = None) -> _Array: ...
+    def friction_gradient(self, /, parameter: str) -> FrictionGradient:
+        """The derivatives of F_s, F_k, X* and K_c by a parameter of the distributions, for the propagation of errors.
+
+        parameter: as in `gradient`.
+        """
+
+    def gradient(self, /, parameter: str) -> Gradient:
+        """The derivative of the force by a parameter of the distributions, as a function of the position.
+
+        parameter: `thresholds.mean`, `reforming.std`, `initial.max`, and so on: the distribution, and the name of
+        its parameter. The position of a point mass has no derivative.
+        """
+
     @property
     def kinetic_friction(self, /) -> float:
         """The kinetic friction F_k, the force of steady sliding."""
@@ -1081,6 +1152,21 @@ class Pull(Record):
     def relaxation_length(self, /) -> float:
         """The relaxation length X*, over which the initial state is forgotten; inf if the force never settles, nan if
         no root is found.
+        """
+
+    def sample_paths(
+        self, /, at: ArrayLike, count: SupportsIndex, size: _Number | None = None, *, seed: _Seed
+    ) -> _Array:
+        """Sample paths of the force of `size` random contacts, scaled to N_c, at m positions from 0 to the distance.
+
+        at: a list of m positions.
+        count: the number n of paths.
+        size: the number of contacts, or None for the N_c of the contacts.
+        seed: a whole number below 2^63, which always gives the same paths, or a numpy.random.Generator, from which
+        one such number is drawn.
+
+        The paths are those of a Gaussian process with the exact mean and covariance: an array of shape (n, m). They
+        cost the same for any number of contacts. The force of few contacts is not Gaussian: use an Ensemble there.
         """
 
     @overload
@@ -1157,7 +1243,11 @@ class Record(Mapping[str, _Array]):
 
 @final
 class Rectangular(Law):
-    """The uniform distribution from min, 0 or above, to max, above min."""
+    """The uniform distribution on an interval.
+
+    min: Lower end, 0 or above.
+    max: Upper end, above the lower.
+    """
 
     def __new__(cls, /, min: _Number, max: _Number) -> Rectangular: ...
 
@@ -1390,6 +1480,18 @@ class SteadyState:
     """
 
     def __repr__(self, /) -> str: ...
+    @overload
+    def autocovariance(self, /, displacement: float, size: _Number | None = None) -> float:
+        """The autocovariance c(u) = Cov(F(X), F(X + u)) of the force of `size` random contacts in steady sliding, scaled
+        to N_c, at displacements u ≥ 0: force².
+
+        size: the number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, the slope of
+        c(u), per contact, is the first loading curve less the kinetic friction. Contacts with a delay, or whose
+        stiffness depends on the threshold, are refused.
+        """
+
+    @overload
+    def autocovariance(self, /, displacement: ArrayLike, size: _Number | None = None) -> _Array: ...
     @property
     def breaking_rate(self, /) -> float:
         """The breaking rate Γ_s, the fraction of contacts that break per length."""
@@ -1401,6 +1503,18 @@ class SteadyState:
     def kinetic_friction(self, /) -> float:
         """The kinetic friction F_k, a force."""
 
+    @overload
+    def spectrum(self, /, wave_number: float, size: _Number | None = None) -> float:
+        """The spectrum S(q) = ∫c(u) exp(iqu) du over all u of the force of `size` random contacts in steady sliding, scaled
+        to N_c, at wave numbers q ≥ 0, in radians per length: force² times length.
+
+        size: the number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, q² S(q)/(2F_k)
+        tends to the stiffness of one contact, N_c⟨k⟩/size, for large q. Identical contacts that re-form at one
+        stretch are refused: their spectrum consists of lines.
+        """
+
+    @overload
+    def spectrum(self, /, wave_number: ArrayLike, size: _Number | None = None) -> _Array: ...
     def stretch_density(self, /, stretches: ArrayLike | None = None) -> StretchDensity:
         """The distribution Q_s of stretches, per length.
 
@@ -1590,7 +1704,11 @@ class Transport(Model):
 
 @final
 class Weibull(Law):
-    """The Weibull distribution, with the survival exp(-(x/scale)**shape); shape and scale are above 0."""
+    """The Weibull distribution: survival exp(−(x/scale)^shape).
+
+    shape: Shape k of e^{−(x/λ)^k}, above 0.
+    scale: Scale λ, above 0.
+    """
 
     def __new__(cls, /, shape: _Number, scale: _Number) -> Weibull: ...
 

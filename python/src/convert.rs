@@ -176,6 +176,31 @@ pub fn evaluate<'py>(
     }
 }
 
+/// Applies `function` to all numbers at once, a number (returns a float) or an array (returns an array of its shape).
+pub fn evaluate_all<'py>(
+    key: &str,
+    at: &Bound<'py, PyAny>,
+    domain: &Domain,
+    function: impl Fn(&[f64], &mut dyn Monitor) -> asperity::Result<Vec<f64>> + Send + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = at.py();
+    let (values, shape) = match Numbers::read(key, at)? {
+        Numbers::One(value) => (vec![value], None),
+        Numbers::Many(array) => {
+            let array = array.as_array();
+            (array.iter().copied().collect(), Some(array.raw_dim()))
+        }
+    };
+    if let Some((place, &value)) = values.iter().enumerate().find(|(_, value)| !domain.contains(**value)) {
+        let key = if shape.is_some() { format!("{key}.{place}") } else { key.to_owned() };
+        return Err(domain.refuse(&key, value));
+    }
+    let found = watched(None, py, |monitor| function(&values, monitor))?;
+    let Some(shape) = shape else { return found[0].into_bound_py_any(py) };
+    let array = ArrayD::from_shape_vec(shape, found).expect("as many numbers as the shape has");
+    Ok(array.into_pyarray(py).into_any())
+}
+
 /// Applies `function` to each of the values.
 fn each(
     values: ArrayViewD<'_, f64>,

@@ -1,7 +1,7 @@
 //! The master equation, and the quantities that need no pull.
 
 use asperity::contacts::Initial;
-use asperity::master;
+use asperity::master::{self, Tolerance};
 use asperity::monitor::Monitor;
 use asperity::scenario;
 use asperity::task::Grid;
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::contacts::Contacts;
-use crate::convert::{self, Domain, Whole, evaluate};
+use crate::convert::{self, Domain, Whole, evaluate, evaluate_all};
 use crate::description::{Interface, Plain, Solved};
 use crate::law::{AnyLaw, given};
 use crate::model::{Model, interface, interface_arguments};
@@ -186,6 +186,44 @@ impl SteadyState {
         Ok(self.steady.force_std(convert::contacts("size", size)?))
     }
 
+    /// The autocovariance c(u) = Cov(F(X), F(X + u)) of the force of `size` random contacts in steady sliding, scaled
+    /// to N_c, at displacements u ≥ 0: force².
+    ///
+    /// size: the number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, the slope of
+    /// c(u), per contact, is the first loading curve less the kinetic friction. Contacts with a delay, or whose
+    /// stiffness depends on the threshold, are refused.
+    #[pyo3(signature = (displacement: "float; ArrayLike", size = None) -> "float; _Array")]
+    fn autocovariance<'py>(
+        &self,
+        displacement: &Bound<'py, PyAny>,
+        size: Option<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        const DISPLACEMENTS: Domain = Domain { low: 0.0, high: f64::MAX, what: "a displacement" };
+        let size = self.size(size)?;
+        evaluate_all("displacement", displacement, &DISPLACEMENTS, |u, monitor| {
+            self.steady.autocovariance_with(u, size, Tolerance::default(), monitor)
+        })
+    }
+
+    /// The spectrum S(q) = ∫c(u) exp(iqu) du over all u of the force of `size` random contacts in steady sliding, scaled
+    /// to N_c, at wave numbers q ≥ 0, in radians per length: force² times length.
+    ///
+    /// size: the number of contacts, or None for the N_c of the contacts. If contacts re-form at 0, q² S(q)/(2F_k)
+    /// tends to the stiffness of one contact, N_c⟨k⟩/size, for large q. Identical contacts that re-form at one
+    /// stretch are refused: their spectrum consists of lines.
+    #[pyo3(signature = (wave_number: "float; ArrayLike", size = None) -> "float; _Array")]
+    fn spectrum<'py>(
+        &self,
+        wave_number: &Bound<'py, PyAny>,
+        size: Option<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        const WAVE_NUMBERS: Domain = Domain { low: 0.0, high: f64::MAX, what: "a wave number" };
+        let size = self.size(size)?;
+        evaluate_all("wave_number", wave_number, &WAVE_NUMBERS, |q, monitor| {
+            self.steady.spectrum_with(q, size, monitor)
+        })
+    }
+
     /// The distribution Q_s of stretches, per length.
     ///
     /// stretches: a list of n stretches, or None for an automatic choice that resolves it. The result has `stretch`
@@ -203,6 +241,14 @@ impl SteadyState {
 
     fn __repr__(&self) -> String {
         format!("<steady sliding: F_k = {}>", self.steady.kinetic_friction())
+    }
+}
+
+impl SteadyState {
+    /// The number of contacts that a force is the sum of.
+    fn size(&self, size: Option<f64>) -> PyResult<f64> {
+        let count = self.equation.get().equation.contacts().count;
+        size.map_or(Ok(count), |size| convert::contacts("size", size))
     }
 }
 

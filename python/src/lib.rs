@@ -57,7 +57,7 @@ mod _core {
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
-    use crate::pull::Pull;
+    use crate::pull::{FrictionGradient, Gradient, Pull};
     #[pymodule_export]
     use crate::record::Record;
     #[pymodule_export]

@@ -1,13 +1,13 @@
 //! The result of a pull of the slider's base.
 
-use asperity::master;
+use asperity::master::{self, Covariance};
 use asperity::monitor::Monitor;
 use asperity::record;
 use asperity::scenario::{self, Units};
 use asperity::task;
 use pyo3::prelude::*;
 
-use crate::convert::{self, Domain, evaluate};
+use crate::convert::{self, Domain, Seed, Whole, evaluate};
 use crate::equation::MasterEquation;
 use crate::record::Record;
 use crate::watch::{detached, watched};
@@ -48,6 +48,18 @@ impl Pull {
 
     fn positions(&self) -> Domain {
         Domain::positions(self.pull.distance())
+    }
+
+    fn covariance_at(
+        &self,
+        py: Python<'_>,
+        at: &Bound<'_, PyAny>,
+        size: Option<f64>,
+    ) -> PyResult<Covariance> {
+        let at = convert::list_within("at", at, &self.positions())?;
+        let count = self.equation.get().equation.contacts().count;
+        let size = size.map_or(Ok(count), |size| convert::contacts("size", size))?;
+        watched(None, py, |monitor| self.pull.covariance_with(&at, size, monitor))
     }
 }
 
@@ -152,6 +164,67 @@ impl Pull {
         evaluate("at", &at, &slf.get().positions(), std)
     }
 
+    /// The covariance of the force of `size` random contacts, scaled to N_c, at m positions from 0 to the distance.
+    ///
+    /// at: a list of m positions.
+    /// size: the number of contacts, or None for the N_c of the contacts.
+    ///
+    /// Contacts under a rigid drive are independent, so the result is exact: a symmetric array of shape (m, m), in
+    /// units of force². Contacts with a delay, or whose stiffness depends on the threshold, are refused.
+    #[pyo3(signature = (at: "ArrayLike", size = None))]
+    fn covariance<'py>(
+        &self,
+        py: Python<'py>,
+        at: &Bound<'py, PyAny>,
+        size: Option<f64>,
+    ) -> PyResult<typed::Array<'py>> {
+        let found = self.covariance_at(py, at, size)?;
+        let (count, values) = (found.positions().len(), found.values().to_vec());
+        convert::array(py, &[count, count], values).map(typed::Array)
+    }
+
+    /// Sample paths of the force of `size` random contacts, scaled to N_c, at m positions from 0 to the distance.
+    ///
+    /// at: a list of m positions.
+    /// count: the number n of paths.
+    /// size: the number of contacts, or None for the N_c of the contacts.
+    /// seed: a whole number below 2^63, which always gives the same paths, or a numpy.random.Generator, from which
+    /// one such number is drawn.
+    ///
+    /// The paths are those of a Gaussian process with the exact mean and covariance: an array of shape (n, m). They
+    /// cost the same for any number of contacts. The force of few contacts is not Gaussian: use an Ensemble there.
+    #[pyo3(signature = (at: "ArrayLike", count, size = None, *, seed))]
+    fn sample_paths<'py>(
+        &self,
+        py: Python<'py>,
+        at: &Bound<'py, PyAny>,
+        count: Whole,
+        size: Option<f64>,
+        seed: Seed,
+    ) -> PyResult<typed::Array<'py>> {
+        let count: usize = count.get("count")?;
+        let found = self.covariance_at(py, at, size)?;
+        let paths = detached(py, || found.sample_paths(count, seed.0)).map_err(error::core)?;
+        convert::array(py, &[count, found.positions().len()], paths.concat()).map(typed::Array)
+    }
+
+    /// The derivative of the force by a parameter of the distributions, as a function of the position.
+    ///
+    /// parameter: `thresholds.mean`, `reforming.std`, `initial.max`, and so on: the distribution, and the name of
+    /// its parameter. The position of a point mass has no derivative.
+    fn gradient(&self, py: Python<'_>, parameter: String) -> PyResult<Gradient> {
+        let gradient = watched(None, py, |monitor| self.pull.gradient_with(&parameter, monitor))?;
+        Ok(Gradient { gradient, parameter, distance: self.pull.distance() })
+    }
+
+    /// The derivatives of F_s, F_k, X* and K_c by a parameter of the distributions, for the propagation of errors.
+    ///
+    /// parameter: as in `gradient`.
+    fn friction_gradient(&self, py: Python<'_>, parameter: &str) -> PyResult<FrictionGradient> {
+        let gradient = watched(None, py, |monitor| self.pull.friction_gradient_with(parameter, monitor))?;
+        Ok(FrictionGradient { gradient })
+    }
+
     /// The distribution Q(x; X) of stretches x, per length, at positions X from 0 to the distance.
     ///
     /// at: a position, or a list of m of them.
@@ -178,5 +251,65 @@ impl Pull {
             Some(only) if single => values::stretches(py, stretches, only),
             last => values::evolution(py, stretches, found.into_iter().chain(last).collect()),
         }
+    }
+}
+
+/// The derivative of the force on a pull by a parameter, called with positions: `gradient(5.0)`.
+#[pyclass(frozen, module = "asperity")]
+pub struct Gradient {
+    gradient: master::Gradient,
+    parameter: String,
+    distance: f64,
+}
+
+#[pymethods]
+impl Gradient {
+    /// The parameter, such as `thresholds.mean`.
+    #[getter]
+    fn parameter(&self) -> &str {
+        &self.parameter
+    }
+
+    /// The derivative at positions from 0 to the distance of the pull: force per unit of the parameter.
+    #[pyo3(signature = (position: "float; ArrayLike") -> "float; _Array")]
+    fn __call__<'py>(&self, position: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        evaluate("position", position, &Domain::positions(self.distance), |x| self.gradient.at(x))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<derivative of the force by {}>", self.parameter)
+    }
+}
+
+/// The derivatives of static and kinetic friction, relaxation length and critical stiffness by a parameter.
+#[pyclass(frozen, module = "asperity")]
+pub struct FrictionGradient {
+    gradient: master::FrictionGradient,
+}
+
+#[pymethods]
+impl FrictionGradient {
+    /// ∂F_s/∂θ, force per unit of the parameter; None if the static friction is not reached.
+    #[getter]
+    fn static_friction(&self) -> Option<f64> {
+        self.gradient.static_friction
+    }
+
+    /// ∂F_k/∂θ, force per unit of the parameter.
+    #[getter]
+    fn kinetic_friction(&self) -> f64 {
+        self.gradient.kinetic_friction
+    }
+
+    /// ∂X*/∂θ, length per unit of the parameter; nan if X* is not finite.
+    #[getter]
+    fn relaxation_length(&self) -> f64 {
+        self.gradient.relaxation_length
+    }
+
+    /// ∂K_c/∂θ, force per length and unit of the parameter; nan if K_c is not finite, 0 if it is 0.
+    #[getter]
+    fn critical_stiffness(&self) -> f64 {
+        self.gradient.critical_stiffness
     }
 }

@@ -207,3 +207,37 @@ fn one_contact_has_no_standard_error() {
     let record = asperity_runner::run(&scenario, &mut ()).unwrap().record;
     assert!(record.get("ensemble_force").is_some() && record.get("ensemble_error").is_none());
 }
+
+/// The covariance that a pull stores: symmetric, its diagonal the variance of the finite-size band, N times smaller
+/// for N contacts; a reference value for one contact (1e-10 of the default aim).
+#[test]
+fn a_pull_stores_the_covariance_of_the_force() {
+    let outcome = run("contacts = { count = 1000.0, thresholds.gaussian = { mean = 1.0, std = 0.1 } }\n\
+        pull = { distance = 3.0, points = 31, covariance = [0.9, 1.0, 2.18] }");
+    let values = outcome.record.values("covariance").unwrap();
+    assert_eq!(values.len(), 9);
+    near(values[1] / 1000.0, 0.052_402_383_426_301_9, 1e-9);
+    near(values[5] / 1000.0, 0.011_373_566_364_583_7, 1e-9);
+    assert!(values[1] == values[3] && values[2] == values[6] && values[5] == values[7]);
+    let std = outcome.record.values("force_std").unwrap()[9];
+    near(values[0] / (std * std), 1.0, 1e-10);
+    assert_eq!(outcome.record.values("covariance_other").unwrap(), [0.9, 1.0, 2.18]);
+}
+
+/// Positions beyond the pull or out of order, and contacts without such a covariance, are refused at their key.
+#[test]
+fn covariances_that_do_not_exist_are_refused() {
+    let refused = |text: &str| match input::parse(text, "test", Path::new(""), &[]) {
+        Ok(read) => asperity_runner::run(&read.scenario, &mut ()).map(drop).unwrap_err().to_string(),
+        Err(error) => error.to_string(),
+    };
+    let contacts = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\n";
+    let beyond = refused(&format!("{contacts}pull = {{ distance = 3.0, covariance = [1.0, 4.0] }}"));
+    assert!(beyond.contains("pull.covariance.1") || beyond.contains("distance 3"), "{beyond}");
+    let order = refused(&format!("{contacts}pull = {{ distance = 3.0, covariance = [1.0, 0.5] }}"));
+    assert!(order.contains("above 1"), "{order}");
+    let delay = "contacts.delay.time = 0.5\n";
+    let free =
+        refused(&format!("{contacts}{delay}pull = {{ distance = 3.0, covariance = [1.0], velocity = 1.0 }}"));
+    assert!(free.contains("delay"), "{free}");
+}

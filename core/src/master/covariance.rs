@@ -122,11 +122,11 @@ impl MasterEquation {
     pub(super) fn renews_completely(&self) -> Result<()> {
         if self.contacts.rules.delay > 0.0 {
             let found = format!("a delay of {}", self.contacts.rules.delay);
-            return Err(Error::invalid("contacts.delay", "no delay: free contacts have no stretch", found));
+            return Err(Error::invalid("delay", "no delay: free contacts have no stretch", found));
         }
         if let Stiffness::PerThreshold(_) = self.contacts.stiffness {
             let expected = "contacts of equal stiffness";
-            return Err(Error::invalid("contacts.stiffness_per_threshold", expected, "k = κ x_s"));
+            return Err(Error::invalid("stiffness.per_threshold", expected, "k = κ x_s"));
         }
         Ok(())
     }
@@ -338,6 +338,8 @@ impl Pull {
             for (i, entry) in row.iter_mut().enumerate() {
                 *entry = starting(x) + positions[i] * mean[j] - *entry - mean[i] * mean[j];
             }
+            // Where all contacts share one stretch, rounding may be negative.
+            row[j] = row[j].max(0.0);
             row
         };
         let triangle = Watch::new(&mut Part::new(monitor, 0.6, 0.4)).share(positions.len(), Vec::new, row)?;

@@ -18,6 +18,9 @@ pub struct Pull {
     /// Positions at which the distribution of stretches is stored, in increasing order.
     #[schemars(extend("x-dimension" = "length"))]
     pub snapshots: Vec<f64>,
+    /// Positions at which the covariance of the force of a finite number of contacts is stored, in increasing order.
+    #[schemars(extend("x-dimension" = "length"))]
+    pub covariance: Vec<f64>,
     /// `"conditional"` or `"relaxed"`: relation between initial stretches and thresholds.
     pub start: Start,
     /// Velocity of the slider, above 0; required for time-dependent contacts (temperature, ageing, delay), without effect
@@ -33,6 +36,7 @@ impl Default for Pull {
             distance: 20.0,
             points: 2001,
             snapshots: Vec::new(),
+            covariance: Vec::new(),
             start: Start::Conditional,
             velocity: None,
         }
@@ -57,9 +61,16 @@ impl Pull {
             return Err(Error::invalid("points", "2 points or more (both ends count)", self.points));
         }
         size::check("points", self.points, size::BYTES_PER_POINT)?;
+        self.ascending("snapshots", &self.snapshots)?;
+        self.ascending("covariance", &self.covariance)?;
+        size::check("covariance", self.covariance.len().pow(2), size::BYTES_PER_POINT / 4.0)
+    }
+
+    /// Checks that positions lie on the pull and ascend.
+    fn ascending(&self, name: &str, positions: &[f64]) -> Result<()> {
         let mut previous = f64::NEG_INFINITY;
-        for (i, &position) in self.snapshots.iter().enumerate() {
-            let key = format!("snapshots.{i}");
+        for (i, &position) in positions.iter().enumerate() {
+            let key = format!("{name}.{i}");
             if !(0.0..=self.distance).contains(&position) {
                 let expected = format!("a position from 0 to the distance {}", self.distance);
                 return Err(Error::invalid(key, expected, position));

@@ -31,6 +31,7 @@ impl Units {
         match quantity {
             Quantity::Length => over(&self.length, ""),
             Quantity::Force => over(&self.force, ""),
+            Quantity::ForceSquared => power(&self.force, '²'),
             Quantity::PerLength => over("", &self.length),
             Quantity::Stiffness => over(&self.force, &self.length),
             Quantity::Energy => times(&self.force, &self.length),

@@ -40,19 +40,37 @@ const BREAKING_ATOM: Column = Column::new(
 const BREAKING_ATOM_WEIGHT: Column =
     Column::new("breaking_atom_weight", "fraction of contacts", Quantity::Number, &["breaking_atom"]);
 
+const COVARIANCE_POSITION: Column =
+    Column::new("covariance_position", "position X₁", Quantity::Length, &["covariance_position"]);
+const COVARIANCE_OTHER: Column =
+    Column::new("covariance_other", "position X₂", Quantity::Length, &["covariance_other"]);
+const COVARIANCE: Column = Column::new(
+    "covariance",
+    "covariance of the force of a finite number of contacts at X₁ and X₂",
+    Quantity::ForceSquared,
+    &["covariance_position", "covariance_other"],
+);
+
+/// The covariance of the force.
+const COVARIANCES: [Column; 3] = [COVARIANCE_POSITION, COVARIANCE_OTHER, COVARIANCE];
+
 /// The variables along the pull.
 const COLUMNS: [Column; 6] = [POSITION, FORCE, BREAKING_RATE, FORCE_STD, BREAKING_ATOM, BREAKING_ATOM_WEIGHT];
 
 /// Its table in CSV.
-pub(super) const TABLES: &[CsvTable] = &[CsvTable {
-    file: "force.csv",
-    columns: &[POSITION, FORCE, BREAKING_RATE, ensemble::COLUMNS[0], ensemble::COLUMNS[1]],
-    needed: BREAKING_RATE,
-}];
+pub(super) const TABLES: &[CsvTable] = &[
+    CsvTable {
+        file: "force.csv",
+        columns: &[POSITION, FORCE, BREAKING_RATE, ensemble::COLUMNS[0], ensemble::COLUMNS[1]],
+        needed: BREAKING_RATE,
+    },
+    CsvTable { file: "covariance.csv", columns: &COVARIANCES, needed: COVARIANCE },
+];
 
 /// What a result may hold, without values.
 pub(super) fn columns() -> Vec<(&'static str, Record)> {
-    let lists: [&[Column]; 4] = [&COLUMNS, &COMPARED, &distribution::COLUMNS, &ensemble::COLUMNS];
+    let lists: [&[Column]; 5] =
+        [&COLUMNS, &COVARIANCES, &COMPARED, &distribution::COLUMNS, &ensemble::COLUMNS];
     vec![("pull", Record::declared(&lists))]
 }
 
@@ -82,9 +100,10 @@ pub(super) fn run(
     let mut record = Record::default();
     let part = &mut Part::new(monitor, 0.6 * master, 0.4 * master);
     record_pull(&pull, task.positions(), model.sample(), &mut record, part)?;
+    let aside = &mut Part::new(monitor, master, 0.0);
+    record_covariance(&pull, task, model, &mut record, aside)?;
     let compare =
         model.compare.as_ref().map(|curve| compare(curve, pull.distance(), |x| pull.force(x), &mut record));
-    let aside = &mut Part::new(monitor, master, 0.0);
     distribution::evolving(task, &pull, &grid, &mut record, aside)?;
     let (steady, relaxation) = (equation.steady_state(), equation.relaxation_with(aside)?);
     distribution::steady(contacts, &steady, &grid, &mut record, aside)?;
@@ -107,8 +126,9 @@ pub(super) fn run(
 fn check_size(model: &Model, pull: &scenario::Pull, grid: Option<&Grid>) -> Result<()> {
     let densities = (pull.snapshots.len() + 3) * grid.map_or(0, |grid| grid.stretches.len());
     let bins = grid.zip(model.ensemble.as_ref()).map_or(0, |(grid, ensemble)| grid.bins(ensemble.size()));
+    let covariances = pull.covariance.len().pow(2) + 2 * pull.covariance.len();
     let histograms = (pull.snapshots.len() + 1) * bins;
-    fits("pull.points", pull.points * COLUMNS.len() + densities + histograms, || {
+    fits("pull.points", pull.points * COLUMNS.len() + densities + histograms + covariances, || {
         format!("a result file of {} points and {} snapshots", pull.points, pull.snapshots.len())
     })
 }
@@ -146,5 +166,24 @@ pub fn record_pull(
     }
     let masses = pull.breaking_atoms().iter().map(|a| ([a.position], a.weight));
     add_atoms(record, ([BREAKING_ATOM], BREAKING_ATOM_WEIGHT), masses);
+    Ok(())
+}
+
+/// Adds the covariance of the force at the positions that `task` lists, for the contacts of the finite-size band.
+fn record_covariance(
+    pull: &Pull,
+    task: &scenario::Pull,
+    model: &Model,
+    record: &mut Record,
+    monitor: &mut dyn Monitor,
+) -> Result<()> {
+    if task.covariance.is_empty() {
+        return Ok(());
+    }
+    let size = model.sample().unwrap_or(model.contacts.count);
+    let covariance = pull.covariance_with(&task.covariance, size, monitor)?;
+    record.add(COVARIANCE_POSITION, task.covariance.clone());
+    record.add(COVARIANCE_OTHER, task.covariance.clone());
+    record.add(COVARIANCE, covariance.values().to_vec());
     Ok(())
 }

@@ -1,0 +1,66 @@
+"""Covariance, noise of steady sliding and derivatives, against closed forms of exponential thresholds."""
+
+import asperity as asp
+import numpy as np
+import pytest
+
+# F = 1 − exp(−X) per unit stiffness of all contacts, of which there are 400.
+CONTACTS = asp.Contacts(asp.Exponential(1.0), count=400.0, stiffness=0.5)
+EQUATION = asp.MasterEquation(CONTACTS)
+SCALE = 400 * 0.5
+
+
+def test_covariance_of_exponential_thresholds() -> None:
+    pull = EQUATION.pull(5.0)
+    at = np.array([2.0, 0.5, 4.5, 0.0])
+    low, high = np.minimum.outer(at, at), np.maximum.outer(at, at)
+    exact = np.exp(low - high) - 2 * low * np.exp(-high) - np.exp(-low - high)
+    # The default aim of the solution is 1e-10; the sum has some ten terms of order 1.
+    np.testing.assert_allclose(pull.covariance(at) * 400 / SCALE**2, exact, atol=1e-9)
+    np.testing.assert_allclose(pull.covariance(at, 25) * 25 / SCALE**2, exact, atol=1e-9)
+    assert pull.covariance(at)[3, 3] == 0
+
+
+def test_sample_paths_are_those_of_a_seed() -> None:
+    pull = EQUATION.pull(5.0)
+    at = np.linspace(0.5, 4.5, 9)
+    paths = pull.sample_paths(at, 2000, seed=5)
+    assert paths.shape == (2000, 9)
+    assert np.array_equal(paths, pull.sample_paths(at, 2000, seed=5))
+    assert not np.array_equal(paths, pull.sample_paths(at, 2000, seed=6))
+    # six standard errors of a mean
+    error = pull.force_std(400, at) / np.sqrt(2000)
+    assert np.all(np.abs(paths.mean(axis=0) - pull(at)) < 6 * error)
+    with pytest.raises(ValueError, match=r"at\.1: expected a position from 0 to 5"):
+        pull.sample_paths([1.0, 6.0], 1, seed=1)
+
+
+def test_noise_of_steady_sliding() -> None:
+    steady = EQUATION.steady_state()
+    u = np.linspace(0.0, 6.0, 13).reshape(13, 1)
+    exact = SCALE**2 / 400 * np.exp(-u)
+    np.testing.assert_allclose(steady.autocovariance(u), exact, atol=1e-9 * SCALE**2 / 400)
+    q = np.array([0.0, 0.1, 3.0, 200.0])
+    np.testing.assert_allclose(steady.spectrum(q), 2 * SCALE**2 / 400 / (1 + q**2), rtol=1e-9)
+    assert isinstance(steady.spectrum(1.0), float)
+    assert isinstance(steady.autocovariance(1.0, size=10), float)
+    with pytest.raises(ValueError, match="lines"):
+        asp.MasterEquation(asp.Contacts(asp.Point(1.0))).steady_state().spectrum(1.0)
+    with pytest.raises(ValueError, match=r"wave_number\.0"):
+        steady.spectrum([-1.0])
+
+
+def test_derivatives_of_exponential_thresholds() -> None:
+    pull = EQUATION.pull(5.0)
+    gradient = pull.gradient("thresholds.mean")
+    assert gradient.parameter == "thresholds.mean"
+    x = np.linspace(0.0, 5.0, 21)
+    exact = SCALE * (1 - np.exp(-x) * (1 + x))
+    np.testing.assert_allclose(gradient(x), exact, atol=1e-8 * SCALE)
+    friction = pull.friction_gradient("thresholds.mean")
+    assert friction.kinetic_friction == pytest.approx(SCALE, rel=1e-10)
+    assert friction.static_friction is None
+    assert friction.critical_stiffness == 0
+    for wrong in ("mean", "thresholds.std", "reforming.at"):
+        with pytest.raises(ValueError, match="expected"):
+            pull.gradient(wrong)
