@@ -37,6 +37,8 @@ pub enum Purpose {
     Breaking = 8,
     /// The path of a diffusing threshold.
     Diffusion = 9,
+    /// Sample paths of the force of many contacts.
+    SamplePaths = 10,
 }
 
 /// A stream of random words, addressed by seed, purpose and index.

@@ -193,3 +193,63 @@ fn what_does_not_renew_completely_is_refused() {
     assert!(pull.covariance(&[2.5], 1.0).is_err());
     assert!(pull.covariance(&[1.0], 0.0).is_err());
 }
+
+/// Contacts that feel temperature or age at a velocity renew completely at a break, too: the diagonal is the variance,
+/// and contacts that start like those in steady sliding, after a long way, have the autocovariance of steady sliding.
+#[test]
+fn contacts_in_time_have_a_covariance() {
+    use asperity::contacts::{Ageing, AgeingRule, Barrier, Temperature};
+    let plain = Contacts::new(shared(Gaussian::new(1.0, 0.25)), shared(Gaussian::new(0.1, 0.03)));
+    let mut warm = plain.clone();
+    warm.rules.temperature =
+        Some(Temperature { energy: 0.02, attempt_rate: 10.0, barrier: Barrier::Elastic });
+    let mut aged = plain;
+    let rule: Ageing = AgeingRule::Logarithmic { growth: 0.05, time: 1.0 };
+    aged.rules.ageing = Some(rule);
+    let initial = Initial { law: shared(Point::new(0.0)), start: Start::Conditional };
+    for contacts in [warm, aged] {
+        let equation = MasterEquation::at(contacts, &initial, 0.5).unwrap();
+        let pull = equation.pull(40.0).unwrap();
+        let positions = [0.4, 0.9, 1.7, 3.1, 36.0, 36.4, 37.5];
+        let found = pull.covariance(&positions, 1.0).unwrap();
+        let std = pull.force_std(1.0).unwrap();
+        for (i, &x) in positions.iter().enumerate() {
+            // The default aim of 1e-10, times terms of the order of X².
+            assert!((found.at(i, i) - std(x).powi(2)).abs() < 1e-7, "{x}");
+        }
+        let steady = equation.steady_state();
+        let c = steady.autocovariance(&[0.0, 0.4, 1.5], 1.0).unwrap();
+        for (j, c) in c.iter().enumerate() {
+            // Relaxation over 36 lengths leaves less than 1e-6.
+            assert!((found.at(4, 4 + j) - c).abs() < 1e-6, "{j}: {} {c}", found.at(4, 4 + j));
+        }
+        let s = steady.spectrum(&[0.0, 5.0], 1.0).unwrap();
+        let advances: Vec<f64> = (0..=4000).map(|k| 0.01 * f64::from(k)).collect();
+        let c = steady.autocovariance(&advances, 1.0).unwrap();
+        let sum = |q: f64| {
+            let weight = |k: usize| {
+                if k == 0 || k == 4000 {
+                    1.0
+                } else if k % 2 == 1 {
+                    4.0
+                } else {
+                    2.0
+                }
+            };
+            let term = |(k, (u, c)): (usize, (&f64, &f64))| weight(k) * c * (q * u).cos();
+            2.0 * 0.01 / 3.0 * advances.iter().zip(&c).enumerate().map(term).sum::<f64>()
+        };
+        for (s, q) in s.iter().zip([0.0, 5.0]) {
+            // Simpson's rule with steps of 0.01, and what the autocovariance has left after 40 lengths.
+            assert!((s - sum(q)).abs() < 1e-6, "{q}: {s} {}", sum(q));
+        }
+    }
+}
+
+/// A position that rounding has put beyond the end of the pull is the end.
+#[test]
+fn the_end_of_a_pull_may_be_rounded() {
+    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull(3.0).unwrap();
+    let found = pull.covariance(&[3.0, 0.1 * 30.0], 1.0).unwrap();
+    assert!((found.at(0, 0) - found.at(1, 1)).abs() < 1e-9 && found.at(0, 0) > 0.0);
+}

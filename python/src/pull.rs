@@ -204,7 +204,7 @@ impl Pull {
     ) -> PyResult<typed::Array<'py>> {
         let count: usize = count.get("count")?;
         let found = self.covariance_at(py, at, size)?;
-        let paths = detached(py, || found.sample_paths(count, seed.0)).map_err(error::core)?;
+        let paths = watched(None, py, |monitor| found.sample_paths_with(count, seed.0, monitor))?;
         convert::array(py, &[count, found.positions().len()], paths.concat()).map(typed::Array)
     }
 

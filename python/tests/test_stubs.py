@@ -1,4 +1,4 @@
-"""The stubs say what Python shows; every name is exported, documented and on the page of the package."""
+"""The stubs say what Python shows; every name is exported and documented."""
 
 import ast
 import inspect
@@ -11,8 +11,6 @@ import pytest
 pytest.importorskip("ruff")
 from stubs import EXPORTS, STUBS, documented, exporting
 
-PAGE = Path(__file__).parents[2] / "docs" / "api" / "python.md"
-
 
 def test_stubs_are_up_to_date() -> None:
     text = STUBS.read_text(encoding="utf-8")
@@ -22,13 +20,6 @@ def test_stubs_are_up_to_date() -> None:
 def test_exports_are_up_to_date() -> None:
     text = EXPORTS.read_text(encoding="utf-8")
     assert exporting(text) == text, "make stubs"
-
-
-def test_page_has_every_public_name_once() -> None:
-    directives = re.findall(
-        r"^\.\. auto(?:class|function):: asperity\.(\w+)$", PAGE.read_text(encoding="utf-8"), re.M
-    )
-    assert sorted(directives) == sorted(set(asperity.__all__) - {"__version__", "exact"})
 
 
 def test_every_public_name_is_documented() -> None:

@@ -152,6 +152,23 @@ const HELD: f64 = 1e-9;
 const NARROWEST: f64 = 5e-5;
 
 impl Contacts {
+    /// Refuses contacts that are not renewed completely at a break, for which the covariance of the force does not follow
+    /// from the force after a break: those whose stiffness depends on the threshold, and those that are free for a while.
+    pub(crate) fn renew_completely(&self) -> Result<()> {
+        if self.rules.delay > 0.0 {
+            let found = format!("a delay of {}", self.rules.delay);
+            return Err(Error::invalid("delay", "no delay: free contacts have no stretch", found));
+        }
+        if let Stiffness::PerThreshold(_) = self.stiffness {
+            return Err(Error::invalid(
+                "stiffness.per_threshold",
+                "contacts of equal stiffness",
+                "k = κ x_s",
+            ));
+        }
+        Ok(())
+    }
+
     /// One time-independent contact of stiffness 1: results are per contact and unit stiffness.
     pub fn new(thresholds: SharedLaw, reforming: SharedLaw) -> Self {
         Self { count: 1.0, stiffness: Stiffness::Equal(1.0), thresholds, reforming, rules: Rules::default() }

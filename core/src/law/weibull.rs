@@ -87,7 +87,10 @@ impl Law for Weibull {
     /// −S y ln(x/λ) for k, S y k/λ for λ, with y = (x/λ)ᵏ.
     fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
         let law = *self;
-        let fall = move |x: f64| law.survival(x) * law.exponent(x);
+        let fall = move |x: f64| {
+            let survival = law.survival(x);
+            if survival > 0.0 { survival * law.exponent(x) } else { 0.0 }
+        };
         match name {
             "shape" => Ok(Box::new(move |x| if x > 0.0 { -fall(x) * (x / law.scale).ln() } else { 0.0 })),
             "scale" => Ok(Box::new(move |x| fall(x) * law.shape / law.scale)),

@@ -84,7 +84,8 @@ impl LifeDerivative {
         let watch = Watch::new(monitor);
         let curve = life.survival().curve();
         let middles = (0..curve.coefficients.len()).map(|cell| curve.cell(cell).0);
-        let largest = middles.map(|u| watch.value(|| values(u))[0].abs()).fold(0.0, f64::max);
+        let size = |[survival, force]: [f64; 2]| survival.abs().max(force.abs() / life.mean());
+        let largest = middles.map(|u| size(watch.value(|| values(u)))).fold(0.0, f64::max);
         let resolution = Resolution::Mean(RESOLUTION * largest * life.mean());
         let curves =
             Piecewise::resolve_all(|u| watch.value(|| values(u)), &curve.boundaries, curve.end(), resolution);

@@ -9,16 +9,19 @@ use super::MasterEquation;
 use super::pull::{Pull, at};
 use super::renewal::{RenewalSolution, unit_force};
 use super::tolerance::Tolerance;
-use crate::contacts::{Initial, Start, Stiffness};
+use crate::contacts::{Initial, Start};
 use crate::law::SizeBiased;
 use crate::life::Life;
-use crate::monitor::{Monitor, Part, Watch, fits};
+use crate::monitor::{Monitor, Part, Watch, fits, report};
 use crate::numerics::breakpoints::Breakpoint;
 use crate::numerics::legendre::{NODES, Nodal, RULE, dot};
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 use crate::random::{Purpose, Stream};
 use crate::{Error, Result};
+
+/// The largest covariance, and the most sample paths, in bytes.
+const ALLOWED: u64 = 2 << 30;
 
 /// The covariance of the force of `size` contacts at pairs of positions of a pull, scaled to N_c contacts.
 #[derive(Debug, Clone)]
@@ -70,14 +73,30 @@ impl Covariance {
     /// same for any number of contacts. The same seed gives the same paths.
     ///
     /// # Errors
-    /// A covariance that is not positive definite to within rounding: an error estimate far above 0.
+    /// More than 2 GB; a covariance that is not positive definite to within ten times its estimated error.
     pub fn sample_paths(&self, count: usize, seed: u64) -> Result<Vec<Vec<f64>>> {
-        let factor = cholesky(&self.values, self.positions.len(), self.error).ok_or_else(|| {
+        self.sample_paths_with(count, seed, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::sample_paths`]; stopped by the monitor.
+    pub fn sample_paths_with(
+        &self,
+        count: usize,
+        seed: u64,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<Vec<f64>>> {
+        let needed = (count as u64).saturating_mul(8 * (self.positions.len() as u64 + 4));
+        fits("count", "sample paths", needed, ALLOWED)?;
+        let factor = &mut Part::new(monitor, 0.0, 0.5);
+        let factor = cholesky(&self.values, self.positions.len(), self.error, factor)?.ok_or_else(|| {
             let found = format!("an estimated error of {:e}", self.error);
             Error::invalid("positions", "positions at which the covariance is positive definite", found)
         })?;
         let path = |index: u64| {
-            let mut stream = Stream::new(seed, Purpose::Sample, index);
+            let mut stream = Stream::new(seed, Purpose::SamplePaths, index);
             let normal: Vec<f64> = (0..self.mean.len()).map(|_| standard_normal(&mut stream)).collect();
             let row = |(i, mean): (usize, &f64)| {
                 let entries = &factor[i * self.mean.len()..][..=i];
@@ -85,7 +104,14 @@ impl Covariance {
             };
             self.mean.iter().enumerate().map(row).collect()
         };
-        Ok((0..count as u64).map(path).collect())
+        let mut paths = Vec::with_capacity(count);
+        for index in 0..count {
+            paths.push(path(index as u64));
+            if index % 64 == 63 {
+                report(monitor, 0.5 + 0.5 * index as f64 / count as f64)?;
+            }
+        }
+        Ok(paths)
     }
 }
 
@@ -96,41 +122,30 @@ fn standard_normal(stream: &mut impl Rng) -> f64 {
 /// The lower triangular factor L of a symmetric matrix A = LLᵀ, row by row. Pivots that are 0 up to rounding,
 /// or up to the `error` of the matrix, give a column of zeros: the force at this position follows from those
 /// at earlier ones. `None` if a pivot is further below 0.
-fn cholesky(matrix: &[f64], size: usize, error: f64) -> Option<Vec<f64>> {
+fn cholesky(matrix: &[f64], size: usize, error: f64, monitor: &mut dyn Monitor) -> Result<Option<Vec<f64>>> {
     let largest = (0..size).map(|i| matrix[i * (size + 1)]).fold(0.0, f64::max);
     let least = (1e-12 * largest).max(10.0 * error);
     let mut factor = vec![0.0; matrix.len()];
     for i in 0..size {
+        if i % 64 == 63 {
+            report(monitor, (i as f64 / size as f64).powi(3))?;
+        }
         for j in 0..=i {
             let [above, left] = [i, j].map(|row| &factor[row * size..][..j]);
             let rest = matrix[i * size + j] - above.iter().zip(left).map(|(a, b)| a * b).sum::<f64>();
             let pivot = factor[j * (size + 1)];
             factor[i * size + j] = match i == j {
                 true if rest > least => rest.sqrt(),
-                true if rest < -least => return None,
+                true if rest < -least => return Ok(None),
                 false if pivot > 0.0 => rest / pivot,
                 _ => 0.0,
             };
         }
     }
-    Some(factor)
+    Ok(Some(factor))
 }
 
 impl MasterEquation {
-    /// Refuses contacts for which the covariance does not follow from the force after a break: those whose
-    /// stiffness depends on the threshold, and those that are free for a while.
-    pub(super) fn renews_completely(&self) -> Result<()> {
-        if self.contacts.rules.delay > 0.0 {
-            let found = format!("a delay of {}", self.contacts.rules.delay);
-            return Err(Error::invalid("delay", "no delay: free contacts have no stretch", found));
-        }
-        if let Stiffness::PerThreshold(_) = self.contacts.stiffness {
-            let expected = "contacts of equal stiffness";
-            return Err(Error::invalid("stiffness.per_threshold", expected, "k = κ x_s"));
-        }
-        Ok(())
-    }
-
     /// The life of contacts that start at stretches drawn from `initial`.
     fn life_of(&self, initial: &Initial, monitor: &mut dyn Monitor) -> Result<Life> {
         let conditional = initial.start == Start::Conditional;
@@ -283,7 +298,6 @@ impl Pull {
         size: f64,
         monitor: &mut dyn Monitor,
     ) -> Result<Covariance> {
-        const ALLOWED: u64 = 2 << 30;
         let count = positions.len();
         if !(size > 0.0 && size.is_finite()) {
             return Err(Error::invalid("size", "a finite number above 0", size));
@@ -295,7 +309,7 @@ impl Pull {
         fits("positions", "covariances of all pairs of positions", (count * count * 24) as u64, ALLOWED)?;
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|&i, &j| positions[i].total_cmp(&positions[j]));
-        let sorted: Vec<f64> = order.iter().map(|&i| positions[i]).collect();
+        let sorted: Vec<f64> = order.iter().map(|&i| positions[i].min(self.distance())).collect();
         let (triangle, error) = self.lower_triangle(&sorted, monitor)?;
         let scale = self.stiffness.powi(2) / size;
         let mut values = vec![0.0; count * count];
@@ -313,7 +327,7 @@ impl Pull {
     /// C of each rising position with those up to it, per contact and unit stiffness, and its estimated error.
     fn lower_triangle(&self, positions: &[f64], monitor: &mut dyn Monitor) -> Result<(Vec<Vec<f64>>, f64)> {
         let equation = &self.equation;
-        equation.renews_completely()?;
+        equation.contacts.renew_completely()?;
         let last = positions.last().copied().unwrap_or(0.0);
         let end = last.max(self.renewal.reformed.mean());
         let steps = (end, self.tolerance);
@@ -434,7 +448,6 @@ impl<'a> Breaks<'a> {
                 before = self.lost_in_sections(x, cell, cuts, before, &mut out, here);
             }
         }
-        // Positions in the last cell or at its end.
         self.add_simultaneous(x, &mut out);
         out
     }

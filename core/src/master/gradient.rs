@@ -1,9 +1,8 @@
 //! The derivative of the force on a pull by a parameter of the contacts.
 
-use super::MasterEquation;
 use super::pull::{Pull, at};
 use super::relaxation::Relaxation;
-use super::renewal::slope;
+use super::{Extremum, MasterEquation};
 use crate::contacts::{Start, Stiffness};
 use crate::law::{EIGHTH_ORDER, SharedLaw};
 use crate::life::{Life, LifeDerivative};
@@ -31,14 +30,13 @@ impl Gradient {
 /// The derivatives of friction by a parameter θ; NaN where a quantity is not finite or not known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionGradient {
-    /// ∂F_s/∂θ: ∂F/∂θ at the maximum of F, which does not depend on where the maximum moves; `None` if the static
-    /// friction is not reached.
+    /// ∂F_s/∂θ; `None` if the static friction is not reached.
     pub static_friction: Option<f64>,
     /// ∂F_k/∂θ.
     pub kinetic_friction: f64,
     /// ∂X*/∂θ.
     pub relaxation_length: f64,
-    /// ∂K_c/∂θ, minus the slope of ∂F/∂θ where F falls most steeply; 0 where K_c is 0.
+    /// ∂K_c/∂θ; 0 where K_c is 0.
     pub critical_stiffness: f64,
 }
 
@@ -57,8 +55,8 @@ struct Change {
 }
 
 impl Pull {
-    /// ∂F/∂θ for one parameter: `thresholds.mean`, `reforming.std`, `initial.max`, …, a parameter of one of the
-    /// distributions by its name.
+    /// ∂F/∂θ for one parameter, named by its distribution and its name: `thresholds.mean`, `reforming.std`,
+    /// `initial.max`.
     ///
     /// The renewal equation is linear in what follows from a change of the lives. With S_θ and m_θ the derivatives
     /// of survival and carried force (index i for the initial contacts), the derivative b of the number of breaks
@@ -68,7 +66,7 @@ impl Pull {
     ///
     /// This form needs no derivative of a density. S_θ has a closed form for time-independent contacts of equal
     /// stiffness whose thresholds have one ([`crate::law::Law::survival_derivative`]); the lives of others are
-    /// differenced, F never is.
+    /// differenced, F never is. Thresholds with edges are less accurate there: the lives have kinks that move.
     ///
     /// # Errors
     /// An unknown parameter; a parameter without a derivative, such as the position of a point mass.
@@ -87,11 +85,12 @@ impl Pull {
 
     /// The derivatives of F_s, F_k, X* and K_c by one parameter, for the propagation of errors.
     ///
-    /// With C the mean life, F_k = N_c⟨k⟩ ∫m/C gives ∂F_k = N_c⟨k⟩ (∫m_θ − F_k ∫S_θ)/C; the root φ̂(s₁) = 1 that sets
+    /// ∂F_s is ∂F/∂θ at a smooth maximum, which moves to no effect at first order; ∂K_c is minus the slope of ∂F/∂θ where F
+    /// falls most steeply. Where these are at a kink of F, its motion adds to them. With C the mean life, F_k = N_c⟨k⟩ ∫m/C gives ∂F_k = N_c⟨k⟩ (∫m_θ − F_k ∫S_θ)/C; the root φ̂(s₁) = 1 that sets
     /// X* = −1/Re s₁ moves by s₁ Ŝ_θ(s₁)/φ̂'(s₁), since φ̂_θ = −s Ŝ_θ.
     ///
     /// # Errors
-    /// Those of [`Pull::gradient`].
+    /// Those of [`Pull::gradient`] and of [`MasterEquation::relaxation`].
     pub fn friction_gradient(&self, parameter: &str) -> Result<FrictionGradient> {
         self.friction_gradient_with(parameter, &mut ())
     }
@@ -114,18 +113,64 @@ impl Pull {
             change.reformed.as_ref().map_or(0.0, |change| of(change).curve().integral())
         };
         let kinetic = (total(LifeDerivative::force) - friction * total(LifeDerivative::survival)) / mean;
-        let slope = slope(&gradient.curve, life);
-        let steepest = |position: f64| match self.critical_stiffness() {
+        let steepest = match self.critical_stiffness() {
             0.0 => 0.0,
-            stiffness if stiffness.is_finite() => -self.stiffness * at(&slope, position),
+            stiffness if stiffness.is_finite() => -self.stiffness * self.slope_change(&gradient.curve),
             _ => f64::NAN,
         };
         Ok(FrictionGradient {
-            static_friction: self.static_friction().map(|peak| gradient.at(peak.position)),
+            static_friction: self.peak_change(&gradient.curve).map(|change| self.stiffness * change),
             kinetic_friction: self.stiffness * kinetic,
             relaxation_length: relaxation_change(&relaxation, life, change.reformed.as_ref()),
-            critical_stiffness: steepest(self.steepest_fall().0),
+            critical_stiffness: steepest,
         })
+    }
+
+    /// The derivative of the maximum of F, per unit stiffness: F_θ there and, where F has a kink, F' before it times
+    /// the derivative of the position of the kink.
+    fn peak_change(&self, gradient: &Piecewise) -> Option<f64> {
+        let (Extremum { position, .. }, cell) = self.peak()?;
+        let force = &self.renewal.force;
+        let moved =
+            if position == force.boundaries[cell + 1] { self.kink_change(gradient, cell + 1) } else { 0.0 };
+        let [_, slope] = force.jet_in::<2>(cell, position);
+        Some(gradient.value_in(cell, position) + slope * moved)
+    }
+
+    /// The derivative of the steepest slope of F, per unit stiffness: F'_θ there and, where it is at a kink, F'' on this
+    /// side times the derivative of the position of the kink.
+    fn slope_change(&self, gradient: &Piecewise) -> f64 {
+        let (cell, position, _) = self.steepest_fall();
+        let force = &self.renewal.force;
+        let moved = if position == force.boundaries[cell] {
+            self.kink_change(gradient, cell)
+        } else if position == force.boundaries[cell + 1] {
+            self.kink_change(gradient, cell + 1)
+        } else {
+            0.0
+        };
+        let ([_, _, curvature], [_, by_slope]) =
+            (force.jet_in::<3>(cell, position), gradient.jet_in::<2>(cell, position));
+        by_slope + curvature * moved
+    }
+
+    /// The derivative of the position of a kink at the lower end of a cell. F stays continuous there, so that F_θ + F'
+    /// dX/dθ is the same on both sides. 0 where F is smooth, and where it jumps: point masses do not move.
+    fn kink_change(&self, gradient: &Piecewise, cell: usize) -> f64 {
+        /// A change of F', per unit stiffness, that is a kink and not an error of polynomials.
+        const KINK: f64 = 1e-6;
+        let force = &self.renewal.force;
+        if cell == 0 || cell == force.coefficients.len() {
+            return 0.0;
+        }
+        let place = force.boundaries[cell];
+        let [before, after] = [cell - 1, cell].map(|side| force.jet_in::<2>(side, place));
+        let [jump, bend] = [after[0] - before[0], after[1] - before[1]];
+        let least = KINK * self.renewal.reformed.stiffness();
+        if bend.abs() < least || jump.abs() > least * self.renewal.reformed.mean() {
+            return 0.0;
+        }
+        (gradient.value_in(cell - 1, place) - gradient.value_in(cell, place)) / bend
     }
 
     fn gradient_of(&self, change: &Change, monitor: &mut dyn Monitor) -> Result<Gradient> {
@@ -151,6 +196,9 @@ impl Pull {
 
 /// ∂X*/∂θ.
 fn relaxation_change(relaxation: &Relaxation, life: &Life, change: Option<&LifeDerivative>) -> f64 {
+    if !relaxation.length().is_finite() {
+        return f64::NAN;
+    }
     let Some(change) = change else { return 0.0 };
     let slowest = relaxation.roots().first().filter(|s| relaxation.length() == -1.0 / s.re);
     slowest.map_or(f64::NAN, |&s| {
@@ -188,7 +236,7 @@ impl MasterEquation {
         let known = law.survival_derivative(name).map_err(under)?;
         let timed = self.contacts.rules.are_time_dependent();
         if timed || matches!(self.contacts.stiffness, Stiffness::PerThreshold(_)) {
-            return self.change_by_differences(owner, name, monitor);
+            return self.change_by_differences(owner, name, monitor).map_err(under);
         }
         let conditional = self.initial.start == Start::Conditional;
         let initial = (&self.initial.law, conditional);

@@ -132,6 +132,11 @@ impl Pull {
     /// F_s and X_s: the maximum of F on (0, distance) and its position, at a jump the left limit; the first
     /// of equal maxima. `None` if F, to within the tolerance, does not fall after it, or ends higher.
     pub fn static_friction(&self) -> Option<Extremum> {
+        self.peak().map(|(peak, _)| peak)
+    }
+
+    /// The maximum of F, with the cell that it lies in or ends.
+    pub(super) fn peak(&self) -> Option<(Extremum, usize)> {
         let slack = self.slack() * unit_force(&self.renewal.reformed);
         let cells = 0..=self.last_cell();
         let mut best = (0.0, f64::NEG_INFINITY, 0);
@@ -149,7 +154,8 @@ impl Pull {
             [from, edges[later + 1].min(self.distance)].map(|x| self.renewal.force.value_in(later, x))
         };
         let fallen = cells.skip(cell).any(|later| ends(later).into_iter().any(|force| force < value - slack));
-        (fallen && position < self.distance).then_some(Extremum { position, value: self.stiffness * value })
+        let peak = Extremum { position, value: self.stiffness * value };
+        (fallen && position < self.distance).then_some((peak, cell))
     }
 
     fn last_cell(&self) -> usize {
@@ -190,7 +196,7 @@ impl Pull {
         if jumps.into_iter().any(falls) {
             return f64::INFINITY;
         }
-        let (_, steepest) = self.steepest_fall();
+        let (_, _, steepest) = self.steepest_fall();
         if -steepest > self.slack() * self.renewal.reformed.stiffness() {
             -self.stiffness * steepest
         } else {
@@ -198,10 +204,14 @@ impl Pull {
         }
     }
 
-    /// Where F falls most steeply, and its slope there per unit stiffness.
-    pub(super) fn steepest_fall(&self) -> (f64, f64) {
-        let cells = (0..self.renewal.force.coefficients.len()).map(|cell| self.steepest(cell));
-        cells.fold((f64::NAN, f64::INFINITY), |least, next| if next.1 < least.1 { next } else { least })
+    /// The cell and the place where F falls most steeply, and its slope there per unit stiffness.
+    pub(super) fn steepest_fall(&self) -> (usize, f64, f64) {
+        let steepest = |cell: usize| {
+            let (place, slope) = self.steepest(cell);
+            (cell, place, slope)
+        };
+        let cells = (0..self.renewal.force.coefficients.len()).map(steepest);
+        cells.fold((0, f64::NAN, f64::INFINITY), |least, next| if next.2 < least.2 { next } else { least })
     }
 
     /// The place and the value of the smallest slope in a cell, its ends included.

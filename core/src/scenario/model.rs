@@ -1,6 +1,6 @@
 //! The model of which a task is computed, and the combinations of tasks and models that are valid.
 
-use super::{Block, Compare, Drive, Ensemble, Interface, MasterEquation, Task, VelocityCurve};
+use super::{Block, Compare, Drive, Ensemble, Interface, MasterEquation, Pull, Task, VelocityCurve};
 use crate::contacts::{Contacts, Initial};
 use crate::{Error, Result};
 
@@ -63,6 +63,11 @@ impl Task<'_> {
         self.check_time(model)?;
         self.check_block(model)?;
         self.check_interface(model)?;
+        if let Task::Pull(Pull { covariance, .. }) = self
+            && !covariance.is_empty()
+        {
+            model.contacts.renew_completely().map_err(Error::of_scenario)?;
+        }
         model.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &model.compare {
             compare.check(self).map_err(|e| e.under("compare"))?;

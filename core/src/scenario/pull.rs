@@ -18,7 +18,8 @@ pub struct Pull {
     /// Positions at which the distribution of stretches is stored, in increasing order.
     #[schemars(extend("x-dimension" = "length"))]
     pub snapshots: Vec<f64>,
-    /// Positions at which the covariance of the force of a finite number of contacts is stored, in increasing order.
+    /// Positions at which the covariance of the force of `ensemble.size` contacts, or of `contacts.count`, is stored, in
+    /// increasing order.
     #[schemars(extend("x-dimension" = "length"))]
     pub covariance: Vec<f64>,
     /// `"conditional"` or `"relaxed"`: relation between initial stretches and thresholds.
