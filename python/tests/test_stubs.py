@@ -2,8 +2,6 @@
 
 import ast
 import inspect
-import re
-from pathlib import Path
 
 import asperity
 import pytest
