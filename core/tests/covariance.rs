@@ -2,28 +2,13 @@
 
 mod common;
 
-use std::sync::Arc;
-
 use asperity::contacts::{Contacts, Initial, Start};
-use asperity::law::{Exponential, Gaussian, Mixture, Point, Rectangular, SharedLaw};
+use asperity::law::SharedLaw;
 use asperity::master::{MasterEquation, Pull};
-
-fn shared<L: asperity::law::Law + 'static>(law: asperity::Result<L>) -> SharedLaw {
-    Arc::new(law.unwrap())
-}
-
-fn equation(
-    thresholds: &SharedLaw,
-    reforming: &SharedLaw,
-    initial: &SharedLaw,
-    start: Start,
-) -> MasterEquation {
-    let contacts = Contacts::new(thresholds.clone(), reforming.clone());
-    MasterEquation::new(contacts, &Initial { law: initial.clone(), start }).unwrap()
-}
+use common::{equation, exponential, gaussian, mixture, point, rectangular};
 
 fn relaxed(thresholds: &SharedLaw) -> MasterEquation {
-    let zero = shared(Point::new(0.0));
+    let zero = point(0.0);
     equation(thresholds, &zero, &zero, Start::Conditional)
 }
 
@@ -35,7 +20,7 @@ fn covariances(pull: &Pull, positions: &[f64]) -> Vec<f64> {
 /// accurate to 1e-12.
 #[test]
 fn covariances_of_gaussian_thresholds_have_their_reference_values() {
-    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull_with(6.0, 1e-11, &mut ()).unwrap();
+    let pull = relaxed(&gaussian(1.0, 0.1)).pull_with(6.0, 1e-11, &mut ()).unwrap();
     let found = covariances(&pull, &[0.9, 1.0, 2.18, 5.45]);
     for (i, j, expected) in [
         (0, 0, 0.096_188_366_245_350_4),
@@ -43,7 +28,6 @@ fn covariances_of_gaussian_thresholds_have_their_reference_values() {
         (1, 2, 0.011_373_566_364_583_7),
         (2, 3, -0.000_603_177_128_623_699),
     ] {
-        println!("{i} {j} {:e}", found[4 * i + j] - expected);
         assert!((found[4 * i + j] - expected).abs() < 1e-11, "{i} {j}: {}", found[4 * i + j]);
     }
 }
@@ -51,7 +35,7 @@ fn covariances_of_gaussian_thresholds_have_their_reference_values() {
 /// F = 1 − e^{−X} and C = e^{−(X₂ − X₁)} − 2X₁e^{−X₂} − e^{−(X₁ + X₂)}.
 #[test]
 fn exponential_thresholds_have_a_closed_form() {
-    let pull = relaxed(&shared(Exponential::new(1.0))).pull_with(8.0, 1e-12, &mut ()).unwrap();
+    let pull = relaxed(&exponential(1.0)).pull_with(8.0, 1e-12, &mut ()).unwrap();
     let positions: Vec<f64> = (0..=40).map(|k| 0.2 * f64::from(k)).collect();
     let found = covariances(&pull, &positions);
     for (i, a) in positions.iter().enumerate() {
@@ -66,15 +50,15 @@ fn exponential_thresholds_have_a_closed_form() {
 /// Starts and re-formed contacts spread out, point masses, edges: the diagonal is the variance from ∫x²Q.
 #[test]
 fn the_diagonal_is_the_variance() {
-    let zero = shared(Point::new(0.0));
-    let gaussian = shared(Gaussian::new(1.0, 0.2));
-    let edges = shared(Rectangular::new(0.7, 1.3));
-    let points = shared(Mixture::new(vec![(0.3, shared(Point::new(0.8))), (0.7, gaussian.clone())]));
-    let spread = shared(Gaussian::new(0.1, 0.03));
-    let wide = shared(Rectangular::new(0.0, 0.9));
+    let zero = point(0.0);
+    let smooth = gaussian(1.0, 0.2);
+    let edges = rectangular(0.7, 1.3);
+    let points = mixture(&[(0.3, point(0.8)), (0.7, smooth.clone())]);
+    let spread = gaussian(0.1, 0.03);
+    let wide = rectangular(0.0, 0.9);
     for (thresholds, reforming, initial, start) in [
-        (&gaussian, &spread, &wide, Start::Conditional),
-        (&gaussian, &spread, &wide, Start::Relaxed),
+        (&smooth, &spread, &wide, Start::Conditional),
+        (&smooth, &spread, &wide, Start::Relaxed),
         (&edges, &zero, &wide, Start::Relaxed),
         (&edges, &spread, &spread, Start::Conditional),
         (&points, &spread, &zero, Start::Conditional),
@@ -90,7 +74,6 @@ fn the_diagonal_is_the_variance() {
             // per contact; 1e-11 of the solution times the terms, of order X
             assert!(100.0 * apart.abs() < 1e-10, "{thresholds:?} {start:?} {x}: {apart:e}");
         }
-        println!("{:e}", found.error_estimate());
         assert!(found.error_estimate() < 1e-11);
     }
 }
@@ -101,8 +84,8 @@ fn the_diagonal_is_the_variance() {
 #[test]
 fn covariances_are_those_of_contacts_followed_one_by_one() {
     use asperity::random::{Purpose, Stream};
-    let (thresholds, reforming) = (shared(Gaussian::new(1.0, 0.2)), shared(Gaussian::new(0.1, 0.03)));
-    let initial = shared(Rectangular::new(0.0, 0.6));
+    let (thresholds, reforming) = (gaussian(1.0, 0.2), gaussian(0.1, 0.03));
+    let initial = rectangular(0.0, 0.6);
     let equation = equation(&thresholds, &reforming, &initial, Start::Conditional);
     let pull = equation.pull_with(4.0, 1e-10, &mut ()).unwrap();
     let positions: Vec<f64> = (1..=11).map(|k| 0.35 * f64::from(k)).collect();
@@ -152,7 +135,6 @@ fn covariances_are_those_of_contacts_followed_one_by_one() {
         }
     }
     let rms = f64::sqrt(squares / f64::from(pairs));
-    println!("{pairs} pairs, z rms {rms}");
     assert!(pairs >= 50 && (0.7..1.3).contains(&rms), "{rms} of {pairs}");
 }
 
@@ -160,7 +142,7 @@ fn covariances_are_those_of_contacts_followed_one_by_one() {
 /// error of a covariance is √[(C₁₁C₂₂ + C₁₂²)/4000]: none of 1600 is off by six of them.
 #[test]
 fn sample_paths_have_the_covariance() {
-    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull_with(6.0, 1e-10, &mut ()).unwrap();
+    let pull = relaxed(&gaussian(1.0, 0.1)).pull_with(6.0, 1e-10, &mut ()).unwrap();
     let positions: Vec<f64> = (0..40).map(|k| 0.15 * f64::from(k)).collect();
     let covariance = pull.covariance(&positions, 1000.0).unwrap();
     let paths = covariance.sample_paths(4000, 3).unwrap();
@@ -182,14 +164,14 @@ fn sample_paths_have_the_covariance() {
 /// What has no covariance of this form is refused with the reason.
 #[test]
 fn what_does_not_renew_completely_is_refused() {
-    let (law, zero) = (shared(Gaussian::new(1.0, 0.1)), shared(Point::new(0.0)));
+    let (law, zero) = (gaussian(1.0, 0.1), point(0.0));
     let initial = Initial { law: zero.clone(), start: Start::Conditional };
     let mut contacts = Contacts::new(law, zero);
     contacts.rules.delay = 0.5;
     let pull = MasterEquation::at(contacts, &initial, 1.0).unwrap().pull_with(2.0, 1e-8, &mut ()).unwrap();
     let error = pull.covariance(&[1.0], 1.0).unwrap_err().to_string();
     assert!(error.contains("delay"), "{error}");
-    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull_with(2.0, 1e-8, &mut ()).unwrap();
+    let pull = relaxed(&gaussian(1.0, 0.1)).pull_with(2.0, 1e-8, &mut ()).unwrap();
     assert!(pull.covariance(&[2.5], 1.0).is_err());
     assert!(pull.covariance(&[1.0], 0.0).is_err());
 }
@@ -199,14 +181,14 @@ fn what_does_not_renew_completely_is_refused() {
 #[test]
 fn contacts_in_time_have_a_covariance() {
     use asperity::contacts::{Ageing, AgeingRule, Barrier, Temperature};
-    let plain = Contacts::new(shared(Gaussian::new(1.0, 0.25)), shared(Gaussian::new(0.1, 0.03)));
+    let plain = Contacts::new(gaussian(1.0, 0.25), gaussian(0.1, 0.03));
     let mut warm = plain.clone();
     warm.rules.temperature =
         Some(Temperature { energy: 0.02, attempt_rate: 10.0, barrier: Barrier::Elastic });
     let mut aged = plain;
     let rule: Ageing = AgeingRule::Logarithmic { growth: 0.05, time: 1.0 };
     aged.rules.ageing = Some(rule);
-    let initial = Initial { law: shared(Point::new(0.0)), start: Start::Conditional };
+    let initial = Initial { law: point(0.0), start: Start::Conditional };
     for contacts in [warm, aged] {
         let equation = MasterEquation::at(contacts, &initial, 0.5).unwrap();
         let pull = equation.pull(40.0).unwrap();
@@ -249,7 +231,7 @@ fn contacts_in_time_have_a_covariance() {
 /// A position that rounding has put beyond the end of the pull is the end.
 #[test]
 fn the_end_of_a_pull_may_be_rounded() {
-    let pull = relaxed(&shared(Gaussian::new(1.0, 0.1))).pull(3.0).unwrap();
+    let pull = relaxed(&gaussian(1.0, 0.1)).pull(3.0).unwrap();
     let found = pull.covariance(&[3.0, 0.1 * 30.0], 1.0).unwrap();
     assert!((found.at(0, 0) - found.at(1, 1)).abs() < 1e-9 && found.at(0, 0) > 0.0);
 }

@@ -252,7 +252,7 @@ fn what_cannot_be_coupled_is_refused() {
     assert_eq!(make(warm, good), "temperature");
     let vast = square(1 << 20, Edges::Open, 0.2);
     let refused = make(contacts(), vast);
-    assert!(refused.contains("TooLarge") && refused.contains("cells"), "{refused}");
+    assert!(refused.contains("TooLarge") && refused.contains("key: \"cells\""), "{refused}");
 }
 
 /// Sizes of avalanches of identical contacts, after a transient.

@@ -2,38 +2,26 @@
 
 mod common;
 
-use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
-
 use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
 
-use asperity::contacts::{Contacts, Initial, Start};
-use asperity::law::{Exponential, Gaussian, Law, Mixture, Point, Rectangular, SharedLaw};
-use asperity::master::{MasterEquation, SteadyState};
-
-fn shared<L: Law + 'static>(law: asperity::Result<L>) -> SharedLaw {
-    Arc::new(law.unwrap())
-}
-
-fn equation(thresholds: &SharedLaw, reforming: &SharedLaw) -> MasterEquation {
-    let contacts = Contacts::new(thresholds.clone(), reforming.clone());
-    let initial = Initial { law: reforming.clone(), start: Start::Conditional };
-    MasterEquation::new(contacts, &initial).unwrap()
-}
+use asperity::contacts::Start;
+use asperity::law::{Law, SharedLaw};
+use asperity::master::SteadyState;
+use common::{equation, exponential, gaussian, mixture, point, rectangular};
 
 fn steady(thresholds: &SharedLaw, reforming: &SharedLaw) -> SteadyState {
-    equation(thresholds, reforming).steady_state()
+    equation(thresholds, reforming, reforming, Start::Conditional).steady_state()
 }
 
 /// Reference values of P_c = G(1, 0.1), R = δ₀, to the digits given.
 #[test]
 fn gaussian_thresholds_have_their_reference_values() {
-    let steady = steady(&shared(Gaussian::new(1.0, 0.1)), &shared(Point::new(0.0)));
+    let steady = steady(&gaussian(1.0, 0.1), &point(0.0));
     let found = steady.autocovariance_with(&[0.3, 1.0, 2.0], 1.0, 1e-11, &mut ()).unwrap();
     for (found, expected) in
         found.iter().zip([-0.018_191_666_666_67, 0.048_414_105_293_18, 0.036_889_374_907_04])
     {
-        println!("c {:e}", found - expected);
         assert!((found - expected).abs() < 1e-11);
     }
     let (at, expected) = (
@@ -47,8 +35,7 @@ fn gaussian_thresholds_have_their_reference_values() {
         ],
     );
     let found = steady.spectrum(&at, 1.0).unwrap();
-    for ((q, found), expected) in at.iter().zip(&found).zip(expected) {
-        println!("S({q}) {found} {:e}", found / expected - 1.0);
+    for (found, expected) in found.iter().zip(expected) {
         assert!((found / expected - 1.0).abs() < 1e-10);
     }
 }
@@ -57,7 +44,7 @@ fn gaussian_thresholds_have_their_reference_values() {
 #[test]
 fn exponential_thresholds_have_a_closed_form() {
     let mean = 0.6;
-    let steady = steady(&shared(Exponential::new(mean)), &shared(Point::new(0.0)));
+    let steady = steady(&exponential(mean), &point(0.0));
     let advances: Vec<f64> = (0..30).map(|k| 0.2 * f64::from(k)).collect();
     let found = steady.autocovariance_with(&advances, 1.0, 1e-12, &mut ()).unwrap();
     for (u, found) in advances.iter().zip(found) {
@@ -66,7 +53,6 @@ fn exponential_thresholds_have_a_closed_form() {
     let at: Vec<f64> = (0..60).map(|k| 1e-3 * 1.3_f64.powi(k)).collect();
     for (q, found) in at.iter().zip(steady.spectrum(&at, 1.0).unwrap()) {
         let exact = 2.0 * mean.powi(3) / (1.0 + (q * mean).powi(2));
-        println!("{q} {:e}", found / exact - 1.0);
         assert!((found / exact - 1.0).abs() < 1e-9, "{q}: {:e}", found / exact - 1.0);
     }
 }
@@ -76,18 +62,17 @@ fn exponential_thresholds_have_a_closed_form() {
 /// their sum: 1e-9.
 #[test]
 fn spectra_of_spread_starts_follow_from_one_life() {
-    let gaussian = shared(Gaussian::new(1.0, 0.08));
-    let mixed = shared(Mixture::new(vec![(0.4, shared(Point::new(0.9))), (0.6, gaussian.clone())]));
+    let smooth = gaussian(1.0, 0.08);
+    let mixed = mixture(&[(0.4, point(0.9)), (0.6, smooth.clone())]);
     for (thresholds, reforming) in [
-        (gaussian, shared(Gaussian::new(0.15, 0.02))),
-        (shared(Rectangular::new(0.7, 1.2)), shared(Rectangular::new(0.0, 0.4))),
-        (mixed, shared(Rectangular::new(0.05, 0.25))),
+        (smooth, gaussian(0.15, 0.02)),
+        (rectangular(0.7, 1.2), rectangular(0.0, 0.4)),
+        (mixed, rectangular(0.05, 0.25)),
     ] {
         let steady = steady(&thresholds, &reforming);
         for q in [0.3, 1.0, 4.0, TAU, 20.0] {
             let found = steady.spectrum(&[q], 1.0).unwrap()[0];
             let exact = of_one_life(thresholds.as_ref(), reforming.as_ref(), q);
-            println!("S({q}) = {found} {:e}", found / exact - 1.0);
             assert!((found / exact - 1.0).abs() < 1e-9, "{q}: {found} {exact}");
         }
     }
@@ -117,7 +102,7 @@ fn of_one_life(thresholds: &dyn Law, reforming: &dyn Law, q: f64) -> f64 {
 /// ∫S dq = 2π c(0), and S(0) is 2∫c du.
 #[test]
 fn the_spectrum_integrates_to_the_variance() {
-    let steady = steady(&shared(Gaussian::new(1.0, 0.2)), &shared(Gaussian::new(0.15, 0.05)));
+    let steady = steady(&gaussian(1.0, 0.2), &gaussian(0.15, 0.05));
     let width = 0.02;
     let at: Vec<f64> = (0..=20_000).map(|k| width * f64::from(k)).collect();
     let spectrum = steady.spectrum(&at, 1.0).unwrap();
@@ -135,7 +120,6 @@ fn the_spectrum_integrates_to_the_variance() {
     let last = at[at.len() - 1];
     let total = 2.0 * (sum + spectrum[at.len() - 1] * last);
     let variance = steady.force_std(1.0).powi(2);
-    println!("{:e}", total / (2.0 * PI * variance) - 1.0);
     assert!((total / (2.0 * PI * variance) - 1.0).abs() < 1e-7);
     let advances: Vec<f64> = (0..=6000).map(|k| 0.005 * f64::from(k)).collect();
     let c = steady.autocovariance_with(&advances, 1.0, 1e-12, &mut ()).unwrap();
@@ -149,7 +133,6 @@ fn the_spectrum_integrates_to_the_variance() {
         }
     };
     let sum: f64 = c.iter().enumerate().map(|(i, c)| weight(i) * c * 0.005 / 3.0).sum();
-    println!("{:e}", 2.0 * sum / spectrum[0] - 1.0);
     assert!((2.0 * sum / spectrum[0] - 1.0).abs() < 1e-8);
     assert!((c[0] / variance - 1.0).abs() < 1e-14);
 }
@@ -157,7 +140,7 @@ fn the_spectrum_integrates_to_the_variance() {
 /// The spectrum of identical contacts consists of lines, and is refused with that reason; their autocovariance is not.
 #[test]
 fn identical_contacts_have_lines() {
-    let steady = steady(&shared(Point::new(1.0)), &shared(Point::new(0.0)));
+    let steady = steady(&point(1.0), &point(0.0));
     let error = steady.spectrum(&[1.0], 1.0).unwrap_err().to_string();
     assert!(error.contains("lines"), "{error}");
     // A sawtooth of random phase: c(u) = 1/12 − u(1 − u)/2.

@@ -183,5 +183,5 @@ def test_the_closure_of_steady_sliding_knows_no_first_loading() -> None:
     theory = asp.MasterEquation(closure, velocity=0.1)
     assert theory.steady_state().kinetic_friction == pytest.approx(0.4831162958, abs=4e-7)
     assert np.isnan(theory.relaxation().length)
-    with pytest.raises(ValueError, match=r"ageing\.mean_field"):
+    with pytest.raises(ValueError, match=r"^ageing\.mean_field"):
         theory.pull(5.0)

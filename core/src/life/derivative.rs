@@ -54,8 +54,12 @@ impl LifeDerivative {
         let breaking = Breaking::new(law, &layer, BULK);
         let held = |r: f64| if conditional { derivative(r) / law.survival(r) } else { 0.0 };
         let change = |x: f64, y: f64, u: f64| derivative(y) - held(x - u) * law.survival(y);
-        let values =
-            |u: f64| [breaking.mean(u, |x, y| change(x, y, u)), breaking.mean(u, |x, y| x * change(x, y, u))];
+        let values = |u: f64| {
+            breaking.means(u, |x, y| {
+                let change = change(x, y, u);
+                [change, x * change]
+            })
+        };
         Self::resolved(life, values, monitor)
     }
 

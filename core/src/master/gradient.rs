@@ -85,9 +85,10 @@ impl Pull {
 
     /// The derivatives of F_s, F_k, X* and K_c by one parameter, for the propagation of errors.
     ///
-    /// ∂F_s is ∂F/∂θ at a smooth maximum, which moves to no effect at first order; ∂K_c is minus the slope of ∂F/∂θ where F
-    /// falls most steeply. Where these are at a kink of F, its motion adds to them. With C the mean life, F_k = N_c⟨k⟩ ∫m/C gives ∂F_k = N_c⟨k⟩ (∫m_θ − F_k ∫S_θ)/C; the root φ̂(s₁) = 1 that sets
-    /// X* = −1/Re s₁ moves by s₁ Ŝ_θ(s₁)/φ̂'(s₁), since φ̂_θ = −s Ŝ_θ.
+    /// ∂F_s is ∂F/∂θ at a smooth maximum, whose motion has no effect at first order; ∂K_c is minus the slope of ∂F/∂θ
+    /// where F falls most steeply. At a kink of F the motion of the kink adds to them. With C the mean life, F_k =
+    /// N_c⟨k⟩ ∫m/C gives ∂F_k = N_c⟨k⟩ (∫m_θ − F_k ∫S_θ)/C; the root φ̂(s₁) = 1 that sets X* = −1/Re s₁ moves by
+    /// s₁ Ŝ_θ(s₁)/φ̂'(s₁), since φ̂_θ = −s Ŝ_θ.
     ///
     /// # Errors
     /// Those of [`Pull::gradient`] and of [`MasterEquation::relaxation`].
@@ -313,14 +314,12 @@ impl MasterEquation {
 
 /// The distribution and its parameter that a name such as `thresholds.mean` stands for.
 fn owner(parameter: &str) -> Result<(Owner, &str)> {
-    let owners =
-        [("thresholds", Owner::Thresholds), ("reforming", Owner::Reforming), ("initial", Owner::Initial)];
-    let named = |(name, rest): (&str, &'_ str)| {
-        owners.iter().find(|(owner, _)| *owner == name).map(|(_, owner)| (*owner, rest.len()))
-    };
-    match parameter.split_once('.').and_then(named) {
-        Some((owner, length)) => Ok((owner, &parameter[parameter.len() - length..])),
-        None => {
+    let (name, rest) = parameter.split_once('.').unwrap_or((parameter, ""));
+    match name {
+        "thresholds" => Ok((Owner::Thresholds, rest)),
+        "reforming" => Ok((Owner::Reforming, rest)),
+        "initial" => Ok((Owner::Initial, rest)),
+        _ => {
             let expected =
                 "a parameter of a distribution, such as thresholds.mean, reforming.std or initial.max";
             Err(Error::invalid("parameter", expected, parameter))

@@ -57,6 +57,15 @@ pub fn initial(law: &SharedLaw) -> Initial {
     Initial { law: law.clone(), start: Start::Conditional }
 }
 
+pub fn equation(
+    thresholds: &SharedLaw,
+    reforming: &SharedLaw,
+    initial: &SharedLaw,
+    start: Start,
+) -> MasterEquation {
+    MasterEquation::new(contacts(thresholds, reforming), &Initial { law: initial.clone(), start }).unwrap()
+}
+
 pub fn master(thresholds: &SharedLaw, reforming: &SharedLaw, start: &SharedLaw) -> MasterEquation {
     MasterEquation::new(contacts(thresholds, reforming), &initial(start)).unwrap()
 }
