@@ -26,8 +26,8 @@ impl SizeBiased {
         (mean > 0.0).then(|| Self { law: law.clone(), mean })
     }
 
-    /// The mean x̄ of the distribution without weights.
-    pub fn weight(&self) -> f64 {
+    /// x̄, the mean of the distribution that is not size-biased: E\[ξ f(ξ)\] = x̄ E*\[f(ξ)\].
+    pub fn unweighted_mean(&self) -> f64 {
         self.mean
     }
 }

@@ -5,6 +5,7 @@
 
 mod covariance;
 mod distribution;
+mod force_after_break;
 mod gradient;
 mod limits;
 mod loading;

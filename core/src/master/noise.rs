@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use num_complex::Complex64;
 
-use super::covariance::{AfterBreak, Weighted};
+use super::force_after_break::{ForceAfterBreak, WeightedLife};
 use super::pull::at;
 use super::steady::SteadyState;
 use super::tolerance::Tolerance;
@@ -48,7 +48,7 @@ impl SteadyState {
             return Err(Error::invalid("advances", "finite lengths, 0 or above", u));
         }
         let end = advances.iter().copied().fold(self.mean, f64::max);
-        let after = AfterBreak::new(&self.equation, None, (end, tolerance), monitor)?;
+        let after = ForceAfterBreak::new(&self.equation, None, (end, tolerance), monitor)?;
         let (rate, friction) = (1.0 / self.mean, self.life.force().curve().integral() / self.mean);
         let start = self.equation.contacts.reforming.mean();
         // Both forces tend to constants; what is left of them is integrated.
@@ -232,9 +232,13 @@ impl SlidingTransforms {
         let excess = force.plus(-friction, &survival).integrated_from_end(0.0, &[]).scaled(-1.0);
         let equation = &steady.equation;
         let weighted = equation.weighted_by_stretch(&equation.reforming(), monitor)?;
-        let weighted = weighted.map(|Weighted { mean, life }| {
+        let weighted = weighted.map(|WeightedLife { mean_start, life }| {
             let of = |curves: fn(&Life) -> &Kernel| Falling::new(curve(curves(&life)));
-            StretchWeighted { rate: mean / steady.mean, survival: of(Life::survival), force: of(Life::force) }
+            StretchWeighted {
+                rate: mean_start / steady.mean,
+                survival: of(Life::survival),
+                force: of(Life::force),
+            }
         });
         let (survival, excess) = (Falling::new(survival), Falling::new(excess));
         Ok(Self { survival, excess, friction, weighted, advances: AdvanceBetweenBreaks::of(steady) })
