@@ -85,6 +85,26 @@ fn transforms_are_right_to_rounding() {
     }
 }
 
+/// Against Cauchy's formula from 16 transforms on a circle, which is exact but for rounding divided by its radius.
+#[test]
+fn derivatives_of_transforms_are_those_of_the_transforms() {
+    for row in rows(include_str!("tables/law_transforms.csv")) {
+        let &[re, im, ..] = &row.numbers[..] else { panic!("a row of four numbers") };
+        if re < 0.0 || !row.law.laplace_is_closed() {
+            continue;
+        }
+        let (mean, std) = (row.law.mean(), row.law.std());
+        let (s, radius) = (Complex64::new(re, im), 0.1 * (1.0 / mean).min(mean / (std * std)));
+        let around =
+            (0..16).map(|k| Complex64::from_polar(radius, f64::from(k) * std::f64::consts::PI / 8.0));
+        let expected = around.map(|h| row.law.laplace(s + h) / h).sum::<Complex64>() / 16.0;
+        let [value, derivative] = row.law.laplace_with_derivative(s);
+        assert_eq!(value, row.law.laplace(s));
+        let error = (derivative - expected).norm();
+        assert!(error <= 1e-13 / radius, "{:?} at {s}: off by {error:e} from {expected}", row.law);
+    }
+}
+
 /// The law as a series of its density.
 fn series(law: &SharedLaw) -> Series {
     let density = |x: &[f64]| Ok(x.iter().map(|&x| law.density(x)).collect());

@@ -40,6 +40,28 @@ fn gaussian_thresholds_have_their_reference_values() {
     }
 }
 
+/// The errors stated in the documentation, times three.
+#[test]
+fn spectra_have_their_reference_values_at_small_and_large_wave_numbers() {
+    let mut seen = 0;
+    for line in include_str!("tables/spectrum.csv").lines().skip(1) {
+        let row: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+        let &[mean, std, start, spread, q, expected] = &row[..] else { panic!("a row of six numbers") };
+        let reforming = if spread > 0.0 { gaussian(start, spread) } else { point(start) };
+        let found = steady(&gaussian(mean, std), &reforming).spectrum(&[q], 1.0).unwrap()[0];
+        let (advance, scatter) = (mean - start, std.hypot(spread) / (mean - start));
+        let stated = f64::max(1e-13, 1e-16 / scatter.powi(2)) * f64::max(1.0, q * advance / 100.0);
+        let error = found / expected - 1.0;
+        assert!(
+            error.abs() < 3.0 * stated,
+            "{line}: off by {error:e}, {:.1} of {stated:e}",
+            error.abs() / stated
+        );
+        seen += 1;
+    }
+    assert!(seen > 40, "{seen} rows");
+}
+
 /// c(u) = m² e^{−u/m} and S(q) = 2m³/(1 + q²m²): the force is the time since the last event of a Poisson process.
 #[test]
 fn exponential_thresholds_have_a_closed_form() {

@@ -101,6 +101,11 @@ impl Law for Exponential {
         (1.0 + s * self.mean).inv()
     }
 
+    fn laplace_with_derivative(&self, s: Complex64) -> [Complex64; 2] {
+        let value = self.laplace(s);
+        [value, -self.mean * value * value]
+    }
+
     fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
         for x in out {
             let unit: f64 = Exp1.sample(stream);

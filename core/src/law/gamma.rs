@@ -128,6 +128,12 @@ impl Law for Gamma {
         (-self.shape.a * Complex64::new(modulus, w.im.atan2(1.0 + w.re))).exp()
     }
 
+    /// P̂' = −kθ P̂/(1 + sθ).
+    fn laplace_with_derivative(&self, s: Complex64) -> [Complex64; 2] {
+        let value = self.laplace(s);
+        [value, -self.shape.a * self.scale * value / (1.0 + s * self.scale)]
+    }
+
     fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
         out.fill_with(|| self.sampler.sample(stream));
     }

@@ -158,6 +158,12 @@ impl Law for Gaussian {
         ((0.5 * s * s * self.std * self.std - s * self.mean).exp() - tail(-zeta)) / self.above
     }
 
+    /// P̂' = (sσ² − μ) P̂ − σ² p(0), from σ²p' = −(x − μ)p by parts.
+    fn laplace_with_derivative(&self, s: Complex64) -> [Complex64; 2] {
+        let (value, variance) = (self.laplace(s), self.std * self.std);
+        [value, (s * variance - self.mean) * value - variance * self.density(0.0)]
+    }
+
     /// Rejection of negative draws: at worst every other one.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
         ziggurat::fill(stream, out, |z| self.mean + self.std * z, |x| x >= 0.0);

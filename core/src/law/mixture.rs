@@ -226,6 +226,14 @@ impl Law for Mixture {
         self.components.iter().map(|(weight, law)| *weight * law.laplace(s)).sum()
     }
 
+    fn laplace_with_derivative(&self, s: Complex64) -> [Complex64; 2] {
+        let terms = self
+            .components
+            .iter()
+            .map(|(weight, law)| law.laplace_with_derivative(s).map(|term| *weight * term));
+        terms.fold([Complex64::ZERO; 2], |sum, term| [sum[0] + term[0], sum[1] + term[1]])
+    }
+
     /// Each draw chooses its component, so that a stream read in pieces gives the same numbers.
     fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
         let last = self.components.len() - 1;

@@ -98,6 +98,11 @@ impl Law for Point {
         (-s * self.at).exp()
     }
 
+    fn laplace_with_derivative(&self, s: Complex64) -> [Complex64; 2] {
+        let value = self.laplace(s);
+        [value, -self.at * value]
+    }
+
     fn fill(&self, _stream: &mut Stream, out: &mut [f64]) {
         out.fill(self.at);
     }

@@ -470,6 +470,10 @@ impl Law for Series {
         self.density.transform(s).0
     }
 
+    fn laplace_with_derivative(&self, s: Complex64) -> [Complex64; 2] {
+        self.density.transform(s).into()
+    }
+
     fn fill(&self, stream: &mut Stream, out: &mut [f64]) {
         out.fill_with(|| self.quantile(stream.uniform()));
     }

@@ -1,7 +1,5 @@
 //! The size-biased distribution: one in which each value counts in proportion to its size.
 
-use std::f64::consts::FRAC_PI_4;
-
 use num_complex::Complex64;
 
 use super::{Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, invert_ln_survival, unknown};
@@ -122,11 +120,9 @@ impl Law for SizeBiased {
         false
     }
 
-    /// −P̂'(s)/x̄ by Cauchy's formula with eight points around s, exact to eighth order.
+    /// −P̂'(s)/x̄.
     fn laplace(&self, s: Complex64) -> Complex64 {
-        let radius = 0.02 / self.mean;
-        let around = (0..8).map(|k| Complex64::from_polar(radius, f64::from(k) * FRAC_PI_4));
-        -around.map(|h| self.law.laplace(s + h) / h).sum::<Complex64>() / (8.0 * self.mean)
+        -self.law.laplace_with_derivative(s)[1] / self.mean
     }
 
     /// By inversion of the distribution function.

@@ -15,6 +15,7 @@ mod pull;
 mod relaxation;
 mod renewal;
 mod solved_branches;
+mod spectrum;
 mod steady;
 mod stepping;
 mod tolerance;

@@ -1,6 +1,6 @@
 //! Numerical methods that know nothing of contacts.
 //!
-//! * Functions as Legendre series on cells: `legendre` (16-point Gauss rule), `piecewise`, `rearrange`, `breakpoints` (where they
+//! * Functions as Legendre series on cells: `legendre` (16-point Gauss rule), `piecewise`, `rearrange`, `fourier` (transforms), `breakpoints` (where they
 //!   are not smooth), `stencil` (Lagrange interpolation), `table` (a look-up table).
 //! * Equations: `volterra` (convolution equations of the second kind), `diffusion` (Fokker–Planck equation on an axis), `motion`
 //!   (Newton's equation of a body), `tr_bdf2` (time stepping), `linear`, `springs` (tridiagonal), `roots` (Brent).
@@ -18,6 +18,7 @@ pub mod cutoff;
 pub(crate) mod dawson;
 #[doc(hidden)]
 pub mod diffusion;
+pub(crate) mod fourier;
 pub(crate) mod fractional;
 pub(crate) mod gauss;
 #[doc(hidden)]
