@@ -32,6 +32,12 @@ fn covariances_of_gaussian_thresholds_have_their_reference_values() {
     }
 }
 
+/// Exponential thresholds: the covariance at X₁ and X₂.
+fn of_exponential(a: f64, b: f64) -> f64 {
+    let (low, high) = (a.min(b), a.max(b));
+    (low - high).exp() - 2.0 * low * (-high).exp() - (-low - high).exp()
+}
+
 /// F = 1 − e^{−X} and C = e^{−(X₂ − X₁)} − 2X₁e^{−X₂} − e^{−(X₁ + X₂)}.
 #[test]
 fn exponential_thresholds_have_a_closed_form() {
@@ -40,8 +46,7 @@ fn exponential_thresholds_have_a_closed_form() {
     let found = covariances(&pull, &positions);
     for (i, a) in positions.iter().enumerate() {
         for (j, b) in positions.iter().enumerate() {
-            let (low, high) = (a.min(*b), a.max(*b));
-            let exact = (low - high).exp() - 2.0 * low * (-high).exp() - (-low - high).exp();
+            let exact = of_exponential(*a, *b);
             assert!((found[41 * i + j] - exact).abs() < 1e-11, "{a} {b}: {:e}", found[41 * i + j] - exact);
         }
     }
@@ -234,4 +239,48 @@ fn the_end_of_a_pull_may_be_rounded() {
     let pull = relaxed(&gaussian(1.0, 0.1)).pull(3.0).unwrap();
     let found = pull.covariance(&[3.0, 0.1 * 30.0], 1.0).unwrap();
     assert!((found.at(0, 0) - found.at(1, 1)).abs() < 1e-9 && found.at(0, 0) > 0.0);
+}
+
+/// Positions in any order, the start of the pull, positions that are repeated, one position, none: the covariance of
+/// each pair is that of its positions, and sample paths have one value at one position.
+#[test]
+fn positions_may_be_unordered_repeated_few_or_none() {
+    let pull = relaxed(&exponential(1.0)).pull_with(8.0, 1e-12, &mut ()).unwrap();
+    let mut repeated = vec![2.0; 300];
+    repeated.extend([0.0, 7.5, 0.3, 8.0, 0.0, 2.0]);
+    for positions in [vec![3.0, 0.5, 8.0, 0.0, 2.0], repeated, vec![0.0], vec![1.7], vec![0.0; 3], Vec::new()]
+    {
+        let count = positions.len();
+        let found = pull.covariance(&positions, 1.0).unwrap();
+        assert_eq!((found.positions(), found.values().len()), (&positions[..], count * count));
+        for (i, &a) in positions.iter().enumerate() {
+            for (j, &b) in positions.iter().enumerate() {
+                assert!((found.at(i, j) - of_exponential(a, b)).abs() < 1e-11, "{a} {b}");
+                assert_eq!(found.at(i, j), found.at(j, i));
+            }
+        }
+        let paths = found.sample_paths(5, 1).unwrap();
+        assert_eq!(paths.len(), 5);
+        for path in &paths {
+            assert_eq!(path.len(), count);
+            for (i, j) in (0..count).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                // A repeated position has a pivot of 0 up to the estimated error, of which the square root counts.
+                let apart = (path[i] - path[j]).abs();
+                assert!(positions[i] != positions[j] || apart < 1e-5, "{}: {apart:e}", positions[i]);
+            }
+        }
+    }
+}
+
+/// Positions that are not on the pull are refused, and named.
+#[test]
+fn positions_beyond_the_pull_are_refused() {
+    let pull = relaxed(&exponential(1.0)).pull_with(8.0, 1e-8, &mut ()).unwrap();
+    for (wrong, shown) in [(-0.1, "-0.1"), (8.1, "8.1"), (f64::NAN, "NaN"), (f64::INFINITY, "inf")] {
+        let error = pull.covariance(&[1.0, wrong, 2.0], 1.0).unwrap_err().to_string();
+        assert!(
+            error.contains("positions") && error.contains("from 0 to 8") && error.contains(shown),
+            "{error}"
+        );
+    }
 }

@@ -224,6 +224,21 @@ fn a_pull_stores_the_covariance_of_the_force() {
     assert_eq!(outcome.record.values("covariance_other").unwrap(), [0.9, 1.0, 2.18]);
 }
 
+/// One position, at the start of the pull, where contacts that all start at 0 have a certain force; and none.
+#[test]
+fn a_covariance_of_one_position_or_none_is_stored_or_absent() {
+    let contacts = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\n";
+    let record = |positions: &str| {
+        run(&format!("{contacts}pull = {{ distance = 3.0, points = 31, covariance = [{positions}] }}")).record
+    };
+    // Rounding of terms of order 1.
+    near(record("0.0").values("covariance").unwrap()[0], 0.0, 1e-14);
+    let both = record("0.0, 1.0");
+    let values = both.values("covariance").unwrap();
+    assert!(values[..3].iter().all(|value| value.abs() < 1e-14) && values[3] > 0.0, "{values:?}");
+    assert!(record("").values("covariance").is_none());
+}
+
 /// Positions beyond the pull or out of order, and contacts without such a covariance, are refused at their key.
 #[test]
 fn covariances_that_do_not_exist_are_refused() {
@@ -234,6 +249,8 @@ fn covariances_that_do_not_exist_are_refused() {
     let contacts = "contacts.thresholds.gaussian = { mean = 1.0, std = 0.1 }\n";
     let beyond = refused(&format!("{contacts}pull = {{ distance = 3.0, covariance = [1.0, 4.0] }}"));
     assert!(beyond.contains("pull.covariance.1") && beyond.contains("distance 3"), "{beyond}");
+    let repeated = refused(&format!("{contacts}pull = {{ distance = 3.0, covariance = [1.0, 1.0] }}"));
+    assert!(repeated.contains("pull.covariance.1") && repeated.contains("above 1"), "{repeated}");
     let order = refused(&format!("{contacts}pull = {{ distance = 3.0, covariance = [1.0, 0.5] }}"));
     assert!(order.contains("pull.covariance.1") && order.contains("above 1"), "{order}");
     let delay = "contacts.delay.time = 0.5\n";
