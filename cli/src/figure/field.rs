@@ -24,8 +24,9 @@ pub struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// The field in the colours of `scale`, averaged over blocks of cells if there are too many for `panels` panels.
-    pub fn plot(&self, scale: (f64, f64), panels: usize) -> Plot {
+    /// The field in `colours` from the lower to the upper end of `scale`, averaged over blocks of cells if there are too
+    /// many for `panels` panels.
+    pub fn plot(&self, scale: (f64, f64), colours: &ColorMap, panels: usize) -> Plot {
         let [rows, columns] = self.sides;
         let most = ((MOST / panels.max(1)) as f64).sqrt() as usize;
         let (across, along) = (rows.min(most), columns.min(most));
@@ -37,16 +38,16 @@ impl Field<'_> {
             rows.map(row).sum::<f64>() / count
         };
         let data: Vec<Vec<f64>> = (0..across).map(|i| (0..along).map(|j| mean(i, j)).collect()).collect();
-        Plot::Heatmap(heatmap(data, scale, self.x, self.y))
+        Plot::Heatmap(heatmap(data, scale, colours, (self.x, self.y)))
     }
 }
 
 /// The colour scale as a panel of its own, and its axes.
-pub fn bar(scale: (f64, f64), label: &str) -> (Vec<Plot>, Layout) {
+pub fn bar(scale: (f64, f64), colours: &ColorMap, label: &str) -> (Vec<Plot>, Layout) {
     const STEPS: usize = 128;
     let value = |i: usize| scale.0 + (scale.1 - scale.0) * i as f64 / (STEPS - 1) as f64;
     let data = (0..STEPS).map(|i| vec![value(i)]).collect();
-    let plot = Plot::Heatmap(heatmap(data, scale, (0.0, 1.0), scale));
+    let plot = Plot::Heatmap(heatmap(data, scale, colours, ((0.0, 1.0), scale)));
     let layout = style::layout((0.0, 1.0), scale).with_y_label(label).with_tick_size(11).with_label_size(13);
     (
         vec![plot],
@@ -61,11 +62,17 @@ pub fn scale(values: &[f64]) -> (f64, f64) {
 }
 
 /// Draws rows upward. The plot library scales colours to the range of the values; this is undone, so that panels agree.
-fn heatmap(data: Vec<Vec<f64>>, scale: (f64, f64), x: (f64, f64), y: (f64, f64)) -> Heatmap {
+fn heatmap(
+    data: Vec<Vec<f64>>,
+    scale: (f64, f64),
+    colours: &ColorMap,
+    (x, y): ((f64, f64), (f64, f64)),
+) -> Heatmap {
     let (low, high) = style::range(data.iter().map(Vec::as_slice));
+    let colours = colours.clone();
     let colour = move |part: f64| {
         let value = low + part * (high - low);
-        ColorMap::Viridis.map((value - scale.0) / (scale.1 - scale.0))
+        colours.map((value - scale.0) / (scale.1 - scale.0))
     };
     let mut heatmap = Heatmap::new().with_data(data).with_color_map(ColorMap::Custom(Arc::new(colour)));
     // Cells overlap a little, so that no gaps are visible between them.

@@ -1,6 +1,7 @@
 //! The pictures of a run, as SVG and PNG.
 
 mod catalogue;
+mod covariance;
 mod curve;
 mod dashes;
 mod distribution;
@@ -37,6 +38,7 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("force", force::scene(outcome)),
         ("evolution", evolution::scene(outcome)),
         ("distribution", distribution::scene(outcome)),
+        ("covariance", covariance::scene(outcome)),
         stick_slip::scene(outcome),
         ("velocity_curve", velocity_curve::scene(outcome)),
         ("hold_curve", hold_curve::scene(outcome)),

@@ -2,7 +2,7 @@
 
 use asperity::record::Record;
 use asperity_runner::output::Outcome;
-use kuva::plot::ScatterPlot;
+use kuva::plot::{ColorMap, ScatterPlot};
 use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
@@ -30,7 +30,8 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
     let cells = record.length("cell")?;
     let ends = scale(record.values("cell_force")?);
     let (plots, layout) = forces(outcome, cells, ends)?;
-    let (colours, axes) = bar(ends, &style::axis(outcome, "Force of a cell", record.get("cell_force")?));
+    let (colours, axes) =
+        bar(ends, &ColorMap::Viridis, &style::axis(outcome, "Force of a cell", record.get("cell_force")?));
     let (mut plots, mut layouts) = (vec![plots, colours], vec![layout, axes]);
     let mut structure = vec![vec![0], vec![1]];
     if let Some((front, axes)) = front(outcome, cells) {
@@ -71,7 +72,7 @@ fn forces(outcome: &Outcome, cells: usize, ends: (f64, f64)) -> Option<(Plots, L
         x: (0.0, cells as f64),
         y: (-half, last + half),
     };
-    let mut plots = vec![field.plot(ends, 1)];
+    let mut plots = vec![field.plot(ends, &ColorMap::Viridis, 1)];
     plots.extend(spans(record, cells).into_iter().map(|span| line(span, BLACK, 1.2, None)));
     let layout = panel((0.0, cells as f64), (0.0, last)).with_x_label("Cell").with_y_label(style::axis(
         outcome,

@@ -1,6 +1,7 @@
 //! `stress_map`: the forces of the cells of a lattice at the requested drives, one panel each.
 
 use asperity_runner::output::Outcome;
+use kuva::plot::ColorMap;
 use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::render::Scene;
@@ -40,7 +41,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
             .with_label_size(13)
             .with_x_label("Column")
             .with_y_label("Row");
-        (vec![field.plot(ends, shown.len())], layout)
+        (vec![field.plot(ends, &ColorMap::Viridis, shown.len())], layout)
     };
     let (mut plots, mut layouts): (Vec<_>, Vec<_>) = shown.iter().map(panel).unzip();
     // Empty cells of the grid of panels.
@@ -48,7 +49,7 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         plots.push(Plots::new());
         layouts.push(style::layout((0.0, 1.0), (0.0, 1.0)));
     }
-    let (colours, axes) = bar(ends, &style::axis(outcome, "Force of a cell", force));
+    let (colours, axes) = bar(ends, &ColorMap::Viridis, &style::axis(outcome, "Force of a cell", force));
     let structure = structure(rows, columns);
     let order = shown.len().min(columns);
     plots.insert(order, colours);

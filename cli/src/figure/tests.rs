@@ -75,6 +75,32 @@ fn every_picture_comes_as_svg_and_png() {
     assert!(pictures.iter().filter(|p| p.name.ends_with("png")).all(|p| p.bytes.starts_with(b"\x89PNG")));
 }
 
+/// A map of correlation coefficients without the start of the pull, where the force is certain, for positions at even
+/// and at other distances. None for one position besides.
+#[test]
+fn covariances_are_drawn_as_correlation_coefficients() {
+    let draw_at = |positions: Vec<f64>| {
+        let mut outcome = outcome();
+        let square: Vec<f64> =
+            positions.iter().flat_map(|a| positions.iter().map(move |b| a.min(*b) * 4.0)).collect();
+        let dimensions = ["covariance_position", "covariance_other"];
+        outcome.record.push(dimensions[0], "X₁", Quantity::Length, &dimensions[..1], positions.clone());
+        outcome.record.push(dimensions[1], "X₂", Quantity::Length, &dimensions[1..], positions);
+        outcome.record.push("covariance", "covariance", Quantity::ForceSquared, &dimensions, square);
+        draw(&outcome).unwrap()
+    };
+    for positions in [vec![0.0, 1.0, 2.0, 3.0], vec![0.0, 1.0, 2.0, 4.0]] {
+        let pictures = draw_at(positions);
+        let map = svg(&pictures, "covariance.svg");
+        for words in ["X₁", "X₂", "(µm)", "Correlation coefficient of the force"] {
+            assert!(map.contains(words), "{words}");
+        }
+        assert!(!map.contains("NaN"));
+    }
+    let pictures = draw_at(vec![0.0, 1.0]);
+    assert!(pictures.iter().all(|picture| picture.name != "covariance.svg"));
+}
+
 #[test]
 fn a_record_without_snapshots_has_no_evolution() {
     let mut outcome = outcome();
