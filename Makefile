@@ -124,7 +124,7 @@ docs: $(venv)-docs/installed
 $(venv)-docs/ready: docs/requirements.txt
 	$(environment)
 
-# The pictures of the README. Tests compare them with what is drawn.
+# The pictures of the README and of the pages. Tests compare them with what is drawn.
 figures: $(venv)/installed
 	folder=$$(mktemp -d); trap 'rm -rf "$$folder"' EXIT; \
 	draw() { \
@@ -138,8 +138,7 @@ figures: $(venv)/installed
 	draw velocity-step step velocity_step; \
 	draw stick-slip-ageing aged stick_slip; \
 	package=$(CURDIR)/$(venv)/bin/python; documents=$(CURDIR)/python/tests/documents.py; \
-	(cd "$$folder" && SOURCE_DATE_EPOCH=0 $$package -P "$$documents"); \
-	cp "$$folder/fig2.svg" docs/figures/fig2-python.svg
+	(cd "$$folder" && SOURCE_DATE_EPOCH=0 $$package -P "$$documents")
 
 # How fast it is, what a call from Python costs, and what the same jobs cost that one would write in Python.
 bench: $(venv)/installed $(venv)-peers/installed

@@ -1148,6 +1148,26 @@ class Pull(Record):
     def kinetic_friction(self, /) -> float:
         """The kinetic friction F_k, the force of steady sliding."""
 
+    def plot(
+        self,
+        /,
+        ax: Axes | None = None,
+        *,
+        size: _Number | None = None,
+        paths: SupportsIndex = 0,
+        seed: _Seed | None = None,
+        **style: Any,
+    ) -> Axes:
+        """Plots F(X) with the static and the kinetic friction, and on request the scatter of the force of `size` random
+        contacts. Returns the axes. It needs matplotlib.
+
+        ax: axes to plot on; new ones if None. Other arguments are passed to its plot().
+        size: the number of contacts for a band of one standard deviation to either side; None for no band, or with
+        `paths` for the N_c of the contacts.
+        paths: the number of sample paths.
+        seed: as for `sample_paths`; required with `paths`.
+        """
+
     @property
     def relaxation_length(self, /) -> float:
         """The relaxation length X*, over which the initial state is forgotten; inf if the force never settles, nan if

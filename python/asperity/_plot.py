@@ -4,10 +4,14 @@ import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
+    from numpy.typing import NDArray
 
-    from asperity._core import Record
+    from asperity._core import Pull, Record
 
 
 def draw(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
@@ -18,6 +22,28 @@ def draw(record: "Record", ax: "Axes | None" = None, **style: Any) -> "Axes":
     steady = getattr(record, "kinetic_friction", None)
     if steady is not None and math.isfinite(steady):
         ax.axhline(steady, linestyle="--", linewidth=0.8, color=line.get_color())
+    return ax
+
+
+def pull(
+    pull: "Pull",
+    ax: "Axes | None" = None,
+    scatter: "NDArray[np.float64] | None" = None,
+    paths: "Sequence[NDArray[np.float64]] | None" = None,
+    **style: Any,
+) -> "Axes":
+    """F(X) with a band of its standard deviation, and sample paths, given as their positions and forces."""
+    if ax is None:
+        ax = new_axes()
+    first = len(ax.lines)
+    draw(pull, ax, **style)
+    color = ax.lines[first].get_color()
+    if scatter is not None:
+        low, high = pull.force - scatter, pull.force + scatter
+        ax.fill_between(pull.position, low, high, color=color, alpha=0.2, linewidth=0)
+    if paths is not None:
+        positions, forces = paths
+        ax.plot(positions, forces.T, color=color, alpha=0.6, linewidth=0.6)
     return ax
 
 

@@ -1,11 +1,13 @@
 //! The result of a pull of the slider's base.
 
+use asperity::Error;
 use asperity::master::{self, Covariance};
-use asperity::monitor::Monitor;
+use asperity::monitor::{Monitor, Part};
 use asperity::record;
 use asperity::scenario::{self, Units};
 use asperity::task;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::convert::{self, Domain, Seed, Whole, evaluate};
 use crate::equation::MasterEquation;
@@ -60,6 +62,29 @@ impl Pull {
         let count = self.equation.get().equation.contacts().count;
         let size = size.map_or(Ok(count), |size| convert::contacts("size", size))?;
         watched(None, py, |monitor| self.pull.covariance_with(&at, size, monitor))
+    }
+
+    /// Evenly spaced positions, shape (m,), and sample paths there, shape (n, m).
+    fn paths<'py>(
+        &self,
+        py: Python<'py>,
+        count: usize,
+        size: f64,
+        seed: Option<Seed>,
+    ) -> PyResult<[Bound<'py, PyAny>; 2]> {
+        /// As many as a figure shows.
+        const POSITIONS: usize = 501;
+        let missing = || Error::invalid("seed", "a seed for the sample paths", "none");
+        let seed = seed.ok_or_else(missing).map_err(error::core)?;
+        let asked =
+            scenario::Pull { distance: self.pull.distance(), points: POSITIONS, ..scenario::Pull::default() };
+        let at = asked.positions();
+        let paths = watched(None, py, |monitor| {
+            let part = &mut Part::new(monitor, 0.0, 0.5);
+            let covariance = self.pull.covariance_with(&at, size, part)?;
+            covariance.sample_paths_with(count, seed.0, &mut Part::new(monitor, 0.5, 0.5))
+        })?;
+        Ok([convert::array(py, &[POSITIONS], at)?, convert::array(py, &[count, POSITIONS], paths.concat())?])
     }
 }
 
@@ -206,6 +231,37 @@ impl Pull {
         let found = self.covariance_at(py, at, size)?;
         let paths = watched(None, py, |monitor| found.sample_paths_with(count, seed.0, monitor))?;
         convert::array(py, &[count, found.positions().len()], paths.concat()).map(typed::Array)
+    }
+
+    /// Plots F(X) with the static and the kinetic friction, and on request the scatter of the force of `size` random
+    /// contacts. Returns the axes. It needs matplotlib.
+    ///
+    /// ax: axes to plot on; new ones if None. Other arguments are passed to its plot().
+    /// size: the number of contacts for a band of one standard deviation to either side; None for no band, or with
+    /// `paths` for the N_c of the contacts.
+    /// paths: the number of sample paths.
+    /// seed: as for `sample_paths`; required with `paths`.
+    #[pyo3(signature = (
+        ax: "Axes | None" = None, *, size = None, paths = Whole::new(0), seed = None, **style: "Any"
+    ) -> "Axes")]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        ax: Option<&Bound<'py, PyAny>>,
+        size: Option<f64>,
+        paths: Whole,
+        seed: Option<Seed>,
+        style: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let py = slf.py();
+        let paths: usize = paths.get("paths")?;
+        let asked = size.map(|size| convert::contacts("size", size)).transpose()?;
+        let size = asked.unwrap_or_else(|| slf.get().equation.get().equation.contacts().count);
+        let paths = (paths > 0).then(|| slf.get().paths(py, paths, size, seed)).transpose()?;
+        let scatter = match (&paths, asked) {
+            (None, None) => None,
+            _ => Some(Self::force_std(slf, size, None)?),
+        };
+        py.import("asperity._plot")?.call_method("pull", (slf, ax, scatter, paths), style)
     }
 
     /// The derivative of the force by a parameter of the distributions, as a function of the position.

@@ -1,14 +1,20 @@
-"""The Python that the README shows: blocks run in order; `output` is what the block before it prints.
+"""Python in the README, and figures of pages: blocks run in order; `output` is what the block before it prints.
 
 Pages of the site, which show the command line and sessions as well, are run by docs/test_pages.py.
 """
 
 import io
 import re
+import shutil
 from contextlib import redirect_stdout
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
+# The document, the figure that a script of it draws, and its name in docs/figures.
+FIGURES = [
+    (ROOT / "README.md", "fig2.svg", "fig2-python.svg"),
+    (ROOT / "docs" / "how-to" / "noise.md", "paths.svg", "noise-paths.svg"),
+]
 BLOCK = re.compile(r"^```(\w+)[^\n]*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -33,9 +39,11 @@ def run(page: Path) -> list[tuple[str, str]]:
 
 
 if __name__ == "__main__":
-    # Into the working directory, the same bytes every time.
+    # The same bytes every time.
     import matplotlib
 
     matplotlib.use("agg")
     matplotlib.rcParams["svg.hashsalt"] = "asperity"
-    run(ROOT / "README.md")
+    for page, drawn, kept in FIGURES:
+        run(page)
+        shutil.copy(drawn, ROOT / "docs" / "figures" / kept)

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from documents import ROOT, pages, run
+from documents import FIGURES, ROOT, pages, run
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -16,12 +16,16 @@ def test_blocks_print_what_is_shown(page: Path, tmp_path: Path, monkeypatch: pyt
         assert printed == shown
 
 
-def test_the_readme_draws_its_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("page", "drawn", "kept"), FIGURES, ids=lambda name: Path(name).name)
+def test_a_document_draws_its_figure(
+    page: Path, drawn: str, kept: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
-    run(ROOT / "README.md")
-    kept = (ROOT / "docs/figures/fig2-python.svg").read_text(encoding="utf-8")
-    drawn = (tmp_path / "fig2.svg").read_text(encoding="utf-8")
-    assert looks_like(kept, drawn), "docs/figures/fig2-python.svg is out of date: make figures"
+    run(page)
+    figure = (ROOT / "docs" / "figures" / kept).read_text(encoding="utf-8")
+    assert looks_like(figure, (tmp_path / drawn).read_text(encoding="utf-8")), (
+        f"{kept} is out of date: make figures"
+    )
 
 
 def looks_like(one: str, other: str) -> bool:

@@ -35,6 +35,32 @@ def test_sample_paths_are_those_of_a_seed() -> None:
         pull.sample_paths([1.0, 6.0], 1, seed=1)
 
 
+def test_a_plot_shows_the_scatter_of_few_contacts() -> None:
+    pytest.importorskip("matplotlib")
+    pull = EQUATION.pull(5.0, 101)
+    axes = pull.plot(size=50, paths=3, seed=1, color="k")
+    # F(X) and F_k; F of exponential thresholds has no maximum.
+    curve, _, *paths = (np.array(line.get_xydata()) for line in axes.lines)
+    np.testing.assert_array_equal(curve, np.column_stack([pull.position, pull.force]))
+    assert len(paths) == 3
+    at = paths[0][:, 0]
+    np.testing.assert_array_equal(
+        np.array([path[:, 1] for path in paths]), pull.sample_paths(at, 3, 50, seed=1)
+    )
+    (band,) = axes.collections
+    edges = band.get_paths()[0].vertices
+    width = np.max(edges[edges[:, 0] == 5.0, 1]) - np.min(edges[edges[:, 0] == 5.0, 1])
+    assert width == pytest.approx(2 * pull.force_std(50, 5.0))
+    # Without a size the N_c contacts; without either neither band nor paths.
+    several = pull.plot(axes, paths=2, seed=1)
+    assert (len(several.lines), len(several.collections)) == (9, 2)
+    plain = pull.plot()
+    assert (len(plain.lines), len(plain.collections)) == (2, 0)
+    for wrong, key in ({"paths": 2}, "seed"), ({"size": 0.0}, "size"), ({"paths": -1, "seed": 1}, "paths"):
+        with pytest.raises(ValueError, match=f"^{key}: expected"):
+            pull.plot(**wrong)
+
+
 def test_noise_of_steady_sliding() -> None:
     steady = EQUATION.steady_state()
     u = np.linspace(0.0, 6.0, 13).reshape(13, 1)
