@@ -1,4 +1,4 @@
-"""Python in the README, and figures of pages: blocks run in order; `output` is what the block before it prints.
+"""Python in the README, and in pages with figures: blocks run in order; `output` is what one prints.
 
 Pages of the site, which show the command line and sessions as well, are run by docs/test_pages.py.
 """

@@ -1,5 +1,7 @@
 """Covariance, noise of steady sliding and derivatives, against closed forms of exponential thresholds."""
 
+from typing import Any
+
 import asperity as asp
 import numpy as np
 import pytest
@@ -56,7 +58,12 @@ def test_a_plot_shows_the_scatter_of_few_contacts() -> None:
     assert (len(several.lines), len(several.collections)) == (9, 2)
     plain = pull.plot()
     assert (len(plain.lines), len(plain.collections)) == (2, 0)
-    for wrong, key in ({"paths": 2}, "seed"), ({"size": 0.0}, "size"), ({"paths": -1, "seed": 1}, "paths"):
+    refused: list[tuple[dict[str, Any], str]] = [
+        ({"paths": 2}, "seed"),
+        ({"size": 0.0}, "size"),
+        ({"paths": -1, "seed": 1}, "paths"),
+    ]
+    for wrong, key in refused:
         with pytest.raises(ValueError, match=f"^{key}: expected"):
             pull.plot(**wrong)
 
