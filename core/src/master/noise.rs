@@ -2,7 +2,7 @@
 
 use super::force_after_break::ForceAfterBreak;
 use super::pull::at;
-use super::spectrum::Spectrum;
+use super::spectrum::SpectralDensity;
 use super::steady::SteadyState;
 use super::tolerance::Tolerance;
 use crate::monitor::{Monitor, Part, Watch};
@@ -96,7 +96,7 @@ impl SteadyState {
             let expected = "thresholds or re-forming stretches with a density: contacts that stay in phase have a spectrum with lines";
             return Err(Error::invalid("thresholds", expected, "point masses"));
         }
-        let spectrum = Spectrum::new(self, &mut Part::new(monitor, 0.0, 0.5))?;
+        let spectrum = SpectralDensity::new(self, &mut Part::new(monitor, 0.0, 0.5))?;
         let scale = self.stiffness.powi(2) / size;
         let watch = Watch::new(monitor);
         let values = wave_numbers.iter().map(|&q| scale * watch.value(|| spectrum.at(q)));

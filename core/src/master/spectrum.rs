@@ -25,7 +25,7 @@ const SMALL: f64 = 4.0;
 /// since ĉ'(0) is real. The second form keeps its digits at large q, where all its terms fall as 1/q², but divides
 /// rounding by q². At small q the first form is used, with transforms of W(u) = ∫_u^∞ T: T̂ minus its value at 0 is
 /// −s Ŵ, so that nothing is divided by s.
-pub(super) struct Spectrum {
+pub(super) struct SpectralDensity {
     /// S and d.
     curves: FourierTransforms<2>,
     /// ∫_u^∞ of S and of D.
@@ -50,7 +50,7 @@ struct WeightedSpectrum {
     mean: f64,
 }
 
-impl Spectrum {
+impl SpectralDensity {
     pub(super) fn new(steady: &SteadyState, monitor: &mut dyn Monitor) -> Result<Self> {
         let friction = steady.life.force().curve().integral() / steady.mean;
         let both = |life: &Life| {

@@ -12,13 +12,13 @@ use super::piecewise::Piecewise;
 #[derive(Debug, Clone)]
 pub struct FourierTransforms<const K: usize> {
     /// Cells, those of equal width one after another.
-    cells: Vec<Cell<K>>,
+    cells: Vec<SeriesCell<K>>,
     /// Half widths h, and the number of the first cell that is wider.
     widths: Vec<(f64, usize)>,
 }
 
 #[derive(Debug, Clone)]
-struct Cell<const K: usize> {
+struct SeriesCell<const K: usize> {
     middle: f64,
     /// Of each degree n and each function: 2h c_n times the sign of iⁿ, or of iⁿ/i if n is odd.
     terms: [[f64; K]; NODES],
@@ -37,7 +37,7 @@ impl<const K: usize> FourierTransforms<K> {
         for cell in order {
             let (middle, half) = first.cell(cell);
             let terms = |n| functions.map(|function| sign(n) * half * function.coefficients[cell][n]);
-            cells.push(Cell { middle, terms: std::array::from_fn(terms) });
+            cells.push(SeriesCell { middle, terms: std::array::from_fn(terms) });
             match widths.last_mut() {
                 // Halves of halves, up to the rounding of their boundaries.
                 Some((width, end)) if half - *width <= 1e-13 * (half + middle) => *end = cells.len(),
