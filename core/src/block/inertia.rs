@@ -176,8 +176,8 @@ impl QuasistaticRun<'_> {
         self.memory.open.viscous += swing.body.damping * passage.squared;
         swing.time += passage.time;
         swing.speed = passage.speed;
-        let through = passage.way == left;
-        swing.place = if through { self.path.interval.length } else { swing.place + passage.way };
+        let through = passage.distance == left;
+        swing.place = if through { self.path.interval.length } else { swing.place + passage.distance };
         self.offer(swing, swing.time, swing.place, swing.speed);
         match (through, swing.speed == 0.0) {
             (true, _) => StepEnd::Through,

@@ -150,7 +150,7 @@ impl BlockSimulation {
 
     /// Breaks so far, per contact.
     pub fn broken(&self) -> f64 {
-        self.now.population.books().broken
+        self.now.population.energies().broken
     }
 
     /// Largest estimated error of the force so far; 0 for contacts that are followed one by one.
@@ -237,7 +237,7 @@ impl BlockSimulation {
             return happened;
         }
         self.since += u64::from(matches!(happened, Ok(Some(_))));
-        let broken = self.broken() - self.copied.population.books().broken;
+        let broken = self.broken() - self.copied.population.energies().broken;
         // Events are repeated in one direction only: every turn needs a new copy.
         if turns || broken >= COPY_AFTER.0 || self.since >= COPY_AFTER.1 {
             (self.copied, self.since) = (self.now.copy(), 0);

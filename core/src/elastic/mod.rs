@@ -152,9 +152,10 @@ impl Interface {
     pub fn stretches(&self, cell: usize) -> Result<Option<Vec<StretchInterval>>> {
         self.has(cell)?;
         let intervals = |stretches: Vec<f64>| {
-            let share = 1.0 / stretches.len() as f64;
+            let fraction = 1.0 / stretches.len() as f64;
             // Stretches of contacts that have just re-formed may be below 0 by rounding.
-            let at = |stretch: f64| StretchInterval { low: stretch.max(0.0), high: stretch.max(0.0), share };
+            let at =
+                |stretch: f64| StretchInterval { low: stretch.max(0.0), high: stretch.max(0.0), fraction };
             stretches.into_iter().map(at).collect()
         };
         Ok(self.model.cells.stretches(cell)?.map(intervals))

@@ -154,7 +154,7 @@ impl ThresholdDiffusion {
     }
 
     /// The time at which a contact breaks on a segment, if it does. The work ∫½x² dk done by diffusion on a
-    /// contact that becomes stiffer is added to `gained`, with thresholds linear on each step.
+    /// contact that becomes stiffer is added to `strengthening`, with thresholds linear on each step.
     pub(super) fn on(
         &self,
         held: &AttachedContact,
@@ -162,7 +162,7 @@ impl ThresholdDiffusion {
         segment: &Segment,
         remaining_hazard: &mut f64,
         stream: &mut Stream,
-        gained: &mut f64,
+        strengthening: &mut f64,
     ) -> Option<f64> {
         state.time = segment.start;
         while state.time < segment.end {
@@ -173,7 +173,7 @@ impl ThresholdDiffusion {
             let last = path.after(ends.unwrap_or(state.time - time));
             let square = (path.stretch * (path.stretch + last) + last * last) / 3.0;
             let [before, after] = [threshold, state.threshold].map(|h| self.stiffness.of(h));
-            *gained += 0.5 * square * (after - before);
+            *strengthening += 0.5 * square * (after - before);
             if let Some(span) = ends {
                 return Some(time + span);
             }

@@ -102,7 +102,7 @@ impl KnownThreshold {
 
     /// The work ∫½x² dk of ageing on a contact from the start of a segment to `end`, computed as ½[kx²] − ∫kx
     /// dX.
-    pub(super) fn gained(&self, held: &AttachedContact, segment: &Segment, end: f64) -> f64 {
+    pub(super) fn strengthening(&self, held: &AttachedContact, segment: &Segment, end: f64) -> f64 {
         if self.evolution.is_constant() || matches!(self.stiffness, Stiffness::Equal(_)) {
             return 0.0;
         }

@@ -11,9 +11,10 @@ use super::lives::Lives;
 use super::queue::{Queue, QueuedContact, SLICE};
 use super::sums::Sums;
 use crate::contacts::Stiffness;
+use crate::energy::ContactEnergies;
 use crate::monitor::{Aside, Monitor, fits, report};
 use crate::numerics::compensated::Compensated;
-use crate::population::{Books, Direction, Population, Response, Way};
+use crate::population::{Direction, Population, Response, SmoothInterval};
 use crate::rate_dependent::ContactsState;
 use crate::{Error, Result};
 
@@ -243,19 +244,23 @@ impl Population for EnsemblePopulation {
         self.facing.sign() * self.position
     }
 
-    fn way(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<Way> {
+    fn smooth_interval(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<SmoothInterval> {
         if direction != self.facing {
             // `back` is a bound for the breaks on unloading. It is computed anew only when it is reached.
             if self.position <= self.back {
                 self.find_break_behind();
             }
             if self.position > self.back {
-                return Ok(Way { length: self.position - self.back, straight: true, breaks: false });
+                return Ok(SmoothInterval {
+                    length: self.position - self.back,
+                    straight: true,
+                    breaks: false,
+                });
             }
             self.reverse(monitor)?;
         }
         let end = self.end(monitor)?;
-        Ok(Way { length: end - self.position, straight: true, breaks: end < f64::INFINITY })
+        Ok(SmoothInterval { length: end - self.position, straight: true, breaks: end < f64::INFINITY })
     }
 
     fn ahead(&self, by: f64) -> Response {
@@ -330,10 +335,11 @@ impl Population for EnsemblePopulation {
         }
     }
 
-    fn books(&self) -> Books {
-        Books {
+    fn energies(&self) -> ContactEnergies {
+        ContactEnergies {
             elastic: self.scale * self.sums.elastic(self.position),
             lost: self.scale * self.lost.value(),
+            strengthening: 0.0,
             broken: self.breaks as f64 / self.size as f64,
         }
     }
@@ -376,9 +382,9 @@ mod tests {
         let ensemble = Ensemble::new(contacts, initial, 20_000, 1, Disorder::Annealed).unwrap();
         let mut population = ensemble.population().unwrap();
         population.span = 50.0;
-        while population.books().broken < 45.0 {
-            let way = population.way(Direction::Forward, &mut ()).unwrap();
-            population.advance(way.length).unwrap();
+        while population.energies().broken < 45.0 {
+            let interval = population.smooth_interval(Direction::Forward, &mut ()).unwrap();
+            population.advance(interval.length).unwrap();
             population.cross(&mut ()).unwrap();
         }
         let (position, mut renewed) = (population.position, population.sums.clone());

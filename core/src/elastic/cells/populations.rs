@@ -183,14 +183,14 @@ fn moved(
     let mut population = base.copy();
     let end = population.position() + place;
     loop {
-        let way = population.way(Direction::Forward, monitor)?;
+        let interval = population.smooth_interval(Direction::Forward, monitor)?;
         let left = (end - population.position()).max(0.0);
-        if left <= way.length + near {
-            population.advance(left.min(way.length))?;
+        if left <= interval.length + near {
+            population.advance(left.min(interval.length))?;
             return Ok(population);
         }
-        population.advance(way.length)?;
-        if way.breaks {
+        population.advance(interval.length)?;
+        if interval.breaks {
             population.cross(monitor)?;
         }
     }

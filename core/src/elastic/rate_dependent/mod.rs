@@ -16,9 +16,10 @@ pub use state::RateDependentInterfaceState;
 
 use super::{CellLoading, Coupling, EnergyBalance, Event, Slipped, event};
 use crate::dynamics::{Arrest, EquationOfMotion, SliderMotion, SlidingCell};
+use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::monitor::{Aside, Monitor, report};
-use crate::rate_dependent::{Books, ErrorEstimator, RateDependentContacts, StretchInterval};
+use crate::rate_dependent::{ErrorEstimator, RateDependentContacts, StretchInterval};
 use crate::record::Record;
 use crate::{Error, Result};
 use coupled::CoupledCells;
@@ -94,7 +95,7 @@ pub struct RateDependentInterface {
 struct Stored {
     connection: f64,
     coupling: f64,
-    contacts: Books,
+    contacts: ContactEnergies,
 }
 
 impl RateDependentInterface {
@@ -136,7 +137,7 @@ impl RateDependentInterface {
         let mut interface = Self {
             motion: SliderMotion::new(equation, cells.collect(), drive, tolerance),
             coupling,
-            begun: Stored { connection: 0.0, coupling: 0.0, contacts: Books::default() },
+            begun: Stored { connection: 0.0, coupling: 0.0, contacts: ContactEnergies::default() },
             look: MotionSnapshot { time: 0.0, drive, cells: Vec::new() },
             coupling_energy: 0.0,
             slips: Slips::new(number, slip_fraction, area),
@@ -206,7 +207,7 @@ impl RateDependentInterface {
 
     /// Breaks since the beginning, per contact.
     pub fn broken(&self) -> f64 {
-        self.motion.cells.iter().map(|cell| cell.contacts.books().broken).sum::<f64>() / self.len() as f64
+        self.motion.cells.iter().map(|cell| cell.contacts.energies().broken).sum::<f64>() / self.len() as f64
     }
 
     /// From now on with [`RateDependentInterface::error`], which takes some three times as long: contacts are followed twice more.
@@ -237,7 +238,7 @@ impl RateDependentInterface {
             spring: now.connection - begun.connection,
             coupling: now.coupling - begun.coupling,
             elastic: now.contacts.elastic - begun.contacts.elastic,
-            strengthening: now.contacts.gained - begun.contacts.gained,
+            strengthening: now.contacts.strengthening - begun.contacts.strengthening,
             breaks: now.contacts.lost - begun.contacts.lost,
             slip: self.motion.energies.viscous.iter().sum(),
             ..EnergyBalance::default()
@@ -330,7 +331,7 @@ impl RateDependentInterface {
     /// What is seen of the cells now.
     fn seen(&self) -> MotionSnapshot {
         let seen = |(cell, &viscous): (&SlidingCell, &f64)| {
-            let Books { lost, broken, .. } = cell.contacts.books();
+            let ContactEnergies { lost, broken, .. } = cell.contacts.energies();
             let &SlidingCell { position, velocity, force, .. } = cell;
             Seen { position, velocity, force, lost, broken, viscous }
         };
@@ -350,19 +351,19 @@ impl RateDependentInterface {
     fn stored(&self) -> Stored {
         let (positions, SliderMotion { equation, drive, .. }) = (self.positions(), &self.motion);
         let spring = |j: usize| 0.5 * equation.connection(j) * (drive - positions[j]).powi(2);
-        let add = |sum: Books, cell: &SlidingCell| {
-            let books = cell.contacts.books();
-            Books {
-                elastic: sum.elastic + books.elastic,
-                lost: sum.lost + books.lost,
-                gained: sum.gained + books.gained,
-                broken: sum.broken + books.broken,
+        let add = |sum: ContactEnergies, cell: &SlidingCell| {
+            let energies = cell.contacts.energies();
+            ContactEnergies {
+                elastic: sum.elastic + energies.elastic,
+                lost: sum.lost + energies.lost,
+                strengthening: sum.strengthening + energies.strengthening,
+                broken: sum.broken + energies.broken,
             }
         };
         Stored {
             connection: (0..positions.len()).map(spring).sum(),
             coupling: self.coupling_energy,
-            contacts: self.motion.cells.iter().fold(Books::default(), add),
+            contacts: self.motion.cells.iter().fold(ContactEnergies::default(), add),
         }
     }
 }

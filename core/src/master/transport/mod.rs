@@ -34,10 +34,11 @@ use std::sync::Arc;
 
 use super::{Stretches, Tolerance};
 use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness, ThresholdEvolution};
+use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, Part, Watch, report};
-use crate::rate_dependent::{Books, ContactsState, RateDependentContacts, StretchInterval};
+use crate::rate_dependent::{ContactsState, RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 use broken::Broken;
 use cohort::{Cohort, EnergyChange};
@@ -230,11 +231,11 @@ impl Transport {
     /// Energies and breaks. Losses are accurate to fourth order in the time step, like the formation of
     /// contacts; the division of a change of stiffness between ageing and breaks to second order, which the
     /// energy balance does not depend on.
-    pub fn books(&self) -> Books {
+    pub fn energies(&self) -> ContactEnergies {
         let stored = self.cohorts.iter().map(Cohort::energy).sum::<f64>();
-        let [elastic, lost, gained] =
-            [stored, self.spent.lost, self.spent.gained].map(|energy| self.stiffness * energy);
-        Books { elastic, lost, gained, broken: self.broken.all() }
+        let [elastic, lost, strengthening] =
+            [stored, self.spent.lost, self.spent.strengthening].map(|energy| self.stiffness * energy);
+        ContactEnergies { elastic, lost, strengthening, broken: self.broken.all() }
     }
 
     /// The fraction of attached contacts.
@@ -386,12 +387,12 @@ impl Transport {
         let stage = StepAttempt { model, seeds, broken, time: *time, dropped: *dropped };
         let trial = stage.attempt(&self.cohorts, path, monitor)?;
         let before = self.pace.last();
-        if !self.pace.judge(path.duration, trial.share, trial.deaths) {
+        if !self.pace.judge(path.duration, trial.fraction, trial.deaths) {
             self.pace.check(path.duration, self.tolerance)?;
             return Ok(false);
         }
-        self.rate = trial.share.slope(path.duration, before);
-        self.broken.keep(self.time, path.duration, trial.share, trial.born);
+        self.rate = trial.fraction.slope(path.duration, before);
+        self.broken.keep(self.time, path.duration, trial.fraction, trial.born);
         self.spent = self.spent.plus(1.0, trial.spent);
         self.cohorts = trial.cohorts;
         self.time += path.duration;
@@ -479,8 +480,8 @@ impl RateDependentContacts for Transport {
         Self::tangent(self)
     }
 
-    fn books(&self) -> Books {
-        Self::books(self)
+    fn energies(&self) -> ContactEnergies {
+        Self::energies(self)
     }
 
     fn free(&self) -> f64 {

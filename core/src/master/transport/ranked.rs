@@ -196,8 +196,8 @@ impl RankedThresholds {
         let (stretch, aged) = passage.at(ends.1);
         left.met = left.met.max(aged.newborn(stretch)).max(self.met_between(&passage));
         let (below, above) = (place.below, place.above);
-        for ((share, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
-            *share = share.min(uncovered(aged.threshold(atom.position), stretch, below, above));
+        for ((fraction, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
+            *fraction = fraction.min(uncovered(aged.threshold(atom.position), stretch, below, above));
         }
         if let Some((thermal, grid)) = &self.thermal {
             self.accumulate(thermal, grid, &passage, left);
@@ -345,22 +345,22 @@ impl RankedThresholds {
 
     /// ∫ P_ci `weight`(h_0) e^{−A} dh_0 over the band above c, and over point masses.
     fn touched(&self, left: &SurvivingRanks, weight: impl Fn(f64) -> f64) -> f64 {
-        let term = |(atom, (share, exponent)): (&Atom, &(f64, f64))| {
-            atom.weight * weight(atom.position) * share * (-exponent).exp()
+        let term = |(atom, (fraction, exponent)): (&Atom, &(f64, f64))| {
+            atom.weight * weight(atom.position) * fraction * (-exponent).exp()
         };
         let atoms: f64 = self.atoms.iter().zip(&left.atoms).map(term).sum();
         let (Some((_, grid)), Some(band)) = (&self.thermal, &left.band) else { return atoms };
         let panels = band.exponents.iter().zip(&band.weights).zip(band.first..);
-        let share = |((exponents, weights), number): ((&Nodal, &Nodal), u64)| {
+        let fraction = |((exponents, weights), number): ((&Nodal, &Nodal), u64)| {
             let panel = grid.panel(number);
             if panel.low < left.met {
                 return panel.above(left.met, exponents, |h| self.law.density(h) * weight(h));
             }
             let labels = panel.points().map(|(label, _)| label);
             let terms = weights.iter().zip(exponents).zip(labels);
-            terms.map(|((share, exponent), label)| share * weight(label) * (-exponent).exp()).sum()
+            terms.map(|((fraction, exponent), label)| fraction * weight(label) * (-exponent).exp()).sum()
         };
-        atoms + panels.map(share).sum::<f64>()
+        atoms + panels.map(fraction).sum::<f64>()
     }
 
     /// The time at which contacts at one stretch that move at `velocity` reach the next point mass of the
@@ -376,7 +376,7 @@ impl RankedThresholds {
             self.evolution.threshold(atom.position, place.age + time)
                 - (place.stretch + velocity * time).abs()
         };
-        let standing = self.atoms.iter().zip(&left.atoms).filter(|(_, (share, _))| *share > 0.0);
+        let standing = self.atoms.iter().zip(&left.atoms).filter(|(_, (fraction, _))| *fraction > 0.0);
         let times = standing.filter_map(|(atom, _)| {
             if self.evolution.is_constant() {
                 let time = (atom.position - place.stretch) / velocity;
@@ -393,9 +393,9 @@ impl RankedThresholds {
     /// Breaks the point masses of thresholds that contacts at one stretch have reached.
     pub(super) fn break_at_atom(&self, place: Place, left: &mut SurvivingRanks) -> bool {
         let aged = self.evolution.at(place.age);
-        for ((share, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
+        for ((fraction, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
             if place.stretch.abs() >= aged.threshold(atom.position) * (1.0 - MET) {
-                *share = 0.0;
+                *fraction = 0.0;
             }
         }
         !self.atoms.is_empty()
