@@ -91,8 +91,9 @@ impl Ensemble {
     /// As [`Self::population`]; stopped by the monitor.
     pub fn population_with(&self, monitor: &mut dyn Monitor) -> Result<EnsemblePopulation> {
         if let Some(rule) = self.contacts.rules.first() {
-            let expected = "contacts that know no time, since a population is moved without one";
-            return Err(Error::invalid(rule, expected, "a rule of time"));
+            let expected =
+                "contacts without time dependence, since a population is moved by displacements, not in time";
+            return Err(Error::invalid(rule, expected, "time-dependent contacts"));
         }
         self.population_fits(monitor.memory())?;
         let (Stiffness::Equal(unit) | Stiffness::PerThreshold(unit)) = self.contacts.stiffness;

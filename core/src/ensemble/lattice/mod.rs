@@ -296,7 +296,8 @@ impl Lattice {
 /// The stiffness of all contacts.
 fn stiffness(contacts: &Contacts) -> Result<f64> {
     if let Some(rule) = contacts.rules.first() {
-        let expected = format!("no {rule} where contacts are coupled one by one: they know no time");
+        let expected =
+            format!("no {rule} where contacts are coupled one by one: these do not depend on time");
         return Err(Error::invalid(rule, expected, "one"));
     }
     match contacts.stiffness {
