@@ -61,6 +61,8 @@ impl FinishedSlide<'_> {
         let moves =
             |cell: usize| least.map_or_else(|| slide.is_unstable(cell), |least| self.slip(cell) > least);
         let slipped = || slide.unstable.iter().map(|&cell| cell as usize).filter(|&cell| moves(cell));
+        // Flood fill with an explicit stack: linear in the number of cells, and no recursion over
+        // clusters of millions.
         let mut cluster_of = vec![NONE; self.model.len()];
         let mut clusters: Vec<Vec<Slipped>> = Vec::new();
         // In the order in which cells began to slip, which is then the order of the clusters.

@@ -75,6 +75,8 @@ impl InterfaceModel {
         }
         let fastest = largest(number, |j| velocities[j].abs());
         // F'' v² from a finite difference of the tangents along the velocities.
+        // F'' along one direction only: one more evaluation of tangents, in place of second
+        // derivatives of every curve.
         let distance = DIFFERENCE * self.length() / fastest;
         let mut by = balance.forces;
         fill(&mut by, |j| velocities[j] * distance);

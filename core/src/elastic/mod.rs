@@ -270,6 +270,8 @@ impl Interface {
         observe: &mut dyn FnMut(&Self),
     ) -> Result<Vec<(Event, Vec<Slipped>)>> {
         let residual = self.model.residual(&self.configuration)?.largest;
+        // Cells put somewhere by hand, or in a restored state, may be out of balance: then the run
+        // begins with a slide.
         let mut lost = residual > self.model.creep_tolerance(&self.configuration, self.configuration.drive);
         loop {
             if lost {
@@ -312,6 +314,7 @@ impl Interface {
         let fraction = self.fraction();
         let Self { model, configuration, energy, .. } = self;
         let mut slide = SlideRecord::new(model, self.parameters, configuration);
+        // A slide is made in place; the mark allows undoing it without a copy of the contacts.
         model.cells.mark();
         if let Err(error) = slide.run(model, configuration, fraction, monitor) {
             model.cells.recall(monitor)?;

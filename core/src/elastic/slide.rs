@@ -83,6 +83,8 @@ impl SlideRecord {
             configuration.advance(&Advances::new(by));
             most = most.max(residual);
             time += duration;
+            // With viscosity the residual decays exponentially and never quite reaches 0: the end
+            // of a slide is where it has become small.
             if residual > OVER * most || self.unstable.len() > unstable {
                 self.over = time;
             }
@@ -111,6 +113,7 @@ impl SlideRecord {
             self.together |= together;
             self.unstable.push(cell);
             let cell = cell as usize;
+            // Cells move uniformly in a step, which interpolates their times of instability.
             let part = if by[cell] > 0.0 { advance / by[cell] } else { 0.0 };
             self.starts[cell] = begin + part * duration;
             if self.parameters.slip == CellSlip::Reset {
@@ -133,6 +136,8 @@ impl SlideRecord {
         configuration: &Configuration,
         by: &[f64],
     ) -> Vec<Vec<(f64, u32, bool)>> {
+        // Between −K_0j − A_jj and this slope a cell is held by neighbours that stand still, but
+        // not by neighbours that move along with it.
         let (steep, jumps) = (-model.springs.mean(), model.cells.extremes().jumps);
         let moved = |cell: usize| configuration.positions[cell] + by[cell] - self.before.positions[cell];
         let is_far = |cell: usize| moved(cell) > self.parameters.drive_tolerance;

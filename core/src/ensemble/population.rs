@@ -275,6 +275,8 @@ impl Population for EnsemblePopulation {
             self.moved = if by > 0.0 { Direction::Forward } else { Direction::Backward };
         }
         let by = by * self.facing.sign();
+        // Moves end exactly at the position of a break or at `back`: contacts that break there are
+        // found by comparison of equal numbers, without a tolerance.
         self.position = if by < 0.0 {
             (self.position + by).max(self.back)
         } else {
@@ -318,6 +320,8 @@ impl Population for EnsemblePopulation {
 
     fn release(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         self.held = false;
+        // Contacts re-form at +r in the direction of the last move, which the queue has to face for
+        // that.
         if self.moved != self.facing && !self.free.is_empty() {
             self.reverse(monitor)?;
         }

@@ -198,6 +198,8 @@ impl Queue {
         while self.near.is_empty() && self.late.is_empty() {
             if let Some(rung) = self.rungs.get_mut(self.taken) {
                 self.near = mem::take(rung);
+                // Equal elements do not occur: contacts that break together are ordered by their
+                // index. The order is hence unique, and so are the sums made in it.
                 self.near.sort_unstable();
                 self.taken += 1;
             } else if self.beyond.is_empty() {
@@ -223,6 +225,8 @@ impl Queue {
         // Infinite for contacts that all break together; the first is then on the lowest rung all the same.
         self.ladder = Ladder { low, density: width.max(0.0).recip() };
         self.taken = 0;
+        // Counting first gives each rung its exact capacity: no reallocation while millions of
+        // contacts are moved.
         let mut counts = vec![0; rungs];
         let rung = |contact: &QueuedContact| self.ladder.rung(contact);
         sliced(&self.beyond, monitor, |contact| {

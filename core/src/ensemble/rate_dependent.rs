@@ -221,6 +221,7 @@ impl EnsembleInTime {
         let gone = Watch::new(monitor).share(chunks.len(), || self.streams(), chunk);
         self.contacts = contacts;
         let gone = gone?;
+        // Chunks have a fixed size and are summed in order: the same bits on any number of threads.
         self.now = gone.iter().fold(SumsInTime::default(), |sum, chunk| sum.plus(chunk.1));
         self.past = gone.iter().fold(self.past, |sum, chunk| sum.plus(chunk.0));
         Ok(())
@@ -250,6 +251,8 @@ impl EnsembleInTime {
             let Some(end) = end else { return totals };
             totals.lost += self.energy(contact, &segment, end);
             totals.broken += 1.0;
+            // Streams are counter-based (Philox), so that going to any position of any contact
+            // costs one block.
             streams.lives.resume(contact.index.into(), contact.drawn, contact.held.newborn);
             let next = streams.lives.next();
             contact.drawn = streams.lives.drawn();

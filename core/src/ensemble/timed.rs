@@ -202,6 +202,8 @@ impl<'a> Follow<'a> {
         let mut total = self.nothing();
         let size = all.div_ceil(CHUNKS).max(FEWEST);
         let starts: Vec<usize> = (0..all).step_by(size).collect();
+        // The number of threads decides on the rounds only, not on the chunks, so that it changes
+        // no sum.
         for round in starts.chunks(rayon::current_num_threads()) {
             let mut aside = Aside { fraction: round[0] as f64 / all as f64, monitor };
             let watch = Watch::new(&mut aside);
@@ -298,6 +300,8 @@ impl<'a> Follow<'a> {
             origin: self.history.position(birth) - life.stretch,
             newborn: life.threshold,
         };
+        // Inversion: the cumulative hazard at which a contact breaks is exponentially distributed,
+        // whatever its history.
         let remaining_hazard = match rules.temperature {
             Some(_) => -draws.breaking.uniform().ln(),
             None => f64::INFINITY,

@@ -199,6 +199,9 @@ impl CurveTable {
         parts: &mut Vec<TabulatedPart>,
     ) {
         let half = 0.5 * length;
+        // Degree 5 from forces and tangents at three points: two evaluations in between, at which
+        // the error of Hermite interpolation is near its largest, check it. A cell then reads one
+        // cache line per evaluation.
         let at = |t: f64| self.population.ahead((start + half * (1.0 + t)).min(interval.length));
         let force = through([-1.0, 0.0, 1.0].map(at), half);
         let scale = [-1.0, 1.0].map(|t| at(t).force.abs()).into_iter().fold(0.0, f64::max);
@@ -222,6 +225,8 @@ impl CurveTable {
         let mut read = [self.population.energies(); 6];
         for (i, energies) in read.iter_mut().enumerate().skip(1) {
             let interval = self.population.smooth_interval(Direction::Forward, monitor)?;
+            // Energies are read at six equidistant places, by moving the population there: it has
+            // their values only, no tangents as for the force.
             let target = origin + part.start + part.length * i as f64 / 5.0;
             let left = target - self.population.position();
             self.population.advance(left.clamp(0.0, interval.length))?;

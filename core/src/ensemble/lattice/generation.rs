@@ -29,6 +29,8 @@ impl Lattice {
             let (threshold, life) = births.next(born, || grid.number(place));
             // A contact that neighbours have pushed beyond its threshold breaks with that larger stretch.
             let let_go = threshold + (*drive - ends[place]) - life.stretch;
+            // A contact breaks once per generation, and all of its force is released before any
+            // neighbour gains: parallel update, independent of the order of the sites.
             ends[place] = *drive + (life.threshold - life.stretch);
             released.push(let_go);
             all += let_go;
@@ -62,6 +64,8 @@ impl Lattice {
                 let before = ends[near];
                 let after = before - gain;
                 ends[near] = after;
+                // Only the neighbour that pushes a contact beyond its threshold enters it in the
+                // list, so that it stands there once.
                 if after <= limit && before > limit {
                     following.push(near as u32);
                 }

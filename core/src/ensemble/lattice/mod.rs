@@ -274,6 +274,8 @@ impl Lattice {
             let all = self.break_front();
             released += all;
             // Springs to the drive take the dissipated fraction, open edges what would go beyond them.
+            // Losses are summed, not taken as a difference of total forces, which would lose the
+            // digits of small avalanches.
             lost += self.dissipated * all + self.distribute();
             mem::swap(&mut self.front, &mut self.following);
             self.following.clear();
@@ -318,6 +320,9 @@ fn newborn(births: &LatticeBirths, grid: &ContactGrid) -> (Vec<f64>, Vec<BirthRe
         .collect();
     let mut ends = vec![f64::INFINITY; grid.places()];
     for (number, (stretch, born)) in contacts.iter().enumerate() {
+        // A contact is stored by the drive at which it breaks, not by its force: uniform loading
+        // then changes no contact, and the next avalanche is at the minimum (P. Grassberger, Phys.
+        // Rev. E 49, 2436 (1994)).
         ends[grid.place(number)] = born.threshold - stretch;
     }
     let born = if births.identical() { Vec::new() } else { contacts.into_iter().map(|c| c.1).collect() };

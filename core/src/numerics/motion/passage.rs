@@ -70,6 +70,8 @@ impl Body {
         let (distance, end) = if rest < length {
             (rest, 0.0)
         } else {
+            // Rounding may put the kinetic energy at the end slightly below 0, where the body just
+            // reaches the end.
             let left = energy + length * (2.0 * excess - resistance * length);
             (length, (left.max(0.0) / self.mass).sqrt())
         };
@@ -83,6 +85,8 @@ impl Body {
         let fastest = rate.max(stiffness.abs().sqrt());
         let (unit, guess) = (1.0 / fastest, uniform(speed, begin, length) * fastest);
         let first = [speed * unit, begin * unit * unit];
+        // The scaled equation ü = a u̇ + b u has |a|, |b| ≤ 1, so that every term of the series has
+        // a bound that does not depend on the parameters, and the number of terms is fixed.
         let series =
             PassageSeries::new(first, [-rate * unit, -stiffness * unit * unit], LONGEST.min(1.5 * guess));
         // u̇ = e^{−βt} [u̇₀ cos ωt + (ü₀ + βu̇₀)/ω sin ωt], 2β = γ/M, ω² = r/M − β².
@@ -177,6 +181,8 @@ impl PassageSeries {
             let step = (length - place) / speed;
             time = (time + step).clamp(0.0, last);
             if step.abs() <= LAST * time {
+                // The velocity at the new time, to first order in the last step, whose square is
+                // below rounding.
                 let speed = speed + step * self.acceleration(place, speed);
                 return PassageEnd { time, distance: length, speed: speed.max(0.0) };
             }
@@ -200,6 +206,8 @@ impl PassageSeries {
             sum += p * power;
             power *= s * inverse;
             bound *= 2.0 * s * inverse;
+            // u̇², u̇ü and ü² satisfy a linear system of equations, since ü is linear in u̇ and u:
+            // their derivatives of all orders follow without products of series.
             [p, q, r] = [2.0 * q, r + by_speed * q + by_place * p, 2.0 * by_speed * r + 2.0 * by_place * q];
             if bound <= NEGLIGIBLE {
                 break;
