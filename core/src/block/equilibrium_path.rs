@@ -244,6 +244,8 @@ impl<'a> EquilibriumPath<'a> {
             return (from + a).clamp(from, to);
         }
         let missing = |a: f64| self.drive(a) - drive;
+        // Rounding may put the drive at `from` beyond the value asked for, which would leave
+        // Brent's method no sign change.
         if missing(from) >= 0.0 {
             return from;
         }
@@ -271,6 +273,8 @@ fn dips(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> bool {
     if !(b.1 < a.1 && b.1 < c.1) {
         return false;
     }
+    // Divided differences of Newton's form: the parabola's minimum follows from slope and curvature
+    // at b.
     let (left, right) = ((b.1 - a.1) / (b.0 - a.0), (c.1 - b.1) / (c.0 - b.0));
     let curvature = (right - left) / (c.0 - a.0);
     let slope = left + curvature * (b.0 - a.0);

@@ -250,6 +250,9 @@ impl<'a> QuasistaticRun<'a> {
     /// Whether the slider has run away: its displacement since the last event is too large for the imposed force.
     pub fn has_run_away(&self, drive: f64) -> bool {
         let largest = drive.abs().max(self.memory.segment_start.drive.abs());
+        // A force above what contacts can carry has no equilibrium at any distance. Contacts at
+        // rest would be displaced by force/N⟨k⟩: a hundred times as far without a new equilibrium
+        // counts as none.
         let gone = (self.path.position - self.memory.rest).abs();
         self.memory.stiffness.is_some_and(|stiffness| gone > RUNAWAY * largest / stiffness)
     }
@@ -270,6 +273,8 @@ impl<'a> QuasistaticRun<'a> {
     /// Advances by `a` along equilibria.
     pub fn advance(&mut self, a: f64) -> Result<()> {
         let (loading, sign) = (self.path.loading, self.path.sign());
+        // Between two breaks the force is a polynomial of degree 15, which the Gauss rule
+        // integrates exactly: the energy balance closes to rounding.
         self.memory.open.work += sign * self.path.integral(a, |_, response| loading.work(response));
         self.path.advance(a)
     }

@@ -106,6 +106,8 @@ pub(super) fn classify(events: &[Jump], start: Point, last: Point, stretch: f64,
         return if slid >= LONG * stretch { Regime::Smooth { slid } } else { undecided(Missing::Distance) };
     };
     let slid = (last.position - latest.after.position).abs();
+    // The longest distance between two slips so far sets the scale on which the next one is
+    // expected.
     let longest = longest_stick(events, start).max(stretch);
     if slid >= LONG * longest {
         return Regime::Transient { slips, slid };

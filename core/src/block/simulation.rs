@@ -232,6 +232,8 @@ impl BlockSimulation {
             // Contacts that cannot move back report it only when they are moved, so a copy is moved now.
             happened = self.now.copy().catch_up(&self.block, |_| Ok(())).and(happened);
         }
+        // An interrupted step has left the contacts anywhere: the last copy is taken, and the
+        // events since are repeated.
         if happened.is_err() {
             self.go_back(here)?;
             return happened;

@@ -130,6 +130,8 @@ impl InterfaceModel {
                 drop((elastic, residual));
                 return Ok(self.is_stable_ahead(&advances)?.then_some(advances));
             }
+            // Slower than at a fold: there is no balance at this drive, or the prediction was too
+            // far from it.
             if largest > CONVERGING * before {
                 return Ok(None);
             }

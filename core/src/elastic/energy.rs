@@ -49,12 +49,16 @@ impl EnergyBudget {
     pub fn add_creep(&mut self, model: &mut InterfaceModel, configuration: &Configuration) {
         let (before, now) = (self.stored, model.stored(configuration));
         let springs = now.spring - before.spring + now.coupling - before.coupling;
+        // The work of contacts is an integral of the tabulated curves. The balance of energies then
+        // tests that elastic energy and breaks, which are tabulated on their own, add up to it.
         self.add(now, springs + now.contacts.work - before.contacts.work, 0.0);
     }
 
     /// Adds a move of the drive alone, from where it was.
     pub fn add_drive(&mut self, model: &mut InterfaceModel, configuration: &Configuration, from: f64) {
         let (drive, positions) = (configuration.drive, &configuration.positions);
+        // The pull of the springs is linear in the drive, so that the midpoint gives its work
+        // exactly.
         let middle = 0.5 * (from + drive);
         let pull = sum(positions.len(), |j| model.springs.of(j) * (middle - positions[j]));
         self.add(model.stored(configuration), pull * (drive - from), 0.0);

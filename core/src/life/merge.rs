@@ -74,6 +74,8 @@ pub(crate) fn simplified(layers: Vec<Layer>, thresholds: &dyn Law) -> Vec<Layer>
             (other.ahead - layer.ahead).abs() <= close && (other.behind - layer.behind).abs() <= close
         };
         match out.iter_mut().find(alike) {
+            // Contacts with the same largest stretch as a function of x have the same survival:
+            // their densities add, and turns of the drive do not pile up layers.
             Some(other) => other.merge(layer),
             None => out.push(layer),
         }

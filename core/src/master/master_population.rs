@@ -191,6 +191,8 @@ impl MasterPopulation {
 
     /// Solves the branch for twice the distance. Simultaneous breaks where it ended are known only then.
     fn extend_branch(&mut self, crossed: bool, monitor: &mut dyn Monitor) -> Result<()> {
+        // Doubling keeps the total cost of all extensions below twice that of the last one,
+        // although each solves from the start.
         let end = 2.0 * self.branch.end();
         let Some(branch) = self.branch.extended(end, self.interface.tolerance, monitor)? else {
             return Ok(());
@@ -248,6 +250,8 @@ impl MasterPopulation {
 
     /// Starts another branch at the present position.
     fn start_branch(&mut self, branch: Arc<LoadingBranch>, direction: Direction) {
+        // A new branch starts from stretches that have the error of the old one: errors of branches
+        // add up until contacts all re-form.
         self.inherited += self.branch.error();
         self.worst = self.worst.max(self.inherited);
         (self.origin, self.direction) = (self.position(), direction);
@@ -270,6 +274,8 @@ impl MasterPopulation {
             return energies;
         };
         let (force, _) = self.branch.response(self.furthest, self.cell);
+        // On the straight line the elastic energy changes by the work done, ∫F dX, since nothing
+        // breaks.
         let elastic = energies.elastic - (force - 0.5 * stiffness * self.behind) * self.behind;
         BranchEnergies { elastic, ..energies }
     }

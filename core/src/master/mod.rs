@@ -260,6 +260,7 @@ impl MasterEquation {
         let tolerance = tolerance.into();
         tolerance.check()?;
         self.has_transients()?;
+        // F falls most steeply in its first oscillations, which three mean lives contain.
         let end = distance.max(3.0 * self.reformed.mean());
         let renewal = RenewalSolution::solve(&self.first, &self.reformed, end, tolerance, monitor)?;
         Ok(Pull::new(self.clone(), renewal, distance, tolerance))

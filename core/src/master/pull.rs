@@ -142,6 +142,8 @@ impl Pull {
         let mut best = (0.0, f64::NEG_INFINITY, 0);
         for cell in cells.clone() {
             for (position, value) in self.peaks(cell) {
+                // Later maxima count only if they are higher by more than the error: of equal ones
+                // the first is returned.
                 if position > 0.0 && value > best.1 + slack {
                     best = (position, value, cell);
                 }
@@ -168,6 +170,8 @@ impl Pull {
         let (low, high) =
             (self.renewal.force.boundaries[cell], self.renewal.force.boundaries[cell + 1].min(self.distance));
         let slope = |x: f64| self.renewal.slope.value_in(cell, x);
+        // A cell resolves the force by a polynomial of degree 15: two extrema in an eighth of it
+        // are not expected.
         let inside = windows(low, high).filter(|&(a, b)| slope(a) > 0.0 && slope(b) <= 0.0);
         let roots = inside.filter_map(|(a, b)| brent_root(slope, a, b, 1e-15 * high));
         roots.chain([high]).map(|x| (x, self.renewal.force.value_in(cell, x))).collect()

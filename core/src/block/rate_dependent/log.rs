@@ -250,6 +250,8 @@ impl Log {
         let after = if slows { self.last.until(&moment, fast) } else { moment };
         self.add_to_trace(after);
         let broken_fraction = after.broken - open.before.broken;
+        // Single contacts of an ensemble make the slider jump a little at each break; these jumps
+        // are not counted as slips.
         if broken_fraction < self.fraction {
             return;
         }

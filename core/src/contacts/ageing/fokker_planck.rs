@@ -54,6 +54,8 @@ impl ThresholdFokkerPlanck {
         let (low, high) = self.support;
         let width = (high - low) / cells as f64;
         let edges: Vec<f64> = (0..=cells).map(|i| low + i as f64 * width).collect();
+        // The potential is defined by the masses of P_cf in the cells, so that exactly these are
+        // stationary on the grid.
         let mass = |pair: &[f64]| -> f64 {
             points(self.mature.as_ref(), &[], (pair[0], pair[1])).map(|point| point.1).sum()
         };
@@ -108,6 +110,8 @@ impl ThresholdFokkerPlanck {
         let inside = |b: &Breakpoint| b.position >= low && b.position <= high;
         for edge in law.breakpoints().iter().filter(|b| inside(b)) {
             let widths = std::iter::successors(Some(finest), |width| Some(4.0 * width));
+            // Elements grow by a factor of four away from a jump, which diffusion spreads over ever
+            // wider layers.
             let widths = widths.take_while(|&width| edge.exponent <= 0.0 && width < 0.1 * (high - low));
             edges.push(edge.position);
             edges.extend(widths.flat_map(|width| [edge.position - width, edge.position + width]));

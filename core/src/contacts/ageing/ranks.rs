@@ -129,6 +129,8 @@ impl RankTable {
         let mean = newborn.mean();
         let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
         let edged = newborn.breakpoints().iter().any(jumps);
+        // The time in which diffusion broadens the fresh distribution by its own width. The table
+        // must resolve it; edges change faster than any width.
         let own = SOON * (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0);
         let soon = if edged { AT_ONCE } else { own };
         let ranks = Self::starting(newborn, maturing, time, soon, monitor)?;
@@ -176,6 +178,8 @@ impl RankTable {
     fn interpolation_error(&self) -> f64 {
         let [second, fourth] = [2, 4].map(|every| self.subsampling_error(every));
         // Rounding, and what the law leaves out.
+        // If halving the spacing reduces the error by a factor, the next halving reduces it by the
+        // same: the error of the whole table is that of every second entry times second/fourth.
         (second * (second / fourth.max(f64::MIN_POSITIVE)).min(1.0)).max(10.0 * LEFT_OUT)
     }
 
@@ -186,6 +190,8 @@ impl RankTable {
         let (older, farther) = (ages * every, ranks * every);
         let mut most = 0.0_f64;
         for rank in 1..RANKS - 1 {
+            // Errors of thresholds are converted to fractions of contacts, in which all ranks count
+            // alike.
             let contacts = contacts_at(psi(rank));
             let per_length = |row: &[f64]| contacts * 2.0 * SPREAD / (row[rank + 1] - row[rank - 1]);
             for row in (every / 2..older).step_by(every) {
@@ -365,6 +371,8 @@ fn means_above(newborn: &dyn Law, rows: &[Vec<f64>]) -> Vec<Vec<[f64; 2]>> {
     let of = |row: &Vec<f64>| {
         let mut sums = shifted(newborn, rows[0][TOP], row[TOP] - rows[0][TOP]);
         let mut means = vec![[0.0; 2]; RANKS];
+        // Summed from the highest rank down, so that the means of the few strongest contacts keep
+        // their digits.
         for rank in (0..RANKS).rev() {
             for (stencil, weight) in points.get(rank).into_iter().flatten() {
                 let threshold = stencil.value(|rank| row[rank]);

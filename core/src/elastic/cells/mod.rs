@@ -33,6 +33,7 @@ impl CellEnergies {
     /// The energies of cells whose lengths and forces are `scale` times as large.
     #[must_use]
     pub(super) fn scaled(self, scale: f64) -> Self {
+        // Forces scale like lengths since stiffness does not, hence energies with the square.
         let energy = scale * scale;
         Self { work: energy * self.work, elastic: energy * self.elastic, lost: energy * self.lost, ..self }
     }

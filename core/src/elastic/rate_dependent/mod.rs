@@ -322,6 +322,8 @@ impl RateDependentInterface {
             self.motion.drive = drive;
         }
         let now = self.seen();
+        // Events are found between two snapshots, so that the stages of a step, which may be
+        // rejected, need not know of them.
         let before = std::mem::replace(&mut self.look, now);
         self.update_coupling_energy();
         self.slips.pass(&before, &self.look, velocity, self.coupling.as_ref());

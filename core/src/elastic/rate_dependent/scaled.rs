@@ -58,6 +58,7 @@ impl RateDependentContacts for Scaled {
     }
 
     fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        // Only lengths are scaled: rates of ageing and delays are the same in all cells.
         self.contacts.step(by / self.scale, during, monitor)
     }
 

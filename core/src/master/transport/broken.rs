@@ -79,6 +79,8 @@ impl BrokenFraction {
     /// The closest fraction for which N rises throughout the step.
     pub(super) fn rising(self) -> Self {
         let end = self.end.max(0.0);
+        // A parabola through 0, `middle` and `end` rises on the whole step exactly if `middle` lies
+        // between these bounds.
         Self { middle: self.middle.clamp(0.25 * end, 0.75 * end), end }
     }
 
@@ -139,6 +141,8 @@ impl Broken {
     pub(super) fn births(&self, start: f64, duration: f64, fraction: BrokenFraction) -> BirthMoments {
         let (from, to) = (-self.delay, duration - self.delay);
         let now = BreakHistory { start, duration, before: self.broken.value(), fraction };
+        // N and what has re-formed grow without limit; their difference, the contacts that wait,
+        // stays small.
         let origin = self.born.value();
         let mut integral = 0.0;
         let (mut first, mut last) = (None, 0.0);
@@ -149,6 +153,7 @@ impl Broken {
             if low >= high {
                 continue;
             }
+            // Simpson's rule is exact, since N is quadratic on each step.
             let [a, b, c] = [low, 0.5 * (low + high), high]
                 .map(|time| past.before + past.fraction.at((time - begun) / past.duration) - origin);
             first = first.or(Some((a, low)));
@@ -158,6 +163,8 @@ impl Broken {
         let Some((begun, low)) = first else { return BirthMoments::default() };
         integral += begun * (low - from);
         let mass = last.max(0.0);
+        // The bound keeps both weights of the two-point rule positive, hence cohorts of positive
+        // mass.
         let moment = (0.5 * (begun + last) - integral / duration).clamp(-MOST * mass, MOST * mass);
         BirthMoments { mass, moment }
     }

@@ -39,6 +39,8 @@ impl EnergyChange {
     /// 0 ≤ s ≤ 1.
     fn on(from: f64, to: f64, changes: [f64; 2], aged: [f64; 2]) -> Self {
         let way = to - from;
+        // ∫x² ds and ∫x² s ds for a stretch linear in s, multiplied out so that nothing cancels for
+        // short steps.
         let mean = from * from + way * (from + way / 3.0);
         let tilted = 0.5 * from * from + way * (2.0 / 3.0 * from + 0.25 * way);
         let energy = |[first, second]: [f64; 2]| {

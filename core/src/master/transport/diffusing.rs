@@ -167,6 +167,7 @@ impl Diffusing {
                 .newborn(&middles, stretch.abs(), &mut &*watch)
                 .unwrap_or_else(|_| vec![0.0; middles.len()]);
             let whole: f64 = masses.iter().sum();
+            // Both levels start with the mass 1, so that extrapolation does not change it.
             masses.iter_mut().for_each(|mass| *mass /= whole);
             masses
         };
@@ -193,6 +194,9 @@ impl Diffusing {
         for segment in self.segments(place, path, part) {
             let mut left = Some(segment);
             while let Some(segment) = left {
+                // The distribution of thresholds changes fast just after formation and ever more
+                // slowly later, like √t in diffusion: steps in proportion to the age resolve all of
+                // it in a logarithmic number.
                 let (step, rest) = segment.split(self.steps(&segment, age));
                 // Both levels make the same coarse step; the fine one halves it, for the extrapolation.
                 for (level, broken) in broken.iter_mut().enumerate() {

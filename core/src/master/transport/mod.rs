@@ -136,6 +136,7 @@ impl Transport {
         let strength = strength(&contacts, monitor)?;
         let mut starting =
             |tolerance| Self::starting(&contacts, strength.clone(), initial, tolerance, monitor);
+        // The two solutions share the ranks of thresholds, whose table is expensive.
         Ok(starting(tolerance)?.beside(starting(rough(tolerance))?))
     }
 
@@ -385,6 +386,7 @@ impl Transport {
     fn advance(&mut self, path: &Path, monitor: &mut dyn Monitor) -> Result<bool> {
         let Self { model, seeds, broken, time, dropped, .. } = self;
         let stage = StepAttempt { model, seeds, broken, time: *time, dropped: *dropped };
+        // A rejected attempt leaves the cohorts as they were: it works on copies.
         let trial = stage.attempt(&self.cohorts, path, monitor)?;
         let before = self.pace.last();
         if !self.pace.judge(path.duration, trial.fraction, trial.deaths) {
@@ -409,6 +411,8 @@ impl Transport {
         let least = LEAST * self.tolerance;
         let Self { cohorts, dropped, spent, .. } = self;
         *dropped = 0.0;
+        // What is removed counts as broken, so that probability and energy are conserved however
+        // many cohorts are removed.
         cohorts.retain(|cohort| {
             let kept = cohort.left > least && cohort.attached() > NOTHING;
             if !kept {

@@ -179,6 +179,8 @@ impl RankedThresholds {
         let older = place.age + path.duration * (ends.1 - ends.0);
         let before = self.stiffening(left, place.age, older);
         self.apply(place, left, path, ends);
+        // The mean of those present before and after the step: second order in the step, as the
+        // division between ageing and breaks is said to be.
         0.5 * (before + self.stiffening(left, place.age, older))
     }
 
@@ -258,6 +260,8 @@ impl RankedThresholds {
             fitted(top, &mut |moments| added = thermal.added_to(moments, top));
             added > GONE
         };
+        // Panels are stored between the highest threshold met and the first panel that nothing has
+        // broken on: A falls with the threshold, so that these two ends bound the band.
         let (lowest, count) = (grid.above(*met), grid.count());
         if band.is_empty() || lowest >= band.end() {
             let first = first_remaining(lowest, count.saturating_sub(1), &mut gone);
@@ -300,6 +304,8 @@ impl RankedThresholds {
         let thresholds: Vec<f64> = panel.nodes().0.into_iter().chain([panel.high]).collect();
         let found: Vec<Rank> = thresholds.into_iter().filter_map(|h| self.evolution.rank(h)).collect();
         let ranks: Arc<PanelRanks> = Arc::new(found.try_into().ok()?);
+        // Two threads may compute the same panel; both results are equal, so that it does not
+        // matter which is kept.
         let mut known = self.ranks.write().unwrap_or_else(PoisonError::into_inner);
         if known.len() < MOST {
             known.insert(number, ranks.clone());

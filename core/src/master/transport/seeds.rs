@@ -76,6 +76,9 @@ pub(super) fn fewest(
 /// Neighbouring seeds merged into the fewest that integrate functions varying over `length` to `error`.
 fn merged(fine: &[Seed], length: f64, error: f64) -> Vec<(Seed, Vec<StretchInterval>)> {
     let points: Vec<_> = fine.iter().map(|seed| (seed.stretch, seed.weight)).collect();
+    // A Gauss rule for the distribution itself integrates polynomials of twice its number of nodes
+    // exactly, and its weights are positive: no other choice of as many cohorts represents more
+    // moments of the distribution.
     let rule = gauss::fewest(&points, length, error);
     if rule.len() == fine.len() {
         return fine.iter().map(|seed| (*seed, Vec::new())).collect();

@@ -97,6 +97,8 @@ impl StepControl {
 
     /// Whether a step is accurate enough; sets the duration of the next one.
     pub(super) fn judge(&mut self, duration: f64, fraction: BrokenFraction, deaths: EarlyBreaks) -> bool {
+        // The number of breaks is computed, not extrapolated; the difference from its extrapolation
+        // measures how well a parabola in time describes it in this step.
         let extrapolation_error = self.extrapolation_error(duration, fraction) / self.extrapolation_error;
         let curvature = fraction.end * deaths.curve().1.abs() / self.curvature;
         let early = deaths.early / MOST_DEATHS;
