@@ -45,7 +45,7 @@ pub enum Error {
         /// Tolerance asked for.
         wanted: Float,
     },
-    /// The monitor told the computation to stop.
+    /// The monitor stopped the computation.
     #[error("stopped before the end")]
     Stopped,
 }

@@ -14,7 +14,7 @@ const CREEP: f64 = 4.0;
 /// Cells that moved by less than this fraction of the largest displacement were pulled along.
 const ALONG: f64 = 0.1;
 
-/// Least number of cells in a front: fewer cannot be told from the patch where slip began.
+/// Least number of cells in a front: fewer cannot be distinguished from the patch where slip began.
 const FRONT: usize = 5;
 
 /// A slide that is over.

@@ -61,7 +61,8 @@ impl SlideRecord {
         !self.starts[cell].is_nan()
     }
 
-    /// Moves the cells step by step until there is balance. The monitor hears that of the run `fraction` is done.
+    /// Moves the cells step by step until there is balance. The monitor receives `fraction`, the part of the run
+    /// that is done.
     pub fn run(
         &mut self,
         model: &mut InterfaceModel,

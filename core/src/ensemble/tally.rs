@@ -21,7 +21,7 @@ pub(super) trait TallyCell: Copy + Send + Sync {
     fn merge(&mut self, other: &Self);
     /// Sums of k, kx, k², k²x, (kx)².
     fn sums(&self) -> [f64; 5];
-    /// The part of these sums, of `size` contacts, that is not remembered.
+    /// The part of these sums, of `size` contacts, that is constant and not stored.
     fn constant(size: f64) -> [f64; 5];
 }
 

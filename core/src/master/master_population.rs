@@ -202,7 +202,7 @@ impl MasterPopulation {
             self.cell.checked_sub(1).filter(|&before| !crossed && branch.breaks_after(before))
             && (branch.cell_end(before) - self.furthest).abs() <= self.interface.rounding()
         {
-            // Stay in front of a simultaneous break that the caller does not know of.
+            // Stay in front of a simultaneous break that has not been reported to the caller.
             (self.cell, self.furthest) = (before, self.furthest.min(branch.cell_end(before).next_down()));
         }
         self.branch = Arc::new(branch);
@@ -306,7 +306,7 @@ impl Population for MasterPopulation {
                 return Ok(SmoothInterval { length: self.behind, straight: true, breaks });
             }
             if self.branch.cell_end(self.cell) >= self.branch.end() {
-                // Before its last cell is passed: this may take long, and the monitor is listening now.
+                // Before its last cell is passed: this may take long, and here a monitor can stop it.
                 self.extend_branch(true, monitor)?;
             }
             let length = self.branch.cell_end(self.cell) - self.furthest;

@@ -222,6 +222,9 @@ impl MasterEquation {
     }
 
     /// The relaxation spectrum; unknown for `ageing.mean_field`, which only describes steady sliding.
+    ///
+    /// # Errors
+    /// None: only a monitor can stop it.
     pub fn relaxation(&self) -> Result<Relaxation> {
         self.relaxation_with(&mut ())
     }

@@ -76,6 +76,9 @@ impl Pull {
     /// Standard deviation of the force as a function of X for `size` contacts drawn at random, scaled to N_c.
     /// Contacts are independent under a rigid drive, so that it is exactly N_c⟨k⟩ √([∫x²Q − (∫xQ)²]/size).
     /// The curve of ∫x²Q is computed once.
+    ///
+    /// # Errors
+    /// None: only a monitor can stop it.
     pub fn force_std<'a>(&'a self, size: f64) -> Result<impl Fn(f64) -> f64 + Send + Sync + use<'a>> {
         self.force_std_with(size, &mut ())
     }
@@ -111,7 +114,10 @@ impl Pull {
         self.renewal.sum_at(Life::survival, position)
     }
 
-    /// Q(x; X) at the given stretches, and its point masses.
+    /// Q(x; X) at the given stretches, per length, and its point masses.
+    ///
+    /// # Errors
+    /// None: only a monitor can stop it.
     pub fn stretch_density(&self, position: f64, stretches: &[f64]) -> Result<Stretches> {
         self.stretch_density_with(position, stretches, &mut ())
     }

@@ -199,7 +199,7 @@ fn moved(
 }
 
 impl Populations {
-    /// Cells in the states of their populations.
+    /// Cells in the states of these populations, one for each cell, row by row.
     ///
     /// # Errors
     /// Those of the populations; stopped by the monitor.
@@ -212,7 +212,7 @@ impl Populations {
         Ok(populations)
     }
 
-    /// The same cells with scales s_j, one for each, as [`super::Curves::scaled`] has them.
+    /// The same cells with scales s_j, one for each; see [`super::Curves::scaled`].
     ///
     /// # Errors
     /// Another number of scales than of cells; a scale that is not a finite number above 0, naming its cell.

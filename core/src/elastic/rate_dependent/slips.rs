@@ -1,4 +1,4 @@
-//! Who slips, and which cells slip together.
+//! Event detection in time: cells that slip, and the connected sets of them.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use crate::dynamics::{SLIP_VELOCITY, crossing};
 use crate::elastic::catalogue::{beside, fronts};
 use crate::elastic::{Coupling, Event, Slipped};
 
-/// A cell as it is seen at one moment.
+/// A cell at one time.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Seen {
     pub position: f64,
@@ -20,7 +20,7 @@ pub(super) struct Seen {
     pub viscous: f64,
 }
 
-/// All cells at one moment.
+/// All cells at one time.
 #[derive(Debug, Clone)]
 pub(super) struct MotionSnapshot {
     pub time: f64,
@@ -28,14 +28,14 @@ pub(super) struct MotionSnapshot {
     pub cells: Vec<Seen>,
 }
 
-/// Cells that slip, and events that are not over or not told.
+/// Cells that slip, and events that have not ended or have not been returned.
 ///
 /// An event begins with a cell that slips where no other event is beside it. Cells that begin to slip beside a cell of an
 /// event that is not over belong to it, and make one event of all that are beside them. It is over when none of its cells
 /// slips any more.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Slips {
-    /// The share of the contacts of a cell that breaks in the smallest event.
+    /// Fraction of the contacts of a cell that breaks in the smallest event.
     #[serde(skip)]
     fraction: f64,
     /// Area of a cell, if it has one.
@@ -50,7 +50,7 @@ pub(super) struct Slips {
     next: u64,
 }
 
-/// An event that is not told.
+/// An event that has not been returned.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct OpenEvent {
     number: u64,
@@ -122,7 +122,7 @@ impl Slips {
         Self { fraction, area, slipping, member, events: Vec::new(), next: 0 }
     }
 
-    /// A step has been made from one look to the next, the drive moving at a velocity.
+    /// Updates the events after a step between two snapshots, at a velocity of the drive.
     pub fn pass(
         &mut self,
         before: &MotionSnapshot,
@@ -160,7 +160,7 @@ impl Slips {
         }
     }
 
-    /// A cell begins to slip at a part of the way from one look to the next.
+    /// A cell begins to slip at the fraction `share` of the time between two snapshots.
     fn start(
         &mut self,
         cell: usize,
@@ -206,7 +206,7 @@ impl Slips {
         }
     }
 
-    /// What came of an event that is over at a look.
+    /// The outcome of an event that has ended at the snapshot `end`.
     fn tell(&self, event: &OpenEvent, end: &MotionSnapshot, coupling: &dyn Coupling) -> Outcome {
         let mut started = event.started.clone();
         started.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.cell.cmp(&b.cell)));
@@ -244,7 +244,7 @@ impl Slips {
         Outcome::Over(told, slipped)
     }
 
-    /// Events that are over, up to the first one that is not, in the order in which they began.
+    /// Events that have ended, up to the first one that has not, in the order in which they began.
     pub fn told(&mut self) -> Vec<(Event, Vec<Slipped>)> {
         let over = self.events.iter().take_while(|event| event.is_over()).count();
         let told = |event: OpenEvent| match event.outcome {
@@ -254,7 +254,7 @@ impl Slips {
         self.events.drain(..over).filter_map(told).collect()
     }
 
-    /// Goes to what slips with the same setting have come to.
+    /// Restores the state of an interface of the same parameters.
     pub fn resume(&mut self, kept: Self) {
         let Self { fraction, area, .. } = *self;
         *self = Self { fraction, area, ..kept };

@@ -215,7 +215,7 @@ impl Lattice {
     /// Drives the contacts up to a drive or for a number of avalanches, and passes each avalanche to `each`.
     ///
     /// # Errors
-    /// None: nobody stops it.
+    /// None: only a monitor can stop it.
     pub fn run(&mut self, until: Until, each: &mut dyn FnMut(&Avalanche)) -> Result<()> {
         self.run_with(until, &mut (), each)
     }

@@ -50,7 +50,7 @@ pub struct TimeStep {
 /// The narrowest element, relative to the whole length.
 const NARROWEST: f64 = 1e-13;
 
-/// Largest number of elements; where it is not enough, the error of the step says so.
+/// Largest number of elements; if it is not enough, the estimated error of the step is larger.
 const MOST_ELEMENTS: usize = 400;
 /// Largest number of attempts at a step.
 const MOST_TRIES: usize = 60;
