@@ -46,7 +46,7 @@ pub(super) struct CreepPace {
 
 /// Result of a stride.
 pub(super) enum Stride {
-    /// Drive and cells have gone on in balance.
+    /// Drive and cells have moved in balance.
     Balanced,
     /// Nothing has moved: balance is lost before this drive, by less than the tolerance.
     Lost(f64),

@@ -20,7 +20,7 @@ pub(super) struct StoredEnergy {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct EnergyBudget {
     pub total: EnergyBalance,
-    /// What was stored in that configuration.
+    /// Stored energies in that configuration.
     stored: StoredEnergy,
 }
 
@@ -30,7 +30,7 @@ impl EnergyBudget {
         Self { total: EnergyBalance::default(), stored: model.stored(configuration) }
     }
 
-    /// Adds a motion to what is stored now, during which the drive did `work` and `slip` was dissipated by the slider.
+    /// Adds a motion after which the energies `now` are stored, and during which the drive did `work` and `slip` was dissipated by the slider.
     fn add(&mut self, now: StoredEnergy, work: f64, slip: f64) {
         let before = std::mem::replace(&mut self.stored, now);
         self.total += EnergyBalance {
@@ -71,7 +71,7 @@ impl EnergyBudget {
 }
 
 impl InterfaceModel {
-    /// What is stored in a configuration.
+    /// Stored energies in a configuration.
     fn stored(&mut self, configuration: &Configuration) -> StoredEnergy {
         let displacements = configuration.displacements();
         let forces = self.elastic_forces(displacements);

@@ -139,7 +139,7 @@ impl InterfaceModel {
         Ok(self.subtract_contacts(vec![0.0; by.len()], by)?.tangents)
     }
 
-    /// The range of the tangents of each cell on its way through an advance.
+    /// Least and largest tangent of each cell over an advance.
     pub fn slopes(&mut self, by: &[f64]) -> Result<Vec<Slopes>> {
         let mut slopes = vec![Slopes::default(); by.len()];
         self.cells.slopes(by, &mut slopes)?;

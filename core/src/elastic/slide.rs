@@ -1,4 +1,4 @@
-//! A slide at a fixed drive, from the loss of balance to the next balance: which cells become unstable in it, and when.
+//! A slide at a fixed drive, from the loss of balance to the next balance, with a record of the cells that become unstable.
 
 use super::batch::{find, sum};
 use super::cells::Instability;
@@ -18,7 +18,7 @@ const REPORT: u64 = 1 << 12;
 /// Steps after which a slide is given up: some 10⁴ times the number of a usual one.
 const MOST_STEPS: u64 = 10_000_000;
 
-/// What is known of a slide.
+/// The record of a slide.
 pub(super) struct SlideRecord {
     pub parameters: InterfaceParameters,
     /// Where cells were before.

@@ -39,7 +39,7 @@ pub(super) struct UniformStiffnessStep {
     variable: Option<VariableStep>,
 }
 
-/// What a step with variable stiffness has cost and brought.
+/// Cost and gain of a step with variable stiffness.
 struct VariableStep {
     /// Largest residual before it.
     residual: f64,
@@ -77,7 +77,7 @@ impl UniformStiffnessStep {
         self.left > 0
     }
 
-    /// Takes note of a step with variable stiffness that took so many applications of the preconditioner, from such a
+    /// Records a step with variable stiffness that took so many applications of the preconditioner, from such a
     /// largest residual, and went `gain` times as far as one with uniform stiffness c would have.
     pub fn compare(&mut self, residual: f64, gain: f64, iterations: usize, stiffness: f64) {
         let cost = iterations + 2 * EVALUATION;

@@ -77,7 +77,7 @@ impl Ensemble {
         fits("size", what, (self.size as u64).saturating_mul(BYTES), memory)
     }
 
-    /// The contacts at X = 0, to be moved. What stands at its threshold in a relaxed start has broken.
+    /// The contacts at X = 0, to be moved. In a relaxed start, contacts at or above their thresholds have broken.
     ///
     /// # Errors
     /// Time-dependent contacts; more of them than fit in the memory that the monitor allows.

@@ -16,7 +16,7 @@ const PER_RUNG: usize = 32;
 /// Largest number of rungs: few enough that their ends stay in cache while contacts are distributed.
 const RUNGS: usize = 1 << 14;
 
-/// Contacts dealt with between two questions to a monitor.
+/// Contacts processed between two reports to a monitor.
 pub(super) const SLICE: usize = 1 << 18;
 
 /// A contact between two breaks: its stretch is `position − origin`.
@@ -181,11 +181,11 @@ impl Queue {
         contacts.reserve_exact(rest);
         contacts.append(&mut queue.near);
         contacts.extend(queue.late);
-        let mut told = contacts.len();
+        let mut reported = contacts.len();
         for rung in &mut queue.rungs {
             contacts.append(rung);
-            if contacts.len() > told + SLICE {
-                told = contacts.len();
+            if contacts.len() > reported + SLICE {
+                reported = contacts.len();
                 report(monitor, 0.0)?;
             }
         }

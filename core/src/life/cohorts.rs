@@ -79,7 +79,7 @@ struct CohortSums {
     force: f64,
     square: f64,
     energy: f64,
-    /// ½k x² of what breaks, per unit advance.
+    /// ½k x² of breaking contacts, per unit advance.
     lost: f64,
 }
 
@@ -466,7 +466,7 @@ impl Cohorts {
 }
 
 impl CohortSums {
-    /// Adds what survives of a cohort at the stretch x, and what breaks.
+    /// Adds the surviving and the breaking contacts of a cohort at the stretch x.
     fn add(&mut self, survival_moments: SurvivalMoments, weight: f64, x: f64, per_threshold: bool) {
         let [unbroken, first, second] = survival_moments.unbroken.map(|sum| weight * sum);
         let [breaking, breaking_first] = survival_moments.breaking.map(|sum| weight * sum);

@@ -15,7 +15,7 @@ use crate::numerics::piecewise::Piecewise;
 /// Breakpoints are dropped if their effect on cells that resolve P_c is below this, per mean threshold.
 const FAINT: f64 = 1e-11;
 
-/// The life of the contacts of some layers; what breaks does not re-form.
+/// The life of the contacts of some layers; broken contacts do not re-form.
 ///
 /// # Errors
 /// Stopped by the monitor.

@@ -110,7 +110,7 @@ impl LoadingBranch {
         }
     }
 
-    /// The density of stretches at the advance u, and its atoms, where what breaks re-forms.
+    /// The density of stretches at the advance u, and its point masses; `None` if broken contacts stay free.
     ///
     /// # Errors
     /// Stopped by the monitor.

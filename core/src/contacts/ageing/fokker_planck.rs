@@ -235,7 +235,7 @@ impl ThresholdFokkerPlanck {
     /// # Errors
     /// Stopped by the monitor.
     pub fn newborn(&self, middles: &[f64], stretch: f64, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
-        /// Points between two questions to the monitor.
+        /// Points between two checks whether the monitor has stopped.
         const MANY: usize = 1 << 16;
         let watch = Watch::new(monitor);
         let (low, high) = self.support;

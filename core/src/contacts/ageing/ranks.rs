@@ -87,14 +87,14 @@ pub(crate) struct RankTrajectory<'a> {
 
 impl RankTrajectory<'_> {
     pub(super) fn threshold(&self, age: f64) -> f64 {
-        let told = |age: usize| {
+        let interpolated = |age: usize| {
             let known = &self.thresholds[age];
             if known.get().is_nan() {
                 known.set(self.rank.ranks.value(|rank| self.ranks.rows[age][rank]));
             }
             known.get()
         };
-        self.ranks.at(age).ages.value(told) + self.rank.beyond
+        self.ranks.at(age).ages.value(interpolated) + self.rank.beyond
     }
 }
 
@@ -196,14 +196,15 @@ impl RankTable {
             let per_length = |row: &[f64]| contacts * 2.0 * SPREAD / (row[rank + 1] - row[rank - 1]);
             for row in (every / 2..older).step_by(every) {
                 let stencil = Stencil::at(row as f64 / every as f64, ages + 1);
-                let told = stencil.value(|age| self.rows[age * every][rank]);
-                most = most.max((told - self.rows[row][rank]).abs() * per_length(&self.rows[row]));
+                let interpolated = stencil.value(|age| self.rows[age * every][rank]);
+                most = most.max((interpolated - self.rows[row][rank]).abs() * per_length(&self.rows[row]));
             }
             if rank % every == every / 2 && rank < farther {
                 for row in &self.rows {
                     // The values left out are known: the difference is the interpolation error at this spacing.
-                    let told = Stencil::at(rank as f64 / every as f64, ranks + 1).value(|k| row[k * every]);
-                    most = most.max((told - row[rank]).abs() * per_length(row));
+                    let interpolated =
+                        Stencil::at(rank as f64 / every as f64, ranks + 1).value(|k| row[k * every]);
+                    most = most.max((interpolated - row[rank]).abs() * per_length(row));
                 }
             }
         }
@@ -238,11 +239,11 @@ impl RankTable {
     fn born(&self, psi: f64) -> f64 {
         /// Largest Newton step: its error is about its square, in widths of the distribution.
         const NEAR: f64 = 1e-7;
-        let told = stencil(psi).value(|rank| self.rows[0][rank]);
+        let interpolated = stencil(psi).value(|rank| self.rows[0][rank]);
         let law = &self.newborn;
-        let slope = law.density(told) / contacts_at(psi);
-        let step = (self.psi(told) - psi) / slope;
-        if step.abs() < NEAR * law.std() { told - step } else { quantile(law, psi) }
+        let slope = law.density(interpolated) / contacts_at(psi);
+        let step = (self.psi(interpolated) - psi) / slope;
+        if step.abs() < NEAR * law.std() { interpolated - step } else { quantile(law, psi) }
     }
 
     /// ψ of a fresh threshold.

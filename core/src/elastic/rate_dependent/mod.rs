@@ -301,7 +301,7 @@ impl RateDependentInterface {
         while self.motion.drive < drive {
             let fraction = self.fraction();
             self.go(drive, velocity, &mut Aside { fraction, monitor })?;
-            let events = self.slips.told();
+            let events = self.slips.take_ended();
             if !events.is_empty() {
                 return Ok(events);
             }

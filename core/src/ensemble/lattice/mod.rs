@@ -91,12 +91,12 @@ pub struct Lattice {
     together: f64,
     /// The drive after which `base` is updated.
     span: f64,
-    /// From a stretch to the force of all real contacts that one contact stands for.
+    /// Force of the real contacts that one contact represents, per stretch.
     scale: f64,
     /// Places of contacts that break now, and of those that follow.
     front: Vec<u32>,
     following: Vec<u32>,
-    /// What those that break now let go.
+    /// The stretch that each of those that break now releases.
     released: Vec<f64>,
     /// Whether the contact at a site broke in the last avalanche; the list of these sites.
     broken: Vec<bool>,

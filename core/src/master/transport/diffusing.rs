@@ -99,7 +99,7 @@ const FINEST: f64 = 0.05;
 const SHARE: f64 = 2.0;
 const REACH: f64 = 4.0;
 
-/// Largest number of cells of a step between two questions to the monitor.
+/// Largest number of cells of a step between two checks whether the monitor has stopped.
 const MANY: usize = 1 << 16;
 
 /// Smallest number of cells.
@@ -247,7 +247,7 @@ impl Diffusing {
         (segment.duration / longest).max((segment.to - segment.from).abs() / self.reach)
     }
 
-    /// A step of one level; returns the stiffness of what breaks.
+    /// A step of one level; returns the stiffness of the contacts that break.
     fn step(
         &self,
         segment: &PathSegment,

@@ -25,7 +25,7 @@ pub(super) struct Trial {
     pub(super) spent: EnergyChange,
 }
 
-/// Amount of work of a thread between two questions to the monitor.
+/// Amount of work of a thread between two checks whether the monitor has stopped.
 const LEAST: usize = 4096;
 
 /// Sums over these cohorts.

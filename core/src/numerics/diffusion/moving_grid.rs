@@ -76,7 +76,7 @@ pub struct Coefficients<'a> {
     pub potential: &'a Potential,
     /// D, above 0.
     pub diffusion: f64,
-    /// Loss rate besides the floor.
+    /// Loss rate in addition to absorption at the floor.
     pub sink: Option<Sink<'a>>,
 }
 

@@ -22,7 +22,7 @@ pub struct Field<'a> {
     pub slope: &'a dyn Fn(f64) -> f64,
     /// D, above 0.
     pub diffusion: f64,
-    /// Loss rate besides the floor.
+    /// Loss rate in addition to absorption at the floor.
     pub loss: Option<Loss<'a>>,
 }
 
