@@ -114,7 +114,7 @@ const SIDE: usize = 24;
 
 /// Contacts on a lattice, a share of what each lets go going to each of its four neighbours.
 fn lattice(thresholds: &SharedLaw, side: usize, share: f64) -> Lattice {
-    let coupling = LatticeCoupling::sharing(Shape::Square([side; 2]), Edges::Periodic, share);
+    let coupling = LatticeCoupling::with_alpha(Shape::Square([side; 2]), Edges::Periodic, share);
     let contacts = contacts(thresholds, &point(0.0));
     Lattice::new(contacts, initial(&point(0.0)), &coupling, SEED, Disorder::Annealed).unwrap()
 }

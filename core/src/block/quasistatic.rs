@@ -155,6 +155,7 @@ impl<'a> QuasistaticRun<'a> {
     pub fn unloading(&mut self) -> Result<f64> {
         let forward = self.path.direction;
         self.path.find_interval(forward.reversed())?;
+        // On unloading no contact breaks, so that the slope is that of all attached contacts.
         let stiffness = self.path.here.tangent;
         self.path.find_interval(forward)?;
         Ok(stiffness)

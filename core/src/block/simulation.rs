@@ -188,6 +188,8 @@ impl BlockSimulation {
 
     /// Applies `evaluate` to the contacts at the position of the slider.
     fn observe<T>(&self, evaluate: impl FnOnce(&dyn Population) -> Result<T>) -> Result<T> {
+        // Contacts stand at the last event or kink; a copy is moved to the slider for the
+        // observation, so that looking changes nothing.
         if self.now.ahead == 0.0 {
             return evaluate(self.now.population.as_ref());
         }

@@ -173,6 +173,8 @@ fn speed(times: &[f64]) -> f64 {
     let times = &times[quarter..times.len() - quarter];
     let number = times.len() as f64;
     let (middle, mean) = (0.5 * (number - 1.0), times.iter().sum::<f64>() / number);
+    // Distances are exact, times scatter: time is regressed on distance, and the speed is the
+    // inverse of the slope.
     let (mut covariance, mut variance) = (0.0, 0.0);
     for (i, time) in times.iter().enumerate() {
         let distance = i as f64 - middle;

@@ -93,6 +93,9 @@ impl InterfaceModel {
             return Ok(Stride::Lost(end.min(from + least)));
         };
         loop {
+            // The prediction may be wrong, as where another cell becomes the unstable one. Each
+            // stride is checked by the corrector and the stability test, and halved until both
+            // succeed or it is as short as the tolerance.
             let stride = pace.next(from, &ahead);
             let to = end.min(from + stride);
             if let Some(advances) = self.balance_at(to, configuration, &ahead)? {

@@ -35,6 +35,8 @@ impl FoldPrediction {
     pub fn advance(&self, cell: usize, distance: f64) -> f64 {
         let (velocity, acceleration) = (self.velocities[cell], self.accelerations[cell]);
         let to_fold = 2.0 * acceleration * distance / velocity;
+        // A second-order expansion fails near the fold, where all derivatives diverge; the
+        // square-root law has the right singularity and agrees with it far from the fold.
         if to_fold > 0.0 && to_fold < 1.0 {
             // 2 d v (1 − √(1 − h/d)) after a distance h, with the distance d of the fold.
             2.0 * velocity * distance / (1.0 + (1.0 - to_fold).sqrt())

@@ -123,6 +123,8 @@ impl InterfaceModel {
         let mut pulls = self.elastic_forces(advances.displacements());
         let (springs, positions, by) = (self.springs, &configuration.positions, &advances.by);
         let spring = |j: usize| springs.of(j) * (drive - positions[j] - by[j]);
+        // Forces of the advances are added to those of the positions: A δ keeps the digits that A
+        // (X + δ) would lose.
         change(&mut pulls, |j, change| spring(j) + (elastic[j] + change));
         self.subtract_contacts(pulls, by)
     }

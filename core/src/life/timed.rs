@@ -213,6 +213,9 @@ impl BreakingModel for Timed {
         let newest =
             if self.evolution.is_constant() { None } else { brent_root(back, 0.0, self.highest, 0.0) };
         let newest = newest.filter(|&start| self.law.density(start) * self.law.mean() > FAINT);
+        // The lowest threshold of contacts that start at r is r. The start for which the stretch
+        // has just caught up with that threshold, which has grown by ageing, separates starts with
+        // and without athermal breaks: integrals over starts have a kink there.
         let lull = newest.map(|start| Passing { start, weight: 0.0, speed: 0.0 });
         self.visible().filter_map(pass).chain(lull).collect()
     }

@@ -236,6 +236,8 @@ impl<'a, 'm> Transform<'a, 'm> {
             let value = self.breaking(s);
             // Secant step for ln φ̂(s) = 0 (mod 2πi).
             let step = value.ln() * (s - before.0) / (value / before.1).ln();
+            // Roots are about 2π/mean apart: a longer step would lead to another one, which has its
+            // own guess.
             if !step.is_finite() || step.norm() > 4.0 / self.mean {
                 return None;
             }

@@ -166,6 +166,8 @@ impl ThresholdFokkerPlanck {
         if atoms.is_empty() {
             return None;
         }
+        // A point mass cannot be resolved on elements. After a short time it is a Gaussian, moved
+        // by the drift −DU't, with Dt = spread²/2.
         let drifted = |h: f64| h - 0.5 * spread * spread * slope.at(h);
         let mut edges = self.kinks();
         for atom in &atoms {

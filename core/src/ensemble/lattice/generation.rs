@@ -49,10 +49,10 @@ impl Lattice {
     /// edges absorb.
     pub(super) fn distribute(&mut self) -> f64 {
         let limit = self.limit();
-        let Self { grid, ends, front, following, released, share, .. } = self;
+        let Self { grid, ends, front, following, released, alpha, .. } = self;
         let mut outward = 0.0;
         for (&place, released) in front.iter().zip(released) {
-            let gain = *share * *released;
+            let gain = *alpha * *released;
             for mut near in grid.around(place as usize) {
                 if ends[near] == f64::INFINITY {
                     let Some(across) = grid.across(near) else {

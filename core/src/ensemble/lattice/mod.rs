@@ -59,7 +59,7 @@ pub enum Until {
 ///
 /// The drive stretches all contacts equally, f = k x → k(x + dX), also for K_0 = 0, until one reaches its
 /// threshold k x_s. All contacts at their thresholds break simultaneously, f → k r, and each neighbour gains
-/// α(f − k r), α = [`LatticeCoupling::share`]. This is one generation; the next one follows until no contact
+/// α(f − k r), α = [`LatticeCoupling::alpha`]. This is one generation; the next one follows until no contact
 /// is at its threshold. Stretches r and thresholds are drawn as in the [`Ensemble`]: for α = 0 contacts have
 /// the lives of [`Ensemble::pull`].
 ///
@@ -73,7 +73,7 @@ pub enum Until {
 #[derive(Debug, Clone)]
 pub struct Lattice {
     grid: ContactGrid,
-    share: f64,
+    alpha: f64,
     dissipated: f64,
     births: LatticeBirths,
     /// Present thresholds and positions in the random streams, along rows; empty if all contacts are the
@@ -144,7 +144,7 @@ impl Lattice {
         let births = LatticeBirths::new(&ensemble);
         let (ends, born) = newborn(&births, &grid);
         let mut lattice = Self {
-            share: coupling.share(),
+            alpha: coupling.alpha(),
             dissipated: coupling.dissipated(),
             minima: Minima::new(&ends),
             base: 0.0,

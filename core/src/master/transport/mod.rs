@@ -33,7 +33,7 @@ mod trial;
 use std::sync::Arc;
 
 use super::{Stretches, Tolerance};
-use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness, ThresholdEvolution};
+use crate::contacts::{Ageing, Contacts, Initial, Rules, Start, Stiffness, ThresholdEvolution};
 use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::history::History;
@@ -112,20 +112,26 @@ pub struct Trace {
 const ROUGH: f64 = 16.0;
 
 impl Transport {
-    /// Contacts at t = 0 and X = 0, all of age 0. Forces are accurate to about `tolerance` × N_c⟨k⟩ × the
-    /// mean threshold.
+    /// The default tolerance of contacts with these rules: 1e-6, and 1e-4 for diffusing thresholds, whose
+    /// steps are expensive.
+    pub fn default_tolerance(rules: &Rules) -> f64 {
+        if matches!(rules.ageing, Some(Ageing::Smoluchowski { .. })) { 1e-4 } else { 1e-6 }
+    }
+
+    /// Contacts at t = 0 and X = 0, all of age 0, as accurate as [`Transport::default_tolerance`].
     ///
     /// # Errors
-    /// Those of [`Contacts::check`]; `ageing.mean_field`, which is no rule for one contact; a tolerance
-    /// outside [1e-12, 1e-2].
-    pub fn new(contacts: Contacts, initial: &Initial, tolerance: f64) -> Result<Self> {
+    /// Those of [`Contacts::check`]; `ageing.mean_field`, which is no rule for one contact.
+    pub fn new(contacts: Contacts, initial: &Initial) -> Result<Self> {
+        let tolerance = Self::default_tolerance(&contacts.rules);
         Self::new_with(contacts, initial, tolerance, &mut ())
     }
 
-    /// The same with a monitor.
+    /// The same with forces accurate to about `tolerance` × N_c⟨k⟩ × the mean threshold, watched by a
+    /// monitor.
     ///
     /// # Errors
-    /// As [`Self::new`]; stopped by the monitor.
+    /// As [`Self::new`]; a tolerance outside [1e-12, 1e-2]; stopped by the monitor.
     pub fn new_with(
         contacts: Contacts,
         initial: &Initial,

@@ -215,6 +215,8 @@ impl March<'_> {
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
         let here = self.density.end();
+        // Cells of a run are equal, so that the block between two cells depends on their distance
+        // only (a Toeplitz matrix).
         let count = ((stop - here) / control.width - 1e-9).ceil().max(1.0);
         let width = (stop - here) / count;
         self.start_run(here, width);
