@@ -40,7 +40,7 @@ impl StretchGrid {
             Self::Stretches(stretches) => Ok(stretches),
             Self::Default => Ok(default()),
             Self::Bins(_) => {
-                let expected = "None where contacts without time dependence follow the master equation";
+                let expected = "None where contacts follow the master equation without time dependence";
                 Err(Error::invalid("edges", expected, "edges of bins"))
             }
         }
