@@ -263,8 +263,8 @@ impl ThresholdDiffusion {
         // Squares of two lengths: 1/√|U''|, and that over which P_cf changes or its support ends.
         let local = self.rate / self.drift.at(threshold).slope.abs();
         let fine = FINEST * FINEST * local.min(length * length) / (2.0 * self.rate);
-        // Under a linear drift the transition is exact for any step: its length is limited by
-        // crossings only.
+        // Under a linear drift the transition is exact for any step: only crossings and breaking
+        // rates limit its length.
         let mut span = if self.drift.is_straight() { most.min(2.0 * before) } else { most.min(fine) };
         loop {
             let mut step = self.drift.step(threshold, self.rate, span);

@@ -422,8 +422,8 @@ impl BreakingModel for FokkerPlanckLife {
         }
         let segments = self.segments(start, FINE, watch);
         // The flux into an absorbing boundary that meets a density p > 0 begins as p √(D/πt), the
-        // error-function solution of diffusion next to a plane: kernels need this singularity by
-        // name to grade their cells.
+        // error-function solution of diffusion next to a plane. As a breakpoint of the kernel it
+        // grades the cells there.
         let onsets = self.onsets(start, &segments);
         let formed = DiffusingCohort { start, segments, onsets };
         let rough =

@@ -116,7 +116,7 @@ impl Modes {
     fn back_along_rows(&mut self, field: &mut [f64]) {
         let (line, [height, width]) = (&self.lines[1], self.sides);
         let (modes, columns) = (line.length(), &self.columns);
-        // The transforms are unnormalised; one factor at the end replaces four.
+        // The transforms are unnormalised: one factor at the end replaces one for each direction.
         let scale = 1.0 / (modes as f64 * self.lines[0].length() as f64);
         let groups = field.par_chunks_mut(GROUP * width).enumerate();
         let step = |(scratch, lines): &mut (Scratch, Vec<f64>), (group, field): (usize, &mut [f64])| {

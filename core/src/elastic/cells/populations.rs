@@ -149,8 +149,8 @@ impl PopulationCell {
     fn restore(&mut self, kept: PopulationCellState) -> Result<()> {
         let PopulationCellState { resets, advance, intervals, settled } = kept;
         let mut base = self.first.clone();
-        // Contacts are not stored but recomputed: a population is deterministic, and a few numbers
-        // per reset replace thousands per contact.
+        // Contacts are not stored but recomputed: a population is deterministic, and one number per
+        // reset replaces the state of every contact.
         for &place in &resets {
             base = renewed(&*base, place, &mut ())?;
         }
