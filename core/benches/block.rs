@@ -80,7 +80,7 @@ fn breaks() {
             let distance = (BREAKS / size as f64).clamp(3.0, 1000.0);
             let (run, time) = pull(&mut population, slip, Some(0.3), distance);
             black_box(&run);
-            1e9 * time / (population.books().broken * size as f64)
+            1e9 * time / (population.energies().broken * size as f64)
         });
         let logarithm = (size as f64).ln();
         let column = |i: usize| {

@@ -36,7 +36,7 @@ fn row(name: &str, thresholds: &SharedLaw, side: usize, share: f64) {
     let contacts = Contacts::new(thresholds.clone(), Arc::new(Point::new(0.0).unwrap()));
     let stretches = Rectangular::new(0.0, 0.6).unwrap();
     let initial = Initial { law: Arc::new(stretches), start: Start::Conditional };
-    let coupling = LatticeCoupling::sharing(Shape::Square([side, side]), Edges::Open, share);
+    let coupling = LatticeCoupling::with_alpha(Shape::Square([side, side]), Edges::Open, share);
     let mut lattice = Lattice::new(contacts, initial, &coupling, 1, Disorder::Annealed).unwrap();
     breaks(&mut lattice, SETTLED * (side * side) as u64);
     let begun = ThreadTime::now();

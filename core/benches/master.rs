@@ -93,32 +93,33 @@ fn ways(criterion: &mut Criterion) {
         advance(&mut turned, 1.4);
         group.bench_function(format!("{name}, back by 1.5"), |bencher| {
             cpu(bencher, || {
-                let mut stock = turned.clone();
-                advance(&mut stock, -1.5);
-                stock
+                let mut population = turned.clone();
+                advance(&mut population, -1.5);
+                population
             });
         });
         let fresh = case.equation().population_with(1e-10, &mut ()).unwrap();
         group.bench_function(format!("{name}, 1000 resets"), |bencher| {
             cpu(bencher, || {
-                let mut stock = fresh.clone();
+                let mut population = fresh.clone();
                 for _ in 0..1000 {
-                    advance(&mut stock, 0.89);
-                    black_box(stock.books());
-                    stock.reset(Direction::Forward, &mut ()).unwrap();
+                    advance(&mut population, 0.89);
+                    black_box(population.energies());
+                    population.reset(Direction::Forward, &mut ()).unwrap();
                 }
-                stock
+                population
             });
         });
     }
     group.finish();
 }
 
-fn advance(stock: &mut MasterPopulation, mut by: f64) {
+fn advance(population: &mut MasterPopulation, mut by: f64) {
     let direction = if by > 0.0 { Direction::Forward } else { Direction::Backward };
     while by != 0.0 {
-        let step = direction.sign() * stock.way(direction, &mut ()).unwrap().length.min(by.abs());
-        stock.advance(step).unwrap();
+        let step =
+            direction.sign() * population.smooth_interval(direction, &mut ()).unwrap().length.min(by.abs());
+        population.advance(step).unwrap();
         by -= step;
     }
 }

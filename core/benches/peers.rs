@@ -165,7 +165,7 @@ fn coupled(share: f64) -> f64 {
     let point = |at| -> SharedLaw { Arc::new(Point::new(at).unwrap()) };
     let stretches = Rectangular::new(0.0, 0.9999).unwrap();
     let start = Initial { law: Arc::new(stretches), start: Start::Conditional };
-    let coupling = LatticeCoupling::sharing(Shape::Square([128, 128]), Edges::Open, share);
+    let coupling = LatticeCoupling::with_alpha(Shape::Square([128, 128]), Edges::Open, share);
     let contacts = Contacts::new(point(1.0), point(0.0));
     let mut lattice = Lattice::new(contacts, start, &coupling, 1, Disorder::Annealed).unwrap();
     lattice.run(Until::Drive(2.0), &mut |_| ()).unwrap();

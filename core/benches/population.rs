@@ -46,7 +46,7 @@ fn table(name: &str, contacts: &Contacts, disorder: Disorder) {
         let ensemble = Ensemble::new(contacts.clone(), initial, size, 1, disorder).unwrap();
         let (mut population, made) = timed(|| ensemble.population().unwrap());
         let time = per_break(&mut population, BREAKS.max(size));
-        let back = population.way(Direction::Backward, &mut ()).unwrap().length;
+        let back = population.smooth_interval(Direction::Backward, &mut ()).unwrap().length;
         let ((), turned) = timed(|| population.advance(-0.5 * back).unwrap());
         let ((), reset) = timed(|| population.reset(Direction::Backward, &mut ()).unwrap());
         let logarithm = (size as f64).ln();
@@ -58,7 +58,7 @@ fn table(name: &str, contacts: &Contacts, disorder: Disorder) {
 
 /// CPU time of a break, in ns.
 fn per_break(population: &mut dyn Population, breaks: usize) -> f64 {
-    while population.books().broken < SETTLED {
+    while population.energies().broken < SETTLED {
         step(population);
     }
     let begun = ThreadTime::now();
@@ -72,9 +72,9 @@ fn per_break(population: &mut dyn Population, breaks: usize) -> f64 {
 
 /// What a block does from break to break.
 fn step(population: &mut dyn Population) -> f64 {
-    let way = population.way(Direction::Forward, &mut ()).unwrap();
-    let force = population.ahead(way.length).force;
-    population.advance(way.length).unwrap();
+    let interval = population.smooth_interval(Direction::Forward, &mut ()).unwrap();
+    let force = population.ahead(interval.length).force;
+    population.advance(interval.length).unwrap();
     population.cross(&mut ()).unwrap();
     force
 }

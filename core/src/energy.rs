@@ -4,6 +4,21 @@ use std::ops::{Add, AddAssign, Mul, Sub};
 
 use serde::{Deserialize, Serialize};
 
+/// Energies and number of breaks of a population of contacts, each summed on its own. The work done on the contacts is the
+/// change of `elastic` − `strengthening` + `lost`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactEnergies {
+    /// Present elastic energy Σ ½k x².
+    pub elastic: f64,
+    /// Energy dissipated in breaks since the beginning: Σ over breaks of ½k x_b², minus the ½k r² of re-formed contacts.
+    pub lost: f64,
+    /// Energy ∫Σ ½x² dk since the beginning, supplied by ageing that makes stretched contacts stiffer (k = κ x_s with the
+    /// present threshold); negative if they weaken, 0 for athermal contacts.
+    pub strengthening: f64,
+    /// Breaks since the beginning, per contact.
+    pub broken: f64,
+}
+
 /// Energy balance of a motion of a block or of an interface. Every term is computed on its own, none as the remainder.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct EnergyBalance {

@@ -45,7 +45,7 @@ pub enum Error {
         /// Tolerance asked for.
         wanted: Float,
     },
-    /// The monitor told the computation to stop.
+    /// The monitor stopped the computation.
     #[error("stopped before the end")]
     Stopped,
 }
@@ -84,7 +84,7 @@ impl Error {
         Self::Invalid { key: key.into(), expected: expected.into(), found: found.to_string() }
     }
 
-    /// The same error, its key prefixed by the table it stands in.
+    /// The same error, its key prefixed by the name of its table.
     #[must_use]
     pub fn under(mut self, table: &str) -> Self {
         if let Self::Invalid { key, .. } | Self::TooLarge { key, .. } = &mut self {

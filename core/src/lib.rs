@@ -1,8 +1,8 @@
 //! Friction at the mesoscale: many elastic contacts that stretch, break and re-form.
 //!
-//! What contacts *are* ends in one object, the [`life`] of a contact; what friction *does*
-//! starts from it. Two independent solvers answer every question: the [`master`] equation for the
-//! distribution of stretches and the [`ensemble`] of single contacts.
+//! The description of the [`contacts`] (thresholds, stiffness, re-forming) is converted to one object, the [`life`] of a
+//! contact, from which all properties of friction are computed. Two independent solvers compute them: the [`master`]
+//! equation for the distribution of stretches, and the [`ensemble`], which simulates contacts one by one.
 
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 #![deny(missing_debug_implementations)]

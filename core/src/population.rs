@@ -8,6 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
+use crate::energy::ContactEnergies;
 use crate::monitor::Monitor;
 use crate::numerics::breakpoints::Atom;
 use crate::rate_dependent::ContactsState;
@@ -42,7 +43,7 @@ impl Direction {
 
 /// An interval on which F(X) is smooth. It ends at or before the next simultaneous break or kink.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Way {
+pub struct SmoothInterval {
     /// Its length, above 0; infinite if nothing can break any more.
     pub length: f64,
     /// Whether the force is linear on it; otherwise it is a polynomial of degree 15.
@@ -60,18 +61,6 @@ pub struct Response {
     pub tangent: f64,
 }
 
-/// Energies of the contacts, each summed independently.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Books {
-    /// Present elastic energy Σ ½k x² of the contacts.
-    pub elastic: f64,
-    /// Energy dissipated in breaks since the beginning: Σ over breaks of ½k x_b², minus the ½k r² of
-    /// re-formed contacts.
-    pub lost: f64,
-    /// Breaks since the beginning, per contact.
-    pub broken: f64,
-}
-
 /// Contacts that move together.
 ///
 /// Forces are totals, in the unit of stiffness × length; positions X are lengths. Long operations call a
@@ -85,7 +74,7 @@ pub trait Population: std::fmt::Debug + Send + Sync {
     /// # Errors
     /// Accuracy not reached, too many point masses; a motion that contacts at a constant velocity cannot
     /// follow; stopped by the monitor.
-    fn way(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<Way>;
+    fn smooth_interval(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<SmoothInterval>;
 
     /// Force and tangent after a move of `by` (negative: backward) within the interval last returned for that
     /// direction; nothing moves. At its end the left limit, before simultaneous breaks there.
@@ -95,33 +84,33 @@ pub trait Population: std::fmt::Debug + Send + Sync {
     /// simultaneously at its end are still attached.
     ///
     /// # Errors
-    /// Those of [`Population::way`].
+    /// Those of [`Population::smooth_interval`].
     fn advance(&mut self, by: f64) -> Result<()>;
 
     /// At the end of an interval with simultaneous breaks: these contacts break and re-form (or stay free
     /// after [`Population::hold`]). The position stays.
     ///
     /// # Errors
-    /// Those of [`Population::way`].
+    /// Those of [`Population::smooth_interval`].
     fn cross(&mut self, monitor: &mut dyn Monitor) -> Result<()>;
 
     /// Breaks every attached contact; all contacts re-form as after a break in `direction`, those held free
     /// included, and holding ends. The position stays.
     ///
     /// # Errors
-    /// Those of [`Population::way`].
+    /// Those of [`Population::smooth_interval`].
     fn reset(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<()>;
 
     /// From now on broken contacts stay free and carry no force, until [`Population::release`].
     ///
     /// # Errors
-    /// Those of [`Population::way`].
+    /// Those of [`Population::smooth_interval`].
     fn hold(&mut self) -> Result<()>;
 
     /// Free contacts re-form, as after a break in the direction of the last move.
     ///
     /// # Errors
-    /// Those of [`Population::way`].
+    /// Those of [`Population::smooth_interval`].
     fn release(&mut self, monitor: &mut dyn Monitor) -> Result<()>;
 
     /// Marks the present state, replacing the previous mark.
@@ -134,7 +123,7 @@ pub trait Population: std::fmt::Debug + Send + Sync {
     fn recall(&mut self, monitor: &mut dyn Monitor) -> Result<()>;
 
     /// Energies and breaks.
-    fn books(&self) -> Books;
+    fn energies(&self) -> ContactEnergies;
 
     /// Estimated error of the force, the largest so far; 0 for contacts simulated one by one.
     fn error(&self) -> f64 {
@@ -168,6 +157,6 @@ pub trait Population: std::fmt::Debug + Send + Sync {
     /// Restores the state of contacts of the same description, from which they continue bit for bit.
     ///
     /// # Errors
-    /// A state of other contacts; those of [`Population::way`].
+    /// A state of other contacts; those of [`Population::smooth_interval`].
     fn restore(&mut self, state: &ContactsState, monitor: &mut dyn Monitor) -> Result<()>;
 }

@@ -200,6 +200,8 @@ fn philox<const N: usize>(words: &mut [u64], first: [u64; 4], mut key: [u64; 2])
     let [mut b, mut c, mut d] = [[first[1]; N], [first[2]; N], [first[3]; N]];
     for _ in 0..10 {
         for i in 0..N {
+            // The multipliers, and below the Weyl increments of the key, are those of the reference
+            // implementation: the identity with NumPy's generator depends on them.
             let (high0, low0) = multiply::<0xD2E7_470E_E14C_6C93, N>(a[i]);
             let (high1, low1) = multiply::<0xCA5A_8263_9512_1157, N>(c[i]);
             (a[i], b[i], c[i], d[i]) = (high1 ^ b[i] ^ key[0], low1, high0 ^ d[i] ^ key[1], low0);

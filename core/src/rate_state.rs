@@ -109,6 +109,8 @@ impl VelocityStep {
 /// velocity, or the step itself if too few points follow the extremum.
 fn peak(force: &[f64], side: f64) -> Option<usize> {
     let highest = (0..force.len()).max_by(|&i, &j| (side * force[i]).total_cmp(&(side * force[j])))?;
+    // A curve that only rises has its maximum at the end, and no direct effect to be seen: the fit
+    // starts at the step.
     Some(if 2 * highest < force.len() && force.len() - highest >= FEWEST { highest } else { 0 })
 }
 
@@ -152,6 +154,7 @@ impl StepFit {
         let scale = brent_minimum(residual_of, nearest - step, nearest + step, 1e-10).0.exp();
         let (offset, size, squares) = best(scale)?;
         let gradients = x.iter().map(|x| gradient(shape, size, scale, *x));
+        // The usual linearised covariance of least squares, residual variance × (JᵀJ)⁻¹.
         let covariance = inverse(normal(gradients))?;
         Some(Self { offset, size, scale, covariance, squares, points: x.len() })
     }

@@ -26,7 +26,7 @@ const SHARED: [(&[&str], &str); 3] = [
         ],
         "a table of a scenario has the name of what it describes",
     ),
-    (&["Books", "Curve", "Event"], "of contacts, of a block and of an interface"),
+    (&["Curve", "Event"], "of a block and of an interface"),
     (
         &["Cohort", "Gaussian", "Point", "Rectangular"],
         "a distribution and its closed forms; a point of a trace; a cohort at one velocity, and at any",

@@ -165,7 +165,7 @@ fn energies_and_sizes_count_every_break() {
         }
         near(run.energy.imbalance(), 0.0, 1e-9);
         let counted: f64 = run.sizes.bins.iter().map(|bin| bin.broken).sum();
-        near(counted, population.books().broken, 1e-9);
+        near(counted, population.energies().broken, 1e-9);
         assert!(run.sizes.events() > 1_000);
         // What is kept does not grow with the breaks.
         assert!(run.trace.len() <= 11 + 2 * run.events.len());

@@ -93,11 +93,11 @@ fn steady_sliding_loses_what_the_renewal_equation_says() {
         let (steady, life) = (equation.steady_state(), equation.life());
         let mut sliding = Transport::steady_with(&contacts, velocity, 1e-4, &mut ()).unwrap();
         sliding.step(3.0, 3.0 / velocity, &mut ()).unwrap();
-        let books = sliding.books();
+        let energies = sliding.energies();
         let lost = 3.0 * steady.breaking_rate() * life.breaking_energy().curve().value(0.0);
-        near(books.lost, lost, accuracy);
+        near(energies.lost, lost, accuracy);
         // What comes by work and by stiffening goes with the breaks.
-        near(3.0 * steady.kinetic_friction() + books.gained, lost, accuracy);
+        near(3.0 * steady.kinetic_friction() + energies.strengthening, lost, accuracy);
     }
 }
 

@@ -132,7 +132,7 @@ fn a_swing_dies_on_the_unloading_line() {
 fn a_drive_that_is_too_short_decides_nothing() {
     let regime = |end: f64| pull(&mut curve::gaussian(0.1), 1.0, Slip::Overdamped, &[end]).regime;
     for (end, slips, missing) in
-        [(1.0, 0, Missing::Way), (2.0, 1, Missing::Slips), (6.0, 3, Missing::Silence)]
+        [(1.0, 0, Missing::Distance), (2.0, 1, Missing::Slips), (6.0, 3, Missing::Silence)]
     {
         assert_eq!(regime(end), Regime::Undecided { slips, missing }, "{end}");
     }

@@ -180,7 +180,7 @@ fn stretches_of_the_contacts_of_a_cell_add_up_to_its_force() {
             for (cell, force) in forces.into_iter().enumerate() {
                 let contacts = chain.stretches(cell).unwrap().unwrap();
                 assert_eq!(contacts.len(), 40);
-                let carried: f64 = contacts.iter().map(|contact| contact.share * contact.low).sum();
+                let carried: f64 = contacts.iter().map(|contact| contact.fraction * contact.low).sum();
                 near(carried, force, 1e-12);
                 let counted: f64 = binned(&contacts, &[0.0, 1.0, 3.0])
                     .unwrap()

@@ -10,11 +10,12 @@ use asperity::elastic::{
     CellLoading, CellSlip, Coupling, Curves, Event, Interface, InterfaceParameters, RateDependentInterface,
     RateDependentInterfaceParameters,
 };
+use asperity::energy::ContactEnergies;
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::master::Transport;
 use asperity::monitor::Monitor;
-use asperity::rate_dependent::{Books, ContactsState, RateDependentContacts, StretchInterval};
+use asperity::rate_dependent::{ContactsState, RateDependentContacts, StretchInterval};
 use asperity::shape::{Edges, Shape};
 use asperity::{Error, Result};
 use common::pulled::near;
@@ -133,12 +134,12 @@ impl RateDependentContacts for Together {
         self.sum(|contacts| contacts.tangent())
     }
 
-    fn books(&self) -> Books {
-        Books {
-            elastic: self.sum(|contacts| contacts.books().elastic),
-            lost: self.sum(|contacts| contacts.books().lost),
-            gained: self.sum(|contacts| contacts.books().gained),
-            broken: self.sum(|contacts| contacts.books().broken) / self.0.len() as f64,
+    fn energies(&self) -> ContactEnergies {
+        ContactEnergies {
+            elastic: self.sum(|contacts| contacts.energies().elastic),
+            lost: self.sum(|contacts| contacts.energies().lost),
+            strengthening: self.sum(|contacts| contacts.energies().strengthening),
+            broken: self.sum(|contacts| contacts.energies().broken) / self.0.len() as f64,
         }
     }
 
@@ -148,7 +149,7 @@ impl RateDependentContacts for Together {
 
     fn stretches(&self) -> Vec<StretchInterval> {
         let part = |portion: StretchInterval| StretchInterval {
-            share: portion.share / self.0.len() as f64,
+            fraction: portion.fraction / self.0.len() as f64,
             ..portion
         };
         self.0.iter().flat_map(|contacts| contacts.stretches()).map(part).collect()

@@ -106,7 +106,7 @@ fn stretches_of_a_cell_in_time_are_those_of_a_rigid_slider() {
         let density = binned(&portions, &edges).unwrap();
         let share: f64 = density.iter().map(|density| density * (edges[1] - edges[0])).sum();
         near(share + cell.free(), 1.0, 1e-12);
-        let middle = |portion: &StretchInterval| 0.5 * (portion.low + portion.high) * portion.share;
+        let middle = |portion: &StretchInterval| 0.5 * (portion.low + portion.high) * portion.fraction;
         let force: f64 = portions.iter().map(middle).sum();
         // Cohorts stand at Gauss points of the law that they re-form by, and the same share is left of all that one stands for.
         near(force, cell.force(), 1e-4 * scale);
@@ -129,7 +129,7 @@ fn contacts_of_a_cell_followed_one_by_one_stand_where_those_of_a_pull_do() {
     for (found, expected) in binned(&portions, &edges()).unwrap().iter().zip(pull.stretch_density(0..1)) {
         near(*found, expected, 1e-10);
     }
-    let held = portions.iter().map(|portion| portion.share).sum::<f64>();
+    let held = portions.iter().map(|portion| portion.fraction).sum::<f64>();
     near(held + cell.free(), 1.0, 1e-12);
     let error = cell.stretches(1).unwrap_err().to_string();
     assert!(error.starts_with("cell: expected a number below 1"), "{error}");

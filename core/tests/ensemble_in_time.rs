@@ -8,10 +8,11 @@ mod ways;
 
 use asperity::block::{Block, Drive, Loading, Slide, Slip};
 use asperity::contacts::{Ageing, Barrier, Contacts, Rules, Stiffness, Temperature};
+use asperity::energy::ContactEnergies;
 use asperity::ensemble::{Disorder, Ensemble};
 use asperity::history::{History, Piece};
 use asperity::master::Transport;
-use asperity::rate_dependent::{Books, RateDependentContacts};
+use asperity::rate_dependent::RateDependentContacts;
 use common::pulled::near;
 use common::{contacts, gaussian, initial, point};
 use ways::kinds;
@@ -104,11 +105,11 @@ fn the_work_is_found_again() {
         let forces = go(&mut contacts, &steady(velocity, distance), steps, |c| c.force());
         let by = distance / f64::from(steps);
         let work = by * (forces.iter().sum::<f64>() - 0.5 * forces[forces.len() - 1]);
-        let Books { elastic, lost, gained, .. } = contacts.books();
+        let ContactEnergies { elastic, lost, strengthening, .. } = contacts.energies();
         // A break within a step changes the work by half the step times the force of a contact at most, the contacts breaking
         // three or four times.
-        near(work, elastic + lost - gained, 2.0 * by);
-        assert!(gained.abs() > 0.01 && lost > 1.0, "{gained} {lost}");
+        near(work, elastic + lost - strengthening, 2.0 * by);
+        assert!(strengthening.abs() > 0.01 && lost > 1.0, "{strengthening} {lost}");
     }
 }
 
@@ -133,19 +134,19 @@ fn energies_are_those_of_transport() {
         let transport = Transport::new_with(contacts.clone(), &initial(&point(0.0)), 1e-4, &mut ()).unwrap();
         let mut transport = transport.copy();
         go(transport.as_mut(), &way, 1, |_| ());
-        let exact = transport.books();
-        let drawn: Vec<Books> = (0..25)
+        let exact = transport.energies();
+        let drawn: Vec<ContactEnergies> = (0..25)
             .map(|batch| {
                 let ensemble = ensemble(&contacts, 400, 1).numbered_from(400 * batch);
                 let mut ensemble = ensemble.in_time().unwrap();
                 go(&mut ensemble, &way, 1, |_| ());
-                ensemble.books()
+                ensemble.energies()
             })
             .collect();
         for (name, part) in [
-            ("elastic", (|b| b.elastic) as fn(&Books) -> f64),
+            ("elastic", (|b| b.elastic) as fn(&ContactEnergies) -> f64),
             ("lost", |b| b.lost),
-            ("gained", |b| b.gained),
+            ("strengthening", |b| b.strengthening),
             ("broken", |b| b.broken),
         ] {
             let (drawn, error) = mean(&drawn.iter().map(part).collect::<Vec<_>>());

@@ -48,9 +48,9 @@ fn what_takes_long_with_many_contacts_can_be_stopped() {
     assert_eq!(of_population(&|population, monitor| population.reset(Backward, monitor)), 14);
     // Taken, mirrored, put in place, thrown onto rungs in twice two and two.
     let turned = of_population(&|population, monitor| {
-        let straight = population.way(Backward, &mut ())?;
+        let straight = population.smooth_interval(Backward, &mut ())?;
         population.advance(-straight.length)?;
-        population.way(Backward, monitor).map(drop)
+        population.smooth_interval(Backward, monitor).map(drop)
     });
     assert_eq!(turned, 13);
     let released = of_population(&|population, monitor| {
@@ -104,8 +104,11 @@ fn what_is_marked_comes_back() {
             go(moved, -1.0);
         }
         assert_eq!(population.ahead(0.0), copy.ahead(0.0));
-        assert_eq!(population.books(), copy.books());
-        assert_eq!(population.way(Backward, &mut ()).unwrap(), copy.way(Backward, &mut ()).unwrap());
+        assert_eq!(population.energies(), copy.energies());
+        assert_eq!(
+            population.smooth_interval(Backward, &mut ()).unwrap(),
+            copy.smooth_interval(Backward, &mut ()).unwrap()
+        );
     }
 }
 
@@ -172,12 +175,12 @@ fn step(population: &mut dyn Population, position: f64) -> f64 {
     while !arrived(population, position) {
         let rest = position - population.position();
         let direction = if rest < 0.0 { Backward } else { Forward };
-        let way = population.way(direction, &mut ()).unwrap();
-        assert!(way.length > 0.0 && way.straight);
-        let by = direction.sign() * rest.abs().min(way.length);
+        let interval = population.smooth_interval(direction, &mut ()).unwrap();
+        assert!(interval.length > 0.0 && interval.straight);
+        let by = direction.sign() * rest.abs().min(interval.length);
         work += 0.5 * by * (population.ahead(0.0).force + population.ahead(by).force);
         population.advance(by).unwrap();
-        if way.breaks && by.abs() == way.length {
+        if interval.breaks && by.abs() == interval.length {
             population.cross(&mut ()).unwrap();
             break;
         }
@@ -189,12 +192,12 @@ fn step(population: &mut dyn Population, position: f64) -> f64 {
 fn to_break(population: &dyn Population, direction: Direction) -> f64 {
     let (mut copy, mut length) = (population.copy(), 0.0);
     loop {
-        let way = copy.way(direction, &mut ()).unwrap();
-        length += way.length;
-        if way.breaks || way.length.is_infinite() {
+        let interval = copy.smooth_interval(direction, &mut ()).unwrap();
+        length += interval.length;
+        if interval.breaks || interval.length.is_infinite() {
             return length;
         }
-        copy.advance(direction.sign() * way.length).unwrap();
+        copy.advance(direction.sign() * interval.length).unwrap();
     }
 }
 
@@ -225,10 +228,10 @@ fn forward_it_is_the_pull_of_the_same_contacts() {
         for (&position, &force) in positions.iter().zip(&pull.force) {
             go(&mut population, position);
             // A break rounds a position below 32 by 1.8e-15 on either route, always alike where R is a point.
-            let tolerance = 3.6e-15 * (2.0 + population.books().broken);
+            let tolerance = 3.6e-15 * (2.0 + population.energies().broken);
             close(population.ahead(0.0).force, force, tolerance);
         }
-        assert_eq!((population.books().broken * population.size() as f64).round() as u64, pull.breaks);
+        assert_eq!((population.energies().broken * population.size() as f64).round() as u64, pull.breaks);
     }
 }
 
@@ -313,7 +316,7 @@ impl OneByOne {
         0.5 * self.stiffness(contact) * contact.stretch.powi(2)
     }
 
-    fn way(&self, direction: Direction) -> f64 {
+    fn smooth_interval(&self, direction: Direction) -> f64 {
         let attached = self.contacts.iter().filter(|contact| !contact.free);
         attached.map(|c| c.threshold - direction.sign() * c.stretch).fold(f64::INFINITY, f64::min)
     }
@@ -321,12 +324,12 @@ impl OneByOne {
     fn step(&mut self, position: f64) {
         let rest = position - self.position;
         self.direction = if rest < 0.0 { Backward } else { Forward };
-        let (sign, way) = (self.direction.sign(), self.way(self.direction));
-        let by = rest.abs().min(way);
+        let (sign, to_break) = (self.direction.sign(), self.smooth_interval(self.direction));
+        let by = rest.abs().min(to_break);
         self.position += sign * by;
         let attached = self.contacts.iter_mut().filter(|contact| !contact.free);
         attached.for_each(|contact| contact.stretch += sign * by);
-        if by == way {
+        if by == to_break {
             // Roundings of the stretch.
             self.break_where(|contact| sign * contact.stretch >= contact.threshold - 1e-15);
         }
@@ -404,16 +407,16 @@ fn same(population: &mut dyn Population, singles: &OneByOne) {
     let tolerance = 1e-12;
     close(population.position(), singles.position, tolerance);
     for direction in [Forward, Backward] {
-        let (length, expected) = (to_break(population, direction), singles.way(direction));
+        let (length, expected) = (to_break(population, direction), singles.smooth_interval(direction));
         assert!(length == expected || (length - expected).abs() < tolerance, "{length} {expected}");
     }
     let response = population.ahead(0.0);
     close(response.force, singles.sum(|all, c| all.stiffness(c) * c.stretch), tolerance);
     close(response.tangent, singles.sum(|all, c| all.stiffness(c)), tolerance);
-    let books = population.books();
-    close(books.elastic, singles.sum(|all, c| all.energy(c)), tolerance);
-    close(books.lost, singles.lost, tolerance);
-    assert_eq!((books.broken * SIZE as f64).round() as usize, singles.breaks);
+    let energies = population.energies();
+    close(energies.elastic, singles.sum(|all, c| all.energy(c)), tolerance);
+    close(energies.lost, singles.lost, tolerance);
+    assert_eq!((energies.broken * SIZE as f64).round() as usize, singles.breaks);
 }
 
 #[test]
@@ -459,7 +462,7 @@ fn event_by_event_it_is_contacts_moved_one_by_one() {
 fn work_is_stored_or_lost() {
     for case in cases() {
         let mut population = Case { size: 1000, ..case }.population();
-        let begin = population.books();
+        let begin = population.energies();
         let (mut work, mut least) = (0.0, f64::INFINITY);
         for event in &MOVES {
             match *event {
@@ -468,9 +471,9 @@ fn work_is_stored_or_lost() {
                 Move::Release => population.release(&mut ()).unwrap(),
                 Move::Reset(direction) => population.reset(direction, &mut ()).unwrap(),
             }
-            let books = population.books();
-            close(work, books.elastic - begin.elastic + books.lost - begin.lost, 1e-12);
-            least = least.min(books.lost - begin.lost);
+            let energies = population.energies();
+            close(work, energies.elastic - begin.elastic + energies.lost - begin.lost, 1e-12);
+            least = least.min(energies.lost - begin.lost);
         }
         assert!(work > 1.0 && least >= 0.0);
     }
@@ -487,7 +490,7 @@ fn backward_is_the_mirror_image() {
         close(go(&mut forth, position), go(&mut back, -position), rounding);
         close(forth.position(), -back.position(), rounding);
         close(forth.ahead(0.0).force, -back.ahead(0.0).force, rounding);
-        let (forth, back) = (forth.books(), back.books());
+        let (forth, back) = (forth.energies(), back.energies());
         close(forth.elastic, back.elastic, rounding);
         close(forth.lost, back.lost, rounding);
         assert_eq!(forth.broken, back.broken);
@@ -513,8 +516,11 @@ fn a_copy_goes_on_with_the_same_bits() {
             go(moved, -2.0);
         }
         assert_eq!(population.ahead(0.0), copy.ahead(0.0));
-        assert_eq!(population.books(), copy.books());
-        assert_eq!(population.way(Forward, &mut ()).unwrap(), copy.way(Forward, &mut ()).unwrap());
+        assert_eq!(population.energies(), copy.energies());
+        assert_eq!(
+            population.smooth_interval(Forward, &mut ()).unwrap(),
+            copy.smooth_interval(Forward, &mut ()).unwrap()
+        );
     }
 }
 
@@ -528,7 +534,7 @@ fn same_bits_on_any_number_of_threads() {
             let mut population = ensemble.population().unwrap();
             let work = go(&mut population, 1.5);
             population.reset(Forward, &mut ()).unwrap();
-            (work + go(&mut population, 3.0), population.ahead(0.0), population.books())
+            (work + go(&mut population, 3.0), population.ahead(0.0), population.energies())
         })
     };
     assert_eq!(run(1), run(3));
@@ -537,20 +543,20 @@ fn same_bits_on_any_number_of_threads() {
 #[test]
 fn identical_contacts_break_together() {
     let mut population = Case { reforming: point(0.25), ..Case::of(point(1.0)) }.population();
-    let way = population.way(Forward, &mut ()).unwrap();
-    assert_eq!((way.length, population.ahead(way.length).force), (1.0, 1.0));
-    population.advance(way.length).unwrap();
+    let interval = population.smooth_interval(Forward, &mut ()).unwrap();
+    assert_eq!((interval.length, population.ahead(interval.length).force), (1.0, 1.0));
+    population.advance(interval.length).unwrap();
     assert_eq!(
-        (population.position(), population.ahead(0.0).force, population.books().broken),
+        (population.position(), population.ahead(0.0).force, population.energies().broken),
         (1.0, 1.0, 0.0)
     );
     population.cross(&mut ()).unwrap();
     // Half of them lost ½, and keep ½ · ¼².
     assert_eq!((population.position(), population.ahead(0.0).force), (1.0, 0.25));
-    let books = population.books();
-    assert_eq!((books.broken, books.elastic, books.lost), (1.0, 0.03125, 0.46875));
-    assert_eq!(population.way(Forward, &mut ()).unwrap().length, 0.75);
-    assert_eq!(population.way(Backward, &mut ()).unwrap().length, 1.25);
+    let energies = population.energies();
+    assert_eq!((energies.broken, energies.elastic, energies.lost), (1.0, 0.03125, 0.46875));
+    assert_eq!(population.smooth_interval(Forward, &mut ()).unwrap().length, 0.75);
+    assert_eq!(population.smooth_interval(Backward, &mut ()).unwrap().length, 1.25);
 }
 
 /// What stands at its threshold holds until it is crossed, and may be taken back.
@@ -558,19 +564,19 @@ fn identical_contacts_break_together() {
 fn what_stands_at_its_threshold_may_turn_back() {
     for case in cases() {
         let mut population = case.population();
-        let begin = population.books();
-        let way = population.way(Forward, &mut ()).unwrap();
-        let there = population.ahead(way.length).force;
-        population.advance(way.length).unwrap();
-        population.way(Backward, &mut ()).unwrap();
-        population.advance(-0.5 * way.length).unwrap();
-        assert_eq!(population.books().broken, begin.broken);
-        let way = population.way(Forward, &mut ()).unwrap();
-        population.advance(way.length).unwrap();
+        let begin = population.energies();
+        let interval = population.smooth_interval(Forward, &mut ()).unwrap();
+        let there = population.ahead(interval.length).force;
+        population.advance(interval.length).unwrap();
+        population.smooth_interval(Backward, &mut ()).unwrap();
+        population.advance(-0.5 * interval.length).unwrap();
+        assert_eq!(population.energies().broken, begin.broken);
+        let interval = population.smooth_interval(Forward, &mut ()).unwrap();
+        population.advance(interval.length).unwrap();
         // Roundings of a sum of 200 stretches.
         close(population.ahead(0.0).force, there, 1e-14);
         population.cross(&mut ()).unwrap();
-        assert!(population.books().broken > begin.broken);
+        assert!(population.energies().broken > begin.broken);
     }
 }
 
@@ -581,14 +587,15 @@ fn no_contact_breaks_twice_at_one_position() {
     let mut population = case.population();
     population.hold().unwrap();
     go(&mut population, 1000.0);
-    assert_eq!(population.way(Forward, &mut ()).unwrap().length, f64::INFINITY);
+    assert_eq!(population.smooth_interval(Forward, &mut ()).unwrap().length, f64::INFINITY);
     population.release(&mut ()).unwrap();
     for breaks in 2..100 {
-        let (position, way) = (population.position(), population.way(Forward, &mut ()).unwrap());
-        population.advance(way.length).unwrap();
+        let (position, interval) =
+            (population.position(), population.smooth_interval(Forward, &mut ()).unwrap());
+        population.advance(interval.length).unwrap();
         population.cross(&mut ()).unwrap();
         assert_eq!(population.position(), position.next_up());
-        assert_eq!(population.books().broken, f64::from(breaks));
+        assert_eq!(population.energies().broken, f64::from(breaks));
     }
 }
 
@@ -603,7 +610,7 @@ fn thresholds_of_all_sizes_break_in_order() {
         // Relative, forces being far from 1.
         close(population.ahead(0.0).force / force, 1.0, 1e-12);
     }
-    assert_eq!((population.books().broken * 2e4).round() as u64, pull.breaks);
+    assert_eq!((population.energies().broken * 2e4).round() as u64, pull.breaks);
 }
 
 #[test]

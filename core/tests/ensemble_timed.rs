@@ -29,7 +29,7 @@ fn normal(z: f64) -> f64 {
     0.5 * libm::erfc(-z / std::f64::consts::SQRT_2)
 }
 
-/// An ensemble's description: relaxed contacts of stiffness 1 that know no time, unless changed.
+/// An ensemble's description: relaxed contacts of stiffness 1 without time dependence, unless changed.
 #[derive(Clone)]
 struct Case {
     contacts: Contacts,

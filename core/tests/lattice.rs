@@ -27,7 +27,7 @@ fn lattice(
 }
 
 fn square(side: usize, edges: Edges, share: f64) -> LatticeCoupling {
-    LatticeCoupling::sharing(Shape::Square([side, side]), edges, share)
+    LatticeCoupling::with_alpha(Shape::Square([side, side]), edges, share)
 }
 
 fn events(lattice: &mut Lattice, events: u64) -> Vec<Avalanche> {
@@ -68,7 +68,7 @@ fn force_is_lost_to_drive_and_edges_alone() {
         let most = 1.0 / shape.neighbours() as f64;
         for (edges, share) in [(Edges::Periodic, 0.9 * most), (Edges::Open, 0.5 * most), (Edges::Open, most)]
         {
-            let coupling = LatticeCoupling::sharing(shape, edges, share);
+            let coupling = LatticeCoupling::with_alpha(shape, edges, share);
             let mut lattice = lattice(&broad, &loose, &loose, &coupling);
             for _ in 0..3000 {
                 let avalanche = lattice.next_event();
@@ -114,7 +114,7 @@ fn uncoupled_contacts_are_the_ensemble() {
         (only_drive, Disorder::Quenched),
         (square(12, Edges::Open, 0.0), Disorder::Annealed),
         (square(1, Edges::Open, 0.25), Disorder::Annealed),
-        (LatticeCoupling::sharing(Shape::Chain(1), Edges::Open, 0.3), Disorder::Quenched),
+        (LatticeCoupling::with_alpha(Shape::Chain(1), Edges::Open, 0.3), Disorder::Quenched),
     ] {
         // Quenched contacts re-form below their thresholds: R must be.
         let reforming = if disorder == Disorder::Quenched { point(0.1) } else { reforming.clone() };

@@ -108,7 +108,7 @@ impl Plain {
             for contact in front {
                 let let_go = before[contact] - after[contact];
                 for neighbour in self.neighbours(contact) {
-                    self.forces[neighbour] += self.coupling.share() * let_go;
+                    self.forces[neighbour] += self.coupling.alpha() * let_go;
                 }
                 breaks[contact] += 1;
                 released += let_go;
@@ -155,10 +155,10 @@ fn couplings() -> impl Iterator<Item = LatticeCoupling> {
     shapes.into_iter().flat_map(|shape| {
         let most = 1.0 / shape.neighbours() as f64;
         [
-            LatticeCoupling::sharing(shape, Edges::Open, most),
-            LatticeCoupling::sharing(shape, Edges::Open, 0.8 * most),
+            LatticeCoupling::with_alpha(shape, Edges::Open, most),
+            LatticeCoupling::with_alpha(shape, Edges::Open, 0.8 * most),
             LatticeCoupling { shape, edges: Edges::Open, neighbours: 2.0, connection: 3.0 },
-            LatticeCoupling::sharing(shape, Edges::Periodic, 0.8 * most),
+            LatticeCoupling::with_alpha(shape, Edges::Periodic, 0.8 * most),
         ]
     })
 }

@@ -256,8 +256,8 @@ fn sliders_stick_and_slip_at_a_velocity() {
     let equation = at(&gaussian(1.0, 0.1), &point(0.0), thermal(0.005, Barrier::Elastic), 0.1);
     let (stiffness, free) = (0.5, equation.pull_with(6.0, 1e-12, &mut ()).unwrap());
     for slip in [Slip::Reset, Slip::Overdamped] {
-        let mut stock = equation.population_with(1e-12, &mut ()).unwrap();
-        let run = pulled::pull(&mut stock, stiffness, slip, &[6.0]);
+        let mut population = equation.population_with(1e-12, &mut ()).unwrap();
+        let run = pulled::pull(&mut population, stiffness, slip, &[6.0]);
         let (first, second) = (&run.events[0], &run.events[1]);
         // The first instability is where F' = −K, by the pull without a block.
         let unstable = first.before.position;
@@ -270,10 +270,10 @@ fn sliders_stick_and_slip_at_a_velocity() {
             _ => near(free.force(first.after.position), first.after.force, 1e-9),
         }
     }
-    let mut stock = equation.population_with(1e-10, &mut ()).unwrap();
+    let mut population = equation.population_with(1e-10, &mut ()).unwrap();
     let block = Block::new(Loading::Spring(stiffness), Slip::Arrest, None).unwrap();
     let drive = Drive { turning_points: vec![6.0], points: 11 };
-    let error = block.pull(&mut stock, &drive).unwrap_err();
+    let error = block.pull(&mut population, &drive).unwrap_err();
     assert!(error.to_string().starts_with("slip: expected motion one way"));
 }
 
@@ -282,25 +282,29 @@ fn contacts_at_a_velocity_move_forward_only() {
     let rules = Rules { delay: 0.5, ..thermal(0.025, Barrier::Elastic) };
     let equation = at(&gaussian(1.0, 0.1), &rectangular(0.0, 0.1), rules, 0.1);
     let pull = equation.pull_with(1.5, 1e-10, &mut ()).unwrap();
-    let mut stock = equation.population_with(1e-10, &mut ()).unwrap();
+    let mut population = equation.population_with(1e-10, &mut ()).unwrap();
     let mut work = 0.0;
-    let begin = stock.books();
-    while stock.position() < 1.4 {
-        let by = stock.way(Direction::Forward, &mut ()).unwrap().length.min(1.4 - stock.position());
-        work += RULE.integrate(0.0, by, |x| stock.ahead(x).force);
-        stock.advance(by).unwrap();
+    let begin = population.energies();
+    while population.position() < 1.4 {
+        let by = population
+            .smooth_interval(Direction::Forward, &mut ())
+            .unwrap()
+            .length
+            .min(1.4 - population.position());
+        work += RULE.integrate(0.0, by, |x| population.ahead(x).force);
+        population.advance(by).unwrap();
     }
-    near(stock.ahead(0.0).force, pull.force(1.4), 1e-9);
-    near(stock.total_probability(), 1.0, 1e-9);
+    near(population.ahead(0.0).force, pull.force(1.4), 1e-9);
+    near(population.total_probability(), 1.0, 1e-9);
     // What is free has its energy booked already: (½r²) of the share that is free.
-    let books = stock.books();
+    let energies = population.energies();
     let free = pull.total_probability(1.4) - attached(&pull, 1.4);
-    near(books.elastic + books.lost - begin.elastic + free * 0.005 / 3.0, work, 1e-8);
-    assert!(stock.advance(-0.1).unwrap_err().to_string().contains("Transport"));
-    assert!(stock.hold().unwrap_err().to_string().contains("temperature makes contacts time-dependent"));
-    stock.reset(Direction::Forward, &mut ()).unwrap();
-    stock.way(Direction::Forward, &mut ()).unwrap();
-    assert_eq!(stock.ahead(0.0).force, 0.0);
+    near(energies.elastic + energies.lost - begin.elastic + free * 0.005 / 3.0, work, 1e-8);
+    assert!(population.advance(-0.1).unwrap_err().to_string().contains("Transport"));
+    assert!(population.hold().unwrap_err().to_string().contains("temperature makes contacts time-dependent"));
+    population.reset(Direction::Forward, &mut ()).unwrap();
+    population.smooth_interval(Direction::Forward, &mut ()).unwrap();
+    assert_eq!(population.ahead(0.0).force, 0.0);
 }
 
 /// ∫Q, the fraction that is not free.

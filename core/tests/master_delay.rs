@@ -167,8 +167,8 @@ fn a_population_moves_along_the_same_curve() {
     for k in 1..80 {
         let to = 0.1 * f64::from(k);
         while population.position() < to - 1e-12 {
-            let way = population.way(Direction::Forward, &mut ()).unwrap();
-            population.advance(way.length.min(to - population.position())).unwrap();
+            let interval = population.smooth_interval(Direction::Forward, &mut ()).unwrap();
+            population.advance(interval.length.min(to - population.position())).unwrap();
         }
         let (got, expected) = (population.ahead(0.0).force, force(&sum, 0.35, population.position()));
         assert!((got - expected).abs() < PROMISED * MEAN_LIFE, "{got}, not {expected}, at X = {to}");

@@ -92,7 +92,7 @@ fn blocks() {
 fn lattices() {
     for law in [point(1.0), gaussian(1.0, 0.05)] {
         for edges in [Edges::Open, Edges::Periodic] {
-            let coupling = LatticeCoupling::sharing(Shape::Square([256; 2]), edges, 0.24);
+            let coupling = LatticeCoupling::with_alpha(Shape::Square([256; 2]), edges, 0.24);
             let size = coupling.shape.size() as f64;
             let contacts = Contacts { count: size, ..contacts(&law, &point(0.0)) };
             let make = |memory: u64| {

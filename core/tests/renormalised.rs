@@ -114,7 +114,7 @@ const SIDE: usize = 24;
 
 /// Contacts on a lattice, a share of what each lets go going to each of its four neighbours.
 fn lattice(thresholds: &SharedLaw, side: usize, share: f64) -> Lattice {
-    let coupling = LatticeCoupling::sharing(Shape::Square([side; 2]), Edges::Periodic, share);
+    let coupling = LatticeCoupling::with_alpha(Shape::Square([side; 2]), Edges::Periodic, share);
     let contacts = contacts(thresholds, &point(0.0));
     Lattice::new(contacts, initial(&point(0.0)), &coupling, SEED, Disorder::Annealed).unwrap()
 }
@@ -230,7 +230,7 @@ fn cells_on_their_own_have_their_own_renormalised_laws() {
     for drive in [0.8, 0.87, 0.93, 1.0, 1.08, 1.2] {
         let expected = scales.iter().map(|scale| law.cumulative(drive / scale)).sum::<f64>() / 3.0;
         // Chords of 1/40 of σ.
-        assert!((breaks.share(drive) - expected).abs() < 1e-3, "{drive}");
+        assert!((breaks.fraction(drive) - expected).abs() < 1e-3, "{drive}");
     }
 }
 
@@ -248,8 +248,8 @@ fn slides_are_upright() {
     ] {
         let breaks = breaks(0.05, &[1.0; 3], 0.7, share, rule);
         // 1e-9 before balance is lost cells are of the order of its root, 3e-5, from where they lose it.
-        near(breaks.share(drive - 1e-9), thresholds.cumulative(slip.before.position), 1e-3);
-        near(breaks.share(drive + 1e-9), after, 1e-6);
+        near(breaks.fraction(drive - 1e-9), thresholds.cumulative(slip.before.position), 1e-3);
+        near(breaks.fraction(drive + 1e-9), after, 1e-6);
     }
 }
 

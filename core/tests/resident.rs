@@ -62,7 +62,7 @@ fn block(monitor: &mut dyn Monitor) -> Made {
 }
 
 fn lattice(monitor: &mut dyn Monitor) -> Made {
-    let coupling = LatticeCoupling::sharing(Shape::Square([1536; 2]), Edges::Periodic, 0.2);
+    let coupling = LatticeCoupling::with_alpha(Shape::Square([1536; 2]), Edges::Periodic, 0.2);
     let size = coupling.shape.size() as f64;
     let contacts = Contacts { count: size, ..contacts(&gaussian(1.0, 0.1), &point(0.0)) };
     let start = initial(&point(0.0));

@@ -158,7 +158,7 @@ impl Ensemble {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Record>> {
         let py = slf.py();
-        let (history, times) = transport::way(steps)?;
+        let (history, times) = transport::motion(steps)?;
         let Self { ensemble } = slf.get();
         let trace = watched(progress, py, |monitor| ensemble.follow_with(&history, &times, monitor))?;
         Py::new(py, Record::new(py, transport::followed(trace), Units::default())?)

@@ -124,7 +124,7 @@ impl Simulation {
         match self.with(|simulated| detached(py, move || simulated.energy()).map_err(error::core))? {
             Some(Energy::Slider(energy)) => Ok(typed::AnyEnergy(values::energy(py, &energy)?.0)),
             Some(Energy::Interface(energy)) => Ok(typed::AnyEnergy(values::interface_energy(py, &energy)?.0)),
-            None => Err(PyAttributeError::new_err("energy: that of contacts coupled one by one is not told")),
+            None => Err(PyAttributeError::new_err("energy: not computed for contacts coupled one by one")),
         }
     }
 

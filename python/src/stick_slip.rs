@@ -39,9 +39,9 @@ impl StickSlip {
         let model = block.get().model.bind(py).clone();
         let solver = Model::solver(&model);
         let slider = asked.slider(Block::table(&block).as_ref(), solver.size().is_some());
-        let (slider, way) = (slider.map_err(error::core)?, asked.build());
+        let (slider, drive) = (slider.map_err(error::core)?, asked.build());
         let run = watched(progress, py, |monitor| {
-            slider.pull_with(solver.population(monitor)?.as_mut(), &way, monitor)
+            slider.pull_with(solver.population(monitor)?.as_mut(), &drive, monitor)
         })?;
         let mut record = sliding::motion(&run);
         record.variables.extend(sliding::course(&run).variables);

@@ -40,7 +40,7 @@ impl StretchGrid {
             Self::Stretches(stretches) => Ok(stretches),
             Self::Default => Ok(default()),
             Self::Bins(_) => {
-                let expected = "None where contacts follow the master equation and know no time";
+                let expected = "None where contacts follow the master equation without time dependence";
                 Err(Error::invalid("edges", expected, "edges of bins"))
             }
         }
@@ -73,11 +73,11 @@ fn even_bins(contacts: &[StretchInterval]) -> Vec<f64> {
 
 /// Single contacts, `size` of them with those that are detached, at their stretches.
 pub fn points(stretches: Vec<f64>, size: usize) -> Vec<StretchInterval> {
-    let share = 1.0 / size as f64;
+    let fraction = 1.0 / size as f64;
     let near = ROUNDING * stretches.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let at = |stretch: f64| {
         let stretch = if stretch.abs() < near { 0.0 } else { stretch };
-        StretchInterval { low: stretch, high: stretch, share }
+        StretchInterval { low: stretch, high: stretch, fraction }
     };
     stretches.into_iter().map(at).collect()
 }

@@ -89,7 +89,7 @@ pub fn protocol(steps: Vec<Bound<'_, Step>>) -> PyResult<scenario::Protocol> {
 }
 
 /// Steps in the form for the solvers: the motion, and the output times.
-pub fn way(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
+pub fn motion(steps: Vec<Bound<'_, Step>>) -> PyResult<(History, Vec<f64>)> {
     let protocol = protocol(steps)?;
     Ok((protocol.build().map_err(error::core)?, protocol.times()))
 }
@@ -150,7 +150,7 @@ impl Transport {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Py<Record>> {
         let py = slf.py();
-        let (history, times) = way(steps)?;
+        let (history, times) = motion(steps)?;
         let mut transport = slf.get().transport.clone();
         let tolerance = Self::plain(slf).tolerance;
         let follow = |monitor: &mut dyn Monitor| {

@@ -256,7 +256,7 @@ def test_sliders_of_any_kind(stiffness: float, mass: float, damping: float, slip
     run = asp.Block(THEORY, stiffness, rule).drive(4.0, 11)
     assert not any(np.any(np.isnan(values)) for values in run.values())
     assert np.all(run.events["drop"] >= 0.0)
-    # The books of an inertial slip are closed to 1e-7 of the energies that pass through them.
+    # The energy balance of an inertial slip closes to 1e-7 of the energies that pass through them.
     assert abs(run.energy.imbalance) <= 1e-7 * max(1.0, run.energy.work)
 
 

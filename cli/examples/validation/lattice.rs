@@ -71,7 +71,7 @@ struct Exponent {
 impl Case {
     /// Identical contacts with open edges, from random stretches, after the transient.
     fn lattice(&self) -> Lattice {
-        let coupling = LatticeCoupling::sharing(Shape::Square([self.side; 2]), Edges::Open, self.share);
+        let coupling = LatticeCoupling::with_alpha(Shape::Square([self.side; 2]), Edges::Open, self.share);
         let contacts = equal(&point(1.0), &point(0.0));
         // Just below 1: where S > 0.
         let stretches = start(&rectangular(0.0, 0.9999));

@@ -92,8 +92,8 @@ $\\hat P_c(s)$ = 1, against the width of the distribution of thresholds. The pap
         "
 The two estimates cross at σ/x̄ = 1/(2π²) = {CROSSING:.4}, and the paper's only figure has σ/x̄ = 0.05: there the estimate
 x̄²/σ says {:.2}, the exact X* is {figure:.2}. The agreement is only that of two curves where they cross.
-If the width of the thresholds is halved, the initial state is remembered not twice but four times as
-long; at σ/x̄ = 0.1 it is remembered for {:.1} mean thresholds, where the paper expects {:.1}, at 0.02 it lasts {:.0} where the paper
+If the width of the thresholds is halved, the initial state matters not twice but four times as
+long; at σ/x̄ = 0.1 it matters for {:.1} mean thresholds, where the paper expects {:.1}, at 0.02 it lasts {:.0} where the paper
 expects {:.0}. Each break adds an independent random displacement σ to the phase of a contact, so phases spread like a
 random walk: (x̄/σ)² breaks, not x̄/σ, randomise them. The estimate of the paper has the right scaling for quenched
 thresholds, for which the deviation of a contact is the same in every cycle.

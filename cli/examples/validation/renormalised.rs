@@ -56,7 +56,8 @@ impl Others {
             Self::Square => Shape::Square([SIZE.isqrt(); 2]),
             Self::All => return together::first_breaks(&thresholds, coupling, SIZE, 1),
         };
-        let springs = LatticeCoupling::sharing(shape, Edges::Periodic, coupling / shape.neighbours() as f64);
+        let springs =
+            LatticeCoupling::with_alpha(shape, Edges::Periodic, coupling / shape.neighbours() as f64);
         let lattice = Lattice::new(
             equal(&thresholds, &point(0.0)),
             start(&point(0.0)),

@@ -37,7 +37,7 @@ const AGEINGS: [(&str, &str); 5] = [
     ("mean_field", "ageing.mean_field = { diffusion = 0.01, mature.gaussian = { mean = 1.5, std = 0.2 } }"),
 ];
 
-/// Tasks of contacts without time, and what stands in their place where contacts know it.
+/// Tasks of contacts without time dependence, and the tasks in their place for time-dependent contacts.
 const TASKS: [(&str, &str, &str); 10] = [
     (
         "pull",

@@ -76,7 +76,7 @@ fn generated_scenarios_run_to_numbers() {
     count.assert_none_failed();
 }
 
-/// Pulls of contacts without time, which are quick, by both solvers.
+/// Pulls of contacts without time dependence, which are quick, by both solvers.
 #[test]
 fn the_master_equation_and_the_ensemble_agree() {
     let schema = schema();

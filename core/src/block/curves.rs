@@ -125,6 +125,7 @@ pub fn critical_stiffness(
     let mut end: Option<f64> = None;
     along(population, distance, monitor, |path, length| {
         let fallen = end.is_some_and(|end| path.here.force < end);
+        // A jump down is a slope of −∞: no spring is stiff enough there.
         critical = if fallen { f64::INFINITY } else { critical.max(-lowest_tangent(path, length)) };
         end = path.interval.breaks.then(|| path.response(length).force);
         critical.is_finite()

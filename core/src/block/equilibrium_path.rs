@@ -2,10 +2,11 @@
 //! one is.
 
 use crate::Result;
+use crate::energy::ContactEnergies;
 use crate::monitor::{Aside, Monitor, report};
 use crate::numerics::legendre::{NODES, RULE};
 use crate::numerics::roots::{brent_minimum, brent_root};
-use crate::population::{Books, Direction, Population, Response, Way};
+use crate::population::{Direction, Population, Response, SmoothInterval};
 
 use super::Loading;
 
@@ -22,7 +23,7 @@ pub(super) struct EquilibriumPath<'a> {
     /// Displacement of the slider while no contact was attached.
     pub carried: f64,
     pub direction: Direction,
-    pub interval: Way,
+    pub interval: SmoothInterval,
     /// Whether `interval` starts at the present state.
     current: bool,
     /// Response at the present position.
@@ -41,7 +42,7 @@ impl<'a> EquilibriumPath<'a> {
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
         let nothing = Response { force: 0.0, tangent: 0.0 };
-        let interval = Way { length: f64::INFINITY, straight: true, breaks: false };
+        let interval = SmoothInterval { length: f64::INFINITY, straight: true, breaks: false };
         let position = population.position();
         let (here, points) = (nothing, [nothing; NODES]);
         let (carried, current) = (0.0, false);
@@ -73,7 +74,7 @@ impl<'a> EquilibriumPath<'a> {
         if self.current && self.direction == direction {
             return Ok(());
         }
-        self.interval = self.population.way(direction, &mut self.watch)?;
+        self.interval = self.population.smooth_interval(direction, &mut self.watch)?;
         (self.direction, self.current) = (direction, true);
         self.here = self.population.ahead(0.0);
         if !self.interval.straight {
@@ -138,8 +139,8 @@ impl<'a> EquilibriumPath<'a> {
     }
 
     /// Energies and breaks of the contacts.
-    pub fn books(&self) -> Books {
-        self.population.books()
+    pub fn energies(&self) -> ContactEnergies {
+        self.population.energies()
     }
 
     /// The advance of the Gauss point t of [−1, 1] on the interval.
@@ -243,6 +244,8 @@ impl<'a> EquilibriumPath<'a> {
             return (from + a).clamp(from, to);
         }
         let missing = |a: f64| self.drive(a) - drive;
+        // Rounding may put the drive at `from` beyond the value asked for, which would leave
+        // Brent's method no sign change.
         if missing(from) >= 0.0 {
             return from;
         }
@@ -270,6 +273,8 @@ fn dips(a: (f64, f64), b: (f64, f64), c: (f64, f64)) -> bool {
     if !(b.1 < a.1 && b.1 < c.1) {
         return false;
     }
+    // Divided differences of Newton's form: the parabola's minimum follows from slope and curvature
+    // at b.
     let (left, right) = ((b.1 - a.1) / (b.0 - a.0), (c.1 - b.1) / (c.0 - b.0));
     let curvature = (right - left) / (c.0 - a.0);
     let slope = left + curvature * (b.0 - a.0);

@@ -145,8 +145,11 @@ impl QuasistaticRun<'_> {
             place *= 0.5;
         }
         let Body { mass, damping } = swing.body;
+        // Energy balance of the motion from X_1 for a net force g ∝ u²: ½Mv² = ∫g du = gu/3, and
+        // with damping alone γv = g.
         let (push, inertia) = (excess(place), 1.5 * mass / place);
         swing.place = place;
+        // The positive root of the quadratic equation, in the form without cancellation.
         swing.speed = 2.0 * push / (damping + (damping * damping + 4.0 * inertia * push).sqrt());
         visible(place)
     }
@@ -176,8 +179,8 @@ impl QuasistaticRun<'_> {
         self.memory.open.viscous += swing.body.damping * passage.squared;
         swing.time += passage.time;
         swing.speed = passage.speed;
-        let through = passage.way == left;
-        swing.place = if through { self.path.interval.length } else { swing.place + passage.way };
+        let through = passage.distance == left;
+        swing.place = if through { self.path.interval.length } else { swing.place + passage.distance };
         self.offer(swing, swing.time, swing.place, swing.speed);
         match (through, swing.speed == 0.0) {
             (true, _) => StepEnd::Through,
@@ -230,6 +233,8 @@ impl QuasistaticRun<'_> {
         for ((time, place), speed) in step.times().into_iter().zip(step.places()).zip(step.speeds()) {
             self.offer(swing, swing.time + time, place, speed);
         }
+        // An event at the end of a step has its exact value there; otherwise rounding could put the
+        // slider just before the end of the interval, with a next step of no length.
         let (place, speed) = step.at(1.0);
         swing.time += step.time;
         swing.place = if ending == StepEnd::Through { self.path.interval.length } else { place };
@@ -277,6 +282,7 @@ fn first_rest(step: &MotionStep, accuracy: f64) -> (f64, StepEnd) {
     let (speeds, fractions) = (step.speeds(), step.times().map(|time| time / step.time));
     let last = step.at(1.0).1;
     let highest = speeds.iter().fold(step.speed, |most: f64, v| most.max(*v));
+    // A speed is known to its accuracy only: smaller negative ones are no turn.
     let still = STILL * highest + 2.0 * accuracy;
     let node = speeds.iter().position(|v| *v < -still).map(|i| fractions[i]);
     let Some(after) = node.or((last < -still).then_some(1.0)) else {

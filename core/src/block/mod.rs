@@ -53,7 +53,7 @@ pub enum Slip {
     /// On to the next X with F(X) = K(X_T − X), F being that of the contacts that have not broken since the slip
     /// began; there, what has broken re-forms.
     Arrest,
-    /// By γẊ = K(X_T − X) − F, without mass. At fixed X_T over contacts without time it ends where `Overdamped` does.
+    /// By γẊ = K(X_T − X) − F, without mass. At fixed X_T over contacts without time dependence it ends where `Overdamped` does.
     Damped {
         /// Viscous damping γ, force per velocity, above 0.
         #[schemars(extend("x-dimension" = "force*time/length"))]

@@ -7,8 +7,9 @@ use super::events::{Event, Sizes};
 use super::trace::{Point, SlipCourse};
 use super::{Block, EnergyBalance, Loading};
 use crate::Result;
+use crate::energy::ContactEnergies;
 use crate::monitor::Monitor;
-use crate::population::{Books, Direction, Population};
+use crate::population::{Direction, Population};
 
 /// Intervals between two reports to the monitor.
 const REPORT: u32 = 1024;
@@ -55,7 +56,7 @@ pub(super) struct Memory {
     /// Work and dissipation since the last closing.
     pub open: EnergyBalance,
     /// Energies of the contacts and of the spring at the last closing.
-    books: Books,
+    energies: ContactEnergies,
     stored: f64,
     /// State at the last turn of the drive.
     pub segment_start: Point,
@@ -87,7 +88,7 @@ impl<'a> QuasistaticRun<'a> {
         population: &'a mut dyn Population,
         monitor: &'a mut dyn Monitor,
     ) -> Result<Self> {
-        let books = population.books();
+        let energies = population.energies();
         let path = EquilibriumPath::new(population, block.loading, Direction::Forward, monitor)?;
         let drive = path.drive_here();
         let (position, force) = (path.position, path.here.force);
@@ -98,7 +99,7 @@ impl<'a> QuasistaticRun<'a> {
             energy: EnergyBalance::default(),
             approach: EnergyBalance::default(),
             open: EnergyBalance::default(),
-            books,
+            energies,
             stored: block.loading.stored(drive, position),
             segment_start: Point { drive, position, force, spring_force: force },
             stiffness: None,
@@ -154,6 +155,7 @@ impl<'a> QuasistaticRun<'a> {
     pub fn unloading(&mut self) -> Result<f64> {
         let forward = self.path.direction;
         self.path.find_interval(forward.reversed())?;
+        // On unloading no contact breaks, so that the slope is that of all attached contacts.
         let stiffness = self.path.here.tangent;
         self.path.find_interval(forward)?;
         Ok(stiffness)
@@ -249,6 +251,9 @@ impl<'a> QuasistaticRun<'a> {
     /// Whether the slider has run away: its displacement since the last event is too large for the imposed force.
     pub fn has_run_away(&self, drive: f64) -> bool {
         let largest = drive.abs().max(self.memory.segment_start.drive.abs());
+        // A force above what contacts can carry has no equilibrium at any distance. Contacts at
+        // rest would be displaced by force/N⟨k⟩: a hundred times as far without a new equilibrium
+        // counts as none.
         let gone = (self.path.position - self.memory.rest).abs();
         self.memory.stiffness.is_some_and(|stiffness| gone > RUNAWAY * largest / stiffness)
     }
@@ -269,32 +274,34 @@ impl<'a> QuasistaticRun<'a> {
     /// Advances by `a` along equilibria.
     pub fn advance(&mut self, a: f64) -> Result<()> {
         let (loading, sign) = (self.path.loading, self.path.sign());
+        // Between two breaks the force is a polynomial of degree 15, which the Gauss rule
+        // integrates exactly: the energy balance closes to rounding.
         self.memory.open.work += sign * self.path.integral(a, |_, response| loading.work(response));
         self.path.advance(a)
     }
 
     /// Closes the energy balance at a fixed drive. Returns the energies since the last closing.
     pub fn close_energy_balance(&mut self, drive: f64) -> EnergyBalance {
-        let (books, stored) = (self.path.books(), self.path.loading.stored(drive, self.path.position));
+        let (energies, stored) = (self.path.energies(), self.path.loading.stored(drive, self.path.position));
         // Work and dissipation are integrated along the motion; stored energies and breaks are differences of
         // totals. No term is computed as the remainder of the others.
         let mut energy = std::mem::take(&mut self.memory.open);
         energy.spring = stored - self.memory.stored;
-        energy.elastic = books.elastic - self.memory.books.elastic;
-        energy.breaks = books.lost - self.memory.books.lost;
-        (self.memory.books, self.memory.stored) = (books, stored);
+        energy.elastic = energies.elastic - self.memory.energies.elastic;
+        energy.breaks = energies.lost - self.memory.energies.lost;
+        (self.memory.energies, self.memory.stored) = (energies, stored);
         self.memory.energy += energy;
         energy
     }
 
     /// Breaks since the last closing of the energy balance, per contact.
     pub fn broken(&self) -> f64 {
-        self.path.books().broken - self.memory.books.broken
+        self.path.energies().broken - self.memory.energies.broken
     }
 
     /// Elastic energy of the contacts at the last closing of the energy balance.
     pub fn stored_in_contacts(&self) -> f64 {
-        self.memory.books.elastic
+        self.memory.energies.elastic
     }
 
     /// Closes the energy balance at the end of the drive.

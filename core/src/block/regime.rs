@@ -45,7 +45,7 @@ pub enum Regime {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Missing {
     /// No slip yet, but the sliding distance is too short.
-    Way,
+    Distance,
     /// Slips to the end, but too few to see whether they continue.
     Slips,
     /// Slips to the end, with sizes that still change.
@@ -103,9 +103,11 @@ pub(super) fn classify(events: &[Jump], start: Point, last: Point, stretch: f64,
     let undecided = |missing| Regime::Undecided { slips, missing };
     let Some(latest) = events.last() else {
         let slid = (last.position - start.position).abs();
-        return if slid >= LONG * stretch { Regime::Smooth { slid } } else { undecided(Missing::Way) };
+        return if slid >= LONG * stretch { Regime::Smooth { slid } } else { undecided(Missing::Distance) };
     };
     let slid = (last.position - latest.after.position).abs();
+    // The longest distance between two slips so far sets the scale on which the next one is
+    // expected.
     let longest = longest_stick(events, start).max(stretch);
     if slid >= LONG * longest {
         return Regime::Transient { slips, slid };
@@ -205,7 +207,7 @@ impl std::fmt::Display for Regime {
             Self::Runaway => write!(f, "runaway: the force is more than the contacts can carry"),
             Self::Undecided { slips, missing } => {
                 let why = match missing {
-                    Missing::Way => "no slip, but the slider has not slid far",
+                    Missing::Distance => "no slip, but the slider has not slid far",
                     Missing::Slips => "too few slips to see whether they go on",
                     Missing::Constancy => "the slips still change in size",
                     Missing::Silence => "no slip for a while, but not long enough to call it smooth",

@@ -150,7 +150,7 @@ impl BlockSimulation {
 
     /// Breaks so far, per contact.
     pub fn broken(&self) -> f64 {
-        self.now.population.books().broken
+        self.now.population.energies().broken
     }
 
     /// Largest estimated error of the force so far; 0 for contacts that are followed one by one.
@@ -188,6 +188,8 @@ impl BlockSimulation {
 
     /// Applies `evaluate` to the contacts at the position of the slider.
     fn observe<T>(&self, evaluate: impl FnOnce(&dyn Population) -> Result<T>) -> Result<T> {
+        // Contacts stand at the last event or kink; a copy is moved to the slider for the
+        // observation, so that looking changes nothing.
         if self.now.ahead == 0.0 {
             return evaluate(self.now.population.as_ref());
         }
@@ -232,12 +234,14 @@ impl BlockSimulation {
             // Contacts that cannot move back report it only when they are moved, so a copy is moved now.
             happened = self.now.copy().catch_up(&self.block, |_| Ok(())).and(happened);
         }
+        // An interrupted step has left the contacts anywhere: the last copy is taken, and the
+        // events since are repeated.
         if happened.is_err() {
             self.go_back(here)?;
             return happened;
         }
         self.since += u64::from(matches!(happened, Ok(Some(_))));
-        let broken = self.broken() - self.copied.population.books().broken;
+        let broken = self.broken() - self.copied.population.energies().broken;
         // Events are repeated in one direction only: every turn needs a new copy.
         if turns || broken >= COPY_AFTER.0 || self.since >= COPY_AFTER.1 {
             (self.copied, self.since) = (self.now.copy(), 0);

@@ -154,6 +154,8 @@ impl QuasistaticRun<'_> {
         let Loading::Spring(stiffness) = loading else { return Ok(false) };
         // Equilibrium of the spring with the force of the re-formed contacts.
         let position = drive - self.path.here.force / stiffness;
+        // In a reset no contact carries the slider while it moves: all of the energy that the
+        // spring releases is dissipated.
         let released = loading.stored(drive, self.path.position) - loading.stored(drive, position);
         self.memory.open.slip += released;
         self.path.carry(position);

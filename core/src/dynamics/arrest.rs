@@ -96,6 +96,8 @@ impl SliderMotion {
         }
         self.cells[0].velocity = 0.0;
         let excess = self.equation.excess(&self.cells[0], drive).min(0.0);
+        // The net force falls linearly to 0 along the unloading line: its work is half of force ×
+        // distance.
         self.energies.arrest += 0.5 * excess * excess / self.equation.resistance(&self.cells[0]);
     }
 
@@ -106,6 +108,8 @@ impl SliderMotion {
         let behind = short / equation.resistance(cell);
         // Limits the error of the energies by the trapezoidal rule, which is of second order in the displacement.
         let most = (tolerance * behind).sqrt();
+        // The spring needs the time short/rate to reach the friction again, longer if contacts
+        // strengthen meanwhile.
         let rate = equation.connection * drive.velocity;
         let mut duration = (short.min(most * equation.resistance(cell)) / rate).min(left);
         loop {

@@ -49,6 +49,7 @@ impl SlidingCell {
         velocity: f64,
         accuracy: f64,
     ) -> Self {
+        // A quotient of differences below the accuracy would be noise.
         let slope = if advance > accuracy { (force - self.force) / advance } else { self.slope };
         Self { contacts, position: self.position + advance, force, velocity, slope }
     }

@@ -120,6 +120,8 @@ impl SliderMotion {
                 duration *= factor;
                 continue;
             }
+            // The estimators move before the step is accepted: if the monitor stops them, nothing
+            // has moved.
             self.estimate(&step, duration, monitor)?;
             self.control.accept(step.error, duration, left);
             self.energies.work += step.work;

@@ -29,6 +29,8 @@ impl StageSolver for OneCell {
             let remaining = residual(advance, force);
             if let Some((before, then)) = last {
                 let secant = (remaining - then) / (advance - before);
+                // The tangent of the attached contacts is an upper bound of the slope, since breaks
+                // only lower the force: a step with it is short, but never away from the solution.
                 slope = if secant > 0.0 { secant } else { held };
             }
             let rests = advance == 0.0 && remaining >= 0.0;

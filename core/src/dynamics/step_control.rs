@@ -41,6 +41,7 @@ impl MotionStepControl {
     /// The first trial duration with the time `left`. A step that does not reach the end takes at most half of it.
     pub fn first(&self, left: f64) -> f64 {
         let duration = if self.next.is_finite() { self.next } else { FIRST * left };
+        // Two equal steps instead of a long one and a tiny rest.
         if duration >= left { left } else { duration.min(0.5 * left) }
     }
 

@@ -58,6 +58,8 @@ pub(super) fn gather<T: Send>(
     if number <= CHUNK {
         return part(0);
     }
+    // Floating-point addition is not associative: partial sums are added in the order of chunks,
+    // never in the order in which threads finish.
     let parts: Vec<T> = (0..number.div_ceil(CHUNK)).into_par_iter().map(part).collect();
     parts.into_iter().fold(nothing(), join)
 }
@@ -98,6 +100,8 @@ pub(super) fn sweep<const W: usize, const R: usize>(
     join: impl Fn(f64, f64) -> f64 + Sync,
 ) -> f64 {
     let number = write.first().map_or_else(|| read[0].len(), |first| first.len());
+    // Conjugate gradients are limited by the bandwidth of memory: vectors are updated and sums
+    // taken in one pass.
     let part = |write: &mut [&mut [f64]; W], read: [&[f64]; R], length: usize| {
         let write = write.each_mut().map(|values| &mut values[..length]);
         let read = read.map(|values| &values[..length]);

@@ -14,7 +14,7 @@ const CREEP: f64 = 4.0;
 /// Cells that moved by less than this fraction of the largest displacement were pulled along.
 const ALONG: f64 = 0.1;
 
-/// Least number of cells in a front: fewer cannot be told from the patch where slip began.
+/// Least number of cells in a front: fewer cannot be distinguished from the patch where slip began.
 const FRONT: usize = 5;
 
 /// A slide that is over.
@@ -61,6 +61,8 @@ impl FinishedSlide<'_> {
         let moves =
             |cell: usize| least.map_or_else(|| slide.is_unstable(cell), |least| self.slip(cell) > least);
         let slipped = || slide.unstable.iter().map(|&cell| cell as usize).filter(|&cell| moves(cell));
+        // Flood fill with an explicit stack: linear in the number of cells, and no recursion over
+        // clusters of millions.
         let mut cluster_of = vec![NONE; self.model.len()];
         let mut clusters: Vec<Vec<Slipped>> = Vec::new();
         // In the order in which cells began to slip, which is then the order of the clusters.
@@ -171,6 +173,8 @@ fn speed(times: &[f64]) -> f64 {
     let times = &times[quarter..times.len() - quarter];
     let number = times.len() as f64;
     let (middle, mean) = (0.5 * (number - 1.0), times.iter().sum::<f64>() / number);
+    // Distances are exact, times scatter: time is regressed on distance, and the speed is the
+    // inverse of the slope.
     let (mut covariance, mut variance) = (0.0, 0.0);
     for (i, time) in times.iter().enumerate() {
         let distance = i as f64 - middle;

@@ -6,7 +6,7 @@ use super::batch::{change, fill};
 
 /// X_T, X_j and the time.
 ///
-/// Under a stiff slider the differences X_j − X_0 are kept besides, summed from those of the advances. They have digits
+/// Under a stiff slider the differences X_j − X_0 are also stored, summed from those of the advances. They have digits
 /// that positions lack: each rounding of a position X is a force A_jj ε X, each one of a difference only
 /// A_jj ε |X_j − X_0|.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -46,7 +46,7 @@ pub(super) struct CreepPace {
 
 /// Result of a stride.
 pub(super) enum Stride {
-    /// Drive and cells have gone on in balance.
+    /// Drive and cells have moved in balance.
     Balanced,
     /// Nothing has moved: balance is lost before this drive, by less than the tolerance.
     Lost(f64),
@@ -93,6 +93,9 @@ impl InterfaceModel {
             return Ok(Stride::Lost(end.min(from + least)));
         };
         loop {
+            // The prediction may be wrong, as where another cell becomes the unstable one. Each
+            // stride is checked by the corrector and the stability test, and halved until both
+            // succeed or it is as short as the tolerance.
             let stride = pace.next(from, &ahead);
             let to = end.min(from + stride);
             if let Some(advances) = self.balance_at(to, configuration, &ahead)? {
@@ -130,6 +133,8 @@ impl InterfaceModel {
                 drop((elastic, residual));
                 return Ok(self.is_stable_ahead(&advances)?.then_some(advances));
             }
+            // Slower than at a fold: there is no balance at this drive, or the prediction was too
+            // far from it.
             if largest > CONVERGING * before {
                 return Ok(None);
             }

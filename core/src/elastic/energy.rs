@@ -20,7 +20,7 @@ pub(super) struct StoredEnergy {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct EnergyBudget {
     pub total: EnergyBalance,
-    /// What was stored in that configuration.
+    /// Stored energies in that configuration.
     stored: StoredEnergy,
 }
 
@@ -30,7 +30,7 @@ impl EnergyBudget {
         Self { total: EnergyBalance::default(), stored: model.stored(configuration) }
     }
 
-    /// Adds a motion to what is stored now, during which the drive did `work` and `slip` was dissipated by the slider.
+    /// Adds a motion after which the energies `now` are stored, and during which the drive did `work` and `slip` was dissipated by the slider.
     fn add(&mut self, now: StoredEnergy, work: f64, slip: f64) {
         let before = std::mem::replace(&mut self.stored, now);
         self.total += EnergyBalance {
@@ -49,12 +49,16 @@ impl EnergyBudget {
     pub fn add_creep(&mut self, model: &mut InterfaceModel, configuration: &Configuration) {
         let (before, now) = (self.stored, model.stored(configuration));
         let springs = now.spring - before.spring + now.coupling - before.coupling;
+        // The work of contacts is an integral of the tabulated curves. The balance of energies then
+        // tests that elastic energy and breaks, which are tabulated on their own, add up to it.
         self.add(now, springs + now.contacts.work - before.contacts.work, 0.0);
     }
 
     /// Adds a move of the drive alone, from where it was.
     pub fn add_drive(&mut self, model: &mut InterfaceModel, configuration: &Configuration, from: f64) {
         let (drive, positions) = (configuration.drive, &configuration.positions);
+        // The pull of the springs is linear in the drive, so that the midpoint gives its work
+        // exactly.
         let middle = 0.5 * (from + drive);
         let pull = sum(positions.len(), |j| model.springs.of(j) * (middle - positions[j]));
         self.add(model.stored(configuration), pull * (drive - from), 0.0);
@@ -67,7 +71,7 @@ impl EnergyBudget {
 }
 
 impl InterfaceModel {
-    /// What is stored in a configuration.
+    /// Stored energies in a configuration.
     fn stored(&mut self, configuration: &Configuration) -> StoredEnergy {
         let displacements = configuration.displacements();
         let forces = self.elastic_forces(displacements);

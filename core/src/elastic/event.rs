@@ -8,17 +8,17 @@ use crate::record::{Quantity, Record};
 /// slip until none slips.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Event {
-    /// X_T.
+    /// Load-point displacement X_T, a length.
     pub drive: f64,
-    /// Time at which the first cell slipped; with time-independent contacts that of all slides so far, NaN without viscosity.
+    /// Time at which the first cell slipped; with time-independent contacts it counts slides only, and is NaN without viscosity.
     pub time: f64,
-    /// Number of the cell that slipped first, along rows.
+    /// Number of the cell that slipped first; cells are counted from 0, row by row.
     pub epicentre: usize,
     /// Number of cells that slipped.
     pub cells: usize,
-    /// Their area.
+    /// Area of these cells; their number if cells have no area.
     pub area: f64,
-    /// Integral of the slip over that area.
+    /// Integral of the slip over that area, a volume (the seismic moment without the modulus).
     pub moment: f64,
     /// Time from when the first cell slipped until the slide was over; NaN without viscosity.
     pub duration: f64,
@@ -27,9 +27,9 @@ pub struct Event {
     pub front_speed_left: f64,
     /// The same towards larger numbers.
     pub front_speed_right: f64,
-    /// Mean position of the cells before.
+    /// Mean position of the cells that slipped, before the event.
     pub position_before: f64,
-    /// Mean position of the cells after.
+    /// Mean position of these cells after the event.
     pub position_after: f64,
     /// Friction force of the whole interface before the slide.
     pub force_before: f64,
@@ -37,21 +37,21 @@ pub struct Event {
     pub force_after: f64,
     /// Breaks, per contact of the interface.
     pub broken_fraction: f64,
-    /// Energy dissipated in breaks.
+    /// Energy dissipated in breaks of contacts of these cells.
     pub dissipated_breaks: f64,
-    /// Energy dissipated by the slider.
+    /// Energy dissipated by the slider at these cells.
     pub dissipated_slip: f64,
 }
 
 /// A cell that slipped in an event.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Slipped {
-    /// Its number.
+    /// Number of the cell, row by row.
     pub cell: usize,
     /// When it began to slip, after the first cell of the slide, or of the event with time-dependent contacts: a time, or a
     /// number of steps without viscosity.
     pub start: f64,
-    /// How far it slipped.
+    /// Slip, a length.
     pub slip: f64,
 }
 
@@ -61,12 +61,12 @@ impl Event {
         self.force_before - self.force_after
     }
 
-    /// The columns of a catalogue, without values, of cells that have an area.
+    /// The columns of a catalogue without events, for cells that have an area.
     pub fn columns() -> Record {
         record(&[], Some(1.0))
     }
 
-    /// Mean slip of the cells.
+    /// Mean slip of the cells that slipped, a length.
     pub fn slip(&self) -> f64 {
         self.position_after - self.position_before
     }

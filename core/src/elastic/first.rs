@@ -53,7 +53,7 @@ impl Interface {
             while !self.next_on_path(drive, monitor, &mut observe)?.is_empty() {}
         }
         report(monitor, 1.0)?;
-        Ok(FirstBreaks::of_shares(points))
+        Ok(FirstBreaks::of_fractions(points))
     }
 
     /// The largest s_j.

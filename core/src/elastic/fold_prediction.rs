@@ -1,8 +1,8 @@
-//! What lies ahead of a balance: how cells creep as the drive goes on, and where balance will be lost.
+//! Prediction of creep from a balance: how cells move as the drive rises, and where balance will be lost.
 //!
 //! Balance is lost at a fold (saddle-node bifurcation) of the path of balances. Near it positions change as the square root
 //! of the drive that is left, and the velocity v of the unstable cells grows as 1/√d with the distance d to the fold. So
-//! v and dv/dX_T at one balance tell d = v/(2 dv/dX_T).
+//! v and dv/dX_T at one balance give d = v/(2 dv/dX_T).
 
 use super::batch::{change, fill, gather, largest, sum};
 use super::configuration::Configuration;
@@ -15,7 +15,7 @@ const SOLVED: f64 = 1e-2;
 /// Displacement for the finite difference of the slopes, relative to the length on which slopes change.
 const DIFFERENCE: f64 = 1e-6;
 
-/// How cells creep from a balance as the drive goes on.
+/// Prediction of the creep of all cells from a balance as the drive rises.
 pub(super) struct FoldPrediction {
     /// v_j = dX_j/dX_T = (F' + K_0 + A)⁻¹ K_0.
     velocities: Vec<f64>,
@@ -30,11 +30,13 @@ pub(super) struct FoldPrediction {
 }
 
 impl FoldPrediction {
-    /// Advance of a cell when the drive goes on by a distance: by the square-root law of a fold where the cell accelerates
+    /// Advance of a cell when the drive rises by a distance: by the square-root law of a fold where the cell accelerates
     /// towards one, otherwise to second order.
     pub fn advance(&self, cell: usize, distance: f64) -> f64 {
         let (velocity, acceleration) = (self.velocities[cell], self.accelerations[cell]);
         let to_fold = 2.0 * acceleration * distance / velocity;
+        // A second-order expansion fails near the fold, where all derivatives diverge; the
+        // square-root law has the right singularity and agrees with it far from the fold.
         if to_fold > 0.0 && to_fold < 1.0 {
             // 2 d v (1 − √(1 − h/d)) after a distance h, with the distance d of the fold.
             2.0 * velocity * distance / (1.0 + (1.0 - to_fold).sqrt())
@@ -45,7 +47,7 @@ impl FoldPrediction {
 }
 
 impl InterfaceModel {
-    /// What is ahead of the balance in which cells are; none if it is not stable.
+    /// The prediction from the present balance; `None` if it is not stable.
     pub fn predict_fold(&mut self, configuration: &Configuration) -> Result<Option<FoldPrediction>> {
         let number = self.len();
         let residual = self.residual(configuration)?;
@@ -75,6 +77,8 @@ impl InterfaceModel {
         }
         let fastest = largest(number, |j| velocities[j].abs());
         // F'' v² from a finite difference of the tangents along the velocities.
+        // F'' along one direction only: one more evaluation of tangents, in place of second
+        // derivatives of every curve.
         let distance = DIFFERENCE * self.length() / fastest;
         let mut by = balance.forces;
         fill(&mut by, |j| velocities[j] * distance);

@@ -57,7 +57,7 @@ use crate::rate_dependent::StretchInterval;
 use crate::record::Record;
 use crate::{Error, Result};
 
-/// Cells on an elastic slider.
+/// A deformable interface over time-independent contacts, driven quasistatically: cells on an elastic slider.
 ///
 /// Forces and energies are totals over the cells, in the units of the populations of which the cells are made. Cells that
 /// share a curve take up to 120 bytes each during a slide, 24 more on a stiff slider, with the coupling: 2 GB for 4096² under
@@ -74,10 +74,10 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// Cells in balance where their populations stand, at a mean position of 0.
+    /// The interface in balance: contacts keep the stretches of their populations, and the mean position of the cells is 0.
     ///
     /// # Errors
-    /// Parameters that are not finite and above 0; another number of cells than the coupling is for; those of the cells.
+    /// Parameters that are not finite and above 0; another number of cells than that of the coupling; those of the cells.
     pub fn new(
         cells: Box<dyn Cells>,
         coupling: Box<dyn Coupling>,
@@ -110,32 +110,32 @@ impl Interface {
         self.configuration.positions.is_empty()
     }
 
-    /// X_T.
+    /// Load-point displacement X_T, a length.
     pub fn drive(&self) -> f64 {
         self.configuration.drive
     }
 
-    /// Time that slides have taken so far; 0 without viscosity.
+    /// Time t that slides have taken so far; 0 without viscosity.
     pub fn time(&self) -> f64 {
         self.configuration.time
     }
 
-    /// X_j, along rows.
+    /// Position X_j of each cell, a length, row by row.
     pub fn positions(&self) -> &[f64] {
         &self.configuration.positions
     }
 
-    /// F_j of each cell, along rows; their sum is [`Interface::force`].
+    /// Friction force F_j of each cell, row by row; their sum is [`Interface::force`].
     pub fn forces(&self) -> Vec<f64> {
         self.model.contact_forces()
     }
 
-    /// Friction force of all cells.
+    /// Friction force ΣF_j of all cells.
     pub fn force(&self) -> f64 {
         self.model.force()
     }
 
-    /// Place of a cell on the curve that it shares with others; none where each cell has a curve of its own.
+    /// Place of a cell on the friction curve that all cells share; `None` if each cell has a curve of its own.
     ///
     /// # Errors
     /// A number of no cell.
@@ -144,17 +144,18 @@ impl Interface {
         Ok(self.model.cells.standing(cell))
     }
 
-    /// Stretches of the contacts of a cell, where these are followed one by one. None where they are a distribution, which
-    /// follows from [`Interface::standing`].
+    /// Stretches of the attached contacts of a cell, if contacts are simulated one by one. `None` if they are a distribution,
+    /// which follows from [`Interface::standing`].
     ///
     /// # Errors
-    /// A number of no cell. Those of the cells.
+    /// A number of no cell; those of the cells.
     pub fn stretches(&self, cell: usize) -> Result<Option<Vec<StretchInterval>>> {
         self.has(cell)?;
         let intervals = |stretches: Vec<f64>| {
-            let share = 1.0 / stretches.len() as f64;
+            let fraction = 1.0 / stretches.len() as f64;
             // Stretches of contacts that have just re-formed may be below 0 by rounding.
-            let at = |stretch: f64| StretchInterval { low: stretch.max(0.0), high: stretch.max(0.0), share };
+            let at =
+                |stretch: f64| StretchInterval { low: stretch.max(0.0), high: stretch.max(0.0), fraction };
             stretches.into_iter().map(at).collect()
         };
         Ok(self.model.cells.stretches(cell)?.map(intervals))
@@ -168,7 +169,7 @@ impl Interface {
         Err(Error::invalid("cell", format!("a number below {}", self.len()), cell))
     }
 
-    /// The energy balance since the beginning.
+    /// The energy balance since the beginning, summed over the cells.
     pub fn energy(&self) -> EnergyBalance {
         self.energy.total
     }
@@ -178,21 +179,21 @@ impl Interface {
         self.model.cells.energies().broken / self.len() as f64
     }
 
-    /// Estimated error of the force of a cell, the largest so far; 0 where contacts are followed one by one.
+    /// Estimated error of the force of a cell, the largest so far; 0 if contacts are simulated one by one.
     pub fn error(&self) -> f64 {
         self.model.cells.error()
     }
 
-    /// A catalogue as columns, those of `events.csv`.
+    /// A catalogue of events as columns of shape (events,), those of `events.csv`.
     pub fn record(&self, events: &[Event]) -> Record {
         event::record(events, self.parameters.area)
     }
 
-    /// Puts the drive somewhere and moves each cell forward to a position of its own, along its curve. Energies begin at 0.
-    /// Cells that are out of balance slide at the beginning of the next run.
+    /// Sets the load-point displacement X_T to `drive`, and moves each cell forward along its curve to its position X_j, row by
+    /// row. The energy balance starts again from 0. Cells that are out of balance slide at the beginning of the next run.
     ///
     /// # Errors
-    /// Another number of positions than of cells, or one behind that of its cell; those of the cells.
+    /// Another number of positions than of cells; a position behind the present one of its cell; those of the cells.
     pub fn put(&mut self, drive: f64, positions: &[f64]) -> Result<()> {
         if positions.len() != self.len() {
             let expected = format!("a position for each of the {} cells", self.len());
@@ -213,7 +214,7 @@ impl Interface {
         Ok(())
     }
 
-    /// Drives the cells up to `drive`, and passes each event, with the cells that slipped in it, to `each`.
+    /// Raises the load-point displacement to `drive`, and passes each event, with the cells that slipped in it, to `each`.
     ///
     /// # Errors
     /// Those of the cells.
@@ -240,11 +241,11 @@ impl Interface {
         }
     }
 
-    /// Drives the cells up to `drive`, or through the next slide in which cells slip. Returns its events, each with the
-    /// cells that slipped in it; none if the drive was reached.
+    /// Raises the load-point displacement to `drive`, or through the next slide in which cells slip. Returns the events of the
+    /// slide, each with the cells that slipped in it; none if `drive` was reached.
     ///
     /// # Errors
-    /// See [`Interface::run`].
+    /// As [`Interface::run`].
     pub fn next(&mut self, drive: f64) -> Result<Vec<(Event, Vec<Slipped>)>> {
         self.next_with(drive, &mut ())
     }
@@ -269,6 +270,8 @@ impl Interface {
         observe: &mut dyn FnMut(&Self),
     ) -> Result<Vec<(Event, Vec<Slipped>)>> {
         let residual = self.model.residual(&self.configuration)?.largest;
+        // Cells put somewhere by hand, or in a restored state, may be out of balance: then the run
+        // begins with a slide.
         let mut lost = residual > self.model.creep_tolerance(&self.configuration, self.configuration.drive);
         loop {
             if lost {
@@ -311,6 +314,7 @@ impl Interface {
         let fraction = self.fraction();
         let Self { model, configuration, energy, .. } = self;
         let mut slide = SlideRecord::new(model, self.parameters, configuration);
+        // A slide is made in place; the mark allows undoing it without a copy of the contacts.
         model.cells.mark();
         if let Err(error) = slide.run(model, configuration, fraction, monitor) {
             model.cells.recall(monitor)?;

@@ -55,9 +55,13 @@ impl InterfaceModel {
     pub fn monotone_step(&mut self, r: Residual, rate: f64, rounding: f64) -> Result<Option<MonotoneStep>> {
         let Residual { forces, tangents, largest: residual } = r;
         let (number, springs) = (forces.len(), self.springs);
+        // An inexact Newton method (R. S. Dembo, S. C. Eisenstat and T. Steihaug, SIAM J. Numer.
+        // Anal. 19, 400 (1982)): far from balance the linear system need not be solved to rounding.
         let goal = (SOLVED * residual).max(ROUNDED * rounding);
         let (mut diagonal, mut by) = (self.diagonal(tangents, rate), forces);
         let solved = self.coupling.solve_variable(&diagonal, &mut by, goal);
+        // Close to singular matrices give steps beyond any use, for which curves would have to be
+        // tabulated.
         let near = |by: &[f64]| largest(number, |j| by[j].abs()) <= FAR * self.length();
         let Some(mut iterations) = solved.filter(|_| near(&by)) else { return Ok(None) };
         let mut slopes = self.slopes(&by)?;

@@ -12,14 +12,14 @@ use crate::{Error, Result};
 #[schemars(rename = "Loading")]
 #[non_exhaustive]
 pub enum CellLoading {
-    /// All.
+    /// All cells.
     #[default]
     Uniform,
     /// The first row of a lattice, the first cell of a chain.
     Edge,
 }
 
-/// What a cell does that loses its balance, at fixed X_T.
+/// Slip rule: what a cell does that loses its balance, at fixed X_T.
 ///
 /// A cell becomes unstable where it moves down a slope F_j' < −ΣK_0i/n, which the springs of all n cells together would
 /// not stabilise, having moved farther than the tolerance of the drive; or where contacts break together.
@@ -43,12 +43,12 @@ pub enum CellSlip {
 pub struct InterfaceParameters {
     /// K_0, stiffness of the spring from a cell to the drive, force per length.
     pub connection: f64,
-    /// Which cells have one.
+    /// Which cells have such a spring.
     pub loading: CellLoading,
-    /// What a cell does that loses its balance.
+    /// Slip rule.
     pub slip: CellSlip,
-    /// η, viscous force on a cell per velocity, in slides: they then last some time, while the drive waits. Without it
-    /// slides end in the same states, and have no duration.
+    /// η, viscous force on a cell per velocity during slides, above 0. Slides then have a duration, during which the drive is at
+    /// rest. Without viscosity slides end in the same states and have no duration.
     pub viscosity: Option<f64>,
     /// Tolerance on the drive at which balance is lost, a length.
     pub drive_tolerance: f64,

@@ -123,6 +123,8 @@ impl InterfaceModel {
         let mut pulls = self.elastic_forces(advances.displacements());
         let (springs, positions, by) = (self.springs, &configuration.positions, &advances.by);
         let spring = |j: usize| springs.of(j) * (drive - positions[j] - by[j]);
+        // Forces of the advances are added to those of the positions: A δ keeps the digits that A
+        // (X + δ) would lose.
         change(&mut pulls, |j, change| spring(j) + (elastic[j] + change));
         self.subtract_contacts(pulls, by)
     }
@@ -139,7 +141,7 @@ impl InterfaceModel {
         Ok(self.subtract_contacts(vec![0.0; by.len()], by)?.tangents)
     }
 
-    /// The range of the tangents of each cell on its way through an advance.
+    /// Least and largest tangent of each cell over an advance.
     pub fn slopes(&mut self, by: &[f64]) -> Result<Vec<Slopes>> {
         let mut slopes = vec![Slopes::default(); by.len()];
         self.cells.slopes(by, &mut slopes)?;

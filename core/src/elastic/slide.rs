@@ -1,4 +1,4 @@
-//! A slide at a fixed drive, from the loss of balance to the next balance: which cells become unstable in it, and when.
+//! A slide at a fixed drive, from the loss of balance to the next balance, with a record of the cells that become unstable.
 
 use super::batch::{find, sum};
 use super::cells::Instability;
@@ -18,7 +18,7 @@ const REPORT: u64 = 1 << 12;
 /// Steps after which a slide is given up: some 10⁴ times the number of a usual one.
 const MOST_STEPS: u64 = 10_000_000;
 
-/// What is known of a slide.
+/// The record of a slide.
 pub(super) struct SlideRecord {
     pub parameters: InterfaceParameters,
     /// Where cells were before.
@@ -61,7 +61,8 @@ impl SlideRecord {
         !self.starts[cell].is_nan()
     }
 
-    /// Moves the cells step by step until there is balance. The monitor hears that of the run `fraction` is done.
+    /// Moves the cells step by step until there is balance. The monitor receives `fraction`, the part of the run
+    /// that is done.
     pub fn run(
         &mut self,
         model: &mut InterfaceModel,
@@ -83,6 +84,8 @@ impl SlideRecord {
             configuration.advance(&Advances::new(by));
             most = most.max(residual);
             time += duration;
+            // With viscosity the residual decays exponentially and never quite reaches 0: the end
+            // of a slide is where it has become small.
             if residual > OVER * most || self.unstable.len() > unstable {
                 self.over = time;
             }
@@ -111,6 +114,7 @@ impl SlideRecord {
             self.together |= together;
             self.unstable.push(cell);
             let cell = cell as usize;
+            // Cells move uniformly in a step, which interpolates their times of instability.
             let part = if by[cell] > 0.0 { advance / by[cell] } else { 0.0 };
             self.starts[cell] = begin + part * duration;
             if self.parameters.slip == CellSlip::Reset {
@@ -133,6 +137,8 @@ impl SlideRecord {
         configuration: &Configuration,
         by: &[f64],
     ) -> Vec<Vec<(f64, u32, bool)>> {
+        // Between −K_0j − A_jj and this slope a cell is held by neighbours that stand still, but
+        // not by neighbours that move along with it.
         let (steep, jumps) = (-model.springs.mean(), model.cells.extremes().jumps);
         let moved = |cell: usize| configuration.positions[cell] + by[cell] - self.before.positions[cell];
         let is_far = |cell: usize| moved(cell) > self.parameters.drive_tolerance;

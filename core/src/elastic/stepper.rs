@@ -128,6 +128,8 @@ impl Stepper {
                 }
                 return Ok(step);
             }
+            // The failed attempt has used up the residual; computing it anew is seldom needed, a
+            // copy would be made in every step.
             residual = model.residual(configuration)?;
             self.damping = (GROWTH * rate).max(DAMPED * model.cells.extremes().steepest);
         }
@@ -143,6 +145,8 @@ fn euler_rate(extremes: Extremes, residual: f64) -> f64 {
 /// Damping of the next step, after one that changed the largest residual by a factor: in the softest mode, of stiffness λ,
 /// that factor is damping/(damping + λ).
 fn eased(damping: f64, factor: f64, steepest: f64) -> f64 {
+    // A factor above 1 means that the residual has grown: the softest mode has λ < 0, and the
+    // damping must exceed −λ.
     let needed = MARGIN * damping * (1.0 - 1.0 / factor);
     let eased = damping / DECAY;
     if needed > 0.0 {

@@ -39,7 +39,7 @@ pub(super) struct UniformStiffnessStep {
     variable: Option<VariableStep>,
 }
 
-/// What a step with variable stiffness has cost and brought.
+/// Cost and gain of a step with variable stiffness.
 struct VariableStep {
     /// Largest residual before it.
     residual: f64,
@@ -62,6 +62,8 @@ impl UniformStiffnessStep {
     pub fn is_next(&mut self, residual: f64, rounding: f64) -> bool {
         if let Some(step) = self.variable.take() {
             let worth = step.paid || residual <= CONVERGED * step.residual;
+            // A row costs at least as much as the step that did not pay: trying steps with variable
+            // stiffness takes at most half of the time.
             self.row = if worth { 0 } else { step.cost.max(2 * self.row) };
             (self.left, self.largest) = (self.row, 0.0);
         }
@@ -75,7 +77,7 @@ impl UniformStiffnessStep {
         self.left > 0
     }
 
-    /// Takes note of a step with variable stiffness that took so many applications of the preconditioner, from such a
+    /// Records a step with variable stiffness that took so many applications of the preconditioner, from such a
     /// largest residual, and went `gain` times as far as one with uniform stiffness c would have.
     pub fn compare(&mut self, residual: f64, gain: f64, iterations: usize, stiffness: f64) {
         let cost = iterations + 2 * EVALUATION;

@@ -82,6 +82,7 @@ impl<C: TallyCell> BreakBatch<C> {
             }
         }
         let taken = taken as usize;
+        // In the order of breaks, as one by one: the sums have the same bits.
         for (&cell, &change) in self.cells[..taken].iter().zip(&self.changes) {
             cells[cell as usize].apply(change);
         }
@@ -93,6 +94,8 @@ impl<C: TallyCell> BreakBatch<C> {
     fn advance_origins(&mut self, from: usize, stretch: f64) {
         let mut origin = self.origins[from];
         for (next, threshold) in self.origins[from + 1..][..ROW].iter_mut().zip(&self.thresholds[from..]) {
+            // The only serial dependence of the batch, one addition per break; everything else is
+            // done in whole registers.
             origin += threshold - stretch;
             *next = origin;
         }

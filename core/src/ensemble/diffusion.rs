@@ -154,7 +154,7 @@ impl ThresholdDiffusion {
     }
 
     /// The time at which a contact breaks on a segment, if it does. The work ∫½x² dk done by diffusion on a
-    /// contact that becomes stiffer is added to `gained`, with thresholds linear on each step.
+    /// contact that becomes stiffer is added to `strengthening`, with thresholds linear on each step.
     pub(super) fn on(
         &self,
         held: &AttachedContact,
@@ -162,7 +162,7 @@ impl ThresholdDiffusion {
         segment: &Segment,
         remaining_hazard: &mut f64,
         stream: &mut Stream,
-        gained: &mut f64,
+        strengthening: &mut f64,
     ) -> Option<f64> {
         state.time = segment.start;
         while state.time < segment.end {
@@ -171,9 +171,10 @@ impl ThresholdDiffusion {
                 StretchPath { stretch: segment.position(time) - held.origin, velocity: segment.velocity };
             let ends = self.advance(state, path, segment.end, remaining_hazard, stream);
             let last = path.after(ends.unwrap_or(state.time - time));
+            // The mean of x² over a step on which x is linear in time.
             let square = (path.stretch * (path.stretch + last) + last * last) / 3.0;
             let [before, after] = [threshold, state.threshold].map(|h| self.stiffness.of(h));
-            *gained += 0.5 * square * (after - before);
+            *strengthening += 0.5 * square * (after - before);
             if let Some(span) = ends {
                 return Some(time + span);
             }
@@ -193,6 +194,9 @@ impl ThresholdDiffusion {
         let DiffusingThreshold { time, threshold, step } = *state;
         let step = self.step(threshold, path, step, stop - time);
         let normal: f64 = StandardNormal.sample(stream);
+        // Threshold and crossing are drawn one after the other: first the end of the step, then,
+        // given both ends, whether the bridge between them crosses the stretch. Crossings inside a
+        // step are not missed.
         let next = step.mean + step.std * normal;
         let end = path.after(step.span);
         let gaps = (threshold - path.stretch, next - end);
@@ -236,6 +240,7 @@ impl ThresholdDiffusion {
             *remaining_hazard -= used;
             return None;
         }
+        // With a rate ∝ e^{gs} the time at which the hazard is used up follows in closed form.
         let growth = (last / first).ln();
         let share = *remaining_hazard / used;
         let fraction = if growth == 0.0 { share } else { (share * growth.exp_m1()).ln_1p() / growth };
@@ -255,8 +260,11 @@ impl ThresholdDiffusion {
         let outside = path.stretch < self.low * (1.0 - TOGETHER);
         let most = if outside { most.min((self.low - path.stretch) / path.velocity) } else { most };
         let length = self.resolution.min(self.high - path.stretch);
+        // Squares of two lengths: 1/√|U''|, and that over which P_cf changes or its support ends.
         let local = self.rate / self.drift.at(threshold).slope.abs();
         let fine = FINEST * FINEST * local.min(length * length) / (2.0 * self.rate);
+        // Under a linear drift the transition is exact for any step: only crossings and breaking
+        // rates limit its length.
         let mut span = if self.drift.is_straight() { most.min(2.0 * before) } else { most.min(fine) };
         loop {
             let mut step = self.drift.step(threshold, self.rate, span);
@@ -361,6 +369,8 @@ impl Drift {
         let spacing = (end - start) / nodes as f64;
         // Differences over a whole spacing, at its middle.
         let place = |node: usize| start + spacing * node as f64;
+        // Differences of ln P_cf instead of a derivative: distributions need no derivative of their
+        // density, and the table integrates to the right P_cf.
         let slope = |node: usize| (mature.density(place(node + 1)) / mature.density(place(node))).ln();
         let known = |node: &usize| slope(*node).is_finite();
         let first = (0..nodes).find(known).unwrap_or(0);

@@ -144,6 +144,7 @@ impl Lives {
         }
         let stretch = self.point.unwrap_or_else(|| self.reforming.next());
         let threshold = self.thresholds.next();
+        // The first draw serves as the first try of the rejection: x_s ~ P_c given x_s > r.
         let threshold = if threshold > stretch { threshold } else { self.threshold_above(stretch) };
         ContactLife { stretch, threshold }
     }

@@ -102,13 +102,15 @@ impl KnownThreshold {
 
     /// The work ∫½x² dk of ageing on a contact from the start of a segment to `end`, computed as ½[kx²] − ∫kx
     /// dX.
-    pub(super) fn gained(&self, held: &AttachedContact, segment: &Segment, end: f64) -> f64 {
+    pub(super) fn strengthening(&self, held: &AttachedContact, segment: &Segment, end: f64) -> f64 {
         if self.evolution.is_constant() || matches!(self.stiffness, Stiffness::Equal(_)) {
             return 0.0;
         }
         let stretch = |time| segment.position(time) - held.origin;
         let force = |time| self.stiffness.of(self.threshold(held, time)) * stretch(time);
         let stored = |time| 0.5 * force(time) * stretch(time);
+        // By parts, so that no derivative of the threshold by age is needed, which is large just
+        // after birth.
         stored(end) - stored(segment.start) - segment.velocity * RULE.integrate(segment.start, end, force)
     }
 
@@ -126,6 +128,9 @@ impl KnownThreshold {
             let late = gap(segment.end) > TOGETHER * segment.position(segment.end);
             return if late { time_of_passage } else { time_of_passage.min(segment.end) };
         }
+        // Between two extrema of the threshold the rate at which the gap closes changes sign at
+        // most once. Each interval then holds at most one minimum of the gap, and no passage is
+        // missed.
         let closing = |time: f64| self.evolution.at(time - held.birth).drift(held.newborn) - segment.velocity;
         let extrema = self.extrema.iter().map(|age| held.birth + age);
         let extrema = extrema.filter(|turn| (segment.start..segment.end).contains(turn));

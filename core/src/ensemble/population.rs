@@ -11,9 +11,10 @@ use super::lives::Lives;
 use super::queue::{Queue, QueuedContact, SLICE};
 use super::sums::Sums;
 use crate::contacts::Stiffness;
+use crate::energy::ContactEnergies;
 use crate::monitor::{Aside, Monitor, fits, report};
 use crate::numerics::compensated::Compensated;
-use crate::population::{Books, Direction, Population, Response, Way};
+use crate::population::{Direction, Population, Response, SmoothInterval};
 use crate::rate_dependent::ContactsState;
 use crate::{Error, Result};
 
@@ -76,7 +77,7 @@ impl Ensemble {
         fits("size", what, (self.size as u64).saturating_mul(BYTES), memory)
     }
 
-    /// The contacts at X = 0, to be moved. What stands at its threshold in a relaxed start has broken.
+    /// The contacts at X = 0, to be moved. In a relaxed start, contacts at or above their thresholds have broken.
     ///
     /// # Errors
     /// Time-dependent contacts; more of them than fit in the memory that the monitor allows.
@@ -90,8 +91,9 @@ impl Ensemble {
     /// As [`Self::population`]; stopped by the monitor.
     pub fn population_with(&self, monitor: &mut dyn Monitor) -> Result<EnsemblePopulation> {
         if let Some(rule) = self.contacts.rules.first() {
-            let expected = "contacts that know no time, since a population is moved without one";
-            return Err(Error::invalid(rule, expected, "a rule of time"));
+            let expected =
+                "contacts without time dependence, since a population is moved by displacements, not in time";
+            return Err(Error::invalid(rule, expected, "time-dependent contacts"));
         }
         self.population_fits(monitor.memory())?;
         let (Stiffness::Equal(unit) | Stiffness::PerThreshold(unit)) = self.contacts.stiffness;
@@ -243,19 +245,23 @@ impl Population for EnsemblePopulation {
         self.facing.sign() * self.position
     }
 
-    fn way(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<Way> {
+    fn smooth_interval(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<SmoothInterval> {
         if direction != self.facing {
             // `back` is a bound for the breaks on unloading. It is computed anew only when it is reached.
             if self.position <= self.back {
                 self.find_break_behind();
             }
             if self.position > self.back {
-                return Ok(Way { length: self.position - self.back, straight: true, breaks: false });
+                return Ok(SmoothInterval {
+                    length: self.position - self.back,
+                    straight: true,
+                    breaks: false,
+                });
             }
             self.reverse(monitor)?;
         }
         let end = self.end(monitor)?;
-        Ok(Way { length: end - self.position, straight: true, breaks: end < f64::INFINITY })
+        Ok(SmoothInterval { length: end - self.position, straight: true, breaks: end < f64::INFINITY })
     }
 
     fn ahead(&self, by: f64) -> Response {
@@ -269,6 +275,8 @@ impl Population for EnsemblePopulation {
             self.moved = if by > 0.0 { Direction::Forward } else { Direction::Backward };
         }
         let by = by * self.facing.sign();
+        // Moves end exactly at the position of a break or at `back`: contacts that break there are
+        // found by comparison of equal numbers, without a tolerance.
         self.position = if by < 0.0 {
             (self.position + by).max(self.back)
         } else {
@@ -312,6 +320,8 @@ impl Population for EnsemblePopulation {
 
     fn release(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
         self.held = false;
+        // Contacts re-form at +r in the direction of the last move, which the queue has to face for
+        // that.
         if self.moved != self.facing && !self.free.is_empty() {
             self.reverse(monitor)?;
         }
@@ -330,10 +340,11 @@ impl Population for EnsemblePopulation {
         }
     }
 
-    fn books(&self) -> Books {
-        Books {
+    fn energies(&self) -> ContactEnergies {
+        ContactEnergies {
             elastic: self.scale * self.sums.elastic(self.position),
             lost: self.scale * self.lost.value(),
+            strengthening: 0.0,
             broken: self.breaks as f64 / self.size as f64,
         }
     }
@@ -376,9 +387,9 @@ mod tests {
         let ensemble = Ensemble::new(contacts, initial, 20_000, 1, Disorder::Annealed).unwrap();
         let mut population = ensemble.population().unwrap();
         population.span = 50.0;
-        while population.books().broken < 45.0 {
-            let way = population.way(Direction::Forward, &mut ()).unwrap();
-            population.advance(way.length).unwrap();
+        while population.energies().broken < 45.0 {
+            let interval = population.smooth_interval(Direction::Forward, &mut ()).unwrap();
+            population.advance(interval.length).unwrap();
             population.cross(&mut ()).unwrap();
         }
         let (position, mut renewed) = (population.position, population.sums.clone());

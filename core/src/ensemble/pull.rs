@@ -146,6 +146,8 @@ impl Ensemble {
         fits("positions", what, needed as u64, memory)?;
         let expected = self.expected_breaks(positions[positions.len() - 1]);
         let least = (bytes as f64).max(20_000.0);
+        // A chunk has its own sums at all positions. With at least as many breaks as it has bytes,
+        // merging them costs little beside the breaks.
         let breaks = (expected * self.size as f64 / ROUND as f64).clamp(least, least.max(1e6));
         let chunk = (breaks / expected).ceil() as usize;
         let quick = if bytes > CACHE { PART / 8 } else { PART };

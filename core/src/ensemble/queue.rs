@@ -16,7 +16,7 @@ const PER_RUNG: usize = 32;
 /// Largest number of rungs: few enough that their ends stay in cache while contacts are distributed.
 const RUNGS: usize = 1 << 14;
 
-/// Contacts dealt with between two questions to a monitor.
+/// Contacts processed between two reports to a monitor.
 pub(super) const SLICE: usize = 1 << 18;
 
 /// A contact between two breaks: its stretch is `position − origin`.
@@ -181,11 +181,11 @@ impl Queue {
         contacts.reserve_exact(rest);
         contacts.append(&mut queue.near);
         contacts.extend(queue.late);
-        let mut told = contacts.len();
+        let mut reported = contacts.len();
         for rung in &mut queue.rungs {
             contacts.append(rung);
-            if contacts.len() > told + SLICE {
-                told = contacts.len();
+            if contacts.len() > reported + SLICE {
+                reported = contacts.len();
                 report(monitor, 0.0)?;
             }
         }
@@ -198,6 +198,8 @@ impl Queue {
         while self.near.is_empty() && self.late.is_empty() {
             if let Some(rung) = self.rungs.get_mut(self.taken) {
                 self.near = mem::take(rung);
+                // Equal elements do not occur: contacts that break together are ordered by their
+                // index. The order is hence unique, and so are the sums made in it.
                 self.near.sort_unstable();
                 self.taken += 1;
             } else if self.beyond.is_empty() {
@@ -223,6 +225,8 @@ impl Queue {
         // Infinite for contacts that all break together; the first is then on the lowest rung all the same.
         self.ladder = Ladder { low, density: width.max(0.0).recip() };
         self.taken = 0;
+        // Counting first gives each rung its exact capacity: no reallocation while millions of
+        // contacts are moved.
         let mut counts = vec![0; rungs];
         let rung = |contact: &QueuedContact| self.ladder.rung(contact);
         sliced(&self.beyond, monitor, |contact| {

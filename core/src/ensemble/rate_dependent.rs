@@ -10,9 +10,10 @@ use super::diffusion::DiffusingThreshold;
 use super::lives::{ContactLife, Drawn, Lives};
 use super::passage::Passage;
 use crate::contacts::Stiffness;
+use crate::energy::ContactEnergies;
 use crate::monitor::{Monitor, Watch, fits, report};
 use crate::random::{Purpose, Stream};
-use crate::rate_dependent::{Books, ContactsState, RateDependentContacts, StretchInterval};
+use crate::rate_dependent::{ContactsState, RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 
 /// Bytes of a contact, and of the copies on which a step of a block is tried.
@@ -121,7 +122,7 @@ struct SumsInTime {
 struct SegmentTotals {
     broken: f64,
     lost: f64,
-    gained: f64,
+    strengthening: f64,
 }
 
 /// The state of the contacts.
@@ -220,6 +221,7 @@ impl EnsembleInTime {
         let gone = Watch::new(monitor).share(chunks.len(), || self.streams(), chunk);
         self.contacts = contacts;
         let gone = gone?;
+        // Chunks have a fixed size and are summed in order: the same bits on any number of threads.
         self.now = gone.iter().fold(SumsInTime::default(), |sum, chunk| sum.plus(chunk.1));
         self.past = gone.iter().fold(self.past, |sum, chunk| sum.plus(chunk.0));
         Ok(())
@@ -243,12 +245,14 @@ impl EnsembleInTime {
                 self.form(contact, segment.position, streams);
                 totals.lost -= self.energy(contact, &segment, segment.start);
             }
-            let end = self.end(contact, &segment, streams, &mut totals.gained);
+            let end = self.end(contact, &segment, streams, &mut totals.strengthening);
             // The position in the stream belongs to the contact, so that copies draw the same numbers.
             contact.words[1] = streams.diffusion.taken();
             let Some(end) = end else { return totals };
             totals.lost += self.energy(contact, &segment, end);
             totals.broken += 1.0;
+            // Streams are counter-based (Philox), so that going to any position of any contact
+            // costs one block.
             streams.lives.resume(contact.index.into(), contact.drawn, contact.held.newborn);
             let next = streams.lives.next();
             contact.drawn = streams.lives.drawn();
@@ -262,13 +266,13 @@ impl EnsembleInTime {
         contact.holds = true;
     }
 
-    /// The time at which a contact breaks on a segment, if it does; the work of ageing is added to `gained`.
+    /// The time at which a contact breaks on a segment, if it does; the work of ageing is added to `strengthening`.
     fn end(
         &self,
         contact: &mut ContactInTime,
         segment: &Segment,
         streams: &mut RandomStreams,
-        gained: &mut f64,
+        strengthening: &mut f64,
     ) -> Option<f64> {
         // In a relaxed start some are above their thresholds.
         if contact.formed >= contact.held.newborn {
@@ -278,12 +282,12 @@ impl EnsembleInTime {
         match self.passage.as_ref() {
             Passage::KnownThreshold(known) => {
                 let end = known.on(held, segment, remaining_hazard);
-                *gained += known.gained(held, segment, end.unwrap_or(segment.end));
+                *strengthening += known.strengthening(held, segment, end.unwrap_or(segment.end));
                 end
             }
             Passage::Diffusing(diffusion) => {
                 let stream = &mut streams.diffusion;
-                diffusion.on(held, wandering, segment, remaining_hazard, stream, gained)
+                diffusion.on(held, wandering, segment, remaining_hazard, stream, strengthening)
             }
         }
     }
@@ -332,7 +336,7 @@ impl SegmentTotals {
         Self {
             broken: self.broken + other.broken,
             lost: self.lost + other.lost,
-            gained: self.gained + other.gained,
+            strengthening: self.strengthening + other.strengthening,
         }
     }
 }
@@ -354,10 +358,11 @@ impl RateDependentContacts for EnsembleInTime {
         self.scale * self.now.stiffness
     }
 
-    fn books(&self) -> Books {
-        let SegmentTotals { broken, lost, gained } = self.past;
-        let [elastic, lost, gained] = [self.now.energy, lost, gained].map(|energy| self.scale * energy);
-        Books { elastic, lost, gained, broken: broken / self.contacts.len() as f64 }
+    fn energies(&self) -> ContactEnergies {
+        let SegmentTotals { broken, lost, strengthening } = self.past;
+        let [elastic, lost, strengthening] =
+            [self.now.energy, lost, strengthening].map(|energy| self.scale * energy);
+        ContactEnergies { elastic, lost, strengthening, broken: broken / self.contacts.len() as f64 }
     }
 
     fn free(&self) -> f64 {
@@ -365,11 +370,11 @@ impl RateDependentContacts for EnsembleInTime {
     }
 
     fn stretches(&self) -> Vec<StretchInterval> {
-        let share = 1.0 / self.contacts.len() as f64;
+        let fraction = 1.0 / self.contacts.len() as f64;
         let portion = |contact: &ContactInTime| {
             // Those just re-formed may lie below 0 by rounding.
             let stretch = contact.stretch(self.position).max(0.0);
-            StretchInterval { low: stretch, high: stretch, share }
+            StretchInterval { low: stretch, high: stretch, fraction }
         };
         self.contacts.iter().filter(|contact| contact.holds).map(portion).collect()
     }

@@ -43,6 +43,9 @@ impl Sums {
     #[inline]
     fn weigh(&mut self, contact: &QueuedContact, sign: f64) {
         let (k, o) = (sign * self.stiffness(contact), contact.origin - self.base);
+        // Removing what was added would leave rounding errors that grow with the number of breaks;
+        // compensated sums keep them at that of one addition (A. Neumaier, Z. Angew. Math. Mech.
+        // 54, 39 (1974)).
         let terms = [k, k * o, k * o * o];
         self.moments.iter_mut().zip(terms).for_each(|(moment, term)| moment.add(term));
     }

@@ -21,7 +21,7 @@ pub(super) trait TallyCell: Copy + Send + Sync {
     fn merge(&mut self, other: &Self);
     /// Sums of k, kx, k², k²x, (kx)².
     fn sums(&self) -> [f64; 5];
-    /// The part of these sums, of `size` contacts, that is not remembered.
+    /// The part of these sums, of `size` contacts, that is constant and not stored.
     fn constant(size: f64) -> [f64; 5];
 }
 
@@ -41,6 +41,7 @@ impl TallyCell for Equal {
     #[inline(always)]
     fn change((before, _): (f64, f64), (after, _): (f64, f64)) -> [f64; 2] {
         let jump = after - before;
+        // x_a² − x_b² as a product: no cancellation where both are nearly equal.
         [jump, jump * (after + before)]
     }
 
@@ -215,6 +216,8 @@ pub(super) fn forces<C: TallyCell>(
         let [dk, df, dkk, dkf, dff] = cell.sums();
         (k, f, kk, kf, ff) = (k + dk, f + df, kk + dkk, kf + dkf, ff + dff);
         let mean = f / n;
+        // The standard error of a mean of n independent contacts; rounding may make a vanishing
+        // variance negative.
         (scale * mean, scale * ((ff / n - mean * mean).max(0.0) / (n - 1.0)).sqrt())
     };
     let mut all = (Vec::with_capacity(cells.len()), Vec::with_capacity(cells.len()));

@@ -21,8 +21,8 @@ use crate::{Error, Result};
 const CHUNKS: usize = 256;
 const FEWEST: usize = 16;
 
-/// Contacts, and breaks, between two questions to the monitor.
-const ASKED: usize = 16;
+/// Contacts, and breaks, between two checks whether the monitor has stopped.
+const PER_CHECK: usize = 16;
 
 /// Values drawn ahead for a contact.
 const AHEAD: usize = 8;
@@ -202,6 +202,8 @@ impl<'a> Follow<'a> {
         let mut total = self.nothing();
         let size = all.div_ceil(CHUNKS).max(FEWEST);
         let starts: Vec<usize> = (0..all).step_by(size).collect();
+        // The number of threads decides on the rounds only, not on the chunks, so that it changes
+        // no sum.
         for round in starts.chunks(rayon::current_num_threads()) {
             let mut aside = Aside { fraction: round[0] as f64 / all as f64, monitor };
             let watch = Watch::new(&mut aside);
@@ -232,7 +234,7 @@ impl<'a> Follow<'a> {
         let mut chunk = self.nothing();
         let mut lives = Lives::new(self.ensemble, AHEAD);
         for index in contacts {
-            if index.is_multiple_of(ASKED) && watch.stops() {
+            if index.is_multiple_of(PER_CHECK) && watch.stops() {
                 break;
             }
             self.contact(index as u64, &mut lives, &mut chunk, watch);
@@ -255,7 +257,7 @@ impl<'a> Follow<'a> {
         while next < self.marks.len() {
             let end;
             (end, next) = self.hold(birth, life, next, &mut draws, chunk);
-            let asks = chunk.breaks.is_multiple_of(ASKED as u64);
+            let asks = chunk.breaks.is_multiple_of(PER_CHECK as u64);
             if next == self.marks.len() || asks && watch.stops() {
                 return;
             }
@@ -298,6 +300,8 @@ impl<'a> Follow<'a> {
             origin: self.history.position(birth) - life.stretch,
             newborn: life.threshold,
         };
+        // Inversion: the cumulative hazard at which a contact breaks is exponentially distributed,
+        // whatever its history.
         let remaining_hazard = match rules.temperature {
             Some(_) => -draws.breaking.uniform().ln(),
             None => f64::INFINITY,

@@ -21,6 +21,8 @@ pub(super) fn highest(
     let mut best: Option<(f64, f64)> = None;
     for piece in grid.windows(2) {
         let (start, end) = (piece[0], piece[1]);
+        // The slope may jump at a knot: its sign is taken on both sides, since a maximum may be a
+        // cusp.
         let before = slope(end.next_down()) > 0.0;
         let after = slope(end) > 0.0;
         let top = match (rising, before, after) {

@@ -51,6 +51,8 @@ impl Gaussian {
         let mut second = (start + position).powi(2) + self.initial_std.powi(2);
         for (z, root) in self.breaks(position) {
             let (cdf, pdf) = (normal_cdf(z), normal_density(z));
+            // Both expectations of truncated Gaussians follow by parts from Φ and φ; the first is
+            // the integral of the force lost.
             let path = mean * root * (z * cdf + pdf) - var * cdf;
             let broken = (mean * mean + var) * cdf - (2.0 * mean + var / root * z) * var / root * pdf;
             second -= 2.0 * path + broken;

@@ -116,6 +116,8 @@ fn irwin_hall(n: usize, t: f64) -> Vec<f64> {
     if let Some(last) = density.last_mut() {
         *last = 1.0;
     }
+    // In place, with t − j falling: each entry needs its own old value and that of the next one
+    // only.
     for order in 2..=n {
         for j in 0..density.len() {
             let t = t - j as f64;
@@ -138,6 +140,7 @@ fn irwin_hall_integrals(n: usize, t: f64) -> (f64, f64) {
         return (1.0, t - 0.5 * n as f64);
     }
     let below = irwin_hall(n + 1, t).iter().sum();
+    // Summing over j twice counts the term j of the next order j + 1 times.
     let path = irwin_hall(n + 2, t).iter().enumerate().map(|(j, f)| (j + 1) as f64 * f).sum();
     (below, path)
 }

@@ -67,7 +67,7 @@ impl Mixture {
 }
 
 impl Mixture {
-    /// The component and its parameter that a name stands for.
+    /// The component and its parameter that a name denotes.
     fn address<'a>(&self, name: &'a str) -> Result<(usize, &'a str)> {
         let address = name.split_once('.').and_then(|(index, inner)| Some((index.parse().ok()?, inner)));
         address.filter(|&(index, _)| index < self.components.len()).ok_or_else(|| unknown(self, name))

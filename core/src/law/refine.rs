@@ -224,6 +224,8 @@ fn bisected(
                 wanted: Float(tolerance),
             });
         }
+        // All cells of a level are evaluated in one call: a density written in Python costs per
+        // call, not per point.
         pending = rest.iter().flat_map(RefinedCell::halves).collect();
         evaluate(density, &mut pending)?;
     }
@@ -251,6 +253,8 @@ fn merged(
     tolerance: f64,
 ) -> Result<Vec<RefinedCell>> {
     let (mut offset, mut passes_without_merge) = (0, 0);
+    // Pairs (0, 1), (2, 3), … and then (1, 2), (3, 4), …: any two neighbours have been tried before
+    // the loop ends.
     while passes_without_merge < 2 {
         let candidates = cells.split_off(offset.min(cells.len()));
         let mut unions: Vec<_> =

@@ -135,6 +135,7 @@ impl Renormalised {
         let (mut binomial, mut sum) = (1.0, 0.0);
         for k in (0..=order).rev() {
             let shifted = (-self.shift()).powi((order - k) as i32);
+            // (x − κx̄)ⁿ by the binomial theorem, from moments of the thresholds.
             sum += binomial * shifted * self.thresholds().upper_moment(k, stretch);
             binomial *= f64::from(k) / f64::from(order - k + 1);
         }
@@ -164,6 +165,8 @@ impl Renormalised {
                 return self.points[cell].iter().map(&g).sum::<Complex64>();
             }
             let at = |k: usize| low + width * (k as f64 / parts);
+            // The integral over drives is taken over stretches, dP = P_c dx: the map X(x) is smooth
+            // where its inverse is steep.
             let finer = (0..parts as usize).flat_map(|k| self.masses(cell, at(k), at(k + 1)));
             finer.map(|mass| g(&mass)).sum()
         };

@@ -167,6 +167,8 @@ impl Series {
         let cells = self.density.coefficients.len();
         for cell in (0..cells).rev() {
             let low = self.density.boundaries[cell];
+            // Sums from both ends: a tail is the sum of its own cells only, and keeps its relative
+            // accuracy.
             self.above[cell] =
                 std::array::from_fn(|n| self.above[cell + 1][n] + self.upper_part(cell, low, n as u32));
         }
@@ -227,6 +229,8 @@ impl Series {
             } else {
                 a = x
             }
+            // A Newton step outside the bracket is replaced by bisection: convergence is certain,
+            // and quadratic near the root.
             x = if x - step > a && x - step < b { x - step } else { 0.5 * (a + b) };
         }
         x
@@ -240,6 +244,8 @@ impl Series {
         let scale = half.powi(-(order as i32));
         // Of values, and of the points at which they are taken.
         let rounding = 4.0 * f64::EPSILON * (1.0 + middle / half);
+        // Derivatives at the ends of a cell amplify errors of coefficients by n²ᵈ; a jump smaller
+        // than that is no property of the density.
         let doubt = tail(terms).max(rounding * terms.iter().map(|c| c.abs()).sum::<f64>());
         let terms = (0..NODES).map(|n| (terms[n], end_derivative(n, order, side)));
         let (value, amplified) =
@@ -290,6 +296,8 @@ impl Series {
     /// Zones that begin and end at cell boundaries.
     fn find_zones(&self) -> Vec<Zone> {
         let bulk = Zone::of(self.quantile(ALL), self.upper_quantile(ALL), self.mean(), self.std);
+        // Zones describe the density, not how it was found: cells that one polynomial replaces are
+        // joined before.
         let joined = self.density.clone().joined(1e-14);
         let cells = || joined.boundaries.windows(2).map(|w| (w[0], w[1], (w[1] - w[0]) / Zone::CELL));
         let inside = || cells().filter(|(low, high, _)| *low < bulk.high && *high > bulk.low);

@@ -170,6 +170,8 @@ impl Law for Weibull {
             return Complex64::from(f64::INFINITY);
         }
         let rotation = if s.im == 0.0 { 0.0 } else { rotation(self.shape, s.arg().abs()).copysign(s.im) };
+        // By Cauchy's theorem the integral along the rotated ray is the same, since the integrand
+        // is analytic and decays in between.
         let turned = s * Complex64::cis(-rotation);
         let upper_limit = upper_limit(self.shape, (-turned.re).max(0.0), (self.shape * rotation).cos());
         trapezoid(-45.0 / self.shape, upper_limit, |u| {

@@ -84,6 +84,8 @@ pub(super) fn of_layers(
     breakpoints.sort_by(|a, b| a.position.total_cmp(&b.position));
     // Integration from the end of life makes tails accurate relative to themselves.
     let carried = Carried::new(&breaking, &moments, end);
+    // Survival, force and energies are integrals of the breaking density: their breakpoints are one
+    // order smoother.
     let smoother: Vec<_> =
         breakpoints.iter().map(|&b| Breakpoint { exponent: b.exponent + 1.0, ..b }).collect();
     let kernel = |curve: Piecewise| Kernel::new(curve, smoother.clone());

@@ -57,6 +57,8 @@ impl Births {
         let width = CELL * starts.resolution;
         let even = (1..((high + latest) / width) as usize).map(|k| k as f64 * width);
         let edges: Vec<f64> = breakpoints.iter().map(|b| b.position).chain(even).collect();
+        // The convolution of two piecewise densities is smooth between sums of their breakpoints;
+        // between these a Gauss rule per panel is exact to rounding.
         let rate = Panels::new(&self.rate, 2.0 * width, NEGLIGIBLE);
         let born = |x: f64| {
             let place = |b: &Breakpoint| x - b.position;

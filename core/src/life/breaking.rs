@@ -136,6 +136,8 @@ impl<'a> Breaking<'a> {
             sums.iter_mut().zip(at).for_each(|(sum, value)| *sum += mass.weight * value);
         }
         let (forth, back) = (self.layer.ahead.max(u), self.layer.behind);
+        // The integrand has a kink wherever y(x) passes a breakpoint of P_c, on either branch of y:
+        // Gauss points must not straddle these.
         let places = |b: &Breakpoint| [b.position - forth, back - b.position];
         let everywhere = Domain {
             low: f64::NEG_INFINITY,

@@ -1,4 +1,4 @@
-//! The interface of contacts at a velocity: what becomes of contacts formed together at one stretch.
+//! The interface of contacts at a velocity: survival and breaking of contacts formed together at one stretch.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -51,7 +51,7 @@ pub(crate) trait BreakingModel: Debug + Send + Sync {
 
 /// Contacts formed together at a stretch r.
 pub(crate) trait Cohort: Debug + Send + Sync {
-    /// What survives and what breaks at the stretch r + u; from the right at a point mass.
+    /// Surviving and breaking contacts at the stretch r + u; from the right at a point mass.
     fn survival_moments(&self, advance: f64) -> SurvivalMoments;
 
     /// Breakpoints and point masses of the breaking density for u > 0, as advances.
@@ -84,7 +84,7 @@ impl BlurredEdge {
     }
 }
 
-/// What survives of a cohort and what breaks, with powers of the present threshold h (needed for k = κ h).
+/// Surviving and breaking contacts of a cohort, with powers of the present threshold h (needed for k = κ h).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct SurvivalMoments {
     /// The surviving fraction, and its sums of h and h².

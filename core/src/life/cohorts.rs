@@ -79,7 +79,7 @@ struct CohortSums {
     force: f64,
     square: f64,
     energy: f64,
-    /// ½k x² of what breaks, per unit advance.
+    /// ½k x² of breaking contacts, per unit advance.
     lost: f64,
 }
 
@@ -104,6 +104,8 @@ pub(super) fn of_cohorts(
     let stops = breakpoints.iter().map(|b| b.position).chain(cohorts.approaches(watch)).collect();
     let outline = Outline::new(&at, stops, contacts.thresholds.mean());
     let rounding = cohorts.model.rounding();
+    // A jump whose effect over a cell is below the error of the model is noise between two
+    // polynomials; as a breakpoint it would only cost cells.
     breakpoints.retain(|b| b.exponent != 0.0 || b.amplitude.abs() * outline.beside(b.position) >= rounding);
     watch.check()?;
     let edges = &outline.edges;
@@ -180,6 +182,9 @@ impl Outline {
             if rate.is_finite() { mean.min(1.0 / rate.max(f64::MIN_POSITIVE)) / 8.0 } else { mean / 8.0 };
         stops.retain(|&u| u > 0.0);
         stops.sort_by(f64::total_cmp);
+        // The range of a life is not known in advance: at low velocities temperature breaks
+        // contacts decades below their thresholds, and ageing carries them beyond. Cells that
+        // double in width find the end in a logarithmic number of evaluations.
         let (mut edges, mut next, mut sums) = (vec![(0.0, start.survival)], first, [0.0; 4]);
         // Cells double in width unless too many contacts would break in one of them.
         loop {
@@ -200,6 +205,8 @@ impl Outline {
                 *sum += (to - before) * last;
             }
             let rest = [here.survival, to * here.survival, here.force, here.square];
+            // Survival, first moment, force and its square: every integral that a result is made of
+            // must have converged.
             if rest.iter().zip(sums).all(|(rest, sum)| to * rest <= NEGLIGIBLE * sum) {
                 break;
             }
@@ -285,6 +292,8 @@ impl Cohorts {
             watch.done(cohorts.model.making_fraction() * finished as f64 / count);
             cohort
         };
+        // Cohorts do not depend on each other, and each is a solution of a partial differential
+        // equation or a table: threads share them.
         let found = watch.share(points.len(), || (), make)?;
         if points.len() <= FEW && !cohorts.model.tells_of_edges() {
             cohorts.few = points.iter().map(|point| point.1).zip(found.iter().cloned()).collect();
@@ -319,6 +328,9 @@ impl Cohorts {
         }
         let passing = self.model.passing(advance);
         for pass in passing.iter().filter(|pass| pass.weight > 0.0) {
+            // Contacts of different starts meet one threshold at different advances: a point mass
+            // of thresholds becomes a density of breaks, starts × speed at which the starts pass
+            // it.
             let weight = self.starts.density_at(pass.start) * pass.weight * pass.speed;
             sums.add_broken(weight, pass.start + advance, per_threshold);
         }
@@ -454,7 +466,7 @@ impl Cohorts {
 }
 
 impl CohortSums {
-    /// Adds what survives of a cohort at the stretch x, and what breaks.
+    /// Adds the surviving and the breaking contacts of a cohort at the stretch x.
     fn add(&mut self, survival_moments: SurvivalMoments, weight: f64, x: f64, per_threshold: bool) {
         let [unbroken, first, second] = survival_moments.unbroken.map(|sum| weight * sum);
         let [breaking, breaking_first] = survival_moments.breaking.map(|sum| weight * sum);

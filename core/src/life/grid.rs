@@ -183,6 +183,8 @@ impl ThresholdGrid {
             return self.cut([middle, high], least, exposed, visit);
         }
         let rooted = self.is_rooted([low, high], least);
+        // In s = √(h − h_0) half powers of the distance to the threshold h_0 are whole ones, and
+        // the Gauss rule converges exponentially again.
         let [from, to] = [low.0, high.0].map(|h| if rooted { (h - least).sqrt() } else { h });
         for (t, w) in RULE.nodes.iter().zip(&RULE.weights) {
             let (place, weight) = (from + 0.5 * (to - from) * (1.0 + t), 0.5 * (to - from) * w);

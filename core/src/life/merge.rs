@@ -15,7 +15,7 @@ use crate::numerics::piecewise::Piecewise;
 /// Breakpoints are dropped if their effect on cells that resolve P_c is below this, per mean threshold.
 const FAINT: f64 = 1e-11;
 
-/// The life of the contacts of some layers; what breaks does not re-form.
+/// The life of the contacts of some layers; broken contacts do not re-form.
 ///
 /// # Errors
 /// Stopped by the monitor.
@@ -74,6 +74,8 @@ pub(crate) fn simplified(layers: Vec<Layer>, thresholds: &dyn Law) -> Vec<Layer>
             (other.ahead - layer.ahead).abs() <= close && (other.behind - layer.behind).abs() <= close
         };
         match out.iter_mut().find(alike) {
+            // Contacts with the same largest stretch as a function of x have the same survival:
+            // their densities add, and turns of the drive do not pile up layers.
             Some(other) => other.merge(layer),
             None => out.push(layer),
         }

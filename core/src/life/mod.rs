@@ -1,6 +1,7 @@
-//! The life of a contact: what becomes of it as the slider advances by u after its formation.
+//! The life of a contact: its probability of survival, breaking density, force and energies after the slider has advanced
+//! by u since the contact formed.
 //!
-//! All results on friction follow from these curves, whatever the contacts are made of.
+//! All solvers use only these curves. They are the same type for every kind of contact, athermal or time-dependent.
 
 mod athermal;
 mod births;

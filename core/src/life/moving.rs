@@ -32,6 +32,8 @@ pub fn moving(
 ) -> Result<Life> {
     let watch = Watch::new(monitor);
     let rules = &contacts.rules;
+    // Thermal breaking that is lost in rounding is left out: fast sliding has the athermal life,
+    // which is cheaper and exact.
     let thermal = rules.temperature.is_some_and(|temperature| is_felt(&temperature, contacts, velocity));
     let life = match (&rules.ageing, ThresholdFokkerPlanck::of(contacts)) {
         (Some(Ageing::Smoluchowski { .. }), Some(maturing)) => {

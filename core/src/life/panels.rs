@@ -73,6 +73,8 @@ impl<'a> Panels<'a> {
             parts.extend(std::iter::from_fn(|| rest.next_if(is_near)));
             let high = parts[parts.len() - 1].high;
             let points: Vec<_> = parts.iter().flat_map(|part| part.points.iter().copied()).collect();
+            // Each point of a merged panel costs a cohort, which may be a solution of a partial
+            // differential equation: the fewest points for the error are worth an optimal rule.
             let rule = gauss::fewest(&points, length(low, high), error);
             if rule.len() < points.len() {
                 panels.push(StartPanel { low, high, points: rule, parts });

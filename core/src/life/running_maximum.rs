@@ -63,6 +63,8 @@ impl RunningMaximum {
                 return None;
             }
         }
+        // In a pause y is constant, which leaves a root undefined: the search begins after the last
+        // one below the threshold.
         let beyond = self.pauses.iter().filter(|pause| pause.value < newborn).map(|pause| pause.to);
         let low = beyond.fold(0.0, f64::max);
         brent_root(|u| self.value(u) - newborn, low, high, 0.0)
@@ -111,6 +113,8 @@ impl RunningMaximum {
                 _ => {}
             }
             before = at;
+            // Steps grow geometrically: ageing laws vary on the scale of the age itself, and pauses
+            // may begin at any of many orders of magnitude.
             at *= STEP;
         }
         found

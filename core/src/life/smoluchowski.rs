@@ -139,6 +139,9 @@ impl FokkerPlanckLife {
 
     /// The solutions for density and point masses of contacts formed at a stretch.
     fn segments(&self, start: f64, solved: Discretisation, watch: &Watch<'_>) -> Vec<LifeSegment> {
+        // A layer thinner than the floor of D/v would need elements below rounding. The second
+        // solution has a layer twice as thick, so that their difference contains the first-order
+        // effect of the floor.
         let diffusion = self.at_least(solved.layers * LEAST);
         let spread = solved.spread * self.reach(diffusion);
         let whole = self.maturing.survival(start);
@@ -222,6 +225,8 @@ impl FokkerPlanckLife {
             segments.push(self.waiting(start, &evolution.density, velocity * time));
         }
         let layer = field.diffusion / velocity;
+        // The asymptotic expansion holds from the beginning only if no contact stands at the
+        // stretch yet.
         let met = evolution.density.value(start + velocity * time).abs();
         if self.is_thin(layer) && met * layer < tolerance {
             segments.push(self.free(start, layer, evolution, lasting, watch));
@@ -292,6 +297,8 @@ impl FokkerPlanckLife {
         let mut boundaries = vec![0.0];
         let mut curves: [Vec<Nodal>; SUMS] = std::array::from_fn(|_| Vec::new());
         for step in &steps {
+            // Densities may jump from element to element. Where the stretch passes an edge the
+            // polynomial in time ends.
             let met = step.at(step.from).edges.into_iter().map(|edge| (edge - start) / self.velocity);
             let mut cuts: Vec<f64> = met.filter(|&time| time > step.from && time < step.to).collect();
             cuts.push(step.to);
@@ -414,6 +421,9 @@ impl BreakingModel for FokkerPlanckLife {
             return Arc::new(DiffusingCohort { start, segments: Vec::new(), onsets: Vec::new() });
         }
         let segments = self.segments(start, FINE, watch);
+        // The flux into an absorbing boundary that meets a density p > 0 begins as p √(D/πt), the
+        // error-function solution of diffusion next to a plane. As a breakpoint of the kernel it
+        // grades the cells there.
         let onsets = self.onsets(start, &segments);
         let formed = DiffusingCohort { start, segments, onsets };
         let rough =

@@ -66,6 +66,8 @@ impl ThermalHazard {
     /// The contacts formed at `start`, after an advance.
     pub(super) fn at(&self, start: f64, advance: f64) -> ThermalHazardAt<'_> {
         let stretch = start + advance;
+        // ΔE = ½k(h² − x²): thresholds enter as the factor e^{−kh²/2T} only, and one integral
+        // serves all contacts.
         let common = match (self.temperature.barrier, self.stiffness) {
             (Barrier::Elastic, Stiffness::Equal(stiffness)) if self.evolution.is_constant() => {
                 let whole = 0.5 * stiffness * stretch * stretch / self.temperature.energy;
@@ -188,6 +190,8 @@ impl ThermalHazardAt<'_> {
         let thermal = self.thermal;
         let exponent = thermal.ahead(self.start, newborn);
         let rate = |u: f64| thermal.attempts() * (-exponent(u)).exp();
+        // Exponents above this contribute less than the negligible part to A over the whole
+        // advance.
         let most = (thermal.attempts() * end / NEGLIGIBLE).ln();
         let mut edges = Vec::new();
         split(&exponent, [0.0, end].map(|u| (u, exponent(u))), (most, 0), &mut edges);

@@ -190,6 +190,8 @@ impl BreakingModel for Timed {
 
     fn passing(&self, advance: f64) -> Vec<Passing> {
         let aged = self.evolution.at(advance / self.velocity);
+        // Of the contacts that formed u ago, those that started at `start` stand at the threshold
+        // of this breakpoint now.
         let pass = |hazard: &Breakpoint| {
             let start = aged.threshold(hazard.position) - advance;
             if start < 0.0 || start >= hazard.position {
@@ -200,6 +202,8 @@ impl BreakingModel for Timed {
             if running_maximum.value(advance) > hazard.position * (1.0 + 1e-12) {
                 return None;
             }
+            // The stretch grows at the velocity v, the threshold at its drift: they meet at the
+            // difference.
             let speed = (1.0 - aged.drift(hazard.position) / self.velocity).abs();
             let left = self.left(start, advance, hazard.position);
             let weight = if hazard.is_atom() { hazard.amplitude * left } else { 0.0 };
@@ -209,6 +213,9 @@ impl BreakingModel for Timed {
         let newest =
             if self.evolution.is_constant() { None } else { brent_root(back, 0.0, self.highest, 0.0) };
         let newest = newest.filter(|&start| self.law.density(start) * self.law.mean() > FAINT);
+        // The lowest threshold of contacts that start at r is r. The start for which the stretch
+        // has just caught up with that threshold, which has grown by ageing, separates starts with
+        // and without athermal breaks: integrals over starts have a kink there.
         let lull = newest.map(|start| Passing { start, weight: 0.0, speed: 0.0 });
         self.visible().filter_map(pass).chain(lull).collect()
     }
@@ -218,6 +225,8 @@ impl AgeingCohort {
     /// The hazards of contacts at a position of the grid.
     fn hazards(&self, exposed: &ThermalHazardAt<'_>, place: usize, evaluated: bool) -> Hazards {
         let newborn = self.of.grid.fixed()[place];
+        // Under constant thresholds A has a closed form, and a history would cost more than it
+        // saves.
         if !evaluated || newborn <= self.start || self.of.evolution.is_constant() {
             return exposed.hazards(newborn);
         }
@@ -295,6 +304,9 @@ impl Cohort for AgeingCohort {
         // Where contacts start, only breakpoints that jumps of derivatives do not describe.
         let shows = |b: &&Breakpoint| b.position > self.start || b.position == self.start && b.is_steep();
         let above = self.of.hazards.iter().filter(shows);
+        // Where the largest fresh threshold met so far stops or starts to grow, athermal breaking
+        // stops or starts: a jump of the breaking density, whose size is the difference of both
+        // sides.
         let turns = self.running_maximum.turns().map(|advance| {
             let step = 1e-9 * advance.max(f64::MIN_POSITIVE);
             let amplitude = self.survival_moments(advance + step).breaking[0]

@@ -190,6 +190,8 @@ const FAINT: f64 = 45.0;
 /// its logarithm changes little.
 fn ln_average(law: &dyn Law, g: impl Fn(f64) -> f64) -> Option<f64> {
     let ln_density = |h: f64| match law.density(h) {
+        // Where the density underflows, ln P_c = ln P + ln S still has all digits: neither the
+        // hazard rate P nor ln S underflows.
         density if density > f64::MIN_POSITIVE => density.ln(),
         _ => law.hazard(h).ln() + law.ln_survival(h),
     };

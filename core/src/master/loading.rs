@@ -110,7 +110,7 @@ impl LoadingBranch {
         }
     }
 
-    /// The density of stretches at the advance u, and its atoms, where what breaks re-forms.
+    /// The density of stretches at the advance u, and its point masses; `None` if broken contacts stay free.
     ///
     /// # Errors
     /// Stopped by the monitor.
@@ -201,6 +201,9 @@ impl LoadingBranch {
             }
             Motion::Held { first, .. } => (start(first.survival()) - at(&energy_curves.yet_to_break), 0.0),
         };
+        // The energy that contacts will dissipate when they break is a property of their life: what
+        // was there at first, and what re-formed contacts brought with them, less what is left. No
+        // integral over breaks is needed.
         let lost = initial_breaking_energy + born - at(&energy_curves.breaking_energy);
         BranchEnergies { elastic: at(&energy_curves.energy), lost, broken }
     }

@@ -10,10 +10,11 @@ use super::solved_branches::SolvedBranches;
 use super::unloading::UnloadingBranch;
 use super::{MasterEquation, Tolerance};
 use crate::Result;
+use crate::energy::ContactEnergies;
 use crate::law::Atom;
 use crate::life::{Layer, LayerSums, Life, threshold_atoms};
 use crate::monitor::{Monitor, Watch};
-use crate::population::{Books, Direction, Population, Response, Way};
+use crate::population::{Direction, Population, Response, SmoothInterval};
 use crate::rate_dependent::ContactsState;
 
 /// The contacts of a master equation as a [`Population`].
@@ -111,7 +112,7 @@ impl MasterPopulation {
             return total_probability;
         }
         let there = LayerSums::of(&self.layers(), &self.interface.contacts).unbroken;
-        there + self.free + if self.branch.is_held() { self.energies().broken } else { 0.0 }
+        there + self.free + if self.branch.is_held() { self.branch_energies().broken } else { 0.0 }
     }
 
     /// Whether `direction` is that of the branch.
@@ -190,6 +191,8 @@ impl MasterPopulation {
 
     /// Solves the branch for twice the distance. Simultaneous breaks where it ended are known only then.
     fn extend_branch(&mut self, crossed: bool, monitor: &mut dyn Monitor) -> Result<()> {
+        // Doubling keeps the total cost of all extensions below twice that of the last one,
+        // although each solves from the start.
         let end = 2.0 * self.branch.end();
         let Some(branch) = self.branch.extended(end, self.interface.tolerance, monitor)? else {
             return Ok(());
@@ -199,7 +202,7 @@ impl MasterPopulation {
             self.cell.checked_sub(1).filter(|&before| !crossed && branch.breaks_after(before))
             && (branch.cell_end(before) - self.furthest).abs() <= self.interface.rounding()
         {
-            // Stay in front of a simultaneous break that the caller does not know of.
+            // Stay in front of a simultaneous break that has not been reported to the caller.
             (self.cell, self.furthest) = (before, self.furthest.min(branch.cell_end(before).next_down()));
         }
         self.branch = Arc::new(branch);
@@ -247,6 +250,8 @@ impl MasterPopulation {
 
     /// Starts another branch at the present position.
     fn start_branch(&mut self, branch: Arc<LoadingBranch>, direction: Direction) {
+        // A new branch starts from stretches that have the error of the old one: errors of branches
+        // add up until contacts all re-form.
         self.inherited += self.branch.error();
         self.worst = self.worst.max(self.inherited);
         (self.origin, self.direction) = (self.position(), direction);
@@ -256,19 +261,21 @@ impl MasterPopulation {
 
     /// Adds the energies of the branch to the totals.
     fn accumulate_energies(&mut self) {
-        let energies = self.energies();
+        let energies = self.branch_energies();
         self.lost += energies.lost;
         self.broken += energies.broken;
         self.free += if self.branch.is_held() { energies.broken } else { 0.0 };
     }
 
     /// Energies of the present branch, the straight unloading included.
-    fn energies(&self) -> BranchEnergies {
+    fn branch_energies(&self) -> BranchEnergies {
         let energies = self.branch.energies(self.furthest, self.cell);
         let Some(UnloadingBranch { stiffness, .. }) = self.back.as_ref().filter(|_| self.behind > 0.0) else {
             return energies;
         };
         let (force, _) = self.branch.response(self.furthest, self.cell);
+        // On the straight line the elastic energy changes by the work done, ∫F dX, since nothing
+        // breaks.
         let elastic = energies.elastic - (force - 0.5 * stiffness * self.behind) * self.behind;
         BranchEnergies { elastic, ..energies }
     }
@@ -288,7 +295,7 @@ impl Population for MasterPopulation {
         self.origin + self.direction.sign() * (self.furthest - self.behind)
     }
 
-    fn way(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<Way> {
+    fn smooth_interval(&mut self, direction: Direction, monitor: &mut dyn Monitor) -> Result<SmoothInterval> {
         self.looked = direction;
         if self.is_at_simultaneous_break() && (self.holding || self.is_onward(direction)) {
             self.cross(monitor)?;
@@ -296,14 +303,14 @@ impl Population for MasterPopulation {
         if self.is_onward(direction) {
             if self.behind > 0.0 {
                 let breaks = self.furthest == self.branch.cell_end(self.cell);
-                return Ok(Way { length: self.behind, straight: true, breaks });
+                return Ok(SmoothInterval { length: self.behind, straight: true, breaks });
             }
             if self.branch.cell_end(self.cell) >= self.branch.end() {
-                // Before its last cell is passed: this may take long, and the monitor is listening now.
+                // Before its last cell is passed: this may take long, and here a monitor can stop it.
                 self.extend_branch(true, monitor)?;
             }
             let length = self.branch.cell_end(self.cell) - self.furthest;
-            return Ok(Way {
+            return Ok(SmoothInterval {
                 length,
                 straight: length.is_infinite(),
                 breaks: self.branch.breaks_after(self.cell),
@@ -311,7 +318,7 @@ impl Population for MasterPopulation {
         }
         if self.interface.is_time_dependent() {
             // It starts as a straight line; moving along it is refused later.
-            return Ok(Way { length: f64::INFINITY, straight: true, breaks: false });
+            return Ok(SmoothInterval { length: f64::INFINITY, straight: true, breaks: false });
         }
         let behind = self.behind;
         let back = self.unloading_branch()?;
@@ -319,9 +326,9 @@ impl Population for MasterPopulation {
             Some(branch) if behind >= back.length => {
                 let cell = branch.cell(behind);
                 let length = branch.cell_end(cell) - behind;
-                Way { length, straight: length.is_infinite(), breaks: branch.breaks_after(cell) }
+                SmoothInterval { length, straight: length.is_infinite(), breaks: branch.breaks_after(cell) }
             }
-            _ => Way { length: back.length - behind, straight: true, breaks: back.breaks },
+            _ => SmoothInterval { length: back.length - behind, straight: true, breaks: back.breaks },
         })
     }
 
@@ -337,8 +344,8 @@ impl Population for MasterPopulation {
             return Ok(());
         }
         let direction = self.towards(by);
-        let way = self.way(direction, &mut ())?;
-        let (by, rounding) = (by.abs().min(way.length), self.interface.rounding());
+        let interval = self.smooth_interval(direction, &mut ())?;
+        let (by, rounding) = (by.abs().min(interval.length), self.interface.rounding());
         self.moved = direction;
         if self.is_onward(direction) {
             if self.behind == 0.0 {
@@ -371,7 +378,7 @@ impl Population for MasterPopulation {
 
     fn reset(&mut self, direction: Direction, _monitor: &mut dyn Monitor) -> Result<()> {
         let fresh = self.interface.fresh()?;
-        let released = self.energies().elastic - self.interface.newborn_energy();
+        let released = self.branch_energies().elastic - self.interface.newborn_energy();
         self.accumulate_energies();
         self.lost += released;
         self.broken += 1.0 - std::mem::take(&mut self.free);
@@ -400,7 +407,7 @@ impl Population for MasterPopulation {
         }
         self.cross(monitor)?;
         let mut layers = self.layers();
-        let free = self.free + self.energies().broken;
+        let free = self.free + self.branch_energies().broken;
         let newborn = self.interface.reformed.layers().iter().map(|layer| {
             let layer = layer.clone().scaled(free);
             if self.moved == self.direction { layer } else { layer.mirrored() }
@@ -433,12 +440,13 @@ impl Population for MasterPopulation {
         Ok(())
     }
 
-    fn books(&self) -> Books {
-        let BranchEnergies { elastic, lost, broken } = self.energies();
+    fn energies(&self) -> ContactEnergies {
+        let BranchEnergies { elastic, lost, broken } = self.branch_energies();
         let stiffness = self.interface.stiffness;
-        Books {
+        ContactEnergies {
             elastic: stiffness * elastic,
             lost: stiffness * (self.lost + lost),
+            strengthening: 0.0,
             broken: self.broken + broken,
         }
     }

@@ -94,10 +94,10 @@ impl Stretches {
     pub fn of(portions: &[StretchInterval], stretches: &[f64]) -> Self {
         let (points, cells): (Vec<_>, Vec<_>) = portions.iter().partition(|portion| portion.is_point());
         let at = |cell: &&StretchInterval, x: f64| {
-            if x >= cell.low && x < cell.high { cell.share / (cell.high - cell.low) } else { 0.0 }
+            if x >= cell.low && x < cell.high { cell.fraction / (cell.high - cell.low) } else { 0.0 }
         };
         let density = stretches.iter().map(|&x| cells.iter().map(|cell| at(cell, x)).sum()).collect();
-        let atom = |point: &StretchInterval| Atom { position: point.low, weight: point.share };
+        let atom = |point: &StretchInterval| Atom { position: point.low, weight: point.fraction };
         let mut atoms: Vec<Atom> = points.into_iter().map(atom).collect();
         atoms.sort_by(|a, b| a.position.total_cmp(&b.position));
         Self { density, atoms }
@@ -141,7 +141,7 @@ impl MasterEquation {
     /// [`MasterEquation::new`].
     ///
     /// If ageing makes contacts stiffer (k = κ x_s), the energy balance of its population does not close: the
-    /// work done by ageing on stretched contacts is only computed by [`Transport::books`].
+    /// work done by ageing on stretched contacts is only computed by [`Transport::energies`].
     ///
     /// # Errors
     /// A velocity that is not a finite number above 0; those of [`Contacts::check`]; ageing without a life at
@@ -224,6 +224,9 @@ impl MasterEquation {
     }
 
     /// The relaxation spectrum; unknown for `ageing.mean_field`, which only describes steady sliding.
+    ///
+    /// # Errors
+    /// None: only a monitor can stop it.
     pub fn relaxation(&self) -> Result<Relaxation> {
         self.relaxation_with(&mut ())
     }
@@ -262,6 +265,7 @@ impl MasterEquation {
         let tolerance = tolerance.into();
         tolerance.check()?;
         self.has_transients()?;
+        // F falls most steeply in its first oscillations, which three mean lives contain.
         let end = distance.max(3.0 * self.reformed.mean());
         let renewal = RenewalSolution::solve(&self.first, &self.reformed, end, tolerance, monitor)?;
         Ok(Pull::new(self.clone(), renewal, distance, tolerance))

@@ -76,6 +76,9 @@ impl Pull {
     /// Standard deviation of the force as a function of X for `size` contacts drawn at random, scaled to N_c.
     /// Contacts are independent under a rigid drive, so that it is exactly N_c⟨k⟩ √([∫x²Q − (∫xQ)²]/size).
     /// The curve of ∫x²Q is computed once.
+    ///
+    /// # Errors
+    /// None: only a monitor can stop it.
     pub fn force_std<'a>(&'a self, size: f64) -> Result<impl Fn(f64) -> f64 + Send + Sync + use<'a>> {
         self.force_std_with(size, &mut ())
     }
@@ -111,7 +114,10 @@ impl Pull {
         self.renewal.sum_at(Life::survival, position)
     }
 
-    /// Q(x; X) at the given stretches, and its point masses.
+    /// Q(x; X) at the given stretches, per length, and its point masses.
+    ///
+    /// # Errors
+    /// None: only a monitor can stop it.
     pub fn stretch_density(&self, position: f64, stretches: &[f64]) -> Result<Stretches> {
         self.stretch_density_with(position, stretches, &mut ())
     }
@@ -142,6 +148,8 @@ impl Pull {
         let mut best = (0.0, f64::NEG_INFINITY, 0);
         for cell in cells.clone() {
             for (position, value) in self.peaks(cell) {
+                // Later maxima count only if they are higher by more than the error: of equal ones
+                // the first is returned.
                 if position > 0.0 && value > best.1 + slack {
                     best = (position, value, cell);
                 }
@@ -168,6 +176,8 @@ impl Pull {
         let (low, high) =
             (self.renewal.force.boundaries[cell], self.renewal.force.boundaries[cell + 1].min(self.distance));
         let slope = |x: f64| self.renewal.slope.value_in(cell, x);
+        // A cell resolves the force by a polynomial of degree 15: two extrema in an eighth of it
+        // are not expected.
         let inside = windows(low, high).filter(|&(a, b)| slope(a) > 0.0 && slope(b) <= 0.0);
         let roots = inside.filter_map(|(a, b)| brent_root(slope, a, b, 1e-15 * high));
         roots.chain([high]).map(|x| (x, self.renewal.force.value_in(cell, x))).collect()

@@ -78,6 +78,8 @@ impl Relaxation {
         let law = &contacts.thresholds;
         let rate = if contacts.rules.are_time_dependent() { f64::INFINITY } else { law.decay_rate() };
         let slowest = roots.first().map(|s| if -s.re < UNDAMPED * s.norm() { 0.0 } else { -s.re });
+        // An exponential tail of the thresholds is a singularity of φ̂ on the real axis at −λ:
+        // whichever lies farther to the right, it or the first root, decays more slowly.
         let slowest = match slowest {
             Some(root) if rate > 0.0 => root.min(rate),
             Some(root) => root,
@@ -208,6 +210,9 @@ impl<'a, 'm> Transform<'a, 'm> {
             return self.reformed.breaking().transform(s).1;
         };
         let radius = 0.02 / self.mean;
+        // The trapezoidal rule on a circle converges geometrically for an analytic function (L. N.
+        // Trefethen and J. A. C. Weideman, SIAM Rev. 56, 385 (2014)), while a difference quotient
+        // would lose half of the digits.
         let around = (0..8).map(|k| Complex64::from_polar(radius, f64::from(k) * FRAC_PI_4));
         around.map(|h| laws.transform(s + h) / h).sum::<Complex64>() / 8.0
     }
@@ -231,6 +236,8 @@ impl<'a, 'm> Transform<'a, 'm> {
             let value = self.breaking(s);
             // Secant step for ln φ̂(s) = 0 (mod 2πi).
             let step = value.ln() * (s - before.0) / (value / before.1).ln();
+            // Roots are about 2π/mean apart: a longer step would lead to another one, which has its
+            // own guess.
             if !step.is_finite() || step.norm() > 4.0 / self.mean {
                 return None;
             }

@@ -147,6 +147,8 @@ impl RenewalSolution {
     fn places(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let end = self.force.end();
+        // Multiples of the golden ratio are spread evenly over the interval, and meet no period of
+        // the solution.
         let spread = (1..=16).map(move |k| end * (f64::from(k) * GOLDEN).fract()).chain([end]);
         let inside = spread.map(|x| {
             let cell = self.force.nearest(x);
@@ -168,6 +170,8 @@ impl RenewalSolution {
         let mut breakpoints: Vec<_> =
             breakpoints.map(|b| Breakpoint { position: u - b.position, ..b.mirrored() }).collect();
         let end: [f64; ORDERS] = rate.jet_in(cell, u);
+        // The density of ages begins at age 0 with the present rate: value and derivatives of Γ
+        // there are jumps of this density and of its derivatives.
         breakpoints.extend((0_i32..).zip(end).map(|(order, derivative)| Breakpoint {
             position: 0.0,
             exponent: f64::from(order),

@@ -43,7 +43,7 @@ impl SolvedBranches {
         }
     }
 
-    /// The branch from X = 0, after what breaks there at once.
+    /// The branch from X = 0, after contacts at or above their thresholds have broken there.
     pub(super) fn first(
         &self,
         equation: &MasterEquation,
@@ -79,7 +79,7 @@ impl SolvedBranches {
     /// The branch of contacts in these layers, staying free as they break.
     pub(super) fn held(&self, layers: Vec<Layer>) -> LoadingBranch {
         let layers = simplified(layers, self.contacts.thresholds.as_ref());
-        let life = life_of(&self.contacts, layers, &mut ()).expect("nobody asks to stop");
+        let life = life_of(&self.contacts, layers, &mut ()).expect("no monitor stops it");
         LoadingBranch::held(Arc::new(life))
     }
 

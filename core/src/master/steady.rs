@@ -78,6 +78,9 @@ impl SteadyState {
     /// time-independent contacts that re-form below all thresholds. For time-dependent contacts, that of the
     /// thresholds that they reach, or break close to, at this velocity. Point masses are those of contacts
     /// that re-form at one stretch.
+    ///
+    /// # Errors
+    /// None: only a monitor can stop it.
     pub fn thresholds_met(&self, stretches: &[f64]) -> Result<Stretches> {
         self.thresholds_met_with(stretches, &mut ())
     }
@@ -91,7 +94,10 @@ impl SteadyState {
         Stretches::evaluated(stretches, |x, watch| self.life.met_density(x, watch), atoms, monitor)
     }
 
-    /// Q_s at the given stretches; it has no point masses.
+    /// Q_s at the given stretches, per length; it has no point masses.
+    ///
+    /// # Errors
+    /// None: only a monitor can stop it.
     pub fn stretch_density(&self, stretches: &[f64]) -> Result<Stretches> {
         self.stretch_density_with(stretches, &mut ())
     }

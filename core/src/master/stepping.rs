@@ -44,7 +44,7 @@ impl Stepping {
         Self { variant, step, position: 0.0, fractions, breaking }
     }
 
-    /// The fraction of what arrives in (or stands in) cell i that breaks in a step.
+    /// The fraction of the contacts that arrive in cell i (or are in it) that breaks in a step.
     fn fraction_broken(law: &dyn Law, i: usize, step: f64, variant: Variant) -> f64 {
         let node = i as f64 * step;
         match variant {

@@ -124,7 +124,7 @@ impl Ord for Queued {
 ///
 /// # Errors
 /// [`Error::TooLarge`] (with an empty key) for more than a million breakpoints; [`Error::Stopped`] by the monitor, which
-/// is told no progress.
+/// receives no progress.
 pub fn renewed(
     source: &[Breakpoint],
     kernel: &[Breakpoint],

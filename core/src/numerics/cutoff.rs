@@ -60,6 +60,8 @@ fn fit(mut values: Vec<f64>, half: f64) -> Option<CutOff> {
     let mut best: Option<CutOff> = None;
     let mut kept = values.len();
     let mut last = f64::NAN;
+    // Trial values of x₀ are a fifth of the remaining data apart: the number of fits grows with the
+    // logarithm of the number of data.
     while kept >= FEWEST {
         let low = values[values.len() - kept];
         if low != last {
@@ -89,6 +91,8 @@ fn above(tail: &[f64], half: f64) -> Option<CutOff> {
     let mean = |of: fn(f64) -> f64| tail.iter().map(|x| of(x / low)).sum::<f64>() / count as f64;
     let means = [mean(f64::ln), mean(|y| y)];
     let law = CutoffDistribution::with_means(means)?;
+    // u and y are the sufficient statistics, so that their covariance is the Fisher information per
+    // datum.
     let [own, mixed, other] = law.moments().covariance();
     let (n, determinant) = (count as f64, own * other - mixed * mixed);
     let pure = law.rate == 0.0;
@@ -109,6 +113,8 @@ impl CutoffDistribution {
         if pure.exponent > 2.0 && (pure.exponent - 1.0) / (pure.exponent - 2.0) <= means[1] {
             return Some(pure);
         }
+        // Any start converges, since the log-likelihood of an exponential family is concave; this
+        // one is of the right order.
         let mut law = Self { exponent: 1.5_f64.min(pure.exponent), rate: means[1].recip() };
         let mut moments = law.moments();
         for _ in 0..ITERATIONS {

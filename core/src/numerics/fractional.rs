@@ -70,6 +70,9 @@ fn by_recurrence(z: f64, count: usize) -> Vec<f64> {
     // At higher orders I_m is below 1e-36 I_0.
     let start = 40 + (13.0 * z.sqrt()).ceil() as usize;
     let mut values = vec![0.0; count];
+    // Upward the recurrence is unstable, since it amplifies the part of K_m; downward from an
+    // arbitrary start it converges to the solution that decays with the order (J. C. P. Miller,
+    // 1952; NIST DLMF § 3.6).
     let (mut above, mut here, mut sum) = (0.0, SMALL, 0.0);
     for m in (1..=start).rev() {
         if let Some(value) = values.get_mut(m) {

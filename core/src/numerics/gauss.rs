@@ -39,6 +39,8 @@ impl OrthogonalPolynomials {
     fn extend(&mut self, points: &[(f64, f64)]) {
         let [mut first, mut norm] = [0.0; 2];
         for &(x, weight) in points {
+            // For a discrete measure the integrals of Stieltjes' procedure are sums, exact but for
+            // rounding. It loses orthogonality slowly, which limits the number of nodes.
             let square = weight * self.last(x).powi(2);
             first += x * square;
             norm += square;

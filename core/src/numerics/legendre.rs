@@ -54,10 +54,14 @@ impl GaussLegendre {
             rule.nodes[i] = t;
             rule.weights[i] = 2.0 / ((1.0 - t * t) * slope * slope);
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+            // Barycentric weights of Gauss–Legendre points in closed form, up to a common factor
+            // (H. Wang and S. Xiang, Math. Comput. 81, 861 (2012)).
             rule.barycentric[i] = sign * ((1.0 - t * t) * rule.weights[i]).sqrt();
         }
         for i in 0..NODES {
             let (t, w) = (rule.nodes[i], rule.weights[i]);
+            // The coefficients are integrals of degree ≤ 30, which the rule computes exactly:
+            // interpolation and projection are the same.
             rule.transform[0][i] = 0.5 * w;
             for n in 1..NODES {
                 rule.transform[n][i] = (n as f64 + 0.5) * w * legendre(n, t).0;

@@ -1,4 +1,4 @@
-//! Numerical methods that know nothing of contacts.
+//! Numerical methods, without reference to contacts.
 //!
 //! * Functions as Legendre series on cells: `legendre` (16-point Gauss rule), `piecewise`, `rearrange`, `fourier` (transforms), `breakpoints` (where they
 //!   are not smooth), `stencil` (Lagrange interpolation), `table` (a look-up table).

@@ -87,6 +87,8 @@ impl Modes {
     fn down_columns(&mut self, field: &[f64], factor: impl Fn(usize, &mut [f64]) + Sync) {
         let (line, height, width) = (&self.lines[0], self.sides[0], self.lines[1].length());
         let rows = if self.rows.is_empty() { field } else { &self.rows };
+        // Transpose, transform, filter and inverse transform of a group of columns follow one
+        // another while it is in the cache: the field passes through memory three times, not seven.
         let groups = self.columns.par_chunks_mut(GROUP * height).enumerate();
         let step = |(scratch, padded): &mut (Scratch, Vec<f64>), (group, columns): (usize, &mut [f64])| {
             let first = GROUP * group;
@@ -114,6 +116,7 @@ impl Modes {
     fn back_along_rows(&mut self, field: &mut [f64]) {
         let (line, [height, width]) = (&self.lines[1], self.sides);
         let (modes, columns) = (line.length(), &self.columns);
+        // The transforms are unnormalised: one factor at the end replaces one for each direction.
         let scale = 1.0 / (modes as f64 * self.lines[0].length() as f64);
         let groups = field.par_chunks_mut(GROUP * width).enumerate();
         let step = |(scratch, lines): &mut (Scratch, Vec<f64>), (group, field): (usize, &mut [f64])| {

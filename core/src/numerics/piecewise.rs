@@ -117,6 +117,8 @@ impl Piecewise {
                 above += jump.1;
             }
             let c = &self.coefficients[cell];
+            // The primitive of a series of degree 15 has degree 16; its last term is dropped, which
+            // is of the order of the truncation error of the cell.
             out.coefficients[cell] = primitive(c).map(|term| -half * term);
             out.coefficients[cell][0] += above + half * c[0];
             above += 2.0 * half * c[0];
@@ -263,6 +265,8 @@ impl Piecewise {
 
 /// ∫e^{−zt} f(t) dt and ∫t e^{−zt} f(t) dt over [−1, 1] of a Legendre series, both divided by e^ρ; and ρ.
 fn cell_transform(coefficients: &Nodal, z: Complex64) -> ([Complex64; 2], f64) {
+    // A Gauss rule would need points in proportion to |z|. From |z| > 16 the recurrence is stable
+    // for all degrees of the series, and its cost does not depend on z.
     if z.norm() > 20.0 {
         return (far_transform(coefficients, z), z.re.abs());
     }
@@ -317,6 +321,9 @@ fn bisect<const K: usize>(
     let coefficients = |k: usize| RULE.coefficients(&values.map(|v| v[k]));
     let first = coefficients(0);
     let up_to_here = *integral + 2.0 * half * first[0];
+    // The last Legendre coefficients estimate the truncation, since they decay geometrically for an
+    // analytic function (L. N. Trefethen, Approximation Theory and Approximation Practice, SIAM
+    // 2013, chapter 8).
     let error = resolution.error(&values.map(|v| v[0]), tail(&first), half, up_to_here);
     // Where the rounding of f dominates, the error at best halves with the width; converging series gain far
     // more.

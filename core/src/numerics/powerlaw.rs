@@ -64,6 +64,7 @@ impl Window {
         let logarithms = counts.iter().map(|&(x, times)| times as f64 * (x / self.low).ln());
         let mean = logarithms.sum::<f64>() / count as f64;
         let off = |exponent: f64| self.logarithm(exponent).0 - mean;
+        // The mean of ln x falls with τ, since its derivative is −Var ln x: the root is unique.
         let exponent = brent_root(off, -STEEPEST, STEEPEST, 1e-12)?;
         let error = (count as f64 * self.logarithm(exponent).1).sqrt().recip();
         Some(Fit { exponent, error, count, distance: self.distance(exponent, counts) })

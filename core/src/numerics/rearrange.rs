@@ -22,6 +22,8 @@ impl Piecewise {
                 leftover += mass;
                 continue;
             }
+            // The mass of the cell is kept, not its density: probability is conserved to rounding
+            // over many shifts.
             let mut moved = *coefficients;
             moved[0] = (mass + std::mem::take(&mut leftover)) / (high - low);
             out.boundaries.push(high);

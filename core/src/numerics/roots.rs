@@ -29,6 +29,10 @@ pub fn brent_root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64)
         if half.abs() <= least || fb == 0.0 {
             return Some(b);
         }
+        // An interpolated step is accepted if it stays well inside the bracket and is less than
+        // half of the step before the last; otherwise the bracket is bisected. This bounds the
+        // number of evaluations for any function, and keeps superlinear convergence for smooth
+        // ones.
         (step, before) = match interpolate((a, fa), (b, fb), (c, fc)) {
             Some(next)
                 if before.abs() >= least
@@ -41,6 +45,8 @@ pub fn brent_root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f64)
             _ => (half, half),
         };
         (a, fa) = (b, fb);
+        // A step below the tolerance is replaced by the tolerance, so that the next point lies
+        // beyond the root and closes the bracket from the other side.
         b += if step.abs() > least { step } else { least.copysign(half) };
         fb = f(b);
         if (fb > 0.0) == (fc > 0.0) {
@@ -82,11 +88,16 @@ pub fn brent_minimum(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, tolerance: f
     let (mut step, mut before) = (0.0_f64, 0.0_f64);
     for _ in 0..MOST_STEPS {
         let middle = 0.5 * (a + b);
+        // Near a minimum f changes with the square of the distance: closer points than √ε x give
+        // equal values.
         let least = f64::EPSILON.sqrt() * x.abs() * 1e-1 + tolerance / 3.0;
         if (x - middle).abs() <= 2.0 * least - 0.5 * (b - a) {
             break;
         }
         let next = parabola((x, fx), (w, fw), (v, fv));
+        // A parabola is trusted if it moves less than half of the step before the last; otherwise
+        // the golden section of the larger part reduces the interval by a constant factor per
+        // evaluation.
         (step, before) = if next.abs() < 0.5 * before.abs() && x + next > a && x + next < b {
             let close = x + next - a < 2.0 * least || b - x - next < 2.0 * least;
             (if close { least.copysign(middle - x) } else { next }, step)

@@ -37,6 +37,7 @@ impl StageRates {
     /// Of the second stage, from the advance of the first one and the velocities at its start and end.
     pub fn backward_difference(duration: f64, advance: f64, velocities: [f64; 2]) -> Self {
         let (alpha, [start, middle]) = (alpha(duration), velocities);
+        // The same backward difference formula, applied to the velocity.
         let acceleration = -alpha * (middle + BACKWARD * (middle - start));
         Self { alpha, velocity: -alpha * BACKWARD * advance, acceleration }
     }

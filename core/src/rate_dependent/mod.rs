@@ -11,21 +11,8 @@ pub use state::ContactsState;
 pub use stretch_interval::{StretchInterval, binned};
 
 use crate::Result;
+use crate::energy::ContactEnergies;
 use crate::monitor::Monitor;
-
-/// Energies of time-dependent contacts, each summed independently.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Books {
-    /// Present elastic energy Σ ½k x² of the contacts.
-    pub elastic: f64,
-    /// Energy dissipated in breaks since the beginning: Σ over breaks of ½k x_b², minus the ½k r² of re-formed contacts.
-    pub lost: f64,
-    /// Energy ∫Σ ½x² dk since the beginning, supplied by ageing that makes stretched contacts stiffer (k = κ x_s with the
-    /// present threshold); negative if they weaken.
-    pub gained: f64,
-    /// Breaks since the beginning, per contact.
-    pub broken: f64,
-}
 
 /// Contacts that move together in time.
 ///
@@ -43,8 +30,8 @@ pub trait RateDependentContacts: std::fmt::Debug + Send + Sync {
     /// Instantaneous tangent dF/dX, the stiffness of the attached contacts.
     fn tangent(&self) -> f64;
 
-    /// Energies and breaks: the work on the contacts is the change of elastic − gained + lost.
-    fn books(&self) -> Books;
+    /// Energies and breaks.
+    fn energies(&self) -> ContactEnergies;
 
     /// Fraction of detached contacts.
     fn free(&self) -> f64;

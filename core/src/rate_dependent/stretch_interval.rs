@@ -10,7 +10,7 @@ pub struct StretchInterval {
     /// Largest stretch; equal to `low` for a point mass.
     pub high: f64,
     /// Fraction of all contacts.
-    pub share: f64,
+    pub fraction: f64,
 }
 
 impl StretchInterval {
@@ -44,7 +44,7 @@ pub fn binned(intervals: &[StretchInterval], edges: &[f64]) -> Result<Vec<f64>> 
     let density = |(bin, ends): (usize, &[f64])| {
         let low = if bin == 0 { ends[0].next_down() } else { ends[0] };
         let fraction: f64 =
-            intervals.iter().map(|interval| interval.share * interval.between(low, ends[1])).sum();
+            intervals.iter().map(|interval| interval.fraction * interval.between(low, ends[1])).sum();
         fraction / (ends[1] - ends[0])
     };
     Ok(edges.windows(2).enumerate().map(density).collect())
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn every_contact_is_in_one_bin() {
-        let portion = |low, high, share| StretchInterval { low, high, share };
+        let portion = |low, high, fraction| StretchInterval { low, high, fraction };
         let portions = [
             portion(0.0, 0.0, 0.125),
             portion(0.5, 0.5, 0.25),

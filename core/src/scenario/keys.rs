@@ -1,7 +1,7 @@
 //! Keys of a scenario for the arguments of the core.
 //!
 //! An error of the core names the argument that it refuses (`thresholds`); the reader of a scenario needs the key that gave its
-//! value (`contacts.thresholds`). This is the only place that knows both.
+//! value (`contacts.thresholds`). Only this module contains both.
 
 use crate::Error;
 

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::contacts::{Ageing, Rules};
-use crate::master::Tolerance;
+use crate::contacts::Rules;
+use crate::master::{Tolerance, Transport};
 use crate::{Error, Result};
 
 /// How the master equation is solved.
@@ -23,10 +23,8 @@ pub struct MasterEquation {
 }
 
 impl MasterEquation {
-    /// Default tolerance at a varying velocity, for which there are only methods of low order.
-    pub const TOLERANCE_IN_TIME: f64 = 1e-6;
-    /// Default tolerance if steps are expensive (diffusing thresholds) or numerous (slips of a block).
-    pub const TOLERANCE_OF_EXPENSIVE_STEPS: f64 = 1e-4;
+    /// Default tolerance of a block in time, whose slips take many steps.
+    const TOLERANCE_OF_A_BLOCK: f64 = 1e-4;
 
     /// Tolerance of a pull at constant velocity.
     pub fn tolerance(&self) -> Tolerance {
@@ -35,17 +33,12 @@ impl MasterEquation {
 
     /// Tolerance at a varying velocity of contacts with these rules.
     pub fn tolerance_in_time(&self, rules: &Rules) -> f64 {
-        let diffusing = matches!(rules.ageing, Some(Ageing::Smoluchowski { .. }));
-        self.tolerance.unwrap_or(if diffusing {
-            Self::TOLERANCE_OF_EXPENSIVE_STEPS
-        } else {
-            Self::TOLERANCE_IN_TIME
-        })
+        self.tolerance.unwrap_or_else(|| Transport::default_tolerance(rules))
     }
 
     /// Tolerance of a step of a block that is moved in time.
     pub fn tolerance_of_a_block(&self) -> f64 {
-        self.tolerance.unwrap_or(Self::TOLERANCE_OF_EXPENSIVE_STEPS)
+        self.tolerance.unwrap_or(Self::TOLERANCE_OF_A_BLOCK)
     }
 
     /// Checks every value.

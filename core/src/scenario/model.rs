@@ -1,4 +1,4 @@
-//! The model of which a task is computed, and the combinations of tasks and models that are valid.
+//! The model on which a task is computed, and the combinations of tasks and models that are valid.
 
 use super::{Block, Compare, Drive, Ensemble, Interface, MasterEquation, Pull, Task, VelocityCurve};
 use crate::contacts::{Contacts, Initial};

@@ -39,7 +39,7 @@ impl Renormalisation {
     /// The first invalid value.
     pub fn check(&self) -> Result<()> {
         if self.runs < 2 {
-            return Err(Error::invalid("runs", "2 runs or more, whose scatter tells the error", self.runs));
+            return Err(Error::invalid("runs", "2 runs or more, whose scatter gives the error", self.runs));
         }
         if self.points == 0 {
             return Err(Error::invalid("points", "1 interval or more", self.points));

@@ -247,7 +247,7 @@ fn the_share_of_cells_is_that_of_their_stiffnesses() {
     described.contacts.count = 3.0;
     described.contacts.stiffness = Some(0.5);
     let contacts = described.build().unwrap().contacts;
-    let share = cells().total_share(&contacts).unwrap();
+    let share = cells().mean_field_coupling(&contacts).unwrap();
     assert!((share - 1.5 / 5.5).abs() < 1e-15);
     // Variances of a product: σ² + s²(1 + σ²), but for the 1e-23 of thresholds below 0.
     let law = cells().thresholds(&contacts).unwrap();

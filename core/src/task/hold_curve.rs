@@ -147,6 +147,8 @@ fn slid(held: &Transport, on: Piece, monitor: &mut dyn Monitor) -> Result<(Peak,
         let aside = &mut Part::new(monitor, 0.8, 0.0);
         let trace = near.clone().follow_with(&moved(window.1)?, &times, aside)?;
         let found = peak(&trace.position, &trace.force);
+        // The error of the vertex falls at least with the square of the spacing: the difference
+        // from twice the spacing bounds it.
         let coarse = peak(&every_other(&trace.position), &every_other(&trace.force));
         let off = (found.force - coarse.force).abs();
         if off <= trace.error || round == ROUNDS {

@@ -129,6 +129,8 @@ pub(super) fn behind(
     if let Some(drawn) = &model.ensemble {
         let aside = &mut Part::new(monitor, master, 0.0);
         let ensemble = drawn.build(contacts.clone(), initial.clone())?.in_time_with(aside)?;
+        // Single contacts break at random: the scatter of slips over N contacts is far above the
+        // tolerance of the master equation.
         let length = mean * finite_size_tolerance(drawn.size()).max(tolerance);
         let part = &mut Part::new(monitor, master, 1.0 - master);
         let run = block.in_time(true)?.follow_with(&ensemble, &history, &times, length, part)?;

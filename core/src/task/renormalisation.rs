@@ -52,7 +52,7 @@ pub(super) fn run(
     let interface = model.interface.as_ref().expect("the check of this task requires one");
     let shared = interface.thresholds(&model.contacts)?;
     let thresholds = shared.as_ref();
-    let coupling = interface.total_share(&model.contacts)?;
+    let coupling = interface.mean_field_coupling(&model.contacts)?;
     let critical = critical_coupling(thresholds);
     let mean_field =
         (coupling < critical).then(|| Renormalised::new(shared.clone(), coupling)).transpose()?;

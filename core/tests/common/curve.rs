@@ -4,10 +4,11 @@
 use std::sync::Arc;
 
 use asperity::Result;
+use asperity::energy::ContactEnergies;
 use asperity::exact::{ClosedForm, Gaussian, Identical, Rectangular};
 use asperity::monitor::Monitor;
 use asperity::numerics::legendre::RULE;
-use asperity::population::{Books, Direction, Population, Response, Way};
+use asperity::population::{Direction, Population, Response, SmoothInterval};
 use asperity::rate_dependent::ContactsState;
 
 /// Second moment ∫x²Q of the stretches and breaks per contact after an advance u, from relaxed contacts.
@@ -124,10 +125,14 @@ impl Population for ClosedCurve {
         self.position
     }
 
-    fn way(&mut self, direction: Direction, _monitor: &mut dyn Monitor) -> Result<Way> {
+    fn smooth_interval(
+        &mut self,
+        direction: Direction,
+        _monitor: &mut dyn Monitor,
+    ) -> Result<SmoothInterval> {
         self.looked = direction;
         if self.free {
-            return Ok(Way { length: f64::INFINITY, straight: true, breaks: false });
+            return Ok(SmoothInterval { length: f64::INFINITY, straight: true, breaks: false });
         }
         if self.tip == 0.0 && self.back == 0.0 {
             self.direction = direction;
@@ -138,7 +143,7 @@ impl Population for ClosedCurve {
             (false, _) => (f64::INFINITY, true),
         };
         let ends = direction == self.direction && self.back == 0.0;
-        Ok(Way { length, straight, breaks: ends && self.breaks })
+        Ok(SmoothInterval { length, straight, breaks: ends && self.breaks })
     }
 
     fn ahead(&self, by: f64) -> Response {
@@ -180,8 +185,8 @@ impl Population for ClosedCurve {
     }
 
     fn reset(&mut self, direction: Direction, _monitor: &mut dyn Monitor) -> Result<()> {
-        self.before = self.books().lost + self.elastic();
-        self.broken = self.books().broken + if self.free { 0.0 } else { 1.0 };
+        self.before = self.energies().lost + self.elastic();
+        self.broken = self.energies().broken + if self.free { 0.0 } else { 1.0 };
         (self.held, self.free) = (false, false);
         (self.tip, self.back, self.work, self.direction) = (0.0, 0.0, 0.0, direction);
         Ok(())
@@ -209,10 +214,10 @@ impl Population for ClosedCurve {
         Ok(())
     }
 
-    fn books(&self) -> Books {
+    fn energies(&self) -> ContactEnergies {
         let elastic = self.elastic();
         let broken = self.broken + (self.moments)(self.tip).1;
-        Books { elastic, lost: self.before + self.work - elastic, broken }
+        ContactEnergies { elastic, lost: self.before + self.work - elastic, strengthening: 0.0, broken }
     }
 
     fn copy(&self) -> Box<dyn Population> {

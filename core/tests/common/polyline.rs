@@ -2,8 +2,9 @@
 #![allow(dead_code)]
 
 use asperity::Result;
+use asperity::energy::ContactEnergies;
 use asperity::monitor::Monitor;
-use asperity::population::{Books, Direction, Population, Response, Way};
+use asperity::population::{Direction, Population, Response, SmoothInterval};
 use asperity::rate_dependent::ContactsState;
 
 /// Force at the start, and lengths and slopes of lines, the last of which has no end. What is stored is none of it.
@@ -26,8 +27,12 @@ impl Population for Polyline {
         self.position
     }
 
-    fn way(&mut self, _direction: Direction, _monitor: &mut dyn Monitor) -> Result<Way> {
-        Ok(Way { length: self.lines[0].0, straight: true, breaks: false })
+    fn smooth_interval(
+        &mut self,
+        _direction: Direction,
+        _monitor: &mut dyn Monitor,
+    ) -> Result<SmoothInterval> {
+        Ok(SmoothInterval { length: self.lines[0].0, straight: true, breaks: false })
     }
 
     fn ahead(&self, by: f64) -> Response {
@@ -68,8 +73,8 @@ impl Population for Polyline {
         Ok(())
     }
 
-    fn books(&self) -> Books {
-        Books { elastic: 0.0, lost: self.work, broken: 0.0 }
+    fn energies(&self) -> ContactEnergies {
+        ContactEnergies { lost: self.work, ..ContactEnergies::default() }
     }
 
     fn copy(&self) -> Box<dyn Population> {

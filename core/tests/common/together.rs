@@ -19,14 +19,15 @@ pub fn first_breaks(thresholds: &SharedLaw, coupling: f64, size: usize, seed: u6
     let ensemble = Ensemble::new(contacts, start, size, seed, Disorder::Annealed).expect("contacts");
     let mut population = ensemble.population().expect("nothing stops it");
     let (mut drive, mut points) = (0.0_f64, Vec::new());
-    while population.books().broken < 1.0 - 0.5 / size as f64 {
-        let way = population.way(Direction::Forward, &mut ()).expect("contacts that break");
-        let (position, force) = (population.position() + way.length, population.ahead(way.length).force);
+    while population.energies().broken < 1.0 - 0.5 / size as f64 {
+        let interval = population.smooth_interval(Direction::Forward, &mut ()).expect("contacts that break");
+        let (position, force) =
+            (population.position() + interval.length, population.ahead(interval.length).force);
         drive = drive.max(position - coupling * (position - force));
-        points.push((drive, population.books().broken));
-        population.advance(way.length).expect("a way ahead");
+        points.push((drive, population.energies().broken));
+        population.advance(interval.length).expect("a way ahead");
         population.cross(&mut ()).expect("contacts that break");
-        points.push((drive, population.books().broken));
+        points.push((drive, population.energies().broken));
     }
-    FirstBreaks::of_shares(points)
+    FirstBreaks::of_fractions(points)
 }

@@ -39,13 +39,13 @@ pub fn drive(population: &mut dyn Population, position: f64) -> f64 {
     loop {
         let left = position - population.position();
         let direction = if left > 0.0 { Direction::Forward } else { Direction::Backward };
-        let way = population.way(direction, &mut ()).unwrap();
+        let interval = population.smooth_interval(direction, &mut ()).unwrap();
         // Ends that break are here up to the rounding of positions.
-        let ends = left.abs() > way.length - if way.breaks { 1e-12 } else { 0.0 };
-        let by = if ends { direction.sign() * way.length } else { left };
+        let ends = left.abs() > interval.length - if interval.breaks { 1e-12 } else { 0.0 };
+        let by = if ends { direction.sign() * interval.length } else { left };
         work += gauss(0.0, by, |x| population.ahead(x).force);
         population.advance(by).unwrap();
-        if ends && way.breaks {
+        if ends && interval.breaks {
             population.cross(&mut ()).unwrap();
         }
         if (position - population.position()).abs() < 1e-12 {
@@ -56,6 +56,6 @@ pub fn drive(population: &mut dyn Population, position: f64) -> f64 {
 
 /// The force now.
 pub fn force(population: &mut dyn Population) -> f64 {
-    population.way(Direction::Forward, &mut ()).unwrap();
+    population.smooth_interval(Direction::Forward, &mut ()).unwrap();
     population.ahead(0.0).force
 }

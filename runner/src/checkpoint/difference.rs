@@ -8,7 +8,7 @@ use super::error::{Error, Result};
 use super::file::Header;
 
 /// Largest number of differences that are listed.
-const TOLD: usize = 3;
+const LISTED: usize = 3;
 
 /// Refuses a checkpoint of another version of asperity or of another scenario.
 pub fn refuse(path: &Path, header: &Header, scenario: &str) -> Result<()> {
@@ -24,11 +24,11 @@ pub fn refuse(path: &Path, header: &Header, scenario: &str) -> Result<()> {
     let tree = |text: &str| text.parse::<Table>().map_or(Value::Boolean(false), Value::Table);
     let mut differences = Vec::new();
     compare("", Some(&tree(scenario)), Some(&tree(&header.scenario)), &mut differences);
-    let more = differences.len().saturating_sub(TOLD);
+    let more = differences.len().saturating_sub(LISTED);
     let side = |pick: fn(&Difference) -> &String| {
-        let told: Vec<_> =
-            differences.iter().take(TOLD).map(|d| format!("{} = {}", d.key, pick(d))).collect();
-        told.join(", ")
+        let listed: Vec<_> =
+            differences.iter().take(LISTED).map(|d| format!("{} = {}", d.key, pick(d))).collect();
+        listed.join(", ")
     };
     let rest = if more > 0 { format!(" and {more} more differences") } else { String::new() };
     another(

@@ -79,7 +79,7 @@ fn declared(record: &Record, table: &CsvTable) -> Option<String> {
     Some(text)
 }
 
-/// The index in `column`, which may have fewer dimensions, of what stands beside the value `row` of `needed`.
+/// The index in `column`, which may have fewer dimensions, of the value in the same row as the value `row` of `needed`.
 fn place(record: &Record, needed: &Variable, row: usize, column: &Variable) -> usize {
     let (mut rest, mut stride, mut place) = (row, 1, 0);
     for dimension in needed.dimensions.iter().rev() {

@@ -97,7 +97,7 @@ impl SlidingBlock {
     pub(super) fn moment(&self) -> Moment {
         let SliderMotion { ref equation, ref energies, time, drive, .. } = self.motion;
         let (cell, stiffness) = (self.cell(), equation.connection);
-        let (tangent, books) = (cell.contacts.tangent(), cell.contacts.books());
+        let (tangent, contact_energies) = (cell.contacts.tangent(), cell.contacts.energies());
         // After an arrest the slider is behind the position of its contacts, on their unloading line.
         let back = equation.unloaded(cell, drive);
         let velocity =
@@ -107,16 +107,16 @@ impl SlidingBlock {
         let energy = EnergyBalance {
             work: energies.work,
             spring: 0.5 * spring_force * spring_force / stiffness,
-            elastic: books.elastic + back * (cell.force + 0.5 * tangent * back),
+            elastic: contact_energies.elastic + back * (cell.force + 0.5 * tangent * back),
             kinetic: 0.5 * equation.mass * cell.velocity * cell.velocity,
-            strengthening: books.gained,
-            breaks: books.lost + energies.breaks,
+            strengthening: contact_energies.strengthening,
+            breaks: contact_energies.lost + energies.breaks,
             slip: energies.arrest,
             viscous: energies.viscous[0],
             ..EnergyBalance::default()
         };
         let force = cell.force + tangent * back;
-        let (free, broken) = (cell.contacts.free(), books.broken);
+        let (free, broken) = (cell.contacts.free(), contact_energies.broken);
         Moment { time, drive, position, velocity, force, spring_force, free, broken, energy }
     }
 }
@@ -250,6 +250,8 @@ impl Log {
         let after = if slows { self.last.until(&moment, fast) } else { moment };
         self.add_to_trace(after);
         let broken_fraction = after.broken - open.before.broken;
+        // Single contacts of an ensemble make the slider jump a little at each break; these jumps
+        // are not counted as slips.
         if broken_fraction < self.fraction {
             return;
         }

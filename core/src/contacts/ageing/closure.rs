@@ -64,6 +64,7 @@ impl Closure<'_> {
             middles.iter().zip(&masses).map(|(h, mass)| h * mass).sum::<f64>() - mean
         };
         let (low, high) = self.maturing.support;
+        // Thresholds lie inside the support, hence their mean too: the root is bracketed.
         let mean = brent_root(excess, low, high, 0.0).unwrap_or(low);
         (mean, solve(mean).chunks(cells / COARSEST).map(|cells| cells.iter().sum()).collect())
     }

@@ -54,6 +54,8 @@ impl ThresholdFokkerPlanck {
         let (low, high) = self.support;
         let width = (high - low) / cells as f64;
         let edges: Vec<f64> = (0..=cells).map(|i| low + i as f64 * width).collect();
+        // The potential is defined by the masses of P_cf in the cells, so that exactly these are
+        // stationary on the grid.
         let mass = |pair: &[f64]| -> f64 {
             points(self.mature.as_ref(), &[], (pair[0], pair[1])).map(|point| point.1).sum()
         };
@@ -108,6 +110,8 @@ impl ThresholdFokkerPlanck {
         let inside = |b: &Breakpoint| b.position >= low && b.position <= high;
         for edge in law.breakpoints().iter().filter(|b| inside(b)) {
             let widths = std::iter::successors(Some(finest), |width| Some(4.0 * width));
+            // Elements grow by a factor of four away from a jump, which diffusion spreads over ever
+            // wider layers.
             let widths = widths.take_while(|&width| edge.exponent <= 0.0 && width < 0.1 * (high - low));
             edges.push(edge.position);
             edges.extend(widths.flat_map(|width| [edge.position - width, edge.position + width]));
@@ -162,6 +166,8 @@ impl ThresholdFokkerPlanck {
         if atoms.is_empty() {
             return None;
         }
+        // A point mass cannot be resolved on elements. After a short time it is a Gaussian, moved
+        // by the drift −DU't, with Dt = spread²/2.
         let drifted = |h: f64| h - 0.5 * spread * spread * slope.at(h);
         let mut edges = self.kinks();
         for atom in &atoms {
@@ -231,7 +237,7 @@ impl ThresholdFokkerPlanck {
     /// # Errors
     /// Stopped by the monitor.
     pub fn newborn(&self, middles: &[f64], stretch: f64, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
-        /// Points between two questions to the monitor.
+        /// Points between two checks whether the monitor has stopped.
         const MANY: usize = 1 << 16;
         let watch = Watch::new(monitor);
         let (low, high) = self.support;

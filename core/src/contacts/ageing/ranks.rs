@@ -87,14 +87,14 @@ pub(crate) struct RankTrajectory<'a> {
 
 impl RankTrajectory<'_> {
     pub(super) fn threshold(&self, age: f64) -> f64 {
-        let told = |age: usize| {
+        let interpolated = |age: usize| {
             let known = &self.thresholds[age];
             if known.get().is_nan() {
                 known.set(self.rank.ranks.value(|rank| self.ranks.rows[age][rank]));
             }
             known.get()
         };
-        self.ranks.at(age).ages.value(told) + self.rank.beyond
+        self.ranks.at(age).ages.value(interpolated) + self.rank.beyond
     }
 }
 
@@ -129,6 +129,8 @@ impl RankTable {
         let mean = newborn.mean();
         let jumps = |b: &Breakpoint| b.exponent <= 0.0 && b.weight(mean) * mean > LEFT_OUT;
         let edged = newborn.breakpoints().iter().any(jumps);
+        // The time in which diffusion broadens the fresh distribution by its own width. The table
+        // must resolve it; edges change faster than any width.
         let own = SOON * (newborn.std() * newborn.std() / time / maturing.diffusion).min(1.0);
         let soon = if edged { AT_ONCE } else { own };
         let ranks = Self::starting(newborn, maturing, time, soon, monitor)?;
@@ -176,6 +178,8 @@ impl RankTable {
     fn interpolation_error(&self) -> f64 {
         let [second, fourth] = [2, 4].map(|every| self.subsampling_error(every));
         // Rounding, and what the law leaves out.
+        // If halving the spacing reduces the error by a factor, the next halving reduces it by the
+        // same: the error of the whole table is that of every second entry times second/fourth.
         (second * (second / fourth.max(f64::MIN_POSITIVE)).min(1.0)).max(10.0 * LEFT_OUT)
     }
 
@@ -186,18 +190,21 @@ impl RankTable {
         let (older, farther) = (ages * every, ranks * every);
         let mut most = 0.0_f64;
         for rank in 1..RANKS - 1 {
+            // Errors of thresholds are converted to fractions of contacts, in which all ranks count
+            // alike.
             let contacts = contacts_at(psi(rank));
             let per_length = |row: &[f64]| contacts * 2.0 * SPREAD / (row[rank + 1] - row[rank - 1]);
             for row in (every / 2..older).step_by(every) {
                 let stencil = Stencil::at(row as f64 / every as f64, ages + 1);
-                let told = stencil.value(|age| self.rows[age * every][rank]);
-                most = most.max((told - self.rows[row][rank]).abs() * per_length(&self.rows[row]));
+                let interpolated = stencil.value(|age| self.rows[age * every][rank]);
+                most = most.max((interpolated - self.rows[row][rank]).abs() * per_length(&self.rows[row]));
             }
             if rank % every == every / 2 && rank < farther {
                 for row in &self.rows {
                     // The values left out are known: the difference is the interpolation error at this spacing.
-                    let told = Stencil::at(rank as f64 / every as f64, ranks + 1).value(|k| row[k * every]);
-                    most = most.max((told - row[rank]).abs() * per_length(row));
+                    let interpolated =
+                        Stencil::at(rank as f64 / every as f64, ranks + 1).value(|k| row[k * every]);
+                    most = most.max((interpolated - row[rank]).abs() * per_length(row));
                 }
             }
         }
@@ -232,11 +239,11 @@ impl RankTable {
     fn born(&self, psi: f64) -> f64 {
         /// Largest Newton step: its error is about its square, in widths of the distribution.
         const NEAR: f64 = 1e-7;
-        let told = stencil(psi).value(|rank| self.rows[0][rank]);
+        let interpolated = stencil(psi).value(|rank| self.rows[0][rank]);
         let law = &self.newborn;
-        let slope = law.density(told) / contacts_at(psi);
-        let step = (self.psi(told) - psi) / slope;
-        if step.abs() < NEAR * law.std() { told - step } else { quantile(law, psi) }
+        let slope = law.density(interpolated) / contacts_at(psi);
+        let step = (self.psi(interpolated) - psi) / slope;
+        if step.abs() < NEAR * law.std() { interpolated - step } else { quantile(law, psi) }
     }
 
     /// ψ of a fresh threshold.
@@ -365,6 +372,8 @@ fn means_above(newborn: &dyn Law, rows: &[Vec<f64>]) -> Vec<Vec<[f64; 2]>> {
     let of = |row: &Vec<f64>| {
         let mut sums = shifted(newborn, rows[0][TOP], row[TOP] - rows[0][TOP]);
         let mut means = vec![[0.0; 2]; RANKS];
+        // Summed from the highest rank down, so that the means of the few strongest contacts keep
+        // their digits.
         for rank in (0..RANKS).rev() {
             for (stencil, weight) in points.get(rank).into_iter().flatten() {
                 let threshold = stencil.value(|rank| row[rank]);

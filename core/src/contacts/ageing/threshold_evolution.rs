@@ -137,6 +137,9 @@ impl ThresholdEvolution {
             },
             Kind::Gaussian { newborn, mature, time } => {
                 let left = (-age / time).exp();
+                // The Ornstein–Uhlenbeck process of a Gaussian P_cf takes Gaussians to Gaussians:
+                // mean and variance relax exponentially, and a contact of constant rank keeps its
+                // z.
                 let mean = mature.mean + (newborn.mean - mature.mean) * left;
                 // σ_i² − σ_f² as a product, without cancellation for similar widths.
                 let excess = (newborn.std - mature.std) * (newborn.std + mature.std) * left * left;

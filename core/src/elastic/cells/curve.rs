@@ -159,6 +159,8 @@ impl Curve {
 
     /// Builds the buckets; needed after pieces were added or dropped.
     pub fn index(&mut self) {
+        // Buckets of equal length make a search O(1) where pieces have similar lengths; those that
+        // overlap more than two pieces are searched.
         let (number, last) = (FINE * self.pieces.len(), self.starts.len() - 1);
         let (first, length) = (self.first(), self.starts[last] - self.first());
         self.density = if length > 0.0 { number as f64 / length } else { 0.0 };
@@ -264,6 +266,7 @@ impl Curve {
         let (first, last) = (self.find(from), self.find(to));
         let at = (first..=last).find_map(|piece| {
             if piece > first && self.breaks[piece] {
+                // Just before the jump: at the place itself the contacts have broken already.
                 return Some(self.starts[piece] * (1.0 - 4.0 * f64::EPSILON));
             }
             if self.slopes[piece].least >= slope {
@@ -279,6 +282,8 @@ impl Curve {
     fn instability_on(&self, piece: usize, start: f64, end: f64, slope: f64) -> Option<f64> {
         let height = |x: f64| self.pieces[piece].response(x).1 - slope;
         let place = |i: u32| start + (end - start) * f64::from(i) / f64::from(PLACES);
+        // F' has degree 4 on a piece. A dip between two neighbouring places is missed; it is
+        // shorter than a sixteenth of the piece.
         let below = (0..=PLACES).find(|&i| height(place(i)) < 0.0)?;
         if below == 0 {
             return Some(start);

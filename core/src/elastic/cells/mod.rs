@@ -1,4 +1,4 @@
-//! Cells of an interface as a batch: slices in, slices out.
+//! The contacts of all cells of an interface as one batch: functions take and fill slices with one value per cell.
 
 mod cell;
 mod curve;
@@ -23,7 +23,7 @@ pub struct CellEnergies {
     pub work: f64,
     /// Elastic energy Σ ½k x².
     pub elastic: f64,
-    /// Lost in breaks: Σ over breaks of ½k x_b², less the ½k r² of what re-formed.
+    /// Energy dissipated in breaks: Σ over breaks of ½k x_b², minus the ½k r² of re-formed contacts.
     pub lost: f64,
     /// Breaks, per contact of a cell.
     pub broken: f64,
@@ -33,6 +33,7 @@ impl CellEnergies {
     /// The energies of cells whose lengths and forces are `scale` times as large.
     #[must_use]
     pub(super) fn scaled(self, scale: f64) -> Self {
+        // Forces scale like lengths since stiffness does not, hence energies with the square.
         let energy = scale * scale;
         Self { work: energy * self.work, elastic: energy * self.elastic, lost: energy * self.lost, ..self }
     }
@@ -77,9 +78,9 @@ impl std::ops::Sub for CellEnergies {
 pub struct Standing {
     /// X/s, since the start, or since all of its contacts last re-formed together.
     pub advance: f64,
-    /// s.
+    /// Scale s of its lengths and forces.
     pub scale: f64,
-    /// Whether they have.
+    /// Whether its contacts have re-formed together.
     pub renewed: bool,
 }
 
@@ -95,7 +96,7 @@ pub struct Slopes {
 /// Where a cell becomes unstable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instability {
-    /// After this advance.
+    /// The advance after which it does, a length.
     pub at: f64,
     /// Whether contacts break together before the advance ends.
     pub together: bool,
@@ -106,7 +107,7 @@ pub struct Instability {
 pub struct Extremes {
     /// The largest |dF/dX| that a cell can have, jumps aside.
     pub steepest: f64,
-    /// The largest |F| that a cell can have: forces are good to about 1e-12 of it.
+    /// The largest |F| that a cell can have: forces are accurate to about 1e-12 of it.
     pub strongest: f64,
     /// Whether contacts break together anywhere.
     pub jumps: bool,
@@ -130,8 +131,9 @@ impl Extremes {
 
 /// Cells, each with contacts of its own that move together.
 ///
-/// The cells know their contacts, not their positions: they are at rest somewhere, and are moved by advances δ_j ≥ 0. The
-/// force of a cell depends on its own advance alone, so that a batch may be evaluated on any number of threads.
+/// Cells have no positions here: they are moved by advances δ_j ≥ 0, lengths, from where they are. The force of a cell
+/// depends on its own advance alone, so that a batch may be evaluated on any number of threads. Slices have one value per
+/// cell, row by row.
 pub trait Cells: std::fmt::Debug + Send + Sync {
     /// Number of cells.
     fn len(&self) -> usize;
@@ -165,7 +167,7 @@ pub trait Cells: std::fmt::Debug + Send + Sync {
     /// Those of the population that is tabulated.
     fn residual(&mut self, by: &[f64], forces: &mut [f64], tangents: &mut [f64]) -> Result<f64>;
 
-    /// F_j of a cell where it is.
+    /// Friction force F_j of a cell at its present place.
     fn force(&self, cell: usize) -> f64;
 
     /// Least and largest tangent of each cell over the advances `by`.

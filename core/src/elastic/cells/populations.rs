@@ -149,6 +149,8 @@ impl PopulationCell {
     fn restore(&mut self, kept: PopulationCellState) -> Result<()> {
         let PopulationCellState { resets, advance, intervals, settled } = kept;
         let mut base = self.first.clone();
+        // Contacts are not stored but recomputed: a population is deterministic, and one number per
+        // reset replaces the state of every contact.
         for &place in &resets {
             base = renewed(&*base, place, &mut ())?;
         }
@@ -183,21 +185,21 @@ fn moved(
     let mut population = base.copy();
     let end = population.position() + place;
     loop {
-        let way = population.way(Direction::Forward, monitor)?;
+        let interval = population.smooth_interval(Direction::Forward, monitor)?;
         let left = (end - population.position()).max(0.0);
-        if left <= way.length + near {
-            population.advance(left.min(way.length))?;
+        if left <= interval.length + near {
+            population.advance(left.min(interval.length))?;
             return Ok(population);
         }
-        population.advance(way.length)?;
-        if way.breaks {
+        population.advance(interval.length)?;
+        if interval.breaks {
             population.cross(monitor)?;
         }
     }
 }
 
 impl Populations {
-    /// Cells in the states of their populations.
+    /// Cells in the states of these populations, one for each cell, row by row.
     ///
     /// # Errors
     /// Those of the populations; stopped by the monitor.
@@ -210,7 +212,7 @@ impl Populations {
         Ok(populations)
     }
 
-    /// The same cells with scales s_j, one for each, as [`super::Curves::scaled`] has them.
+    /// The same cells with scales s_j, one for each; see [`super::Curves::scaled`].
     ///
     /// # Errors
     /// Another number of scales than of cells; a scale that is not a finite number above 0, naming its cell.

@@ -2,8 +2,9 @@
 
 use super::Extremes;
 use super::curve::{Curve, CurveEnergies, CurvePiece, Quintic, horner};
+use crate::energy::ContactEnergies;
 use crate::monitor::Monitor;
-use crate::population::{self, Direction, Population, Response, Way};
+use crate::population::{Direction, Population, Response, SmoothInterval};
 use crate::{Error, Result};
 
 /// Interpolation error of a piece relative to the largest force on it: about the accuracy of the populations.
@@ -38,7 +39,7 @@ pub(super) struct CurveTable {
     /// Whether contacts break where the next piece begins.
     breaks: bool,
     /// Energies at first.
-    first: population::Books,
+    first: ContactEnergies,
     known: KnownPieces,
     marked: KnownPieces,
     /// What was known after each interval that has been tabulated since the mark.
@@ -71,8 +72,8 @@ impl CurveTable {
     pub fn new(mut population: Box<dyn Population>, monitor: &mut dyn Monitor) -> Result<Self> {
         let origin = population.position();
         // Contacts exactly at their thresholds break when the interval is computed, before energies are read.
-        population.way(Direction::Forward, monitor)?;
-        let first = population.books();
+        population.smooth_interval(Direction::Forward, monitor)?;
+        let first = population.energies();
         let curve = Curve::default();
         let (known, marked, since) = (KnownPieces::default(), KnownPieces::default(), Vec::new());
         let (end, work, error, breaks) = (0.0, 0.0, 0.0, false);
@@ -168,39 +169,49 @@ impl CurveTable {
 
     /// Tabulates the next interval.
     fn tabulate(&mut self, monitor: &mut dyn Monitor) -> Result<()> {
-        let way = self.population.way(Direction::Forward, monitor)?;
-        if way.length.is_infinite() {
+        let interval = self.population.smooth_interval(Direction::Forward, monitor)?;
+        if interval.length.is_infinite() {
             self.push_endless();
             return Ok(());
         }
         let mut parts = Vec::new();
-        self.split(0.0, way.length, way, HALVINGS, &mut parts);
+        self.split(0.0, interval.length, interval, HALVINGS, &mut parts);
         let origin = self.population.position();
         for part in parts {
             self.error = self.error.max(part.error);
             self.push(&part, origin, monitor)?;
         }
         self.end = self.population.position() - self.origin;
-        self.breaks = way.breaks;
-        if way.breaks {
+        self.breaks = interval.breaks;
+        if interval.breaks {
             self.population.cross(monitor)?;
         }
         Ok(())
     }
 
     /// Bisects [start, start + length] of the interval ahead until a polynomial of degree 5 is the force on each part.
-    fn split(&self, start: f64, length: f64, way: Way, halvings: u32, parts: &mut Vec<TabulatedPart>) {
+    fn split(
+        &self,
+        start: f64,
+        length: f64,
+        interval: SmoothInterval,
+        halvings: u32,
+        parts: &mut Vec<TabulatedPart>,
+    ) {
         let half = 0.5 * length;
-        let at = |t: f64| self.population.ahead((start + half * (1.0 + t)).min(way.length));
+        // Degree 5 from forces and tangents at three points: two evaluations in between, at which
+        // the error of Hermite interpolation is near its largest, check it. A cell then reads one
+        // cache line per evaluation.
+        let at = |t: f64| self.population.ahead((start + half * (1.0 + t)).min(interval.length));
         let force = through([-1.0, 0.0, 1.0].map(at), half);
         let scale = [-1.0, 1.0].map(|t| at(t).force.abs()).into_iter().fold(0.0, f64::max);
         let errors = [-0.5, 0.5].map(|t| (horner(&force, t).0 - at(t).force).abs());
         let error = errors[0].max(errors[1]);
-        if way.straight || halvings == 0 || error <= ACCURACY * scale {
+        if interval.straight || halvings == 0 || error <= ACCURACY * scale {
             parts.push(TabulatedPart { start, length, force, error });
         } else {
-            self.split(start, half, way, halvings - 1, parts);
-            self.split(start + half, half, way, halvings - 1, parts);
+            self.split(start, half, interval, halvings - 1, parts);
+            self.split(start + half, half, interval, halvings - 1, parts);
         }
     }
 
@@ -211,20 +222,22 @@ impl CurveTable {
             let (key, what) = ("population".into(), "a friction curve in pieces".into());
             return Err(Error::TooLarge { key, what, needed, allowed });
         }
-        let mut read = [self.population.books(); 6];
-        for (i, books) in read.iter_mut().enumerate().skip(1) {
-            let way = self.population.way(Direction::Forward, monitor)?;
+        let mut read = [self.population.energies(); 6];
+        for (i, energies) in read.iter_mut().enumerate().skip(1) {
+            let interval = self.population.smooth_interval(Direction::Forward, monitor)?;
+            // Energies are read at six equidistant places, by moving the population there: it has
+            // their values only, no tangents as for the force.
             let target = origin + part.start + part.length * i as f64 / 5.0;
             let left = target - self.population.position();
-            self.population.advance(left.clamp(0.0, way.length))?;
-            *books = self.population.books();
+            self.population.advance(left.clamp(0.0, interval.length))?;
+            *energies = self.population.energies();
         }
         let piece = CurvePiece {
             start: origin + part.start - self.origin,
             rate: 2.0 / part.length,
             force: part.force,
         };
-        let column = |of: fn(&population::Books) -> f64, first: f64| {
+        let column = |of: fn(&ContactEnergies) -> f64, first: f64| {
             interpolated(std::array::from_fn(|i| of(&read[i]) - first))
         };
         let energies = CurveEnergies {
@@ -241,19 +254,20 @@ impl CurveTable {
     /// Adds the rest of the curve, where no contact breaks any more and all work becomes elastic energy.
     fn push_endless(&mut self) {
         let Response { force, tangent } = self.population.ahead(0.0);
-        let books = self.population.books();
+        let energies = self.population.energies();
         let piece = CurvePiece {
             start: self.population.position() - self.origin,
             rate: 1.0,
             force: [force + tangent, tangent, 0.0, 0.0, 0.0, 0.0],
         };
         let constant = |value: f64| [value, 0.0, 0.0, 0.0, 0.0, 0.0];
-        let elastic = [books.elastic + force + 0.5 * tangent, force + tangent, 0.5 * tangent, 0.0, 0.0, 0.0];
+        let elastic =
+            [energies.elastic + force + 0.5 * tangent, force + tangent, 0.5 * tangent, 0.0, 0.0, 0.0];
         let energies = CurveEnergies {
             work: self.work,
             elastic,
-            lost: constant(books.lost - self.first.lost),
-            broken: constant(books.broken - self.first.broken),
+            lost: constant(energies.lost - self.first.lost),
+            broken: constant(energies.broken - self.first.broken),
         };
         self.curve.push(piece, energies, std::mem::take(&mut self.breaks));
         self.end = f64::INFINITY;

@@ -53,6 +53,8 @@ pub(super) fn solve_variable<C: Coupling + ?Sized>(
             change(&mut q, |j, force| mean * p[j] - force);
             curvature = sweep([], [&p, &q, diagonal], energy, add);
         }
+        // A direction of negative curvature proves that the matrix is not positive definite: the
+        // interface is unstable there.
         if curvature.is_nan() || curvature <= 0.0 {
             return None;
         }

@@ -26,7 +26,7 @@ const BYTES: u64 = 16 << 30;
 /// every other one forward, so that cells never pass a balance that lies ahead of all of them (A. A. Middleton, Phys. Rev.
 /// Lett. 68, 670 (1992), doi:10.1103/PhysRevLett.68.670).
 ///
-/// Slices hold one value per cell, along rows.
+/// Slices hold one value per cell, row by row: displacements are lengths, A has the unit of a stiffness.
 pub trait Coupling: std::fmt::Debug + Send + Sync {
     /// Arrangement of the cells.
     fn shape(&self) -> Shape;

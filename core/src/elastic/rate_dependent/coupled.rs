@@ -50,6 +50,8 @@ impl StageSolver for CoupledCells<'_> {
         for _ in 0..ROUNDS {
             watch.check()?;
             let Correction { by, stands } = self.correct(stage, &guesses);
+            // A secant method: contacts give their force after an advance, but no derivative of it
+            // over a whole stage.
             if by.iter().all(|by| by.abs() <= stage.accuracy) {
                 let end = |(j, contacts): (usize, Box<dyn RateDependentContacts>)| {
                     let Guess { advance, force, .. } = guesses[j];
@@ -147,6 +149,8 @@ fn again(
     for (&j, ahead) in going.iter().zip(ahead) {
         contacts[j] = ahead?;
         let (advance, force) = (guesses[j].advance + by[j], contacts[j].force());
+        // Contacts move from the beginning of the stage each time: what they do depends on the
+        // whole path, not on the last guess.
         guesses[j] = Guess { advance, force, slope: (force - guesses[j].force) / by[j] };
     }
     Ok(())

@@ -1,10 +1,10 @@
-//! A deformable interface whose contacts are time-dependent: the drive moves at a velocity, and cells by
+//! A deformable interface over time-dependent contacts. The drive moves at a velocity, and the cells follow
 //!
 //! η Ẋ_j = K_0j(X_T − X_j) − (AX)_j − F_j[X_j(·), t],
 //!
-//! which the room `dynamics` integrates. Cells move forward only; one that its contacts would pull back stands. Time passes for
-//! all of them, so that contacts age while cells stick. There is no balance to be lost and found: where friction falls faster
-//! than springs do, cells become fast, and η limits how fast they are.
+//! integrated by the module `dynamics`. Cells move forward only; a cell that its contacts would pull back stays at rest.
+//! Contacts age while cells stick. In contrast to quasistatic motion there is no search for a balance: where friction falls
+//! faster than the force of the springs, cells accelerate, and η limits their velocity.
 
 mod coupled;
 mod scaled;
@@ -16,9 +16,10 @@ pub use state::RateDependentInterfaceState;
 
 use super::{CellLoading, Coupling, EnergyBalance, Event, Slipped, event};
 use crate::dynamics::{Arrest, EquationOfMotion, SliderMotion, SlidingCell};
+use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::monitor::{Aside, Monitor, report};
-use crate::rate_dependent::{Books, ErrorEstimator, RateDependentContacts, StretchInterval};
+use crate::rate_dependent::{ErrorEstimator, RateDependentContacts, StretchInterval};
 use crate::record::Record;
 use crate::{Error, Result};
 use coupled::CoupledCells;
@@ -29,14 +30,14 @@ use slips::{MotionSnapshot, Seen, Slips};
 pub struct RateDependentInterfaceParameters {
     /// K_0, stiffness of the spring from a cell to the drive, force per length.
     pub connection: f64,
-    /// Which cells have one.
+    /// Which cells have such a spring.
     pub loading: CellLoading,
-    /// η, force on a cell per velocity, which limits how fast cells slip.
+    /// η, viscous force on a cell per velocity, above 0; it limits the velocity of slip.
     pub viscosity: f64,
-    /// The length to which a step in time is right, for each cell.
+    /// Tolerance of a step in time: the largest error of the position of a cell, a length.
     pub tolerance: f64,
-    /// The share of the contacts of a cell that breaks in the smallest event: above 0 where contacts are so few that each
-    /// of them makes its cell slip a little.
+    /// Fraction of the contacts of a cell that breaks in the smallest event: above 0 for contacts so few that each break makes
+    /// its cell slip a little.
     pub slip_fraction: f64,
     /// Area of a cell; `None` where areas are counted in cells.
     pub area: Option<f64>,
@@ -72,10 +73,10 @@ impl RateDependentInterfaceParameters {
     }
 }
 
-/// Cells on an elastic slider, moved in time.
+/// A deformable interface over time-dependent contacts, moved in time: cells on an elastic slider.
 ///
-/// A cell *slips* while it is ten times as fast as the drive, as the block in time does. Forces and energies are totals over
-/// the cells, in the units of the contacts of which the cells are made.
+/// A cell *slips* while it is more than ten times as fast as the drive, as for a block in time. Forces and energies are
+/// totals over the cells, in the units of the contacts of the cells.
 #[derive(Debug)]
 pub struct RateDependentInterface {
     motion: SliderMotion,
@@ -89,20 +90,20 @@ pub struct RateDependentInterface {
     path: (f64, f64),
 }
 
-/// What is stored, and what came and went by the contacts.
+/// Stored energies, and the energies of the contacts.
 #[derive(Debug, Clone, Copy)]
 struct Stored {
     connection: f64,
     coupling: f64,
-    contacts: Books,
+    contacts: ContactEnergies,
 }
 
 impl RateDependentInterface {
-    /// Cells in balance with what their contacts are stretched by, at rest and at a mean position of 0.
+    /// The interface at rest, in balance with the present stretches of its contacts, at a mean position of 0.
     ///
     /// # Errors
-    /// Numbers of the setting that are not finite and above 0, a share outside [0, 1]; another number of cells than the
-    /// coupling is for.
+    /// Parameters that are not finite and above 0; a slip fraction outside [0, 1]; another number of cells than that of the
+    /// coupling.
     pub fn new(
         contacts: Vec<Box<dyn RateDependentContacts>>,
         mut coupling: Box<dyn Coupling>,
@@ -136,7 +137,7 @@ impl RateDependentInterface {
         let mut interface = Self {
             motion: SliderMotion::new(equation, cells.collect(), drive, tolerance),
             coupling,
-            begun: Stored { connection: 0.0, coupling: 0.0, contacts: Books::default() },
+            begun: Stored { connection: 0.0, coupling: 0.0, contacts: ContactEnergies::default() },
             look: MotionSnapshot { time: 0.0, drive, cells: Vec::new() },
             coupling_energy: 0.0,
             slips: Slips::new(number, slip_fraction, area),
@@ -158,7 +159,7 @@ impl RateDependentInterface {
         self.motion.cells.is_empty()
     }
 
-    /// X_T.
+    /// Load-point displacement X_T, a length.
     pub fn drive(&self) -> f64 {
         self.motion.drive
     }
@@ -168,22 +169,22 @@ impl RateDependentInterface {
         self.motion.time
     }
 
-    /// X_j, along rows.
+    /// Position X_j of each cell, a length, row by row.
     pub fn positions(&self) -> Vec<f64> {
         self.motion.cells.iter().map(|cell| cell.position).collect()
     }
 
-    /// Ẋ_j, along rows.
+    /// Velocity Ẋ_j of each cell, row by row.
     pub fn velocities(&self) -> Vec<f64> {
         self.motion.cells.iter().map(|cell| cell.velocity).collect()
     }
 
-    /// F_j, along rows; their sum is [`RateDependentInterface::force`].
+    /// Friction force F_j of each cell, row by row; their sum is [`RateDependentInterface::force`].
     pub fn forces(&self) -> Vec<f64> {
         self.motion.cells.iter().map(|cell| cell.force).collect()
     }
 
-    /// The contacts of a cell that hold, by their stretches: [`crate::rate_dependent::binned`] makes a distribution of them.
+    /// The attached contacts of a cell as intervals of stretch; [`crate::rate_dependent::binned`] converts them to a density.
     ///
     /// # Errors
     /// A number of no cell.
@@ -194,22 +195,23 @@ impl RateDependentInterface {
         }
     }
 
-    /// Friction force of all cells.
+    /// Friction force ΣF_j of all cells.
     pub fn force(&self) -> f64 {
         self.motion.cells.iter().map(|cell| cell.force).sum()
     }
 
-    /// The fraction of contacts that is free.
+    /// Fraction of detached contacts.
     pub fn free(&self) -> f64 {
         self.motion.cells.iter().map(|cell| cell.contacts.free()).sum::<f64>() / self.len() as f64
     }
 
     /// Breaks since the beginning, per contact.
     pub fn broken(&self) -> f64 {
-        self.motion.cells.iter().map(|cell| cell.contacts.books().broken).sum::<f64>() / self.len() as f64
+        self.motion.cells.iter().map(|cell| cell.contacts.energies().broken).sum::<f64>() / self.len() as f64
     }
 
-    /// From now on with [`RateDependentInterface::error`], which takes some three times as long: contacts are followed twice more.
+    /// Estimates the error from now on ([`RateDependentInterface::error`]). Steps take about three times as long, since contacts
+    /// are moved two more times.
     #[must_use]
     pub fn with_error(mut self) -> Self {
         self.motion.estimators =
@@ -217,19 +219,19 @@ impl RateDependentInterface {
         self
     }
 
-    /// An estimate of the largest error of the force of a cell on the way gone, on the safe side, if that was asked for: how far
-    /// it is from that at a larger tolerance of the contacts, and twice what steps half as long change. None of contacts that
-    /// are followed one by one.
+    /// Estimated upper limit of the error of the force of a cell so far: the difference from the force at a larger tolerance of
+    /// the contacts, plus twice the change by steps half as long. `None` unless requested by
+    /// [`RateDependentInterface::with_error`], and for contacts that are followed one by one.
     pub fn error(&self) -> Option<f64> {
         self.motion.error()
     }
 
-    /// A catalogue as columns, those of `events.csv`.
+    /// A catalogue of events as columns of shape (events,), those of `events.csv`.
     pub fn record(&self, events: &[Event]) -> Record {
         event::record(events, self.slips.area)
     }
 
-    /// Energies since the beginning; `slip` is what viscous drag has taken, ∫Σ ηẊ_j² dt, in slips or not.
+    /// Energies since the beginning; `slip` is the energy dissipated by viscous drag, ∫Σ ηẊ_j² dt, also between slips.
     pub fn energy(&self) -> EnergyBalance {
         let (begun, now) = (self.begun, self.stored());
         EnergyBalance {
@@ -237,14 +239,15 @@ impl RateDependentInterface {
             spring: now.connection - begun.connection,
             coupling: now.coupling - begun.coupling,
             elastic: now.contacts.elastic - begun.contacts.elastic,
-            strengthening: now.contacts.gained - begun.contacts.gained,
+            strengthening: now.contacts.strengthening - begun.contacts.strengthening,
             breaks: now.contacts.lost - begun.contacts.lost,
             slip: self.motion.energies.viscous.iter().sum(),
             ..EnergyBalance::default()
         }
     }
 
-    /// Drives the cells up to `drive` at a velocity, and tells `each` event that is over and the cells that slipped in it.
+    /// Raises the load-point displacement to `drive` at a velocity, and passes each event that has ended, with the cells that
+    /// slipped in it, to `each`.
     ///
     /// # Errors
     /// A velocity that is not above 0; an accuracy that steps do not reach.
@@ -255,7 +258,7 @@ impl RateDependentInterface {
     /// The same with a monitor.
     ///
     /// # Errors
-    /// As [`Self::run`]; stopped by the monitor: the interface is then between two steps, and can go on.
+    /// As [`Self::run`]; stopped by the monitor: the interface is then between two steps, and can continue.
     pub fn run_with(
         &mut self,
         drive: f64,
@@ -272,11 +275,11 @@ impl RateDependentInterface {
         }
     }
 
-    /// Drives the cells up to `drive` at a velocity, or until events are over: these, each with the cells that slipped in
-    /// it; none if the drive was reached. What slips then goes on in the next run.
+    /// Raises the load-point displacement to `drive` at a velocity, or until events have ended. Returns these, each with the
+    /// cells that slipped in it; none if `drive` was reached. Events that have not ended continue in the next run.
     ///
     /// # Errors
-    /// See [`RateDependentInterface::run`].
+    /// As [`RateDependentInterface::run`].
     pub fn next(&mut self, drive: f64, velocity: f64) -> Result<Vec<(Event, Vec<Slipped>)>> {
         self.next_with(drive, velocity, &mut ())
     }
@@ -298,7 +301,7 @@ impl RateDependentInterface {
         while self.motion.drive < drive {
             let fraction = self.fraction();
             self.go(drive, velocity, &mut Aside { fraction, monitor })?;
-            let events = self.slips.told();
+            let events = self.slips.take_ended();
             if !events.is_empty() {
                 return Ok(events);
             }
@@ -307,13 +310,13 @@ impl RateDependentInterface {
         Ok(Vec::new())
     }
 
-    /// How far the drive is on its way.
+    /// Fraction of the present run that is done.
     fn fraction(&self) -> f64 {
         let (from, to) = self.path;
         ((self.motion.drive - from) / (to - from)).clamp(0.0, 1.0)
     }
 
-    /// Moves on in one step, at most up to a drive.
+    /// Makes one step in time, at most up to `drive`.
     fn go(&mut self, drive: f64, velocity: f64, monitor: &mut dyn Monitor) -> Result<()> {
         let left = (drive - self.motion.drive) / velocity;
         let coupled = &mut CoupledCells(self.coupling.as_mut());
@@ -321,16 +324,18 @@ impl RateDependentInterface {
             self.motion.drive = drive;
         }
         let now = self.seen();
+        // Events are found between two snapshots, so that the stages of a step, which may be
+        // rejected, need not know of them.
         let before = std::mem::replace(&mut self.look, now);
         self.update_coupling_energy();
         self.slips.pass(&before, &self.look, velocity, self.coupling.as_ref());
         Ok(())
     }
 
-    /// What is seen of the cells now.
+    /// A snapshot of the cells.
     fn seen(&self) -> MotionSnapshot {
         let seen = |(cell, &viscous): (&SlidingCell, &f64)| {
-            let Books { lost, broken, .. } = cell.contacts.books();
+            let ContactEnergies { lost, broken, .. } = cell.contacts.energies();
             let &SlidingCell { position, velocity, force, .. } = cell;
             Seen { position, velocity, force, lost, broken, viscous }
         };
@@ -346,23 +351,23 @@ impl RateDependentInterface {
         self.coupling_energy = self.coupling.energy(&positions, &forces);
     }
 
-    /// What is stored now.
+    /// Stored energies at present.
     fn stored(&self) -> Stored {
         let (positions, SliderMotion { equation, drive, .. }) = (self.positions(), &self.motion);
         let spring = |j: usize| 0.5 * equation.connection(j) * (drive - positions[j]).powi(2);
-        let add = |sum: Books, cell: &SlidingCell| {
-            let books = cell.contacts.books();
-            Books {
-                elastic: sum.elastic + books.elastic,
-                lost: sum.lost + books.lost,
-                gained: sum.gained + books.gained,
-                broken: sum.broken + books.broken,
+        let add = |sum: ContactEnergies, cell: &SlidingCell| {
+            let energies = cell.contacts.energies();
+            ContactEnergies {
+                elastic: sum.elastic + energies.elastic,
+                lost: sum.lost + energies.lost,
+                strengthening: sum.strengthening + energies.strengthening,
+                broken: sum.broken + energies.broken,
             }
         };
         Stored {
             connection: (0..positions.len()).map(spring).sum(),
             coupling: self.coupling_energy,
-            contacts: self.motion.cells.iter().fold(Books::default(), add),
+            contacts: self.motion.cells.iter().fold(ContactEnergies::default(), add),
         }
     }
 }

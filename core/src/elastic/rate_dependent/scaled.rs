@@ -1,7 +1,8 @@
 //! Contacts whose lengths are larger than those of others.
 
+use crate::energy::ContactEnergies;
 use crate::monitor::Monitor;
-use crate::rate_dependent::{Books, ContactsState, RateDependentContacts, StretchInterval};
+use crate::rate_dependent::{ContactsState, RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 
 /// Contacts all of whose lengths, and with them forces, are s times those of others: F(X, t) = s F̂(X/s, t).
@@ -41,11 +42,11 @@ impl RateDependentContacts for Scaled {
         self.contacts.tangent()
     }
 
-    fn books(&self) -> Books {
-        let books = self.contacts.books();
-        let [elastic, lost, gained] =
-            [books.elastic, books.lost, books.gained].map(|energy| self.scale * self.scale * energy);
-        Books { elastic, lost, gained, ..books }
+    fn energies(&self) -> ContactEnergies {
+        let energies = self.contacts.energies();
+        let [elastic, lost, strengthening] = [energies.elastic, energies.lost, energies.strengthening]
+            .map(|energy| self.scale * self.scale * energy);
+        ContactEnergies { elastic, lost, strengthening, ..energies }
     }
 
     fn free(&self) -> f64 {
@@ -57,6 +58,7 @@ impl RateDependentContacts for Scaled {
     }
 
     fn step(&mut self, by: f64, during: f64, monitor: &mut dyn Monitor) -> Result<()> {
+        // Only lengths are scaled: rates of ageing and delays are the same in all cells.
         self.contacts.step(by / self.scale, during, monitor)
     }
 

@@ -1,4 +1,4 @@
-//! Who slips, and which cells slip together.
+//! Event detection in time: cells that slip, and the connected sets of them.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use crate::dynamics::{SLIP_VELOCITY, crossing};
 use crate::elastic::catalogue::{beside, fronts};
 use crate::elastic::{Coupling, Event, Slipped};
 
-/// A cell as it is seen at one moment.
+/// A cell at one time.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(super) struct Seen {
     pub position: f64,
@@ -20,7 +20,7 @@ pub(super) struct Seen {
     pub viscous: f64,
 }
 
-/// All cells at one moment.
+/// All cells at one time.
 #[derive(Debug, Clone)]
 pub(super) struct MotionSnapshot {
     pub time: f64,
@@ -28,14 +28,14 @@ pub(super) struct MotionSnapshot {
     pub cells: Vec<Seen>,
 }
 
-/// Cells that slip, and events that are not over or not told.
+/// Cells that slip, and events that have not ended or have not been returned.
 ///
 /// An event begins with a cell that slips where no other event is beside it. Cells that begin to slip beside a cell of an
 /// event that is not over belong to it, and make one event of all that are beside them. It is over when none of its cells
 /// slips any more.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Slips {
-    /// The share of the contacts of a cell that breaks in the smallest event.
+    /// Fraction of the contacts of a cell that breaks in the smallest event.
     #[serde(skip)]
     fraction: f64,
     /// Area of a cell, if it has one.
@@ -50,7 +50,7 @@ pub(super) struct Slips {
     next: u64,
 }
 
-/// An event that is not told.
+/// An event that has not been returned.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct OpenEvent {
     number: u64,
@@ -122,7 +122,7 @@ impl Slips {
         Self { fraction, area, slipping, member, events: Vec::new(), next: 0 }
     }
 
-    /// A step has been made from one look to the next, the drive moving at a velocity.
+    /// Updates the events after a step between two snapshots, at a velocity of the drive.
     pub fn pass(
         &mut self,
         before: &MotionSnapshot,
@@ -152,15 +152,15 @@ impl Slips {
                 continue;
             }
             let share = event.started.iter().filter_map(|s| last[s.cell]).fold(0.0, f64::max);
-            let told = self.tell(event, &before.between(now, share), coupling);
+            let outcome = self.outcome(event, &before.between(now, share), coupling);
             for started in &event.started {
                 self.member[started.cell] = None;
             }
-            self.events[index].outcome = told;
+            self.events[index].outcome = outcome;
         }
     }
 
-    /// A cell begins to slip at a part of the way from one look to the next.
+    /// A cell begins to slip at the fraction `share` of the time between two snapshots.
     fn start(
         &mut self,
         cell: usize,
@@ -206,8 +206,8 @@ impl Slips {
         }
     }
 
-    /// What came of an event that is over at a look.
-    fn tell(&self, event: &OpenEvent, end: &MotionSnapshot, coupling: &dyn Coupling) -> Outcome {
+    /// The outcome of an event that has ended at the snapshot `end`.
+    fn outcome(&self, event: &OpenEvent, end: &MotionSnapshot, coupling: &dyn Coupling) -> Outcome {
         let mut started = event.started.clone();
         started.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.cell.cmp(&b.cell)));
         let part = |of: fn(&Seen) -> f64, s: &Started| of(&end.cells[s.cell]) - of(&s.at);
@@ -223,7 +223,7 @@ impl Slips {
         let mean = |of: &dyn Fn(&Started) -> f64| started.iter().map(of).sum::<f64>() / number as f64;
         let [front_speed_left, front_speed_right] = fronts(&slipped, coupling.shape());
         let area = self.area.unwrap_or(1.0);
-        let told = Event {
+        let event = Event {
             drive,
             time,
             epicentre: started[0].cell,
@@ -241,20 +241,20 @@ impl Slips {
             dissipated_breaks: all(|seen| seen.lost),
             dissipated_slip: all(|seen| seen.viscous),
         };
-        Outcome::Over(told, slipped)
+        Outcome::Over(event, slipped)
     }
 
-    /// Events that are over, up to the first one that is not, in the order in which they began.
-    pub fn told(&mut self) -> Vec<(Event, Vec<Slipped>)> {
+    /// Events that have ended, up to the first one that has not, in the order in which they began.
+    pub fn take_ended(&mut self) -> Vec<(Event, Vec<Slipped>)> {
         let over = self.events.iter().take_while(|event| event.is_over()).count();
-        let told = |event: OpenEvent| match event.outcome {
+        let ended = |event: OpenEvent| match event.outcome {
             Outcome::Over(event, slipped) => Some((event, slipped)),
             Outcome::OpenEvent | Outcome::Small => None,
         };
-        self.events.drain(..over).filter_map(told).collect()
+        self.events.drain(..over).filter_map(ended).collect()
     }
 
-    /// Goes to what slips with the same setting have come to.
+    /// Restores the state of an interface of the same parameters.
     pub fn resume(&mut self, kept: Self) {
         let Self { fraction, area, .. } = *self;
         *self = Self { fraction, area, ..kept };
@@ -288,13 +288,13 @@ mod tests {
         velocities.iter().enumerate().map(look).collect()
     }
 
-    fn told(velocities: &[[f64; 9]], fraction: f64) -> Vec<(Event, Vec<Slipped>)> {
+    fn ended(velocities: &[[f64; 9]], fraction: f64) -> Vec<(Event, Vec<Slipped>)> {
         let coupling = neighbours(Shape::Chain(9), Edges::Open, 1.0).unwrap();
         let mut slips = Slips::new(9, fraction, None);
         let mut all = Vec::new();
         for pair in looks(velocities).windows(2) {
             slips.pass(&pair[0], &pair[1], 1.0, coupling.as_ref());
-            all.append(&mut slips.told());
+            all.append(&mut slips.take_ended());
         }
         all
     }
@@ -308,17 +308,17 @@ mod tests {
             [0.0, 20.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             [0.0; 9],
         ];
-        let told = told(&velocities, 0.0);
-        let cells = |i: usize| told[i].1.iter().map(|slipped| slipped.cell).collect::<Vec<_>>();
+        let events = ended(&velocities, 0.0);
+        let cells = |i: usize| events[i].1.iter().map(|slipped| slipped.cell).collect::<Vec<_>>();
         // Ten times as fast as the drive at a quarter of the first step, and no longer at three quarters of the second.
-        assert_eq!((cells(0), told[0].0.time, told[0].0.duration), (vec![8], 0.25, 1.5));
-        assert_eq!((cells(1), told[1].0.time, told[1].0.duration), (vec![0, 1, 2], 0.5, 3.0));
-        let starts: Vec<f64> = told[1].1.iter().map(|slipped| slipped.start).collect();
+        assert_eq!((cells(0), events[0].0.time, events[0].0.duration), (vec![8], 0.25, 1.5));
+        assert_eq!((cells(1), events[1].0.time, events[1].0.duration), (vec![0, 1, 2], 0.5, 3.0));
+        let starts: Vec<f64> = events[1].1.iter().map(|slipped| slipped.start).collect();
         assert_eq!(starts, [0.0, 1.0, 2.0]);
-        let Event { moment, force_before, force_after, broken_fraction, .. } = told[1].0;
+        let Event { moment, force_before, force_after, broken_fraction, .. } = events[1].0;
         assert_eq!((moment, force_before, force_after), (3.0 + 2.0 + 1.0, -4.5, -31.5));
         assert_eq!(broken_fraction, 6.0 / 9.0);
-        assert_eq!(told.len(), 2);
+        assert_eq!(events.len(), 2);
     }
 
     #[test]
@@ -330,17 +330,17 @@ mod tests {
             [0.0, 0.0, 20.0, 20.0, 0.0, 0.0, 0.0, 0.0, 20.0],
             [0.0; 9],
         ];
-        let told = told(&velocities, 0.0);
-        let cells = |i: usize| told[i].1.iter().map(|slipped| slipped.cell).collect::<Vec<_>>();
+        let events = ended(&velocities, 0.0);
+        let cells = |i: usize| events[i].1.iter().map(|slipped| slipped.cell).collect::<Vec<_>>();
         // That of cell 1 is over when cell 2 begins, as they are fast and slow at the same time.
-        assert_eq!(told.iter().map(|event| event.0.time).collect::<Vec<_>>(), [0.5, 0.5]);
+        assert_eq!(events.iter().map(|event| event.0.time).collect::<Vec<_>>(), [0.5, 0.5]);
         assert_eq!((cells(0), cells(1)), (vec![1, 2, 4, 3], vec![8]));
-        assert_eq!(told[0].0.epicentre, 1);
+        assert_eq!(events[0].0.epicentre, 1);
     }
 
     #[test]
     fn too_few_breaks_are_no_event() {
         let velocities = [[0.0; 9], [0.0, 0.0, 0.0, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0; 9]];
-        assert_eq!((told(&velocities, 0.9).len(), told(&velocities, 1.1).len()), (1, 0));
+        assert_eq!((ended(&velocities, 0.9).len(), ended(&velocities, 1.1).len()), (1, 0));
     }
 }

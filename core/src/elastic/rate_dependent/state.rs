@@ -7,7 +7,7 @@ use super::slips::Slips;
 use crate::rate_dependent::{self, ErrorEstimator};
 use crate::{Error, Result};
 
-/// What an interface in time has come to. One of the same description goes on from it as if it had never stopped, bit for
+/// The state of an interface in time. An interface of the same description continues from it as if never stopped, bit for
 /// bit.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RateDependentInterfaceState {

@@ -26,6 +26,8 @@ impl LatticeBirths {
         let point = |law: &crate::law::SharedLaw| {
             law.atoms().first().filter(|atom| atom.weight == 1.0).map(|atom| atom.position)
         };
+        // The original automaton has identical contacts: a lattice without stored lives takes a
+        // third of the memory.
         let both = point(&contacts.thresholds).zip(point(&contacts.reforming));
         let identical = both.map(|(threshold, stretch)| ContactLife { stretch, threshold });
         Self { lives: Lives::in_any_order(ensemble), identical }
@@ -62,6 +64,8 @@ impl LatticeBirths {
         let before = contact.threshold;
         self.lives.resume(number as u64, contact.drawn, before);
         let life = self.lives.next();
+        // Only the position in the streams is stored, from which any later life of the contact
+        // follows.
         *contact = BirthRecord { threshold: life.threshold, drawn: self.lives.drawn() };
         (before, life)
     }

@@ -24,19 +24,19 @@ impl LatticeCoupling {
 
     /// Springs for which each neighbour gains the fraction α of the force that a breaking contact releases:
     /// K_int = α, K_0 = 1 − zα.
-    pub fn sharing(shape: Shape, edges: Edges, share: f64) -> Self {
-        Self { shape, edges, neighbours: share, connection: 1.0 - shape.neighbours() as f64 * share }
+    pub fn with_alpha(shape: Shape, edges: Edges, alpha: f64) -> Self {
+        Self { shape, edges, neighbours: alpha, connection: 1.0 - shape.neighbours() as f64 * alpha }
     }
 
     /// α = K_int/(z K_int + K_0): the fraction of the force released by a breaking contact that each
     /// neighbour gains.
-    pub fn share(&self) -> f64 {
+    pub fn alpha(&self) -> f64 {
         self.neighbours / self.stiffness()
     }
 
     /// κ = zα: the fraction that all neighbours of an inner contact gain together.
-    pub fn total_share(&self) -> f64 {
-        self.shape.neighbours() as f64 * self.share()
+    pub fn mean_field_coupling(&self) -> f64 {
+        self.shape.neighbours() as f64 * self.alpha()
     }
 
     /// 1 − zα = K_0/(z K_int + K_0): the fraction that the drive absorbs.

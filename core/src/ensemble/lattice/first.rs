@@ -8,7 +8,7 @@ impl Lattice {
     /// Drives the contacts until each has broken; returns the drives of their first breaks, along rows.
     ///
     /// # Errors
-    /// Stopped by the monitor, which is told the fraction that has broken; the lattice is then between two
+    /// Stopped by the monitor, which receives the fraction that has broken; the lattice is then between two
     /// avalanches.
     pub fn first_breaks(&mut self, monitor: &mut dyn Monitor) -> Result<Vec<f64>> {
         let mut first = vec![f64::INFINITY; self.size()];

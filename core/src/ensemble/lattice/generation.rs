@@ -29,6 +29,8 @@ impl Lattice {
             let (threshold, life) = births.next(born, || grid.number(place));
             // A contact that neighbours have pushed beyond its threshold breaks with that larger stretch.
             let let_go = threshold + (*drive - ends[place]) - life.stretch;
+            // A contact breaks once per generation, and all of its force is released before any
+            // neighbour gains: parallel update, independent of the order of the sites.
             ends[place] = *drive + (life.threshold - life.stretch);
             released.push(let_go);
             all += let_go;
@@ -47,10 +49,10 @@ impl Lattice {
     /// edges absorb.
     pub(super) fn distribute(&mut self) -> f64 {
         let limit = self.limit();
-        let Self { grid, ends, front, following, released, share, .. } = self;
+        let Self { grid, ends, front, following, released, alpha, .. } = self;
         let mut outward = 0.0;
         for (&place, released) in front.iter().zip(released) {
-            let gain = *share * *released;
+            let gain = *alpha * *released;
             for mut near in grid.around(place as usize) {
                 if ends[near] == f64::INFINITY {
                     let Some(across) = grid.across(near) else {
@@ -62,6 +64,8 @@ impl Lattice {
                 let before = ends[near];
                 let after = before - gain;
                 ends[near] = after;
+                // Only the neighbour that pushes a contact beyond its threshold enters it in the
+                // list, so that it stands there once.
                 if after <= limit && before > limit {
                     following.push(near as u32);
                 }

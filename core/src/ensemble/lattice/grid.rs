@@ -76,7 +76,7 @@ mod tests {
     use crate::shape::Shape;
 
     fn grid(shape: Shape, edges: Edges) -> ContactGrid {
-        ContactGrid::new(&LatticeCoupling::sharing(shape, edges, 0.2))
+        ContactGrid::new(&LatticeCoupling::with_alpha(shape, edges, 0.2))
     }
 
     fn neighbours(grid: &ContactGrid, number: usize) -> Vec<Option<usize>> {

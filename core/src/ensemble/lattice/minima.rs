@@ -1,4 +1,4 @@
-//! The minimum of many numbers of which few change at a time: a tournament tree (tree of minima).
+//! The minimum of many numbers, few of which change at a time: a tournament tree (tree of minima).
 
 /// Children of a node: as many as are compared in the time of one memory access.
 const ARITY: usize = 16;

@@ -59,7 +59,7 @@ pub enum Until {
 ///
 /// The drive stretches all contacts equally, f = k x → k(x + dX), also for K_0 = 0, until one reaches its
 /// threshold k x_s. All contacts at their thresholds break simultaneously, f → k r, and each neighbour gains
-/// α(f − k r), α = [`LatticeCoupling::share`]. This is one generation; the next one follows until no contact
+/// α(f − k r), α = [`LatticeCoupling::alpha`]. This is one generation; the next one follows until no contact
 /// is at its threshold. Stretches r and thresholds are drawn as in the [`Ensemble`]: for α = 0 contacts have
 /// the lives of [`Ensemble::pull`].
 ///
@@ -73,7 +73,7 @@ pub enum Until {
 #[derive(Debug, Clone)]
 pub struct Lattice {
     grid: ContactGrid,
-    share: f64,
+    alpha: f64,
     dissipated: f64,
     births: LatticeBirths,
     /// Present thresholds and positions in the random streams, along rows; empty if all contacts are the
@@ -91,12 +91,12 @@ pub struct Lattice {
     together: f64,
     /// The drive after which `base` is updated.
     span: f64,
-    /// From a stretch to the force of all real contacts that one contact stands for.
+    /// Force of the real contacts that one contact represents, per stretch.
     scale: f64,
     /// Places of contacts that break now, and of those that follow.
     front: Vec<u32>,
     following: Vec<u32>,
-    /// What those that break now let go.
+    /// The stretch that each of those that break now releases.
     released: Vec<f64>,
     /// Whether the contact at a site broke in the last avalanche; the list of these sites.
     broken: Vec<bool>,
@@ -144,7 +144,7 @@ impl Lattice {
         let births = LatticeBirths::new(&ensemble);
         let (ends, born) = newborn(&births, &grid);
         let mut lattice = Self {
-            share: coupling.share(),
+            alpha: coupling.alpha(),
             dissipated: coupling.dissipated(),
             minima: Minima::new(&ends),
             base: 0.0,
@@ -215,7 +215,7 @@ impl Lattice {
     /// Drives the contacts up to a drive or for a number of avalanches, and passes each avalanche to `each`.
     ///
     /// # Errors
-    /// None: nobody stops it.
+    /// None: only a monitor can stop it.
     pub fn run(&mut self, until: Until, each: &mut dyn FnMut(&Avalanche)) -> Result<()> {
         self.run_with(until, &mut (), each)
     }
@@ -274,6 +274,8 @@ impl Lattice {
             let all = self.break_front();
             released += all;
             // Springs to the drive take the dissipated fraction, open edges what would go beyond them.
+            // Losses are summed, not taken as a difference of total forces, which would lose the
+            // digits of small avalanches.
             lost += self.dissipated * all + self.distribute();
             mem::swap(&mut self.front, &mut self.following);
             self.following.clear();
@@ -296,7 +298,8 @@ impl Lattice {
 /// The stiffness of all contacts.
 fn stiffness(contacts: &Contacts) -> Result<f64> {
     if let Some(rule) = contacts.rules.first() {
-        let expected = format!("no {rule} where contacts are coupled one by one: they know no time");
+        let expected =
+            format!("no {rule} where contacts are coupled one by one: these do not depend on time");
         return Err(Error::invalid(rule, expected, "one"));
     }
     match contacts.stiffness {
@@ -317,6 +320,9 @@ fn newborn(births: &LatticeBirths, grid: &ContactGrid) -> (Vec<f64>, Vec<BirthRe
         .collect();
     let mut ends = vec![f64::INFINITY; grid.places()];
     for (number, (stretch, born)) in contacts.iter().enumerate() {
+        // A contact is stored by the drive at which it breaks, not by its force: uniform loading
+        // then changes no contact, and the next avalanche is at the minimum (P. Grassberger, Phys.
+        // Rev. E 49, 2436 (1994)).
         ends[grid.place(number)] = born.threshold - stretch;
     }
     let born = if births.identical() { Vec::new() } else { contacts.into_iter().map(|c| c.1).collect() };

@@ -11,7 +11,7 @@ use crate::numerics::compensated::Compensated;
 /// The fraction that breaks in a step: N(t) − N(t₀) in the middle and at the end of the step. N is quadratic
 /// in between and rises.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct BrokenShare {
+pub(super) struct BrokenFraction {
     pub(super) middle: f64,
     pub(super) end: f64,
 }
@@ -31,7 +31,7 @@ struct BreakHistory {
     duration: f64,
     /// N at its start, without simultaneous breaks.
     before: f64,
-    share: BrokenShare,
+    fraction: BrokenFraction,
 }
 
 /// Contacts that broke simultaneously.
@@ -75,10 +75,12 @@ impl EarlyBreaks {
     }
 }
 
-impl BrokenShare {
-    /// The closest share for which N rises throughout the step.
+impl BrokenFraction {
+    /// The closest fraction for which N rises throughout the step.
     pub(super) fn rising(self) -> Self {
         let end = self.end.max(0.0);
+        // A parabola through 0, `middle` and `end` rises on the whole step exactly if `middle` lies
+        // between these bounds.
         Self { middle: self.middle.clamp(0.25 * end, 0.75 * end), end }
     }
 
@@ -96,10 +98,10 @@ impl BrokenShare {
     /// before, if any.
     pub(super) fn slope(self, duration: f64, before: Option<(f64, Self)>) -> f64 {
         let mut points = vec![(-duration, -self.end), (-0.5 * duration, self.middle - self.end)];
-        if let Some((earlier, share)) = before {
+        if let Some((earlier, fraction)) = before {
             let start = points[0];
-            points.push((start.0 - 0.5 * earlier, start.1 + share.middle - share.end));
-            points.push((start.0 - earlier, start.1 - share.end));
+            points.push((start.0 - 0.5 * earlier, start.1 + fraction.middle - fraction.end));
+            points.push((start.0 - earlier, start.1 - fraction.end));
         }
         let term = |i: usize| {
             let others = (0..points.len()).filter(|&j| j != i);
@@ -133,12 +135,14 @@ impl Broken {
         (free.value() + waiting).max(0.0)
     }
 
-    /// Contacts that form in a step from `start`, in which `share` breaks.
+    /// Contacts that form in a step from `start`, in which `fraction` breaks.
     ///
     /// ∫(t − t_m) dN(t − τ) = ½h[N(t₀ − τ) + N(t₁ − τ)] − ∫N, with N counted above what has re-formed.
-    pub(super) fn births(&self, start: f64, duration: f64, share: BrokenShare) -> BirthMoments {
+    pub(super) fn births(&self, start: f64, duration: f64, fraction: BrokenFraction) -> BirthMoments {
         let (from, to) = (-self.delay, duration - self.delay);
-        let now = BreakHistory { start, duration, before: self.broken.value(), share };
+        let now = BreakHistory { start, duration, before: self.broken.value(), fraction };
+        // N and what has re-formed grow without limit; their difference, the contacts that wait,
+        // stays small.
         let origin = self.born.value();
         let mut integral = 0.0;
         let (mut first, mut last) = (None, 0.0);
@@ -149,8 +153,9 @@ impl Broken {
             if low >= high {
                 continue;
             }
+            // Simpson's rule is exact, since N is quadratic on each step.
             let [a, b, c] = [low, 0.5 * (low + high), high]
-                .map(|time| past.before + past.share.at((time - begun) / past.duration) - origin);
+                .map(|time| past.before + past.fraction.at((time - begun) / past.duration) - origin);
             first = first.or(Some((a, low)));
             integral += (high - low) / 6.0 * (a + 4.0 * b + c);
             last = c;
@@ -158,21 +163,23 @@ impl Broken {
         let Some((begun, low)) = first else { return BirthMoments::default() };
         integral += begun * (low - from);
         let mass = last.max(0.0);
+        // The bound keeps both weights of the two-point rule positive, hence cohorts of positive
+        // mass.
         let moment = (0.5 * (begun + last) - integral / duration).clamp(-MOST * mass, MOST * mass);
         BirthMoments { mass, moment }
     }
 
     /// Stores a step.
-    pub(super) fn keep(&mut self, start: f64, duration: f64, share: BrokenShare, born: f64) {
+    pub(super) fn keep(&mut self, start: f64, duration: f64, fraction: BrokenFraction, born: f64) {
         let before = self.broken.value();
         if self.delay > 0.0 {
-            self.past.push_back(BreakHistory { start, duration, before, share });
+            self.past.push_back(BreakHistory { start, duration, before, fraction });
             let horizon = start + duration - self.delay;
             while self.past.front().is_some_and(|past| past.start + past.duration < horizon) {
                 self.past.pop_front();
             }
         }
-        self.broken.add(share.end);
+        self.broken.add(fraction.end);
         self.born.add(born);
     }
 
@@ -197,8 +204,8 @@ impl Broken {
         let mut broken = Self::new(delay);
         if delay > 0.0 {
             let end = rate * delay;
-            let share = BrokenShare { middle: 0.5 * end, end };
-            broken.keep(-delay, delay, share, 0.0);
+            let fraction = BrokenFraction { middle: 0.5 * end, end };
+            broken.keep(-delay, delay, fraction, 0.0);
         }
         broken
     }

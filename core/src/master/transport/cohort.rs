@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::broken::BrokenShare;
+use super::broken::BrokenFraction;
 use super::model::{CohortModel, CohortThresholds};
 use super::path::{Path, Place, StepContext, StepPart};
 use super::seeds::Seed;
@@ -30,7 +30,7 @@ pub(super) struct EnergyChange {
     /// Σ ½k x² of broken contacts.
     pub(super) lost: f64,
     /// ∫Σ ½x² dk of surviving contacts: the work done by ageing.
-    pub(super) gained: f64,
+    pub(super) strengthening: f64,
 }
 
 impl EnergyChange {
@@ -39,18 +39,23 @@ impl EnergyChange {
     /// 0 ≤ s ≤ 1.
     fn on(from: f64, to: f64, changes: [f64; 2], aged: [f64; 2]) -> Self {
         let way = to - from;
+        // ∫x² ds and ∫x² s ds for a stretch linear in s, multiplied out so that nothing cancels for
+        // short steps.
         let mean = from * from + way * (from + way / 3.0);
         let tilted = 0.5 * from * from + way * (2.0 / 3.0 * from + 0.25 * way);
         let energy = |[first, second]: [f64; 2]| {
             0.5 * ((3.0 * first - second) * mean + 4.0 * (second - first) * tilted)
         };
-        let gained = energy(aged);
-        Self { lost: gained - energy(changes), gained }
+        let strengthening = energy(aged);
+        Self { lost: strengthening - energy(changes), strengthening }
     }
 
     /// The sum with `times` × `other`.
     pub(super) fn plus(self, times: f64, other: Self) -> Self {
-        Self { lost: self.lost + times * other.lost, gained: self.gained + times * other.gained }
+        Self {
+            lost: self.lost + times * other.lost,
+            strengthening: self.strengthening + times * other.strengthening,
+        }
     }
 }
 
@@ -77,14 +82,14 @@ impl Cohort {
         model: &CohortModel,
         path: &Path,
         context: &mut StepContext<'_, '_>,
-    ) -> (BrokenShare, EnergyChange) {
+    ) -> (BrokenFraction, EnergyChange) {
         let (from, stiffness) = (self.place.stretch, self.tangent());
         let (middle, first) = self.advance(model, path, StepPart::First, context);
         let between = self.tangent();
         let (end, second) = self.advance(model, path, StepPart::Second, context);
         let changes = [between - stiffness, self.tangent() - between];
         let spent = EnergyChange::on(from, self.place.stretch, changes, [first, second]);
-        (BrokenShare { middle, end: middle + end }, spent)
+        (BrokenFraction { middle, end: middle + end }, spent)
     }
 
     /// Advances from formation within a step to its end: the fraction of all contacts that breaks, and
@@ -165,11 +170,11 @@ impl Cohort {
                 let moved = |cell: &StretchInterval| StretchInterval {
                     low: stretch + cell.low - before,
                     high: stretch + cell.high + after,
-                    share: all * cell.share,
+                    fraction: all * cell.fraction,
                 };
                 cells.iter().map(moved).collect()
             }
-            _ => vec![StretchInterval { low: stretch - below, high: stretch + above, share: all }],
+            _ => vec![StretchInterval { low: stretch - below, high: stretch + above, fraction: all }],
         }
     }
 

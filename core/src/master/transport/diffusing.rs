@@ -99,7 +99,7 @@ const FINEST: f64 = 0.05;
 const SHARE: f64 = 2.0;
 const REACH: f64 = 4.0;
 
-/// Largest number of cells of a step between two questions to the monitor.
+/// Largest number of cells of a step between two checks whether the monitor has stopped.
 const MANY: usize = 1 << 16;
 
 /// Smallest number of cells.
@@ -167,6 +167,7 @@ impl Diffusing {
                 .newborn(&middles, stretch.abs(), &mut &*watch)
                 .unwrap_or_else(|_| vec![0.0; middles.len()]);
             let whole: f64 = masses.iter().sum();
+            // Both levels start with the mass 1, so that extrapolation does not change it.
             masses.iter_mut().for_each(|mass| *mass /= whole);
             masses
         };
@@ -193,6 +194,9 @@ impl Diffusing {
         for segment in self.segments(place, path, part) {
             let mut left = Some(segment);
             while let Some(segment) = left {
+                // The distribution of thresholds changes fast just after formation and ever more
+                // slowly later, like √t in diffusion: steps in proportion to the age resolve all of
+                // it in a logarithmic number.
                 let (step, rest) = segment.split(self.steps(&segment, age));
                 // Both levels make the same coarse step; the fine one halves it, for the extrapolation.
                 for (level, broken) in broken.iter_mut().enumerate() {
@@ -243,7 +247,7 @@ impl Diffusing {
         (segment.duration / longest).max((segment.to - segment.from).abs() / self.reach)
     }
 
-    /// A step of one level; returns the stiffness of what breaks.
+    /// A step of one level; returns the stiffness of the contacts that break.
     fn step(
         &self,
         segment: &PathSegment,

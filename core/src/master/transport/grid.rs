@@ -56,8 +56,8 @@ impl Folds {
             Barrier::Elastic | Barrier::Bell => (3.0, 1.0, f64::INFINITY),
             // A has a singularity |h − x|^{5/2} where the threshold is met, of which a panel misses the power 7/2 of its width.
             Barrier::Catastrophe => {
-                let share = (tolerance / CATASTROPHE).powf(2.0 / 7.0).min(1.0);
-                (share, share, DEEPEST)
+                let fraction = (tolerance / CATASTROPHE).powf(2.0 / 7.0).min(1.0);
+                (fraction, fraction, DEEPEST)
             }
         };
         let power = match contacts.stiffness {

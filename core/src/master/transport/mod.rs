@@ -33,11 +33,12 @@ mod trial;
 use std::sync::Arc;
 
 use super::{Stretches, Tolerance};
-use crate::contacts::{Ageing, Contacts, Initial, Start, Stiffness, ThresholdEvolution};
+use crate::contacts::{Ageing, Contacts, Initial, Rules, Start, Stiffness, ThresholdEvolution};
+use crate::energy::ContactEnergies;
 use crate::error::positive;
 use crate::history::History;
 use crate::monitor::{Aside, Monitor, Part, Watch, report};
-use crate::rate_dependent::{Books, ContactsState, RateDependentContacts, StretchInterval};
+use crate::rate_dependent::{ContactsState, RateDependentContacts, StretchInterval};
 use crate::{Error, Result};
 use broken::Broken;
 use cohort::{Cohort, EnergyChange};
@@ -111,20 +112,26 @@ pub struct Trace {
 const ROUGH: f64 = 16.0;
 
 impl Transport {
-    /// Contacts at t = 0 and X = 0, all of age 0. Forces are accurate to about `tolerance` × N_c⟨k⟩ × the
-    /// mean threshold.
+    /// The default tolerance of contacts with these rules: 1e-6, and 1e-4 for diffusing thresholds, whose
+    /// steps are expensive.
+    pub fn default_tolerance(rules: &Rules) -> f64 {
+        if matches!(rules.ageing, Some(Ageing::Smoluchowski { .. })) { 1e-4 } else { 1e-6 }
+    }
+
+    /// Contacts at t = 0 and X = 0, all of age 0, as accurate as [`Transport::default_tolerance`].
     ///
     /// # Errors
-    /// Those of [`Contacts::check`]; `ageing.mean_field`, which is no rule for one contact; a tolerance
-    /// outside [1e-12, 1e-2].
-    pub fn new(contacts: Contacts, initial: &Initial, tolerance: f64) -> Result<Self> {
+    /// Those of [`Contacts::check`]; `ageing.mean_field`, which is no rule for one contact.
+    pub fn new(contacts: Contacts, initial: &Initial) -> Result<Self> {
+        let tolerance = Self::default_tolerance(&contacts.rules);
         Self::new_with(contacts, initial, tolerance, &mut ())
     }
 
-    /// The same with a monitor.
+    /// The same with forces accurate to about `tolerance` × N_c⟨k⟩ × the mean threshold, watched by a
+    /// monitor.
     ///
     /// # Errors
-    /// As [`Self::new`]; stopped by the monitor.
+    /// As [`Self::new`]; a tolerance outside [1e-12, 1e-2]; stopped by the monitor.
     pub fn new_with(
         contacts: Contacts,
         initial: &Initial,
@@ -135,6 +142,7 @@ impl Transport {
         let strength = strength(&contacts, monitor)?;
         let mut starting =
             |tolerance| Self::starting(&contacts, strength.clone(), initial, tolerance, monitor);
+        // The two solutions share the ranks of thresholds, whose table is expensive.
         Ok(starting(tolerance)?.beside(starting(rough(tolerance))?))
     }
 
@@ -230,11 +238,11 @@ impl Transport {
     /// Energies and breaks. Losses are accurate to fourth order in the time step, like the formation of
     /// contacts; the division of a change of stiffness between ageing and breaks to second order, which the
     /// energy balance does not depend on.
-    pub fn books(&self) -> Books {
+    pub fn energies(&self) -> ContactEnergies {
         let stored = self.cohorts.iter().map(Cohort::energy).sum::<f64>();
-        let [elastic, lost, gained] =
-            [stored, self.spent.lost, self.spent.gained].map(|energy| self.stiffness * energy);
-        Books { elastic, lost, gained, broken: self.broken.all() }
+        let [elastic, lost, strengthening] =
+            [stored, self.spent.lost, self.spent.strengthening].map(|energy| self.stiffness * energy);
+        ContactEnergies { elastic, lost, strengthening, broken: self.broken.all() }
     }
 
     /// The fraction of attached contacts.
@@ -384,14 +392,15 @@ impl Transport {
     fn advance(&mut self, path: &Path, monitor: &mut dyn Monitor) -> Result<bool> {
         let Self { model, seeds, broken, time, dropped, .. } = self;
         let stage = StepAttempt { model, seeds, broken, time: *time, dropped: *dropped };
+        // A rejected attempt leaves the cohorts as they were: it works on copies.
         let trial = stage.attempt(&self.cohorts, path, monitor)?;
         let before = self.pace.last();
-        if !self.pace.judge(path.duration, trial.share, trial.deaths) {
+        if !self.pace.judge(path.duration, trial.fraction, trial.deaths) {
             self.pace.check(path.duration, self.tolerance)?;
             return Ok(false);
         }
-        self.rate = trial.share.slope(path.duration, before);
-        self.broken.keep(self.time, path.duration, trial.share, trial.born);
+        self.rate = trial.fraction.slope(path.duration, before);
+        self.broken.keep(self.time, path.duration, trial.fraction, trial.born);
         self.spent = self.spent.plus(1.0, trial.spent);
         self.cohorts = trial.cohorts;
         self.time += path.duration;
@@ -408,6 +417,8 @@ impl Transport {
         let least = LEAST * self.tolerance;
         let Self { cohorts, dropped, spent, .. } = self;
         *dropped = 0.0;
+        // What is removed counts as broken, so that probability and energy are conserved however
+        // many cohorts are removed.
         cohorts.retain(|cohort| {
             let kept = cohort.left > least && cohort.attached() > NOTHING;
             if !kept {
@@ -479,8 +490,8 @@ impl RateDependentContacts for Transport {
         Self::tangent(self)
     }
 
-    fn books(&self) -> Books {
-        Self::books(self)
+    fn energies(&self) -> ContactEnergies {
+        Self::energies(self)
     }
 
     fn free(&self) -> f64 {

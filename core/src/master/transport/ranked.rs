@@ -179,6 +179,8 @@ impl RankedThresholds {
         let older = place.age + path.duration * (ends.1 - ends.0);
         let before = self.stiffening(left, place.age, older);
         self.apply(place, left, path, ends);
+        // The mean of those present before and after the step: second order in the step, as the
+        // division between ageing and breaks is said to be.
         0.5 * (before + self.stiffening(left, place.age, older))
     }
 
@@ -196,8 +198,8 @@ impl RankedThresholds {
         let (stretch, aged) = passage.at(ends.1);
         left.met = left.met.max(aged.newborn(stretch)).max(self.met_between(&passage));
         let (below, above) = (place.below, place.above);
-        for ((share, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
-            *share = share.min(uncovered(aged.threshold(atom.position), stretch, below, above));
+        for ((fraction, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
+            *fraction = fraction.min(uncovered(aged.threshold(atom.position), stretch, below, above));
         }
         if let Some((thermal, grid)) = &self.thermal {
             self.accumulate(thermal, grid, &passage, left);
@@ -258,6 +260,8 @@ impl RankedThresholds {
             fitted(top, &mut |moments| added = thermal.added_to(moments, top));
             added > GONE
         };
+        // Panels are stored between the highest threshold met and the first panel that nothing has
+        // broken on: A falls with the threshold, so that these two ends bound the band.
         let (lowest, count) = (grid.above(*met), grid.count());
         if band.is_empty() || lowest >= band.end() {
             let first = first_remaining(lowest, count.saturating_sub(1), &mut gone);
@@ -300,6 +304,8 @@ impl RankedThresholds {
         let thresholds: Vec<f64> = panel.nodes().0.into_iter().chain([panel.high]).collect();
         let found: Vec<Rank> = thresholds.into_iter().filter_map(|h| self.evolution.rank(h)).collect();
         let ranks: Arc<PanelRanks> = Arc::new(found.try_into().ok()?);
+        // Two threads may compute the same panel; both results are equal, so that it does not
+        // matter which is kept.
         let mut known = self.ranks.write().unwrap_or_else(PoisonError::into_inner);
         if known.len() < MOST {
             known.insert(number, ranks.clone());
@@ -345,22 +351,22 @@ impl RankedThresholds {
 
     /// ∫ P_ci `weight`(h_0) e^{−A} dh_0 over the band above c, and over point masses.
     fn touched(&self, left: &SurvivingRanks, weight: impl Fn(f64) -> f64) -> f64 {
-        let term = |(atom, (share, exponent)): (&Atom, &(f64, f64))| {
-            atom.weight * weight(atom.position) * share * (-exponent).exp()
+        let term = |(atom, (fraction, exponent)): (&Atom, &(f64, f64))| {
+            atom.weight * weight(atom.position) * fraction * (-exponent).exp()
         };
         let atoms: f64 = self.atoms.iter().zip(&left.atoms).map(term).sum();
         let (Some((_, grid)), Some(band)) = (&self.thermal, &left.band) else { return atoms };
         let panels = band.exponents.iter().zip(&band.weights).zip(band.first..);
-        let share = |((exponents, weights), number): ((&Nodal, &Nodal), u64)| {
+        let fraction = |((exponents, weights), number): ((&Nodal, &Nodal), u64)| {
             let panel = grid.panel(number);
             if panel.low < left.met {
                 return panel.above(left.met, exponents, |h| self.law.density(h) * weight(h));
             }
             let labels = panel.points().map(|(label, _)| label);
             let terms = weights.iter().zip(exponents).zip(labels);
-            terms.map(|((share, exponent), label)| share * weight(label) * (-exponent).exp()).sum()
+            terms.map(|((fraction, exponent), label)| fraction * weight(label) * (-exponent).exp()).sum()
         };
-        atoms + panels.map(share).sum::<f64>()
+        atoms + panels.map(fraction).sum::<f64>()
     }
 
     /// The time at which contacts at one stretch that move at `velocity` reach the next point mass of the
@@ -376,7 +382,7 @@ impl RankedThresholds {
             self.evolution.threshold(atom.position, place.age + time)
                 - (place.stretch + velocity * time).abs()
         };
-        let standing = self.atoms.iter().zip(&left.atoms).filter(|(_, (share, _))| *share > 0.0);
+        let standing = self.atoms.iter().zip(&left.atoms).filter(|(_, (fraction, _))| *fraction > 0.0);
         let times = standing.filter_map(|(atom, _)| {
             if self.evolution.is_constant() {
                 let time = (atom.position - place.stretch) / velocity;
@@ -393,9 +399,9 @@ impl RankedThresholds {
     /// Breaks the point masses of thresholds that contacts at one stretch have reached.
     pub(super) fn break_at_atom(&self, place: Place, left: &mut SurvivingRanks) -> bool {
         let aged = self.evolution.at(place.age);
-        for ((share, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
+        for ((fraction, _), atom) in left.atoms.iter_mut().zip(&self.atoms) {
             if place.stretch.abs() >= aged.threshold(atom.position) * (1.0 - MET) {
-                *share = 0.0;
+                *fraction = 0.0;
             }
         }
         !self.atoms.is_empty()

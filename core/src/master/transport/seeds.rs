@@ -76,6 +76,9 @@ pub(super) fn fewest(
 /// Neighbouring seeds merged into the fewest that integrate functions varying over `length` to `error`.
 fn merged(fine: &[Seed], length: f64, error: f64) -> Vec<(Seed, Vec<StretchInterval>)> {
     let points: Vec<_> = fine.iter().map(|seed| (seed.stretch, seed.weight)).collect();
+    // A Gauss rule for the distribution itself integrates polynomials of twice its number of nodes
+    // exactly, and its weights are positive: no other choice of as many cohorts represents more
+    // moments of the distribution.
     let rule = gauss::fewest(&points, length, error);
     if rule.len() == fine.len() {
         return fine.iter().map(|seed| (*seed, Vec::new())).collect();
@@ -85,9 +88,13 @@ fn merged(fine: &[Seed], length: f64, error: f64) -> Vec<(Seed, Vec<StretchInter
     let mut fine = fine.iter().peekable();
     for &(stretch, weight) in &rule {
         let (begun, mut cells) = (low, Vec::new());
-        let mut until = |seed: &Seed, high: f64, share: f64| {
+        let mut until = |seed: &Seed, high: f64, fraction: f64| {
             let from = low.max(seed.stretch - seed.below);
-            cells.push(StretchInterval { low: from - stretch, high: high - stretch, share: share / weight });
+            cells.push(StretchInterval {
+                low: from - stretch,
+                high: high - stretch,
+                fraction: fraction / weight,
+            });
             low = high;
         };
         let before = sum;
@@ -175,14 +182,14 @@ mod tests {
                 let at = |cell: &StretchInterval| StretchInterval {
                     low: seed.stretch + cell.low,
                     high: seed.stretch + cell.high,
-                    share: seed.weight * cell.share,
+                    fraction: seed.weight * cell.fraction,
                 };
                 cells.iter().map(at).collect()
             };
             let cells: Vec<StretchInterval> = few.iter().flat_map(held).collect();
             assert!(cells.len() > few.len(), "{}: {}", law.name(), cells.len());
             let atoms: f64 = law.atoms().iter().map(|atom| atom.weight).sum();
-            let whole: f64 = cells.iter().map(|cell| cell.share).sum();
+            let whole: f64 = cells.iter().map(|cell| cell.fraction).sum();
             assert!((whole + atoms - 1.0).abs() < 1e-12, "{}: {whole}", law.name());
             for pair in cells.windows(2) {
                 // What rounding of stretches lets overlap; parts of a mixture have a gap between them.
@@ -194,7 +201,7 @@ mod tests {
                 let neighbours = law.survival(cell.low - 2.0 * (cell.high - cell.low))
                     - law.survival(cell.high + 2.0 * (cell.high - cell.low));
                 assert!(
-                    cell.share >= 0.0 && cell.share <= neighbours + 1e-13,
+                    cell.fraction >= 0.0 && cell.fraction <= neighbours + 1e-13,
                     "{} {cell:?} {inside}",
                     law.name()
                 );

@@ -188,6 +188,8 @@ impl StepResponse {
         let value = |s| self.rest(slider, s) + slider.stiffness;
         let mut s = guess;
         for _ in 0..50 {
+            // Central differences are right to the square of the step, and Newton's method needs
+            // the slope to a few digits only.
             let step = 1e-5 * s.norm().max(1.0 / self.known());
             let slope = (value(s + step) - value(s - step)) / (2.0 * step);
             let change = value(s) / slope;

@@ -20,18 +20,18 @@ const BEND: f64 = 12.0;
 
 impl Transport {
     /// Contacts in steady sliding at a velocity v: formed at the rate Γ_s = 1/(∫s da + τ), with s(a) the
-    /// surviving fraction at age a. Time and position are 0.
+    /// surviving fraction at age a. Time and position are 0. As accurate as [`Transport::default_tolerance`].
     ///
     /// # Errors
     /// Those of [`Transport::new`]; a velocity that is not above 0.
-    pub fn steady(contacts: &Contacts, velocity: f64, tolerance: f64) -> Result<Self> {
-        Self::steady_with(contacts, velocity, tolerance, &mut ())
+    pub fn steady(contacts: &Contacts, velocity: f64) -> Result<Self> {
+        Self::steady_with(contacts, velocity, Self::default_tolerance(&contacts.rules), &mut ())
     }
 
-    /// The same with a monitor.
+    /// The same with a tolerance as in [`Transport::new_with`], watched by a monitor.
     ///
     /// # Errors
-    /// As [`Self::steady`]; stopped by the monitor.
+    /// As [`Self::steady`]; a tolerance outside [1e-12, 1e-2]; stopped by the monitor.
     pub fn steady_with(
         contacts: &Contacts,
         velocity: f64,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::broken::{BrokenShare, EarlyBreaks};
+use super::broken::{BrokenFraction, EarlyBreaks};
 use crate::contacts::Contacts;
 use crate::law::Law;
 use crate::{Error, Float, Result};
@@ -22,7 +22,7 @@ pub(super) struct StepControl {
     /// The duration that the next step may have.
     next: f64,
     /// The last step, if the next one continues it smoothly.
-    last: Option<(f64, BrokenShare)>,
+    last: Option<(f64, BrokenFraction)>,
 }
 
 /// Longest step in units of the length on which lives vary: this times the fourth root of the tolerance.
@@ -96,9 +96,11 @@ impl StepControl {
     }
 
     /// Whether a step is accurate enough; sets the duration of the next one.
-    pub(super) fn judge(&mut self, duration: f64, share: BrokenShare, deaths: EarlyBreaks) -> bool {
-        let extrapolation_error = self.extrapolation_error(duration, share) / self.extrapolation_error;
-        let curvature = share.end * deaths.curve().1.abs() / self.curvature;
+    pub(super) fn judge(&mut self, duration: f64, fraction: BrokenFraction, deaths: EarlyBreaks) -> bool {
+        // The number of breaks is computed, not extrapolated; the difference from its extrapolation
+        // measures how well a parabola in time describes it in this step.
+        let extrapolation_error = self.extrapolation_error(duration, fraction) / self.extrapolation_error;
+        let curvature = fraction.end * deaths.curve().1.abs() / self.curvature;
         let early = deaths.early / MOST_DEATHS;
         // The extrapolation error is of third order in the duration, the curvature too.
         let factor = (0.9 / extrapolation_error.cbrt())
@@ -112,17 +114,17 @@ impl StepControl {
         // A step cut short by an event does not limit longer ones.
         let longer = factor * duration;
         self.next = if factor >= 1.0 && self.next.is_finite() { longer.max(self.next) } else { longer };
-        self.last = Some((duration, share));
+        self.last = Some((duration, fraction));
         true
     }
 
     /// The difference between the breaks of a step and their linear extrapolation from the last breaking
     /// rate; after a restart, the change of the breaking rate.
-    fn extrapolation_error(&self, duration: f64, share: BrokenShare) -> f64 {
-        let Some((before, last)) = self.last else { return (share.end - 2.0 * share.middle).abs() };
+    fn extrapolation_error(&self, duration: f64, fraction: BrokenFraction) -> f64 {
+        let Some((before, last)) = self.last else { return (fraction.end - 2.0 * fraction.middle).abs() };
         let tilt = 4.0 * (last.end - 2.0 * last.middle);
         let between = 0.5 * (1.0 + duration / before);
-        (share.end - duration / before * (last.end + tilt * between)).abs()
+        (fraction.end - duration / before * (last.end + tilt * between)).abs()
     }
 
     /// Refuses steps that shrink without limit.
@@ -143,7 +145,7 @@ impl StepControl {
     }
 
     /// The previous step, if the next one continues it.
-    pub(super) fn last(&self) -> Option<(f64, BrokenShare)> {
+    pub(super) fn last(&self) -> Option<(f64, BrokenFraction)> {
         self.last
     }
 }

@@ -5,7 +5,7 @@
 //! by its mass and mean time, at the two nodes of the Gauss rule, which conserves both, so that integrals are
 //! accurate to fourth order.
 
-use super::broken::{BirthMoments, Broken, BrokenShare, EarlyBreaks};
+use super::broken::{BirthMoments, Broken, BrokenFraction, EarlyBreaks};
 use super::cohort::{Cohort, EnergyChange};
 use super::model::CohortModel;
 use super::path::{GAUSS, Path, StepContext, StepPart};
@@ -17,7 +17,7 @@ use crate::monitor::{Monitor, Watch};
 pub(super) struct Trial {
     /// All cohorts at its end, the newly formed last.
     pub(super) cohorts: Vec<Cohort>,
-    pub(super) share: BrokenShare,
+    pub(super) fraction: BrokenFraction,
     pub(super) born: f64,
     /// Breaks of the contacts formed in it.
     pub(super) deaths: EarlyBreaks,
@@ -25,13 +25,13 @@ pub(super) struct Trial {
     pub(super) spent: EnergyChange,
 }
 
-/// Amount of work of a thread between two questions to the monitor.
+/// Amount of work of a thread between two checks whether the monitor has stopped.
 const LEAST: usize = 4096;
 
 /// Sums over these cohorts.
-fn total(passed: &[(BrokenShare, EnergyChange)]) -> (BrokenShare, EnergyChange) {
-    let nothing = (BrokenShare::default(), EnergyChange::default());
-    passed.iter().fold(nothing, |sum, (share, spent)| (sum.0.plus(*share), sum.1.plus(1.0, *spent)))
+fn total(passed: &[(BrokenFraction, EnergyChange)]) -> (BrokenFraction, EnergyChange) {
+    let nothing = (BrokenFraction::default(), EnergyChange::default());
+    passed.iter().fold(nothing, |sum, (fraction, spent)| (sum.0.plus(*fraction), sum.1.plus(1.0, *spent)))
 }
 
 /// What does not change within a step.
@@ -69,33 +69,36 @@ impl StepAttempt<'_> {
             let mut cohort = self.newborn(&self.seeds[(i - old) % seeds], path, GAUSS[born], context.watch);
             let stored = cohort.energy();
             let (end, spent) = cohort.advance_from_formation(self.model, path, part[born], context);
-            (cohort, (BrokenShare { middle: 0.0, end }, EnergyChange { lost: spent.lost - stored, ..spent }))
+            (
+                cohort,
+                (BrokenFraction { middle: 0.0, end }, EnergyChange { lost: spent.lost - stored, ..spent }),
+            )
         };
         // Existing cohorts first, then those formed at the two Gauss nodes, seed by seed.
         let count = old + GAUSS.len() * seeds;
         let piece = |context: &mut StepContext<'_, '_>,
                      number: usize|
-         -> Vec<(Cohort, (BrokenShare, EnergyChange))> {
+         -> Vec<(Cohort, (BrokenFraction, EnergyChange))> {
             let from = number * chunk;
             (from..count.min(from + chunk)).map(|i| step(context, i)).collect()
         };
         let watch = Watch::new(monitor);
         let pieces = watch.share(count.div_ceil(chunk), || StepContext::new(&watch), piece)?;
         watch.check()?;
-        let (mut cohorts, passed): (Vec<Cohort>, Vec<(BrokenShare, EnergyChange)>) =
+        let (mut cohorts, passed): (Vec<Cohort>, Vec<(BrokenFraction, EnergyChange)>) =
             pieces.into_iter().flatten().unzip();
-        let dropped = BrokenShare { middle: 0.5 * self.dropped, end: self.dropped };
+        let dropped = BrokenFraction { middle: 0.5 * self.dropped, end: self.dropped };
         let (before, spent) = total(&passed[..old]);
         let [early, late] = [old, old + seeds].map(|from| total(&passed[from..][..seeds]));
         let deaths = EarlyBreaks { early: early.0.end, late: late.0.end };
         // Cohorts formed in this step were advanced with unit mass; the balance of breaks and formation gives
         // their masses.
-        let (share, masses) = self.balance(path, before.plus(dropped), deaths);
+        let (fraction, masses) = self.balance(path, before.plus(dropped), deaths);
         for (i, cohort) in cohorts[old..].iter_mut().enumerate() {
             cohort.mass *= masses[i / seeds];
         }
         let spent = spent.plus(masses[0], early.1).plus(masses[1], late.1);
-        Ok(Trial { cohorts, share, born: masses[0] + masses[1], deaths, spent })
+        Ok(Trial { cohorts, fraction, born: masses[0] + masses[1], deaths, spent })
     }
 
     /// Contacts that form at the fraction s of a step, with a mass of 1 for all seeds.
@@ -110,26 +113,31 @@ impl StepAttempt<'_> {
     }
 
     /// Solves for breaks and formation by fixed-point iteration; `before` are the breaks of existing cohorts.
-    fn balance(&self, path: &Path, before: BrokenShare, deaths: EarlyBreaks) -> (BrokenShare, [f64; 2]) {
+    fn balance(
+        &self,
+        path: &Path,
+        before: BrokenFraction,
+        deaths: EarlyBreaks,
+    ) -> (BrokenFraction, [f64; 2]) {
         /// Each iteration gains a factor of the early breaks, which are below ½.
         const ROUNDS: usize = 60;
         let (alpha, beta) = deaths.curve();
-        let mut share = before.rising();
+        let mut fraction = before.rising();
         let mut masses = [0.0; 2];
         for _ in 0..ROUNDS {
-            let BirthMoments { mass, moment } = self.broken.births(self.time, path.duration, share);
+            let BirthMoments { mass, moment } = self.broken.births(self.time, path.duration, fraction);
             // The masses at the Gauss nodes ½ ± 1/(2√3) with this sum and first moment.
             let tilt = 3.0_f64.sqrt() * moment;
             masses = [0.5 * mass - tilt, 0.5 * mass + tilt];
             let by_middle = mass * (alpha / 8.0 + beta / 24.0) - 12.0 * moment * (alpha / 24.0 + beta / 64.0);
             let by_end = masses[0] * deaths.early + masses[1] * deaths.late;
-            let next = before.plus(BrokenShare { middle: by_middle, end: by_end }).rising();
-            let change = (next.middle - share.middle).abs() + (next.end - share.end).abs();
-            share = next;
-            if change <= f64::EPSILON * share.end {
+            let next = before.plus(BrokenFraction { middle: by_middle, end: by_end }).rising();
+            let change = (next.middle - fraction.middle).abs() + (next.end - fraction.end).abs();
+            fraction = next;
+            if change <= f64::EPSILON * fraction.end {
                 break;
             }
         }
-        (share, masses)
+        (fraction, masses)
     }
 }

@@ -59,6 +59,8 @@ impl Basis {
                 slopes[k][q] = match k {
                     0 => -0.5,
                     1 => 0.5,
+                    // P_k' − P_{k−2}' = (2k − 1) P_{k−1}: the slopes of the inner functions are
+                    // orthogonal, and the stiffness matrix is diagonal but for the ends.
                     _ => (2.0 * k as f64 - 1.0) * series(&unit(k - 1), t) / norm(k),
                 };
             }
@@ -192,6 +194,8 @@ impl Elements {
 
     /// The projection on [low, high]; `first` is the first element that overlaps it.
     fn projected(&self, (low, high): (f64, f64), first: usize) -> Nodal {
+        // Unchanged elements are copied bit for bit, so that rounding does not accumulate over
+        // steps.
         if (self.edges[first], self.edges[first + 1]) == (low, high) {
             return self.series[first];
         }
@@ -219,6 +223,7 @@ impl Elements {
     #[must_use]
     pub fn coarsened(mut self, allowed: impl Fn(f64, f64) -> f64, kept: &[f64]) -> Self {
         let mut i = 0;
+        // A joint element may be joinable with the one before it: one step back after each success.
         while i + 1 < self.count() {
             if let Some(joint) = self.joint(i, &allowed).filter(|_| !kept.contains(&self.edges[i + 1])) {
                 self.edges.remove(i + 1);

@@ -50,7 +50,7 @@ pub struct TimeStep {
 /// The narrowest element, relative to the whole length.
 const NARROWEST: f64 = 1e-13;
 
-/// Largest number of elements; where it is not enough, the error of the step says so.
+/// Largest number of elements; if it is not enough, the estimated error of the step is larger.
 const MOST_ELEMENTS: usize = 400;
 /// Largest number of attempts at a step.
 const MOST_TRIES: usize = 60;
@@ -119,6 +119,8 @@ impl Evolution<'_> {
             let whole = motion.duration >= limit - self.time;
             let to = if whole { limit } else { self.time + motion.duration };
             self.next = motion.duration * factor.clamp(0.6, GROWTH);
+            // The errors in time, of the iteration and in space are independent; their sum is the
+            // estimate.
             let missing: f64 = roughness.iter().map(|roughness| roughness * self.tolerance).sum();
             let step = TimeStep {
                 from: std::mem::replace(&mut self.time, to),
@@ -144,6 +146,8 @@ impl Evolution<'_> {
         // The element that is squeezed keeps at least half its width.
         let widest = widths().fold(0.0, f64::max);
         let by = (duration * self.velocity).min(0.5 * widest);
+        // The lowest elements are as narrow as the boundary layer; they move with it unchanged. The
+        // first one that is wide enough takes up the motion.
         let last = widths().position(|width| width >= 2.0 * by).unwrap_or(0);
         let duration = if by < duration * self.velocity { by / self.velocity } else { duration };
         EdgeMotion { by, duration, last, ..rests }
@@ -184,6 +188,8 @@ fn refined(edges: &[f64], roughness: &[f64], absorbing: bool) -> Vec<f64> {
     for (i, pair) in edges.windows(2).enumerate() {
         let width = pair[1] - pair[0];
         if roughness[i] >= least {
+            // The layer above an absorbing floor is at the lower end of the first element, which is
+            // divided unevenly.
             if i == 0 && absorbing {
                 out.extend([pair[0] + width / 16.0, pair[0] + width / 4.0]);
             } else {

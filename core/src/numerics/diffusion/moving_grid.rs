@@ -76,7 +76,7 @@ pub struct Coefficients<'a> {
     pub potential: &'a Potential,
     /// D, above 0.
     pub diffusion: f64,
-    /// Loss rate besides the floor.
+    /// Loss rate in addition to absorption at the floor.
     pub sink: Option<Sink<'a>>,
 }
 
@@ -132,6 +132,8 @@ impl MovingGrid {
         stage.resize(masses.len(), 0.0);
         self.eliminate(rise, medium, rows);
         solve(rows, masses, stage);
+        // Both stages have the same matrix, factorised once: γ is the same in both, which is the
+        // reason for an SDIRK method.
         for (stage, mass) in stage.iter_mut().zip(masses.iter()) {
             *stage = (1.0 + SQRT_2) * *stage - SQRT_2 * mass;
         }
@@ -146,6 +148,8 @@ impl MovingGrid {
         let (length, mut kept) = (rise.ceiling - x, 0.0);
         for (row, cell) in rows.iter_mut().zip(&self.cells).rev() {
             let rest = 1.0 + medium.sink.map_or(0.0, |w| a * w(x + length * cell.middle)) + row.up * kept;
+            // All sums are of terms ≥ 0 where the rates are: no digits are lost by cancellation,
+            // however stiff the system.
             row.inverse = 1.0 / (rest + row.down);
             row.handed = row.down * row.inverse;
             kept = rest * row.inverse;
@@ -179,6 +183,9 @@ impl MovingGrid {
             let (rise, rate, carried) =
                 (high - low, spread * cell.next * per_length, 0.5 * travel * cell.lag);
             // B(−δ) = B(δ) + δ.
+            // Bernoulli functions of the potential difference make the flux of the Boltzmann
+            // distribution vanish exactly (D. L. Scharfetter and H. K. Gummel, IEEE Trans. Electron
+            // Devices 16, 64 (1969)).
             let gentle = bernoulli(rise);
             rows[i].up = (rate * gentle - carried) * cell.inverse * per_length;
             rows[i + 1].down = (rate * (gentle + rise) + carried) * next.inverse * per_length;

@@ -22,7 +22,7 @@ pub struct Field<'a> {
     pub slope: &'a dyn Fn(f64) -> f64,
     /// D, above 0.
     pub diffusion: f64,
-    /// Loss rate besides the floor.
+    /// Loss rate in addition to absorption at the floor.
     pub loss: Option<Loss<'a>>,
 }
 
@@ -90,6 +90,8 @@ impl Elimination {
         let mut out = Self { factors, pivots: [0; INNER], down: [[0.0; 2]; INNER], up, ends: [[0.0; 2]; 2] };
         out.factorise();
         for end in 0..2 {
+            // The Schur complement: the system of the two end values once the inner functions are
+            // eliminated.
             let mut column: [f64; INNER] = std::array::from_fn(|i| system[i + 2][end]);
             out.solve(&mut column);
             (0..INNER).for_each(|i| out.down[i][end] = column[i]);
@@ -243,6 +245,8 @@ impl<'a> SlabMesh<'a> {
             let times = (RADAU.nodes[m], motion.duration * RADAU.sweep[m][m]);
             let cell = |i: usize| {
                 let speeds = [i, i + 1].map(|i| mesh.relative_velocity(i) * motion.by / motion.duration);
+                // An element at rest without loss has the same operator at all stages; only the
+                // implicit step length differs.
                 let rests = speeds == [0.0; 2] && field.loss.is_none();
                 let still = mesh.cells.first().filter(|_| rests).map(|cells| &cells[i].operator);
                 SlabElement::new(([edges[i], edges[i + 1]], speeds), field, times, still)

@@ -58,7 +58,7 @@ mod tests {
         let (mut place, mut speed, mut time, mut squared) = (0.0, 0.0, 0.0, 0.0);
         loop {
             let passage = BODY.passage(speed, PUSH - RESISTANCE * place, RESISTANCE, 0.07);
-            (place, speed, time) = (place + passage.way, passage.speed, time + passage.time);
+            (place, speed, time) = (place + passage.distance, passage.speed, time + passage.time);
             squared += passage.squared;
             if speed == 0.0 {
                 break;
@@ -96,10 +96,13 @@ mod tests {
                 let (place, end) = step.at(1.0);
                 let squared = if damping > 0.0 { step.squared() } else { 0.0 };
                 // Rounding of sums over 16 points.
-                let off = [place - passage.way, end - passage.speed, squared - passage.squared];
+                let off = [place - passage.distance, end - passage.speed, squared - passage.squared];
                 assert!(off.iter().all(|off| off.abs() < 1e-14), "{damping} {speed} {off:?}");
                 // The series ends before where damping is strong.
-                assert!(damping > 1.0 || (passage.way == length) != (passage.speed == 0.0), "{passage:?}");
+                assert!(
+                    damping > 1.0 || (passage.distance == length) != (passage.speed == 0.0),
+                    "{passage:?}"
+                );
             }
         }
     }
@@ -107,6 +110,6 @@ mod tests {
     #[test]
     fn a_body_runs_on_where_nothing_resists() {
         let passage = Body { mass: 1.0, damping: 0.0 }.passage(1.0, 0.0, 0.0, 3.0);
-        assert_eq!((passage.time, passage.way, passage.speed), (3.0, 3.0, 1.0));
+        assert_eq!((passage.time, passage.distance, passage.speed), (3.0, 3.0, 1.0));
     }
 }

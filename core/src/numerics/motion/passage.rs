@@ -10,7 +10,7 @@ pub struct LinearPassage {
     /// Duration.
     pub time: f64,
     /// Distance.
-    pub way: f64,
+    pub distance: f64,
     /// Velocity at the end; exactly 0 at rest.
     pub speed: f64,
     /// ∫u̇² dt with damping, else 0.
@@ -50,7 +50,7 @@ impl Body {
     /// converge slowly.
     pub fn passage(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> LinearPassage {
         if speed == 0.0 && excess <= 0.0 {
-            LinearPassage { time: 0.0, way: 0.0, speed: 0.0, squared: 0.0 }
+            LinearPassage { time: 0.0, distance: 0.0, speed: 0.0, squared: 0.0 }
         } else if self.damping > 0.0 {
             self.damped(speed, excess, resistance, length)
         } else {
@@ -67,14 +67,16 @@ impl Body {
         let root = (excess * excess + resistance * energy).sqrt();
         let rest =
             if excess > 0.0 { (excess + root) / resistance.max(0.0) } else { energy / (root - excess) };
-        let (way, end) = if rest < length {
+        let (distance, end) = if rest < length {
             (rest, 0.0)
         } else {
+            // Rounding may put the kinetic energy at the end slightly below 0, where the body just
+            // reaches the end.
             let left = energy + length * (2.0 * excess - resistance * length);
             (length, (left.max(0.0) / self.mass).sqrt())
         };
-        let time = 2.0 * arc(way, speed + end, resistance / self.mass);
-        LinearPassage { time, way, speed: end, squared: 0.0 }
+        let time = 2.0 * arc(distance, speed + end, resistance / self.mass);
+        LinearPassage { time, distance, speed: end, squared: 0.0 }
     }
 
     fn damped(&self, speed: f64, excess: f64, resistance: f64, length: f64) -> LinearPassage {
@@ -83,16 +85,18 @@ impl Body {
         let fastest = rate.max(stiffness.abs().sqrt());
         let (unit, guess) = (1.0 / fastest, uniform(speed, begin, length) * fastest);
         let first = [speed * unit, begin * unit * unit];
+        // The scaled equation ü = a u̇ + b u has |a|, |b| ≤ 1, so that every term of the series has
+        // a bound that does not depend on the parameters, and the number of terms is fixed.
         let series =
             PassageSeries::new(first, [-rate * unit, -stiffness * unit * unit], LONGEST.min(1.5 * guess));
         // u̇ = e^{−βt} [u̇₀ cos ωt + (ü₀ + βu̇₀)/ω sin ωt], 2β = γ/M, ω² = r/M − β².
         // Rest is known in closed form; the arrival at `length` is not, with damping.
         let beta = 0.5 * rate;
         let rest = arc(speed, -(begin + beta * speed), stiffness - beta * beta) * fastest;
-        let PassageEnd { time, way, speed } = series.end(length, guess, rest);
+        let PassageEnd { time, distance, speed } = series.end(length, guess, rest);
         LinearPassage {
             time: time * unit,
-            way,
+            distance,
             speed: speed * fastest,
             squared: series.squared(time) * fastest,
         }
@@ -124,7 +128,7 @@ struct PassageSeries {
 /// Time, distance and velocity at the end of a motion.
 struct PassageEnd {
     time: f64,
-    way: f64,
+    distance: f64,
     speed: f64,
 }
 
@@ -162,11 +166,11 @@ impl PassageSeries {
     fn end(&self, length: f64, guess: f64, rest: f64) -> PassageEnd {
         let rests = rest > 0.0 && rest <= self.longest;
         let last = if rests { rest } else { self.longest };
-        let (way, speed) = self.motion(last);
-        if way >= length {
+        let (distance, speed) = self.motion(last);
+        if distance >= length {
             return self.arrival(length, guess.min(last), last);
         }
-        PassageEnd { time: last, way, speed: if rests { 0.0 } else { speed.max(0.0) } }
+        PassageEnd { time: last, distance, speed: if rests { 0.0 } else { speed.max(0.0) } }
     }
 
     /// The time at which the distance, rising up to `last`, reaches `length`: Newton's method, then Brent's.
@@ -177,12 +181,14 @@ impl PassageSeries {
             let step = (length - place) / speed;
             time = (time + step).clamp(0.0, last);
             if step.abs() <= LAST * time {
+                // The velocity at the new time, to first order in the last step, whose square is
+                // below rounding.
                 let speed = speed + step * self.acceleration(place, speed);
-                return PassageEnd { time, way: length, speed: speed.max(0.0) };
+                return PassageEnd { time, distance: length, speed: speed.max(0.0) };
             }
         }
         let time = brent_root(|s| self.motion(s).0 - length, 0.0, last, 0.0).unwrap_or(last);
-        PassageEnd { time, way: length, speed: self.motion(time).1.max(0.0) }
+        PassageEnd { time, distance: length, speed: self.motion(time).1.max(0.0) }
     }
 
     fn acceleration(&self, place: f64, speed: f64) -> f64 {
@@ -200,6 +206,8 @@ impl PassageSeries {
             sum += p * power;
             power *= s * inverse;
             bound *= 2.0 * s * inverse;
+            // u̇², u̇ü and ü² satisfy a linear system of equations, since ü is linear in u̇ and u:
+            // their derivatives of all orders follow without products of series.
             [p, q, r] = [2.0 * q, r + by_speed * q + by_place * p, 2.0 * by_speed * r + 2.0 * by_place * q];
             if bound <= NEGLIGIBLE {
                 break;

@@ -24,6 +24,7 @@ impl Kernel {
         let next = |x: f64| breakpoints.partition_point(|b| b.position < x * (1.0 - 1e-12));
         let is_break = |x: f64| breakpoints.get(next(x)).is_some_and(|b| same_position(b.position, x));
         let at_breakpoint = curve.boundaries.iter().map(|&x| is_break(x)).collect();
+        // |P_n| ≤ 1 on the cell, so that the sum of the magnitudes of the coefficients is a bound.
         let bounds = curve.coefficients.iter().map(|c| c.iter().map(|c| c.abs()).sum()).collect();
         let size = curve.integral().abs();
         Self { curve, breakpoints, at_breakpoint, bounds, size }

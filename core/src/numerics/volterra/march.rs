@@ -71,6 +71,10 @@ pub fn solve(
     let matters = |b: &Breakpoint| shows_in_density(b) && b.weight(spacing) * spacing > 10.0 * accuracy.mass;
     // This call only refuses cases with too many breakpoints, before any work is done.
     renewed(source.breakpoints(), kernel.breakpoints(), end, shows_in_density, monitor)?;
+    // The solution of g = s + k ∗ g is s + k ∗ s + k ∗ k ∗ s + …: its breakpoints are sums of one
+    // breakpoint of the source and any number of those of the kernel. Each convolution with a
+    // density makes them smoother, so that only the first ones are strong enough to need an edge of
+    // a cell.
     let breakpoints = renewed(source.breakpoints(), kernel.breakpoints(), end, matters, monitor)?;
     let atoms = breakpoints
         .iter()
@@ -105,6 +109,8 @@ pub fn solve(
     stops.sort_by(f64::total_cmp);
     stops.dedup_by(|b, a| same_position(*a, *b));
     let mut control = WidthControl { width, patience: 0 };
+    // Sections are solved in order. Within a section the solution is smooth, so that a Gauss rule
+    // per cell converges exponentially; across a breakpoint it would not.
     for stop in stops {
         march.section(stop, end, &mut control, monitor)?;
     }
@@ -209,6 +215,8 @@ impl March<'_> {
         monitor: &mut dyn Monitor,
     ) -> Result<()> {
         let here = self.density.end();
+        // Cells of a run are equal, so that the block between two cells depends on their distance
+        // only (a Toeplitz matrix).
         let count = ((stop - here) / control.width - 1e-9).ceil().max(1.0);
         let width = (stop - here) / count;
         self.start_run(here, width);
@@ -257,6 +265,8 @@ impl March<'_> {
         let cells = &self.density.coefficients[back..];
         let level = cells[0][0];
         let close = 0.1 * self.accuracy.density;
+        // A constant over the whole reach of the kernel solves the equation for ever: it is the
+        // steady state of renewal theory, 1/mean life.
         let flat = |c: &Nodal| (c[0] - level).abs() < close && c[1..].iter().all(|c| c.abs() < close);
         here > self.source.curve().end() + reach && cells.iter().all(flat)
     }
@@ -291,6 +301,7 @@ impl March<'_> {
     fn start_run(&mut self, start: f64, width: f64) {
         if let Some(run) = self.mesh.runs.last() {
             let there = run.start + (self.values.len() - run.first) as f64 * run.width;
+            // Cells that continue the run keep its blocks, which are the larger part of the cost.
             if (run.width - width).abs() <= 1e-11 * width && (there - start).abs() <= 1e-11 * width {
                 return;
             }
@@ -343,6 +354,8 @@ impl March<'_> {
         let (middle, half) = self.mesh.cell(cell);
         let known = self.known(cell);
         let mut values = self.solved(cell, known);
+        // Beside a pole no polynomial has the shape of the density; its mass is what the solution
+        // farther on depends on.
         if self.is_beside_pole(cell) {
             values = self.conserving(cell, &values);
             // Mass inside a cell is misplaced by at most its position, and forces are off by that.
@@ -354,6 +367,7 @@ impl March<'_> {
         if let Some(truncation) = self.truncation(cell, &values) {
             return Some((values, truncation));
         }
+        // Halving has reached the rounding of positions: the cell gets its mass, spread evenly.
         (half < NARROWEST * middle).then(|| {
             let mean = self.known_mass(cell) / (2.0 * half);
             (self.solved(cell, [mean; NODES]), 0.0)
@@ -388,6 +402,7 @@ impl March<'_> {
         if truncation > self.accuracy.density.max(rounding) && truncation * half > self.accuracy.mass {
             return None;
         }
+        // An error of the density on a narrow cell matters by its mass only.
         let felt = truncation * half / self.accuracy.mass * self.accuracy.density;
         self.tail = self.tail.max(truncation.min(felt));
         Some(if truncation < rounding { 0.0 } else { truncation })

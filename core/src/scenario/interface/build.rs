@@ -147,9 +147,9 @@ impl Interface {
     ///
     /// # Errors
     /// Single contacts on a half-space.
-    pub fn total_share(&self, contacts: &Contacts) -> Result<f64> {
+    pub fn mean_field_coupling(&self, contacts: &Contacts) -> Result<f64> {
         match self.contacts {
-            PerCell::One => Ok(self.springs()?.total_share()),
+            PerCell::One => Ok(self.springs()?.mean_field_coupling()),
             PerCell::Many => {
                 let stiffness = contacts.count * contacts.stiffness.of(contacts.thresholds.mean());
                 Ok(stiffness / (stiffness + self.connection))

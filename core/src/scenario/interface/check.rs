@@ -46,8 +46,9 @@ impl Interface {
             }
             (PerCell::One, None) => self.one(contacts, ensemble),
             (PerCell::One, Some(rule)) => {
-                let expected = "contacts that know no time beside interface.contacts = \"one\": single contacts are followed along the drive alone";
-                Err(Error::invalid(format!("contacts.{rule}"), expected, "one that does"))
+                let expected = "contacts without time dependence beside interface.contacts = \"one\": single contacts are followed along the \
+                                drive, not in time";
+                Err(Error::invalid(format!("contacts.{rule}"), expected, "time-dependent contacts"))
             }
         }
     }
@@ -145,7 +146,7 @@ impl Interface {
     fn one(&self, contacts: &Contacts, ensemble: Option<&Ensemble>) -> Result<()> {
         let given = [
             ("slip", self.slip.is_some(), "re-form when the slide is over", "a rule of slip"),
-            ("viscosity", self.viscosity.is_some(), "know no time", "one"),
+            ("viscosity", self.viscosity.is_some(), "do not depend on time", "one"),
             ("disorder", self.disorder.is_some(), "draw their thresholds from contacts.thresholds", "one"),
             ("loading", self.loading == CellLoading::Edge, "are all pulled by the drive", "edge"),
         ];

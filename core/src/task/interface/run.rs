@@ -94,6 +94,8 @@ impl<'a, M: DrivenInterface> InterfaceRun<'a, M> {
         let kept = vec![0; found.columns().count()];
         let (count, passed, last) = (0, 0, 0);
         let mut run = Self { model, count, passed, found, from, chain, checkpoints, last, kept, slice: 1 };
+        // The columns of a checkpoint hold what was recorded up to it, so that a resumed run has
+        // the same file as one that was never stopped.
         if let Some(kept) = run.checkpoints.as_mut().and_then(|checkpoints| checkpoints.take()) {
             run.resume(kept, monitor)?;
         }

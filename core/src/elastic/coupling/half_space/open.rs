@@ -48,6 +48,8 @@ impl OpenEdges {
     /// Approximates (diagonal + A)⁻¹ r in the modes of free edges.
     pub(super) fn precondition(&mut self, diagonal: f64, right: &mut [f64]) {
         let Self { scale, free, .. } = self;
+        // The spectral square root with free edges is not A, whose cells act through the half-space
+        // outside of the patch, but close to it, which is enough for a preconditioner.
         free.apply(right, |λ| (diagonal + *scale * λ.sqrt()).recip());
     }
 
@@ -64,6 +66,7 @@ fn along_a_chain(distance: usize) -> f64 {
 
 impl Pairs {
     fn new(sides: [usize; 2], weights: &[f64]) -> Self {
+        // Zero padding to twice the length makes the cyclic convolution a linear one.
         let lines = sides.map(|side| Line::periodic(padded(side)));
         let height = lines[0].length() / 2 + 1;
         let spectrum = spectrum(weights, sides, &lines);
@@ -88,6 +91,8 @@ impl Pairs {
 
     /// A x.
     fn stiffness(&mut self, x: &[f64], image: &mut [f64]) {
+        // A is applied to differences from the first cell: a common displacement makes no force,
+        // and would only add rounding errors in the convolution.
         from_first(x, image);
         self.convolve(image);
         image

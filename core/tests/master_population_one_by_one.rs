@@ -158,18 +158,18 @@ fn every_way_agrees_with_contacts_one_by_one() {
         for stiffness in [Stiffness::Equal(1.0), Stiffness::PerThreshold(1.0)] {
             let contacts = Contacts { stiffness, ..contacts(&thresholds, &reforming) };
             let initial = Initial { law: start.clone(), start: Start::Conditional };
-            let mut stock = MasterEquation::new(contacts.clone(), &initial)
+            let mut population = MasterEquation::new(contacts.clone(), &initial)
                 .unwrap()
                 .population_with(1e-10, &mut ())
                 .unwrap();
             for (place, (step, sampled)) in PATH.iter().zip(sampled(&contacts, &initial)).enumerate() {
                 match step {
-                    Step::To(to) => drop(drive(&mut stock, *to)),
-                    Step::Hold => stock.hold().unwrap(),
-                    Step::Release => stock.release(&mut ()).unwrap(),
+                    Step::To(to) => drop(drive(&mut population, *to)),
+                    Step::Hold => population.hold().unwrap(),
+                    Step::Release => population.release(&mut ()).unwrap(),
                 }
-                let books = stock.books();
-                let found = [force(&mut stock), books.elastic, books.lost, books.broken];
+                let energies = population.energies();
+                let found = [force(&mut population), energies.elastic, energies.lost, energies.broken];
                 for (found, (mean, error)) in found.into_iter().zip(sampled) {
                     let off = (found - mean).abs();
                     assert!(

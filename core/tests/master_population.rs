@@ -18,7 +18,7 @@ fn rest() -> SharedLaw {
     point(0.0)
 }
 
-fn stock(thresholds: &SharedLaw, reforming: &SharedLaw, start: &SharedLaw) -> MasterPopulation {
+fn population(thresholds: &SharedLaw, reforming: &SharedLaw, start: &SharedLaw) -> MasterPopulation {
     master(thresholds, reforming, start).population_with(PROMISED, &mut ()).unwrap()
 }
 
@@ -47,11 +47,11 @@ fn a_way_forth_is_a_pull() {
     for (thresholds, reforming, start) in laws() {
         let master = master(&thresholds, &reforming, &start);
         let pull = master.pull_with(20.0, 1e-12, &mut ()).unwrap();
-        let mut stock = master.population_with(1e-12, &mut ()).unwrap();
+        let mut population = master.population_with(1e-12, &mut ()).unwrap();
         for k in 1..80 {
             let position = 0.247 * f64::from(k);
-            drive(&mut stock, position);
-            let error = force(&mut stock) - pull.force(position);
+            drive(&mut population, position);
+            let error = force(&mut population) - pull.force(position);
             assert!(error.abs() < 1e-12, "{thresholds:?} at {position}: {error:e}");
         }
     }
@@ -63,38 +63,41 @@ fn a_relaxed_start_is_that_of_a_pull() {
     let start = Initial { law: gaussian(1.0, 0.2), start: Start::Relaxed };
     let master = MasterEquation::new(contacts, &start).unwrap();
     let pull = master.pull_with(5.0, 1e-12, &mut ()).unwrap();
-    let mut stock = master.population_with(1e-12, &mut ()).unwrap();
+    let mut population = master.population_with(1e-12, &mut ()).unwrap();
     for position in [0.0, 0.3, 0.9, 2.2, 4.9] {
-        drive(&mut stock, position);
-        assert!((force(&mut stock) - pull.force(position)).abs() < 1e-12, "{position}");
+        drive(&mut population, position);
+        assert!((force(&mut population) - pull.force(position)).abs() < 1e-12, "{position}");
     }
 }
 
 #[test]
 fn unloading_is_a_straight_line_and_loading_again_the_same() {
     for (thresholds, reforming, start) in laws() {
-        let mut stock = stock(&thresholds, &reforming, &start);
-        drive(&mut stock, 1.37);
-        let departure = force(&mut stock);
-        let way = stock.way(Direction::Backward, &mut ()).unwrap();
-        if !way.straight {
+        let mut population = population(&thresholds, &reforming, &start);
+        drive(&mut population, 1.37);
+        let departure = force(&mut population);
+        let interval = population.smooth_interval(Direction::Backward, &mut ()).unwrap();
+        if !interval.straight {
             // Some thresholds are as low as the stretches of the newborn.
             assert!(thresholds.quantile(1e-12) < 1e-6, "{thresholds:?}");
             continue;
         }
-        let back = 0.9 * way.length;
-        let books = stock.books();
+        let back = 0.9 * interval.length;
+        let energies = population.energies();
         for part in [0.0, 0.3, 1.0] {
-            let response = stock.ahead(-back * part);
+            let response = population.ahead(-back * part);
             let line = departure - back * part;
             assert!((response.force - line).abs() < 1e-13 && (response.tangent - 1.0).abs() < 1e-12);
         }
-        drive(&mut stock, 1.37 - back);
-        assert_eq!((stock.books().lost, stock.books().broken), (books.lost, books.broken));
-        drive(&mut stock, 1.37);
+        drive(&mut population, 1.37 - back);
+        assert_eq!(
+            (population.energies().lost, population.energies().broken),
+            (energies.lost, energies.broken)
+        );
+        drive(&mut population, 1.37);
         // Nothing has broken: the way on is that of before, to the last bit.
-        assert_eq!(force(&mut stock), departure);
-        assert_eq!(stock.books(), books);
+        assert_eq!(force(&mut population), departure);
+        assert_eq!(population.energies(), energies);
     }
 }
 
@@ -128,12 +131,12 @@ fn the_way_back_by_whom_the_contacts_are() {
         let equation = master(&thresholds, &rest(), &rest());
         let forth = equation.pull_with(5.0, 1e-12, &mut ()).unwrap();
         for turn in [0.6, 0.95, 1.4] {
-            let mut stock = equation.population_with(PROMISED, &mut ()).unwrap();
-            drive(&mut stock, turn);
+            let mut population = equation.population_with(PROMISED, &mut ()).unwrap();
+            drive(&mut population, turn);
             for u in [0.3, 0.8, 1.1, 1.5, 2.3, 2.9] {
-                drive(&mut stock, turn - u);
+                drive(&mut population, turn - u);
                 let expected = reversed(&thresholds, &forth, turn, u, &knots);
-                let error = (force(&mut stock) - expected).abs();
+                let error = (force(&mut population) - expected).abs();
                 assert!(error < PROMISED, "{thresholds:?}, {u} back from {turn}: {error:e}");
             }
         }
@@ -144,13 +147,13 @@ fn the_way_back_by_whom_the_contacts_are() {
 fn contacts_without_memory_turn() {
     // Exponential thresholds, steady sliding: of the contacts, at e^{−x}, those below u/2 have begun to break again, at the
     // rate 1; their force f obeys f' = −(1 − e^{−u/2}) − f − ¼u e^{−u/2}, the others just move.
-    let mut stock = stock(&exponential(1.0), &rest(), &rest());
-    drive(&mut stock, 40.0);
+    let mut population = population(&exponential(1.0), &rest(), &rest());
+    drive(&mut population, 40.0);
     for u in [0.1, 0.5, 1.0, 2.0, 3.5, 7.0] {
-        drive(&mut stock, 40.0 - u);
+        drive(&mut population, 40.0 - u);
         let half = (-0.5 * u).exp();
         let expected = -1.0 + (4.0 - u) * half - 2.0 * half * half;
-        let got = force(&mut stock);
+        let got = force(&mut population);
         assert!((got - expected).abs() < PROMISED, "{u}: {got}, not {expected}");
     }
 }
@@ -158,74 +161,78 @@ fn contacts_without_memory_turn() {
 #[test]
 fn one_contact_goes_round_its_loop() {
     // Identical thresholds: all contacts are as one.
-    let mut stock = stock(&point(1.0), &rest(), &rest());
+    let mut population = population(&point(1.0), &rest(), &rest());
     let mut stretch = 0.0_f64;
     let mut broken = 0;
     let mut place = 0.0;
     for to in [0.7, 1.3, -0.2, -0.9, 0.35, -1.4, -1.1, 3.45, -3.3, -3.1, -3.55, 0.0] {
-        drive(&mut stock, to);
+        drive(&mut population, to);
         stretch += to - place;
         place = to;
         broken += stretch.abs() as u32;
         stretch = stretch.fract();
-        assert!((force(&mut stock) - stretch).abs() < 1e-14, "{to}: {stretch}");
-        let books = stock.books();
-        assert_eq!(books.broken.round(), f64::from(broken));
-        assert!((books.lost - 0.5 * f64::from(broken)).abs() < 1e-13, "{to}");
-        assert!((books.elastic - 0.5 * stretch * stretch).abs() < 1e-14, "{to}");
+        assert!((force(&mut population) - stretch).abs() < 1e-14, "{to}: {stretch}");
+        let energies = population.energies();
+        assert_eq!(energies.broken.round(), f64::from(broken));
+        assert!((energies.lost - 0.5 * f64::from(broken)).abs() < 1e-13, "{to}");
+        assert!((energies.elastic - 0.5 * stretch * stretch).abs() < 1e-14, "{to}");
     }
 }
 
 #[test]
 fn contacts_stand_before_they_break_together() {
-    let mut stock = stock(&point(1.0), &rest(), &rest());
-    let stands = |stock: &mut MasterPopulation, sign: f64, broken: f64| {
-        assert!((stock.ahead(0.0).force - sign).abs() < 1e-14);
-        assert!((stock.books().broken - broken).abs() < 1e-14);
-        assert!((stock.books().elastic - 0.5).abs() < 1e-14);
-        assert!((stock.total_probability() - 1.0).abs() < 1e-14);
+    let mut population = population(&point(1.0), &rest(), &rest());
+    let stands = |population: &mut MasterPopulation, sign: f64, broken: f64| {
+        assert!((population.ahead(0.0).force - sign).abs() < 1e-14);
+        assert!((population.energies().broken - broken).abs() < 1e-14);
+        assert!((population.energies().elastic - 0.5).abs() < 1e-14);
+        assert!((population.total_probability() - 1.0).abs() < 1e-14);
     };
-    let to_the_end = |stock: &mut MasterPopulation, direction: Direction, length: f64| {
-        let from = stock.position();
+    let to_the_end = |population: &mut MasterPopulation, direction: Direction, length: f64| {
+        let from = population.position();
         loop {
-            let way = stock.way(direction, &mut ()).unwrap();
-            stock.advance(direction.sign() * way.length).unwrap();
-            if way.breaks {
+            let interval = population.smooth_interval(direction, &mut ()).unwrap();
+            population.advance(direction.sign() * interval.length).unwrap();
+            if interval.breaks {
                 break;
             }
         }
-        let gone = (stock.position() - from).abs();
+        let gone = (population.position() - from).abs();
         assert!((gone - length).abs() < 1e-14, "{gone}, not {length}");
     };
-    to_the_end(&mut stock, Direction::Forward, 1.0);
-    stands(&mut stock, 1.0, 0.0);
+    to_the_end(&mut population, Direction::Forward, 1.0);
+    stands(&mut population, 1.0, 0.0);
     // Back without a break, and there again.
-    stock.way(Direction::Backward, &mut ()).unwrap();
-    stock.advance(-0.5).unwrap();
-    assert!((stock.ahead(0.0).force - 0.5).abs() < 1e-14);
-    to_the_end(&mut stock, Direction::Forward, 0.5);
-    stands(&mut stock, 1.0, 0.0);
-    stock.cross(&mut ()).unwrap();
-    assert!(force(&mut stock).abs() < 1e-14 && (stock.books().broken - 1.0).abs() < 1e-14);
+    population.smooth_interval(Direction::Backward, &mut ()).unwrap();
+    population.advance(-0.5).unwrap();
+    assert!((population.ahead(0.0).force - 0.5).abs() < 1e-14);
+    to_the_end(&mut population, Direction::Forward, 0.5);
+    stands(&mut population, 1.0, 0.0);
+    population.cross(&mut ()).unwrap();
+    assert!(force(&mut population).abs() < 1e-14 && (population.energies().broken - 1.0).abs() < 1e-14);
     // The other way the straight line itself ends so.
-    drive(&mut stock, 1.7);
-    to_the_end(&mut stock, Direction::Backward, 1.7);
-    stands(&mut stock, -1.0, 1.0);
-    stock.cross(&mut ()).unwrap();
-    assert!(force(&mut stock).abs() < 1e-14 && (stock.books().broken - 2.0).abs() < 1e-14);
+    drive(&mut population, 1.7);
+    to_the_end(&mut population, Direction::Backward, 1.7);
+    stands(&mut population, -1.0, 1.0);
+    population.cross(&mut ()).unwrap();
+    assert!(force(&mut population).abs() < 1e-14 && (population.energies().broken - 2.0).abs() < 1e-14);
     // Held before they break, they are free.
-    to_the_end(&mut stock, Direction::Backward, 1.0);
-    stock.hold().unwrap();
-    stands(&mut stock, -1.0, 2.0);
-    stock.cross(&mut ()).unwrap();
-    let books = stock.books();
-    assert!((books.lost - 1.5).abs() < 1e-14 && (books.broken - 3.0).abs() < 1e-14 && books.elastic == 0.0);
-    assert!((stock.total_probability() - 1.0).abs() < 1e-14);
-    drive(&mut stock, -1.5);
-    assert_eq!(force(&mut stock), 0.0);
-    stock.release(&mut ()).unwrap();
-    drive(&mut stock, -1.2);
-    assert!((force(&mut stock) - 0.3).abs() < 1e-14);
+    to_the_end(&mut population, Direction::Backward, 1.0);
+    population.hold().unwrap();
+    stands(&mut population, -1.0, 2.0);
+    population.cross(&mut ()).unwrap();
+    let energies = population.energies();
+    assert!(
+        (energies.lost - 1.5).abs() < 1e-14
+            && (energies.broken - 3.0).abs() < 1e-14
+            && energies.elastic == 0.0
+    );
+    assert!((population.total_probability() - 1.0).abs() < 1e-14);
+    drive(&mut population, -1.5);
+    assert_eq!(force(&mut population), 0.0);
+    population.release(&mut ()).unwrap();
+    drive(&mut population, -1.2);
+    assert!((force(&mut population) - 0.3).abs() < 1e-14);
 }
 
 #[test]
@@ -236,26 +243,26 @@ fn what_breaks_under_hold_stays_free() {
         let equation = master(&thresholds, &rest(), &rest());
         let forth = equation.pull_with(6.0, 1e-12, &mut ()).unwrap();
         for (held, released) in [(0.9, 1.3), (1.7, 2.0), (2.4, 3.5)] {
-            let mut stock = equation.population_with(PROMISED, &mut ()).unwrap();
-            drive(&mut stock, held);
-            stock.hold().unwrap();
+            let mut population = equation.population_with(PROMISED, &mut ()).unwrap();
+            drive(&mut population, held);
+            population.hold().unwrap();
             let since = |x: f64, weight: &dyn Fn(f64) -> f64| {
                 weight(x) + integral(0.0, held, &[], 40, |y| forth.breaking_rate(y) * weight(x - y))
             };
             let carried = |x: f64| since(x, &|u| u * law.survival(u));
             for x in [held, 0.5 * (held + released), released] {
-                drive(&mut stock, x);
-                assert!((force(&mut stock) - carried(x)).abs() < PROMISED, "{thresholds:?} held at {x}");
-                assert!((stock.total_probability() - 1.0).abs() < 1e-12);
+                drive(&mut population, x);
+                assert!((force(&mut population) - carried(x)).abs() < PROMISED, "{thresholds:?} held at {x}");
+                assert!((population.total_probability() - 1.0).abs() < 1e-12);
             }
             let free = 1.0 - since(released, &|u| law.survival(u));
-            stock.release(&mut ()).unwrap();
+            population.release(&mut ()).unwrap();
             for x in [released, released + 0.4, released + 1.1] {
-                drive(&mut stock, x);
+                drive(&mut population, x);
                 let again =
                     integral(released, x, &[], 20, |y| since(y, &|u| law.density(u)) * forth.force(x - y));
                 let expected = carried(x) + free * forth.force(x - released) + again;
-                let error = (force(&mut stock) - expected).abs();
+                let error = (force(&mut population) - expected).abs();
                 assert!(error < PROMISED, "{thresholds:?} released, at {x}: {error:e}");
             }
         }
@@ -266,15 +273,15 @@ fn what_breaks_under_hold_stays_free() {
 fn a_reset_begins_anew() {
     for (thresholds, reforming, start) in laws() {
         let anew = master(&thresholds, &reforming, &reforming).pull_with(3.0, 1e-12, &mut ()).unwrap();
-        let mut stock = stock(&thresholds, &reforming, &start);
-        drive(&mut stock, 1.9);
-        drive(&mut stock, 0.4);
+        let mut population = population(&thresholds, &reforming, &start);
+        drive(&mut population, 1.9);
+        drive(&mut population, 0.4);
         for direction in [Direction::Forward, Direction::Backward, Direction::Forward] {
-            stock.reset(direction, &mut ()).unwrap();
-            let from = stock.position();
+            population.reset(direction, &mut ()).unwrap();
+            let from = population.position();
             for by in [0.0, 0.613, 1.177, 2.441] {
-                drive(&mut stock, from + direction.sign() * by);
-                let error = (force(&mut stock) - direction.sign() * anew.force(by)).abs();
+                drive(&mut population, from + direction.sign() * by);
+                let error = (force(&mut population) - direction.sign() * anew.force(by)).abs();
                 assert!(error < PROMISED, "{thresholds:?} {by} {direction:?}: {error:e}");
             }
         }
@@ -282,25 +289,25 @@ fn a_reset_begins_anew() {
 }
 
 /// Forth, back, nested, held and released, reset.
-fn wander(stock: &mut MasterPopulation, mut check: impl FnMut(&mut MasterPopulation, f64)) {
+fn wander(population: &mut MasterPopulation, mut check: impl FnMut(&mut MasterPopulation, f64)) {
     let mut work = 0.0;
     for to in [1.4, 0.9, -0.83, 0.31, 0.2, 1.93, -1.87] {
-        work += drive(stock, to);
-        check(stock, work);
+        work += drive(population, to);
+        check(population, work);
     }
-    stock.hold().unwrap();
+    population.hold().unwrap();
     for to in [-2.2, -1.9, -2.3] {
-        work += drive(stock, to);
-        check(stock, work);
+        work += drive(population, to);
+        check(population, work);
     }
-    stock.release(&mut ()).unwrap();
-    check(stock, work);
-    work += drive(stock, -1.2);
-    check(stock, work);
-    stock.reset(Direction::Forward, &mut ()).unwrap();
-    check(stock, work);
-    work += drive(stock, 0.7);
-    check(stock, work);
+    population.release(&mut ()).unwrap();
+    check(population, work);
+    work += drive(population, -1.2);
+    check(population, work);
+    population.reset(Direction::Forward, &mut ()).unwrap();
+    check(population, work);
+    work += drive(population, 0.7);
+    check(population, work);
 }
 
 #[test]
@@ -310,18 +317,18 @@ fn energy_is_conserved_and_no_contact_is_lost() {
             let mut contacts = contacts(&thresholds, &reforming);
             (contacts.count, contacts.stiffness) = (5.0, stiffness);
             let name = format!("{thresholds:?} {stiffness:?}");
-            let mut stock = MasterEquation::new(contacts, &initial(&start))
+            let mut population = MasterEquation::new(contacts, &initial(&start))
                 .unwrap()
                 .population_with(PROMISED, &mut ())
                 .unwrap();
-            let before = stock.books();
+            let before = population.energies();
             assert_eq!((before.lost, before.broken), (0.0, 0.0));
-            wander(&mut stock, |stock, work| {
-                let books = stock.books();
-                let balance = work - (books.elastic - before.elastic) - books.lost;
-                assert!(balance.abs() < 1e-9, "{name}: {balance:e} at {}", stock.position());
-                let missing = stock.total_probability() - 1.0;
-                assert!(missing.abs() < 1e-12, "{name}: {missing:e} at {}", stock.position());
+            wander(&mut population, |population, work| {
+                let energies = population.energies();
+                let balance = work - (energies.elastic - before.elastic) - energies.lost;
+                assert!(balance.abs() < 1e-9, "{name}: {balance:e} at {}", population.position());
+                let missing = population.total_probability() - 1.0;
+                assert!(missing.abs() < 1e-12, "{name}: {missing:e} at {}", population.position());
             });
         }
     }
@@ -332,19 +339,19 @@ fn steady_loops_are_odd() {
     // All thresholds are below the amplitude: else contacts that are never stretched to theirs gather for ever.
     let cases = [(rectangular(0.75, 1.25), rest()), (rectangular(0.4, 1.6), rectangular(0.0, 0.6))];
     for (thresholds, reforming) in cases {
-        let mut stock = stock(&thresholds, &reforming, &rest());
+        let mut population = population(&thresholds, &reforming, &rest());
         for _ in 0..10 {
-            drive(&mut stock, 3.0);
-            drive(&mut stock, -3.0);
+            drive(&mut population, 3.0);
+            drive(&mut population, -3.0);
         }
         let mut forth = Vec::new();
         for x in [-3.0, -2.2, -1.0, 0.4, 1.7, 3.0] {
-            drive(&mut stock, x);
-            forth.push(force(&mut stock));
+            drive(&mut population, x);
+            forth.push(force(&mut population));
         }
         for (x, forth) in [-3.0, -2.2, -1.0, 0.4, 1.7, 3.0].into_iter().zip(forth) {
-            drive(&mut stock, -x);
-            let error = (force(&mut stock) + forth).abs();
+            drive(&mut population, -x);
+            let error = (force(&mut population) + forth).abs();
             assert!(error < 1e-9, "{thresholds:?} at {x}: {error:e}");
         }
     }
@@ -352,13 +359,13 @@ fn steady_loops_are_odd() {
 
 #[test]
 fn a_copy_goes_its_own_way() {
-    let mut one = stock(&gaussian(1.0, 0.1), &rest(), &rest());
+    let mut one = population(&gaussian(1.0, 0.1), &rest(), &rest());
     drive(&mut one, 0.8);
     let mut other = one.copy();
     drive(other.as_mut(), -1.0);
     assert!((one.position() - 0.8).abs() < 1e-14);
     drive(&mut one, -1.0);
-    assert_eq!((force(&mut one), one.books()), (force(other.as_mut()), other.books()));
+    assert_eq!((force(&mut one), one.energies()), (force(other.as_mut()), other.energies()));
 }
 
 #[test]
