@@ -12,7 +12,7 @@ macro_rules! shipped {
 }
 
 /// All files, simple ones first. Tables follow the scenario that names them.
-const SHIPPED: [Shipped; 35] = shipped![
+const SHIPPED: [Shipped; 36] = shipped![
     "fig2.toml",
     "fig3.toml",
     "rectangular.toml",
@@ -38,6 +38,7 @@ const SHIPPED: [Shipped; 35] = shipped![
     "velocity-step.toml",
     "slide-hold-slide.toml",
     "healing.toml",
+    "spectrum.toml",
     "stick-slip-ageing.toml",
     "ofc.toml",
     "front-chain.toml",

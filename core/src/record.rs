@@ -13,6 +13,8 @@ pub enum Quantity {
     Force,
     /// A force squared: variances.
     ForceSquared,
+    /// A force squared times a length: spectra.
+    ForceSquaredLength,
     /// Per length: densities, hazards, breaking rates.
     PerLength,
     /// A force per length: stiffnesses.
@@ -35,10 +37,11 @@ pub enum Quantity {
 
 impl Quantity {
     /// Every quantity, for tables of labels.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Length,
         Self::Force,
         Self::ForceSquared,
+        Self::ForceSquaredLength,
         Self::PerLength,
         Self::Stiffness,
         Self::Energy,
@@ -56,6 +59,7 @@ impl Quantity {
             Self::Length => "length",
             Self::Force => "force",
             Self::ForceSquared => "force_squared",
+            Self::ForceSquaredLength => "force_squared_length",
             Self::PerLength => "per_length",
             Self::Stiffness => "stiffness",
             Self::Energy => "energy",

@@ -15,6 +15,7 @@ mod protocol;
 mod sizes;
 mod slip;
 mod space_time;
+mod spectrum;
 mod stick_slip;
 mod stress_map;
 mod style;
@@ -52,6 +53,8 @@ pub fn draw(outcome: &Outcome) -> Result<Vec<Attachment>, String> {
         ("stress_map", stress_map::scene(outcome)),
         ("space_time", space_time::scene(outcome)),
         ("thresholds", thresholds::scene(outcome)),
+        ("spectrum", spectrum::scene(outcome)),
+        ("correlation", spectrum::correlation(outcome)),
     ];
     let mut pictures = Vec::new();
     for (name, scene) in scenes {

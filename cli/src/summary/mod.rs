@@ -1,6 +1,7 @@
 //! Text of the summary of a run.
 
 mod catalogue;
+mod noise;
 mod renormalisation;
 mod timed;
 
@@ -24,6 +25,7 @@ pub fn readable(summary: &Summary) -> String {
     if let Some(sliding) = summary.numbers.sliding() {
         lines.extend(slid(summary, sliding));
     }
+    lines.extend(summary.numbers.noise().into_iter().flat_map(|found| noise::lines(summary, found)));
     lines.extend(timed::lines(summary));
     if let Some(catalogue) = summary.numbers.catalogue() {
         lines.extend(catalogue::lines(summary, catalogue));

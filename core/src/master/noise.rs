@@ -115,6 +115,23 @@ impl SteadyState {
         self.spectrum(&[0.0], size).map(|values| values[0])
     }
 
+    /// The limit of q² S(q) for large q, forces squared per length: the rate of breaks times the mean square of the force
+    /// lost at one, (N_c⟨k⟩)² Γ_s J₂/size. Where contacts re-form at 0 it is 2F_k times the stiffness of one of `size`
+    /// contacts.
+    ///
+    /// # Errors
+    /// As [`SteadyState::autocovariance`].
+    pub fn spectrum_tail(&self, size: f64) -> Result<f64> {
+        self.has_noise(size)?;
+        let reforming = &self.equation.contacts.reforming;
+        let (start, squared_start) = (reforming.mean(), reforming.upper_moment(2, -1.0));
+        let weighted = self.equation.weighted_by_stretch(&self.equation.reforming(), &mut ())?;
+        let product = weighted.map_or(0.0, |Weighted { mean, life }| mean * life.mean());
+        let square = squared_start + 2.0 * product + self.life.mean_square();
+        let lost = square + squared_start - 2.0 * start * (start + self.mean);
+        Ok(self.stiffness.powi(2) / size * lost / self.mean)
+    }
+
     fn has_noise(&self, size: f64) -> Result<()> {
         if !(size > 0.0 && size.is_finite()) {
             return Err(Error::invalid("size", "a finite number above 0", size));

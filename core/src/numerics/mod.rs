@@ -27,6 +27,7 @@ pub(crate) mod line;
 pub(crate) mod linear;
 pub(crate) mod modes;
 pub(crate) mod motion;
+pub(crate) mod periodogram;
 pub(crate) mod piecewise;
 pub mod powerlaw;
 pub(crate) mod product;

@@ -21,6 +21,7 @@ mod pull;
 mod renormalisation;
 mod rules;
 mod size;
+mod spectrum;
 mod task;
 mod time;
 mod units;
@@ -50,6 +51,7 @@ pub use protocol::{Protocol, Step};
 pub use pull::Pull;
 pub use renormalisation::Renormalisation;
 pub use rules::{Ageing, Delay};
+pub use spectrum::Spectrum;
 pub use task::Task;
 pub use units::Units;
 pub use velocity_curve::VelocityCurve;
@@ -67,6 +69,7 @@ use crate::{Error, Result};
     { "required": ["protocol_file"] },
     { "required": ["velocity_curve"] },
     { "required": ["hold_curve"] },
+    { "required": ["spectrum"] },
     { "required": ["renormalisation"] }
 ]))]
 pub struct Scenario {
@@ -98,6 +101,9 @@ pub struct Scenario {
     /// A task: static friction against the time for which the slider has been held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_curve: Option<HoldCurve>,
+    /// A task: the noise of the force in steady sliding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spectrum: Option<Spectrum>,
     /// A task: the distribution of the drives at which coupled contacts break for the first time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub renormalisation: Option<Renormalisation>,
@@ -134,6 +140,7 @@ impl Scenario {
             protocol_file: None,
             velocity_curve: None,
             hold_curve: None,
+            spectrum: None,
             renormalisation: None,
             block: None,
             interface: None,

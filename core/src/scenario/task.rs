@@ -1,6 +1,6 @@
 //! The task of a scenario: one of the tables that are tasks.
 
-use super::{Drive, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Start, VelocityCurve};
+use super::{Drive, HoldCurve, Protocol, Pull, Renormalisation, Scenario, Spectrum, Start, VelocityCurve};
 use crate::{Error, Result};
 
 /// The task of a scenario.
@@ -17,12 +17,14 @@ pub enum Task<'a> {
     VelocityCurve(&'a VelocityCurve),
     /// `[hold_curve]`: static friction against hold time.
     HoldCurve(&'a HoldCurve),
+    /// `[spectrum]`: the noise of steady sliding.
+    Spectrum(&'a Spectrum),
     /// `[renormalisation]`: the distribution of first breaks of coupled contacts.
     Renormalisation(&'a Renormalisation),
 }
 
 /// The tables that are tasks, for messages.
-const TASKS: &str = "a task: one of the tables [pull], [drive], [[protocol]], [velocity_curve], [hold_curve] and [renormalisation]";
+const TASKS: &str = "a task: one of the tables [pull], [drive], [[protocol]], [velocity_curve], [hold_curve], [spectrum] and [renormalisation]";
 
 impl Scenario {
     /// The one task that the scenario has.
@@ -36,6 +38,7 @@ impl Scenario {
             self.protocol.as_ref().map(Task::Protocol),
             self.velocity_curve.as_ref().map(Task::VelocityCurve),
             self.hold_curve.as_ref().map(Task::HoldCurve),
+            self.spectrum.as_ref().map(Task::Spectrum),
             self.renormalisation.as_ref().map(Task::Renormalisation),
         ];
         let mut given = tasks.into_iter().flatten();
@@ -70,6 +73,7 @@ impl Task<'_> {
             Self::Protocol(_) => "protocol",
             Self::VelocityCurve(_) => "velocity_curve",
             Self::HoldCurve(_) => "hold_curve",
+            Self::Spectrum(_) => "spectrum",
             Self::Renormalisation(_) => "renormalisation",
         }
     }
@@ -89,6 +93,7 @@ impl Task<'_> {
             Self::Protocol(protocol) => protocol.check(),
             Self::VelocityCurve(curve) => curve.check(),
             Self::HoldCurve(curve) => curve.check(),
+            Self::Spectrum(task) => task.check(),
             Self::Renormalisation(task) => task.check(),
         }
         .map_err(|e| e.under(self.name()))

@@ -16,6 +16,7 @@ impl Task<'_> {
         let Some(rule) = model.contacts.rules.first() else { return Ok(()) };
         match self {
             Task::Pull(pull) => velocity(pull.velocity, rule),
+            Task::Spectrum(task) => velocity(task.velocity, rule),
             Task::Drive(drive) => velocity(drive.velocity, rule).and_then(|()| drive.forward().map(drop)),
             Task::Protocol(_) | Task::VelocityCurve(_) | Task::HoldCurve(_) | Task::Renormalisation(_) => {
                 Ok(())

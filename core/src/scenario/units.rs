@@ -32,6 +32,10 @@ impl Units {
             Quantity::Length => over(&self.length, ""),
             Quantity::Force => over(&self.force, ""),
             Quantity::ForceSquared => power(&self.force, '²'),
+            Quantity::ForceSquaredLength => match self.force.as_str() {
+                "" => over(&self.length, ""),
+                force => times(&power(force, '²'), &self.length),
+            },
             Quantity::PerLength => over("", &self.length),
             Quantity::Stiffness => over(&self.force, &self.length),
             Quantity::Energy => times(&self.force, &self.length),

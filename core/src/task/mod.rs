@@ -33,6 +33,7 @@ mod pull;
 mod renormalisation;
 mod settling;
 pub mod sliding;
+mod spectrum;
 mod stability;
 pub mod summary;
 mod velocity_curve;
@@ -145,6 +146,7 @@ fn compute(
         },
         Task::VelocityCurve(task) => velocity_curve::run(model, task, monitor)?.erased(),
         Task::HoldCurve(task) => hold_curve::run(model, task, monitor)?.erased(),
+        Task::Spectrum(task) => spectrum::run(model, task, monitor)?.erased(),
         Task::Renormalisation(task) => renormalisation::run(model, task, monitor)?.erased(),
     })
 }
@@ -192,6 +194,7 @@ tasks! {
     Protocol: protocol => ProtocolNumbers;
     VelocityCurve: velocity_curve => VelocityCurveNumbers;
     HoldCurve: hold_curve => HoldCurveNumbers;
+    Spectrum: spectrum => SpectrumNumbers;
     Renormalisation: renormalisation => RenormalisationNumbers;
 }
 

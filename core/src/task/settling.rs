@@ -2,7 +2,7 @@
 
 use crate::Result;
 use crate::contacts::{Contacts, Initial};
-use crate::master::MasterEquation;
+use crate::master::{MasterEquation, SteadyState};
 use crate::monitor::Monitor;
 
 /// Distance in dephasing lengths: deviations from steady sliding decay to e^{−12} = 6e-6.
@@ -37,10 +37,14 @@ impl Steady {
         monitor: &mut dyn Monitor,
     ) -> Result<Self> {
         let equation = MasterEquation::at_with(contacts.clone(), initial, velocity, monitor)?;
-        let steady = equation.steady_state();
+        Ok(Self::of(&equation.steady_state()))
+    }
+
+    /// That of a solution.
+    pub fn of(steady: &SteadyState) -> Self {
         let life = steady.mean_life();
         let forgotten = FORGOTTEN * steady.dephasing_length();
         let distance = forgotten.max(FOUND * steady.life_found()).min(MOST * life);
-        Ok(Self { friction: steady.kinetic_friction(), distance, life, error: steady.error_estimate() })
+        Self { friction: steady.kinetic_friction(), distance, life, error: steady.error_estimate() }
     }
 }

@@ -62,6 +62,8 @@ pub enum Numbers {
     VelocityCurve(VelocityCurveNumbers),
     /// Of `[hold_curve]`.
     HoldCurve(HoldCurveNumbers),
+    /// Of `[spectrum]`.
+    Spectrum(SpectrumNumbers),
     /// Of `[renormalisation]`.
     Renormalisation(RenormalisationNumbers),
 }
@@ -132,6 +134,30 @@ pub struct HoldCurveNumbers {
     pub hold_curve: HealingCurve,
 }
 
+/// The numbers of the noise of steady sliding.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SpectrumNumbers {
+    /// The noise.
+    pub noise: Noise,
+}
+
+/// The noise of the force of a finite number of contacts in steady sliding.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Noise {
+    /// Number of contacts.
+    pub size: f64,
+    /// F_k, the mean force.
+    pub kinetic_friction: f64,
+    /// Standard deviation of the force.
+    pub force_std: f64,
+    /// Mean displacement between breaks of a contact; the spectrum has peaks at multiples of 2π over it.
+    pub mean_life: f64,
+    /// S(0), a force squared times a length: the force averaged over a long displacement L has the variance S(0)/L.
+    pub at_zero: f64,
+    /// Limit of q² S(q)/(2 F_k) for large q, a force per length: the stiffness of one contact where contacts re-form at 0.
+    pub tail: f64,
+}
+
 /// The numbers of a renormalisation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RenormalisationNumbers {
@@ -157,6 +183,7 @@ numbers! {
     BlockNumbers => BlockProtocol,
     VelocityCurveNumbers => VelocityCurve,
     HoldCurveNumbers => HoldCurve,
+    SpectrumNumbers => Spectrum,
     RenormalisationNumbers => Renormalisation,
 }
 
@@ -208,6 +235,14 @@ impl Numbers {
     pub fn stability(&self) -> Option<&Stability> {
         match self {
             Self::VelocityCurve(VelocityCurveNumbers { stability, .. }) => stability.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// The noise of steady sliding; of `[spectrum]`.
+    pub fn noise(&self) -> Option<&Noise> {
+        match self {
+            Self::Spectrum(SpectrumNumbers { noise }) => Some(noise),
             _ => None,
         }
     }

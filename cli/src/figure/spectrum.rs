@@ -1,0 +1,61 @@
+//! `spectrum`: the spectrum of the force in steady sliding, with multiples of the wave number of breaks, its value at 0 and
+//! its tail; and `correlation`: the autocovariance relative to the variance.
+
+use asperity_runner::output::Outcome;
+use kuva::plot::{MarkerShape, ScatterPlot};
+use kuva::render::plots::Plot;
+use kuva::render::render::{Scene, render_multiple};
+
+use super::curve::{curve, line};
+use super::style::{self, BLUE, GREY, ORANGE, Plots};
+
+const DASHES: &str = "8 5";
+const DOTS: &str = "2 4";
+
+pub fn scene(outcome: &Outcome) -> Option<Scene> {
+    let (record, noise) = (&outcome.record, outcome.summary.numbers.noise()?);
+    let (q, spectrum) = (record.values("wave_number")?, record.values("spectrum")?);
+    let last = q[q.len() - 1];
+    let tail = |q: f64| 2.0 * noise.kinetic_friction * noise.tail / (q * q);
+    let (low, high) = style::range([spectrum]);
+    let (bottom, top) = (low.min(tail(last)) / 2.0, high * 2.0);
+    let mut plots = Plots::new();
+    let breaks = std::f64::consts::TAU / noise.mean_life;
+    for multiple in (1..).map(f64::from).map(|k| k * breaks).take_while(|&mark| mark < last) {
+        plots.push(line(vec![(multiple, bottom), (multiple, top)], GREY, 1.0, Some(DOTS)));
+    }
+    let mut legend = vec![style::line(format!("{} contacts, exact", style::digits(noise.size)), BLUE, None)];
+    if let (Some(q), Some(found)) =
+        (record.values("ensemble_wave_number"), record.values("ensemble_spectrum"))
+    {
+        let points = curve(q, found).into_iter().filter(|point| point.1 >= bottom && point.1 <= top);
+        plots.push(Plot::Scatter(ScatterPlot::new().with_data(points).with_color(ORANGE).with_size(1.6)));
+        legend.push(style::marker("ensemble, averaged periodogram", ORANGE, MarkerShape::Circle));
+    }
+    plots.push(line(curve(q, spectrum), BLUE, 2.0, None));
+    let falling: Vec<_> = q.iter().map(|&q| (q, tail(q))).filter(|point| point.1 <= top).collect();
+    plots.push(line(falling, GREY, 1.4, Some(DASHES)));
+    legend.push(style::line("breaks of single contacts, 1/q²", GREY, Some(DASHES)));
+    legend.push(style::line("multiples of 2π per life of a contact", GREY, Some(DOTS)));
+    let layout = style::layout((0.0, last), (bottom, top)).with_log_y();
+    let layout = style::titled(layout, &outcome.summary.title)
+        .with_x_label(style::axis(outcome, "Wave number q", record.get("wave_number")?))
+        .with_y_label(style::axis(outcome, "Spectrum S", record.get("spectrum")?));
+    Some(render_multiple(plots, style::legend_below(layout, legend)))
+}
+
+/// The autocovariance relative to the variance.
+pub fn correlation(outcome: &Outcome) -> Option<Scene> {
+    let record = &outcome.record;
+    let (u, covariance) = (record.values("displacement")?, record.values("autocovariance")?);
+    let relative: Vec<f64> = covariance.iter().map(|c| c / covariance[0]).collect();
+    let last = u[u.len() - 1];
+    let mut plots: Plots = vec![line(vec![(0.0, 0.0), (last, 0.0)], GREY, 1.0, Some(DOTS))];
+    plots.push(line(curve(u, &relative), BLUE, 2.0, None));
+    let low = style::range([relative.as_slice()]).0;
+    let layout = style::layout((0.0, last), (low.min(0.0) - 0.05, 1.05));
+    let layout = style::titled(layout, &outcome.summary.title)
+        .with_x_label(style::axis(outcome, "Displacement u", record.get("displacement")?))
+        .with_y_label("Autocorrelation of the force");
+    Some(render_multiple(plots, layout))
+}
