@@ -258,3 +258,32 @@ fn covariances_that_do_not_exist_are_refused() {
         refused(&format!("{contacts}{delay}pull = {{ distance = 3.0, covariance = [1.0], velocity = 1.0 }}"));
     assert!(free.contains("contacts.delay"), "{free}");
 }
+
+/// The noise of steady sliding: S(0) and the standard deviation in closed form, the stiffness of one contact from the
+/// tail, and the periodogram of an ensemble about the exact spectrum: its mean deviation in standard errors.
+#[test]
+fn a_spectrum_agrees_with_the_periodogram_of_the_ensemble() {
+    let outcome = run("contacts = { count = 1000.0, thresholds.gaussian = { mean = 1.0, std = 0.1 } }\n\
+        spectrum = { highest = 20.0, points = 2001 }\nensemble = { size = 500, seed = 2 }");
+    let noise = outcome.summary.numbers.noise().unwrap();
+    let scale = 1000.0_f64.powi(2) / 500.0;
+    near(noise.at_zero / scale, 0.002_500_25, 1e-12);
+    near(noise.tail, 2.0, 1e-9);
+    near(noise.force_std.powi(2) / scale, 1.03 / 3.0 - 0.505_f64.powi(2), 1e-10);
+    let [q, spectrum] = ["wave_number", "spectrum"].map(|name| outcome.record.values(name).unwrap());
+    let [at, found, error] = ["ensemble_wave_number", "ensemble_spectrum", "ensemble_spectrum_error"]
+        .map(|name| outcome.record.values(name).unwrap());
+    let exact = |x: f64| {
+        let place = x / q[1];
+        let (i, part) = (place as usize, place.fract());
+        spectrum[i] * (1.0 - part) + spectrum.get(i + 1).unwrap_or(&spectrum[i]) * part
+    };
+    // Between the peaks, where the spectrum hardly varies over a wave number of a segment.
+    let smooth = |x: &f64| (1.0..5.0).contains(x) || (7.5..11.0).contains(x);
+    let z = at.iter().zip(found).zip(error).filter(|((x, _), _)| smooth(x));
+    let z: Vec<f64> = z.map(|((&x, found), error)| (found - exact(x)) / (error * exact(x) / found)).collect();
+    let mean = z.iter().sum::<f64>() / z.len() as f64;
+    let rms = (z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64).sqrt();
+    // Some hundred numbers, of which two neighbours are correlated by the window.
+    assert!(z.len() > 100 && mean.abs() < 0.4 && (0.8..1.25).contains(&rms), "{mean} {rms} {}", z.len());
+}

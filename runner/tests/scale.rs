@@ -37,7 +37,7 @@ const ALL: [Scale; 2] = [
 ];
 
 /// Numbers of a summary, and what they measure.
-const QUOTED: [(&str, Quantity); 24] = [
+const QUOTED: [(&str, Quantity); 28] = [
     ("/kinetic_friction", Quantity::Force),
     ("/static_friction/force", Quantity::Force),
     ("/static_friction/position", Quantity::Length),
@@ -59,6 +59,10 @@ const QUOTED: [(&str, Quantity); 24] = [
     ("/hold_curve/healing_cutoff/value", Quantity::Time),
     ("/catalogue/mean_waiting", Quantity::Length),
     ("/catalogue/events", Quantity::Number),
+    ("/noise/force_std", Quantity::Force),
+    ("/noise/mean_life", Quantity::Length),
+    ("/noise/at_zero", Quantity::ForceSquaredLength),
+    ("/noise/tail", Quantity::Stiffness),
     ("/renormalisation/mean/value", Quantity::Length),
     ("/renormalisation/std/value", Quantity::Length),
     ("/renormalisation/coupling", Quantity::Number),
@@ -71,6 +75,8 @@ impl Scale {
         match quantity {
             Quantity::Length => length,
             Quantity::Force => force,
+            Quantity::ForceSquared => force * force,
+            Quantity::ForceSquaredLength => force * force * length,
             Quantity::PerLength => 1.0 / length,
             Quantity::Stiffness => force / length,
             Quantity::Energy => force * length,
@@ -246,6 +252,19 @@ fn pulls_have_no_scale() {
                  snapshots = [ 1_m, 2.5_m ]\n[ensemble]\nsize = 100\n"
             )]);
         }
+    }
+}
+
+#[test]
+fn noise_has_no_scale() {
+    for reforming in ["", "reforming.rectangular = { min = 0.0, max = 0.3_m }\n"] {
+        let contacts = format!(
+            "[contacts]\nstiffness = 1_k\ncount = 100.0\nthresholds.gaussian = {{ mean = 1_m, std = 0.1_m }}\n{reforming}"
+        );
+        invariant(&[
+            &format!("{contacts}[spectrum]\npoints = 21\n[ensemble]\nsize = 20\n"),
+            &format!("{contacts}[spectrum]\npoints = 21\nhighest = 20_i\ndisplacement = 3_m\n"),
+        ]);
     }
 }
 

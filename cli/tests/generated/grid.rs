@@ -67,6 +67,7 @@ const TASKS: [(&str, &str, &str); 10] = [
     ("velocity curve", VELOCITY_CURVE, VELOCITY_CURVE),
     ("stability", STABILITY, STABILITY),
     ("hold curve", HOLD_CURVE, HOLD_CURVE),
+    ("spectrum", "spectrum = { points = 21 }", "spectrum = { points = 21, velocity = 0.1 }"),
     ("renormalisation", RENORMALISATION, RENORMALISATION),
 ];
 
@@ -166,6 +167,7 @@ fn names_a_key(message: &str) -> bool {
         "protocol",
         "velocity_curve",
         "hold_curve",
+        "spectrum",
         "renormalisation",
     ];
     let others = ["block", "interface", "ensemble", "master_equation"];

@@ -76,6 +76,7 @@ fn ordinary(dimension: &str, table: &str, key: &str) -> [f64; 2] {
             "time" | "force/length" | "force/length^2" => [-1.0, 1.0],
             "force*length" => [-3.0, 0.0],
             "1/time" => [-1.0, 3.0],
+            "1/length" => [0.0, 2.0],
             "length/time" => [-3.0, 1.0],
             "length^2/time" => [-4.0, -1.0],
             "1" => [-2.0, 0.0],
