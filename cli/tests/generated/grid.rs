@@ -38,7 +38,7 @@ const AGEINGS: [(&str, &str); 5] = [
 ];
 
 /// Tasks of contacts without time dependence, and the tasks in their place for time-dependent contacts.
-const TASKS: [(&str, &str, &str); 10] = [
+const TASKS: [(&str, &str, &str); 11] = [
     (
         "pull",
         "pull = { distance = 3.0, points = 21, snapshots = [1.0] }",
