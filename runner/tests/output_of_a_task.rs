@@ -284,6 +284,6 @@ fn a_spectrum_agrees_with_the_periodogram_of_the_ensemble() {
     let z: Vec<f64> = z.map(|((&x, found), error)| (found - exact(x)) / (error * exact(x) / found)).collect();
     let mean = z.iter().sum::<f64>() / z.len() as f64;
     let rms = (z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64).sqrt();
-    // Some hundred numbers, of which two neighbours are correlated by the window.
-    assert!(z.len() > 100 && mean.abs() < 0.4 && (0.8..1.25).contains(&rms), "{mean} {rms} {}", z.len());
+    // 97 numbers, of which two neighbours are correlated by the window: the mean has a standard error of about 0.13.
+    assert!(z.len() > 90 && mean.abs() < 0.4 && (0.8..1.25).contains(&rms), "{mean} {rms} {}", z.len());
 }
