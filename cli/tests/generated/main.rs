@@ -32,7 +32,7 @@ const CHECKS: usize = 300;
 const RUNS: usize = 24;
 const FIRST_RUN: u64 = 1_000_000;
 /// Pulls by the master equation and by an ensemble, from a number on.
-const BOTH: usize = 4;
+const BOTH: usize = 8;
 const FIRST_BOTH: u64 = 2_000_000;
 /// The first number of a fuzz campaign where none is given.
 const FIRST_FUZZ: u64 = 10_000_000;
@@ -95,7 +95,7 @@ fn the_master_equation_and_the_ensemble_agree() {
     let count = campaign::judge(&cases, Task::Run);
     println!("{count}; known to fail and not run: {:?}", numbers(&known));
     count.assert_none_failed();
-    assert!(count.deviations.len() >= BOTH / 2, "{count}");
+    assert!(count.deviations.len() >= BOTH / 4, "{count}");
 }
 
 #[test]

@@ -43,6 +43,8 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
     match (path, key) {
         ("contacts", "temperature" | "ageing" | "delay") if task == "renormalisation" => no,
         ("contacts", "reforming") | ("", "initial") if task == "renormalisation" => no,
+        // The noise of these contacts is not known.
+        ("contacts", "delay" | "stiffness_per_threshold") if task == "spectrum" => no,
         ("contacts", "stiffness" | "stiffness_per_threshold") if walk.is("contacts:alternative", "areas") => {
             no
         }
@@ -56,7 +58,7 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         ("", "compare") if !(task == "pull" || task == "protocol" && !walk.given("block")) => no,
         ("", "ensemble") if walk.is("contacts.ageing", "mean_field") || task == "renormalisation" => no,
         ("", "ensemble") if interface && !walk.single() && !walk.is("interface.slip", "overdamped") => no,
-        ("pull" | "drive", "velocity") if in_time => Some(true),
+        ("pull" | "drive" | "spectrum", "velocity") if in_time => Some(true),
         ("drive", "maps") if !interface => no,
         ("compare", "position" | "force") => Some(true),
         ("ensemble", "size") if interface => Some(!walk.single()),
@@ -82,8 +84,10 @@ pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
     let (task, in_time) = (walk.options.get(":alternative").map_or("", String::as_str), walk.in_time());
     let interface = walk.given("interface");
     match (path, option) {
-        ("contacts:alternative", "areas") => task != "renormalisation",
-        ("contacts.thresholds", family) if task == "renormalisation" => is_continuous(family),
+        ("contacts:alternative", "areas") => !matches!(task, "renormalisation" | "spectrum"),
+        ("contacts.thresholds", family) if matches!(task, "renormalisation" | "spectrum") => {
+            is_continuous(family)
+        }
         (
             "contacts.ageing.smoluchowski.mature"
             | "contacts.ageing.frozen_rank.mature"

@@ -63,9 +63,11 @@ impl Task<'_> {
         self.check_time(model)?;
         self.check_block(model)?;
         self.check_interface(model)?;
-        if let Task::Pull(Pull { covariance, .. }) = self
-            && !covariance.is_empty()
-        {
+        let noise = match self {
+            Task::Pull(Pull { covariance, .. }) => !covariance.is_empty(),
+            task => matches!(task, Task::Spectrum(_)),
+        };
+        if noise {
             model.contacts.renew_completely().map_err(Error::of_scenario)?;
         }
         model.master_equation.check().map_err(|e| e.under("master_equation"))?;
