@@ -11,6 +11,16 @@ impl SplitMix {
         Self(seed.next())
     }
 
+    /// The stream of a place in a case: what is drawn at one does not depend on which others there are.
+    pub fn at(case: u64, place: &str, visit: u64) -> Self {
+        // FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo).
+        let hash = place.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+        });
+        let mut seed = Self(case ^ hash.rotate_left(17));
+        Self(seed.next() ^ visit)
+    }
+
     /// The next 64 bits.
     pub fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);

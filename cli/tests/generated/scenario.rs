@@ -45,6 +45,12 @@ impl Case {
         self.options.get(path).is_some_and(|taken| taken != "absent")
     }
 
+    /// Takes a key out of a table, and says whether it was there.
+    pub fn remove(&mut self, table: &str, key: &str) -> bool {
+        let table = self.scenario.get_mut(table).and_then(Value::as_table_mut);
+        table.is_some_and(|table| table.remove(key).is_some())
+    }
+
     /// How often the contacts move at another velocity, or from another start.
     pub fn solutions(&self) -> usize {
         let points = |task: &str| {
@@ -65,6 +71,11 @@ impl Schema {
     /// Reads what `asperity schema` prints.
     pub fn new(text: &str) -> Self {
         Self(serde_json::from_str(text).expect("the schema is JSON"))
+    }
+
+    /// Adds a key that is true or false to a table.
+    pub fn add_key(&mut self, table: &str, key: &str) {
+        self.0["$defs"][table]["properties"][key] = serde_json::json!({ "type": "boolean" });
     }
 
     /// All options that a scenario of the schema can have, as [`Case::has`] takes them.
@@ -130,8 +141,16 @@ impl Schema {
         let mut random = SplitMix::new(number);
         let units = units(&mut random);
         let consistent = number.is_multiple_of(2);
-        let mut walk =
-            Walk { root: &self.0, random, units, consistent, options: BTreeMap::new(), lowest: 1.0 };
+        let mut walk = Walk {
+            root: &self.0,
+            number,
+            visits: BTreeMap::new(),
+            random,
+            units,
+            consistent,
+            options: BTreeMap::new(),
+            lowest: 1.0,
+        };
         for (name, unit) in [("length", units.length), ("force", units.force), ("time", units.time)] {
             walk.options.insert(format!("unit of {name}"), format!("{unit:e}"));
         }
@@ -152,6 +171,11 @@ fn units(random: &mut SplitMix) -> Units {
 /// A walk through the schema.
 pub(super) struct Walk<'a> {
     root: &'a Json,
+    /// The number of the case.
+    number: u64,
+    /// How often a place has been reached: the items of a list are at one.
+    visits: BTreeMap<String, u64>,
+    /// The stream of the present place, so that a new key leaves the rest of a case as it is.
     random: SplitMix,
     units: Units,
     consistent: bool,
@@ -178,9 +202,17 @@ impl<'a> Walk<'a> {
         }
     }
 
+    /// Goes on with the stream of a place.
+    fn reach(&mut self, place: &str) {
+        let visit = self.visits.entry(place.to_owned()).or_insert(0);
+        *visit += 1;
+        self.random = SplitMix::at(self.number, place, *visit);
+    }
+
     fn value(&mut self, schema: &'a Json, path: &str, key: &str) -> Value {
         let (name, schema) = self.resolved(schema);
         let here = join(path, key);
+        self.reach(&here);
         if name == "Law" {
             return self.distribution(schema, &here);
         }
@@ -230,6 +262,7 @@ impl<'a> Walk<'a> {
                 continue;
             }
             if !(needed.contains(&key) || required(schema).contains(&key)) {
+                self.reach(&format!("{here} given"));
                 let given = match self.consistent.then(|| rules::given(self, path, key)).flatten() {
                     Some(given) => given,
                     None => self.random.chance(if self.consistent { 0.3 } else { 0.4 }),
@@ -267,9 +300,12 @@ impl<'a> Walk<'a> {
         !self.consistent || rules::allows(self, path, option)
     }
 
-    /// One of the options, which is noted.
+    /// One of the options, which is noted: that of the largest number drawn for it, so that a new option changes few cases
+    /// (rendezvous hashing; D. G. Thaler and C. V. Ravishankar, IEEE/ACM Trans. Netw. 6, 1 (1998)).
     fn choose<'b>(&mut self, path: &str, options: &[&'b str]) -> &'b str {
-        let chosen = *self.random.pick(options);
+        let visit = self.visits.get(path).copied().unwrap_or(0);
+        let drawn = |option: &&&str| SplitMix::at(self.number, &format!("{path} = {option}"), visit).next();
+        let chosen = *options.iter().max_by_key(drawn).expect("options");
         self.options.insert(path.to_owned(), chosen.to_owned());
         chosen
     }
