@@ -1,6 +1,6 @@
 //! The noise of steady sliding: autocovariance and spectrum of the force of a finite number of contacts.
 
-use super::force_after_break::ForceAfterBreak;
+use super::force_after_break::{ForceAfterBreak, WeightedLife};
 use super::pull::at;
 use super::spectrum::SpectralDensity;
 use super::steady::SteadyState;
@@ -126,7 +126,7 @@ impl SteadyState {
         let reforming = &self.equation.contacts.reforming;
         let (start, squared_start) = (reforming.mean(), reforming.upper_moment(2, -1.0));
         let weighted = self.equation.weighted_by_stretch(&self.equation.reforming(), &mut ())?;
-        let product = weighted.map_or(0.0, |Weighted { mean, life }| mean * life.mean());
+        let product = weighted.map_or(0.0, |WeightedLife { mean_start, life }| mean_start * life.mean());
         let square = squared_start + 2.0 * product + self.life.mean_square();
         let lost = square + squared_start - 2.0 * start * (start + self.mean);
         Ok(self.stiffness.powi(2) / size * lost / self.mean)

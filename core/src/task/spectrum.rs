@@ -24,7 +24,7 @@ const SAMPLES: f64 = 8.0;
 /// its wave numbers lie in the width of a peak.
 const SEGMENT: [f64; 2] = [16.0, 64.0];
 /// Largest length of a segment, in mean displacements between breaks.
-const LONGEST: f64 = 512.0;
+const LONGEST: f64 = 256.0;
 /// Lengths of segments that the ensemble slides; segments overlap by a half.
 const SEGMENTS: usize = 16;
 
