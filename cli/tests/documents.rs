@@ -241,6 +241,7 @@ fn pictures_are_those_that_the_program_draws() {
         ("healing", "healing", &["hold_curve"]),
         ("velocity-step", "step", &["velocity_step"]),
         ("stick-slip-ageing", "aged", &["stick_slip"]),
+        ("spectrum", "noise", &["spectrum"]),
     ] {
         folder.succeed(&["run", &format!("scenarios/{scenario}.toml"), "--quiet", "-o", short]);
         for name in names {
