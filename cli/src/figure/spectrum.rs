@@ -33,6 +33,9 @@ pub fn scene(outcome: &Outcome) -> Option<Scene> {
         legend.push(style::marker("ensemble, averaged periodogram", ORANGE, MarkerShape::Circle));
     }
     plots.push(line(curve(q, spectrum), BLUE, 2.0, None));
+    let at_zero = ScatterPlot::new().with_data([(0.0, spectrum[0])]).with_color(BLUE).with_size(4.0);
+    plots.push(Plot::Scatter(at_zero.with_marker(MarkerShape::Diamond)));
+    legend.push(style::marker(format!("S(0) = {}", style::digits(spectrum[0])), BLUE, MarkerShape::Diamond));
     let falling: Vec<_> = q.iter().map(|&q| (q, tail(q))).filter(|point| point.1 <= top).collect();
     plots.push(line(falling, GREY, 1.4, Some(DASHES)));
     legend.push(style::line("breaks of single contacts, 1/q²", GREY, Some(DASHES)));
