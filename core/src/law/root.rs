@@ -4,10 +4,10 @@ use num_complex::Complex64;
 
 use super::panels::panel_boundaries;
 use super::quadrature::double_exponential;
-use super::{ALL, Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, positive, shared};
-use crate::Result;
+use super::{ALL, Atom, Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, positive, shared};
 use crate::numerics::legendre::RULE;
 use crate::random::Stream;
+use crate::{Error, Result};
 
 /// The distribution of c√A for a given distribution of A.
 ///
@@ -166,6 +166,20 @@ impl Law for Root {
             "factor" => shared(Self::new(value, self.areas.clone())),
             _ => shared(Self::new(self.factor, self.areas.with_parameter(name, value)?)),
         }
+    }
+
+    /// x p(x)/c for the factor; ∂S_A/∂θ at A = x²/c² for the parameters of A.
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        let law = self.clone();
+        if name != "factor" {
+            let by_areas = self.areas.survival_derivative(name)?;
+            return Ok(Box::new(move |x| law.at_area(x, &by_areas)));
+        }
+        if let Some(atom) = self.atoms().first() {
+            let expected = "areas without point masses, since the position of one has no derivative";
+            return Err(Error::invalid(name, expected, format!("one at {}", atom.position)));
+        }
+        Ok(Box::new(move |x| x * law.density(x) / law.factor))
     }
 
     fn density(&self, x: f64) -> f64 {

@@ -104,6 +104,17 @@ impl Piecewise {
         out
     }
 
+    /// Interpolates several functions on the same cells: those between `boundaries`, bisected until the truncation error ×
+    /// half width of each function is at most its tolerance, or no longer falls.
+    pub fn resolve_each(f: impl Fn(f64) -> Vec<f64>, boundaries: &[f64], tolerances: &[f64]) -> Vec<Self> {
+        let start = boundaries.first().copied().into_iter().collect::<Vec<_>>();
+        let mut out = vec![Self { boundaries: start, coefficients: Vec::new() }; tolerances.len()];
+        for ends in boundaries.windows(2) {
+            bisect_each(&f, (ends[0], ends[1]), (f64::INFINITY, 0), tolerances, &mut out);
+        }
+        out
+    }
+
     /// `beyond` + ∫_x^end of the function + the jumps above x, given as (position, height) at cell
     /// boundaries.
     #[must_use]
@@ -333,6 +344,34 @@ fn bisect<const K: usize>(
     } else {
         bisect(f, (a, middle), (error, depth + 1), resolution, integral, out);
         bisect(f, (middle, b), (error, depth + 1), resolution, integral, out);
+    }
+}
+
+/// Interpolates several functions on [a, b], bisecting where one of them needs it. `before` is the largest error of the
+/// parent cell, in tolerances.
+fn bisect_each(
+    f: &impl Fn(f64) -> Vec<f64>,
+    (a, b): (f64, f64),
+    (before, depth): (f64, u32),
+    tolerances: &[f64],
+    out: &mut [Piecewise],
+) {
+    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+    let values = RULE.nodes.map(|t| f(middle + half * t));
+    let coefficients: Vec<Nodal> = (0..out.len())
+        .map(|k| RULE.coefficients(&std::array::from_fn::<f64, NODES, _>(|i| values[i][k])))
+        .collect();
+    let errors = coefficients.iter().zip(tolerances).map(|(c, tolerance)| half * tail(c) / tolerance);
+    let error = errors.fold(0.0, f64::max);
+    let rounding = depth > 1 && error > 0.4 * before;
+    if error <= 1.0 || rounding || half <= 16.0 * f64::EPSILON * b || depth > MOST_BISECTIONS {
+        for (piecewise, coefficients) in out.iter_mut().zip(coefficients) {
+            piecewise.boundaries.push(b);
+            piecewise.coefficients.push(coefficients);
+        }
+    } else {
+        bisect_each(f, (a, middle), (error, depth + 1), tolerances, out);
+        bisect_each(f, (middle, b), (error, depth + 1), tolerances, out);
     }
 }
 
