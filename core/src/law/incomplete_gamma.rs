@@ -350,32 +350,6 @@ mod tests {
         }
     }
 
-    /// ∂P/∂a = ∫₀^x t^{a−1} e^{−t} (ln t − ψ(a))/Γ(a) dt by the trapezoidal rule in ln t, with ψ from differences of ln Γ.
-    #[test]
-    fn the_derivative_by_the_shape_is_an_integral() {
-        use super::super::quadrature::double_exponential;
-        for a in [0.05, 0.3, 1.0, 2.5, 7.0, 16.0, 19.9, 20.1, 60.0, 400.0_f64] {
-            let ln_gamma = libm::lgamma(a);
-            let digamma = {
-                let h = 1e-2 * a;
-                let pair = |k: f64| libm::lgamma(a + k * h) - libm::lgamma(a - k * h);
-                (0.8 * pair(1.0) - 0.2 * pair(2.0) + 4.0 / 105.0 * pair(3.0) - pair(4.0) / 280.0) / h
-            };
-            let shape = GammaShape::new(a);
-            for x in [0.01, 0.3, 0.9, 1.1, 2.0, 3.0].map(|ratio: f64| a * ratio).into_iter().chain([1.0]) {
-                let integrand = |t: f64| {
-                    let value = ((a - 1.0) * t.ln() - t - ln_gamma).exp() * (t.ln() - digamma);
-                    num_complex::Complex64::from(if t > 0.0 { value } else { 0.0 })
-                };
-                let exact = -a * double_exponential(0.0, x, integrand).re;
-                let found = upper_by_shape(&shape, x, x / a - 1.0);
-                // ψ from differences and ln Γ in the exponent have some 1e-13 of a.
-                let tolerance = 1e-12 * (1.0 + a.sqrt());
-                assert!((found - exact).abs() < tolerance, "{a} {x}: {:e}", found - exact);
-            }
-        }
-    }
-
     /// Where two methods meet they agree to rounding: below and above x = a, and at shape 20.
     #[test]
     fn the_methods_of_the_derivative_meet() {

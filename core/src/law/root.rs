@@ -329,7 +329,11 @@ mod tests {
         // Some roundings on either side.
         let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-13, "{a} {b}");
         close(law.std(), twin.std());
+        let by = |name: &str| law.survival_derivative(name).unwrap();
+        let by_scale = twin.survival_derivative("scale").unwrap();
         for x in [0.01, 1.0, 3.0, 20.0] {
+            close(by("factor")(x), by_scale(x));
+            close(by("mean")(x), 1.5 * by_scale(x));
             close(law.density(x), twin.density(x));
             close(law.hazard(x), twin.hazard(x));
             (1..4).for_each(|n| close(law.upper_moment(n, x), twin.upper_moment(n, x)));

@@ -192,8 +192,8 @@ impl StartingContacts<'_> {
             for (j, mass) in masses.iter().enumerate() {
                 weights[0][j] = mass.weight;
                 for (weight, change) in weights[1..].iter_mut().zip(by.thresholds) {
-                    let held = change(mass.position) / self.over(mass.position);
-                    weight[j] = if self.conditional { mass.weight * held } else { 0.0 };
+                    let at_start = change(mass.position) / self.over(mass.position);
+                    weight[j] = if self.conditional { mass.weight * at_start } else { 0.0 };
                 }
             }
             weights
@@ -245,9 +245,9 @@ impl<'a> Integrands<'a> {
             let boundaries = edges(&law.zones(), &stops, highest);
             let values = |y: f64| integrands.at(y);
             let middles = boundaries.windows(2).map(|ends| 0.5 * (ends[0] + ends[1]));
-            let tolerances: Vec<f64> =
-                largest(middles.map(values)).iter().map(|size| TABLE * size * scale(law)).collect();
-            integrands.table = Piecewise::resolve_each(values, &boundaries, &tolerances);
+            let sizes = largest(middles.map(values));
+            let limits: Vec<_> = sizes.iter().map(|&size| limit(TABLE * scale(law), size)).collect();
+            integrands.table = Piecewise::resolve_each(values, &boundaries, &limits);
         }
         integrands
     }
@@ -278,9 +278,9 @@ impl<'a> Integrands<'a> {
         let (of_thresholds, of_starts) = weights[1..].split_at(changes.len());
         let (sums_of_thresholds, sums_of_starts) = sums.split_at_mut(2 * changes.len());
         let all = sums_of_thresholds.chunks_exact_mut(2).zip(changes).zip(of_thresholds);
-        for ((sum, change), held) in all {
+        for ((sum, change), at_start) in all {
             for j in 0..NODES {
-                let term = weights[0][j] * change[j] - held[j] * survival[j];
+                let term = weights[0][j] * change[j] - at_start[j] * survival[j];
                 sum[0] += term;
                 sum[1] += y[j] * term;
             }
@@ -293,6 +293,11 @@ impl<'a> Integrands<'a> {
             }
         }
     }
+}
+
+/// The tolerance of a function of this magnitude, and the magnitude; none for a function that is 0.
+fn limit(fraction: f64, size: f64) -> (f64, f64) {
+    (if size > 0.0 { fraction * size } else { f64::INFINITY }, size)
 }
 
 /// The largest magnitude of each of several values.
@@ -318,10 +323,12 @@ fn resolved(
     let (curve, count) = (life.survival().curve(), values(0.0).len());
     let values = |u: f64| if watch.stops() { vec![0.0; count] } else { values(u) };
     let sizes = largest((0..curve.coefficients.len()).map(|cell| values(curve.cell(cell).0)));
-    let tolerance = |sizes: &[f64]| RESOLUTION * sizes[0].max(sizes[1] / life.mean()) * life.mean();
-    let tolerances: Vec<f64> =
-        sizes.chunks_exact(2).flat_map(|sizes| [tolerance(sizes), f64::INFINITY]).collect();
-    let mut curves = Piecewise::resolve_each(values, &curve.boundaries, &tolerances).into_iter();
+    let pair = |sizes: &[f64]| {
+        let size = sizes[0].max(sizes[1] / life.mean());
+        [limit(RESOLUTION * life.mean(), size), (f64::INFINITY, size)]
+    };
+    let limits: Vec<_> = sizes.chunks_exact(2).flat_map(pair).collect();
+    let mut curves = Piecewise::resolve_each(values, &curve.boundaries, &limits).into_iter();
     watch.check()?;
     let pairs = std::iter::from_fn(|| curves.next().zip(curves.next()));
     Ok(pairs.map(|(survival, force)| LifeDerivative::of_curves(life, [survival, force])).collect())

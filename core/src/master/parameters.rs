@@ -176,9 +176,9 @@ impl MasterEquation {
     /// The same contacts with another value of one of [`Self::parameters`].
     ///
     /// # Errors
-    /// An unknown parameter; those of [`Self::new`] and [`Self::at`].
-    pub fn with_parameter(&self, name: &str, value: f64) -> Result<Self> {
-        self.description().with(self.named(name)?, value)?.equation(&mut ())
+    /// An unknown parameter; those of [`Self::new`] and [`Self::at`]; stopped by the monitor.
+    pub fn with_parameter(&self, name: &str, value: f64, monitor: &mut dyn Monitor) -> Result<Self> {
+        self.description().with(self.named(name)?, value)?.equation(monitor)
     }
 
     pub(super) fn description(&self) -> Description {
