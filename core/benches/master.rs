@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use asperity::contacts::{Contacts, Initial, Start};
-use asperity::law::{Gaussian, Lognormal, Point, Rectangular, SharedLaw};
+use asperity::law::{Gaussian, Lognormal, Mixture, Point, Rectangular, SharedLaw};
 use asperity::master::{MasterEquation, MasterPopulation};
 use asperity::population::{Direction, Population};
 use cpu_time::ThreadTime;
@@ -124,10 +124,14 @@ fn advance(population: &mut MasterPopulation, mut by: f64) {
     }
 }
 
-/// What follows from a pull of Fig. 2 with spread starts to X = 6: gradients, the covariance of 1000 positions, the
-/// spectrum at 1000 wave numbers.
+/// What follows from a pull to X = 6: gradients (F and five of them are to cost at most four times F), the covariance of
+/// 1000 positions, the spectrum at 1000 wave numbers.
 fn noise_and_gradients(criterion: &mut Criterion) {
     let relaxed: SharedLaw = Arc::new(Point::new(0.0).unwrap());
+    let half = |law: SharedLaw| (0.5, law);
+    let lognormal = Arc::new(Lognormal::new(1.0, 0.2).unwrap());
+    let mixed = Arc::new(Mixture::new(vec![half(gaussian(1.0, 0.1)), half(lognormal)]).unwrap());
+    let mixed = Case { thresholds: mixed, reforming: relaxed.clone(), initial: relaxed.clone() };
     let equal = Case { thresholds: gaussian(1.0, 0.1), reforming: relaxed.clone(), initial: relaxed };
     let spread = Case {
         thresholds: gaussian(1.0, 0.12),
@@ -135,11 +139,18 @@ fn noise_and_gradients(criterion: &mut Criterion) {
         initial: gaussian(0.2, 0.05),
     };
     let mut group = criterion.benchmark_group("noise and gradients");
-    for (name, case) in [("all relaxed", equal), ("spread starts", spread)] {
+    for (name, case) in [("all relaxed", equal), ("mixture", mixed), ("spread starts", spread)] {
         let equation = case.equation();
         let solve = || case.equation().pull_with(6.0, 1e-10, &mut ()).unwrap();
         group.bench_function(format!("{name}: lives and force"), |bencher| cpu(bencher, solve));
         let pull = solve();
+        let parameters = pull.parameters();
+        let of_laws =
+            parameters.iter().map(|parameter| parameter.name.as_ref()).filter(|by| by.contains('.'));
+        let five: Vec<&str> = of_laws.take(5).collect();
+        group.bench_function(format!("{name}: lives, force and {} gradients", five.len()), |bencher| {
+            cpu(bencher, || solve().gradients(&five).unwrap());
+        });
         for (owner, law) in
             [("thresholds", &case.thresholds), ("reforming", &case.reforming), ("initial", &case.initial)]
         {

@@ -26,6 +26,21 @@ fn derivatives_of_gaussian_thresholds_have_their_reference_values() {
     }
 }
 
+/// ∂S/∂θ of the gamma distribution against differences in 60-digit arithmetic (`tables/make_gamma_derivatives.py`), for
+/// shapes from 0.04 to 10 000.
+#[test]
+fn derivatives_of_the_gamma_distribution_have_their_reference_values() {
+    let table = include_str!("tables/gamma_derivatives.csv");
+    for line in table.lines().skip(1) {
+        let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let [mean, std, x, by_mean, by_std] = numbers.try_into().unwrap();
+        for (name, exact) in [("mean", by_mean), ("std", by_std)] {
+            let found = std * gamma(mean, std).survival_derivative(name).unwrap()(x);
+            assert!((found - exact).abs() < 1e-13, "{mean} {std} {name} {x}: {:e}", found - exact);
+        }
+    }
+}
+
 /// F = m(1 − e^{−X/m}).
 #[test]
 fn the_derivative_by_an_exponential_mean_has_a_closed_form() {
@@ -177,50 +192,145 @@ fn friction_at_kinks_moves_with_them() {
     }
 }
 
-/// Contacts that feel temperature, age, are free for a while or are stiffer where they are stronger: their lives are
-/// differenced. Against central differences of F of fourth order; lives at a velocity are accurate to some 1e-11,
-/// differences over 1e-3 of a parameter to 1e-7.
+/// Contacts that feel temperature, age, are free for a while or are stiffer where they are stronger, by all their
+/// parameters: their lives are differenced, but for count and stiffness without temperature and for the delay. Against
+/// central differences of F of fourth order; lives at a velocity are accurate to some 1e-11, differences over 1e-3 of a
+/// parameter to 1e-7.
 #[test]
 fn derivatives_of_contacts_in_time_are_those_of_the_force() {
     use asperity::contacts::{Ageing, AgeingRule, Barrier, Stiffness, Temperature};
     let zero = point(0.0);
     let law = gaussian(1.0, 0.15);
-    let plain = Contacts::new(law.clone(), gaussian(0.1, 0.03));
+    let plain = Contacts { count: 3.0, ..Contacts::new(law.clone(), gaussian(0.1, 0.03)) };
     let mut warm = plain.clone();
+    warm.stiffness = Stiffness::Equal(1.5);
     warm.rules.temperature =
-        Some(Temperature { energy: 0.02, attempt_rate: 10.0, barrier: Barrier::Elastic });
+        Some(Temperature { energy: 0.04, attempt_rate: 10.0, barrier: Barrier::Elastic });
     let mut aged = plain.clone();
     let rule: Ageing = AgeingRule::Logarithmic { growth: 0.05, time: 1.0 };
     aged.rules.ageing = Some(rule);
     let mut free = plain.clone();
     free.rules.delay = 0.3;
-    let mut strong = plain;
-    strong.stiffness = Stiffness::PerThreshold(1.0);
+    let mut all = warm.clone();
+    all.rules.delay = 0.2;
+    let mut strong = plain.clone();
+    strong.stiffness = Stiffness::PerThreshold(1.2);
     let initial = Initial { law: zero, start: Start::Conditional };
-    for (contacts, velocity) in [(warm, Some(0.5)), (aged, Some(0.5)), (free, Some(0.5)), (strong, None)] {
-        for (name, step) in [("thresholds.mean", 5e-4), ("thresholds.std", 2e-4), ("reforming.mean", 2e-4)] {
-            let (owner, parameter) = name.split_once('.').unwrap();
-            let pull = |change: f64| {
-                let mut contacts = contacts.clone();
-                let law =
-                    if owner == "thresholds" { &mut contacts.thresholds } else { &mut contacts.reforming };
-                let value = law.parameters().iter().find(|p| p.name == parameter).unwrap().value;
-                *law = law.with_parameter(parameter, value + change).unwrap();
-                let equation = match velocity {
-                    Some(velocity) => MasterEquation::at(contacts, &initial, velocity),
-                    None => MasterEquation::new(contacts, &initial),
-                };
-                equation.unwrap().pull(3.0).unwrap()
+    let cases = [
+        (plain, None, 2),
+        (warm, Some(0.5), 5),
+        (aged, Some(0.5), 5),
+        (free, Some(0.5), 4),
+        (all, Some(0.5), 6),
+        (strong, None, 2),
+    ];
+    for (contacts, velocity, numbers) in cases {
+        let equation = match velocity {
+            Some(velocity) => MasterEquation::at(contacts.clone(), &initial, velocity),
+            None => MasterEquation::new(contacts.clone(), &initial),
+        };
+        let equation = equation.unwrap();
+        let base = equation.pull(3.0).unwrap();
+        let parameters = base.parameters();
+        assert_eq!(
+            parameters.iter().filter(|p| !p.name.contains(".m") && !p.name.contains(".std")).count(),
+            numbers
+        );
+        let names: Vec<&str> = parameters.iter().map(|p| p.name.as_ref()).collect();
+        let gradients = base.gradients(&names).unwrap();
+        for (parameter, gradient) in parameters.iter().zip(gradients) {
+            let step = 5e-4 * parameter.value.max(0.1);
+            let at = |k: f64| {
+                let value = parameter.value + k * step;
+                equation.with_parameter(&parameter.name, value, &mut ()).unwrap().pull(3.0).unwrap()
             };
-            let gradient = pull(0.0).gradient(name).unwrap();
-            let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(|k| pull(k * step));
-            for k in 1..=20 {
-                let x = 0.1437 * f64::from(k);
-                let difference =
-                    (8.0 * (a.force(x) - b.force(x)) - (c.force(x) - d.force(x))) / (12.0 * step);
-                let apart = gradient.at(x) - difference;
-                assert!(apart.abs() < 2e-6, "{name} {:?} {x}: {apart:e}", contacts.rules.first());
+            let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(at);
+            let positions = (1..=20).map(|k| 0.1437 * f64::from(k));
+            let difference =
+                |x: f64| (8.0 * (a.force(x) - b.force(x)) - (c.force(x) - d.force(x))) / (12.0 * step);
+            let largest = positions.clone().map(|x| difference(x).abs()).fold(1.0, f64::max);
+            for x in positions {
+                let apart = gradient.at(x) - difference(x);
+                let name = &parameter.name;
+                assert!(apart.abs() < 2e-6 * largest, "{name} {:?} {x}: {apart:e}", contacts.rules.first());
             }
+        }
+    }
+}
+
+/// Several at once are those one by one; F is proportional to count and stiffness; a parameter that the contacts lack is
+/// refused with the list of those that they have.
+#[test]
+fn parameters_have_names() {
+    let equation = equation(&gaussian(1.0, 0.12), &gaussian(0.1, 0.03), &point(0.0), Start::Conditional);
+    let pull = equation.pull(4.0).unwrap();
+    let names =
+        ["thresholds.mean", "thresholds.std", "reforming.mean", "reforming.std", "count", "stiffness"];
+    let parameters = pull.parameters();
+    assert_eq!(parameters.iter().map(|p| p.name.as_ref()).collect::<Vec<_>>(), names);
+    let together = pull.gradients(&names).unwrap();
+    let friction = pull.friction_gradients(&names).unwrap();
+    for ((name, gradient), friction) in names.into_iter().zip(&together).zip(&friction) {
+        let alone = pull.gradient(name).unwrap();
+        for k in 1..=40 {
+            let x = 0.1 * f64::from(k);
+            // The cells of lives may differ.
+            assert!((gradient.at(x) - alone.at(x)).abs() < 1e-11, "{name} {x}");
+            if name == "count" || name == "stiffness" {
+                assert!((gradient.at(x) - pull.force(x)).abs() < 1e-15);
+            }
+        }
+        let static_friction = friction.static_friction.unwrap();
+        assert!(
+            (static_friction - pull.friction_gradient(name).unwrap().static_friction.unwrap()).abs() < 1e-10
+        );
+    }
+    let [count, stiffness] = [friction[4], friction[5]];
+    assert_eq!(count, stiffness);
+    let peak = pull.static_friction().unwrap().value;
+    assert!((count.static_friction.unwrap() - peak).abs() < 1e-14);
+    assert!((count.kinetic_friction - equation.steady_state().kinetic_friction()).abs() < 1e-14);
+    assert!((count.critical_stiffness - pull.critical_stiffness()).abs() < 1e-12);
+    assert_eq!(count.relaxation_length, 0.0);
+    let error = pull.gradient("temperature.energy").unwrap_err().to_string();
+    assert!(names.iter().all(|name| error.contains(name)), "{error}");
+}
+
+/// A delay moves friction, too: F_s, F_k, X* and K_c against central differences of fourth order.
+#[test]
+fn friction_changes_with_the_delay() {
+    let mut contacts = Contacts::new(gaussian(1.0, 0.15), gaussian(0.1, 0.03));
+    contacts.rules.delay = 0.3;
+    let equation = MasterEquation::at(contacts, &Initial::default(), 0.5).unwrap();
+    let pull = equation.pull_with(4.0, 1e-12, &mut ()).unwrap();
+    for name in ["delay", "velocity"] {
+        let value = if name == "delay" { 0.3 } else { 0.5 };
+        let values = |value: f64| {
+            let equation = equation.with_parameter(name, value, &mut ()).unwrap();
+            let pull = equation.pull_with(4.0, 1e-12, &mut ()).unwrap();
+            [
+                pull.static_friction().unwrap().value,
+                equation.steady_state().kinetic_friction(),
+                equation.relaxation().unwrap().length(),
+                pull.critical_stiffness(),
+            ]
+        };
+        let step = 1e-3 * value;
+        let [a, b, c, d] = [1.0, -1.0, 2.0, -2.0].map(|k| values(value + k * step));
+        let found = pull.friction_gradient(name).unwrap();
+        let found = [
+            found.static_friction.unwrap(),
+            found.kinetic_friction,
+            found.relaxation_length,
+            found.critical_stiffness,
+        ];
+        for (i, found) in found.into_iter().enumerate() {
+            let difference = (8.0 * (a[i] - b[i]) - (c[i] - d[i])) / (12.0 * step);
+            let tolerance = if i == 3 { 1e-6 } else { 1e-8 };
+            assert!(
+                (found - difference).abs() < tolerance * difference.abs().max(1.0),
+                "{name} {i}: {found} {difference}"
+            );
         }
     }
 }

@@ -264,16 +264,42 @@ impl Pull {
         py.import("asperity._plot")?.call_method("pull", (slf, ax, scatter, paths), style)
     }
 
-    /// The derivative of the force by a parameter of the distributions, as a function of the position.
+    /// The parameters by which the force has a derivative, with their values.
     ///
-    /// parameter: `thresholds.mean`, `reforming.std`, `initial.max`, and so on: the distribution, and the name of
-    /// its parameter. The position of a point mass has no derivative.
+    /// They are those of the distributions (`thresholds.mean`, `reforming.std`, `initial.max`, `ageing.mature.mean`),
+    /// `count`, `stiffness` or `stiffness_per_threshold`, and those of time-dependent contacts: `temperature.energy`,
+    /// `temperature.attempt_rate`, `ageing.growth`, `ageing.time`, `ageing.diffusion`, `delay` and `velocity`.
+    #[pyo3(signature = () -> "dict[str, float]")]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let parameters = PyDict::new(py);
+        for parameter in self.pull.parameters() {
+            parameters.set_item(parameter.name.as_ref(), parameter.value)?;
+        }
+        Ok(parameters)
+    }
+
+    /// The derivative of the force by one of `parameters()`, as a function of the position.
+    ///
+    /// parameter: `thresholds.mean`, `reforming.std`, `stiffness`, `temperature.energy`, and so on. The position of a
+    /// point mass has no derivative.
     fn gradient(&self, py: Python<'_>, parameter: String) -> PyResult<Gradient> {
         let gradient = watched(None, py, |monitor| self.pull.gradient_with(&parameter, monitor))?;
         Ok(Gradient { gradient, parameter, distance: self.pull.distance() })
     }
 
-    /// The derivatives of F_s, F_k, X* and K_c by a parameter of the distributions, for the propagation of errors.
+    /// The derivatives of the force by several of `parameters()`, at little more than half the cost of one after the
+    /// other.
+    ///
+    /// parameters: a list of names, as for `gradient`.
+    fn gradients(&self, py: Python<'_>, parameters: Vec<String>) -> PyResult<Vec<Gradient>> {
+        let names: Vec<&str> = parameters.iter().map(String::as_str).collect();
+        let gradients = watched(None, py, |monitor| self.pull.gradients_with(&names, monitor))?;
+        let distance = self.pull.distance();
+        let named = gradients.into_iter().zip(parameters);
+        Ok(named.map(|(gradient, parameter)| Gradient { gradient, parameter, distance }).collect())
+    }
+
+    /// The derivatives of F_s, F_k, X* and K_c by one of `parameters()`, for the propagation of errors.
     ///
     /// parameter: as in `gradient`.
     fn friction_gradient(&self, py: Python<'_>, parameter: &str) -> PyResult<FrictionGradient> {

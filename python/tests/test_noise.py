@@ -94,6 +94,10 @@ def test_derivatives_of_exponential_thresholds() -> None:
     assert friction.kinetic_friction == pytest.approx(SCALE, rel=1e-10)
     assert friction.static_friction is None
     assert friction.critical_stiffness == 0
+    assert list(pull.parameters()) == ["thresholds.mean", "count", "stiffness"]
+    together = pull.gradients(list(pull.parameters()))
+    np.testing.assert_allclose(together[0](x), exact, atol=1e-8 * SCALE)
+    np.testing.assert_allclose(together[1](x) * pull.parameters()["count"], pull(x))
     for wrong in ("mean", "thresholds.std", "reforming.at"):
         with pytest.raises(ValueError, match="expected"):
             pull.gradient(wrong)

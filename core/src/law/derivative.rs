@@ -30,11 +30,7 @@ pub(super) fn by_differences(
 }
 
 /// The value of a parameter, and the step over which S changes by at most [`CHANGE`].
-pub(super) fn step(
-    parameters: &[Parameter],
-    name: &str,
-    with: impl Fn(f64) -> Result<SharedLaw>,
-) -> Result<(f64, f64)> {
+fn step(parameters: &[Parameter], name: &str, with: impl Fn(f64) -> Result<SharedLaw>) -> Result<(f64, f64)> {
     let Some(value) = parameters.iter().find(|p| p.name == name).map(|p| p.value) else {
         // The distribution itself says which parameters it has.
         return with(f64::NAN).map(|_| (f64::NAN, f64::NAN));

@@ -3,9 +3,10 @@
 use num_complex::Complex64;
 use rand_distr::Distribution;
 
-use super::incomplete_gamma::{GammaShape, IncompleteGamma};
+use super::incomplete_gamma::{GammaShape, IncompleteGamma, upper_by_shape};
 use super::{
-    Breakpoint, Law, Parameter, SharedLaw, breakpoint_at_zero, invert_ln_survival, positive, shared, unknown,
+    Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, breakpoint_at_zero, invert_ln_survival,
+    positive, shared, unknown,
 };
 use crate::random::Stream;
 use crate::{Error, Result};
@@ -65,6 +66,22 @@ impl Law for Gamma {
             "std" => shared(Self::new(self.mean, value)),
             _ => Err(unknown(self, name)),
         }
+    }
+
+    /// With k = m²/σ² and y = xm/σ²: ∂Q/∂k and ∂Q/∂y = −D/y give (2k ∂Q/∂k − D)/m and 2(D − k ∂Q/∂k)/σ.
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        let (law, by_mean) = (*self, name == "mean");
+        if !by_mean && name != "std" {
+            return Err(unknown(self, name));
+        }
+        Ok(Box::new(move |x| {
+            if x <= 0.0 {
+                return 0.0;
+            }
+            let (y, excess) = (x / law.scale, (x - law.mean) / law.mean);
+            let (by_shape, kernel) = (upper_by_shape(&law.shape, y, excess), law.at(x).kernel());
+            if by_mean { (2.0 * by_shape - kernel) / law.mean } else { 2.0 * (kernel - by_shape) / law.std }
+        }))
     }
 
     fn density(&self, x: f64) -> f64 {

@@ -12,6 +12,9 @@ use puruspe::erfcx;
 /// Shapes from here on use asymptotic expansions.
 const LARGE: f64 = 20.0;
 
+/// As good as infinite, and nothing overflows.
+const FAR: f64 = 1e200;
+
 /// A shape a > 0 with Γ(a).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct GammaShape {
@@ -53,12 +56,10 @@ impl GammaShape {
 impl IncompleteGamma {
     /// At x ≥ 0. `excess` is x/a − 1, which the caller may know more accurately than a and x give it.
     pub(super) fn new(shape: &GammaShape, x: f64, excess: f64) -> Self {
-        // As good as infinite, and nothing overflows.
-        const FAR: f64 = 1e200;
         let (x, excess) = (x.min(FAR), excess.min(FAR));
         let a = shape.a;
         let (kernel, ln_kernel) = kernel(shape, x, excess);
-        let tail = if a >= LARGE && (-0.5..1.0).contains(&excess) {
+        let tail = if is_uniform(a, excess) {
             uniform(a, excess)
         } else if x < a.max(1.0) {
             Tail::Lower(series(a, x))
@@ -96,6 +97,110 @@ impl IncompleteGamma {
             Tail::Upper(ratio) => 1.0 / ratio,
         }
     }
+}
+
+/// a ∂Q(a, x)/∂a, from the derivatives of the series, the continued fraction and the uniform expansion by a (the first as
+/// by R. J. Moore, Algorithm AS 187, Appl. Statist. 31, 330, 1982). Its error is a few roundings of D(a, x).
+pub(super) fn upper_by_shape(shape: &GammaShape, x: f64, excess: f64) -> f64 {
+    if !(x > 0.0 && x < FAR) {
+        return 0.0;
+    }
+    let a = shape.a;
+    let (kernel, _) = kernel(shape, x, excess);
+    // ∂ ln D/∂a = ln x − ψ(a) = ln(x/a) + [ln a − ψ(a)].
+    let of_kernel = if excess.abs() < 0.5 { excess.ln_1p() } else { (x / a).ln() } + ln_minus_digamma(a);
+    let by_shape = if kernel == 0.0 {
+        0.0
+    } else if is_uniform(a, excess) {
+        uniform_by_shape(a, excess, of_kernel)
+    } else if x < a.max(1.0) {
+        let (sum, slope) = series_by_shape(a, x);
+        -a * (of_kernel * sum + slope)
+    } else {
+        let (value, slope) = continued_fraction_by_shape(a, x);
+        a * (of_kernel * value + slope)
+    };
+    kernel * by_shape
+}
+
+/// ln a − ψ(a): the asymptotic expansion (DLMF 5.11.2) after steps of the recurrence up to large arguments.
+fn ln_minus_digamma(a: f64) -> f64 {
+    const ENOUGH: f64 = 12.0;
+    if a < ENOUGH {
+        let (steps, mut sum) = ((ENOUGH - a).ceil(), 0.0);
+        for k in 0..steps as u32 {
+            sum += 1.0 / (a + f64::from(k));
+        }
+        return ln_minus_digamma(a + steps) - (steps / a).ln_1p() + sum;
+    }
+    let square = 1.0 / (a * a);
+    let terms = 1.0 / 252.0 - square * (1.0 / 240.0 - square * (1.0 / 132.0 - square * (691.0 / 32760.0)));
+    0.5 / a + square * (1.0 / 12.0 - square * (1.0 / 120.0 - square * terms))
+}
+
+/// The power series of P/D, and its derivative by a.
+fn series_by_shape(a: f64, x: f64) -> (f64, f64) {
+    let (mut term, mut harmonic, mut n) = (1.0 / a, 1.0 / a, a);
+    let (mut sum, mut slope) = (term, -term * harmonic);
+    while term * harmonic > -slope * 0.1 * f64::EPSILON {
+        n += 1.0;
+        term *= x / n;
+        harmonic += 1.0 / n;
+        sum += term;
+        slope -= term * harmonic;
+    }
+    (sum, slope)
+}
+
+/// The continued fraction of Q/D, and its derivative by a: Lentz's method, differentiated.
+fn continued_fraction_by_shape(a: f64, x: f64) -> (f64, f64) {
+    let mut b = x + 1.0 - a;
+    let (mut c, mut d) = ((1.0 / f64::MIN_POSITIVE, 0.0), (1.0 / b, 1.0 / (b * b)));
+    // The value and its logarithmic derivative.
+    let (mut value, mut slope) = (d.0, d.1 / d.0);
+    for n in 1..5000 {
+        let n = f64::from(n);
+        let numerator = n * (a - n);
+        b += 2.0;
+        let below = 1.0 / (numerator * d.0 + b);
+        d = (below, -(n * d.0 + numerator * d.1 - 1.0) * below * below);
+        c = (b + numerator / c.0, -1.0 + n / c.0 - numerator / c.0 * (c.1 / c.0));
+        value *= c.0 * d.0;
+        let more = c.1 / c.0 + d.1 / d.0;
+        slope += more;
+        if (c.0 * d.0 - 1.0).abs() < 0.5 * f64::EPSILON && more.abs() < f64::EPSILON * slope.abs() {
+            break;
+        }
+    }
+    (value, value * slope)
+}
+
+/// a/D × ∂Q/∂a of Temme's expansion. With η ∂η/∂a = −μ/a its first term gives D Γ*(a) (μ/η − η/2); the second, D/a Σ βₙ ηⁿ
+/// as in [`uniform`], is differentiated term by term.
+fn uniform_by_shape(a: f64, excess: f64, of_kernel: f64) -> f64 {
+    let eta = eta(excess);
+    let (mut after, mut beta, mut sum) = ((0.0, 0.0), (0.0, 0.0), 0.0);
+    let (mut by_eta, mut by_shape) = (0.0, 0.0);
+    for (n, coefficient) in ETA_OVER_MU.iter().enumerate().rev() {
+        let factor = (n as f64 + 2.0) / a;
+        (after, beta) = (beta, (factor * after.0 + coefficient, factor * (after.1 - after.0 / a)));
+        by_eta = by_eta * eta + sum;
+        sum = sum * eta + beta.0;
+        by_shape = by_shape * eta + beta.1;
+    }
+    let gamma_star = 1.0 + after.0 / a;
+    let ratio = if eta == 0.0 { 1.0 } else { excess / eta };
+    gamma_star * (ratio - 0.5 * eta) + sum * (of_kernel - 1.0 / a) + by_shape - by_eta * ratio / a
+}
+
+/// η of Temme's expansion.
+fn eta(excess: f64) -> f64 {
+    (-2.0 * ln_1p_minus(excess)).sqrt().copysign(excess)
+}
+
+/// Whether the uniform expansion holds.
+fn is_uniform(a: f64, excess: f64) -> bool {
+    a >= LARGE && (-0.5..1.0).contains(&excess)
 }
 
 /// D(a, x) and its logarithm.
@@ -153,7 +258,7 @@ fn continued_fraction(a: f64, x: f64) -> f64 {
 ///
 /// T = (1 + β₁/a)⁻¹ Σ βₙ ηⁿ with βₙ₋₁ = (n+1) βₙ₊₁/a + fₙ, fₙ the Taylor coefficients of η/μ.
 fn uniform(a: f64, excess: f64) -> Tail {
-    let eta = (-2.0 * ln_1p_minus(excess)).sqrt().copysign(excess);
+    let eta = eta(excess);
     let (mut after, mut beta, mut sum) = (0.0, 0.0, 0.0);
     for (n, coefficient) in ETA_OVER_MU.iter().enumerate().rev() {
         // β_n from β_{n+2}.
@@ -242,6 +347,24 @@ mod tests {
                 Tail::Lower(ratio) => assert!((kernel * ratio / lower - 1.0).abs() < 1e-14),
                 Tail::Upper(ratio) => assert!((kernel * ratio / upper - 1.0).abs() < 1e-14),
             }
+        }
+    }
+
+    /// Where two methods meet they agree to rounding: below and above x = a, and at shape 20.
+    #[test]
+    fn the_methods_of_the_derivative_meet() {
+        for a in [0.3, 1.0, 5.0, 19.0_f64] {
+            let (x, shape) = (a.max(1.0), GammaShape::new(a));
+            let [below, above] = [x * (1.0 - 1e-15), x].map(|x| upper_by_shape(&shape, x, x / a - 1.0));
+            assert!((below - above).abs() < 1e-14, "{a}: {:e}", below - above);
+        }
+        for x in [12.0, 19.9, 20.0, 27.0, 38.0_f64] {
+            let (a, excess) = (20.0, x / 20.0 - 1.0);
+            let (kernel, _) = kernel(&GammaShape::new(a), x, excess);
+            let of_kernel = (x / a).ln() + ln_minus_digamma(a);
+            let (sum, slope) = series_by_shape(a, x);
+            let (uniform, series) = (uniform_by_shape(a, excess, of_kernel), -a * (of_kernel * sum + slope));
+            assert!((kernel * (uniform - series)).abs() < 3e-14, "{x}: {:e}", kernel * (uniform - series));
         }
     }
 

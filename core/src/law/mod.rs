@@ -136,14 +136,6 @@ pub trait Law: Debug + Send + Sync {
         derivative::by_differences(&self.parameters(), name, |value| self.with_parameter(name, value))
     }
 
-    /// The value of a parameter, and a step for central differences of eighth order.
-    ///
-    /// # Errors
-    /// Those of [`Law::survival_derivative`].
-    fn difference_step(&self, name: &str) -> Result<(f64, f64)> {
-        derivative::step(&self.parameters(), name, |value| self.with_parameter(name, value))
-    }
-
     /// Density p(x) of the part without point masses, per unit length; 0 for x < 0.
     fn density(&self, x: f64) -> f64;
 

@@ -4,10 +4,10 @@ use num_complex::Complex64;
 
 use super::panels::panel_boundaries;
 use super::quadrature::double_exponential;
-use super::{ALL, Atom, Breakpoint, Law, Parameter, SharedLaw, Zone, positive, shared};
-use crate::Result;
+use super::{ALL, Atom, Breakpoint, Law, Parameter, SharedLaw, SurvivalDerivative, Zone, positive, shared};
 use crate::numerics::legendre::RULE;
 use crate::random::Stream;
+use crate::{Error, Result};
 
 /// The distribution of c√A for a given distribution of A.
 ///
@@ -173,6 +173,20 @@ impl Law for Root {
         }
     }
 
+    /// x p(x)/c for the factor; ∂S_A/∂θ at A = x²/c² for the parameters of A.
+    fn survival_derivative(&self, name: &str) -> Result<SurvivalDerivative> {
+        let law = self.clone();
+        if name != "factor" {
+            let by_areas = self.areas.survival_derivative(name)?;
+            return Ok(Box::new(move |x| law.at_area(x, &by_areas)));
+        }
+        if let Some(atom) = self.atoms().first() {
+            let expected = "areas without point masses, since the position of one has no derivative";
+            return Err(Error::invalid(name, expected, format!("one at {}", atom.position)));
+        }
+        Ok(Box::new(move |x| x * law.density(x) / law.factor))
+    }
+
     fn density(&self, x: f64) -> f64 {
         self.per_stretch(x, |area| self.areas.density(area))
     }
@@ -320,7 +334,11 @@ mod tests {
         // Some roundings on either side.
         let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-13, "{a} {b}");
         close(law.std(), twin.std());
+        let by = |name: &str| law.survival_derivative(name).unwrap();
+        let by_scale = twin.survival_derivative("scale").unwrap();
         for x in [0.01, 1.0, 3.0, 20.0] {
+            close(by("factor")(x), by_scale(x));
+            close(by("mean")(x), 1.5 * by_scale(x));
             close(law.density(x), twin.density(x));
             close(law.hazard(x), twin.hazard(x));
             (1..4).for_each(|n| close(law.upper_moment(n, x), twin.upper_moment(n, x)));

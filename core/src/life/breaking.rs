@@ -125,16 +125,9 @@ impl<'a> Breaking<'a> {
 
     /// ∫ν(x) weight(x + u, y) dx with y the largest stretch reached, point masses included.
     fn mean(&self, u: f64, weight: impl Fn(f64, f64) -> f64) -> f64 {
-        self.means(u, |x, y| [weight(x, y)])[0]
-    }
-
-    /// The same for several weights at once.
-    pub(super) fn means<const K: usize>(&self, u: f64, weights: impl Fn(f64, f64) -> [f64; K]) -> [f64; K] {
-        let mut sums = [0.0; K];
-        for mass in &self.layer.point_masses {
-            let at = weights(mass.position + u, self.layer.exceeded(mass, u, &self.threshold_atoms));
-            sums.iter_mut().zip(at).for_each(|(sum, value)| *sum += mass.weight * value);
-        }
+        let exceeded = |point_mass: &PointMass| self.layer.exceeded(point_mass, u, &self.threshold_atoms);
+        let point_masses = self.layer.point_masses.iter();
+        let together: f64 = point_masses.map(|l| l.weight * weight(l.position + u, exceeded(l))).sum();
         let (forth, back) = (self.layer.ahead.max(u), self.layer.behind);
         // The integrand has a kink wherever y(x) passes a breakpoint of P_c, on either branch of y:
         // Gauss points must not straddle these.
@@ -145,12 +138,9 @@ impl<'a> Breaking<'a> {
             cuts: self.hazards.iter().flat_map(places).chain([self.layer.lowest(u)]).collect(),
             steep: self.hazards.iter().filter(|b| b.is_steep()).flat_map(places).collect(),
         };
-        let mut spread = [0.0; K];
-        self.panels.each(everywhere, |x, w| {
-            let at = weights(x + u, self.layer.largest(x, u));
-            spread.iter_mut().zip(at).for_each(|(sum, value)| *sum += w * value);
-        });
-        std::array::from_fn(|k| sums[k] + spread[k])
+        let mut spread = 0.0;
+        self.panels.each(everywhere, |x, w| spread += w * weight(x + u, self.layer.largest(x, u)));
+        together + spread
     }
 
     /// ∫ν(x) (x + u)^power M_moment(y) dx.

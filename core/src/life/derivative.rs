@@ -1,15 +1,15 @@
 //! How the life of contacts changes with a parameter.
 
 use super::Life;
-use super::breaking::Breaking;
-use super::cells::{BULK, CELL, scale, with_atoms};
-use super::layer::Layer;
+use super::cells::{BULK, CELL, edges, scale, threshold_atoms, with_atoms};
+use super::layer::{Layer, PointMass};
+use super::start_quadrature::StartQuadrature;
 use crate::Result;
 use crate::contacts::Contacts;
-use crate::law::{Breakpoint, Law, SharedLaw};
+use crate::law::{Breakpoint, Law, SharedLaw, SurvivalDerivative};
 use crate::monitor::{Monitor, Watch};
-use crate::numerics::legendre::RULE;
-use crate::numerics::piecewise::{Piecewise, Resolution};
+use crate::numerics::legendre::{NODES, Nodal, RULE};
+use crate::numerics::piecewise::Piecewise;
 use crate::numerics::volterra::Kernel;
 
 /// The derivatives of survival and of the carried force by a parameter θ, as functions of the advance u, per
@@ -20,8 +20,21 @@ pub(crate) struct LifeDerivative {
     force: Kernel,
 }
 
+/// Time-independent contacts of equal stiffness that start at stretches drawn from a distribution, and their life.
+#[derive(Clone, Copy)]
+pub(crate) struct StartingContacts<'a> {
+    pub(crate) contacts: &'a Contacts,
+    pub(crate) starts: &'a SharedLaw,
+    /// Whether thresholds are drawn given that they exceed the starting stretch.
+    pub(crate) conditional: bool,
+    pub(crate) life: &'a Life,
+}
+
 /// Truncation error of a derivative, relative to its largest value and the mean life.
 const RESOLUTION: f64 = 1e-13;
+
+/// The same of tables of what is integrated, relative to the largest value and the smallest scale of the thresholds.
+const TABLE: f64 = 1e-14;
 
 impl LifeDerivative {
     /// ∂S/∂θ.
@@ -32,69 +45,6 @@ impl LifeDerivative {
     /// ∂m/∂θ.
     pub(crate) fn force(&self) -> &Kernel {
         &self.force
-    }
-
-    /// By a parameter of the thresholds, for time-independent contacts of equal stiffness that start at stretches
-    /// drawn from `starts`; `derivative` is ∂S/∂θ of the thresholds, `life` their life.
-    ///
-    /// ∂/∂θ ∫ν(r) S(r + u) dr = ∫ν(r) \[S_θ(r + u) − S(r + u) S_θ(r)/S(r)\] dr, without the second term where
-    /// thresholds are independent of stretches.
-    ///
-    /// # Errors
-    /// Stopped by the monitor.
-    pub(crate) fn of_thresholds(
-        contacts: &Contacts,
-        (starts, conditional): (&SharedLaw, bool),
-        life: &Life,
-        derivative: &dyn Fn(f64) -> f64,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Self> {
-        let law = contacts.thresholds.as_ref();
-        let layer = Layer::placed(contacts, starts.as_ref(), conditional, BULK);
-        let breaking = Breaking::new(law, &layer, BULK);
-        let held = |r: f64| if conditional { derivative(r) / law.survival(r) } else { 0.0 };
-        let change = |x: f64, y: f64, u: f64| derivative(y) - held(x - u) * law.survival(y);
-        let values = |u: f64| {
-            breaking.means(u, |x, y| {
-                let change = change(x, y, u);
-                [change, x * change]
-            })
-        };
-        Self::resolved(life, values, monitor)
-    }
-
-    /// By a parameter of the starting stretches; `derivative` is its ∂S/∂θ.
-    ///
-    /// With h(r, u) = S(r + u)/S(r), or S(r + u) where thresholds are independent of stretches, partial integration
-    /// gives ∂/∂θ ∫R(r) h dr = ∫S_θ(r) ∂h/∂r dr, which needs no derivative of a density with edges.
-    ///
-    /// # Errors
-    /// Stopped by the monitor.
-    pub(crate) fn of_starts(
-        contacts: &Contacts,
-        (starts, conditional): (&SharedLaw, bool),
-        life: &Life,
-        derivative: &dyn Fn(f64) -> f64,
-        monitor: &mut dyn Monitor,
-    ) -> Result<Self> {
-        let held = Held { thresholds: contacts.thresholds.as_ref(), conditional };
-        let panels = panels(contacts, starts, conditional);
-        let values = |u: f64| held.integrals(&panels, u, derivative);
-        Self::resolved(life, values, monitor)
-    }
-
-    /// Both curves on the cells of a life, refined where they need it.
-    fn resolved(life: &Life, values: impl Fn(f64) -> [f64; 2], monitor: &mut dyn Monitor) -> Result<Self> {
-        let watch = Watch::new(monitor);
-        let curve = life.survival().curve();
-        let middles = (0..curve.coefficients.len()).map(|cell| curve.cell(cell).0);
-        let size = |[survival, force]: [f64; 2]| survival.abs().max(force.abs() / life.mean());
-        let largest = middles.map(|u| size(watch.value(|| values(u)))).fold(0.0, f64::max);
-        let resolution = Resolution::Mean(RESOLUTION * largest * life.mean());
-        let curves =
-            Piecewise::resolve_all(|u| watch.value(|| values(u)), &curve.boundaries, curve.end(), resolution);
-        watch.check()?;
-        Ok(Self::of_curves(life, curves))
     }
 
     /// From the curves of survival and force on cells that end where the breaking density is not smooth.
@@ -108,7 +58,7 @@ impl LifeDerivative {
     }
 
     /// By differences of lives: Σ weight × (above − below) on the cells of `life`.
-    pub(crate) fn by_differences(life: &Life, pairs: &[(f64, Life, Life)]) -> Self {
+    pub(crate) fn by_differences(life: &Life, pairs: &[(f64, &Life, &Life)]) -> Self {
         let curve = life.survival().curve();
         let differences = |of: fn(&Life) -> &Kernel| {
             let value = |u: f64| {
@@ -126,67 +76,146 @@ impl LifeDerivative {
     }
 }
 
-/// Boundaries of panels on which a distribution of starts, and the thresholds of contacts there, are smooth.
-fn panels(contacts: &Contacts, starts: &SharedLaw, conditional: bool) -> Vec<f64> {
-    let layer = Layer::placed(contacts, starts.as_ref(), conditional, BULK);
-    let mut ends = layer.density.boundaries;
-    ends.extend(layer.point_masses.iter().map(|mass| mass.position));
-    ends.extend(starts.breakpoints().iter().map(|b| b.position));
-    ends.sort_by(f64::total_cmp);
-    ends.dedup();
-    let widest = 2.0 * CELL * scale(contacts.thresholds.as_ref());
-    let cut = |pair: &[f64]| {
-        let (low, width) = (pair[0], pair[1] - pair[0]);
-        let parts = (width / widest).ceil().max(1.0);
-        (0..parts as usize).map(move |part| low + width * part as f64 / parts)
-    };
-    let mut panels: Vec<f64> = ends.windows(2).flat_map(cut).collect();
-    panels.extend(ends.last());
-    panels
+/// The derivatives ∂S/∂θ of two distributions by some of their parameters.
+#[derive(Clone, Copy)]
+pub(crate) struct LawDerivatives<'a> {
+    pub(crate) thresholds: &'a [SurvivalDerivative],
+    pub(crate) starts: &'a [SurvivalDerivative],
 }
 
-/// The survival h(r, u) of contacts that start at r.
-struct Held<'a> {
-    thresholds: &'a dyn Law,
-    conditional: bool,
-}
+impl StartingContacts<'_> {
+    /// The derivatives of the life by parameters of the thresholds, then those by parameters of the starts.
+    ///
+    /// With h(r, u) = S(r + u)/S(r), the survival of contacts that start at r,
+    ///
+    /// ∂/∂θ ∫R(r) h dr = ∫ν(r) \[S_θ(r + u) − q(r) S(r + u)\] dr, ν = R/S, q = S_θ/S,
+    ///
+    /// for thresholds, and for starts, by partial integration that needs no derivative of a density with edges,
+    ///
+    /// ∂/∂θ ∫R(r) h dr = ∫s(r) ∂h/∂r dr = ∫ s(r)/S(r) \[λ(r) S(r + u) − P_c(r + u)\] dr
+    ///
+    /// with s = ∂S_R/∂θ and the hazard λ. Where thresholds are independent of stretches, h = S(r + u) and q = λ = 0. The
+    /// force has the additional factor r + u under the derivative. S, P_c and S_θ are evaluated once for all parameters.
+    ///
+    /// # Errors
+    /// Stopped by the monitor.
+    pub(crate) fn derivatives(
+        &self,
+        by: LawDerivatives<'_>,
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<LifeDerivative>> {
+        if by.thresholds.is_empty() && by.starts.is_empty() {
+            return Ok(Vec::new());
+        }
+        let law = self.contacts.thresholds.as_ref();
+        let layer = Layer::placed(self.contacts, self.starts.as_ref(), self.conditional, BULK);
+        let hazards = with_atoms(law);
+        let spread = !(by.starts.is_empty() && layer.is_pointed());
+        let ends = if spread { self.ends(&layer, &hazards) } else { Vec::new() };
+        let count = 1 + by.thresholds.len() + 2 * by.starts.len();
+        let weights = |r: f64, out: &mut [f64]| self.weights(&layer, by, r, out);
+        let quadrature = StartQuadrature::new(&ends, CELL * scale(law), count, weights);
+        let highest = ends.last().copied().unwrap_or(0.0) + self.life.survival().curve().end();
+        let integrands = Integrands::new(law, by, if spread { highest } else { 0.0 });
+        let of_masses = self.of_masses(&layer, by, count);
+        let masses = layer.point_masses.chunks(NODES);
+        let atoms = threshold_atoms(law);
+        let values = |u: f64| {
+            let mut sums = vec![0.0; 2 * (by.thresholds.len() + by.starts.len())];
+            let at = |b: &Breakpoint| b.position - u;
+            let cuts: Vec<f64> = hazards.iter().map(at).collect();
+            let steep: Vec<f64> = hazards.iter().filter(|b| b.is_steep()).map(at).collect();
+            quadrature.each(&cuts, &steep, |points, divided| {
+                let y = points.r.map(|r| r + u);
+                let values = if divided { integrands.values(&y, NODES) } else { integrands.tabulated(&y) };
+                integrands.add(&y, &values, &points.weights, &mut sums);
+            });
+            for (masses, weights) in masses.clone().zip(&of_masses) {
+                let mut y = [0.0; NODES];
+                y.iter_mut().zip(masses).for_each(|(y, mass)| *y = layer.exceeded(mass, u, &atoms));
+                integrands.add(&y, &integrands.values(&y, masses.len()), weights, &mut sums);
+            }
+            let by_starts = sums[2 * by.thresholds.len()..].chunks_exact_mut(2);
+            for (change, sum) in by.starts.iter().zip(by_starts) {
+                self.add_jumps((ends.first(), ends.last()), u, change, sum);
+            }
+            sums
+        };
+        resolved(self.life, values, monitor)
+    }
 
-impl Held<'_> {
+    /// Survival at the start, by which densities of starts are divided.
     fn over(&self, r: f64) -> f64 {
-        if self.conditional { self.thresholds.survival(r) } else { 1.0 }
+        if self.conditional { self.contacts.thresholds.survival(r) } else { 1.0 }
     }
 
-    /// h and ∂h/∂r, without the jumps.
-    fn at(&self, r: f64, u: f64) -> (f64, f64) {
-        let over = self.over(r);
-        let held = self.thresholds.survival(r + u) / over;
-        let lost = if self.conditional { self.thresholds.density(r) * held } else { 0.0 };
-        (held, (lost - self.thresholds.density(r + u)) / over)
-    }
-
-    /// ∫S_θ(r) ∂h/∂r dr and ∫S_θ(r) ∂\[(r + u) h\]/∂r dr.
-    fn integrals(&self, panels: &[f64], u: f64, derivative: &dyn Fn(f64) -> f64) -> [f64; 2] {
-        let (Some(&low), Some(&high)) = (panels.first(), panels.last()) else { return [0.0; 2] };
-        let hazards = with_atoms(self.thresholds);
-        let cuts =
-            hazards.iter().flat_map(|b| [b.position - u, b.position]).filter(|r| (low..high).contains(r));
-        let mut ends: Vec<f64> = panels.iter().copied().chain(cuts).collect();
+    /// Ends of cells on which the distribution of starts, and the thresholds of contacts there, are smooth.
+    fn ends(&self, layer: &Layer, hazards: &[Breakpoint]) -> Vec<f64> {
+        let mut ends = layer.density.boundaries.clone();
+        ends.extend(layer.point_masses.iter().map(|mass| mass.position));
+        ends.extend(self.starts.breakpoints().iter().map(|b| b.position));
         ends.sort_by(f64::total_cmp);
-        let mut sums = [0.0; 2];
-        for pair in ends.windows(2) {
-            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-            for (t, weight) in RULE.nodes.iter().zip(&RULE.weights) {
-                let r = middle + half * t;
-                let ((held, slope), weight) = (self.at(r, u), half * weight * derivative(r));
-                sums[0] += weight * slope;
-                sums[1] += weight * (held + (r + u) * slope);
+        if let (Some(&low), Some(&high)) = (ends.first(), ends.last()) {
+            ends.extend(hazards.iter().map(|b| b.position).filter(|&r| r > low && r < high));
+        }
+        ends.sort_by(f64::total_cmp);
+        ends.dedup();
+        ends
+    }
+
+    /// The weights at a starting stretch: ν, νq of each parameter of the thresholds, s/S and sλ/S of each of the starts.
+    fn weights(&self, layer: &Layer, by: LawDerivatives<'_>, r: f64, out: &mut [f64]) {
+        let law = self.contacts.thresholds.as_ref();
+        let (over, density) = (self.over(r), layer.density.value(r));
+        out.fill(0.0);
+        if over == 0.0 {
+            return;
+        }
+        out[0] = density;
+        let (of_thresholds, of_starts) = out[1..].split_at_mut(by.thresholds.len());
+        if self.conditional && density != 0.0 {
+            for (weight, change) in of_thresholds.iter_mut().zip(by.thresholds) {
+                *weight = density * change(r) / over;
             }
         }
-        for atom in self.thresholds.atoms() {
+        let hazard = if self.conditional && !by.starts.is_empty() { law.density(r) / over } else { 0.0 };
+        for (pair, change) in of_starts.chunks_exact_mut(2).zip(by.starts) {
+            pair[0] = change(r) / over;
+            pair[1] = pair[0] * hazard;
+        }
+    }
+
+    /// The same for the point masses of ν, in groups of up to 16; those of parameters of the starts are 0.
+    fn of_masses(&self, layer: &Layer, by: LawDerivatives<'_>, count: usize) -> Vec<Vec<Nodal>> {
+        let of_group = |masses: &[PointMass]| {
+            let mut weights = vec![[0.0; NODES]; count];
+            for (j, mass) in masses.iter().enumerate() {
+                weights[0][j] = mass.weight;
+                for (weight, change) in weights[1..].iter_mut().zip(by.thresholds) {
+                    let at_start = change(mass.position) / self.over(mass.position);
+                    weight[j] = if self.conditional { mass.weight * at_start } else { 0.0 };
+                }
+            }
+            weights
+        };
+        layer.point_masses.chunks(NODES).map(of_group).collect()
+    }
+
+    /// Adds what a parameter of the starts contributes by the jumps of h at point masses of the thresholds.
+    fn add_jumps(
+        &self,
+        ends: (Option<&f64>, Option<&f64>),
+        u: f64,
+        change: &SurvivalDerivative,
+        sum: &mut [f64],
+    ) {
+        let (Some(&low), Some(&high)) = ends else { return };
+        let law = self.contacts.thresholds.as_ref();
+        for atom in law.atoms() {
             let mut jump = |r: f64, height: f64| {
                 if (low..high).contains(&r) {
-                    sums[0] += derivative(r) * height;
-                    sums[1] += derivative(r) * (r + u) * height;
+                    sum[0] += change(r) * height;
+                    sum[1] += change(r) * (r + u) * height;
                 }
             };
             let (reached, passed) = (atom.position - u, atom.position);
@@ -194,9 +223,113 @@ impl Held<'_> {
             if self.conditional {
                 let after = self.over(passed);
                 let fewer = 1.0 / after - 1.0 / (after + atom.weight);
-                jump(passed, self.thresholds.survival(passed + u) * if after > 0.0 { fewer } else { 0.0 });
+                jump(passed, law.survival(passed + u) * if after > 0.0 { fewer } else { 0.0 });
             }
         }
-        sums
     }
+}
+
+/// What is integrated over the starts as functions of the stretch y = r + u: S, P_c and the S_θ.
+struct Integrands<'a> {
+    law: &'a dyn Law,
+    by: LawDerivatives<'a>,
+    table: Vec<Piecewise>,
+}
+
+impl<'a> Integrands<'a> {
+    /// With a table up to `highest`.
+    fn new(law: &'a dyn Law, by: LawDerivatives<'a>, highest: f64) -> Self {
+        let mut integrands = Self { law, by, table: Vec::new() };
+        if highest > 0.0 {
+            let stops: Vec<f64> = with_atoms(law).iter().map(|b| b.position).collect();
+            let boundaries = edges(&law.zones(), &stops, highest);
+            let values = |y: f64| integrands.at(y);
+            let middles = boundaries.windows(2).map(|ends| 0.5 * (ends[0] + ends[1]));
+            let sizes = largest(middles.map(values));
+            let limits: Vec<_> = sizes.iter().map(|&size| limit(TABLE * scale(law), size)).collect();
+            integrands.table = Piecewise::resolve_each(values, &boundaries, &limits);
+        }
+        integrands
+    }
+
+    fn at(&self, y: f64) -> Vec<f64> {
+        let density = if self.by.starts.is_empty() { 0.0 } else { self.law.density(y) };
+        let changes = self.by.thresholds.iter().map(|change| change(y));
+        [self.law.survival(y), density].into_iter().chain(changes).collect()
+    }
+
+    /// The values at the first `count` of 16 stretches.
+    fn values(&self, y: &Nodal, count: usize) -> Vec<Nodal> {
+        let mut values = vec![[0.0; NODES]; 2 + self.by.thresholds.len()];
+        for j in 0..count {
+            values.iter_mut().zip(self.at(y[j])).for_each(|(values, value)| values[j] = value);
+        }
+        values
+    }
+
+    /// The values at 16 stretches from the table.
+    fn tabulated(&self, y: &Nodal) -> Vec<Nodal> {
+        self.table.iter().map(|curve| curve.values(y)).collect()
+    }
+
+    /// Adds the integrals with the given weights.
+    fn add(&self, y: &Nodal, values: &[Nodal], weights: &[Nodal], sums: &mut [f64]) {
+        let ([survival, density], changes) = ([&values[0], &values[1]], &values[2..]);
+        let (of_thresholds, of_starts) = weights[1..].split_at(changes.len());
+        let (sums_of_thresholds, sums_of_starts) = sums.split_at_mut(2 * changes.len());
+        let all = sums_of_thresholds.chunks_exact_mut(2).zip(changes).zip(of_thresholds);
+        for ((sum, change), at_start) in all {
+            for j in 0..NODES {
+                let term = weights[0][j] * change[j] - at_start[j] * survival[j];
+                sum[0] += term;
+                sum[1] += y[j] * term;
+            }
+        }
+        for (sum, pair) in sums_of_starts.chunks_exact_mut(2).zip(of_starts.chunks_exact(2)) {
+            for j in 0..NODES {
+                let term = pair[1][j] * survival[j] - pair[0][j] * density[j];
+                sum[0] += term;
+                sum[1] += pair[0][j] * survival[j] + y[j] * term;
+            }
+        }
+    }
+}
+
+/// The tolerance of a function of this magnitude, and the magnitude; none for a function that is 0.
+fn limit(fraction: f64, size: f64) -> (f64, f64) {
+    (if size > 0.0 { fraction * size } else { f64::INFINITY }, size)
+}
+
+/// The largest magnitude of each of several values.
+fn largest(samples: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
+    let mut largest = Vec::new();
+    for sample in samples {
+        largest.resize(sample.len(), 0.0);
+        largest.iter_mut().zip(sample).for_each(|(largest, value): (&mut f64, f64)| {
+            *largest = largest.max(value.abs());
+        });
+    }
+    largest
+}
+
+/// The curves of several parameters, survival and force of each, on the cells of a life, bisected where the survival of
+/// one of them needs it.
+fn resolved(
+    life: &Life,
+    values: impl Fn(f64) -> Vec<f64>,
+    monitor: &mut dyn Monitor,
+) -> Result<Vec<LifeDerivative>> {
+    let watch = Watch::new(monitor);
+    let (curve, count) = (life.survival().curve(), values(0.0).len());
+    let values = |u: f64| if watch.stops() { vec![0.0; count] } else { values(u) };
+    let sizes = largest((0..curve.coefficients.len()).map(|cell| values(curve.cell(cell).0)));
+    let pair = |sizes: &[f64]| {
+        let size = sizes[0].max(sizes[1] / life.mean());
+        [limit(RESOLUTION * life.mean(), size), (f64::INFINITY, size)]
+    };
+    let limits: Vec<_> = sizes.chunks_exact(2).flat_map(pair).collect();
+    let mut curves = Piecewise::resolve_each(values, &curve.boundaries, &limits).into_iter();
+    watch.check()?;
+    let pairs = std::iter::from_fn(|| curves.next().zip(curves.next()));
+    Ok(pairs.map(|(survival, force)| LifeDerivative::of_curves(life, [survival, force])).collect())
 }

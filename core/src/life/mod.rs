@@ -19,6 +19,7 @@ mod moving;
 mod panels;
 mod running_maximum;
 mod smoluchowski;
+mod start_quadrature;
 mod thermal_hazard;
 mod timed;
 
@@ -29,7 +30,7 @@ pub(crate) use births::Births;
 pub(crate) use cells::{ORDERS, threshold_atoms};
 use cohorts::Cohorts;
 pub(crate) use continuation::Continuation;
-pub(crate) use derivative::LifeDerivative;
+pub(crate) use derivative::{LawDerivatives, LifeDerivative, StartingContacts};
 pub(crate) use layer::Layer;
 use layer::PointMass;
 pub(crate) use merge::{LayerSums, life_of, reaches_threshold_atom, simplified};

@@ -126,7 +126,7 @@ impl StartPanel {
 }
 
 /// Whether one of the positions is closer to [low, high] than its width.
-fn near(places: &[f64], low: f64, high: f64) -> bool {
+pub(super) fn near(places: &[f64], low: f64, high: f64) -> bool {
     places.iter().any(|x| (low - x).max(x - high) < 0.99 * (high - low))
 }
 

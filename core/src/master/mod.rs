@@ -6,11 +6,14 @@
 mod covariance;
 mod distribution;
 mod force_after_break;
+mod friction_gradient;
 mod gradient;
+mod life_change;
 mod limits;
 mod loading;
 mod master_population;
 mod noise;
+mod parameters;
 mod pull;
 mod relaxation;
 mod renewal;
@@ -23,7 +26,8 @@ mod transport;
 mod unloading;
 
 pub use covariance::Covariance;
-pub use gradient::{FrictionGradient, Gradient};
+pub use friction_gradient::FrictionGradient;
+pub use gradient::Gradient;
 pub use limits::{Limits, creep};
 pub use master_population::MasterPopulation;
 pub use pull::Pull;

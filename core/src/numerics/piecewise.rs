@@ -104,6 +104,18 @@ impl Piecewise {
         out
     }
 
+    /// Interpolates several functions on the same cells: those between `boundaries`, bisected until the truncation error ×
+    /// half width of each function is at most its tolerance, or is rounding. `limits` are the tolerance and the magnitude
+    /// of each.
+    pub fn resolve_each(f: impl Fn(f64) -> Vec<f64>, boundaries: &[f64], limits: &[(f64, f64)]) -> Vec<Self> {
+        let start = boundaries.first().copied().into_iter().collect::<Vec<_>>();
+        let mut out = vec![Self { boundaries: start, coefficients: Vec::new() }; limits.len()];
+        for ends in boundaries.windows(2) {
+            bisect_each(&f, (ends[0], ends[1]), (f64::INFINITY, 0), limits, &mut out);
+        }
+        out
+    }
+
     /// `beyond` + ∫_x^end of the function + the jumps above x, given as (position, height) at cell
     /// boundaries.
     #[must_use]
@@ -340,6 +352,39 @@ fn bisect<const K: usize>(
     } else {
         bisect(f, (a, middle), (error, depth + 1), resolution, integral, out);
         bisect(f, (middle, b), (error, depth + 1), resolution, integral, out);
+    }
+}
+
+/// Interpolates several functions on [a, b], bisecting where one of them needs it. `before` is the largest error of the
+/// parent cell, in tolerances.
+fn bisect_each(
+    f: &impl Fn(f64) -> Vec<f64>,
+    (a, b): (f64, f64),
+    (before, depth): (f64, u32),
+    limits: &[(f64, f64)],
+    out: &mut [Piecewise],
+) {
+    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+    let values = RULE.nodes.map(|t| f(middle + half * t));
+    let coefficients: Vec<Nodal> = (0..out.len())
+        .map(|k| RULE.coefficients(&std::array::from_fn::<f64, NODES, _>(|i| values[i][k])))
+        .collect();
+    let mut error = 0.0_f64;
+    for (coefficients, &(tolerance, size)) in coefficients.iter().zip(limits) {
+        let truncation = tail(coefficients);
+        let own = truncation * half / tolerance;
+        // Where rounding dominates, the error at best halves with the width.
+        let rounding = depth > 1 && own > 0.4 * before && truncation < 1e-9 * size;
+        error = error.max(if rounding { 0.0 } else { own });
+    }
+    if error <= 1.0 || half <= 16.0 * f64::EPSILON * b || depth > MOST_BISECTIONS {
+        for (piecewise, coefficients) in out.iter_mut().zip(coefficients) {
+            piecewise.boundaries.push(b);
+            piecewise.coefficients.push(coefficients);
+        }
+    } else {
+        bisect_each(f, (a, middle), (error, depth + 1), limits, out);
+        bisect_each(f, (middle, b), (error, depth + 1), limits, out);
     }
 }
 

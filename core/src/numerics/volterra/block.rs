@@ -34,6 +34,9 @@ fn by_position(target: (f64, f64), source: (f64, f64)) -> RelativePosition {
 /// Largest number of blocks cached between cells of different runs: 32 MB.
 const MOST_CACHED: usize = 1 << 14;
 
+/// The solution before a run on cells as wide as those of the run, once it is needed.
+pub(super) type Past = Option<Vec<Resampled>>;
+
 /// The blocks of one kernel on the latest run of a mesh, each computed once.
 pub(super) struct Blocks<'a> {
     kernel: &'a Kernel,
@@ -44,7 +47,7 @@ pub(super) struct Blocks<'a> {
     /// Between cells of different runs; many coincide where breakpoints lie on a lattice.
     by_position: HashMap<RelativePosition, Option<Box<ConvolutionBlock>>>,
     run: u32,
-    past: Option<Vec<Resampled>>,
+    past: Past,
 }
 
 impl<'a> Blocks<'a> {
@@ -73,6 +76,23 @@ impl<'a> Blocks<'a> {
         if mesh.run_of[cell] != self.run {
             self.reset(mesh.run_of[cell]);
         }
+        let mut past = self.past.take();
+        self.add_history_of(mesh, cell, (values, density, &mut past), out);
+        self.past = past;
+    }
+
+    /// The same for one of several functions that share the blocks; each has a `past` of its own, `None` at the start of
+    /// a run.
+    pub(super) fn add_history_of(
+        &mut self,
+        mesh: &Mesh,
+        cell: usize,
+        (values, density, past): (&[Nodal], &Piecewise, &mut Past),
+        out: &mut Nodal,
+    ) {
+        if mesh.run_of[cell] != self.run {
+            self.reset(mesh.run_of[cell]);
+        }
         let run = mesh.runs[self.run as usize];
         let (end, ahead) = (self.kernel.curve().end(), cell - run.first);
         let near = |lag: usize| (lag as f64 - 1.0) * run.width < end;
@@ -82,13 +102,13 @@ impl<'a> Blocks<'a> {
                 apply(block, &values[source], out);
             }
         }
-        if self.past.is_none() && ahead >= SHORT_RUN && run.first > 0 {
-            self.past = Resampled::of(run, density, end);
+        if past.is_none() && ahead >= SHORT_RUN && run.first > 0 {
+            *past = Resampled::of(run, density, end);
         }
         // Earlier runs have other widths. Resampled on the cells of this run they can use the same blocks, as
         // long as neither the density nor the kernel has structure that the resampling loses.
         let slack = self.slack;
-        let Some(past) = self.past.take() else {
+        let Some(past) = past else {
             return self.add_cells(mesh, cell, &values[..run.first.min(values.len())], out);
         };
         for (k, source) in past.iter().enumerate().take_while(|(k, _)| near(ahead + 1 + k)) {
@@ -102,7 +122,6 @@ impl<'a> Blocks<'a> {
                 }),
             }
         }
-        self.past = Some(past);
     }
 
     /// Adds the integral over `cell` itself, which has these values.

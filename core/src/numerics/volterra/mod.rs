@@ -23,7 +23,7 @@ use super::breakpoints::{Atom, Breakpoint};
 use super::legendre::{Nodal, RULE};
 use super::piecewise::Piecewise;
 use crate::Result;
-use crate::monitor::{Monitor, report};
+use crate::monitor::Monitor;
 
 /// The solution g of g = source + kernel ∗ g on [0, end].
 #[derive(Debug, Clone)]
@@ -87,9 +87,7 @@ impl Solution {
             });
             blocks.add_history(&self.mesh, cell, &self.values[..=cell], &self.density, &mut values);
             coefficients.push(RULE.coefficients(&values));
-            if cell % 16 == 15 {
-                report(monitor, (cell + 1) as f64 / self.mesh.cells() as f64)?;
-            }
+            self.report(cell, monitor)?;
         }
         Ok(Piecewise { boundaries: self.mesh.boundaries.clone(), coefficients })
     }

@@ -1,7 +1,8 @@
-//! Further functions on the mesh of a solution: convolutions of them, and the solution for another source.
+//! Further functions on the mesh of a solution: convolutions of them, and the solutions for other sources. Several
+//! functions share the blocks of a kernel, which are most of the cost.
 
 use super::Solution;
-use super::block::{Blocks, ConvolutionBlock, apply, block, inverted};
+use super::block::{Blocks, ConvolutionBlock, Past, apply, block, inverted};
 use super::kernel::Kernel;
 use crate::Result;
 use crate::monitor::{Monitor, report};
@@ -10,64 +11,83 @@ use crate::numerics::legendre::{NODES, Nodal, RULE};
 use crate::numerics::piecewise::Piecewise;
 
 impl Solution {
-    /// kernel ∗ `function`, point masses of the kernel included, for a function on the mesh of this solution.
+    /// kernel ∗ function, point masses of the kernel included, for functions on the mesh of this solution.
     ///
     /// # Errors
     /// [`crate::Error::Stopped`] by the monitor.
-    pub fn convolve_function(
+    pub fn convolve_functions(
         &self,
-        function: &Piecewise,
+        functions: &[Piecewise],
         kernel: &Kernel,
         monitor: &mut dyn Monitor,
-    ) -> Result<Piecewise> {
+    ) -> Result<Vec<Piecewise>> {
         let (mut blocks, atoms) = (Blocks::new(kernel, self.resolved), kernel.atoms().collect::<Vec<_>>());
-        let values = self.gauss_values(function);
-        let mut out = Piecewise { boundaries: self.mesh.boundaries.clone(), coefficients: Vec::new() };
-        for cell in 0..values.len() {
-            let mut sums = self.shifted(function, &atoms, cell);
-            blocks.add_history(&self.mesh, cell, &values[..=cell], function, &mut sums);
-            out.coefficients.push(RULE.coefficients(&sums));
-            if cell % 16 == 15 {
-                report(monitor, cell as f64 / values.len() as f64)?;
+        let values: Vec<_> = functions.iter().map(|function| self.gauss_values(function)).collect();
+        let mut pasts: Vec<Past> = functions.iter().map(|_| None).collect();
+        let empty = Piecewise { boundaries: self.mesh.boundaries.clone(), coefficients: Vec::new() };
+        let mut out = vec![empty; functions.len()];
+        for cell in 0..self.values.len() {
+            self.forget(cell, &mut pasts);
+            for (k, function) in functions.iter().enumerate() {
+                let mut sums = self.shifted(function, &atoms, cell);
+                let history = (&values[k][..=cell], function, &mut pasts[k]);
+                blocks.add_history_of(&self.mesh, cell, history, &mut sums);
+                out[k].coefficients.push(RULE.coefficients(&sums));
             }
+            self.report(cell, monitor)?;
         }
         Ok(out)
     }
 
-    /// The solution b of b = source + kernel ∗ b, for a source on the mesh of this solution and the kernel of its
+    /// The solutions b of b = source + kernel ∗ b, for sources on the mesh of this solution and the kernel of its
     /// equation. The mesh, which ends cells at all breakpoints of this solution, is not refined.
     ///
     /// # Errors
     /// [`crate::Error::Stopped`] by the monitor.
     pub fn respond(
         &self,
-        source: &Piecewise,
+        sources: &[Piecewise],
         kernel: &Kernel,
         monitor: &mut dyn Monitor,
-    ) -> Result<Piecewise> {
+    ) -> Result<Vec<Piecewise>> {
         let (mut blocks, atoms) = (Blocks::new(kernel, self.resolved), kernel.atoms().collect::<Vec<_>>());
-        let mut density = Piecewise { boundaries: vec![0.0], coefficients: Vec::new() };
-        let mut values: Vec<Nodal> = Vec::new();
+        let mut pasts: Vec<Past> = sources.iter().map(|_| None).collect();
+        let mut values: Vec<Vec<Nodal>> = vec![Vec::new(); sources.len()];
+        let empty = Piecewise { boundaries: vec![0.0], coefficients: Vec::new() };
+        let mut out = vec![empty; sources.len()];
+        let known: Vec<_> = sources.iter().map(|source| self.gauss_values(source)).collect();
         let mut inverse: Option<(u32, Box<ConvolutionBlock>)> = None;
-        for (cell, values_of_source) in self.gauss_values(source).into_iter().enumerate() {
-            let shifted = self.shifted(&density, &atoms, cell);
-            let mut known = std::array::from_fn(|i| values_of_source[i] + shifted[i]);
-            blocks.add_history(&self.mesh, cell, &values, &density, &mut known);
+        for cell in 0..self.values.len() {
+            self.forget(cell, &mut pasts);
             let run = self.mesh.run_of[cell];
             let (_, own) = match &mut inverse {
                 Some(made) if made.0 == run => made,
                 other => other.insert((run, own_inverse(kernel, &atoms, self.mesh.cell(cell).1))),
             };
-            let mut found = [0.0; NODES];
-            apply(own, &known, &mut found);
-            values.push(found);
-            density.boundaries.push(self.mesh.boundaries[cell + 1]);
-            density.coefficients.push(RULE.coefficients(&found));
-            if cell % 16 == 15 {
-                report(monitor, cell as f64 / self.values.len() as f64)?;
+            for k in 0..sources.len() {
+                let shifted = self.shifted(&out[k], &atoms, cell);
+                let mut sums = std::array::from_fn(|i| known[k][cell][i] + shifted[i]);
+                blocks.add_history_of(&self.mesh, cell, (&values[k], &out[k], &mut pasts[k]), &mut sums);
+                let mut found = [0.0; NODES];
+                apply(own, &sums, &mut found);
+                values[k].push(found);
+                out[k].boundaries.push(self.mesh.boundaries[cell + 1]);
+                out[k].coefficients.push(RULE.coefficients(&found));
             }
+            self.report(cell, monitor)?;
         }
-        Ok(density)
+        Ok(out)
+    }
+
+    /// Drops the resampled functions of the run before, at the first cell of a run.
+    fn forget(&self, cell: usize, pasts: &mut [Past]) {
+        if self.mesh.runs[self.mesh.run_of[cell] as usize].first == cell {
+            pasts.iter_mut().for_each(|past| *past = None);
+        }
+    }
+
+    pub(super) fn report(&self, cell: usize, monitor: &mut dyn Monitor) -> Result<()> {
+        if cell % 16 == 15 { report(monitor, (cell + 1) as f64 / self.values.len() as f64) } else { Ok(()) }
     }
 
     /// A function at the Gauss points of all cells.

@@ -1,0 +1,170 @@
+//! The derivatives of static and kinetic friction, relaxation length and critical stiffness by parameters.
+
+use num_complex::Complex64;
+
+use super::life_change::LifeChange;
+use super::pull::Pull;
+use super::relaxation::Relaxation;
+use super::{Extremum, Gradient};
+use crate::Result;
+use crate::life::{Life, LifeDerivative};
+use crate::monitor::{Monitor, Part};
+use crate::numerics::piecewise::Piecewise;
+use crate::numerics::volterra::Kernel;
+
+/// The derivatives of friction by a parameter θ; NaN where a quantity is not finite or not known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionGradient {
+    /// ∂F_s/∂θ; `None` if the static friction is not reached.
+    pub static_friction: Option<f64>,
+    /// ∂F_k/∂θ.
+    pub kinetic_friction: f64,
+    /// ∂X*/∂θ.
+    pub relaxation_length: f64,
+    /// ∂K_c/∂θ; 0 where K_c is 0.
+    pub critical_stiffness: f64,
+}
+
+impl Pull {
+    /// The derivatives of F_s, F_k, X* and K_c by one parameter, for the propagation of errors.
+    ///
+    /// # Errors
+    /// Those of [`Self::friction_gradients`].
+    pub fn friction_gradient(&self, parameter: &str) -> Result<FrictionGradient> {
+        self.friction_gradient_with(parameter, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::friction_gradient`]; stopped by the monitor.
+    pub fn friction_gradient_with(
+        &self,
+        parameter: &str,
+        monitor: &mut dyn Monitor,
+    ) -> Result<FrictionGradient> {
+        self.friction_gradients_with(&[parameter], monitor).map(|mut one| one.swap_remove(0))
+    }
+
+    /// The derivatives of F_s, F_k, X* and K_c by several of [`Self::parameters`].
+    ///
+    /// ∂F_s is ∂F/∂θ at a smooth maximum, whose motion has no effect at first order; ∂K_c is minus the slope of ∂F/∂θ
+    /// where F falls most steeply. At a kink of F the motion of the kink adds to them. With C the mean life, F_k =
+    /// N_c⟨k⟩ ∫m/C gives ∂F_k = N_c⟨k⟩ (∫m_θ − F_k ∫S_θ)/C; the root φ̂(s₁) = 1 that sets X* = −1/Re s₁ moves by
+    /// s₁ Ŝ_θ(s₁)/φ̂'(s₁), since φ̂_θ = −s Ŝ_θ.
+    ///
+    /// # Errors
+    /// Those of [`Pull::gradients`] and of [`super::MasterEquation::relaxation`].
+    pub fn friction_gradients(&self, parameters: &[&str]) -> Result<Vec<FrictionGradient>> {
+        self.friction_gradients_with(parameters, &mut ())
+    }
+
+    /// The same with a monitor.
+    ///
+    /// # Errors
+    /// As [`Self::friction_gradients`]; stopped by the monitor.
+    pub fn friction_gradients_with(
+        &self,
+        parameters: &[&str],
+        monitor: &mut dyn Monitor,
+    ) -> Result<Vec<FrictionGradient>> {
+        let changes = self.equation.life_changes(parameters, &mut Part::new(monitor, 0.0, 0.4))?;
+        let gradients = self.gradients_of(&changes, &mut Part::new(monitor, 0.4, 0.4))?;
+        let relaxation = self.equation.relaxation_with(&mut Part::new(monitor, 0.8, 0.2))?;
+        let friction = |(change, gradient)| self.friction_gradient_of(change, gradient, &relaxation);
+        Ok(changes.iter().zip(&gradients).map(friction).collect())
+    }
+
+    fn friction_gradient_of(
+        &self,
+        change: &LifeChange,
+        gradient: &Gradient,
+        relaxation: &Relaxation,
+    ) -> FrictionGradient {
+        let life = &self.renewal.reformed;
+        let (mean, friction) = (life.mean(), life.force().curve().integral() / life.mean());
+        let total = |of: fn(&LifeDerivative) -> &Kernel| {
+            change.reformed.as_ref().map_or(0.0, |change| of(change).curve().integral())
+        };
+        let longer = total(LifeDerivative::survival) + change.wait;
+        let kinetic = (total(LifeDerivative::force) - friction * longer) / mean + change.scale * friction;
+        let steepest = match self.critical_stiffness() {
+            0.0 => 0.0,
+            stiffness if stiffness.is_finite() => -self.stiffness * self.slope_change(&gradient.curve),
+            _ => f64::NAN,
+        };
+        FrictionGradient {
+            static_friction: self.peak_change(&gradient.curve).map(|change| self.stiffness * change),
+            kinetic_friction: self.stiffness * kinetic,
+            relaxation_length: relaxation_change(relaxation, life, change),
+            critical_stiffness: steepest,
+        }
+    }
+
+    /// The derivative of the maximum of F, per unit stiffness: F_θ there and, where F has a kink, F' before it times
+    /// the derivative of the position of the kink.
+    fn peak_change(&self, gradient: &Piecewise) -> Option<f64> {
+        let (Extremum { position, .. }, cell) = self.peak()?;
+        let force = &self.renewal.force;
+        let moved =
+            if position == force.boundaries[cell + 1] { self.kink_change(gradient, cell + 1) } else { 0.0 };
+        let [_, slope] = force.jet_in::<2>(cell, position);
+        Some(gradient.value_in(cell, position) + slope * moved)
+    }
+
+    /// The derivative of the steepest slope of F, per unit stiffness: F'_θ there and, where it is at a kink, F'' on this
+    /// side times the derivative of the position of the kink.
+    fn slope_change(&self, gradient: &Piecewise) -> f64 {
+        let (cell, position, _) = self.steepest_fall();
+        let force = &self.renewal.force;
+        let moved = if position == force.boundaries[cell] {
+            self.kink_change(gradient, cell)
+        } else if position == force.boundaries[cell + 1] {
+            self.kink_change(gradient, cell + 1)
+        } else {
+            0.0
+        };
+        let ([_, _, curvature], [_, by_slope]) =
+            (force.jet_in::<3>(cell, position), gradient.jet_in::<2>(cell, position));
+        by_slope + curvature * moved
+    }
+
+    /// The derivative of the position of a kink at the lower end of a cell. F stays continuous there, so that F_θ + F'
+    /// dX/dθ is the same on both sides. 0 where F is smooth, and where it jumps: point masses do not move.
+    fn kink_change(&self, gradient: &Piecewise, cell: usize) -> f64 {
+        /// A change of F', per unit stiffness, that is a kink and not an error of polynomials.
+        const KINK: f64 = 1e-6;
+        let force = &self.renewal.force;
+        if cell == 0 || cell == force.coefficients.len() {
+            return 0.0;
+        }
+        let place = force.boundaries[cell];
+        let [before, after] = [cell - 1, cell].map(|side| force.jet_in::<2>(side, place));
+        let [jump, bend] = [after[0] - before[0], after[1] - before[1]];
+        let least = KINK * self.renewal.reformed.stiffness();
+        if bend.abs() < least || jump.abs() > least * self.renewal.reformed.mean() {
+            return 0.0;
+        }
+        (gradient.value_in(cell - 1, place) - gradient.value_in(cell, place)) / bend
+    }
+}
+
+/// ∂X*/∂θ.
+fn relaxation_change(relaxation: &Relaxation, life: &Life, change: &LifeChange) -> f64 {
+    if !relaxation.length().is_finite() {
+        return f64::NAN;
+    }
+    if change.reformed.is_none() && change.wait == 0.0 {
+        return 0.0;
+    }
+    let slowest = relaxation.roots().first().filter(|s| relaxation.length() == -1.0 / s.re);
+    slowest.map_or(f64::NAN, |&s| {
+        // A shift multiplies the transform of φ, which is 1 at the root.
+        let mut survival = Complex64::from(change.wait);
+        if let Some(change) = &change.reformed {
+            survival += change.survival().curve().transform(s).0;
+        }
+        let moved = s * survival / life.breaking().transform(s).1;
+        moved.re / (s.re * s.re)
+    })
+}

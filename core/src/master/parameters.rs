@@ -1,0 +1,209 @@
+//! The parameters of contacts by name: what derivatives, and fits, vary.
+
+use std::fmt::{self, Display, Formatter};
+
+use super::MasterEquation;
+use crate::contacts::{Ageing, AgeingRule, Contacts, Initial, Stiffness};
+use crate::law::{Parameter, SharedLaw};
+use crate::monitor::Monitor;
+use crate::{Error, Result};
+
+/// The distributions by name.
+const LAWS: [&str; 4] = ["thresholds", "reforming", "initial", "ageing.mature"];
+
+/// The other numbers by name.
+const NUMBERS: [&str; 10] = [
+    "count",
+    "stiffness",
+    "stiffness_per_threshold",
+    "temperature.energy",
+    "temperature.attempt_rate",
+    "ageing.growth",
+    "ageing.time",
+    "ageing.diffusion",
+    "delay",
+    "velocity",
+];
+
+/// What a name stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Named<'a> {
+    /// A distribution and its parameter.
+    OfLaw(&'static str, &'a str),
+    /// A number of the contacts, or the velocity.
+    Number(&'static str),
+}
+
+impl Display for Named<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::OfLaw(owner, name) => write!(f, "{owner}.{name}"),
+            Self::Number(name) => f.write_str(name),
+        }
+    }
+}
+
+/// Contacts, their start and their velocity.
+#[derive(Clone)]
+pub(super) struct Description {
+    contacts: Contacts,
+    initial: Initial,
+    velocity: Option<f64>,
+}
+
+impl Description {
+    /// The distribution of this name, if there is one.
+    pub(super) fn law(&mut self, name: &str) -> Option<&mut SharedLaw> {
+        match name {
+            "thresholds" => Some(&mut self.contacts.thresholds),
+            "reforming" => Some(&mut self.contacts.reforming),
+            "initial" => Some(&mut self.initial.law),
+            _ => match &mut self.contacts.rules.ageing {
+                Some(
+                    AgeingRule::Smoluchowski { mature, .. }
+                    | AgeingRule::FrozenRank { mature, .. }
+                    | AgeingRule::MeanField { mature, .. },
+                ) => Some(mature),
+                _ => None,
+            },
+        }
+    }
+
+    /// The number of this name, if the contacts have it.
+    fn number(&mut self, name: &str) -> Option<&mut f64> {
+        let rules = &mut self.contacts.rules;
+        match (name, &mut self.contacts.stiffness, &mut rules.ageing) {
+            ("count", ..) => Some(&mut self.contacts.count),
+            ("stiffness", Stiffness::Equal(stiffness), _) => Some(stiffness),
+            ("stiffness_per_threshold", Stiffness::PerThreshold(factor), _) => Some(factor),
+            ("temperature.energy", ..) => rules.temperature.as_mut().map(|heat| &mut heat.energy),
+            ("temperature.attempt_rate", ..) => rules.temperature.as_mut().map(|heat| &mut heat.attempt_rate),
+            ("ageing.growth", _, Some(Ageing::Logarithmic { growth, .. })) => Some(growth),
+            ("ageing.time", _, Some(Ageing::Logarithmic { time, .. } | Ageing::FrozenRank { time, .. })) => {
+                Some(time)
+            }
+            (
+                "ageing.diffusion",
+                _,
+                Some(Ageing::Smoluchowski { diffusion, .. } | Ageing::MeanField { diffusion, .. }),
+            ) => Some(diffusion),
+            ("delay", ..) => Some(&mut rules.delay).filter(|delay| **delay > 0.0),
+            ("velocity", ..) => self.velocity.as_mut(),
+            _ => None,
+        }
+    }
+
+    /// The same with another value of a parameter.
+    ///
+    /// # Errors
+    /// A value outside of the range of the parameter of a distribution.
+    pub(super) fn with(mut self, named: Named<'_>, value: f64) -> Result<Self> {
+        match named {
+            Named::OfLaw(owner, name) => {
+                if let Some(law) = self.law(owner) {
+                    *law = law.with_parameter(name, value).map_err(|error| error.under(owner))?;
+                }
+            }
+            Named::Number(name) => {
+                if let Some(number) = self.number(name) {
+                    *number = value;
+                }
+            }
+        }
+        Ok(self)
+    }
+
+    /// The same but that another velocity leaves the advance for which contacts are free as it is.
+    ///
+    /// # Errors
+    /// Those of [`Self::with`].
+    pub(super) fn vary(mut self, named: Named<'_>, value: f64) -> Result<Self> {
+        if named == Named::Number("velocity") {
+            self.contacts.rules.delay *= self.velocity.map_or(1.0, |before| before / value);
+        }
+        self.with(named, value)
+    }
+
+    /// The value of a parameter; NaN if there is none.
+    pub(super) fn value(&self, named: Named<'_>) -> f64 {
+        let mut all = self.clone();
+        let value = match named {
+            Named::OfLaw(owner, name) => all.law(owner).and_then(|law| {
+                law.parameters().into_iter().find(|parameter| parameter.name == name).map(|p| p.value)
+            }),
+            Named::Number(name) => all.number(name).copied(),
+        };
+        value.unwrap_or(f64::NAN)
+    }
+
+    /// The master equation.
+    ///
+    /// # Errors
+    /// Those of [`MasterEquation::new`] and [`MasterEquation::at`].
+    pub(super) fn equation(self, monitor: &mut dyn Monitor) -> Result<MasterEquation> {
+        match self.velocity {
+            Some(velocity) => MasterEquation::at_with(self.contacts, &self.initial, velocity, monitor),
+            None => MasterEquation::new_with(self.contacts, &self.initial, monitor),
+        }
+    }
+}
+
+impl MasterEquation {
+    /// The parameters by which the force on a pull has a derivative, with their values: those of the distributions
+    /// (`thresholds.mean`, `reforming.std`, `initial.max`, `ageing.mature.mean`), `count`, `stiffness` or
+    /// `stiffness_per_threshold`, and the numbers of the rules, as far as the contacts have them (`temperature.energy`,
+    /// `temperature.attempt_rate`, `ageing.growth`, `ageing.time`, `ageing.diffusion`, `delay`, `velocity`). The position
+    /// of a point mass, a parameter that a table would have, and a number that is 0 are none.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let mut all = self.description();
+        let mut found = Vec::new();
+        for owner in LAWS {
+            let Some(law) = all.law(owner) else { continue };
+            for parameter in law.parameters() {
+                if law.survival_derivative(&parameter.name).is_ok() {
+                    found.push(Parameter { name: format!("{owner}.{}", parameter.name).into(), ..parameter });
+                }
+            }
+        }
+        for name in NUMBERS {
+            if let Some(&mut value) = all.number(name).filter(|value| **value != 0.0) {
+                found.push(Parameter { name: name.into(), value });
+            }
+        }
+        found
+    }
+
+    /// The same contacts with another value of one of [`Self::parameters`].
+    ///
+    /// # Errors
+    /// An unknown parameter; those of [`Self::new`] and [`Self::at`]; stopped by the monitor.
+    pub fn with_parameter(&self, name: &str, value: f64, monitor: &mut dyn Monitor) -> Result<Self> {
+        self.description().with(self.named(name)?, value)?.equation(monitor)
+    }
+
+    pub(super) fn description(&self) -> Description {
+        Description {
+            contacts: self.contacts.clone(),
+            initial: self.initial.clone(),
+            velocity: self.velocity,
+        }
+    }
+
+    /// What a name stands for.
+    ///
+    /// # Errors
+    /// A name that is none of [`Self::parameters`] nor of a point mass.
+    pub(super) fn named<'a>(&self, name: &'a str) -> Result<Named<'a>> {
+        let mut all = self.description();
+        let of_law = LAWS.into_iter().find_map(|owner| {
+            let inner = name.strip_prefix(owner)?.strip_prefix('.')?;
+            let known = all.law(owner)?.parameters().iter().any(|parameter| parameter.name == inner);
+            known.then_some(Named::OfLaw(owner, inner))
+        });
+        let number = NUMBERS.into_iter().find(|number| *number == name && all.number(number).is_some());
+        of_law.or(number.map(Named::Number)).ok_or_else(|| {
+            let names: Vec<_> = self.parameters().into_iter().map(|parameter| parameter.name).collect();
+            Error::invalid("parameter", format!("one of {}", names.join(", ")), name)
+        })
+    }
+}
