@@ -58,6 +58,7 @@ pub(super) fn given(walk: &Walk<'_>, path: &str, key: &str) -> Option<bool> {
         ("", "compare") if !(task == "pull" || task == "protocol" && !walk.given("block")) => no,
         ("", "ensemble") if walk.is("contacts.ageing", "mean_field") || task == "renormalisation" => no,
         ("", "ensemble") if interface && !walk.single() && !walk.is("interface.slip", "overdamped") => no,
+        ("pull", "covariance") if walk.is("ensemble.disorder", "quenched") => no,
         ("pull" | "drive" | "spectrum", "velocity") if in_time => Some(true),
         ("drive", "maps") if !interface => no,
         ("compare", "position" | "force") => Some(true),
@@ -99,6 +100,7 @@ pub(super) fn allows(walk: &Walk<'_>, path: &str, option: &str) -> bool {
         }
         ("drive:alternative", "turning_points") => !(interface || in_time),
         ("drive:alternative", "force_to") => !(interface || in_time || walk.given("block")),
+        ("ensemble.disorder", "quenched") => task != "spectrum",
         ("block.slip", slip) if in_time || task == "protocol" => matches!(slip, "damped" | "inertial"),
         ("interface.contacts", "one") => {
             let unequal =

@@ -1,6 +1,8 @@
 //! The model on which a task is computed, and the combinations of tasks and models that are valid.
 
-use super::{Block, Compare, Drive, Ensemble, Interface, MasterEquation, Pull, Task, VelocityCurve};
+use super::{
+    Block, Compare, Disorder, Drive, Ensemble, Interface, MasterEquation, Pull, Task, VelocityCurve,
+};
 use crate::contacts::{Contacts, Initial};
 use crate::{Error, Result};
 
@@ -69,6 +71,7 @@ impl Task<'_> {
         };
         if noise {
             model.contacts.renew_completely().map_err(Error::of_scenario)?;
+            refuse_quenched(self, model)?;
         }
         model.master_equation.check().map_err(|e| e.under("master_equation"))?;
         if let Some(compare) = &model.compare {
@@ -129,6 +132,21 @@ impl Task<'_> {
                 Err(Error::invalid("interface", expected, format!("one with [{}]", task.name())))
             }
         }
+    }
+}
+
+/// Refuses, beside the exact noise of contacts that get a new threshold at each break, an ensemble of contacts that keep
+/// theirs.
+fn refuse_quenched(task: Task<'_>, model: &Model) -> Result<()> {
+    match &model.ensemble {
+        Some(Ensemble { disorder: Disorder::Quenched, .. }) => {
+            let what = if task.name() == "spectrum" { "[spectrum]" } else { "pull.covariance" };
+            let expected = format!(
+                "annealed beside {what}: the noise is known exactly for contacts that get a new threshold at each break"
+            );
+            Err(Error::invalid("ensemble.disorder", expected, "quenched"))
+        }
+        _ => Ok(()),
     }
 }
 
