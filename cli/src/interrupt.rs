@@ -100,6 +100,12 @@ impl Interrupts {
         *self.0.stage() = Stage::Keeping;
     }
 
+    /// From now on the run itself reports why it was interrupted, unless this has been reported already: the process
+    /// then ends here.
+    pub fn take_over(&self) {
+        *self.0.stage() = Stage::Keeping;
+    }
+
     /// From now on the run completes its results, whatever the signals.
     pub fn finish(&self) {
         *self.0.stage() = Stage::Writing;

@@ -119,6 +119,7 @@ fn compute(
 
 /// The reason why a run was stopped.
 fn stopped(checkpoints: Option<&mut Checkpoints>, interrupts: &Interrupts) -> Failure {
+    interrupts.take_over();
     let reason = interrupts.reason().unwrap_or(Reason::Signal);
     let Some(checkpoints) = checkpoints else { return Failure::Interrupted(reason, None) };
     checkpoints.failure().map_or_else(|| Failure::Interrupted(reason, checkpoints.last()), Failure::from)

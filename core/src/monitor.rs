@@ -210,6 +210,20 @@ impl Monitor for &Watch<'_> {
     }
 }
 
+/// A watch as the monitor of a first part of the work: the fraction that it has done is that of the watch.
+pub(crate) struct Counted<'a, 'b>(pub(crate) &'a Watch<'b>);
+
+impl Monitor for Counted<'_, '_> {
+    fn progress(&mut self, fraction: f64) -> ControlFlow<()> {
+        self.0.done(fraction);
+        if self.0.stops() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn memory(&self) -> u64 {
+        self.0.monitor.lock().unwrap_or_else(PoisonError::into_inner).memory()
+    }
+}
+
 /// Refuses a job that needs more bytes than allowed.
 pub(crate) fn fits(key: &str, what: impl Into<String>, needed: u64, allowed: u64) -> Result<()> {
     if needed <= allowed {

@@ -11,7 +11,7 @@ use super::thermal_hazard::{Hazards, ThermalHazard, ThermalHazardAt, blur};
 use crate::Result;
 use crate::contacts::{Barrier, Contacts, Stiffness, ThresholdEvolution};
 use crate::law::{Breakpoint, SharedLaw};
-use crate::monitor::Watch;
+use crate::monitor::{Counted, Watch};
 use crate::numerics::legendre::NODES;
 use crate::numerics::piecewise::Piecewise;
 use crate::numerics::roots::brent_root;
@@ -57,14 +57,9 @@ impl Timed {
     ///
     /// # Errors
     /// Those of [`ThresholdEvolution::of`].
-    pub(super) fn new(
-        contacts: &Contacts,
-        velocity: f64,
-        thermal: bool,
-        mut watch: &Watch<'_>,
-    ) -> Result<Self> {
+    pub(super) fn new(contacts: &Contacts, velocity: f64, thermal: bool, watch: &Watch<'_>) -> Result<Self> {
         let law = &contacts.thresholds;
-        let evolution = ThresholdEvolution::of_with(contacts, &mut watch)?;
+        let evolution = ThresholdEvolution::of_with(contacts, &mut Counted(watch))?;
         let thermal_hazard = contacts
             .rules
             .temperature

@@ -410,6 +410,8 @@ fn evolve_quantiles(
 ) -> Result<Vec<Vec<f64>>> {
     /// The narrowest element at a jump of the density, in units of the width of P_cf.
     const FINEST: f64 = 1e-5;
+    /// The share of the table in the work, for its monitor: lives with these thresholds follow.
+    const SHARE: f64 = 0.5;
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
     let finest = FINEST * maturing.width();
     let field = Field { slope: &|h| slope.at(h), diffusion: maturing.diffusion, loss: None };
@@ -424,14 +426,14 @@ fn evolve_quantiles(
         next: finest * finest / maturing.diffusion,
         first: true,
     };
-    let mut at = |age: &f64| {
+    let mut at = |(row, age): (usize, &f64)| {
         while evolution.time < *age {
-            report(monitor, 0.0)?;
+            report(monitor, SHARE * row as f64 / ages.len() as f64)?;
             evolution.advance(*age);
         }
         Ok(quantiles_of(&evolution.density))
     };
-    ages.iter().map(&mut at).collect()
+    ages.iter().enumerate().map(&mut at).collect()
 }
 
 /// The quantiles of a density: the positions below which the fractions of mass of the tabulated ranks lie.
