@@ -19,6 +19,7 @@ TABLES = {
     "trace.csv": "point",
     "velocity_curve.csv": "velocity",
     "hold_curve.csv": "hold",
+    "spectrum.csv": "wave_number",
     "thresholds.csv": "drive",
 }
 
@@ -32,6 +33,7 @@ HEADINGS = {
     "block_protocol": ["`[[protocol]] with [block]"],
     "velocity_curve": ["`[velocity_curve]`"],
     "hold_curve": ["`[hold_curve]`"],
+    "spectrum": ["`[spectrum]`"],
     "renormalisation": ["`[renormalisation]`"],
 }
 
