@@ -16,6 +16,8 @@ use crate::numerics::stencil::{POINTS, Stencil};
 /// either end.
 const FAR: f64 = 23.0;
 const RANKS: usize = 369;
+/// The share of a table in the work, for its monitor: lives with its thresholds follow.
+const SHARE: f64 = 0.5;
 
 /// Step in ψ.
 const SPREAD: f64 = 2.0 * FAR / (RANKS - 1) as f64;
@@ -153,13 +155,17 @@ impl RankTable {
         let scale = soon * time;
         let count = ((OLDEST * time / scale).ln_1p() / SPACING).ceil() as usize + 1;
         let age = |row: usize| scale * (SPACING * row as f64).exp_m1();
-        let born = (0..RANKS).map(|rank| quantile(newborn, psi(rank))).collect();
+        let born: Vec<f64> = (0..RANKS).map(|rank| quantile(newborn, psi(rank))).collect();
+        report(monitor, 0.0)?;
         let ages: Vec<f64> = (1..count).map(age).collect();
         let rows: Vec<Vec<f64>> =
             std::iter::once(born).chain(evolve_quantiles(maturing, &ages, monitor)?).collect();
+        report(monitor, SHARE)?;
         let means = means_above(newborn.as_ref(), &rows);
+        report(monitor, SHARE)?;
         let mut ranks = Self { newborn: newborn.clone(), time: scale, rows, means, error: 0.0 };
         ranks.error = ranks.interpolation_error();
+        report(monitor, SHARE)?;
         Ok(ranks)
     }
 
@@ -410,8 +416,6 @@ fn evolve_quantiles(
 ) -> Result<Vec<Vec<f64>>> {
     /// The narrowest element at a jump of the density, in units of the width of P_cf.
     const FINEST: f64 = 1e-5;
-    /// The share of the table in the work, for its monitor: lives with these thresholds follow.
-    const SHARE: f64 = 0.5;
     let (slope, kinks) = (maturing.slope(), maturing.kinks());
     let finest = FINEST * maturing.width();
     let field = Field { slope: &|h| slope.at(h), diffusion: maturing.diffusion, loss: None };
