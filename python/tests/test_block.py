@@ -1,4 +1,4 @@
-"""A slider block over its contacts: numbers of the theory, limits, energy balance, and what is shown of a drive."""
+"""A slider block over its contacts: numbers of the theory, limits, energy balance, records of a drive."""
 
 import math
 from collections.abc import Sequence
