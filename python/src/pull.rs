@@ -241,9 +241,12 @@ impl Pull {
     /// `paths` for the N_c of the contacts.
     /// paths: the number of sample paths.
     /// seed: as for `sample_paths`; required with `paths`.
-    #[pyo3(signature = (
-        ax: "Axes | None" = None, *, size = None, paths = Whole::new(0), seed = None, **style: "Any"
-    ) -> "Axes")]
+    #[pyo3(
+        signature = (
+            ax: "Axes | None" = None, *, size = None, paths = Whole::new(0), seed = None, **style: "Any"
+        ) -> "Axes",
+        text_signature = "($self, ax=None, *, size=None, paths=0, seed=None, **style)"
+    )]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
         ax: Option<&Bound<'py, PyAny>>,

@@ -50,7 +50,7 @@ def test_a_plot_shows_the_scatter_of_few_contacts() -> None:
         np.array([path[:, 1] for path in paths]), pull.sample_paths(at, 3, 50, seed=1)
     )
     (band,) = axes.collections
-    edges = band.get_paths()[0].vertices
+    edges = np.asarray(band.get_paths()[0].vertices)
     width = np.max(edges[edges[:, 0] == 5.0, 1]) - np.min(edges[edges[:, 0] == 5.0, 1])
     assert width == pytest.approx(2 * pull.force_std(50, 5.0))
     # Without a size the N_c contacts; without either neither band nor paths.
