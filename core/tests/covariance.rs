@@ -284,3 +284,20 @@ fn positions_beyond_the_pull_are_refused() {
         );
     }
 }
+
+/// With 1e-12 on the diagonal every pivot of the Cholesky factorisation is positive.
+#[test]
+fn covariances_are_positive_definite() {
+    let pull = relaxed(&gaussian(1.0, 0.1)).pull_with(6.0, 1e-12, &mut ()).unwrap();
+    let positions: Vec<f64> = (1..=120).map(|k| 0.05 * f64::from(k)).collect();
+    let covariance = pull.covariance(&positions, 1.0).unwrap();
+    let mut factor = vec![vec![0.0; positions.len()]; positions.len()];
+    for i in 0..positions.len() {
+        for j in 0..=i {
+            let known: f64 = (0..j).map(|k| factor[i][k] * factor[j][k]).sum();
+            let rest = covariance.at(i, j) + if i == j { 1e-12 } else { 0.0 } - known;
+            assert!(i != j || rest > 0.0, "{i}: {rest:e}");
+            factor[i][j] = if i == j { f64::sqrt(rest) } else { rest / factor[j][j] };
+        }
+    }
+}

@@ -171,3 +171,22 @@ fn identical_contacts_have_lines() {
         assert!((c - (1.0 / 12.0 - 0.5 * u * (1.0 - u))).abs() < 1e-12, "{u} {c}");
     }
 }
+
+/// c(u) = −Σ_j e^{s_j u}/s_j² over the relaxation spectrum, since c' = F₀ − F_k = −Σ_j e^{s_j u}/s_j. Roots come in
+/// conjugate pairs; at u ≥ 2 those beyond the first ten pairs are below 1e-11. The truncation of the thresholds at 0 is
+/// negligible: the jump of a density there has roots of its own.
+#[test]
+fn the_autocovariance_is_a_sum_over_the_relaxation_spectrum() {
+    let zero = point(0.0);
+    let law = gaussian(1.0, 0.2);
+    let steady = steady(&law, &zero);
+    let equation = equation(&law, &zero, &zero, Start::Conditional);
+    let relaxation = equation.relaxation().unwrap();
+    let advances = [2.0, 2.5, 3.1, 4.0];
+    let found = steady.autocovariance(&advances, 1.0).unwrap();
+    for (u, found) in advances.into_iter().zip(found) {
+        let upper = relaxation.roots().iter().filter(|s| s.im > 0.0).take(10);
+        let sum: f64 = upper.map(|s| -2.0 * ((s * u).exp() / (s * s)).re).sum();
+        assert!((found - sum).abs() < 1e-9, "{u}: {found} is not {sum}");
+    }
+}
